@@ -1,0 +1,72 @@
+#pragma once
+// The command line that both programs share.
+//
+//   int main(int argc, char** argv) {
+//       const wade::ProgramStart start = wade::start_program({"fluid_server", "Simulates the water of a scene."}, argc, argv);
+//       if (start.answer) { std::cout << *start.answer; return 0; }   // --help, --version, --check, --print-config
+//       ... start.options, start.loaded.scene ...
+//   }
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "configs/scene_loader.hpp"
+
+namespace wade {
+
+struct RunOptions {
+    std::filesystem::path scene_file;
+    std::string session;                       // name of the shared memory segment, without a leading slash
+    std::optional<std::filesystem::path> out;  // run folder; none: the program's own choice
+    bool reproducible = false;                 // no times or host names in outputs
+    int threads = 0;                           // 0: as many as there are processors
+    double attach_timeout = 10;                // s, how long to wait for the peer to appear
+    double step_timeout = 60;                  // s, how long to wait for the peer's next frame; 0 waits for ever
+    bool check = false;
+    bool print_config = false;
+    std::vector<SceneOverride> overrides;      // --set, --seed and --until-s, in this order
+    std::map<std::string, double> extras;      // the program's own options; a switch is 1 if given, else 0
+    std::vector<std::string> arguments;        // argv as it was, for the manifest
+
+    // Value of one of the program's own options; the name must be one of its description.
+    [[nodiscard]] double extra(const std::string& name) const { return extras.at(name); }
+    [[nodiscard]] bool has(const std::string& name) const { return extra(name) != 0; }
+};
+
+// An option that only one of the programs has: a switch, or a number with a range.
+//   {"--no-figure", "Do not draw figure.png"}
+//   {"--water-every-s", "Interval of the stored water, s", NumberRange{0.1, 1000}, 5}
+struct NumberRange {
+    double lo = 0;
+    double hi = 0;
+};
+struct ProgramOption {
+    std::string name;
+    std::string help;
+    std::optional<NumberRange> number = std::nullopt;  // none: a switch
+    double preset = 0;                                 // value if the option is not given
+};
+
+struct ProgramDescription {
+    std::string name;
+    std::string purpose;  // one sentence, shown by --help
+    std::vector<ProgramOption> extras = {};
+};
+
+struct ProgramStart {
+    RunOptions options;
+    LoadedScene loaded;                 // empty if `answer` is that of --help or --version
+    std::optional<std::string> answer;  // text for stdout; the program then ends with exit code 0
+};
+
+// Reads the command line and the scene that it names; answers --help, --version, --check and --print-config.
+// Throws ConfigurationError (exit code 2) for wrong usage and for a wrong scene. options.session is never empty.
+[[nodiscard]] ProgramStart start_program(const ProgramDescription& program, int argc, const char* const* argv);
+
+// wade-<uid>-<first 8 hexadecimal digits of the scene hash>, so that two programs with the same scene meet.
+[[nodiscard]] std::string default_session_name(std::uint64_t scene_hash);
+
+}  // namespace wade

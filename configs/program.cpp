@@ -1,0 +1,83 @@
+#include "configs/program.hpp"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <iostream>
+#include <utility>
+
+#include "configs/exit_code.hpp"
+
+namespace wade {
+
+namespace {
+
+volatile std::sig_atomic_t signal_received = 0;
+
+extern "C" void remember_signal(int signal) { signal_received = signal; }
+
+double wall_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+void catch_signals() {
+    struct sigaction action {};
+    action.sa_handler = remember_signal;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+    action.sa_handler = SIG_IGN;
+    sigaction(SIGXFSZ, &action, nullptr);
+    sigaction(SIGPIPE, &action, nullptr);
+}
+
+int received_signal() { return signal_received; }
+
+int exit_code_of_signal() {
+    return static_cast<int>(signal_received == SIGTERM ? ExitCode::terminated : ExitCode::interrupted);
+}
+
+Console::Console(std::string program) : program_(std::move(program)), terminal_(::isatty(STDERR_FILENO) != 0) {}
+
+void Console::copy_to(const std::filesystem::path& file) {
+    std::error_code ignored;
+    std::filesystem::create_directories(file.parent_path(), ignored);
+    copy_.open(file);
+    if (!copy_) {
+        throw ConfigurationError("--out: cannot write " + file.string());
+    }
+}
+
+void Console::line(const std::string& text) { write(program_ + ": " + text, true); }
+
+void Console::progress(const std::string& text) { write(text, !terminal_); }
+
+void Console::write(const std::string& text, bool stays) {
+    if (shown_) {
+        std::cerr << "\r\033[K";
+    }
+    std::cerr << text;
+    if (stays) {
+        std::cerr << '\n';
+    }
+    std::cerr << std::flush;
+    shown_ = !stays;
+    if (copy_.is_open() && stays) {
+        copy_ << text << '\n' << std::flush;
+    }
+}
+
+bool Console::progress_due(double simulated_s) {
+    const double wall = wall_seconds();
+    const bool due = terminal_ ? wall - last_wall_ >= 0.1 : simulated_s - last_simulated_ >= 10 - 1e-9;
+    if (due) {
+        last_wall_ = wall;
+        last_simulated_ = simulated_s;
+    }
+    return due;
+}
+
+}  // namespace wade

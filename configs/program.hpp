@@ -1,0 +1,47 @@
+#pragma once
+// What both programs need to be well-behaved processes: signals, and a log with a progress line on stderr.
+
+#include <fstream>
+#include <filesystem>
+#include <string>
+
+namespace wade {
+
+// From now on SIGINT and SIGTERM are remembered and can be asked for; a file that outgrows a limit and a closed terminal
+// become errors of the calls that meet them instead of ending the process.
+void catch_signals();
+
+// The signal that asks to stop, 0 = none yet.
+[[nodiscard]] int received_signal();
+
+// Exit code of a run that received_signal() ended: 130 or 143.
+[[nodiscard]] int exit_code_of_signal();
+
+// Log and progress on stderr; a progress line on a terminal is overwritten by what comes next.
+class Console {
+ public:
+    // `program` starts each line.
+    explicit Console(std::string program);
+
+    // Copies all lines, progress as well, to a file from now on. Throws ConfigurationError if it cannot be written.
+    void copy_to(const std::filesystem::path& file);
+
+    void line(const std::string& text);
+    void warning(const std::string& text) { line("warning: " + text); }
+    void progress(const std::string& text);
+
+    // Whether a progress line is due: ten times a second of wall time on a terminal, every ten simulated seconds else.
+    [[nodiscard]] bool progress_due(double simulated_s);
+
+ private:
+    void write(const std::string& text, bool stays);
+
+    std::string program_;
+    bool terminal_;
+    bool shown_ = false;
+    double last_simulated_ = 0;
+    double last_wall_ = 0;
+    std::ofstream copy_;
+};
+
+}  // namespace wade

@@ -1,0 +1,138 @@
+#pragma once
+// The scene: all that describes a run, as typed plain data in SI units.
+//
+// x runs along the stream's axis, z across it, y is up; the bed is the plane y = 0. The stream flows towards -x.
+// Keys, units, ranges and defaults stand in scene.schema.json, the one place that defines them; a Scene is what remains
+// once a file was read, merged with those that it extends, completed with the defaults and checked.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace wade {
+
+struct Interval {
+    double lo = 0;
+    double hi = 0;
+    [[nodiscard]] double length() const { return hi - lo; }
+    [[nodiscard]] bool contains(double v) const { return lo <= v && v <= hi; }
+};
+
+// Walkable ground, [0, length] x [0, width].
+struct World {
+    double length = 100;
+    double width = 50;
+    double gravity = 9.81;
+};
+
+enum class Flow {
+    emitter,        // an emitter at x.hi feeds the channel, particles that pass x.lo return to its stock
+    recirculating,  // periodic along x, the bulk speed held at `velocity`
+    closed          // walls at both ends
+};
+enum class Sides { walls, periodic };
+enum class InitialRiver { dry, filled };
+
+// A block of water at rest at t = 0, standing on the bed.
+struct WaterBlock {
+    Interval x, z;
+    double depth = 0;
+};
+
+// The channel that confines the water: bed y = 0, banks at z.lo and z.hi.
+struct Channel {
+    Interval x, z;
+    Flow flow = Flow::emitter;
+    Sides sides = Sides::walls;
+    double depth = 1;     // depth of the emitter's opening and of a filled river
+    double velocity = 0;  // v_F of the paper: emitter velocity or bulk speed, along -x
+    InitialRiver initial_river = InitialRiver::dry;
+    std::vector<WaterBlock> water_blocks;
+};
+
+// A solid box that stands on the bed, for the water and for the crowd.
+struct Obstacle {
+    Interval x, z;
+    double height = 1;
+};
+
+enum class FluidModel { dfsph };
+
+struct PressureSolve {
+    double tolerance = 0;  // mean error that ends the iteration, see the schema for what it is relative to
+    int min_iterations = 0;
+    int max_iterations = 0;
+};
+
+struct Fluid {
+    FluidModel model = FluidModel::dfsph;
+    double particle_spacing = 0;   // d; particle mass = rest_density * d^3
+    double rest_density = 1000;
+    double kinematic_viscosity = 0;
+    int max_particles = 100000;
+    double cfl = 0;                // time step <= cfl * d / max speed
+    PressureSolve density_solve;
+    PressureSolve divergence_solve;  // max_iterations = 0 switches it off
+};
+
+enum class SpeedRule { pi, per_frame, per_second };
+
+struct AgentGroup {
+    std::string name;
+    int columns = 1, rows = 1;   // start grid, columns along x, rows along z
+    int count = 1;               // agents placed, column by column is row-major: id = row * columns + column
+    double start_x = 0, start_z = 0, pitch_x = 1, pitch_z = 1;
+    double goal_x = 0, goal_z = 0;
+    double desired_speed = 1.3;
+    double mass = 65;
+    double tau = 0;  // endurance in [0, 1]: 0 is not moved by the water
+};
+
+struct Crowd {
+    SpeedRule speed_rule = SpeedRule::pi;
+    int markers_per_cell = 64;         // in a cell of 2 x 2 m
+    double marker_min_distance = 0.1;
+    double perception_radius = 1.0;    // R, markers within it are perceived
+    double goal_radius = 3.0;          // an agent within it has arrived
+    std::vector<AgentGroup> groups;
+};
+
+enum class ContactRule { difference, sum };
+enum class CouplingRule { per_frame };
+
+struct Coupling {
+    ContactRule contact_rule = ContactRule::difference;
+    CouplingRule rule = CouplingRule::per_frame;
+    double agent_radius = 0.5;      // r_a
+    double particle_radius = 0.25;  // r_p
+};
+
+// Sets tau of one agent, of a group or, if neither is named, of all agents from a frame on.
+struct TauEvent {
+    std::uint64_t frame = 0;
+    std::optional<int> agent;
+    std::optional<std::string> group;
+    double tau = 0;
+};
+
+struct Scene {
+    std::string name;
+    std::string description;
+    std::uint64_t seed = 1;
+    double duration = 400;
+    double frame_rate = 30;
+    bool stop_when_no_agent_is_active = true;
+    int lockstep_depth = 1;  // frames the fluid may be ahead of the crowd, 1 to 3
+    World world;
+    Channel channel;
+    std::vector<Obstacle> obstacles;
+    Fluid fluid;
+    Crowd crowd;
+    Coupling coupling;
+    std::vector<TauEvent> events;
+
+    std::uint64_t hash = 0;  // of the resolved scene, the same on both sides of a run
+};
+
+}  // namespace wade

@@ -1,0 +1,38 @@
+#include "configs/scene_capacity.hpp"
+
+#include <cmath>
+
+namespace wade {
+
+namespace {
+
+std::uint64_t particles_in(double volume, double spacing) {
+    return static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
+}
+
+}  // namespace
+
+std::uint64_t river_particles(const Scene& scene) {
+    const Channel& channel = scene.channel;
+    return particles_in(channel.x.length() * channel.z.length() * channel.depth, scene.fluid.particle_spacing);
+}
+
+std::uint64_t particles_needed(const Scene& scene) {
+    const Channel& channel = scene.channel;
+    const double d = scene.fluid.particle_spacing;
+    switch (channel.flow) {
+        case Flow::emitter:
+            return particles_in((channel.x.length() + 5 * d) * channel.z.length() * channel.depth, d);
+        case Flow::recirculating:
+            return river_particles(scene);
+        case Flow::closed:
+            break;
+    }
+    std::uint64_t sum = 0;
+    for (const WaterBlock& block : channel.water_blocks) {
+        sum += particles_in(block.x.length() * block.z.length() * block.depth, d);
+    }
+    return sum;
+}
+
+}  // namespace wade

@@ -1,0 +1,142 @@
+// Whether the agents have places, goals and markers, and whether events name what exists.
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <set>
+#include <unordered_map>
+#include <vector>
+
+#include "configs/scene_checks.hpp"
+
+namespace wade {
+
+namespace {
+
+struct Place {
+    double x = 0, z = 0;
+    std::size_t group = 0;
+};
+
+std::vector<Place> start_places(const Crowd& crowd) {
+    std::vector<Place> places;
+    for (std::size_t g = 0; g < crowd.groups.size(); ++g) {
+        const AgentGroup& group = crowd.groups[g];
+        for (int k = 0; k < group.count; ++k) {
+            places.push_back({group.start_x + k % group.columns * group.pitch_x,
+                              group.start_z + k / group.columns * group.pitch_z, g});
+        }
+    }
+    return places;
+}
+
+std::string words(double x, double z) { return "(x " + short_number(x) + " m, z " + short_number(z) + " m)"; }
+
+void check_place(double x, double z, const Scene& scene, const std::string& who, const std::string& source,
+                 const std::string& pointer) {
+    const Interval world_x{0, scene.world.length}, world_z{0, scene.world.width};
+    if (!world_x.contains(x) || !world_z.contains(z)) {
+        refuse(source, pointer,
+               who + " at " + words(x, z) + " is outside the world; allowed: x 0 to " + short_number(world_x.hi) +
+                   " m, z 0 to " + short_number(world_z.hi) + " m.");
+    }
+    for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+        const Obstacle& obstacle = scene.obstacles[i];
+        if (!obstacle.x.contains(x) || !obstacle.z.contains(z)) continue;
+        refuse(source, pointer,
+               who + " at " + words(x, z) + " is inside /obstacles/" + std::to_string(i) + "; allowed: anywhere but x " +
+                   short_number(obstacle.x.lo) + " to " + short_number(obstacle.x.hi) + " m with z " +
+                   short_number(obstacle.z.lo) + " to " + short_number(obstacle.z.hi) + " m.");
+    }
+}
+
+// Agents are put into cells of the smallest distance, so that two that are too near lie in neighbouring cells.
+void check_distances(const std::vector<Place>& places, const std::string& source) {
+    constexpr double smallest = 0.001;  // m; at one place the direction in which two agents separate is undefined
+    constexpr std::int64_t stride = std::int64_t{1} << 31;  // more than the cells along z: 1e5 m / smallest
+    const auto cell = [&](double v) { return static_cast<std::int64_t>(std::floor(v / smallest)); };
+    std::unordered_map<std::int64_t, std::vector<std::size_t>> cells;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const std::int64_t cx = cell(places[i].x), cz = cell(places[i].z);
+        for (std::int64_t key = (cx - 1) * stride; key <= (cx + 1) * stride; key += stride) {
+            for (std::int64_t z = cz - 1; z <= cz + 1; ++z) {
+                const auto found = cells.find(key + z);
+                if (found == cells.end()) continue;
+                for (const std::size_t other : found->second) {
+                    if (std::hypot(places[i].x - places[other].x, places[i].z - places[other].z) >= smallest) continue;
+                    refuse(source, "/crowd/groups/" + std::to_string(places[i].group) + "/start",
+                           "agents " + std::to_string(other) + " and " + std::to_string(i) + " start at one place, " +
+                               words(places[i].x, places[i].z) + "; allowed: a distance >= 0.001 m.");
+                }
+            }
+        }
+        cells[cx * stride + cz].push_back(i);
+    }
+}
+
+void check_groups(const Scene& scene, const std::string& source) {
+    std::set<std::string> names;
+    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
+        const AgentGroup& group = scene.crowd.groups[g];
+        const std::string pointer = "/crowd/groups/" + std::to_string(g);
+        if (!names.insert(group.name).second) {
+            refuse(source, pointer + "/name", "\"" + group.name + "\" is the name of an earlier group; allowed: any other.");
+        }
+        check_place(group.goal_x, group.goal_z, scene, "the goal of group \"" + group.name + "\"", source, pointer + "/goal");
+    }
+}
+
+// n markers per cell of 4 m2 whose discs of radius r/2 may not overlap cover the share n pi (r/2)^2 / 4. Discs placed
+// one by one at random jam at 0.547 (random sequential adsorption in the plane, Feder 1980); half of the ground leaves
+// the generator room to end.
+void check_markers(const Crowd& crowd, const std::string& source) {
+    constexpr double cell_area = 4, largest_share = 0.5;
+    const double largest =
+        2 * std::sqrt(largest_share * cell_area / (std::numbers::pi * crowd.markers_per_cell));
+    if (crowd.marker_min_distance <= largest) return;
+    refuse(source, "/crowd/marker_min_distance_m",
+           short_number(crowd.marker_min_distance) + " m is too large for " + std::to_string(crowd.markers_per_cell) +
+               " markers to fit at random into a cell of 2 x 2 m; allowed: <= " + short_number(largest) + " m.");
+}
+
+void check_events(const Scene& scene, std::size_t agents, const std::string& source) {
+    for (std::size_t i = 0; i < scene.events.size(); ++i) {
+        const TauEvent& event = scene.events[i];
+        const std::string pointer = "/events/" + std::to_string(i);
+        if (event.agent && event.group) {
+            refuse(source, pointer, "an event names an agent or a group, not both.");
+        }
+        if (event.agent && static_cast<std::size_t>(*event.agent) >= agents) {
+            refuse(source, pointer + "/agent",
+                   "there is no agent " + std::to_string(*event.agent) + "; allowed: " +
+                       (agents == 0 ? "none, as the scene has no agents." : "0 to " + std::to_string(agents - 1) + "."));
+        }
+        if (!event.group) continue;
+        std::string known;
+        bool found = false;
+        for (const AgentGroup& group : scene.crowd.groups) {
+            found = found || group.name == *event.group;
+            known += (known.empty() ? "\"" : ", \"") + group.name + "\"";
+        }
+        if (found) continue;
+        refuse(source, pointer + "/group",
+               "there is no group \"" + *event.group + "\"; allowed: " +
+                   (known.empty() ? "none, as the scene has no groups." : known + "."));
+    }
+}
+
+}  // namespace
+
+void check_crowd(const Scene& scene, const std::string& source) {
+    check_groups(scene, source);
+    const std::vector<Place> places = start_places(scene.crowd);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        check_place(places[i].x, places[i].z, scene, "agent " + std::to_string(i), source,
+                    "/crowd/groups/" + std::to_string(places[i].group) + "/start");
+    }
+    check_distances(places, source);
+    check_markers(scene.crowd, source);
+    check_events(scene, places.size(), source);
+}
+
+}  // namespace wade

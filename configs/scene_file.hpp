@@ -1,0 +1,24 @@
+#pragma once
+// From text to one merged JSON document: parsing, and the chain of files that extend one another.
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+namespace wade {
+
+// Parses JSON with // and /* */ comments; refuses keys that stand twice in one object. Errors give line and column.
+[[nodiscard]] nlohmann::json parse_scene_text(std::string_view text, const std::string& source);
+
+// Lays `upper` over `lower`: objects merge key by key, everything else is replaced.
+void merge_over(nlohmann::json& lower, const nlohmann::json& upper);
+
+// Parses the text of `file` and merges it over the files that it extends, each checked against the schema on its own.
+// name and description are those of `file` alone; the result has neither "extends" nor "$schema".
+[[nodiscard]] nlohmann::json resolve_scene_text(std::string_view text, const std::filesystem::path& file);
+
+// The contents of a file; throws ConfigurationError with the system's reason, beginning with `context`.
+[[nodiscard]] std::string read_text_file(const std::filesystem::path& file, const std::string& context);
+
+}  // namespace wade

@@ -1,0 +1,194 @@
+#include "configs/scene_json.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "configs/exit_code.hpp"
+#include "configs/scene_schema.hpp"
+
+namespace wade {
+
+namespace {
+
+using nlohmann::json;
+
+template <typename Choice, std::size_t n>
+Choice choice_of(const json& value, const std::array<std::pair<const char*, Choice>, n>& names) {
+    for (const auto& [name, choice] : names) {
+        if (value == name) return choice;
+    }
+    throw std::logic_error("the schema allows a choice that the scene does not know: " + value.dump());
+}
+
+constexpr std::array flows{std::pair{"emitter", Flow::emitter}, std::pair{"recirculating", Flow::recirculating},
+                           std::pair{"closed", Flow::closed}};
+constexpr std::array sides{std::pair{"walls", Sides::walls}, std::pair{"periodic", Sides::periodic}};
+constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"filled", InitialRiver::filled}};
+constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}};
+constexpr std::array speed_rules{std::pair{"pi", SpeedRule::pi}, std::pair{"per_frame", SpeedRule::per_frame},
+                                 std::pair{"per_second", SpeedRule::per_second}};
+constexpr std::array contact_rules{std::pair{"difference", ContactRule::difference}, std::pair{"sum", ContactRule::sum}};
+constexpr std::array coupling_rules{std::pair{"per_frame", CouplingRule::per_frame}};
+
+Interval interval(const json& box, const char* lo, const char* hi) { return {box.at(lo), box.at(hi)}; }
+Interval x_of(const json& box) { return interval(box, "x_min_m", "x_max_m"); }
+Interval z_of(const json& box) { return interval(box, "z_min_m", "z_max_m"); }
+
+Channel channel_from(const json& j) {
+    Channel channel;
+    channel.x = x_of(j);
+    channel.z = z_of(j);
+    channel.flow = choice_of(j.at("flow"), flows);
+    channel.sides = choice_of(j.at("sides"), sides);
+    channel.depth = j.at("depth_m");
+    channel.velocity = j.at("velocity_m_s");
+    channel.initial_river = choice_of(j.at("initial_river"), rivers);
+    for (const json& block : j.at("water_blocks")) {
+        channel.water_blocks.push_back({x_of(block), z_of(block), block.at("depth_m")});
+    }
+    return channel;
+}
+
+PressureSolve solve_from(const json& j) {
+    return {j.at("tolerance"), j.at("min_iterations"), j.at("max_iterations")};
+}
+
+Fluid fluid_from(const json& j) {
+    Fluid fluid;
+    fluid.model = choice_of(j.at("model"), fluid_models);
+    fluid.particle_spacing = j.at("particle_spacing_m");
+    fluid.rest_density = j.at("rest_density_kg_m3");
+    fluid.kinematic_viscosity = j.at("viscosity_m2_s");
+    fluid.max_particles = j.at("max_particles");
+    fluid.cfl = j.at("cfl");
+    fluid.density_solve = solve_from(j.at("density_solve"));
+    fluid.divergence_solve = solve_from(j.at("divergence_solve"));
+    return fluid;
+}
+
+AgentGroup group_from(const json& j) {
+    AgentGroup group;
+    group.name = j.at("name");
+    group.columns = j.at("columns");
+    group.rows = j.at("rows");
+    group.count = j.at("count");
+    group.start_x = j.at("start").at("x_m");
+    group.start_z = j.at("start").at("z_m");
+    group.pitch_x = j.at("start").at("pitch_x_m");
+    group.pitch_z = j.at("start").at("pitch_z_m");
+    group.goal_x = j.at("goal").at("x_m");
+    group.goal_z = j.at("goal").at("z_m");
+    group.desired_speed = j.at("desired_speed_m_s");
+    group.mass = j.at("mass_kg");
+    group.tau = j.at("tau");
+    return group;
+}
+
+Crowd crowd_from(const json& j) {
+    Crowd crowd;
+    crowd.speed_rule = choice_of(j.at("speed_rule"), speed_rules);
+    crowd.markers_per_cell = j.at("markers_per_cell");
+    crowd.marker_min_distance = j.at("marker_min_distance_m");
+    crowd.perception_radius = j.at("perception_radius_m");
+    crowd.goal_radius = j.at("goal_radius_m");
+    for (const json& group : j.at("groups")) crowd.groups.push_back(group_from(group));
+    return crowd;
+}
+
+TauEvent event_from(const json& j) {
+    TauEvent event;
+    event.frame = j.at("frame");
+    if (j.contains("agent")) event.agent = j["agent"].get<int>();
+    if (j.contains("group")) event.group = j["group"].get<std::string>();
+    event.tau = j.at("tau");
+    return event;
+}
+
+// The first frame at or after `time`; a time that is a frame's up to rounding means this frame.
+std::uint64_t frame_at(double time, double frame_rate) {
+    constexpr double rounding = 1e-6;  // frames
+    return static_cast<std::uint64_t>(std::ceil(std::max(0.0, time * frame_rate - rounding)));
+}
+
+constexpr const char* count_schema = "/properties/crowd/properties/groups/items/properties/count";
+
+// Gives the crowd's value of `key` to the groups that have none.
+void inherit(json& crowd, const char* key, bool was_set, const std::string& source) {
+    bool used = crowd["groups"].empty();
+    for (json& group : crowd["groups"]) {
+        if (group.contains(key)) continue;
+        group[key] = crowd[key];
+        used = true;
+    }
+    if (was_set && !used) {
+        throw ConfigurationError(source + ": /crowd/" + key + ": " + crowd[key].dump() +
+                                 " has no effect, as every group sets its own; set /crowd/groups/0/" + key + " instead.");
+    }
+}
+
+void count_agents(json& group, std::size_t index, const std::string& source) {
+    const std::int64_t places = group["columns"].get<std::int64_t>() * group["rows"].get<std::int64_t>();
+    const std::string pointer = "/crowd/groups/" + std::to_string(index) + "/count";
+    if (!group.contains("count")) {
+        group["count"] = places;
+        check_against_schema(group["count"], scene_schema().at(json::json_pointer(count_schema)), pointer, source);
+    } else if (group["count"].get<std::int64_t>() > places) {
+        throw ConfigurationError(source + ": " + pointer + ": " + group["count"].dump() + " agents do not fit on the " +
+                                 "start grid of " + group["columns"].dump() + " columns and " + group["rows"].dump() +
+                                 " rows; allowed: <= " + std::to_string(places) + ".");
+    }
+}
+
+}  // namespace
+
+void resolve_shorthands(json& document, const json& as_written, const std::string& source) {
+    json& crowd = document["crowd"];
+    const json crowd_as_written = as_written.value("crowd", json::object());
+    for (const char* key : {"tau", "mass_kg", "desired_speed_m_s"}) {
+        inherit(crowd, key, crowd_as_written.contains(key), source);
+        crowd.erase(key);
+    }
+    for (std::size_t i = 0; i < crowd["groups"].size(); ++i) count_agents(crowd["groups"][i], i, source);
+    const double frame_rate = document["frame_rate_hz"];
+    for (std::size_t i = 0; i < document["events"].size(); ++i) {
+        json& event = document["events"][i];
+        if (event.contains("frame") == event.contains("time_s")) {
+            throw ConfigurationError(source + ": /events/" + std::to_string(i) + ": an event needs exactly one of " +
+                                     "\"frame\" and \"time_s\", and has " + (event.contains("frame") ? "both." : "neither."));
+        }
+        if (event.contains("time_s")) {
+            event["frame"] = frame_at(event["time_s"], frame_rate);
+            event.erase("time_s");
+        }
+    }
+}
+
+Scene scene_from_json(const json& document) {
+    Scene scene;
+    scene.name = document.at("name");
+    scene.description = document.at("description");
+    scene.seed = document.at("seed");
+    scene.duration = document.at("duration_s");
+    scene.frame_rate = document.at("frame_rate_hz");
+    scene.stop_when_no_agent_is_active = document.at("stop_when_no_agent_is_active");
+    scene.lockstep_depth = document.at("lockstep_depth");
+    const json& world = document.at("world");
+    scene.world = {world.at("length_m"), world.at("width_m"), world.at("gravity_m_s2")};
+    scene.channel = channel_from(document.at("channel"));
+    for (const json& obstacle : document.at("obstacles")) {
+        scene.obstacles.push_back({x_of(obstacle), z_of(obstacle), obstacle.at("height_m")});
+    }
+    scene.fluid = fluid_from(document.at("fluid"));
+    scene.crowd = crowd_from(document.at("crowd"));
+    const json& coupling = document.at("coupling");
+    scene.coupling = {choice_of(coupling.at("contact_rule"), contact_rules), choice_of(coupling.at("rule"), coupling_rules),
+                      coupling.at("agent_radius_m"), coupling.at("particle_radius_m")};
+    for (const json& event : document.at("events")) scene.events.push_back(event_from(event));
+    return scene;
+}
+
+}  // namespace wade

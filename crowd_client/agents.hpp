@@ -1,0 +1,41 @@
+#pragma once
+// The people: one array a property, the index is the agent's id.
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "configs/scene.hpp"
+#include "crowd_client/equations.hpp"
+
+namespace wade::crowd {
+
+enum class Outcome : std::uint8_t { active, arrived, dead };
+
+// "active", "arrived" or "dead", as written to agents.csv.
+[[nodiscard]] std::string_view outcome_name(Outcome outcome);
+
+struct Agents {
+    std::vector<Vector2d> position;       // m
+    std::vector<Vector2d> velocity;       // displacement of the last frame / dt, m/s
+    std::vector<Vector2d> heading;        // unit vector of the last motion; towards the goal before the first
+    std::vector<Vector2d> goal;           // m
+    std::vector<double> desired_speed;    // s_max, m/s
+    std::vector<double> mass;             // m_a, kg
+    std::vector<double> tau;              // endurance, [0, 1]
+    std::vector<std::uint32_t> group;     // index into Crowd::groups
+    std::vector<Outcome> outcome;
+    std::vector<std::uint64_t> end_frame;  // frame of arrival or death; meaningless while active
+    std::vector<double> path_length;       // m
+    std::vector<double> max_depth;         // deepest water met, m
+    std::vector<double> max_dv;            // largest depth times speed of the water met, m2/s
+
+    [[nodiscard]] std::size_t size() const { return position.size(); }
+};
+
+// All agents on their start grids, ids counted through the groups in order, row by row within a group.
+// Throws ConfigurationError for a start outside the world.
+[[nodiscard]] Agents make_agents(const Scene& scene);
+
+}  // namespace wade::crowd

@@ -1,0 +1,174 @@
+#include "crowd_client/crowd_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+
+#include "configs/exit_code.hpp"
+
+namespace wade::crowd {
+namespace {
+
+void check_coupling(const Scene& scene) {
+    const double distance = contact_distance(scene.coupling);
+    std::ostringstream message;
+    if (!(distance > 0)) {
+        message << "/coupling: agent_radius_m and particle_radius_m are both " << scene.coupling.agent_radius
+                << ", so that with contact_rule 'difference' no water ever touches an agent";
+    } else if (distance > GroundGrid::cell_size) {
+        message << "/coupling: contact distance " << distance << " m, allowed is up to " << GroundGrid::cell_size
+                << " m (the size of a cell)";
+    } else if (!(scene.frame_rate > 0)) {
+        message << "/frame_rate_hz is " << scene.frame_rate << ", allowed is more than 0";
+    } else {
+        return;
+    }
+    throw ConfigurationError(message.str());
+}
+
+void move_out_of_faces(Agents& agents, const Walls& walls) {
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        const std::optional<Vector2d> place = place_outside(walls, agents.position[id]);
+        if (!place) {
+            std::ostringstream message;
+            message << "/crowd/groups/" << agents.group[id] << ": agent " << id << " starts at ("
+                    << agents.position[id].x() << ", " << agents.position[id].y() << "), inside an obstacle";
+            throw ConfigurationError(message.str());
+        }
+        agents.position[id] = *place;
+    }
+}
+
+void apply_event(Agents& agents, const Scene& scene, const TauEvent& event) {
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        const bool by_id = !event.agent || static_cast<std::size_t>(*event.agent) == id;
+        const bool by_group = !event.group || scene.crowd.groups[agents.group[id]].name == *event.group;
+        if (by_id && by_group) agents.tau[id] = event.tau;
+    }
+}
+
+void apply_events_due(CrowdWorld& crowd, std::uint64_t frame) {
+    const std::vector<TauEvent>& events = crowd.scene.events;
+    for (; crowd.events_applied < events.size() && events[crowd.events_applied].frame <= frame; ++crowd.events_applied) {
+        apply_event(crowd.agents, crowd.scene, events[crowd.events_applied]);
+    }
+}
+
+void freeze_positions(CrowdWorld& crowd) {
+    crowd.positions.resize(crowd.active.size());
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) crowd.positions[k] = crowd.agents.position[crowd.active[k]];
+}
+
+void find_contacts(CrowdWorld& crowd) {
+    const double distance = contact_distance(crowd.scene.coupling);
+    crowd.contacts.resize(crowd.active.size());
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        crowd.contacts[k] = find_contact(crowd.water, crowd.positions[k], distance, crowd.touching);
+    }
+}
+
+void note_water_met(CrowdWorld& crowd) {
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        const CellWater met = water_at(crowd.water, crowd.positions[k], crowd.scene.fluid.rest_density);
+        double& depth = crowd.agents.max_depth[crowd.active[k]];
+        double& dv = crowd.agents.max_dv[crowd.active[k]];
+        depth = std::max(depth, met.depth);
+        dv = std::max(dv, met.depth * met.speed);
+    }
+}
+
+void choose_walking_velocities(CrowdWorld& crowd) {
+    crowd.walking.resize(crowd.active.size());
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        const std::uint32_t id = crowd.active[k];
+        const Vector2d wish =
+            biocrowds_velocity(crowd.claims, k, crowd.agents.goal[id] - crowd.positions[k],
+                               crowd.agents.desired_speed[id], crowd.scene.crowd.speed_rule, crowd.dt);
+        crowd.walking[k] = keep_in_world(crowd.scene.world, crowd.positions[k], wish, crowd.dt);
+    }
+}
+
+void couple_with_water(CrowdWorld& crowd) {
+    crowd.velocity.resize(crowd.active.size());
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        const std::uint32_t id = crowd.active[k];
+        crowd.velocity[k] =
+            coupled_velocity(crowd.agents.mass[id], crowd.walking[k], crowd.agents.tau[id], crowd.contacts[k]);
+    }
+}
+
+// Nobody walks over the fall at x = 0; water that pushes towards it may carry an agent over.
+bool pushed_over_the_fall(double tau, const Contact& contact) { return tau > 0 && contact.momentum.x() < 0; }
+
+void move_agents(CrowdWorld& crowd) {
+    Agents& agents = crowd.agents;
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        const std::uint32_t id = crowd.active[k];
+        const Vector2d& from = crowd.positions[k];
+        const Vector2d to = slide(crowd.walls, from, crowd.velocity[k] * crowd.dt,
+                                  pushed_over_the_fall(agents.tau[id], crowd.contacts[k]));
+        const Vector2d way = to - from;
+        const double length = std::sqrt(way.squaredNorm());
+        agents.position[id] = to;
+        agents.velocity[id] = way / crowd.dt;
+        agents.path_length[id] += length;
+        if (length > 0) agents.heading[id] = way / length;
+    }
+}
+
+Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
+    const Vector2d& p = crowd.agents.position[id];
+    if (p.x() < 0) return Outcome::dead;
+    const double reach = crowd.scene.crowd.goal_radius;
+    return (crowd.agents.goal[id] - p).squaredNorm() <= reach * reach ? Outcome::arrived : Outcome::active;
+}
+
+void judge_outcomes(CrowdWorld& crowd, std::uint64_t frame) {
+    for (const std::uint32_t id : crowd.active) {
+        const Outcome outcome = judge(crowd, id);
+        crowd.agents.outcome[id] = outcome;
+        if (outcome == Outcome::active) continue;
+        crowd.agents.end_frame[id] = frame;
+        ++(outcome == Outcome::arrived ? crowd.arrived : crowd.dead);
+        if (outcome == Outcome::arrived) crowd.last_arrival_frame = frame;
+    }
+    std::erase_if(crowd.active, [&](std::uint32_t id) { return crowd.agents.outcome[id] != Outcome::active; });
+}
+
+}  // namespace
+
+CrowdWorld make_crowd(const Scene& scene) {
+    check_coupling(scene);
+    CrowdWorld crowd;
+    crowd.scene = scene;
+    crowd.dt = 1 / scene.frame_rate;
+    std::stable_sort(crowd.scene.events.begin(), crowd.scene.events.end(),
+                     [](const TauEvent& a, const TauEvent& b) { return a.frame < b.frame; });
+    crowd.agents = make_agents(scene);
+    crowd.active.resize(crowd.agents.size());
+    std::iota(crowd.active.begin(), crowd.active.end(), 0U);
+    crowd.walls = make_walls(scene);
+    move_out_of_faces(crowd.agents, crowd.walls);
+    crowd.markers = crowd.agents.size() == 0 ? Markers{} : place_markers(scene);
+    crowd.markers.grid = GroundGrid::over(scene.world);
+    crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
+    crowd.water.grid = crowd.markers.grid;
+    return crowd;
+}
+
+void step(CrowdWorld& crowd, const WaterView& water, std::uint64_t frame) {
+    apply_events_due(crowd, frame);
+    freeze_positions(crowd);
+    bin_water(crowd.water, water, crowd.positions);
+    find_contacts(crowd);  // Eq. 5
+    note_water_met(crowd);
+    claim_markers(crowd.claims, crowd.markers, crowd.positions, crowd.scene.crowd.perception_radius);
+    choose_walking_velocities(crowd);  // Eq. 1-4
+    couple_with_water(crowd);          // Eq. 6-9
+    move_agents(crowd);
+    judge_outcomes(crowd, frame);
+    crowd.frame = frame;
+}
+
+}  // namespace wade::crowd

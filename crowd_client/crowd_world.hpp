@@ -1,0 +1,47 @@
+#pragma once
+// The crowd and all it needs to take a step.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "crowd_client/agents.hpp"
+#include "crowd_client/biocrowds.hpp"
+#include "crowd_client/obstacles.hpp"
+#include "crowd_client/water_bins.hpp"
+
+namespace wade::crowd {
+
+struct CrowdWorld {
+    Scene scene;
+    double dt = 0;            // length of a frame, s
+    std::uint64_t frame = 0;  // last one taken, 0 = the start
+
+    Agents agents;
+    std::vector<std::uint32_t> active;  // ids of the agents that are neither arrived nor dead, ascending
+    std::size_t arrived = 0;
+    std::size_t dead = 0;
+    std::uint64_t last_arrival_frame = 0;  // 0 = nobody has arrived
+    std::size_t events_applied = 0;        // of scene.events, which make_crowd sorts by frame
+
+    Markers markers;
+    Walls walls;
+
+    // Of the step at hand; place k belongs to active[k]. Kept for their memory.
+    WaterBins water;
+    MarkerClaims claims;
+    std::vector<Vector2d> positions;  // frozen at the beginning of the step
+    std::vector<Contact> contacts;    // Eq. 5
+    std::vector<Vector2d> walking;    // v_B, m/s
+    std::vector<Vector2d> velocity;   // v^{t+1}, m/s
+    std::vector<WaterParticle> touching;
+};
+
+// Sets up markers, agents and walls. Throws ConfigurationError for what the crowd cannot work with.
+[[nodiscard]] CrowdWorld make_crowd(const Scene& scene);
+
+// Takes the crowd through one frame of the water: from the state at frame - 1 to that at `frame`.
+// The new state of each agent is computed from the frozen old state of all, so the order of the agents does not matter.
+void step(CrowdWorld& crowd, const WaterView& water, std::uint64_t frame);
+
+}  // namespace wade::crowd

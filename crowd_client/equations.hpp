@@ -1,0 +1,69 @@
+#pragma once
+// The nine equations of the model, one pure function each.
+//
+// Source: Schaffer, Antonitsch, Neto, Musse, "Towards Animating Virtual Humans in Flooded Environments", MIG 2020;
+// Eq. 1-4 are BioCrowds (de Lima Bicho et al. 2012). All vectors lie in the ground plane, (x, z), SI units.
+
+#include <Eigen/Core>
+#include <span>
+
+#include "configs/scene.hpp"
+
+namespace wade::crowd {
+
+using Vector2d = Eigen::Vector2d;
+
+// One particle of the water as an agent feels it.
+struct WaterParticle {
+    double mass = 0;  // kg
+    Vector2d velocity = Vector2d::Zero();  // m/s
+};
+
+// What all particles in contact with an agent carry together.
+struct Contact {
+    double mass = 0;                       // sum of m_i, kg
+    Vector2d momentum = Vector2d::Zero();  // sum of m_i v_i, kg m/s
+};
+
+// Eq. 1: the motion vector m = sum_k w_k (a_k - X), m.
+// weights: w_k of Eq. 2; marker_offsets: a_k - X of the agent's own markers, m; both of the same length.
+[[nodiscard]] Vector2d motion_vector(std::span<const double> weights, std::span<const Vector2d> marker_offsets);
+
+// Eq. 2: the weight of a marker, w_k = f_k / sum_l f_l, in [0, 1].
+// preference: f_k of Eq. 3; preference_sum: over the agent's own markers. 0 if the sum is 0, which happens when every
+// marker lies exactly opposite to the goal.
+[[nodiscard]] double marker_weight(double preference, double preference_sum);
+
+// Eq. 3: the preference for a marker, f = (1 + cos theta) / (1 + |a_k - X|), in [0, 2].
+// goal_offset: goal - X, m; marker_offset: a_k - X, m; theta: the angle between them. cos theta is taken as 0 where an
+// offset is zero (the agent stands on its goal or on the marker), where the source divides 0 by 0.
+[[nodiscard]] double marker_preference(const Vector2d& goal_offset, const Vector2d& marker_offset);
+
+// Eq. 4: the walking velocity v_B = s m / |m|, m/s; zero for m = 0.
+// The source limits s by |m| without saying per what time; the three readings:
+//   pi          s = min(pi |m| s_max, s_max) per second, as its authors' program does; walks freely at 0.99 s_max
+//   per_frame   s = min(|m|, s_max dt) per frame
+//   per_second  s = min(|m|, s_max) per second; walks freely at about 0.31 m/s
+// motion: m of Eq. 1, m; desired_speed: s_max, m/s; dt: length of a frame, s.
+[[nodiscard]] Vector2d walking_velocity(const Vector2d& motion, double desired_speed, SpeedRule rule, double dt);
+
+// Eq. 5: what the particles in contact with an agent carry, sum m_i v_i in kg m/s, with their mass sum m_i in kg.
+[[nodiscard]] Contact contact_momentum(std::span<const WaterParticle> particles);
+
+// Eq. 6: momentum of the agent and the water in contact with it before they meet, p = m_a v_B + sum m_i v_i, kg m/s.
+// agent_mass: m_a, kg; walking: v_B of Eq. 4, m/s; water: Eq. 5.
+[[nodiscard]] Vector2d momentum_before(double agent_mass, const Vector2d& walking, const Contact& water);
+
+// Eq. 7: mass that moves on together after a perfectly inelastic collision, M = m_a + sum m_i, kg.
+[[nodiscard]] double mass_after(double agent_mass, const Contact& water);
+
+// Eq. 8: the share of the water that an agent of endurance tau yields to: tau sum m_i and tau sum m_i v_i.
+// tau in [0, 1]: 0 is not moved at all, 1 is moved like a passive body.
+[[nodiscard]] Contact yielded_water(double tau, const Contact& water);
+
+// Eq. 9: the agent's new velocity, v^{t+1} = (m_a v_B + tau sum m_i v_i) / (m_a + tau sum m_i), m/s: Eq. 6 over Eq. 7
+// with the water of Eq. 8. It starts from v_B each frame anew, an agent has no inertia of its own. Without water or
+// with tau = 0 the result is v_B itself, bit for bit. Needs agent_mass > 0.
+[[nodiscard]] Vector2d coupled_velocity(double agent_mass, const Vector2d& walking, double tau, const Contact& water);
+
+}  // namespace wade::crowd

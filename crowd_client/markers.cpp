@@ -1,0 +1,113 @@
+#include "crowd_client/markers.hpp"
+
+#include <array>
+#include <sstream>
+
+#include "configs/exit_code.hpp"
+#include "crowd_client/counter_random.hpp"
+
+namespace wade::crowd {
+namespace {
+
+// A random sequence that fills the plane stops near 0.55 discs' area share, and slows down far below that.
+constexpr int attempts_per_marker = 2000;
+
+struct Point {
+    double x = 0;
+    double z = 0;
+};
+
+bool inside_obstacle(const std::vector<Obstacle>& obstacles, const Point& p) {
+    for (const Obstacle& o : obstacles) {
+        if (o.x.contains(p.x) && o.z.contains(p.z)) return true;
+    }
+    return false;
+}
+
+bool far_from_all(const std::vector<Point>& others, const Point& p, double min_distance) {
+    for (const Point& o : others) {
+        const double dx = o.x - p.x;
+        const double dz = o.z - p.z;
+        if (dx * dx + dz * dz < min_distance * min_distance) return false;
+    }
+    return true;
+}
+
+void check_ranges(const Crowd& crowd) {
+    std::ostringstream message;
+    if (!(crowd.perception_radius > 0 && crowd.perception_radius <= GroundGrid::cell_size)) {
+        message << "/crowd/perception_radius_m is " << crowd.perception_radius << ", allowed is more than 0 up to "
+                << GroundGrid::cell_size << " (the size of a cell)";
+    } else if (!(crowd.marker_min_distance >= 0 && crowd.marker_min_distance <= GroundGrid::cell_size)) {
+        message << "/crowd/marker_min_distance_m is " << crowd.marker_min_distance << ", allowed is 0 up to "
+                << GroundGrid::cell_size << " (the size of a cell)";
+    } else if (crowd.markers_per_cell < 1) {
+        message << "/crowd/markers_per_cell is " << crowd.markers_per_cell << ", allowed is 1 or more";
+    } else {
+        return;
+    }
+    throw ConfigurationError(message.str());
+}
+
+[[noreturn]] void refuse_density(const Crowd& crowd) {
+    std::ostringstream message;
+    message << "/crowd/markers_per_cell: " << crowd.markers_per_cell << " markers at a distance of at least "
+            << crowd.marker_min_distance << " m (/crowd/marker_min_distance_m) do not fit into a cell of 2 x 2 m";
+    throw ConfigurationError(message.str());
+}
+
+}  // namespace
+
+Markers place_markers(const Scene& scene) {
+    const Crowd& crowd = scene.crowd;
+    check_ranges(crowd);
+    Markers markers;
+    markers.grid = GroundGrid::over(scene.world);
+    const GroundGrid& grid = markers.grid;
+    const double min_distance = crowd.marker_min_distance;
+    const auto wanted = static_cast<std::size_t>(crowd.markers_per_cell);
+
+    // Only the row below and the row at hand are needed to keep the distance across borders.
+    std::array<std::vector<std::vector<Point>>, 2> placed;
+    placed.fill(std::vector<std::vector<Point>>(static_cast<std::size_t>(grid.columns)));
+    markers.cell_start.reserve(grid.cells() + 1);
+    markers.cell_start.push_back(0);
+
+    for (int row = 0; row < grid.rows; ++row) {
+        std::vector<std::vector<Point>>& here = placed[static_cast<std::size_t>(row % 2)];
+        const std::vector<std::vector<Point>>& below = placed[static_cast<std::size_t>((row + 1) % 2)];
+        const double z0 = GroundGrid::line_start(row);
+        for (int column = 0; column < grid.columns; ++column) {
+            const auto c = static_cast<std::size_t>(column);
+            const double x0 = GroundGrid::line_start(column);
+            const std::uint64_t stream = grid.index(column, row);
+            std::vector<Point>& own = here[c];
+            own.clear();
+            const std::uint64_t last_attempt = wanted * attempts_per_marker;
+            for (std::uint64_t attempt = 0; own.size() < wanted; ++attempt) {
+                if (attempt == last_attempt) refuse_density(crowd);
+                const double u = counter_uniform(scene.seed, stream, 2 * attempt) * GroundGrid::cell_size;
+                const double w = counter_uniform(scene.seed, stream, 2 * attempt + 1) * GroundGrid::cell_size;
+                const Point p{x0 + u, z0 + w};
+                const bool near_left = column > 0 && u < min_distance;
+                const bool near_below = row > 0 && w < min_distance;
+                const bool near_right = column + 1 < grid.columns && GroundGrid::cell_size - u < min_distance;
+                if (near_left && !far_from_all(here[c - 1], p, min_distance)) continue;
+                if (near_below && !far_from_all(below[c], p, min_distance)) continue;
+                if (near_below && near_left && !far_from_all(below[c - 1], p, min_distance)) continue;
+                if (near_below && near_right && !far_from_all(below[c + 1], p, min_distance)) continue;
+                if (!far_from_all(own, p, min_distance)) continue;
+                own.push_back(p);
+            }
+            for (const Point& p : own) {
+                if (inside_obstacle(scene.obstacles, p)) continue;
+                markers.x.push_back(p.x);
+                markers.z.push_back(p.z);
+            }
+            markers.cell_start.push_back(static_cast<std::uint32_t>(markers.x.size()));
+        }
+    }
+    return markers;
+}
+
+}  // namespace wade::crowd

@@ -1,0 +1,125 @@
+#include "crowd_client/obstacles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace wade::crowd {
+namespace {
+
+struct Hit {
+    double time = 2;     // in units of the displacement, [0, 1]; 2: none
+    int axis = 0;        // 0: a face normal to x, 1: normal to z
+    double face = 0;     // its coordinate along the axis, m
+};
+
+bool strictly_inside(const Obstacle& box, const Vector2d& p) {
+    return box.x.lo < p.x() && p.x() < box.x.hi && box.z.lo < p.y() && p.y() < box.z.hi;
+}
+
+// Where the way p + t d, t in [0, 1], enters the open box (slab method). A point on a face that moves along it or away
+// from it does not enter.
+Hit entry(const Obstacle& box, const Vector2d& p, const Vector2d& d) {
+    double t_in = -std::numeric_limits<double>::infinity();
+    double t_out = std::numeric_limits<double>::infinity();
+    Hit hit;
+    for (int axis = 0; axis < 2; ++axis) {
+        const Interval& side = axis == 0 ? box.x : box.z;
+        if (d[axis] == 0) {
+            if (p[axis] <= side.lo || p[axis] >= side.hi) return {};
+            continue;
+        }
+        const double near_face = d[axis] > 0 ? side.lo : side.hi;
+        const double far_face = d[axis] > 0 ? side.hi : side.lo;
+        const double t_near = (near_face - p[axis]) / d[axis];
+        if (t_near > t_in) {
+            t_in = t_near;
+            hit.axis = axis;
+            hit.face = near_face;
+        }
+        t_out = std::min(t_out, (far_face - p[axis]) / d[axis]);
+    }
+    if (t_in < 0 || t_in > 1 || t_in >= t_out) return {};
+    hit.time = t_in;
+    return hit;
+}
+
+bool free_of_boxes(const Walls& walls, const Vector2d& p) {
+    return std::none_of(walls.boxes.begin(), walls.boxes.end(), [&](const Obstacle& b) { return strictly_inside(b, p); });
+}
+
+}  // namespace
+
+Walls make_walls(const Scene& scene) {
+    Walls walls{scene.world, scene.obstacles};
+    for (Obstacle& box : walls.boxes) {
+        box.x = {box.x.lo - Walls::skin, box.x.hi + Walls::skin};
+        box.z = {box.z.lo - Walls::skin, box.z.hi + Walls::skin};
+    }
+    return walls;
+}
+
+std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p) {
+    if (free_of_boxes(walls, p)) return p;
+    std::optional<Vector2d> best;
+    double best_distance = 3 * Walls::skin;
+    for (const Obstacle& box : walls.boxes) {
+        for (const double x : {p.x(), box.x.lo, box.x.hi}) {
+            for (const double z : {p.y(), box.z.lo, box.z.hi}) {
+                const Vector2d candidate(x, z);
+                const double distance = std::max(std::abs(x - p.x()), std::abs(z - p.y()));
+                const bool in_world = x >= 0 && x <= walls.world.length && z >= 0 && z <= walls.world.width;
+                if (distance < best_distance && in_world && free_of_boxes(walls, candidate)) {
+                    best = candidate;
+                    best_distance = distance;
+                }
+            }
+        }
+    }
+    return best;
+}
+
+Vector2d keep_in_world(const World& world, const Vector2d& p, const Vector2d& walking, double dt) {
+    return {std::clamp(walking.x(), -p.x() / dt, (world.length - p.x()) / dt),
+            std::clamp(walking.y(), -p.y() / dt, (world.width - p.y()) / dt)};
+}
+
+Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displacement, bool may_fall) {
+    const World& world = walls.world;
+    Vector2d target = p + displacement;
+    target.x() = std::min(target.x(), world.length);
+    if (!may_fall) target.x() = std::max(target.x(), 0.0);
+    target.y() = std::clamp(target.y(), 0.0, world.width);
+
+    // Each face met takes one component away, so two faces end a step; further turns serve boxes that are met while
+    // sliding along another. What is left after the last turn is given up: the point is then where it last touched.
+    constexpr int max_turns = 8;
+    Vector2d at = p;
+    Vector2d rest = target - p;
+    for (int turn = 0; turn < max_turns; ++turn) {
+        Hit first;
+        for (const Obstacle& box : walls.boxes) {
+            const Hit hit = entry(box, at, rest);
+            if (hit.time < first.time) first = hit;
+        }
+        if (first.time > 1) {
+            // Exactly the target along an untouched axis, so that a free step has no rounding of its own.
+            Vector2d end = at + rest;
+            if (turn == 0) end = target;
+            return free_of_boxes(walls, end) ? end : at;
+        }
+        const int along = 1 - first.axis;
+        Vector2d touch;
+        touch[first.axis] = first.face;
+        touch[along] = at[along] + first.time * rest[along];
+        if (!free_of_boxes(walls, touch)) return at;
+        rest[along] *= 1 - first.time;
+        rest[first.axis] = 0;
+        at = touch;
+        if (rest[along] == 0) return at;
+    }
+    return at;
+}
+
+}  // namespace wade::crowd

@@ -1,0 +1,45 @@
+#pragma once
+// The loop of the crowd: one frame of water, one step of the crowd, one entry in the log.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "crowd_client/crowd_world.hpp"
+#include "crowd_client/fluid_summary.hpp"
+#include "crowd_client/frame_source.hpp"
+
+namespace wade::crowd {
+
+// How a run went so far. Kept by the caller, so that it is complete up to the last frame when the loop throws.
+struct RunSummary {
+    std::string status = "running";
+    std::string message;            // why the run ended badly, a full sentence
+    std::uint64_t frames = 0;       // taken
+    std::uint64_t frame_hash = 0;   // chain over them
+    FluidSummary fluid;
+};
+
+struct ClientHooks {
+    // After each step, before the frame is released; the place to log.
+    std::function<void(const CrowdWorld&, const shm::Frame&, const WaterView&)> on_frame = {};
+    // The signal that asks to stop, 0 = none.
+    std::function<int()> interrupted = {};
+};
+
+// Frames in the whole run: duration * frame rate, rounded, at least 1.
+[[nodiscard]] std::uint64_t frames_of(const Scene& scene);
+
+// Whether the frame just taken is the last: the duration is over, or all agents have arrived or died and the scene says
+// that the run ends then. A scene without agents runs for its whole duration.
+[[nodiscard]] bool run_is_over(const CrowdWorld& crowd);
+
+// Runs until the scene's duration is over, until no agent is active if the scene says so, or until the stream ends.
+// On return summary.status is "completed", or "stream_ended" if the producer ended before the scene's duration.
+// Errors pass through: shm::Error, RunError; the producer is told the reason.
+void run_client(CrowdWorld& crowd, FrameSource& source, RunSummary& summary, const ClientHooks& hooks = {});
+
+// "interrupted", "peer_dead", ...: the status that goes with an exit code.
+[[nodiscard]] std::string status_of(int exit_code);
+
+}  // namespace wade::crowd

@@ -1,0 +1,68 @@
+#include "crowd_client/run_folder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <exception>
+#include <functional>
+#include <utility>
+
+namespace wade::crowd {
+
+RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels,
+                     double water_interval)
+    : folder_(std::move(folder)) {
+    make_run_folder(folder_);
+    std::error_code ignored;
+    for (const char* old : {"agents.csv", "water.bin", "figure.png"}) std::filesystem::remove(folder_ / old, ignored);
+    write_whole_file(folder_ / "manifest.json", manifest_json(crowd, RunSummary{}, labels));
+    write_whole_file(folder_ / "outcome.json", outcome_json(crowd, RunSummary{}, labels));
+    trajectories_.emplace(folder_ / "trajectories.sqlite", crowd.scene);
+    trajectories_->write(0, crowd.agents, crowd.active);
+    if (water_interval > 0) {
+        water_.emplace(folder_ / "water.bin", crowd.scene);
+        frames_per_snapshot_ = static_cast<std::uint64_t>(std::max(1LL, std::llround(water_interval / crowd.dt)));
+    }
+}
+
+void RunFolder::record(const CrowdWorld& crowd, const WaterView& water) {
+    trajectories_->write(crowd.frame, crowd.agents, crowd.active);
+    if (!water_) return;
+    // The first and the last frame, too, so that any time of the run has a picture at most one interval away.
+    const bool due = crowd.frame == 1 || crowd.frame % frames_per_snapshot_ == 0;
+    if (due || run_is_over(crowd)) {
+        water_->write(crowd.frame, static_cast<double>(crowd.frame) * crowd.dt, water);
+    }
+}
+
+void RunFolder::finish(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {
+    std::exception_ptr first;
+    const auto attempt = [&](const std::function<void()>& write) {
+        try {
+            write();
+        } catch (...) {
+            if (!first) first = std::current_exception();
+        }
+    };
+    attempt([&] { trajectories_->close(); });
+    attempt([&] { write_whole_file(folder_ / "agents.csv", agents_csv(crowd)); });
+    attempt([&] { write_whole_file(folder_ / "manifest.json", manifest_json(crowd, summary, labels)); });
+    attempt([&] { write_whole_file(folder_ / "outcome.json", outcome_json(crowd, summary, labels)); });
+    if (first) std::rethrow_exception(first);
+}
+
+std::filesystem::path default_run_folder(const std::string& scene_name) {
+    const std::time_t now = std::time(nullptr);
+    std::tm utc{};
+    gmtime_r(&now, &utc);
+    char time_text[32];
+    std::strftime(time_text, sizeof time_text, "%Y%m%d-%H%M%S", &utc);
+    std::string name = scene_name.empty() ? "scene" : scene_name;
+    std::replace(name.begin(), name.end(), '/', '_');
+    const std::filesystem::path stem = std::filesystem::path("runs") / (name + "-" + time_text);
+    std::filesystem::path folder = stem;
+    for (int n = 2; std::filesystem::exists(folder); ++n) folder = stem.string() + "-" + std::to_string(n);
+    return folder;
+}
+
+}  // namespace wade::crowd

@@ -1,0 +1,41 @@
+#pragma once
+// The files of one run, kept complete up to the last frame at any moment.
+
+#include <filesystem>
+#include <optional>
+
+#include "crowd_client/report.hpp"
+#include "crowd_client/trajectory_file.hpp"
+#include "crowd_client/water_snapshots.hpp"
+
+namespace wade::crowd {
+
+//   trajectories.sqlite, water.bin   grow frame by frame
+//   outcome.json, manifest.json      say "running" from the start, rewritten as a whole at the end
+//   agents.csv                       written at the end, be it good or bad
+class RunFolder {
+ public:
+    // Creates the folder and its first files; results of an earlier run in it are replaced.
+    // water_interval: simulated seconds between two snapshots of the water, 0 = none.
+    // Throws ConfigurationError if the folder cannot be made or written to, OutputError for a file in it.
+    RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, double water_interval);
+
+    // Logs the state after a frame. Throws OutputError.
+    void record(const CrowdWorld& crowd, const WaterView& water);
+
+    // Writes the final files. All are tried, the first error is thrown at the end.
+    void finish(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);
+
+    [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
+
+ private:
+    std::filesystem::path folder_;
+    std::optional<TrajectoryFile> trajectories_;
+    std::optional<WaterSnapshots> water_;
+    std::uint64_t frames_per_snapshot_ = 0;
+};
+
+// runs/<scene>-<UTC time>, with a number appended if that exists.
+[[nodiscard]] std::filesystem::path default_run_folder(const std::string& scene_name);
+
+}  // namespace wade::crowd

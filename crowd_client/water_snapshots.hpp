@@ -1,0 +1,37 @@
+#pragma once
+// water.bin: the depth of the water on a grid every few seconds, for pictures.
+//
+// Little-endian. Header, 64 bytes: "WADEWAT1", u32 columns, u32 rows, f64 cell size (m), f64 x and z of the grid's
+// corner (m), f64 largest depth that can be stored (m), zeros. Then one record a snapshot: u64 frame, f64 time (s),
+// columns * rows u16, row by row (z), depth in millimetres.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "crowd_client/output_file.hpp"
+#include "crowd_client/water_view.hpp"
+#include "configs/scene.hpp"
+
+namespace wade::crowd {
+
+class WaterSnapshots {
+ public:
+    // Cells of 0.5 m, or larger where the particles or the number of cells ask for it. Throws OutputError.
+    WaterSnapshots(const std::filesystem::path& file, const Scene& scene);
+
+    // Appends one record. Throws OutputError.
+    void write(std::uint64_t frame, double time, const WaterView& water);
+
+ private:
+    AppendFile file_;
+    double x0_, z0_;
+    double cell_;
+    std::uint32_t columns_, rows_;
+    double rest_density_;
+    std::vector<double> mass_;
+    std::string record_;
+};
+
+}  // namespace wade::crowd

@@ -1,0 +1,61 @@
+#pragma once
+// Divergence-free SPH (Bender and Koschier 2015, 2017): two pressure solves a step, one keeps the velocity field free
+// of divergence, the other the density at rest density.
+//
+// Both solve the same linear system for pressures p >= 0 (divided by rest density, m^2/s^2) by relaxed Jacobi
+// iterations; they differ in the source term only. With g_ij = V grad W_ij, sums over neighbours and images:
+//
+//   acceleration   a_i(p) = - sum_j (p_i + p_j) g_ij
+//   density rate   D_i(u) =   sum_j (u_i - R u_j) . g_ij      R u_j: the mirrored velocity of an image
+//   system         -dt^2 D_i(a(p)) = dt D_i(u) + c_i,   c_i = rho_i/rho_0 - 1 (density solve) or 0 (divergence solve)
+//   diagonal       A_ii = dt^2 ( |sum_j g_ij|^2 + sum_j |g_ij|^2 )
+//
+// The lists hold R g_ij (neighbours.hpp), so that (R u_j) . g_ij = u_j . (R g_ij).
+
+#include <vector>
+
+#include "configs/scene.hpp"
+#include "fluid_server/neighbours.hpp"
+#include "fluid_server/particles.hpp"
+
+namespace wade::fluid {
+
+// What a step knows of each particle besides its state; arrays as long as the capacity.
+struct ParticleFields {
+    std::vector<float> density;           // rho / rho_0
+    std::vector<float> gx, gy, gz;        // sum_j g_ij, 1/m
+    std::vector<float> inverse_diagonal;  // dt^2 / A_ii, m^2
+    std::vector<float> source;            // right-hand side of the running solve
+    std::vector<float> ax, ay, az;        // m/s^2
+
+    explicit ParticleFields(std::size_t capacity);
+};
+
+struct SolveResult {
+    int iterations = 0;
+    double error = 0;  // mean predicted compression left: fraction of rest density
+};
+
+// Density, sum of gradients and diagonal of each particle.
+void compute_density_and_diagonal(const Particles& particles, const NeighbourLists& lists, ParticleFields& fields);
+
+// Force on the bed, N, downwards, by the pressures of the last step: what the particles push against their images.
+double bed_pressure_force(const Particles& particles, const NeighbourLists& lists, double particle_mass);
+
+class PressureSolver {
+ public:
+    // Corrects the velocities until no particle that is near rest density is being compressed.
+    SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists, ParticleFields& fields, float dt,
+                                 const PressureSolve& settings);
+
+    // Corrects the velocities until the densities after dt do not exceed rest density.
+    SolveResult solve_density(Particles& particles, const NeighbourLists& lists, ParticleFields& fields, float dt,
+                              const PressureSolve& settings);
+
+ private:
+    SolveResult iterate(std::vector<float>& pressure, Particles& particles, const NeighbourLists& lists,
+                        ParticleFields& fields, float dt, const PressureSolve& settings);
+    BlockSums<double> errors_;
+};
+
+}  // namespace wade::fluid

@@ -1,0 +1,47 @@
+#pragma once
+// The rectangular emitter at the upstream end and the stock that feeds it.
+//
+//      x.hi        x.hi + layers * pitch
+//   ~~~~|. . . . . .|        Layers of particles wait behind the opening x.hi as a lattice that moves with the emitter's
+//   <-- |. . . . . .| v_F    velocity. A particle that passes the opening becomes fluid; a new layer joins at the back
+//   ~~~~|. . . . . .|        whenever the lattice has moved by one pitch, as long as the stock lasts.
+
+#include <cstdint>
+
+#include "configs/scene.hpp"
+#include "fluid_server/filling.hpp"
+#include "fluid_server/particles.hpp"
+
+namespace wade::fluid {
+
+class Emitter {
+ public:
+    Emitter(const Scene& scene, std::uint64_t particles_in_use);
+
+    // Adds the layers that are due behind the opening and turns those that have passed it into fluid.
+    // Call it at t = 0 and after each advance by dt; dt = 0 at the start.
+    void emit(Particles& particles, float dt);
+
+    // Particles that left through the outflow go back to the stock.
+    void recycle(std::uint64_t particles) { stock_ += particles; recycled_ += particles; }
+
+    // The opening is closed to water from inside: limits the velocity so that a fluid particle does not pass it.
+    void apply_contact(Particles& particles, float dt) const;
+
+    [[nodiscard]] std::uint64_t stock() const { return stock_; }
+    [[nodiscard]] std::uint64_t recycled() const { return recycled_; }
+    [[nodiscard]] std::uint64_t layers_missed() const { return layers_missed_; }
+
+ private:
+    double opening_x_;
+    double velocity_;
+    double z_lo_;
+    Lattice layer_;       // the sites of one layer
+    double pitch_;        // distance of layers, so that the mass flow is exactly rho v_F depth width
+    double last_layer_x_; // where the rearmost layer is
+    std::uint64_t stock_;
+    std::uint64_t recycled_ = 0;
+    std::uint64_t layers_missed_ = 0;
+};
+
+}  // namespace wade::fluid

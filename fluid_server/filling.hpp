@@ -1,0 +1,30 @@
+#pragma once
+// Places particles at t = 0.
+
+#include <cstdint>
+
+#include "configs/scene.hpp"
+#include "fluid_server/particles.hpp"
+
+namespace wade::fluid {
+
+// Sites of a lattice over a box, as near to cubic as the box allows: at least `wanted` of them, a little more where the
+// counts along the axes do not divide it.
+struct Lattice {
+    int nx = 0, ny = 0, nz = 0;
+    float dx = 0, dy = 0, dz = 0;  // m
+    [[nodiscard]] std::uint64_t sites() const;
+};
+Lattice lattice_over(double length, double depth, double width, double spacing, std::uint64_t wanted);
+
+// Fills the box x by [0, depth] by z with exactly round(volume / d^3) particles moving at vx, so that the mass is that
+// of the water to within half a particle. Sites beyond that number are left out of the topmost layer, evenly spread.
+void fill_block(Particles& particles, const Interval& x, double depth, const Interval& z, double spacing, float vx);
+
+// Fills what the scene wants filled at t = 0: its river, its blocks of water.
+void fill_scene(Particles& particles, const Scene& scene);
+
+// The greatest depth of water at rest that the scene speaks of, m: sets the scale of wave speeds and of the grid.
+double deepest_water(const Scene& scene);
+
+}  // namespace wade::fluid

@@ -1,0 +1,174 @@
+#include "fluid_server/fluid_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "configs/exit_code.hpp"
+#include "fluid_server/filling.hpp"
+#include "fluid_server/forces.hpp"
+
+namespace wade::fluid {
+
+namespace {
+
+// Explicit viscosity is stable below dt = d^2 / (8 nu) (Morris et al. 1997).
+constexpr double viscous_limit = 0.125;
+
+}  // namespace
+
+FluidWorld::FluidWorld(const Scene& scene)
+    : scene_(scene),
+      support_radius_(static_cast<float>(2 * scene.fluid.particle_spacing)),
+      volume_(static_cast<float>(std::pow(scene.fluid.particle_spacing, 3))),
+      particle_mass_(static_cast<float>(scene.fluid.rest_density * std::pow(scene.fluid.particle_spacing, 3))),
+      kernel_(support_radius_),
+      particles_(static_cast<std::size_t>(scene.fluid.max_particles)),
+      grid_(scene, support_radius_),
+      lists_(particles_.capacity()),
+      fields_(particles_.capacity()),
+      solids_(scene),
+      outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
+                                                      : -std::numeric_limits<float>::infinity()) {
+    fill_scene(particles_, scene);
+    if (scene.channel.flow == Flow::emitter) {
+        emitter_.emplace(scene, particles_.count);
+        emitter_->emit(particles_, 0);
+    }
+}
+
+StepReport FluidWorld::step(double remaining) {
+    StepReport report;
+    report.dt = time_step(remaining);
+    const auto dt = static_cast<float>(report.dt);
+    const Fluid& fluid = scene_.fluid;
+
+    const std::size_t left = grid_.sort(particles_, outflow_x_);
+    if (emitter_) {
+        emitter_->recycle(left);
+    }
+    find_neighbours(grid_, solids_, particles_, kernel_, support_radius_, volume_, lists_);
+    compute_density_and_diagonal(particles_, lists_, fields_);
+    measure_density_error(report);
+
+    if (fluid.divergence_solve.max_iterations > 0) {
+        report.divergence = solver_.solve_divergence(particles_, lists_, fields_, dt, fluid.divergence_solve);
+    }
+    if (fluid.kinematic_viscosity > 0) {
+        apply_viscosity(particles_, lists_, fields_, static_cast<float>(fluid.kinematic_viscosity), dt);
+    }
+    if (scene_.channel.flow == Flow::recirculating) {
+        report.driving_acceleration = -driving_acceleration(particles_, scene_.channel.velocity, dt);
+    }
+    apply_body_force(particles_, static_cast<float>(-report.driving_acceleration),
+                     static_cast<float>(-scene_.world.gravity), dt);
+    report.density = solver_.solve_density(particles_, lists_, fields_, dt, fluid.density_solve);
+
+    apply_contact(dt, report);
+    advance(dt);
+    if (emitter_) {
+        emitter_->emit(particles_, dt);
+    }
+    return report;
+}
+
+double FluidWorld::time_step(double remaining) {
+    extremes_.begin(particles_.count);
+    for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        float fastest = 0;
+        bool finite = true;
+        for (std::size_t i = begin; i < end; ++i) {
+            const float v2 = particles_.vx[i] * particles_.vx[i] + particles_.vy[i] * particles_.vy[i] +
+                             particles_.vz[i] * particles_.vz[i];
+            finite = finite && v2 < std::numeric_limits<float>::max();
+            fastest = std::max(fastest, v2);
+        }
+        extremes_[b] = {0, static_cast<double>(fastest), finite};
+    });
+    const Extremes all = extremes_.total([](Extremes& total, const Extremes& block) {
+        total.max = std::max(total.max, block.max);
+        total.finite = total.finite && block.finite;
+    });
+    if (!all.finite) {
+        throw RunError(ExitCode::numerical_failure,
+                       "the fluid has a velocity that is not finite; reduce fluid.cfl or fluid.density_solve.tolerance");
+    }
+    // v: what moves particles. sqrt(g H): the speed at which pressure can set them in motion; a step that outruns it
+    // extrapolates the density too far and injects energy.
+    const double d = scene_.fluid.particle_spacing;
+    const double speed = std::sqrt(all.max) + std::sqrt(scene_.world.gravity * deepest_water(scene_));
+    double dt = speed > 0 ? scene_.fluid.cfl * d / speed : remaining;
+    if (scene_.fluid.kinematic_viscosity > 0) {
+        dt = std::min(dt, viscous_limit * d * d / scene_.fluid.kinematic_viscosity);
+    }
+    return remaining / std::ceil(remaining / dt);
+}
+
+void FluidWorld::measure_density_error(StepReport& report) {
+    const auto& density = fields_.density;
+    extremes_.begin(particles_.count);
+    for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        Extremes& block = extremes_[b];
+        for (std::size_t i = begin; i < end; ++i) {
+            const double error = std::max(0.0, static_cast<double>(density[i]) - 1);
+            block.sum += error;
+            block.max = std::max(block.max, error);
+        }
+    });
+    const Extremes all = extremes_.total([](Extremes& total, const Extremes& block) {
+        total.sum += block.sum;
+        total.max = std::max(total.max, block.max);
+    });
+    report.mean_density_error = particles_.count == 0 ? 0 : all.sum / static_cast<double>(particles_.count);
+    report.max_density_error = all.max;
+}
+
+void FluidWorld::apply_contact(float dt, StepReport& report) {
+    sums_.begin(particles_.count);
+    for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (particles_.kind[i] == Kind::inflow) {
+                continue;
+            }
+            Vec3 v{particles_.vx[i], particles_.vy[i], particles_.vz[i]};
+            const Vec3 removed = solids_.apply_contact({particles_.x[i], particles_.y[i], particles_.z[i]}, dt, v);
+            particles_.vx[i] = v[0], particles_.vy[i] = v[1], particles_.vz[i] = v[2];
+            sums_[b] -= static_cast<double>(removed[1] / dt);
+        }
+    });
+    if (emitter_) {
+        emitter_->apply_contact(particles_, dt);
+    }
+    const double upward = sums_.total([](double& sum, double a) { sum += a; });
+    report.contact_force = static_cast<double>(particle_mass_) * upward;
+}
+
+double FluidWorld::bed_pressure_force() const {
+    return fluid::bed_pressure_force(particles_, lists_, static_cast<double>(particle_mass_));
+}
+
+void FluidWorld::advance(float dt) {
+    const float period_x = grid_.period_x();
+    const float period_z = grid_.period_z();
+    const auto wrap = [](float v, float origin, float period) {
+        if (period > 0) {
+            v += v < origin ? period : 0;
+            v -= v >= origin + period ? period : 0;
+        }
+        return v;
+    };
+    clamps_.begin(particles_.count);
+    for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        for (std::size_t i = begin; i < end; ++i) {
+            std::array<float, 3> x{wrap(particles_.x[i] + dt * particles_.vx[i], grid_.origin_x(), period_x),
+                                   particles_.y[i] + dt * particles_.vy[i],
+                                   wrap(particles_.z[i] + dt * particles_.vz[i], grid_.origin_z(), period_z)};
+            clamps_[b] += solids_.clamp(x) ? 1U : 0U;
+            particles_.x[i] = x[0], particles_.y[i] = x[1], particles_.z[i] = x[2];
+        }
+    });
+    position_clamps_ += clamps_.total([](std::uint64_t& sum, std::uint64_t n) { sum += n; });
+}
+
+}  // namespace wade::fluid

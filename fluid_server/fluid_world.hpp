@@ -1,0 +1,76 @@
+#pragma once
+// The whole state of the fluid and the step that advances it.
+
+#include <cstdint>
+#include <optional>
+
+#include "configs/scene.hpp"
+#include "fluid_server/dfsph.hpp"
+#include "fluid_server/emitter.hpp"
+#include "fluid_server/neighbours.hpp"
+#include "fluid_server/particles.hpp"
+#include "fluid_server/solids.hpp"
+
+namespace wade::fluid {
+
+struct StepReport {
+    double dt = 0;  // s
+    SolveResult divergence;
+    SolveResult density;
+    double mean_density_error = 0;  // of max(0, rho / rho_0 - 1) over particles, at the start of the step
+    double max_density_error = 0;
+    double driving_acceleration = 0;  // m/s^2, towards -x; recirculating channels
+    double contact_force = 0;         // N, vertical force of contact on bed and obstacles
+};
+
+class FluidWorld {
+ public:
+    // Builds the fluid of the scene at t = 0.
+    explicit FluidWorld(const Scene& scene);
+
+    // Advances by at most `remaining` seconds; the time step is a whole fraction of it, so that repeated calls end
+    // exactly on the frame. Throws RunError (numerical_failure) if a velocity is no longer finite.
+    StepReport step(double remaining);
+
+    [[nodiscard]] const Particles& particles() const { return particles_; }
+    [[nodiscard]] const ParticleFields& fields() const { return fields_; }
+    [[nodiscard]] const Scene& scene() const { return scene_; }
+    [[nodiscard]] float particle_mass() const { return particle_mass_; }  // rho_0 d^3, kg
+    [[nodiscard]] std::uint64_t recycled() const { return emitter_ ? emitter_->recycled() : 0; }
+    [[nodiscard]] std::uint64_t stock() const { return emitter_ ? emitter_->stock() : 0; }
+    [[nodiscard]] std::uint64_t layers_missed() const { return emitter_ ? emitter_->layers_missed() : 0; }
+    // Vertical pressure force on the bed in the last step, N; costs a sweep, valid until the next step.
+    [[nodiscard]] double bed_pressure_force() const;
+    [[nodiscard]] std::uint64_t position_clamps() const { return position_clamps_; }
+
+ private:
+    [[nodiscard]] double time_step(double remaining);
+    void measure_density_error(StepReport& report);
+    void apply_contact(float dt, StepReport& report);
+    void advance(float dt);
+
+    Scene scene_;
+    float support_radius_;
+    float volume_;
+    float particle_mass_;
+    CubicSpline kernel_;
+    Particles particles_;
+    CellGrid grid_;
+    NeighbourLists lists_;
+    ParticleFields fields_;
+    Solids solids_;
+    PressureSolver solver_;
+    std::optional<Emitter> emitter_;
+    float outflow_x_;  // particles that are not beyond it have left
+    std::uint64_t position_clamps_ = 0;
+
+    struct Extremes {
+        double sum = 0, max = 0;
+        bool finite = true;
+    };
+    BlockSums<Extremes> extremes_;
+    BlockSums<double> sums_;
+    BlockSums<std::uint64_t> clamps_;
+};
+
+}  // namespace wade::fluid

@@ -1,0 +1,109 @@
+#pragma once
+// Neighbour search: a grid of cells as wide as the support radius, particles sorted by cell, and per particle the list
+// of its neighbours with the kernel gradients that every sweep of the solver uses.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "configs/scene.hpp"
+#include "fluid_server/kernel.hpp"
+#include "fluid_server/parallel.hpp"
+#include "fluid_server/particles.hpp"
+#include "fluid_server/solids.hpp"
+
+namespace wade::fluid {
+
+// Cells over the channel, x fastest. Particles beyond the grid count to its outermost cells, which changes nothing for
+// the search: two points that are near one another stay in the same or in adjacent cells.
+class CellGrid {
+ public:
+    CellGrid(const Scene& scene, float support_radius);
+
+    // Sorts all arrays of the particles by cell, in stable order; drops those whose x is not greater than `outflow_x`.
+    // Returns the number dropped.
+    std::size_t sort(Particles& particles, float outflow_x);
+
+    // Calls body(begin, end, shift_x, shift_z) for each contiguous run of sorted particles in the 27 cells round p;
+    // the shifts are what to add to their positions across a periodic border.
+    template <typename Body>
+    void for_each_run(float px, float py, float pz, Body&& body) const;
+
+    [[nodiscard]] float period_x() const { return periodic_[0] ? length_[0] : 0; }
+    [[nodiscard]] float period_z() const { return periodic_[2] ? length_[2] : 0; }
+    [[nodiscard]] float origin_x() const { return origin_[0]; }
+    [[nodiscard]] float origin_z() const { return origin_[2]; }
+
+ private:
+    [[nodiscard]] int cell_along(std::size_t axis, float v) const;
+    [[nodiscard]] std::size_t cell_index(int i, int j, int k) const {
+        return (static_cast<std::size_t>(k) * static_cast<std::size_t>(cells_[1]) + static_cast<std::size_t>(j)) *
+                   static_cast<std::size_t>(cells_[0]) +
+               static_cast<std::size_t>(i);
+    }
+
+    std::array<float, 3> origin_{};
+    std::array<float, 3> length_{};
+    std::array<float, 3> inverse_cell_{};
+    std::array<int, 3> cells_{};
+    std::array<bool, 3> periodic_{};
+    std::vector<std::uint32_t> start_;  // first particle of each cell, and the total behind the last
+    std::vector<std::uint32_t> cell_of_;
+    std::vector<std::uint32_t> source_;  // where the particle at a sorted place was before
+    Particles scratch_;
+};
+
+// Neighbours of one block of particles, in segments: the first segment of a particle holds its neighbours, each further
+// one the neighbours that it sees in one mirror (solids.hpp). The gradients of a segment are those of the image,
+// V grad W(x_i - R x_j), reflected: g = R V grad W, so that u . (V grad W) = (R u) . g. Without a mirror R is the identity.
+struct NeighbourBlock {
+    struct Segment {
+        std::uint32_t end = 0;  // one past the last pair; the first is the end of the segment before
+        float rx = 1, ry = 1, rz = 1;  // the diagonal of R, +1 or -1
+    };
+    std::array<std::uint32_t, block_size + 1> first_segment{};
+    std::vector<Segment> segments;
+    std::vector<std::uint32_t> j;
+    std::vector<float> gx, gy, gz;  // V = d^3; in 1/m
+    std::vector<float> gradient_factor;  // V (dW/dr) / r, 1/m^2: for viscosity
+    std::vector<Mirror> mirrors;         // room for the search
+    void resize(std::size_t pairs);
+};
+
+struct NeighbourLists {
+    std::vector<NeighbourBlock> blocks;
+    std::vector<float> density;  // V sum_j W_ij, neighbours, images and i itself: density over rest density
+
+    explicit NeighbourLists(std::size_t capacity) : blocks(block_count(capacity)), density(capacity) {}
+};
+
+// Calls body(i, its block, its place in the block) for every particle, in parallel.
+template <typename Body>
+void for_each_list(std::size_t n, const NeighbourLists& lists, Body&& body) {
+    for_each_block(n, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        for (std::size_t i = begin; i < end; ++i) {
+            body(i, lists.blocks[b], i - begin);
+        }
+    });
+}
+
+// First pair and one past the last pair of the particle at a place of its block, all segments together.
+inline std::array<std::size_t, 2> all_pairs(const NeighbourBlock& block, std::size_t place) {
+    const std::uint32_t first = block.first_segment[place];
+    return {first == 0 ? 0U : block.segments[first - 1].end, block.segments[block.first_segment[place + 1] - 1].end};
+}
+
+// Calls body(segment, first pair, last pair) for each segment of the particle at a place of its block.
+template <typename Body>
+void for_each_segment(const NeighbourBlock& block, std::size_t place, Body&& body) {
+    for (std::uint32_t s = block.first_segment[place]; s < block.first_segment[place + 1]; ++s) {
+        body(block.segments[s], s == 0 ? 0U : block.segments[s - 1].end, block.segments[s].end);
+    }
+}
+
+// Fills the lists for sorted particles: all j != i nearer than the support radius, and all images, of i as well.
+void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& particles, const CubicSpline& kernel,
+                     float support_radius, float volume, NeighbourLists& lists);
+
+}  // namespace wade::fluid

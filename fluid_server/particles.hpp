@@ -1,0 +1,41 @@
+#pragma once
+// The particles of the fluid as structure of arrays.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace wade::fluid {
+
+enum class Kind : std::uint8_t {
+    fluid,  // moved by the solver
+    inflow  // still inside the emitter: moves with the emitter's velocity
+};
+
+// One entry a particle in every array; only the first `count` are alive. Sizes are fixed at construction.
+struct Particles {
+    std::size_t count = 0;
+    std::vector<float> x, y, z;     // m
+    std::vector<float> vx, vy, vz;  // m/s
+    // Pressures over rest density, m^2/s^2, kept from step to step as first guess of the next solve.
+    std::vector<float> density_pressure;     // of the constant-density solve
+    std::vector<float> divergence_pressure;  // of the divergence-free solve
+    std::vector<Kind> kind;
+
+    explicit Particles(std::size_t capacity)
+        : x(capacity), y(capacity), z(capacity), vx(capacity), vy(capacity), vz(capacity),
+          density_pressure(capacity), divergence_pressure(capacity), kind(capacity, Kind::fluid) {}
+
+    [[nodiscard]] std::size_t capacity() const { return x.size(); }
+
+    // Adds a particle at rest in pressure; the caller has checked that there is room.
+    void add(float px, float py, float pz, float pvx, Kind k) {
+        const std::size_t i = count++;
+        x[i] = px, y[i] = py, z[i] = pz;
+        vx[i] = pvx, vy[i] = 0, vz[i] = 0;
+        density_pressure[i] = 0, divergence_pressure[i] = 0;
+        kind[i] = k;
+    }
+};
+
+}  // namespace wade::fluid

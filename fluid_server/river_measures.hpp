@@ -1,0 +1,19 @@
+#pragma once
+// Measures of the whole river, for diagnostics.
+
+#include "configs/scene.hpp"
+#include "fluid_server/particles.hpp"
+
+namespace wade::fluid {
+
+// Of all fluid particles; those still inside the emitter do not count. NaN if there is none.
+struct RiverMeasures {
+    double mean_depth = 0;        // m, twice the mean height of the mass
+    double mean_speed = 0;        // m/s, towards -x
+    double kinetic_energy = 0;    // J
+    double potential_energy = 0;  // J, above the bed
+};
+
+RiverMeasures measure_river(const Particles& particles, double particle_mass, double gravity);
+
+}  // namespace wade::fluid

@@ -1,0 +1,86 @@
+#pragma once
+// The solids that confine the water: bed, banks, end walls and box obstacles.
+//
+// Solids are smooth mirrors (method of images). A particle near a face sees the mirror images of its neighbours, and of
+// itself, behind that face: their mass, pressure and mirrored velocity. Density, pressure and viscous forces then need
+// no case for solids: a lattice next to a wall has exactly rest density, forces between particles and images are equal
+// and opposite, energy is neither gained nor lost, the flow slips freely along the face and none crosses it.
+//
+//        images across y | fluid             A concave edge such as bed and bank shows three families: mirrored across
+//         and z, twice   | images across y   either face, and across both. At a convex edge of an obstacle an image
+//       -----------------+-----------------  counts only if the straight line to it passes through the face itself, so
+//         images across  |                   that no part of the solid is filled twice.
+//         z              |  o   fluid
+//
+// Contact is for what pressure cannot carry: single particles and sheets thinner than the spacing have less than rest
+// density and so no pressure. Their centres stay a contact distance away from every face.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "configs/scene.hpp"
+
+namespace wade::fluid {
+
+using Vec3 = std::array<float, 3>;
+
+// A box with faces normal to the axes; a bound may be infinite.
+struct Box {
+    static constexpr float inf = std::numeric_limits<float>::infinity();
+    Vec3 lo{-inf, -inf, -inf};
+    Vec3 hi{inf, inf, inf};
+};
+
+// A reflection across one, two or three faces normal to different axes: x_k -> 2 plane_k - x_k for the mirrored axes.
+struct Mirror {
+    std::array<bool, 3> axis{};
+    Vec3 plane{};
+    int obstacle = -1;             // whose face is one of them, or -1
+    std::size_t obstacle_axis = 0;
+
+    [[nodiscard]] Vec3 reflect(const Vec3& x) const {
+        Vec3 image = x;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (axis[k]) {
+                image[k] = 2 * plane[k] - x[k];
+            }
+        }
+        return image;
+    }
+    [[nodiscard]] Vec3 sign() const { return {axis[0] ? -1.0F : 1.0F, axis[1] ? -1.0F : 1.0F, axis[2] ? -1.0F : 1.0F}; }
+};
+
+class Solids {
+ public:
+    // Bed, banks unless the sides are periodic, end walls if the channel is closed, and all obstacles of the scene.
+    explicit Solids(const Scene& scene);
+
+    // Replaces `mirrors` by those in which a particle at x may see images nearer than the support radius.
+    void mirrors_near(const Vec3& x, std::vector<Mirror>& mirrors) const;
+
+    // Whether a particle at x sees the image of a particle at y in a mirror that belongs to an obstacle.
+    [[nodiscard]] bool sees(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
+
+    // Unilateral, inelastic contact: reduces the velocity v of a particle at x so that after x + dt v its centre is no
+    // nearer than the contact distance to any face. Returns the velocity taken away (v before minus v after), m/s.
+    Vec3 apply_contact(const Vec3& x, float dt, Vec3& v) const;
+
+    // Moves a point that is inside a solid to the nearest free point; true if it had to. A last guard.
+    bool clamp(Vec3& x) const;
+
+    [[nodiscard]] const Box& interior() const { return interior_; }
+    [[nodiscard]] const std::vector<Box>& obstacles() const { return obstacles_; }
+
+ private:
+    void add_obstacle_mirrors(const Vec3& x, std::vector<Mirror>& mirrors) const;
+
+    Box interior_;
+    std::vector<Box> obstacles_;  // reach down through the bed, and through a wall that they touch
+    float support_radius_;
+    float contact_distance_;
+};
+
+}  // namespace wade::fluid

@@ -1,0 +1,42 @@
+#pragma once
+// The header page: how a producer fills it, and what a reader demands of it before it believes anything.
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "shm_protocol/layout.hpp"
+#include "shm_protocol/stream.hpp"
+
+namespace wade::shm {
+
+inline constexpr std::array<const char*, 7> field_names{"mass", "vx", "vy", "vz", "px", "py", "pz"};
+
+// Where things lie, in private memory: offsets are never read from the segment again.
+struct SegmentMap {
+  StreamInfo info;
+  std::uint64_t total_bytes = 0;
+  std::uint64_t control = 0, doorbell = 0, consumers = 0, descriptors = 0, slots = 0;  // from the start of the file
+  std::uint64_t consumer_stride = 0, descriptor_stride = 0, slot_stride = 0;
+  std::uint32_t consumer_count = 0;
+  std::array<std::uint64_t, field_names.size()> fields{};  // from the start of a slot, in the order of field_names
+};
+
+// The header of a new stream, complete but for the magic, which the producer stores last.
+// Errors: std::invalid_argument that names the member, its value and the allowed range.
+Header make_header(const StreamInfo& info, std::uint64_t session_id);
+
+// Checks a private copy of a header, magic included, against the size of the file, and translates it.
+// Errors: Failure::protocol_violation that names what is wrong.
+SegmentMap read_header(const Header& copy, std::uint64_t file_bytes);
+
+// CRC-32C of a header page with the word crc32c taken as 0.
+std::uint32_t header_crc(Header copy);
+
+// A text that another process wrote: ends at the first zero, what cannot be printed becomes '?'.
+std::string printable(const char* text, std::size_t bytes);
+
+// Copies a text into a zero-terminated field, cut where it does not fit.
+void store_text(char* field, std::size_t bytes, std::string_view text);
+
+}  // namespace wade::shm

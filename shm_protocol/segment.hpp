@@ -1,0 +1,50 @@
+#pragma once
+// The shared-memory object of a session: creation, takeover of a stale one, opening, mapping, removal.
+
+#include <boost/interprocess/mapped_region.hpp>
+#include <boost/interprocess/shared_memory_object.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace wade::shm {
+
+// An open shared-memory object; closing it gives up the locks that were taken through it.
+class SegmentFile {
+ public:
+  SegmentFile() = default;
+
+  // The existing object, opened for reading and writing; empty if there is none.
+  // Errors: std::system_error, with EACCES for another user's.
+  static std::optional<SegmentFile> open(const std::string& name);
+
+  // A new object of mode 0600; empty if the name is taken. Errors: std::system_error.
+  static std::optional<SegmentFile> create_exclusive(const std::string& name);
+
+  [[nodiscard]] int fd() const { return object_.get_mapping_handle().handle; }
+  [[nodiscard]] bool owned_by_this_user() const;
+  [[nodiscard]] std::uint64_t size() const;
+
+  // Whether `name` still leads to this object and not to a successor.
+  [[nodiscard]] bool is_named(const std::string& name) const;
+
+  // Sizes the object and allocates its memory, so that no later write can fail for want of memory.
+  // Errors: std::system_error that names the size, ENOSPC when /dev/shm is full.
+  void allocate(const std::string& name, std::uint64_t bytes) const;
+
+  // Maps a part, page tables filled at once. Errors: std::system_error.
+  [[nodiscard]] boost::interprocess::mapped_region map(std::uint64_t offset, std::uint64_t bytes, bool writable) const;
+
+ private:
+  boost::interprocess::shared_memory_object object_;
+};
+
+// Creates the object of a new producer, holding its lock, sized. A stale object of the same name is removed first.
+// Errors: Failure::name_in_use; std::system_error.
+SegmentFile create_segment(const std::string& name, std::uint64_t bytes);
+
+// Removes the name if it still leads to `file`.
+void unlink_segment(const SegmentFile& file, const std::string& name) noexcept;
+
+}  // namespace wade::shm

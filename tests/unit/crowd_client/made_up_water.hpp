@@ -1,0 +1,59 @@
+#pragma once
+// Frames of water that tests make up, and a source that hands them out without shared memory.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "crowd_client/frame_source.hpp"
+#include "crowd_client/water_view.hpp"
+
+namespace wade::crowd::testing {
+
+// Particles as a frame holds them.
+struct MadeUpWater {
+    std::vector<float> mass, vx, vy, vz, px, py, pz;
+
+    void add(double x, double z, double its_mass, double its_vx, double its_vz);
+    [[nodiscard]] WaterView view() const;
+    [[nodiscard]] shm::Frame frame(std::uint64_t number) const;
+};
+
+// A lattice of particles of spacing d that fills [x_lo, x_hi] x [z_lo, z_hi] to the given depth; mass 1000 d^3.
+[[nodiscard]] MadeUpWater uniform_water(double x_lo, double x_hi, double z_lo, double z_hi, double depth, double d,
+                                        double vx, double vz);
+
+// Hands out `frames` frames (the last one marked as final), each made by a function of its number.
+class MadeUpSource final : public FrameSource {
+ public:
+    MadeUpSource(std::uint64_t frames, std::function<MadeUpWater(std::uint64_t)> make)
+        : frames_(frames), make_(std::move(make)) {
+        info_.producer_name = "made_up";
+    }
+
+    [[nodiscard]] const shm::StreamInfo& info() const override { return info_; }
+    [[nodiscard]] std::optional<shm::Frame> acquire() override;
+    void release() override { ++released; }
+    void leave() noexcept override { left = true; }
+    void abort(int reason_code, std::string_view text) noexcept override {
+        abort_code = reason_code;
+        abort_text = text;
+    }
+
+    std::uint64_t number_of_next = 1;
+    std::uint64_t released = 0;
+    bool left = false;
+    int abort_code = 0;
+    std::string abort_text;
+
+ private:
+    std::uint64_t frames_;
+    std::function<MadeUpWater(std::uint64_t)> make_;
+    MadeUpWater current_;
+    shm::StreamInfo info_;
+};
+
+// A world of 100 x 50 m with one agent group of one agent at `start`.
+[[nodiscard]] Scene one_agent_scene(double start_x, double start_z, double goal_x, double goal_z, double tau);
+
+}  // namespace wade::crowd::testing

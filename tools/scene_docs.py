@@ -1,0 +1,80 @@
+#!/usr/bin/python3
+"""Writes the table of all scene keys into configs/README.md, from configs/scene.schema.json.
+
+    tools/scene_docs.py           rewrite the table
+    tools/scene_docs.py --check   change nothing; exit code 1 if the table is stale
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+
+BEGIN = "<!-- keys: written by tools/scene_docs.py from scene.schema.json -->"
+END = "<!-- end of keys -->"
+
+
+def range_of(schema):
+    """The allowed values as mathematics: an interval, a list of choices, or the type."""
+    if "enum" in schema:
+        return ", ".join(f"`{name}`" for name in schema["enum"])
+    kind = schema["type"]
+    if kind in ("integer", "number"):
+        left = f"({schema['exclusiveMinimum']}" if "exclusiveMinimum" in schema else f"[{schema.get('minimum', '-inf')}"
+        right = f"{schema['exclusiveMaximum']})" if "exclusiveMaximum" in schema else f"{schema.get('maximum', 'inf')}]"
+        return f"{'whole, ' if kind == 'integer' else ''}{left}, {right}"
+    return {"boolean": "`true`, `false`", "string": "text", "array": "list", "object": "object"}[kind]
+
+
+def default_of(schema, required):
+    if required:
+        return "**required**"
+    if "default" in schema:
+        return f"`{json.dumps(schema['default'])}`"
+    return schema.get("x-default", "")
+
+
+def rows(schema, prefix=""):
+    """One row for each key, depth first in the order of the schema: (key, unit, range, default, meaning)."""
+    required = schema.get("required", [])
+    for name, member in schema["properties"].items():
+        key = f"{prefix}{name}"
+        yield key, member.get("x-unit", ""), range_of(member), default_of(member, name in required), member["description"]
+        if member["type"] == "object":
+            yield from rows(member, f"{key}.")
+        elif member["type"] == "array" and member["items"]["type"] == "object":
+            yield from rows(member["items"], f"{key}[].")
+
+
+def table(schema):
+    lines = ["| key | unit | range | default | meaning |", "|---|---|---|---|---|"]
+    for key, unit, allowed, default, meaning in rows(schema):
+        cells = (f"`{key}`", unit, allowed, default, meaning)
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Write the table of scene keys into configs/README.md.")
+    parser.add_argument("--check", action="store_true", help="change nothing; exit code 1 if the table is stale")
+    parser.add_argument("--readme", type=pathlib.Path, help="file to write [configs/README.md]")
+    arguments = parser.parse_args()
+    folder = pathlib.Path(__file__).resolve().parent.parent / "configs"
+    readme = arguments.readme or folder / "README.md"
+
+    text = readme.read_text(encoding="utf-8")
+    if text.count(BEGIN) != 1 or text.count(END) != 1:
+        sys.exit(f"{readme}: the two lines that frame the table are missing: {BEGIN} and {END}")
+    before, rest = text.split(BEGIN)
+    after = rest.split(END)[1]
+    schema = json.loads((folder / "scene.schema.json").read_text(encoding="utf-8"))
+    wanted = f"{before}{BEGIN}\n{table(schema)}\n{END}{after}"
+    if text == wanted:
+        return
+    if arguments.check:
+        sys.exit(f"{readme}: the table of keys is stale; run tools/scene_docs.py")
+    readme.write_text(wanted, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
