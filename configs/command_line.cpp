@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <map>
 
 #include "configs/exit_code.hpp"
 #include "configs/nearest_name.hpp"
+#include "configs/scene_checks.hpp"
 #include "configs/version.hpp"
 
 namespace wade {
@@ -25,7 +27,21 @@ void check_session_name(const std::string& name) {
 }
 
 std::string version_text(const std::string& program) {
-    return program + " " + std::string(version()) + " (git " + std::string(git_hash()) + ", " + std::string(compiler()) + ")\n";
+    return program + " " + std::string(version()) + " (git " + std::string(git_hash()) + ", " +
+           std::string(compiler()) + ")\n";
+}
+
+CLI::Validator within(double lo, double hi, bool whole = false) {
+    const auto check = [lo, hi, whole](const std::string& text) -> std::string {
+        double value = 0;
+        if (CLI::detail::lexical_cast(text, value) && lo <= value && value <= hi &&
+            (!whole || value == std::floor(value))) {
+            return "";
+        }
+        return text + " is not allowed; allowed: " + (whole ? "whole numbers from " : "") + short_number(lo) + " to " +
+               short_number(hi);
+    };
+    return {check, "", ""};
 }
 
 void refuse_leftovers(const CLI::App& app) {
@@ -33,7 +49,8 @@ void refuse_leftovers(const CLI::App& app) {
     if (leftovers.empty()) return;
     const std::string& first = leftovers.front();
     if (first.front() != '-') {
-        throw ConfigurationError(app.get_name() + ": unexpected argument \"" + first + "\"; one scene file is allowed.");
+        throw ConfigurationError(app.get_name() + ": unexpected argument \"" + first +
+                                 "\"; one scene file is allowed.");
     }
     std::vector<std::string> known;
     for (const CLI::Option* option : app.get_options()) {
@@ -69,30 +86,34 @@ Parsed parse(const ProgramDescription& program, int argc, const char* const* arg
     app.add_option("--out", out, "Run folder [runs/<scene>-<time>/]")->option_text("DIR");
     app.add_flag("--reproducible", options.reproducible, "Write no times and no host names into outputs");
     app.add_option("--threads", options.threads, "Threads, 1 to 1024; 0: one for each processor [0]")
-        ->check(CLI::Range(0, 1024))
+        ->check(within(0, 1024, true))
         ->option_text("N");
     app.add_option("--seed", seed, "Start of all random numbers, a whole number [the scene's]")->option_text("N");
-    app.add_option("--until-s", until, "Simulated time at which the run ends, s [the scene's duration_s]")->option_text("T");
+    app.add_option("--until-s", until, "Simulated time at which the run ends, s [the scene's duration_s]")
+        ->option_text("T");
     app.add_option("--set", assignments,
-                   "Set the scene's value at a JSON pointer, after all that it extends, for example /fluid/cfl=0.3; may be repeated")
+                   "Set the scene's value at a JSON pointer, after all that it extends, for example /fluid/cfl=0.3; "
+                   "may be repeated")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->expected(1)
         ->allow_extra_args(false)
         ->option_text("POINTER=VALUE");
-    app.add_option("--attach-timeout-s", options.attach_timeout, "How long to wait for the other program to appear, s [10]")
-        ->check(CLI::Range(0.0, 86400.0))
+    app.add_option("--attach-timeout-s", options.attach_timeout,
+                   "How long to wait for the other program to appear, s [10]")
+        ->check(within(0, 86400))
         ->option_text("T");
     app.add_option("--step-timeout-s", options.step_timeout,
                    "How long to wait for the other program's next frame, s; 0: for ever [60]")
-        ->check(CLI::Range(0.0, 86400.0))
+        ->check(within(0, 86400))
         ->option_text("T");
     app.add_flag("--check", options.check, "Check the scene, print what it holds, and end");
-    app.add_flag("--print-config", options.print_config, "Print the resolved scene, itself a valid scene file, and end");
+    app.add_flag("--print-config", options.print_config,
+                 "Print the resolved scene, itself a valid scene file, and end");
     for (const ProgramOption& extra : program.extras) {
         options.extras[extra.name] = extra.preset;
         if (extra.number) {
-            app.add_option(extra.name, options.extras[extra.name], extra.help + " [" + CLI::detail::to_string(extra.preset) + "]")
-                ->check(CLI::Range(extra.number->lo, extra.number->hi))
+            app.add_option(extra.name, options.extras[extra.name], extra.help + " [" + short_number(extra.preset) + "]")
+                ->check(within(extra.number->lo, extra.number->hi))
                 ->option_text("VALUE");
         } else {
             app.add_flag(extra.name, switches[extra.name], extra.help);
@@ -112,12 +133,14 @@ Parsed parse(const ProgramDescription& program, int argc, const char* const* arg
         throw ConfigurationError(program.name + ": " + text.substr(0, text.find(':')) + ": a value is missing (" +
                                  program.name + " --help shows the options).");
     } catch (const CLI::ParseError& error) {
-        throw ConfigurationError(program.name + ": " + error.what() + " (" + program.name + " --help shows the options).");
+        throw ConfigurationError(program.name + ": " + error.what() + " (" + program.name +
+                                 " --help shows the options).");
     }
 
     refuse_leftovers(app);
     if (scene_file.empty()) {
-        throw ConfigurationError(program.name + ": a scene file is required (" + program.name + " --help shows the options).");
+        throw ConfigurationError(program.name + ": a scene file is required (" + program.name +
+                                 " --help shows the options).");
     }
     options.scene_file = scene_file;
     if (app.count("--session") > 0) check_session_name(options.session);

@@ -1,11 +1,12 @@
 #pragma once
 // The command line that both programs share.
 //
-//   int main(int argc, char** argv) {
-//       const wade::ProgramStart start = wade::start_program({"fluid_server", "Simulates the water of a scene."}, argc, argv);
-//       if (start.answer) { std::cout << *start.answer; return 0; }   // --help, --version, --check, --print-config
-//       ... start.options, start.loaded.scene ...
+//   const wade::ProgramStart start = wade::start_program({"fluid_server", "Simulates the water."}, argc, argv);
+//   if (start.answer) {  // of --help, --version, --check or --print-config
+//       std::cout << *start.answer;
+//       return 0;
 //   }
+//   ... start.options, start.loaded.scene ...
 
 #include <filesystem>
 #include <map>
@@ -27,9 +28,9 @@ struct RunOptions {
     double step_timeout = 60;                  // s, how long to wait for the peer's next frame; 0 waits for ever
     bool check = false;
     bool print_config = false;
-    std::vector<SceneOverride> overrides;      // --set, --seed and --until-s, in this order
-    std::map<std::string, double> extras;      // the program's own options; a switch is 1 if given, else 0
-    std::vector<std::string> arguments;        // argv as it was, for the manifest
+    std::vector<SceneOverride> overrides;  // --set, --seed and --until-s, in this order
+    std::map<std::string, double> extras;  // the program's own options; a switch is 1 if given, else 0
+    std::vector<std::string> arguments;    // argv as it was, for the manifest
 
     // Value of one of the program's own options; the name must be one of its description.
     [[nodiscard]] double extra(const std::string& name) const { return extras.at(name); }
@@ -63,7 +64,8 @@ struct ProgramStart {
 };
 
 // Reads the command line and the scene that it names; answers --help, --version, --check and --print-config.
-// Throws ConfigurationError (exit code 2) for wrong usage and for a wrong scene. options.session is never empty.
+// Throws ConfigurationError (exit code 2) for wrong usage and for a wrong scene. Once a scene is loaded,
+// options.session is set, by --session or to the default.
 [[nodiscard]] ProgramStart start_program(const ProgramDescription& program, int argc, const char* const* argv);
 
 // wade-<uid>-<first 8 hexadecimal digits of the scene hash>, so that two programs with the same scene meet.

@@ -30,7 +30,9 @@ std::vector<Place> start_places(const Crowd& crowd) {
     return places;
 }
 
-std::string words(double x, double z) { return "(x " + short_number(x) + " m, z " + short_number(z) + " m)"; }
+std::string words(double x, double z) {
+    return "(x " + short_number(x) + " m, z " + short_number(z) + " m)";
+}
 
 void check_place(double x, double z, const Scene& scene, const std::string& who, const std::string& source,
                  const std::string& pointer) {
@@ -44,9 +46,9 @@ void check_place(double x, double z, const Scene& scene, const std::string& who,
         const Obstacle& obstacle = scene.obstacles[i];
         if (!obstacle.x.contains(x) || !obstacle.z.contains(z)) continue;
         refuse(source, pointer,
-               who + " at " + words(x, z) + " is inside /obstacles/" + std::to_string(i) + "; allowed: anywhere but x " +
-                   short_number(obstacle.x.lo) + " to " + short_number(obstacle.x.hi) + " m with z " +
-                   short_number(obstacle.z.lo) + " to " + short_number(obstacle.z.hi) + " m.");
+               who + " at " + words(x, z) + " is inside /obstacles/" + std::to_string(i) +
+                   "; allowed: anywhere but x " + short_number(obstacle.x.lo) + " to " + short_number(obstacle.x.hi) +
+                   " m with z " + short_number(obstacle.z.lo) + " to " + short_number(obstacle.z.hi) + " m.");
     }
 }
 
@@ -80,9 +82,11 @@ void check_groups(const Scene& scene, const std::string& source) {
         const AgentGroup& group = scene.crowd.groups[g];
         const std::string pointer = "/crowd/groups/" + std::to_string(g);
         if (!names.insert(group.name).second) {
-            refuse(source, pointer + "/name", "\"" + group.name + "\" is the name of an earlier group; allowed: any other.");
+            refuse(source, pointer + "/name",
+                   "\"" + group.name + "\" is the name of an earlier group; allowed: any other.");
         }
-        check_place(group.goal_x, group.goal_z, scene, "the goal of group \"" + group.name + "\"", source, pointer + "/goal");
+        check_place(group.goal_x, group.goal_z, scene, "the goal of group \"" + group.name + "\"", source,
+                    pointer + "/goal");
     }
 }
 
@@ -91,8 +95,7 @@ void check_groups(const Scene& scene, const std::string& source) {
 // the generator room to end.
 void check_markers(const Crowd& crowd, const std::string& source) {
     constexpr double cell_area = 4, largest_share = 0.5;
-    const double largest =
-        2 * std::sqrt(largest_share * cell_area / (std::numbers::pi * crowd.markers_per_cell));
+    const double largest = 2 * std::sqrt(largest_share * cell_area / (std::numbers::pi * crowd.markers_per_cell));
     if (crowd.marker_min_distance <= largest) return;
     refuse(source, "/crowd/marker_min_distance_m",
            short_number(crowd.marker_min_distance) + " m is too large for " + std::to_string(crowd.markers_per_cell) +
@@ -107,9 +110,10 @@ void check_events(const Scene& scene, std::size_t agents, const std::string& sou
             refuse(source, pointer, "an event names an agent or a group, not both.");
         }
         if (event.agent && static_cast<std::size_t>(*event.agent) >= agents) {
-            refuse(source, pointer + "/agent",
-                   "there is no agent " + std::to_string(*event.agent) + "; allowed: " +
-                       (agents == 0 ? "none, as the scene has no agents." : "0 to " + std::to_string(agents - 1) + "."));
+            refuse(
+                source, pointer + "/agent",
+                "there is no agent " + std::to_string(*event.agent) + "; allowed: " +
+                    (agents == 0 ? "none, as the scene has no agents." : "0 to " + std::to_string(agents - 1) + "."));
         }
         if (!event.group) continue;
         std::string known;
@@ -120,8 +124,8 @@ void check_events(const Scene& scene, std::size_t agents, const std::string& sou
         }
         if (found) continue;
         refuse(source, pointer + "/group",
-               "there is no group \"" + *event.group + "\"; allowed: " +
-                   (known.empty() ? "none, as the scene has no groups." : known + "."));
+               "there is no group \"" + *event.group +
+                   "\"; allowed: " + (known.empty() ? "none, as the scene has no groups." : known + "."));
     }
 }
 

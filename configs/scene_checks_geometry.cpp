@@ -26,11 +26,17 @@ void check_interval(const Interval& interval, const std::string& axis, const std
                " m; allowed: < " + short_number(interval.hi) + " m.");
 }
 
-bool within(const Interval& inner, const Interval& outer) { return outer.lo <= inner.lo && inner.hi <= outer.hi; }
+bool within(const Interval& inner, const Interval& outer) {
+    return outer.lo <= inner.lo && inner.hi <= outer.hi;
+}
 
 // Sharing a face is not overlapping.
-bool overlap(const Interval& a, const Interval& b) { return a.lo < b.hi && b.lo < a.hi; }
-bool overlap(const Box& a, const Box& b) { return overlap(a.x, b.x) && overlap(a.z, b.z); }
+bool overlap(const Interval& a, const Interval& b) {
+    return a.lo < b.hi && b.lo < a.hi;
+}
+bool overlap(const Box& a, const Box& b) {
+    return overlap(a.x, b.x) && overlap(a.z, b.z);
+}
 
 void check_box(const Box& box, const std::string& what, const Scene& scene, const std::string& source) {
     check_interval(box.x, "x", source, box.pointer);
@@ -49,8 +55,9 @@ void check_apart(const std::vector<Box>& boxes, const std::string& source) {
             if (!overlap(boxes[i], boxes[k])) continue;
             const Interval x{std::max(boxes[i].x.lo, boxes[k].x.lo), std::min(boxes[i].x.hi, boxes[k].x.hi)};
             const Interval z{std::max(boxes[i].z.lo, boxes[k].z.lo), std::min(boxes[i].z.hi, boxes[k].z.hi)};
-            refuse(source, boxes[i].pointer,
-                   "overlaps " + boxes[k].pointer + " at x " + words(x) + ", z " + words(z) + "; they may touch at most.");
+            refuse(
+                source, boxes[i].pointer,
+                "overlaps " + boxes[k].pointer + " at x " + words(x) + ", z " + words(z) + "; they may touch at most.");
         }
     }
 }

@@ -10,7 +10,9 @@ namespace {
 // Slack for sums like 6 * 0.05 that miss their decimal value by rounding.
 constexpr double rounding = 1e-9;
 
-bool carries_water(const Channel& channel) { return channel.flow != Flow::closed || !channel.water_blocks.empty(); }
+bool carries_water(const Channel& channel) {
+    return channel.flow != Flow::closed || !channel.water_blocks.empty();
+}
 
 void check_flow(const Channel& channel, const std::string& source) {
     if (channel.flow != Flow::closed && !channel.water_blocks.empty()) {
@@ -41,8 +43,8 @@ void check_spacing(const Scene& scene, const std::string& source) {
     const auto check = [&](double size, const std::string& what) {
         if (d <= size * (1 + rounding)) return;
         refuse(source, "/fluid/particle_spacing_m",
-               short_number(d) + " m is larger than " + what + " of " + short_number(size) + " m; allowed: <= " +
-                   short_number(size) + " m.");
+               short_number(d) + " m is larger than " + what + " of " + short_number(size) +
+                   " m; allowed: <= " + short_number(size) + " m.");
     };
     const Channel& channel = scene.channel;
     check(channel.x.length(), "the channel's length");
@@ -64,11 +66,13 @@ void check_periodic(const Scene& scene, const std::string& source) {
     const auto check = [&](const Interval& extent, const std::string& pointer, const std::string& what) {
         if (extent.length() >= shortest * (1 - rounding)) return;
         refuse(source, pointer,
-               what + " " + short_number(extent.length()) + " m, so that a particle would meet itself across the joint; " +
+               what + " " + short_number(extent.length()) +
+                   " m, so that a particle would meet itself across the joint; " +
                    "allowed: >= 6 fluid.particle_spacing_m = " + short_number(shortest) + " m.");
     };
     const Channel& channel = scene.channel;
-    if (channel.flow == Flow::recirculating) check(channel.x, "/channel/x_max_m", "the recirculating channel's length is");
+    if (channel.flow == Flow::recirculating)
+        check(channel.x, "/channel/x_max_m", "the recirculating channel's length is");
     if (channel.sides == Sides::periodic) check(channel.z, "/channel/z_max_m", "the width between periodic sides is");
 }
 
@@ -91,7 +95,8 @@ void check_water(const Scene& scene, const std::string& source) {
     const std::uint64_t needed = particles_needed(scene);
     if (static_cast<std::uint64_t>(scene.fluid.max_particles) < needed) {
         refuse(source, "/fluid/max_particles",
-               std::to_string(scene.fluid.max_particles) + " particles are too few for the water of this scene at a spacing of " +
+               std::to_string(scene.fluid.max_particles) +
+                   " particles are too few for the water of this scene at a spacing of " +
                    short_number(scene.fluid.particle_spacing) + " m; allowed: >= " + std::to_string(needed) + ".");
     }
 }

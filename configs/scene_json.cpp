@@ -31,12 +31,19 @@ constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"fill
 constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}};
 constexpr std::array speed_rules{std::pair{"pi", SpeedRule::pi}, std::pair{"per_frame", SpeedRule::per_frame},
                                  std::pair{"per_second", SpeedRule::per_second}};
-constexpr std::array contact_rules{std::pair{"difference", ContactRule::difference}, std::pair{"sum", ContactRule::sum}};
+constexpr std::array contact_rules{std::pair{"difference", ContactRule::difference},
+                                   std::pair{"sum", ContactRule::sum}};
 constexpr std::array coupling_rules{std::pair{"per_frame", CouplingRule::per_frame}};
 
-Interval interval(const json& box, const char* lo, const char* hi) { return {box.at(lo), box.at(hi)}; }
-Interval x_of(const json& box) { return interval(box, "x_min_m", "x_max_m"); }
-Interval z_of(const json& box) { return interval(box, "z_min_m", "z_max_m"); }
+Interval interval(const json& box, const char* lo, const char* hi) {
+    return {box.at(lo), box.at(hi)};
+}
+Interval x_of(const json& box) {
+    return interval(box, "x_min_m", "x_max_m");
+}
+Interval z_of(const json& box) {
+    return interval(box, "z_min_m", "z_max_m");
+}
 
 Channel channel_from(const json& j) {
     Channel channel;
@@ -126,7 +133,8 @@ void inherit(json& crowd, const char* key, bool was_set, const std::string& sour
     }
     if (was_set && !used) {
         throw ConfigurationError(source + ": /crowd/" + key + ": " + crowd[key].dump() +
-                                 " has no effect, as every group sets its own; set /crowd/groups/0/" + key + " instead.");
+                                 " has no effect, as every group sets its own; set /crowd/groups/0/" + key +
+                                 " instead.");
     }
 }
 
@@ -158,7 +166,8 @@ void resolve_shorthands(json& document, const json& as_written, const std::strin
         json& event = document["events"][i];
         if (event.contains("frame") == event.contains("time_s")) {
             throw ConfigurationError(source + ": /events/" + std::to_string(i) + ": an event needs exactly one of " +
-                                     "\"frame\" and \"time_s\", and has " + (event.contains("frame") ? "both." : "neither."));
+                                     "\"frame\" and \"time_s\", and has " +
+                                     (event.contains("frame") ? "both." : "neither."));
         }
         if (event.contains("time_s")) {
             event["frame"] = frame_at(event["time_s"], frame_rate);
@@ -185,8 +194,9 @@ Scene scene_from_json(const json& document) {
     scene.fluid = fluid_from(document.at("fluid"));
     scene.crowd = crowd_from(document.at("crowd"));
     const json& coupling = document.at("coupling");
-    scene.coupling = {choice_of(coupling.at("contact_rule"), contact_rules), choice_of(coupling.at("rule"), coupling_rules),
-                      coupling.at("agent_radius_m"), coupling.at("particle_radius_m")};
+    scene.coupling = {choice_of(coupling.at("contact_rule"), contact_rules),
+                      choice_of(coupling.at("rule"), coupling_rules), coupling.at("agent_radius_m"),
+                      coupling.at("particle_radius_m")};
     for (const json& event : document.at("events")) scene.events.push_back(event_from(event));
     return scene;
 }

@@ -4,8 +4,8 @@
 //   file -> parse (comments allowed) -> check against the schema -> merge with what it extends -> overrides
 //        -> defaults -> typed Scene -> checks that need several values at once
 //
-// Every error is a ConfigurationError whose sentence names the file (or the option), the JSON pointer, the value and what
-// would be allowed.
+// Every error is a ConfigurationError whose sentence names the file (or the option), the JSON pointer, the value and
+// what would be allowed.
 
 #include <filesystem>
 #include <string>
@@ -34,7 +34,8 @@ struct SceneOverride {
 [[nodiscard]] SceneOverride parse_override(const std::string& assignment);
 
 // Reads a scene file and those that it extends.
-[[nodiscard]] LoadedScene load_scene(const std::filesystem::path& file, const std::vector<SceneOverride>& overrides = {});
+[[nodiscard]] LoadedScene load_scene(const std::filesystem::path& file,
+                                     const std::vector<SceneOverride>& overrides = {});
 
 // The same for a text that is not in a file; `file` is named in errors and `extends` is relative to its folder.
 [[nodiscard]] LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& file,

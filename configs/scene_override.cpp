@@ -15,8 +15,8 @@ using nlohmann::json;
 // The keys of a JSON pointer (RFC 6901), unescaped.
 std::vector<std::string> keys_of(const SceneOverride& change) {
     if (change.pointer.empty() || change.pointer.front() != '/') {
-        throw ConfigurationError(change.source + ": \"" + change.pointer + "\" is not a JSON pointer; one begins with '/'," +
-                                 " for example /fluid/cfl.");
+        throw ConfigurationError(change.source + ": \"" + change.pointer +
+                                 "\" is not a JSON pointer; one begins with '/'," + " for example /fluid/cfl.");
     }
     std::vector<std::string> keys;
     for (std::size_t i = 0; i < change.pointer.size(); ++i) {
@@ -33,13 +33,15 @@ std::vector<std::string> keys_of(const SceneOverride& change) {
     return keys;
 }
 
-std::size_t index_of(const std::string& key, const json& array, const std::string& pointer, const SceneOverride& change) {
+std::size_t index_of(const std::string& key, const json& array, const std::string& pointer,
+                     const SceneOverride& change) {
     std::size_t index = 0;
     const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), index);
     if (error != std::errc() || end != key.data() + key.size() || index > array.size()) {
-        throw ConfigurationError(change.source + ": " + pointer_to(pointer, key) + ": \"" + key + "\" is not an index of " +
-                                 pointer + "; allowed: 0 to " + std::to_string(array.size()) +
-                                 (array.empty() ? "" : ", the last of which appends") + ".");
+        throw ConfigurationError(change.source + ": " + pointer_to(pointer, key) + ": \"" + key +
+                                 "\" is not an index of " + pointer + "; allowed: 0 to " +
+                                 std::to_string(array.size()) + (array.empty() ? "" : ", the last of which appends") +
+                                 ".");
     }
     return index;
 }
@@ -105,7 +107,8 @@ void apply_override(json& document, const SceneOverride& change) {
             if (place->is_null() && (*schema)["type"] == "object") *place = json::object();
             if (place->is_null() && (*schema)["type"] == "array") *place = json::array();
         } else {
-            throw ConfigurationError(change.source + ": " + pointer + " is a " + type + " and has no keys.");
+            throw ConfigurationError(change.source + ": " + pointer +
+                                     " is no object and no array, so that nothing lies below it.");
         }
         pointer = pointer_to(pointer, key);
     }

@@ -1,8 +1,9 @@
 #include "configs/scene_schema.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <regex>
+#include <stdexcept>
 #include <vector>
 
 #include "configs/exit_code.hpp"
@@ -57,6 +58,28 @@ bool in_range(const json& value, const json& schema) {
              (schema.contains("exclusiveMaximum") && number >= schema["exclusiveMaximum"].get<double>()));
 }
 
+// The characters of a pattern of the one form that the schema uses, "^[...]+$": single ones and ranges like a-z,
+// without escapes; a '-' at the end stands for itself.
+std::string_view character_class(const json& schema) {
+    const std::string_view pattern = schema["pattern"].get_ref<const std::string&>();
+    if (pattern.size() < 6 || !pattern.starts_with("^[") || !pattern.ends_with("]+$")) {
+        throw std::logic_error("a pattern of the schema is not of the form ^[...]+$: " + std::string(pattern));
+    }
+    return pattern.substr(2, pattern.size() - 5);
+}
+
+bool consists_of(const std::string& text, std::string_view allowed) {
+    const auto is_allowed = [allowed](char c) {
+        for (std::size_t i = 0; i < allowed.size(); ++i) {
+            const bool range = i + 2 < allowed.size() && allowed[i + 1] == '-';
+            if (range ? allowed[i] <= c && c <= allowed[i + 2] : allowed[i] == c) return true;
+            if (range) i += 2;
+        }
+        return false;
+    };
+    return std::all_of(text.begin(), text.end(), is_allowed);
+}
+
 void check_string(const json& value, const json& schema, const std::string& pointer, const std::string& source) {
     const auto& text = value.get_ref<const std::string&>();
     if (schema.contains("enum")) {
@@ -70,10 +93,9 @@ void check_string(const json& value, const json& schema, const std::string& poin
     }
     const bool right_length = text.size() >= schema.value("minLength", std::size_t{0}) &&
                               text.size() <= schema.value("maxLength", std::string::npos);
-    if (!right_length ||
-        (schema.contains("pattern") && !std::regex_search(text, std::regex(schema["pattern"].get<std::string>())))) {
-        throw ConfigurationError(location(source, pointer) + ": " + shown(value) + " is not allowed; allowed: " +
-                                 allowed_values(schema) + ".");
+    if (!right_length || (schema.contains("pattern") && !consists_of(text, character_class(schema)))) {
+        throw ConfigurationError(location(source, pointer) + ": " + shown(value) +
+                                 " is not allowed; allowed: " + allowed_values(schema) + ".");
     }
 }
 
@@ -111,7 +133,7 @@ std::string allowed_values(const json& schema) {
     if (schema.contains("maximum")) add("<= " + schema["maximum"].dump());
     if (schema.contains("minLength")) add("at least " + schema["minLength"].dump() + " characters");
     if (schema.contains("maxLength")) add("at most " + schema["maxLength"].dump() + " characters");
-    if (schema.contains("pattern")) add("a match of " + schema["pattern"].get<std::string>());
+    if (schema.contains("pattern")) add("only characters of [" + std::string(character_class(schema)) + "]");
     if (text.empty()) return "any " + schema["type"].get<std::string>();
     if (schema.contains("x-unit")) text += " " + schema["x-unit"].get<std::string>();
     return text;
@@ -125,7 +147,8 @@ void throw_unknown_key(const json& object_schema, const std::string& key, const 
                              "; the nearest known key is \"" + nearest_name(key, known) + "\".");
 }
 
-void check_against_schema(const json& value, const json& schema, const std::string& pointer, const std::string& source) {
+void check_against_schema(const json& value, const json& schema, const std::string& pointer,
+                          const std::string& source) {
     const auto& type = schema["type"].get_ref<const std::string&>();
     if (!has_type(value, type)) {
         throw ConfigurationError(location(source, pointer) + ": expected " + with_article(type) + ", found " +
@@ -143,8 +166,8 @@ void check_against_schema(const json& value, const json& schema, const std::stri
     } else if (type == "string") {
         check_string(value, schema, pointer, source);
     } else if (type != "boolean" && !in_range(value, schema)) {
-        throw ConfigurationError(location(source, pointer) + ": " + shown(value) + " is out of range; allowed: " +
-                                 allowed_values(schema) + ".");
+        throw ConfigurationError(location(source, pointer) + ": " + shown(value) +
+                                 " is out of range; allowed: " + allowed_values(schema) + ".");
     }
 }
 
@@ -156,8 +179,9 @@ void complete_with_defaults(json& value, const json& schema, const std::string& 
             if (value.contains(name)) continue;
             const json& missing = schema["properties"][name];
             throw ConfigurationError(source + ": " + pointer_to(pointer, name) + ": required key \"" + name +
-                                     "\" is missing (" + with_article(missing["type"].get<std::string>()) + "; allowed: " +
-                                     allowed_values(missing) + "). " + missing["description"].get<std::string>());
+                                     "\" is missing (" + with_article(missing["type"].get<std::string>()) +
+                                     "; allowed: " + allowed_values(missing) + "). " +
+                                     missing["description"].get<std::string>());
         }
         for (const auto& [key, member_schema] : schema["properties"].items()) {
             if (!value.contains(key)) {

@@ -2,8 +2,8 @@
 // Checks JSON values against scene.schema.json and completes them with its defaults.
 //
 // The schema uses these keywords of JSON Schema 2020-12, and this file no others: type, properties, required,
-// additionalProperties (false), items, enum, minimum, maximum, exclusiveMinimum, exclusiveMaximum, minLength, maxLength,
-// pattern, default.
+// additionalProperties (false), items, enum, minimum, maximum, exclusiveMinimum, exclusiveMaximum, minLength,
+// maxLength, pattern, default.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -19,7 +19,8 @@ namespace wade {
 void check_against_schema(const nlohmann::json& value, const nlohmann::json& schema, const std::string& pointer,
                           const std::string& source);
 
-// Adds every default to `value`, gives numbers the type that the schema states, and checks that no required key is missing.
+// Adds every default to `value`, gives numbers the type that the schema states, and checks that no required key is
+// missing.
 void complete_with_defaults(nlohmann::json& value, const nlohmann::json& schema, const std::string& pointer,
                             const std::string& source);
 
@@ -27,8 +28,8 @@ void complete_with_defaults(nlohmann::json& value, const nlohmann::json& schema,
 [[nodiscard]] std::string pointer_to(const std::string& pointer, const std::string& key);
 
 // Throws that `key`, in the object at `pointer`, is not known there, and names the nearest key that is.
-[[noreturn]] void throw_unknown_key(const nlohmann::json& object_schema, const std::string& key, const std::string& pointer,
-                                    const std::string& source);
+[[noreturn]] void throw_unknown_key(const nlohmann::json& object_schema, const std::string& key,
+                                    const std::string& pointer, const std::string& source);
 
 // The allowed values of a schema as words with unit, for example "> 0 and <= 2 s".
 [[nodiscard]] std::string allowed_values(const nlohmann::json& schema);

@@ -179,17 +179,17 @@ void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles
         for (std::size_t i = begin; i < end; ++i) {
             const Vec3 x{p.x[i], p.y[i], p.z[i]};
             const std::size_t first = n;
-            append_near(grid, p, x, h2, block, n, [i](std::size_t j) { return j != i; });
+            const bool by_obstacle = solids.obstacle_near(x);
+            const auto at = [&](std::size_t j) { return Vec3{p.x[j], p.y[j], p.z[j]}; };
+            append_near(grid, p, x, h2, block, n,
+                        [&](std::size_t j) { return j != i && (!by_obstacle || solids.visible(x, at(j))); });
             block.segments.push_back({static_cast<std::uint32_t>(n)});
             solids.mirrors_near(x, mirrors);
             for (const Mirror& mirror : mirrors) {
-                if (mirror.obstacle < 0) {
-                    append_near(grid, p, mirror.reflect(x), h2, block, n, [](std::size_t) { return true; });
-                } else {
-                    append_near(grid, p, mirror.reflect(x), h2, block, n, [&](std::size_t j) {
-                        return solids.sees(x, {p.x[j], p.y[j], p.z[j]}, mirror);
-                    });
-                }
+                append_near(grid, p, mirror.reflect(x), h2, block, n, [&](std::size_t j) {
+                    return !by_obstacle || (mirror.obstacle < 0 ? solids.visible(x, mirror.reflect(at(j)))
+                                                                : solids.sees_image(x, at(j), mirror));
+                });
                 const Vec3 sign = mirror.sign();
                 block.segments.push_back({static_cast<std::uint32_t>(n), sign[0], sign[1], sign[2]});
             }

@@ -12,13 +12,16 @@ namespace wade::fluid {
 
 inline constexpr std::size_t block_size = 256;
 
+// With fewer blocks than this the threads would wait for one another longer than they work.
+inline constexpr std::ptrdiff_t serial_below = 12;
+
 inline std::size_t block_count(std::size_t n) { return (n + block_size - 1) / block_size; }
 
 // Calls body(begin, end, block) for each block of [0, n), in parallel where there is enough to share.
 template <typename Body>
 void for_each_block(std::size_t n, Body&& body) {
     const auto blocks = static_cast<std::ptrdiff_t>(block_count(n));
-#pragma omp parallel for schedule(static) if (blocks > 4)
+#pragma omp parallel for schedule(static) if (blocks >= serial_below)
     for (std::ptrdiff_t b = 0; b < blocks; ++b) {
         const std::size_t begin = static_cast<std::size_t>(b) * block_size;
         body(begin, std::min(begin + block_size, n), static_cast<std::size_t>(b));

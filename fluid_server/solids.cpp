@@ -48,6 +48,15 @@ Solids::Solids(const Scene& scene)
     }
 }
 
+bool Solids::near(const Box& box, const Vec3& x) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (x[k] <= box.lo[k] - support_radius_ || x[k] >= box.hi[k] + support_radius_) {
+            return false;
+        }
+    }
+    return true;
+}
+
 void Solids::mirrors_near(const Vec3& x, std::vector<Mirror>& mirrors) const {
     mirrors.clear();
     mirrors.push_back({});  // no reflection; each axis then adds its own to all that are there
@@ -74,11 +83,7 @@ void Solids::add_obstacle_mirrors(const Vec3& x, std::vector<Mirror>& mirrors) c
     const std::size_t walls = mirrors.size();
     for (std::size_t o = 0; o < obstacles_.size(); ++o) {
         const Box& box = obstacles_[o];
-        bool near = true;
-        for (std::size_t k = 0; k < 3; ++k) {
-            near = near && x[k] > box.lo[k] - support_radius_ && x[k] < box.hi[k] + support_radius_;
-        }
-        for (std::size_t k = 0; k < 3 && near; ++k) {
+        for (std::size_t k = 0; k < 3 && near(box, x); ++k) {
             const bool beyond = x[k] >= box.hi[k];
             if (!beyond && x[k] > box.lo[k]) {
                 continue;  // this axis has no face that the particle can see
@@ -97,25 +102,49 @@ void Solids::add_obstacle_mirrors(const Vec3& x, std::vector<Mirror>& mirrors) c
     }
 }
 
-bool Solids::sees(const Vec3& x, const Vec3& y, const Mirror& mirror) const {
+bool Solids::obstacle_near(const Vec3& x) const {
+    return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Box& box) { return near(box, x); });
+}
+
+bool Solids::visible(const Vec3& x, const Vec3& y) const {
+    for (const Box& box : obstacles_) {
+        // The part of the line x + t (y - x), 0 < t < 1, that lies between both faces of every axis.
+        float enter = 0;
+        float leave = 1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const float way = y[k] - x[k];
+            if (way == 0) {
+                leave = x[k] > box.lo[k] && x[k] < box.hi[k] ? leave : -1;
+            } else {
+                const float to_lo = (box.lo[k] - x[k]) / way;
+                const float to_hi = (box.hi[k] - x[k]) / way;
+                enter = std::max(enter, std::min(to_lo, to_hi));
+                leave = std::min(leave, std::max(to_lo, to_hi));
+            }
+        }
+        if (enter < leave) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool Solids::sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) const {
     const Box& box = obstacles_[static_cast<std::size_t>(mirror.obstacle)];
     const std::size_t k = mirror.obstacle_axis;
     const float side = mirror.plane[k] == box.hi[k] ? 1.0F : -1.0F;
     const float from = side * (x[k] - mirror.plane[k]);
     const float to = side * (y[k] - mirror.plane[k]);
-    const float thickness = box.hi[k] - box.lo[k];
-    if (to < 0 || from > thickness || to > thickness) {
-        return false;  // on the other side, or the image would lie beyond a thin obstacle
+    if (from < 0 || to < 0 || from + to <= 0) {
+        return false;  // one of them is not on the face's side
     }
-    const float t = from + to > 0 ? from / (from + to) : 0.5F;
     for (std::size_t m = 0; m < 3; ++m) {
-        if (m == k) {
-            continue;
-        }
-        const float ym = mirror.axis[m] ? 2 * mirror.plane[m] - y[m] : y[m];
-        const float crossing = x[m] + t * (ym - x[m]);
-        if (crossing < box.lo[m] || crossing > box.hi[m]) {
-            return false;
+        if (m != k) {
+            const float ym = mirror.axis[m] ? 2 * mirror.plane[m] - y[m] : y[m];
+            const float crossing = x[m] + from / (from + to) * (ym - x[m]);
+            if (crossing <= box.lo[m] || crossing >= box.hi[m]) {
+                return false;
+            }
         }
     }
     return true;

@@ -6,11 +6,11 @@
 // no case for solids: a lattice next to a wall has exactly rest density, forces between particles and images are equal
 // and opposite, energy is neither gained nor lost, the flow slips freely along the face and none crosses it.
 //
-//        images across y | fluid             A concave edge such as bed and bank shows three families: mirrored across
-//         and z, twice   | images across y   either face, and across both. At a convex edge of an obstacle an image
-//       -----------------+-----------------  counts only if the straight line to it passes through the face itself, so
-//         images across  |                   that no part of the solid is filled twice.
-//         z              |  o   fluid
+//        images across y | fluid           A concave edge such as bed and bank shows three families: mirrored across
+//         and z, twice   | images across y  either face, and across both. At a convex edge of an obstacle the rule is that of
+//       -----------------+----------------  sight: a particle sees another if the straight line between them is free, and
+//         images across  |                  the image of another if the line to the image passes through the mirror's
+//         z              |  o   fluid       face. So every place round a particle is filled exactly once.
 //
 // Contact is for what pressure cannot carry: single particles and sheets thinner than the spacing have less than rest
 // density and so no pressure. Their centres stay a contact distance away from every face.
@@ -61,8 +61,15 @@ class Solids {
     // Replaces `mirrors` by those in which a particle at x may see images nearer than the support radius.
     void mirrors_near(const Vec3& x, std::vector<Mirror>& mirrors) const;
 
-    // Whether a particle at x sees the image of a particle at y in a mirror that belongs to an obstacle.
-    [[nodiscard]] bool sees(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
+    // Whether an obstacle is nearer to x than the support radius, so that the two questions below arise.
+    [[nodiscard]] bool obstacle_near(const Vec3& x) const;
+
+    // Whether the straight line from x to y passes through no obstacle.
+    [[nodiscard]] bool visible(const Vec3& x, const Vec3& y) const;
+
+    // Whether a particle at x sees a particle at y in a mirror that belongs to an obstacle: whether the line from x to the
+    // image passes through the face.
+    [[nodiscard]] bool sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
 
     // Unilateral, inelastic contact: reduces the velocity v of a particle at x so that after x + dt v its centre is no
     // nearer than the contact distance to any face. Returns the velocity taken away (v before minus v after), m/s.
@@ -75,6 +82,7 @@ class Solids {
     [[nodiscard]] const std::vector<Box>& obstacles() const { return obstacles_; }
 
  private:
+    [[nodiscard]] bool near(const Box& box, const Vec3& x) const;
     void add_obstacle_mirrors(const Vec3& x, std::vector<Mirror>& mirrors) const;
 
     Box interior_;
