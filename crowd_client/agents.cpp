@@ -16,8 +16,8 @@ Vector2d unit_or_zero(const Vector2d& v) {
 void check_start(const World& world, std::size_t group, int member, const Vector2d& p) {
     if (p.x() >= 0 && p.x() <= world.length && p.y() >= 0 && p.y() <= world.width) return;
     std::ostringstream message;
-    message << "/crowd/groups/" << group << ": agent " << member << " of the group starts at (" << p.x() << ", " << p.y()
-            << "), outside the world [0, " << world.length << "] x [0, " << world.width << "] m";
+    message << "/crowd/groups/" << group << ": agent " << member << " of the group starts at (" << p.x() << ", "
+            << p.y() << "), outside the world [0, " << world.length << "] x [0, " << world.width << "] m";
     throw ConfigurationError(message.str());
 }
 

@@ -17,14 +17,14 @@ enum class Outcome : std::uint8_t { active, arrived, dead };
 [[nodiscard]] std::string_view outcome_name(Outcome outcome);
 
 struct Agents {
-    std::vector<Vector2d> position;       // m
-    std::vector<Vector2d> velocity;       // displacement of the last frame / dt, m/s
-    std::vector<Vector2d> heading;        // unit vector of the last motion; towards the goal before the first
-    std::vector<Vector2d> goal;           // m
-    std::vector<double> desired_speed;    // s_max, m/s
-    std::vector<double> mass;             // m_a, kg
-    std::vector<double> tau;              // endurance, [0, 1]
-    std::vector<std::uint32_t> group;     // index into Crowd::groups
+    std::vector<Vector2d> position;     // m
+    std::vector<Vector2d> velocity;     // displacement of the last frame / dt, m/s
+    std::vector<Vector2d> heading;      // unit vector of the last motion; towards the goal before the first
+    std::vector<Vector2d> goal;         // m
+    std::vector<double> desired_speed;  // s_max, m/s
+    std::vector<double> mass;           // m_a, kg
+    std::vector<double> tau;            // endurance, [0, 1]
+    std::vector<std::uint32_t> group;   // index into Crowd::groups
     std::vector<Outcome> outcome;
     std::vector<std::uint64_t> end_frame;  // frame of arrival or death; meaningless while active
     std::vector<double> path_length;       // m

@@ -50,7 +50,8 @@ void apply_event(Agents& agents, const Scene& scene, const TauEvent& event) {
 
 void apply_events_due(CrowdWorld& crowd, std::uint64_t frame) {
     const std::vector<TauEvent>& events = crowd.scene.events;
-    for (; crowd.events_applied < events.size() && events[crowd.events_applied].frame <= frame; ++crowd.events_applied) {
+    for (; crowd.events_applied < events.size() && events[crowd.events_applied].frame <= frame;
+         ++crowd.events_applied) {
         apply_event(crowd.agents, crowd.scene, events[crowd.events_applied]);
     }
 }
@@ -99,7 +100,9 @@ void couple_with_water(CrowdWorld& crowd) {
 }
 
 // Nobody walks over the fall at x = 0; water that pushes towards it may carry an agent over.
-bool pushed_over_the_fall(double tau, const Contact& contact) { return tau > 0 && contact.momentum.x() < 0; }
+bool pushed_over_the_fall(double tau, const Contact& contact) {
+    return tau > 0 && contact.momentum.x() < 0;
+}
 
 void move_agents(CrowdWorld& crowd) {
     Agents& agents = crowd.agents;

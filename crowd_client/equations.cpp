@@ -57,9 +57,13 @@ Vector2d momentum_before(double agent_mass, const Vector2d& walking, const Conta
     return agent_mass * walking + water.momentum;
 }
 
-double mass_after(double agent_mass, const Contact& water) { return agent_mass + water.mass; }
+double mass_after(double agent_mass, const Contact& water) {
+    return agent_mass + water.mass;
+}
 
-Contact yielded_water(double tau, const Contact& water) { return {tau * water.mass, tau * water.momentum}; }
+Contact yielded_water(double tau, const Contact& water) {
+    return {tau * water.mass, tau * water.momentum};
+}
 
 Vector2d coupled_velocity(double agent_mass, const Vector2d& walking, double tau, const Contact& water) {
     const Contact yielded = yielded_water(tau, water);

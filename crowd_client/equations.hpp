@@ -15,7 +15,7 @@ using Vector2d = Eigen::Vector2d;
 
 // One particle of the water as an agent feels it.
 struct WaterParticle {
-    double mass = 0;  // kg
+    double mass = 0;                       // kg
     Vector2d velocity = Vector2d::Zero();  // m/s
 };
 

@@ -27,9 +27,9 @@ struct FluidSummary {
     std::uint64_t solver_ns = 0;
     std::uint64_t position_clamps = 0;
     std::uint64_t recycled_particles = 0;
-    std::uint64_t resident_bytes = 0;        // the largest seen
-    WeightedMean depth, speed;               // m, m/s; each frame counts once
-    WeightedMean density_error;              // fraction; each time step counts once
+    std::uint64_t resident_bytes = 0;  // the largest seen
+    WeightedMean depth, speed;         // m, m/s; each frame counts once
+    WeightedMean density_error;        // fraction; each time step counts once
     std::optional<double> max_density_error;
 };
 

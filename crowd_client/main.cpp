@@ -26,7 +26,9 @@ using namespace wade::crowd;
 
 volatile std::sig_atomic_t received_signal = 0;
 
-extern "C" void remember_signal(int signal) { received_signal = signal; }
+extern "C" void remember_signal(int signal) {
+    received_signal = signal;
+}
 
 void catch_signals() {
     struct sigaction action {};
@@ -154,8 +156,8 @@ struct Run {
 
 // Takes part in the session to its end; errors pass through, with `run` complete up to the last frame.
 void take_part(Run& run, RunFolder& folder, const RunOptions& options, Console& console) {
-    const std::unique_ptr<FrameSource> source = join_session(
-        options.session, run.crowd.scene.hash, run.crowd.scene.frame_rate, waiting_of(options, console));
+    const std::unique_ptr<FrameSource> source =
+        join_session(options.session, run.crowd.scene.hash, run.crowd.scene.frame_rate, waiting_of(options, console));
     run.labels.model = source->info().producer_name;
     console.line("crowd_client: joined session '" + options.session + "' of '" + run.labels.model + "'");
     run.clock = Stopwatch();
@@ -184,8 +186,8 @@ int run_scene(const ProgramStart& start, Console& console) {
     try {
         take_part(run, folder, start.options, console);
         if (run.summary.status == "stream_ended") {
-            run.summary.message = "the stream of water ended after frame " + std::to_string(run.summary.frames) + " of " +
-                                  std::to_string(frames_of(run.crowd.scene));
+            run.summary.message = "the stream of water ended after frame " + std::to_string(run.summary.frames) +
+                                  " of " + std::to_string(frames_of(run.crowd.scene));
             console.line("crowd_client: warning: " + run.summary.message);
         }
     } catch (const std::exception& error) {

@@ -33,7 +33,9 @@ bool far_from_all(const std::vector<Point>& others, const Point& p, double min_d
     return true;
 }
 
-void check_ranges(const Crowd& crowd) {
+constexpr double most_markers = 2e8;  // 16 bytes each; also keeps their numbers within 32 bits
+
+void check_ranges(const Crowd& crowd, const GroundGrid& grid) {
     std::ostringstream message;
     if (!(crowd.perception_radius > 0 && crowd.perception_radius <= GroundGrid::cell_size)) {
         message << "/crowd/perception_radius_m is " << crowd.perception_radius << ", allowed is more than 0 up to "
@@ -43,6 +45,9 @@ void check_ranges(const Crowd& crowd) {
                 << GroundGrid::cell_size << " (the size of a cell)";
     } else if (crowd.markers_per_cell < 1) {
         message << "/crowd/markers_per_cell is " << crowd.markers_per_cell << ", allowed is 1 or more";
+    } else if (static_cast<double>(grid.cells()) * crowd.markers_per_cell > most_markers) {
+        message << "/crowd/markers_per_cell: " << crowd.markers_per_cell << " markers in each of the " << grid.cells()
+                << " cells of the world are more than " << most_markers << " in all; make the world smaller";
     } else {
         return;
     }
@@ -60,9 +65,9 @@ void check_ranges(const Crowd& crowd) {
 
 Markers place_markers(const Scene& scene) {
     const Crowd& crowd = scene.crowd;
-    check_ranges(crowd);
     Markers markers;
     markers.grid = GroundGrid::over(scene.world);
+    check_ranges(crowd, markers.grid);
     const GroundGrid& grid = markers.grid;
     const double min_distance = crowd.marker_min_distance;
     const auto wanted = static_cast<std::size_t>(crowd.markers_per_cell);

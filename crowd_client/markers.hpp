@@ -11,8 +11,8 @@ namespace wade::crowd {
 
 struct Markers {
     GroundGrid grid;
-    std::vector<double> x, z;                // m, ordered by cell
-    std::vector<std::uint32_t> cell_start;   // markers of cell c: [cell_start[c], cell_start[c + 1])
+    std::vector<double> x, z;               // m, ordered by cell
+    std::vector<std::uint32_t> cell_start;  // markers of cell c: [cell_start[c], cell_start[c + 1])
 
     [[nodiscard]] std::size_t size() const { return x.size(); }
 };
@@ -21,7 +21,8 @@ struct Markers {
 // two of them, in one cell or in two, are closer than `marker_min_distance`; then drops those inside obstacles, so that
 // free ground has the same density everywhere. The grid's border has markers too: an agent at the edge of the world
 // perceives as many as elsewhere.
-// Depends on the seed alone. Throws ConfigurationError if the markers do not fit or the perception radius exceeds a cell.
+// Depends on the seed alone. Throws ConfigurationError if the markers do not fit or the perception radius exceeds a
+// cell.
 [[nodiscard]] Markers place_markers(const Scene& scene);
 
 }  // namespace wade::crowd

@@ -9,9 +9,9 @@ namespace wade::crowd {
 namespace {
 
 struct Hit {
-    double time = 2;     // in units of the displacement, [0, 1]; 2: none
-    int axis = 0;        // 0: a face normal to x, 1: normal to z
-    double face = 0;     // its coordinate along the axis, m
+    double time = 2;  // in units of the displacement, [0, 1]; 2: none
+    int axis = 0;     // 0: a face normal to x, 1: normal to z
+    double face = 0;  // its coordinate along the axis, m
 };
 
 bool strictly_inside(const Obstacle& box, const Vector2d& p) {
@@ -46,7 +46,8 @@ Hit entry(const Obstacle& box, const Vector2d& p, const Vector2d& d) {
 }
 
 bool free_of_boxes(const Walls& walls, const Vector2d& p) {
-    return std::none_of(walls.boxes.begin(), walls.boxes.end(), [&](const Obstacle& b) { return strictly_inside(b, p); });
+    return std::none_of(walls.boxes.begin(), walls.boxes.end(),
+                        [&](const Obstacle& b) { return strictly_inside(b, p); });
 }
 
 }  // namespace
@@ -96,28 +97,22 @@ Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displaceme
     // sliding along another. What is left after the last turn is given up: the point is then where it last touched.
     constexpr int max_turns = 8;
     Vector2d at = p;
-    Vector2d rest = target - p;
-    for (int turn = 0; turn < max_turns; ++turn) {
+    for (int turn = 0; turn < max_turns && at != target; ++turn) {
+        const Vector2d rest = target - at;
         Hit first;
         for (const Obstacle& box : walls.boxes) {
             const Hit hit = entry(box, at, rest);
             if (hit.time < first.time) first = hit;
         }
-        if (first.time > 1) {
-            // Exactly the target along an untouched axis, so that a free step has no rounding of its own.
-            Vector2d end = at + rest;
-            if (turn == 0) end = target;
-            return free_of_boxes(walls, end) ? end : at;
-        }
+        if (first.time > 1) return free_of_boxes(walls, target) ? target : at;
         const int along = 1 - first.axis;
+        const auto [lo, hi] = std::minmax(at[along], target[along]);
         Vector2d touch;
         touch[first.axis] = first.face;
-        touch[along] = at[along] + first.time * rest[along];
+        touch[along] = std::clamp(at[along] + first.time * rest[along], lo, hi);
         if (!free_of_boxes(walls, touch)) return at;
-        rest[along] *= 1 - first.time;
-        rest[first.axis] = 0;
         at = touch;
-        if (rest[along] == 0) return at;
+        target[first.axis] = first.face;
     }
     return at;
 }

@@ -5,16 +5,20 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace wade::crowd {
 namespace {
 
 std::string sentence(const std::filesystem::path& file, const std::string& reason, bool disk_full) {
-    if (disk_full) return "no space left on the device of '" + file.string() + "', the file could not be written further";
+    if (disk_full)
+        return "no space left on the device of '" + file.string() + "', the file could not be written further";
     return "cannot write '" + file.string() + "': " + reason;
 }
 
-bool means_full(int error_number) { return error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG; }
+bool means_full(int error_number) {
+    return error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
+}
 
 // 0, or the error number that kept the bytes from being written.
 int write_all(int descriptor, std::string_view bytes) {
@@ -71,11 +75,29 @@ void make_run_folder(const std::filesystem::path& folder) {
     ::unlink(probe.c_str());
 }
 
+ReservedSpace::ReservedSpace(std::filesystem::path file, std::size_t bytes) : file_(std::move(file)) {
+    const int descriptor = open_for_writing(file_);
+    if (descriptor < 0) throw OutputError(file_, errno);
+    const int error = ::posix_fallocate(descriptor, 0, static_cast<off_t>(bytes));
+    ::close(descriptor);
+    // A file system that cannot reserve is no reason not to run.
+    if (error != 0 && error != EOPNOTSUPP && error != EINVAL) {
+        ::unlink(file_.c_str());
+        throw OutputError(file_, error);
+    }
+}
+
+ReservedSpace::~ReservedSpace() {
+    ::unlink(file_.c_str());
+}
+
 AppendFile::AppendFile(const std::filesystem::path& file) : file_(file), descriptor_(open_for_writing(file)) {
     if (descriptor_ < 0) throw OutputError(file_, errno);
 }
 
-AppendFile::~AppendFile() { ::close(descriptor_); }
+AppendFile::~AppendFile() {
+    ::close(descriptor_);
+}
 
 void AppendFile::append(std::string_view bytes) {
     const int error = write_all(descriptor_, bytes);

@@ -1,6 +1,7 @@
 #pragma once
 // Files of a run: written whole or not at all, with errors that name the file.
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -27,6 +28,18 @@ void write_whole_file(const std::filesystem::path& file, std::string_view conten
 // Creates the folder with its parents and makes sure that files can be written there.
 // Throws ConfigurationError (exit code 2) that names the folder.
 void make_run_folder(const std::filesystem::path& folder);
+
+// Space on the disk kept free for what must still be written when the disk is full. Given back by the destructor.
+class ReservedSpace {
+ public:
+    ReservedSpace(std::filesystem::path file, std::size_t bytes);  // throws OutputError if there is not so much
+    ~ReservedSpace();
+    ReservedSpace(const ReservedSpace&) = delete;
+    ReservedSpace& operator=(const ReservedSpace&) = delete;
+
+ private:
+    std::filesystem::path file_;
+};
 
 // A file that grows record by record; what was appended before an error stays whole.
 class AppendFile {

@@ -57,15 +57,18 @@ std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, doub
 std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, double wall_time) {
     const double time = static_cast<double>(summary.frames) * crowd.dt;
     std::string text = print("%s: %zu of %zu arrived", summary.status.c_str(), crowd.arrived, crowd.agents.size());
-    if (crowd.arrived > 0) text += print(", the last after %.1f s", static_cast<double>(crowd.last_arrival_frame) * crowd.dt);
+    if (crowd.arrived > 0)
+        text += print(", the last after %.1f s", static_cast<double>(crowd.last_arrival_frame) * crowd.dt);
     text += print("; %zu dead, %zu active\n", crowd.dead, crowd.active.size());
     text += print("%.1f s simulated in %.1f s of wall time", time, wall_time);
     if (wall_time > 0) text += print(" (%.2f s a second)", time / wall_time);
     const FluidSummary& fluid = summary.fluid;
     text += print("; water: up to %u particles", fluid.particles_max);
     if (const auto error = fluid.density_error.value()) text += print(", mean density error %.3f %%", 100 * *error);
-    if (fluid.steps > 0) text += print(", %llu position clamps", static_cast<unsigned long long>(fluid.position_clamps));
-    if (fluid.resident_bytes > 0) text += print(", server memory %.0f MB", static_cast<double>(fluid.resident_bytes) * 1e-6);
+    if (fluid.steps > 0)
+        text += print(", %llu position clamps", static_cast<unsigned long long>(fluid.position_clamps));
+    if (fluid.resident_bytes > 0)
+        text += print(", server memory %.0f MB", static_cast<double>(fluid.resident_bytes) * 1e-6);
     return text;
 }
 

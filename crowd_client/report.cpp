@@ -21,7 +21,9 @@ double time_of(const CrowdWorld& crowd, std::uint64_t frame) {
 }
 
 // A counter that may not have been given: 0 means so, unless the producer gave other figures.
-Json counter(std::uint64_t value, bool given) { return given ? Json(value) : Json(nullptr); }
+Json counter(std::uint64_t value, bool given) {
+    return given ? Json(value) : Json(nullptr);
+}
 
 Json fluid_json(const RunSummary& summary, const RunLabels& labels) {
     const FluidSummary& fluid = summary.fluid;
@@ -32,15 +34,15 @@ Json fluid_json(const RunSummary& summary, const RunLabels& labels) {
     json["particle_steps"] = counter(fluid.particle_steps, has_solver);
     json["steps"] = counter(fluid.steps, has_solver);
     json["solver_wall_s"] = nullptr;
-    if (!labels.reproducible && fluid.solver_ns > 0) json["solver_wall_s"] = static_cast<double>(fluid.solver_ns) * 1e-9;
+    if (!labels.reproducible && fluid.solver_ns > 0)
+        json["solver_wall_s"] = static_cast<double>(fluid.solver_ns) * 1e-9;
     json["mean_depth_m"] = or_null(fluid.depth.value());
     json["mean_speed_m_s"] = or_null(fluid.speed.value());
     json["max_density_error"] = or_null(fluid.max_density_error);
     json["mean_density_error"] = or_null(fluid.density_error.value());
     json["position_clamps"] = counter(fluid.position_clamps, has_solver);
     json["recycled_particles"] = counter(fluid.recycled_particles, has_solver);
-    json["resident_bytes"] =
-        counter(fluid.resident_bytes, fluid.resident_bytes > 0 && !labels.reproducible);
+    json["resident_bytes"] = counter(fluid.resident_bytes, fluid.resident_bytes > 0 && !labels.reproducible);
     return json;
 }
 
@@ -62,7 +64,9 @@ std::string csv_field(const std::string& text) {
 }
 
 // Bytes that are no UTF-8, for example in a file name, become a replacement character instead of an error.
-std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string text_of(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
 
 }  // namespace
 

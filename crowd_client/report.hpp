@@ -11,14 +11,14 @@ namespace wade::crowd {
 
 // What is known about a run besides the crowd. Times and names of machines are left empty in a reproducible run.
 struct RunLabels {
-    std::string model;                 // of the fluid, as its producer calls itself; empty: never met
-    std::string canonical_scene;       // JSON of the resolved scene
+    std::string model;            // of the fluid, as its producer calls itself; empty: never met
+    std::string canonical_scene;  // JSON of the resolved scene
     std::string session;
-    int threads = 0;                   // 0: as many as there are processors
+    int threads = 0;  // 0: as many as there are processors
     std::vector<std::string> command_line;
     bool reproducible = false;
-    std::optional<double> wall_time;   // s
-    std::string started_at;            // ISO 8601, UTC
+    std::optional<double> wall_time;  // s
+    std::string started_at;           // ISO 8601, UTC
     std::string host;
 };
 

@@ -13,9 +13,9 @@ void stop_if_interrupted(const ClientHooks& hooks, std::uint64_t frame) {
     const int signal = hooks.interrupted ? hooks.interrupted() : 0;
     if (signal == 0) return;
     const bool terminated = signal == SIGTERM;
-    throw RunError(terminated ? ExitCode::terminated : ExitCode::interrupted,
-                   std::string("interrupted by ") + (terminated ? "SIGTERM" : "SIGINT") + " after frame " +
-                       std::to_string(frame));
+    throw RunError(
+        terminated ? ExitCode::terminated : ExitCode::interrupted,
+        std::string("interrupted by ") + (terminated ? "SIGTERM" : "SIGINT") + " after frame " + std::to_string(frame));
 }
 
 void take_frames(CrowdWorld& crowd, FrameSource& source, RunSummary& summary, const ClientHooks& hooks) {

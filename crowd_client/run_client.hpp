@@ -14,9 +14,9 @@ namespace wade::crowd {
 // How a run went so far. Kept by the caller, so that it is complete up to the last frame when the loop throws.
 struct RunSummary {
     std::string status = "running";
-    std::string message;            // why the run ended badly, a full sentence
-    std::uint64_t frames = 0;       // taken
-    std::uint64_t frame_hash = 0;   // chain over them
+    std::string message;           // why the run ended badly, a full sentence
+    std::uint64_t frames = 0;      // taken
+    std::uint64_t frame_hash = 0;  // chain over them
     FluidSummary fluid;
 };
 

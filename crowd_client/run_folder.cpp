@@ -17,6 +17,8 @@ RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, cons
     for (const char* old : {"agents.csv", "water.bin", "figure.png"}) std::filesystem::remove(folder_ / old, ignored);
     write_whole_file(folder_ / "manifest.json", manifest_json(crowd, RunSummary{}, labels));
     write_whole_file(folder_ / "outcome.json", outcome_json(crowd, RunSummary{}, labels));
+    // Twice the length of a line of agents.csv, twice the other files and their blocks.
+    reserve_.emplace(folder_ / ".reserve", 400 * crowd.agents.size() + 2 * labels.canonical_scene.size() + 65536);
     trajectories_.emplace(folder_ / "trajectories.sqlite", crowd.scene);
     trajectories_->write(0, crowd.agents, crowd.active);
     if (water_interval > 0) {
@@ -44,10 +46,14 @@ void RunFolder::finish(const CrowdWorld& crowd, const RunSummary& summary, const
             if (!first) first = std::current_exception();
         }
     };
-    attempt([&] { trajectories_->close(); });
+    // Closing the database needs space, too; on a full disk the texts come first.
+    const bool disk_full = summary.status == "disk_full";
+    if (!disk_full) attempt([&] { trajectories_->close(); });
+    reserve_.reset();
     attempt([&] { write_whole_file(folder_ / "agents.csv", agents_csv(crowd)); });
     attempt([&] { write_whole_file(folder_ / "manifest.json", manifest_json(crowd, summary, labels)); });
     attempt([&] { write_whole_file(folder_ / "outcome.json", outcome_json(crowd, summary, labels)); });
+    if (disk_full) attempt([&] { trajectories_->close(); });
     if (first) std::rethrow_exception(first);
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "crowd_client/output_file.hpp"
 #include "crowd_client/report.hpp"
 #include "crowd_client/trajectory_file.hpp"
 #include "crowd_client/water_snapshots.hpp"
@@ -13,6 +14,7 @@ namespace wade::crowd {
 //   trajectories.sqlite, water.bin   grow frame by frame
 //   outcome.json, manifest.json      say "running" from the start, rewritten as a whole at the end
 //   agents.csv                       written at the end, be it good or bad
+//   .reserve                         space for the last three, so that a disk that fills up keeps none of them out
 class RunFolder {
  public:
     // Creates the folder and its first files; results of an earlier run in it are replaced.
@@ -30,6 +32,7 @@ class RunFolder {
 
  private:
     std::filesystem::path folder_;
+    std::optional<ReservedSpace> reserve_;
     std::optional<TrajectoryFile> trajectories_;
     std::optional<WaterSnapshots> water_;
     std::uint64_t frames_per_snapshot_ = 0;

@@ -23,7 +23,9 @@ std::string ring(const Interval& x, const Interval& z) {
            z0 + ")";
 }
 
-bool touch(const Interval& a, const Interval& b) { return a.lo <= b.hi && b.lo <= a.hi; }
+bool touch(const Interval& a, const Interval& b) {
+    return a.lo <= b.hi && b.lo <= a.hi;
+}
 
 bool may_be_a_hole(const Scene& scene, const Obstacle& o) {
     if (o.x.lo <= 0 || o.z.lo <= 0 || o.x.hi >= scene.world.length || o.z.hi >= scene.world.width) return false;

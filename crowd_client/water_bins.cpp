@@ -40,7 +40,9 @@ void keep_near(WaterBins& bins, const WaterView& water) {
     }
 }
 
-double gap_to_interval(double v, double lo, double hi) { return std::max({lo - v, v - hi, 0.0}); }
+double gap_to_interval(double v, double lo, double hi) {
+    return std::max({lo - v, v - hi, 0.0});
+}
 
 }  // namespace
 

@@ -16,12 +16,12 @@ namespace wade::crowd {
 // The arrays keep their memory from frame to frame.
 struct WaterBins {
     GroundGrid grid;
-    std::vector<double> x, z;                // m
-    std::vector<double> mass;                // kg
-    std::vector<double> vx, vz;              // m/s
-    std::vector<std::uint32_t> cell_start;   // particles of cell c: [cell_start[c], cell_start[c + 1])
+    std::vector<double> x, z;               // m
+    std::vector<double> mass;               // kg
+    std::vector<double> vx, vz;             // m/s
+    std::vector<std::uint32_t> cell_start;  // particles of cell c: [cell_start[c], cell_start[c + 1])
 
-    std::vector<std::uint8_t> near_agent;    // by cell
+    std::vector<std::uint8_t> near_agent;  // by cell
     std::vector<std::uint32_t> kept_particle, kept_cell;
 };
 

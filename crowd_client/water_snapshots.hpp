@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "configs/scene.hpp"
 #include "crowd_client/output_file.hpp"
 #include "crowd_client/water_view.hpp"
-#include "configs/scene.hpp"
 
 namespace wade::crowd {
 

@@ -8,11 +8,12 @@
 
 namespace wade::crowd {
 
-// Arrays in place in the shared memory; world coordinate = origin + scale * stored value, velocity = scale * stored value.
+// Arrays in place in the shared memory; world coordinate = origin + scale * stored value, velocity = scale * stored
+// value.
 struct WaterView {
-    std::span<const float> mass;    // kg
-    std::span<const float> px, pz;  // stored units
-    std::span<const float> vx, vz;  // stored units per second
+    std::span<const float> mass;        // kg
+    std::span<const float> px, pz;      // stored units
+    std::span<const float> vx, vz;      // stored units per second
     double scale_x = 1, scale_z = 1;    // m per stored unit, negative for a mirrored axis
     double origin_x = 0, origin_z = 0;  // m
 

@@ -11,30 +11,30 @@ static_assert(__atomic_always_lock_free(sizeof(std::uint64_t), nullptr) &&
 
 template <typename T>
 [[nodiscard]] inline T load_relaxed(const T& word) {
-  return __atomic_load_n(&word, __ATOMIC_RELAXED);
+    return __atomic_load_n(&word, __ATOMIC_RELAXED);
 }
 template <typename T>
 [[nodiscard]] inline T load_acquire(const T& word) {
-  return __atomic_load_n(&word, __ATOMIC_ACQUIRE);
+    return __atomic_load_n(&word, __ATOMIC_ACQUIRE);
 }
 template <typename T>
 [[nodiscard]] inline T load_ordered(const T& word) {  // sequentially consistent
-  return __atomic_load_n(&word, __ATOMIC_SEQ_CST);
+    return __atomic_load_n(&word, __ATOMIC_SEQ_CST);
 }
 template <typename T>
 inline void store_relaxed(T& word, T value) {
-  __atomic_store_n(&word, value, __ATOMIC_RELAXED);
+    __atomic_store_n(&word, value, __ATOMIC_RELAXED);
 }
 template <typename T>
 inline void store_release(T& word, T value) {
-  __atomic_store_n(&word, value, __ATOMIC_RELEASE);
+    __atomic_store_n(&word, value, __ATOMIC_RELEASE);
 }
 template <typename T>
 inline void store_ordered(T& word, T value) {  // sequentially consistent
-  __atomic_store_n(&word, value, __ATOMIC_SEQ_CST);
+    __atomic_store_n(&word, value, __ATOMIC_SEQ_CST);
 }
 inline void count_up(std::uint32_t& word) {  // sequentially consistent
-  __atomic_fetch_add(&word, 1U, __ATOMIC_SEQ_CST);
+    __atomic_fetch_add(&word, 1U, __ATOMIC_SEQ_CST);
 }
 
 }  // namespace wade::shm

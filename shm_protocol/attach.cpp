@@ -23,173 +23,175 @@ namespace {
 constexpr std::int64_t retry_ns = 5'000'000;  // an absent segment has no word to sleep on
 
 std::string hexadecimal(std::uint64_t value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
+    char text[32];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+    return text;
 }
 
 // What one look at the name found: a producer to join, or the reason to look again later.
 struct Found {
-  std::optional<Link> link;
-  std::string otherwise;
+    std::optional<Link> link;
+    std::string otherwise;
 };
 
 bool has_ended(std::uint32_t producer_state) {
-  return producer_state >= producer_draining;
+    return producer_state >= producer_draining;
 }
 
 bool may_be_taken(const ConsumerEntry& entry) {
-  return load_acquire(entry.state) != consumer_joined;
+    return load_acquire(entry.state) != consumer_joined;
 }
 
 // Takes the first entry that nobody uses: its lock is free, nobody has joined through it, and the producer has seen
 // the goodbye of the one before. The lock is taken before the last look, so two consumers cannot both succeed.
 bool claim_entry(Link& link) {
-  for (std::uint32_t i = 0; i < link.map->consumer_count; ++i) {
-    const auto free = [&] {
-      return may_be_taken(link.pages.consumer(i)) && load_acquire(link.pages.control().admitted_frame[i]) == 0;
-    };
-    if (!free() || !lock_byte(link.file.fd(), consumer_lock_byte + i)) continue;
-    if (free()) {
-      link.index = i;
-      return true;
+    for (std::uint32_t i = 0; i < link.map->consumer_count; ++i) {
+        const auto free = [&] {
+            return may_be_taken(link.pages.consumer(i)) && load_acquire(link.pages.control().admitted_frame[i]) == 0;
+        };
+        if (!free() || !lock_byte(link.file.fd(), consumer_lock_byte + i)) continue;
+        if (free()) {
+            link.index = i;
+            return true;
+        }
+        unlock_byte(link.file.fd(), consumer_lock_byte + i);
     }
-    unlock_byte(link.file.fd(), consumer_lock_byte + i);
-  }
-  return false;
+    return false;
 }
 
 void fill_entry(Link& link, const AttachRequest& request, ConsumerState state, const std::string& reason) {
-  ConsumerEntry& entry = *link.entry;
-  store_release(entry.acknowledged_frame, std::uint64_t{0});
-  store_release(entry.waiting, 0U);
-  store_relaxed(entry.heartbeat_ns, static_cast<std::uint64_t>(monotonic_ns()));
-  entry.mode = mode_lockstep;
-  entry.stride = 1;
-  entry.dropped_frames = 0;
-  entry.start_time = process_start_time();
-  entry.pid = static_cast<std::uint32_t>(getpid());
-  store_text(entry.name, name_bytes, request.consumer_name);
-  entry.reason_code = reason.empty() ? 0 : static_cast<int>(Failure::protocol_violation);
-  store_text(entry.reason_text, reason_bytes, reason);
-  store_release(entry.state, static_cast<std::uint32_t>(state));
-  link.ring();
+    ConsumerEntry& entry = *link.entry;
+    store_release(entry.acknowledged_frame, std::uint64_t{0});
+    store_release(entry.waiting, 0U);
+    store_relaxed(entry.heartbeat_ns, static_cast<std::uint64_t>(monotonic_ns()));
+    entry.mode = mode_lockstep;
+    entry.stride = 1;
+    entry.dropped_frames = 0;
+    entry.start_time = process_start_time();
+    entry.pid = static_cast<std::uint32_t>(getpid());
+    store_text(entry.name, name_bytes, request.consumer_name);
+    entry.reason_code = reason.empty() ? 0 : static_cast<int>(Failure::protocol_violation);
+    store_text(entry.reason_text, reason_bytes, reason);
+    store_release(entry.state, static_cast<std::uint32_t>(state));
+    link.ring();
 }
 
 void map_pages(Link& link, const AttachRequest& request) {
-  const SegmentMap& map = *link.map;
-  if (request.shared_base != nullptr) {
-    link.pages = Pages<const std::byte>(request.shared_base, map);
-    link.doorbell = &Pages<std::byte>(request.shared_base, map).doorbell();
-    return;
-  }
-  link.all = link.file.map(0, map.total_bytes, false);
-  link.pages = Pages<const std::byte>(static_cast<const std::byte*>(link.all.get_address()), map);
-  link.doorbell_page = link.file.map(map.doorbell, sizeof(Doorbell), true);
-  link.doorbell = static_cast<Doorbell*>(link.doorbell_page.get_address());
+    const SegmentMap& map = *link.map;
+    if (request.shared_base != nullptr) {
+        link.pages = Pages<const std::byte>(request.shared_base, map);
+        link.doorbell = &Pages<std::byte>(request.shared_base, map).doorbell();
+        return;
+    }
+    link.all = link.file.map(0, map.total_bytes, false);
+    link.pages = Pages<const std::byte>(static_cast<const std::byte*>(link.all.get_address()), map);
+    link.doorbell_page = link.file.map(map.doorbell, sizeof(Doorbell), true);
+    link.doorbell = static_cast<Doorbell*>(link.doorbell_page.get_address());
 }
 
 void map_entry(Link& link, const AttachRequest& request) {
-  if (request.shared_base != nullptr) {
-    link.entry = &Pages<std::byte>(request.shared_base, *link.map).consumer(link.index);
-    return;
-  }
-  const std::uint64_t at = link.map->consumers + link.index * link.map->consumer_stride;
-  link.entry_page = link.file.map(at, sizeof(ConsumerEntry), true);
-  link.entry = static_cast<ConsumerEntry*>(link.entry_page.get_address());
+    if (request.shared_base != nullptr) {
+        link.entry = &Pages<std::byte>(request.shared_base, *link.map).consumer(link.index);
+        return;
+    }
+    const std::uint64_t at = link.map->consumers + link.index * link.map->consumer_stride;
+    link.entry_page = link.file.map(at, sizeof(ConsumerEntry), true);
+    link.entry = static_cast<ConsumerEntry*>(link.entry_page.get_address());
 }
 
 std::optional<SegmentFile> open_own(const std::string& name) {
-  std::optional<SegmentFile> file;
-  try {
-    file = SegmentFile::open(name);
-  } catch (const std::system_error& e) {
-    if (e.code().value() != EACCES) throw;
-    throw Error(Failure::protocol_violation, "The shared-memory segment " + name + " belongs to another user.");
-  }
-  if (file && !file->owned_by_this_user())
-    throw Error(Failure::protocol_violation, "The shared-memory segment " + name + " belongs to another user.");
-  return file;
+    std::optional<SegmentFile> file;
+    try {
+        file = SegmentFile::open(name);
+    } catch (const std::system_error& e) {
+        if (e.code().value() != EACCES) throw;
+        throw Error(Failure::protocol_violation, "The shared-memory segment " + name + " belongs to another user.");
+    }
+    if (file && !file->owned_by_this_user())
+        throw Error(Failure::protocol_violation, "The shared-memory segment " + name + " belongs to another user.");
+    return file;
 }
 
 // A private copy of the header page once the magic is stored, empty before.
 std::optional<Header> copy_header(const SegmentFile& file) {
-  const auto page = file.map(0, page_bytes, false);
-  const auto* const shared = static_cast<const Header*>(page.get_address());
-  if (load_acquire(shared->magic) == 0) return std::nullopt;
-  Header copy;
-  std::memcpy(&copy, shared, sizeof copy);
-  return copy;
+    const auto page = file.map(0, page_bytes, false);
+    const auto* const shared = static_cast<const Header*>(page.get_address());
+    if (load_acquire(shared->magic) == 0) return std::nullopt;
+    Header copy;
+    std::memcpy(&copy, shared, sizeof copy);
+    return copy;
 }
 
 Found look(const std::string& name, const AttachRequest& request) {
-  std::optional<SegmentFile> file = open_own(name);
-  if (!file) return {std::nullopt, "there is no shared-memory segment " + name};
-  if (!is_locked_by_other(file->fd(), producer_lock_byte))
-    return {std::nullopt, "the shared-memory segment " + name + " was left by a producer that is dead"};
-  const std::uint64_t size = file->size();
-  if (size == 0) return {std::nullopt, "the producer of " + name + " has not sized its segment yet"};
-  if (size < page_bytes)
-    throw Error(Failure::protocol_violation, "The shared-memory segment " + name + " is cut off: it holds " +
-                                                 std::to_string(size) + " bytes, its header alone 4096.");
-  const std::optional<Header> header = copy_header(*file);
-  if (!header) return {std::nullopt, "the producer of " + name + " has not finished its header yet"};
+    std::optional<SegmentFile> file = open_own(name);
+    if (!file) return {std::nullopt, "there is no shared-memory segment " + name};
+    if (!is_locked_by_other(file->fd(), producer_lock_byte))
+        return {std::nullopt, "the shared-memory segment " + name + " was left by a producer that is dead"};
+    const std::uint64_t size = file->size();
+    if (size == 0) return {std::nullopt, "the producer of " + name + " has not sized its segment yet"};
+    if (size < page_bytes)
+        throw Error(Failure::protocol_violation, "The shared-memory segment " + name + " is cut off: it holds " +
+                                                     std::to_string(size) + " bytes, its header alone 4096.");
+    const std::optional<Header> header = copy_header(*file);
+    if (!header) return {std::nullopt, "the producer of " + name + " has not finished its header yet"};
 
-  Link link;
-  try {
-    link.map = std::make_unique<SegmentMap>(read_header(*header, size));
-  } catch (const Error& error) {
-    throw Error(error.failure(), "The shared-memory segment " + name + " is refused. " + error.what());
-  }
-  link.file = std::move(*file);
-  map_pages(link, request);
-  if (has_ended(load_acquire(link.pages.control().state)))
-    return {std::nullopt, "the producer of " + name + " has ended its stream"};
-  link.producer_pid = link.pages.control().pid;
-  if (!claim_entry(link)) return {std::nullopt, "all consumer entries of " + name + " are taken"};
-  map_entry(link, request);
+    Link link;
+    try {
+        link.map = std::make_unique<SegmentMap>(read_header(*header, size));
+    } catch (const Error& error) {
+        throw Error(error.failure(), "The shared-memory segment " + name + " is refused. " + error.what());
+    }
+    link.file = std::move(*file);
+    map_pages(link, request);
+    if (has_ended(load_acquire(link.pages.control().state)))
+        return {std::nullopt, "the producer of " + name + " has ended its stream"};
+    link.producer_pid = link.pages.control().pid;
+    if (!claim_entry(link)) return {std::nullopt, "all consumer entries of " + name + " are taken"};
+    map_entry(link, request);
 
-  const std::uint64_t theirs = link.map->info.scene_hash;
-  if (request.scene_hash != 0 && theirs != 0 && theirs != request.scene_hash) {
-    const std::string reason = "The two programs were given different scenes: producer '" +
-                               link.map->info.producer_name + "' has scene " + hexadecimal(theirs) + ", consumer '" +
-                               request.consumer_name + "' has scene " + hexadecimal(request.scene_hash) + ".";
-    fill_entry(link, request, consumer_refused, reason);
-    throw Error(Failure::protocol_violation, reason);
-  }
-  fill_entry(link, request, consumer_joined, "");
-  return {std::move(link), ""};
+    const std::uint64_t theirs = link.map->info.scene_hash;
+    if (request.scene_hash != 0 && theirs != 0 && theirs != request.scene_hash) {
+        const std::string reason = "The two programs were given different scenes: producer '" +
+                                   link.map->info.producer_name + "' has scene " + hexadecimal(theirs) +
+                                   ", consumer '" + request.consumer_name + "' has scene " +
+                                   hexadecimal(request.scene_hash) + ".";
+        fill_entry(link, request, consumer_refused, reason);
+        throw Error(Failure::protocol_violation, reason);
+    }
+    fill_entry(link, request, consumer_joined, "");
+    return {std::move(link), ""};
 }
 
 }  // namespace
 
 void Link::ring() const {
-  count_up(doorbell->consumer_sequence);
-  if (load_ordered(pages.control().producer_waiting) != 0) futex_wake_all(doorbell->consumer_sequence);
+    count_up(doorbell->consumer_sequence);
+    if (load_ordered(pages.control().producer_waiting) != 0) futex_wake_all(doorbell->consumer_sequence);
 }
 
 Link attach(const AttachRequest& request, const Waiting& waiting) {
-  const std::string name = segment_name(request.session, request.kind);
-  if (request.consumer_name.empty() || request.consumer_name.size() >= name_bytes)
-    throw std::invalid_argument("Consumer name '" + request.consumer_name + "' is not allowed: 1 to 63 bytes are.");
-  Patience patience(waiting.attach_timeout_s);
-  std::int64_t last = monotonic_ns();
-  for (;;) {
-    Found found = look(name, request);
-    if (found.link) return std::move(*found.link);
-    if (patience.exhausted()) {
-      char seconds[32];
-      std::snprintf(seconds, sizeof seconds, "%g", waiting.attach_timeout_s);
-      throw Error(Failure::attach_timeout, std::string("Waited ") + seconds + " s in vain for a producer of session '" +
-                                               request.session + "': " + found.otherwise + ".");
+    const std::string name = segment_name(request.session, request.kind);
+    if (request.consumer_name.empty() || request.consumer_name.size() >= name_bytes)
+        throw std::invalid_argument("Consumer name '" + request.consumer_name + "' is not allowed: 1 to 63 bytes are.");
+    Patience patience(waiting.attach_timeout_s);
+    std::int64_t last = monotonic_ns();
+    for (;;) {
+        Found found = look(name, request);
+        if (found.link) return std::move(*found.link);
+        if (patience.exhausted()) {
+            char seconds[32];
+            std::snprintf(seconds, sizeof seconds, "%g", waiting.attach_timeout_s);
+            throw Error(Failure::attach_timeout, std::string("Waited ") + seconds +
+                                                     " s in vain for a producer of session '" + request.session +
+                                                     "': " + found.otherwise + ".");
+        }
+        check_interrupted(waiting, "a producer of session '" + request.session + "'");
+        const timespec pause{0, retry_ns};
+        nanosleep(&pause, nullptr);
+        const std::int64_t now = monotonic_ns();
+        patience.count(1e-9 * static_cast<double>(now - last));
+        last = now;
     }
-    check_interrupted(waiting, "a producer of session '" + request.session + "'");
-    const timespec pause{0, retry_ns};
-    nanosleep(&pause, nullptr);
-    const std::int64_t now = monotonic_ns();
-    patience.count(1e-9 * static_cast<double>(now - last));
-    last = now;
-  }
 }
 
 }  // namespace wade::shm

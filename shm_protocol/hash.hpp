@@ -12,8 +12,8 @@ namespace wade::shm {
 using HashedFields = std::array<std::span<const float>, 7>;
 
 struct ChainResult {
-  std::uint64_t hash;
-  bool nonfinite;  // some value is a NaN or an infinity
+    std::uint64_t hash;
+    bool nonfinite;  // some value is a NaN or an infinity
 };
 
 // The chain of frame f from the chain of frame f - 1 (0 before the first frame), in one pass over the arrays.

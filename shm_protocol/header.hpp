@@ -14,12 +14,12 @@ inline constexpr std::array<const char*, 7> field_names{"mass", "vx", "vy", "vz"
 
 // Where things lie, in private memory: offsets are never read from the segment again.
 struct SegmentMap {
-  StreamInfo info;
-  std::uint64_t total_bytes = 0;
-  std::uint64_t control = 0, doorbell = 0, consumers = 0, descriptors = 0, slots = 0;  // from the start of the file
-  std::uint64_t consumer_stride = 0, descriptor_stride = 0, slot_stride = 0;
-  std::uint32_t consumer_count = 0;
-  std::array<std::uint64_t, field_names.size()> fields{};  // from the start of a slot, in the order of field_names
+    StreamInfo info;
+    std::uint64_t total_bytes = 0;
+    std::uint64_t control = 0, doorbell = 0, consumers = 0, descriptors = 0, slots = 0;  // from the start of the file
+    std::uint64_t consumer_stride = 0, descriptor_stride = 0, slot_stride = 0;
+    std::uint32_t consumer_count = 0;
+    std::array<std::uint64_t, field_names.size()> fields{};  // from the start of a slot, in the order of field_names
 };
 
 // The header of a new stream, complete but for the magic, which the producer stores last.

@@ -35,153 +35,153 @@ inline constexpr std::size_t reason_bytes = 512;  // with the terminating zero
 enum StreamKind : std::uint32_t { stream_fluid = 1, stream_agents = 2 };
 enum FieldType : std::uint32_t { field_float32 = 1 };
 enum ProducerState : std::uint32_t {
-  producer_init = 0,
-  producer_ready = 1,     // consumers may join
-  producer_running = 2,   // a frame was begun
-  producer_draining = 3,  // published_frame is the last one
-  producer_closed = 4,    // every lockstep consumer has acknowledged the last frame
-  producer_aborted = 5    // reason_code and reason_text say why
+    producer_init = 0,
+    producer_ready = 1,     // consumers may join
+    producer_running = 2,   // a frame was begun
+    producer_draining = 3,  // published_frame is the last one
+    producer_closed = 4,    // every lockstep consumer has acknowledged the last frame
+    producer_aborted = 5    // reason_code and reason_text say why
 };
 enum ConsumerState : std::uint32_t {
-  consumer_free = 0,
-  consumer_joined = 1,   // takes part from frame Control::admitted_frame[i], once the producer has set it
-  consumer_left = 2,     // clean goodbye
-  consumer_aborted = 3,  // reason_code and reason_text say why
-  consumer_refused = 4   // did not join because of what the header says, reason_text says why
+    consumer_free = 0,
+    consumer_joined = 1,   // takes part from frame Control::admitted_frame[i], once the producer has set it
+    consumer_left = 2,     // clean goodbye
+    consumer_aborted = 3,  // reason_code and reason_text say why
+    consumer_refused = 4   // did not join because of what the header says, reason_text says why
 };
 enum ConsumerMode : std::uint32_t {
-  mode_lockstep = 0,  // the producer waits for its acknowledgements
-  mode_latest = 1     // the producer never waits for it
+    mode_lockstep = 0,  // the producer waits for its acknowledgements
+    mode_latest = 1     // the producer never waits for it
 };
 enum FrameFlag : std::uint32_t {
-  frame_final = 1,      // the last frame of the stream
-  frame_nonfinite = 2,  // holds a NaN or an infinity
+    frame_final = 1,      // the last frame of the stream
+    frame_nonfinite = 2,  // holds a NaN or an infinity
 };
 
 // Diagnostics of one frame. Not given: 0 for an integer (so a counter at 0 reads "none or not given"), NaN for a
 // double.
 struct Diagnostics {
-  static constexpr double not_given = std::numeric_limits<double>::quiet_NaN();
+    static constexpr double not_given = std::numeric_limits<double>::quiet_NaN();
 
-  std::uint32_t sub_steps = 0;              // time steps of this frame
-  std::uint32_t density_iterations = 0;     // of the constant-density solve, summed over the sub-steps
-  std::uint32_t divergence_iterations = 0;  // of the divergence-free solve, summed over the sub-steps
-  std::uint32_t reserved0 = 0;
-  double last_dt_s = not_given;           // length of the last sub-step
-  double mean_density_error = not_given;  // max(0, rho/rho0 - 1), mean over particles, then over sub-steps
-  double max_density_error = not_given;   // the same fraction, maximum over particles and sub-steps
-  std::uint64_t solver_ns = 0;            // wall time spent in the solver for this frame
-  double mean_depth_m = not_given;
-  double mean_speed_m_s = not_given;  // of the stream, in the direction of flow
-  double kinetic_energy_j = not_given;
-  double potential_energy_j = not_given;
-  double driving_acceleration_m_s2 = not_given;  // body force that holds the bulk speed, mean over the frame
-  std::uint64_t position_clamps = 0;             // since the start
-  std::uint64_t recycled_particles = 0;          // since the start
-  std::uint64_t resident_bytes = 0;              // memory of the producer's process
-  std::uint64_t reserved[10] = {};
+    std::uint32_t sub_steps = 0;              // time steps of this frame
+    std::uint32_t density_iterations = 0;     // of the constant-density solve, summed over the sub-steps
+    std::uint32_t divergence_iterations = 0;  // of the divergence-free solve, summed over the sub-steps
+    std::uint32_t reserved0 = 0;
+    double last_dt_s = not_given;           // length of the last sub-step
+    double mean_density_error = not_given;  // max(0, rho/rho0 - 1), mean over particles, then over sub-steps
+    double max_density_error = not_given;   // the same fraction, maximum over particles and sub-steps
+    std::uint64_t solver_ns = 0;            // wall time spent in the solver for this frame
+    double mean_depth_m = not_given;
+    double mean_speed_m_s = not_given;  // of the stream, in the direction of flow
+    double kinetic_energy_j = not_given;
+    double potential_energy_j = not_given;
+    double driving_acceleration_m_s2 = not_given;  // body force that holds the bulk speed, mean over the frame
+    std::uint64_t position_clamps = 0;             // since the start
+    std::uint64_t recycled_particles = 0;          // since the start
+    std::uint64_t resident_bytes = 0;              // memory of the producer's process
+    std::uint64_t reserved[10] = {};
 };
 
 // One array of a slot: `capacity` values of `type` from `offset` (bytes from the start of the slot) on.
 struct FieldEntry {
-  char name[16];  // zero-terminated: "mass", "vx", "vy", "vz", "px", "py", "pz"
-  std::uint32_t type;
-  std::uint32_t reserved;
-  std::uint64_t offset;  // a multiple of 64
+    char name[16];  // zero-terminated: "mass", "vx", "vy", "vz", "px", "py", "pz"
+    std::uint32_t type;
+    std::uint32_t reserved;
+    std::uint64_t offset;  // a multiple of 64
 };
 
 struct Header {
-  std::uint64_t magic;  // (atomic) stored last; 0 = the producer is still at work
-  std::uint32_t version_major;
-  std::uint32_t version_minor;
-  std::uint32_t endian_tag;
-  std::uint32_t header_bytes;       // 4096
-  std::uint32_t crc32c;             // of the header page with this word taken as 0
-  std::uint32_t required_features;  // bits that a reader must understand
-  std::uint64_t total_bytes;        // the size of the file
-  std::uint64_t session_id;         // random, differs from run to run
-  std::uint64_t scene_hash;         // 0 = not given
-  std::uint32_t stream_kind;        // StreamKind
-  std::uint32_t coupling_lag;       // two-way runs: 0 serial, 1 parallel
-  std::uint64_t capacity;           // particles a slot can hold, 1 .. 2^32 - 1
-  std::uint32_t slot_count;         // 1 .. 64
-  std::uint32_t depth;              // 1 .. slot_count
-  std::uint64_t ticks_per_second;
-  std::uint64_t ticks_per_frame;
-  double metres_per_unit;
-  double origin[3];      // in metres
-  std::int32_t axes[3];  // world axis i is the stored axis |axes[i]| - 1, mirrored if negative: {1, 2, 3} = as stored
-  std::uint32_t field_count;
-  double particle_radius;  // m, 0 = not given
-  double rest_density;     // kg/m3, 0 = not given
-  std::uint64_t control_offset;
-  std::uint64_t doorbell_offset;
-  std::uint64_t consumers_offset;
-  std::uint32_t consumer_stride;
-  std::uint32_t consumer_count;
-  std::uint64_t descriptors_offset;
-  std::uint64_t descriptor_stride;
-  std::uint64_t slots_offset;
-  std::uint64_t slot_stride;
-  char producer_name[name_bytes];
-  std::uint8_t reserved0[224];
-  FieldEntry fields[max_fields];
-  std::uint8_t reserved1[3072];
+    std::uint64_t magic;  // (atomic) stored last; 0 = the producer is still at work
+    std::uint32_t version_major;
+    std::uint32_t version_minor;
+    std::uint32_t endian_tag;
+    std::uint32_t header_bytes;       // 4096
+    std::uint32_t crc32c;             // of the header page with this word taken as 0
+    std::uint32_t required_features;  // bits that a reader must understand
+    std::uint64_t total_bytes;        // the size of the file
+    std::uint64_t session_id;         // random, differs from run to run
+    std::uint64_t scene_hash;         // 0 = not given
+    std::uint32_t stream_kind;        // StreamKind
+    std::uint32_t coupling_lag;       // two-way runs: 0 serial, 1 parallel
+    std::uint64_t capacity;           // particles a slot can hold, 1 .. 2^32 - 1
+    std::uint32_t slot_count;         // 1 .. 64
+    std::uint32_t depth;              // 1 .. slot_count
+    std::uint64_t ticks_per_second;
+    std::uint64_t ticks_per_frame;
+    double metres_per_unit;
+    double origin[3];      // in metres
+    std::int32_t axes[3];  // world axis i is the stored axis |axes[i]| - 1, mirrored if negative: {1, 2, 3} = as stored
+    std::uint32_t field_count;
+    double particle_radius;  // m, 0 = not given
+    double rest_density;     // kg/m3, 0 = not given
+    std::uint64_t control_offset;
+    std::uint64_t doorbell_offset;
+    std::uint64_t consumers_offset;
+    std::uint32_t consumer_stride;
+    std::uint32_t consumer_count;
+    std::uint64_t descriptors_offset;
+    std::uint64_t descriptor_stride;
+    std::uint64_t slots_offset;
+    std::uint64_t slot_stride;
+    char producer_name[name_bytes];
+    std::uint8_t reserved0[224];
+    FieldEntry fields[max_fields];
+    std::uint8_t reserved1[3072];
 };
 
 struct Control {
-  std::uint32_t publish_sequence;  // (atomic) futex word: one more at each publication, admission and change of state
-  std::uint32_t state;             // (atomic) ProducerState
-  std::uint64_t published_frame;   // (atomic) frames 1 .. published_frame are complete
-  std::uint8_t reserved0[48];
-  std::uint32_t producer_waiting;  // (atomic) 1 while the producer sleeps or is about to
-  std::uint8_t reserved1[60];
-  std::uint64_t heartbeat_ns;  // (atomic) CLOCK_MONOTONIC, a sign of life
-  std::uint64_t start_time;    // of the process, clock ticks since boot
-  std::uint32_t pid;
-  std::uint8_t reserved2[44];
-  std::uint64_t admitted_frame[max_consumers];  // (atomic) first frame of consumer i; 0 = not admitted
-  std::uint8_t reserved3[192];
-  std::int32_t reason_code;
-  std::uint32_t reserved4;
-  char reason_text[reason_bytes];
-  std::uint8_t reserved5[3064];
+    std::uint32_t publish_sequence;  // (atomic) futex word: one more at each publication, admission and change of state
+    std::uint32_t state;             // (atomic) ProducerState
+    std::uint64_t published_frame;   // (atomic) frames 1 .. published_frame are complete
+    std::uint8_t reserved0[48];
+    std::uint32_t producer_waiting;  // (atomic) 1 while the producer sleeps or is about to
+    std::uint8_t reserved1[60];
+    std::uint64_t heartbeat_ns;  // (atomic) CLOCK_MONOTONIC, a sign of life
+    std::uint64_t start_time;    // of the process, clock ticks since boot
+    std::uint32_t pid;
+    std::uint8_t reserved2[44];
+    std::uint64_t admitted_frame[max_consumers];  // (atomic) first frame of consumer i; 0 = not admitted
+    std::uint8_t reserved3[192];
+    std::int32_t reason_code;
+    std::uint32_t reserved4;
+    char reason_text[reason_bytes];
+    std::uint8_t reserved5[3064];
 };
 
 struct Doorbell {
-  std::uint32_t consumer_sequence;  // (atomic) futex word: one more at each join, acknowledgement, goodbye and abort
-  std::uint8_t reserved[4092];
+    std::uint32_t consumer_sequence;  // (atomic) futex word: one more at each join, acknowledgement, goodbye and abort
+    std::uint8_t reserved[4092];
 };
 
 struct ConsumerEntry {
-  std::uint32_t state;               // (atomic) ConsumerState
-  std::uint32_t mode;                // ConsumerMode
-  std::uint64_t acknowledged_frame;  // (atomic) this and all before are no longer in use
-  std::uint32_t waiting;             // (atomic) 1 while the consumer sleeps or is about to
-  std::uint32_t stride;              // takes every stride-th frame, LATEST mode; 0 = 1
-  std::uint64_t dropped_frames;      // LATEST mode
-  std::uint8_t reserved0[32];
-  std::uint64_t heartbeat_ns;  // (atomic)
-  std::uint64_t start_time;
-  std::uint32_t pid;
-  std::uint8_t reserved1[44];
-  char name[name_bytes];
-  std::int32_t reason_code;
-  std::uint32_t reserved2;
-  char reason_text[reason_bytes];
-  std::uint8_t reserved3[3384];
+    std::uint32_t state;               // (atomic) ConsumerState
+    std::uint32_t mode;                // ConsumerMode
+    std::uint64_t acknowledged_frame;  // (atomic) this and all before are no longer in use
+    std::uint32_t waiting;             // (atomic) 1 while the consumer sleeps or is about to
+    std::uint32_t stride;              // takes every stride-th frame, LATEST mode; 0 = 1
+    std::uint64_t dropped_frames;      // LATEST mode
+    std::uint8_t reserved0[32];
+    std::uint64_t heartbeat_ns;  // (atomic)
+    std::uint64_t start_time;
+    std::uint32_t pid;
+    std::uint8_t reserved1[44];
+    char name[name_bytes];
+    std::int32_t reason_code;
+    std::uint32_t reserved2;
+    char reason_text[reason_bytes];
+    std::uint8_t reserved3[3384];
 };
 
 struct SlotDescriptor {
-  std::uint64_t sequence;       // (atomic) 2f - 1 while frame f is being written, 2f once it is complete
-  std::uint64_t frame;          // from 1 on
-  std::uint64_t tick;           // time of the frame, strictly increasing
-  std::uint32_t count;          // particles
-  std::uint32_t flags;          // FrameFlag
-  std::uint64_t hash;           // chain over frames 1 .. f (hash.hpp); 0 = not given
-  std::uint64_t previous_hash;  // chain over frames 1 .. f - 1; 0 = first frame or not given
-  std::uint8_t reserved[16];
-  Diagnostics diagnostics;
+    std::uint64_t sequence;       // (atomic) 2f - 1 while frame f is being written, 2f once it is complete
+    std::uint64_t frame;          // from 1 on
+    std::uint64_t tick;           // time of the frame, strictly increasing
+    std::uint32_t count;          // particles
+    std::uint32_t flags;          // FrameFlag
+    std::uint64_t hash;           // chain over frames 1 .. f (hash.hpp); 0 = not given
+    std::uint64_t previous_hash;  // chain over frames 1 .. f - 1; 0 = first frame or not given
+    std::uint8_t reserved[16];
+    Diagnostics diagnostics;
 };
 
 inline constexpr std::uint64_t control_offset = page_bytes;

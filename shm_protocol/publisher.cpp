@@ -14,24 +14,24 @@ namespace {
 // Remembers why the stream cannot go on, for those who are still attached when the publisher goes.
 template <typename State, typename Work>
 auto explained(State& state, Work&& work) {
-  try {
-    return work();
-  } catch (const Error& error) {
-    state.reason = error.what();
-    state.reason_code = error.exit_code();
-    throw;
-  }
+    try {
+        return work();
+    } catch (const Error& error) {
+        state.reason = error.what();
+        state.reason_code = error.exit_code();
+        throw;
+    }
 }
 
 template <typename State>
 void demand_running(const State& state, const char* call) {
-  if (state.ended) throw std::logic_error(std::string("Publisher::") + call + " after the end of the stream");
+    if (state.ended) throw std::logic_error(std::string("Publisher::") + call + " after the end of the stream");
 }
 
 // What is stored before the payload must not become visible after it, for readers that do not wait (LATEST mode).
 void fence_before_payload() {
 #ifndef __SANITIZE_THREAD__
-  __atomic_thread_fence(__ATOMIC_RELEASE);
+    __atomic_thread_fence(__ATOMIC_RELEASE);
 #endif
 }
 
@@ -41,162 +41,163 @@ Publisher::Publisher(const std::string& session, StreamInfo info, Waiting waitin
     : state_(std::make_unique<State>(session, info, std::move(waiting))) {}
 
 Publisher::~Publisher() {
-  if (state_) abort(state_->reason_code, state_->reason);
+    if (state_) abort(state_->reason_code, state_->reason);
 }
 
 Publisher::Publisher(Publisher&&) noexcept = default;
 
 Publisher& Publisher::operator=(Publisher&& other) noexcept {
-  if (this != &other) {
-    if (state_) abort(state_->reason_code, state_->reason);
-    state_ = std::move(other.state_);
-  }
-  return *this;
+    if (this != &other) {
+        if (state_) abort(state_->reason_code, state_->reason);
+        state_ = std::move(other.state_);
+    }
+    return *this;
 }
 
 const StreamInfo& Publisher::info() const {
-  return state_->map.info;
+    return state_->map.info;
 }
 std::uint64_t Publisher::published_frames() const {
-  return state_->published;
+    return state_->published;
 }
 std::uint64_t Publisher::frame_hash() const {
-  return state_->chain;
+    return state_->chain;
 }
 
 void Publisher::heartbeat() noexcept {
-  store_relaxed(state_->pages.control().heartbeat_ns, static_cast<std::uint64_t>(monotonic_ns()));
+    store_relaxed(state_->pages.control().heartbeat_ns, static_cast<std::uint64_t>(monotonic_ns()));
 }
 
 void Publisher::wait_for_consumers(int n) {
-  State& s = *state_;
-  demand_running(s, "wait_for_consumers");
-  if (s.published > 0 || s.frame_open) throw std::logic_error("Publisher::wait_for_consumers after frame 1 was begun");
-  if (n < 1 || n > static_cast<int>(s.map.consumer_count))
-    throw std::invalid_argument("Publisher::wait_for_consumers(" + std::to_string(n) + "): 1 to 16 are possible.");
-  s.refusals_count = true;
-  int active = 0;
-  explained(s, [&] {
-    WaitTask task;
-    task.ready = [&] {
-      active = s.survey(1).active;
-      return active >= n;
-    };
-    task.after_slice = [&] {
-      heartbeat();
-      s.check_alive(1);
-    };
-    task.what = [&] {
-      return std::to_string(n) + (n == 1 ? " consumer" : " consumers") + " to join session '" + s.session + "' (" +
-             std::to_string(active) + " did)";
-    };
-    task.on_timeout = Failure::attach_timeout;
-    task.timeout_s = s.waiting.attach_timeout_s;
-    s.wait(task);
-  });
-  s.refusals_count = false;
+    State& s = *state_;
+    demand_running(s, "wait_for_consumers");
+    if (s.published > 0 || s.frame_open)
+        throw std::logic_error("Publisher::wait_for_consumers after frame 1 was begun");
+    if (n < 1 || n > static_cast<int>(s.map.consumer_count))
+        throw std::invalid_argument("Publisher::wait_for_consumers(" + std::to_string(n) + "): 1 to 16 are possible.");
+    s.refusals_count = true;
+    int active = 0;
+    explained(s, [&] {
+        WaitTask task;
+        task.ready = [&] {
+            active = s.survey(1).active;
+            return active >= n;
+        };
+        task.after_slice = [&] {
+            heartbeat();
+            s.check_alive(1);
+        };
+        task.what = [&] {
+            return std::to_string(n) + (n == 1 ? " consumer" : " consumers") + " to join session '" + s.session +
+                   "' (" + std::to_string(active) + " did)";
+        };
+        task.on_timeout = Failure::attach_timeout;
+        task.timeout_s = s.waiting.attach_timeout_s;
+        s.wait(task);
+    });
+    s.refusals_count = false;
 }
 
 std::optional<FrameFields> Publisher::begin_frame() {
-  State& s = *state_;
-  demand_running(s, "begin_frame");
-  if (s.frame_open) throw std::logic_error("Publisher::begin_frame twice without end_frame");
-  const std::uint64_t frame = s.published + 1;
-  const std::uint64_t depth = s.map.info.depth;
-  const std::uint64_t owed = frame > depth ? frame - depth : 0;
-  heartbeat();
-  State::Census census;
-  explained(s, [&] {
-    if (load_relaxed(s.pages.control().state) == producer_ready) s.enter(producer_running);
-    WaitTask task;
-    task.ready = [&] {
-      census = s.survey(frame);
-      return census.slowest >= owed;
-    };
-    task.after_slice = [&] {
-      heartbeat();
-      s.check_alive(owed);
-    };
-    task.what = [&] { return s.everybody_behind(owed); };
-    task.timeout_s = s.waiting.step_timeout_s;
-    task.warning_s = s.waiting.step_warning_s;
-    s.wait(task);
-  });
-  if (census.active == 0 && s.had_lockstep) return std::nullopt;
+    State& s = *state_;
+    demand_running(s, "begin_frame");
+    if (s.frame_open) throw std::logic_error("Publisher::begin_frame twice without end_frame");
+    const std::uint64_t frame = s.published + 1;
+    const std::uint64_t depth = s.map.info.depth;
+    const std::uint64_t owed = frame > depth ? frame - depth : 0;
+    heartbeat();
+    State::Census census;
+    explained(s, [&] {
+        if (load_relaxed(s.pages.control().state) == producer_ready) s.enter(producer_running);
+        WaitTask task;
+        task.ready = [&] {
+            census = s.survey(frame);
+            return census.slowest >= owed;
+        };
+        task.after_slice = [&] {
+            heartbeat();
+            s.check_alive(owed);
+        };
+        task.what = [&] { return s.everybody_behind(owed); };
+        task.timeout_s = s.waiting.step_timeout_s;
+        task.warning_s = s.waiting.step_warning_s;
+        s.wait(task);
+    });
+    if (census.active == 0 && s.had_lockstep) return std::nullopt;
 
-  SlotDescriptor& descriptor = s.pages.descriptor(frame);
-  store_ordered(descriptor.sequence, 2 * frame - 1);
-  fence_before_payload();
-  s.frame_open = true;
-  const std::size_t capacity = s.map.info.capacity;
-  const auto array = [&](std::size_t i) { return std::span<float>(s.pages.field(frame, i), capacity); };
-  return FrameFields{frame, array(0), array(1), array(2), array(3), array(4), array(5), array(6)};
+    SlotDescriptor& descriptor = s.pages.descriptor(frame);
+    store_ordered(descriptor.sequence, 2 * frame - 1);
+    fence_before_payload();
+    s.frame_open = true;
+    const std::size_t capacity = s.map.info.capacity;
+    const auto array = [&](std::size_t i) { return std::span<float>(s.pages.field(frame, i), capacity); };
+    return FrameFields{frame, array(0), array(1), array(2), array(3), array(4), array(5), array(6)};
 }
 
 void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, bool final, std::uint64_t tick) {
-  State& s = *state_;
-  demand_running(s, "end_frame");
-  if (!s.frame_open) throw std::logic_error("Publisher::end_frame without begin_frame");
-  const std::uint64_t frame = s.published + 1;
-  if (count > s.map.info.capacity)
-    throw std::invalid_argument("Frame " + std::to_string(frame) + " holds " + std::to_string(count) +
-                                " particles, the capacity is " + std::to_string(s.map.info.capacity) + ".");
-  if (tick == 0) tick = frame * s.map.info.ticks_per_frame;
-  if (tick <= s.last_tick)
-    throw std::invalid_argument("Frame " + std::to_string(frame) + " has tick " + std::to_string(tick) +
-                                ", the frame before it has " + std::to_string(s.last_tick) + ".");
+    State& s = *state_;
+    demand_running(s, "end_frame");
+    if (!s.frame_open) throw std::logic_error("Publisher::end_frame without begin_frame");
+    const std::uint64_t frame = s.published + 1;
+    if (count > s.map.info.capacity)
+        throw std::invalid_argument("Frame " + std::to_string(frame) + " holds " + std::to_string(count) +
+                                    " particles, the capacity is " + std::to_string(s.map.info.capacity) + ".");
+    if (tick == 0) tick = frame * s.map.info.ticks_per_frame;
+    if (tick <= s.last_tick)
+        throw std::invalid_argument("Frame " + std::to_string(frame) + " has tick " + std::to_string(tick) +
+                                    ", the frame before it has " + std::to_string(s.last_tick) + ".");
 
-  SlotDescriptor& descriptor = s.pages.descriptor(frame);
-  descriptor.frame = frame;
-  descriptor.tick = tick;
-  descriptor.count = count;
-  descriptor.flags = final ? frame_final : 0U;
-  descriptor.hash = 0;
-  descriptor.previous_hash = s.chain;
-  descriptor.diagnostics = diagnostics;
-  if (s.hash_frames) {
-    HashedFields fields;
-    for (std::size_t i = 0; i < fields.size(); ++i) fields[i] = {s.pages.field(frame, i), count};
-    const ChainResult result = chain_frame(s.chain, frame, fields);
-    if (result.nonfinite) descriptor.flags |= frame_nonfinite;
-    s.chain = descriptor.hash = result.hash;
-  }
-  store_release(descriptor.sequence, 2 * frame);
-  store_release(s.pages.control().published_frame, frame);
-  s.published = frame;
-  s.last_tick = tick;
-  s.frame_open = false;
-  heartbeat();
-  if (final) store_release(s.pages.control().state, static_cast<std::uint32_t>(producer_draining));
-  s.ring();
+    SlotDescriptor& descriptor = s.pages.descriptor(frame);
+    descriptor.frame = frame;
+    descriptor.tick = tick;
+    descriptor.count = count;
+    descriptor.flags = final ? frame_final : 0U;
+    descriptor.hash = 0;
+    descriptor.previous_hash = s.chain;
+    descriptor.diagnostics = diagnostics;
+    if (s.hash_frames) {
+        HashedFields fields;
+        for (std::size_t i = 0; i < fields.size(); ++i) fields[i] = {s.pages.field(frame, i), count};
+        const ChainResult result = chain_frame(s.chain, frame, fields);
+        if (result.nonfinite) descriptor.flags |= frame_nonfinite;
+        s.chain = descriptor.hash = result.hash;
+    }
+    store_release(descriptor.sequence, 2 * frame);
+    store_release(s.pages.control().published_frame, frame);
+    s.published = frame;
+    s.last_tick = tick;
+    s.frame_open = false;
+    heartbeat();
+    if (final) store_release(s.pages.control().state, static_cast<std::uint32_t>(producer_draining));
+    s.ring();
 }
 
 void Publisher::close() {
-  State& s = *state_;
-  if (s.ended) return;
-  explained(s, [&] {
-    s.enter(producer_draining);
-    WaitTask task;
-    task.ready = [&] { return s.survey(0).slowest >= s.published; };
-    task.after_slice = [&] {
-      heartbeat();
-      s.check_alive(s.published);
-    };
-    task.what = [&] { return s.everybody_behind(s.published); };
-    task.timeout_s = s.waiting.step_timeout_s;
-    task.warning_s = s.waiting.step_warning_s;
-    s.wait(task);
-  });
-  s.end(producer_closed);
+    State& s = *state_;
+    if (s.ended) return;
+    explained(s, [&] {
+        s.enter(producer_draining);
+        WaitTask task;
+        task.ready = [&] { return s.survey(0).slowest >= s.published; };
+        task.after_slice = [&] {
+            heartbeat();
+            s.check_alive(s.published);
+        };
+        task.what = [&] { return s.everybody_behind(s.published); };
+        task.timeout_s = s.waiting.step_timeout_s;
+        task.warning_s = s.waiting.step_warning_s;
+        s.wait(task);
+    });
+    s.end(producer_closed);
 }
 
 void Publisher::abort(int reason_code, std::string_view text) noexcept {
-  State& s = *state_;
-  if (s.ended) return;
-  Control& control = s.pages.control();
-  control.reason_code = reason_code;
-  store_text(control.reason_text, reason_bytes, text);
-  s.end(producer_aborted);
+    State& s = *state_;
+    if (s.ended) return;
+    Control& control = s.pages.control();
+    control.reason_code = reason_code;
+    store_text(control.reason_text, reason_bytes, text);
+    s.end(producer_aborted);
 }
 
 }  // namespace wade::shm

@@ -23,46 +23,47 @@ namespace wade::shm {
 // marks the stream as aborted. Every Error ends the stream: the consumers learn the reason when the object goes.
 class Publisher {
  public:
-  // Creates the segment; replaces one whose producer is dead.
-  // Errors: name_in_use if its producer is alive or it belongs to another user; std::invalid_argument for a value
-  // out of range; std::system_error, for example when /dev/shm is full.
-  Publisher(const std::string& session, StreamInfo info, Waiting waiting = {});
-  ~Publisher();
-  Publisher(Publisher&&) noexcept;
-  Publisher& operator=(Publisher&&) noexcept;
+    // Creates the segment; replaces one whose producer is dead.
+    // Errors: name_in_use if its producer is alive or it belongs to another user; std::invalid_argument for a value
+    // out of range; std::system_error, for example when /dev/shm is full.
+    Publisher(const std::string& session, StreamInfo info, Waiting waiting = {});
+    ~Publisher();
+    Publisher(Publisher&&) noexcept;
+    Publisher& operator=(Publisher&&) noexcept;
 
-  [[nodiscard]] const StreamInfo& info() const;
+    [[nodiscard]] const StreamInfo& info() const;
 
-  // Waits until n consumers in lockstep have joined; they take part from the next frame on. Only before frame 1.
-  // Errors: attach_timeout; peer_dead; peer_aborted, also when a consumer refused the stream (another scene).
-  void wait_for_consumers(int n = 1);
+    // Waits until n consumers in lockstep have joined; they take part from the next frame on. Only before frame 1.
+    // Errors: attach_timeout; peer_dead; peer_aborted, also when a consumer refused the stream (another scene).
+    void wait_for_consumers(int n = 1);
 
-  // The slot of the next frame, once every consumer in lockstep has acknowledged the frame `depth` before it.
-  // Empty when all consumers in lockstep have left cleanly. Consumers that ask to join take part from this frame on.
-  // Errors: peer_dead, peer_aborted, step_timeout, protocol_violation, interrupted.
-  std::optional<FrameFields> begin_frame();
+    // The slot of the next frame, once every consumer in lockstep has acknowledged the frame `depth` before it.
+    // Empty when all consumers in lockstep have left cleanly. Consumers that ask to join take part from this frame on.
+    // Errors: peer_dead, peer_aborted, step_timeout, protocol_violation, interrupted.
+    std::optional<FrameFields> begin_frame();
 
-  // Publishes the slot of begin_frame(). tick 0 stands for frame * ticks_per_frame.
-  // Errors: std::invalid_argument if count exceeds the capacity or the tick does not increase.
-  void end_frame(std::uint32_t count, const Diagnostics& diagnostics = {}, bool final = false, std::uint64_t tick = 0);
+    // Publishes the slot of begin_frame(). tick 0 stands for frame * ticks_per_frame.
+    // Errors: std::invalid_argument if count exceeds the capacity or the tick does not increase.
+    void end_frame(std::uint32_t count, const Diagnostics& diagnostics = {}, bool final = false,
+                   std::uint64_t tick = 0);
 
-  // A sign of life during a long computation; begin_frame, end_frame and every wait give one too.
-  void heartbeat() noexcept;
+    // A sign of life during a long computation; begin_frame, end_frame and every wait give one too.
+    void heartbeat() noexcept;
 
-  // Waits until every consumer in lockstep has acknowledged the last frame or left, then removes the segment.
-  // Errors: as begin_frame().
-  void close();
+    // Waits until every consumer in lockstep has acknowledged the last frame or left, then removes the segment.
+    // Errors: as begin_frame().
+    void close();
 
-  // Ends the stream at once and tells the consumers why; the text is cut at 511 bytes.
-  void abort(int reason_code, std::string_view text) noexcept;
+    // Ends the stream at once and tells the consumers why; the text is cut at 511 bytes.
+    void abort(int reason_code, std::string_view text) noexcept;
 
-  [[nodiscard]] std::uint64_t published_frames() const;
-  [[nodiscard]] std::uint64_t frame_hash() const;  // chain over the published frames, 0 without hash_frames
+    [[nodiscard]] std::uint64_t published_frames() const;
+    [[nodiscard]] std::uint64_t frame_hash() const;  // chain over the published frames, 0 without hash_frames
 
  private:
-  friend class Subscriber;  // Subscriber::in_process shares the mapping
-  struct State;
-  std::unique_ptr<State> state_;
+    friend class Subscriber;  // Subscriber::in_process shares the mapping
+    struct State;
+    std::unique_ptr<State> state_;
 };
 
 }  // namespace wade::shm

@@ -16,142 +16,144 @@ namespace wade::shm {
 namespace {
 
 std::uint64_t random_id() {
-  std::uint64_t id = 0;
-  while (id == 0) {
-    const ssize_t got = getrandom(&id, sizeof id, 0);
-    if (got < 0 && errno != EINTR) throw std::system_error(errno, std::generic_category(), "getrandom");
-  }
-  return id;
+    std::uint64_t id = 0;
+    while (id == 0) {
+        const ssize_t got = getrandom(&id, sizeof id, 0);
+        if (got < 0 && errno != EINTR) throw std::system_error(errno, std::generic_category(), "getrandom");
+    }
+    return id;
 }
 
 }  // namespace
 
 Publisher::State::State(const std::string& session_name, const StreamInfo& info, Waiting how)
     : session(session_name), name(segment_name(session_name, info.kind)), waiting(std::move(how)) {
-  hash_frames = info.hash_frames;
-  Header header = make_header(info, random_id());
-  map = read_header(header, header.total_bytes);
-  map.info.hash_frames = info.hash_frames;
-  file = create_segment(name, header.total_bytes);
-  try {
-    region = file.map(0, header.total_bytes, true);
-  } catch (...) {
-    unlink_segment(file, name);
-    throw;
-  }
-  auto* const base = static_cast<std::byte*>(region.get_address());
-  pages = Pages<std::byte>(base, map);
+    hash_frames = info.hash_frames;
+    Header header = make_header(info, random_id());
+    map = read_header(header, header.total_bytes);
+    map.info.hash_frames = info.hash_frames;
+    file = create_segment(name, header.total_bytes);
+    try {
+        region = file.map(0, header.total_bytes, true);
+    } catch (...) {
+        unlink_segment(file, name);
+        throw;
+    }
+    auto* const base = static_cast<std::byte*>(region.get_address());
+    pages = Pages<std::byte>(base, map);
 
-  Control& control = pages.control();
-  control.pid = static_cast<std::uint32_t>(getpid());
-  control.start_time = process_start_time();
-  store_relaxed(control.heartbeat_ns, static_cast<std::uint64_t>(monotonic_ns()));
-  store_release(control.state, static_cast<std::uint32_t>(producer_ready));
-  header.magic = 0;
-  std::memcpy(base, &header, sizeof header);
-  store_release(reinterpret_cast<Header*>(base)->magic, magic);
+    Control& control = pages.control();
+    control.pid = static_cast<std::uint32_t>(getpid());
+    control.start_time = process_start_time();
+    store_relaxed(control.heartbeat_ns, static_cast<std::uint64_t>(monotonic_ns()));
+    store_release(control.state, static_cast<std::uint32_t>(producer_ready));
+    header.magic = 0;
+    std::memcpy(base, &header, sizeof header);
+    store_release(reinterpret_cast<Header*>(base)->magic, magic);
 }
 
 Publisher::State::Census Publisher::State::survey(std::uint64_t admit_at) {
-  Census census;
-  bool news = false;
-  for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
-    const ConsumerEntry& entry = pages.consumer(i);
-    const std::uint32_t state = load_acquire(entry.state);
-    if (state == consumer_free) continue;
-    if (state == consumer_joined && admitted[i] == 0 && admit_at != 0 && entry.mode <= mode_latest) {
-      admitted[i] = admit_at;
-      store_release(pages.control().admitted_frame[i], admit_at);
-      news = true;
+    Census census;
+    bool news = false;
+    for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
+        const ConsumerEntry& entry = pages.consumer(i);
+        const std::uint32_t state = load_acquire(entry.state);
+        if (state == consumer_free) continue;
+        if (state == consumer_joined && admitted[i] == 0 && admit_at != 0 && entry.mode <= mode_latest) {
+            admitted[i] = admit_at;
+            store_release(pages.control().admitted_frame[i], admit_at);
+            news = true;
+        }
+        if (state == consumer_left && admitted[i] != 0) {
+            admitted[i] = 0;
+            store_release(pages.control().admitted_frame[i], std::uint64_t{0});  // the entry may be used again
+            continue;
+        }
+        const bool before_start = refusals_count && published == 0;
+        if ((state == consumer_aborted && (admitted[i] != 0 || before_start)) ||
+            (state == consumer_refused && before_start))
+            throw Error(
+                Failure::peer_aborted,
+                label(i) +
+                    (state == consumer_refused
+                         ? " refused the stream: "
+                         : " gave up at frame " + std::to_string(load_acquire(entry.acknowledged_frame) + 1) + ": ") +
+                    printable(entry.reason_text, reason_bytes));
+        if (state != consumer_joined || admitted[i] == 0 || entry.mode != mode_lockstep) continue;
+        const std::uint64_t acknowledged = load_acquire(entry.acknowledged_frame);
+        if (acknowledged > published)
+            throw Error(Failure::protocol_violation, label(i) + " acknowledged frame " + std::to_string(acknowledged) +
+                                                         ", the last one published is " + std::to_string(published) +
+                                                         ".");
+        ++census.active;
+        census.slowest = std::min(census.slowest, std::max(acknowledged, admitted[i] - 1));
     }
-    if (state == consumer_left && admitted[i] != 0) {
-      admitted[i] = 0;
-      store_release(pages.control().admitted_frame[i], std::uint64_t{0});  // the entry may be used again
-      continue;
-    }
-    const bool before_start = refusals_count && published == 0;
-    if ((state == consumer_aborted && (admitted[i] != 0 || before_start)) ||
-        (state == consumer_refused && before_start))
-      throw Error(Failure::peer_aborted,
-                  label(i) +
-                      (state == consumer_refused
-                           ? " refused the stream: "
-                           : " gave up at frame " + std::to_string(load_acquire(entry.acknowledged_frame) + 1) + ": ") +
-                      printable(entry.reason_text, reason_bytes));
-    if (state != consumer_joined || admitted[i] == 0 || entry.mode != mode_lockstep) continue;
-    const std::uint64_t acknowledged = load_acquire(entry.acknowledged_frame);
-    if (acknowledged > published)
-      throw Error(Failure::protocol_violation, label(i) + " acknowledged frame " + std::to_string(acknowledged) +
-                                                   ", the last one published is " + std::to_string(published) + ".");
-    ++census.active;
-    census.slowest = std::min(census.slowest, std::max(acknowledged, admitted[i] - 1));
-  }
-  had_lockstep = had_lockstep || census.active > 0;
-  if (news) ring();
-  return census;
+    had_lockstep = had_lockstep || census.active > 0;
+    if (news) ring();
+    return census;
 }
 
 void Publisher::State::check_alive(std::uint64_t owed) {
-  for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
-    const ConsumerEntry& entry = pages.consumer(i);
-    if (load_acquire(entry.state) != consumer_joined || entry.mode != mode_lockstep) continue;
-    if (is_locked_by_other(file.fd(), consumer_lock_byte + i)) continue;
-    // Whatever it did before it went is visible now: a goodbye, or the acknowledgement of all it owed.
-    if (load_acquire(entry.state) != consumer_joined) continue;
-    const std::uint64_t acknowledged = load_acquire(entry.acknowledged_frame);
-    if (acknowledged >= owed) continue;
-    const std::uint64_t died_at = std::max(acknowledged + 1, admitted[i]);
-    throw Error(Failure::peer_dead, label(i) + " died at frame " + std::to_string(died_at) + ".");
-  }
+    for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
+        const ConsumerEntry& entry = pages.consumer(i);
+        if (admitted[i] == 0 || load_acquire(entry.state) != consumer_joined || entry.mode != mode_lockstep) continue;
+        if (is_locked_by_other(file.fd(), consumer_lock_byte + i)) continue;
+        // Whatever it did before it went is visible now: a goodbye, or the acknowledgement of all it owed.
+        if (load_acquire(entry.state) != consumer_joined) continue;
+        const std::uint64_t acknowledged = load_acquire(entry.acknowledged_frame);
+        if (acknowledged >= owed) continue;
+        const std::uint64_t died_at = std::max(acknowledged + 1, admitted[i]);
+        throw Error(Failure::peer_dead, label(i) + " died at frame " + std::to_string(died_at) + ".");
+    }
 }
 
 void Publisher::State::ring() {
-  Control& control = pages.control();
-  count_up(control.publish_sequence);
-  for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
-    if (load_ordered(pages.consumer(i).waiting) == 0) continue;
-    futex_wake_all(control.publish_sequence);
-    break;
-  }
+    Control& control = pages.control();
+    count_up(control.publish_sequence);
+    for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
+        if (load_ordered(pages.consumer(i).waiting) == 0) continue;
+        futex_wake_all(control.publish_sequence);
+        break;
+    }
 }
 
 void Publisher::State::enter(ProducerState next) {
-  store_release(pages.control().state, static_cast<std::uint32_t>(next));
-  ring();
+    store_release(pages.control().state, static_cast<std::uint32_t>(next));
+    ring();
 }
 
 void Publisher::State::wait(const WaitTask& task) const {
-  wait_for_peer({pages.doorbell().consumer_sequence, pages.control().producer_waiting}, waiting, task);
+    wait_for_peer({pages.doorbell().consumer_sequence, pages.control().producer_waiting}, waiting, task);
 }
 
 void Publisher::State::end(ProducerState last) noexcept {
-  if (ended) return;
-  ended = true;
-  enter(last);
-  unlink_segment(file, name);
-  // The mapping stays until the object goes: a subscriber of the same process may share it.
-  unlock_byte(file.fd(), producer_lock_byte);
+    if (ended) return;
+    ended = true;
+    enter(last);
+    unlink_segment(file, name);
+    // The mapping stays until the object goes: a subscriber of the same process may share it.
+    unlock_byte(file.fd(), producer_lock_byte);
 }
 
 std::string Publisher::State::label(std::uint32_t i) const {
-  const ConsumerEntry& entry = pages.consumer(i);
-  return "Consumer '" + printable(entry.name, name_bytes) + "' (process " + std::to_string(entry.pid) + ")";
+    const ConsumerEntry& entry = pages.consumer(i);
+    return "Consumer '" + printable(entry.name, name_bytes) + "' (process " + std::to_string(entry.pid) + ")";
 }
 
 std::string Publisher::State::everybody_behind(std::uint64_t frame) const {
-  std::string text;
-  const std::int64_t now = monotonic_ns();
-  for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
-    const ConsumerEntry& entry = pages.consumer(i);
-    if (load_acquire(entry.state) != consumer_joined || admitted[i] == 0 || entry.mode != mode_lockstep) continue;
-    const std::uint64_t acknowledged = std::max(load_acquire(entry.acknowledged_frame), admitted[i] - 1);
-    if (acknowledged >= frame) continue;
-    const auto silent_ms = (now - static_cast<std::int64_t>(load_relaxed(entry.heartbeat_ns))) / 1'000'000;
-    text += (text.empty() ? "" : ", ") + std::string("consumer '") + printable(entry.name, name_bytes) + "' (process " +
-            std::to_string(entry.pid) + ", alive, last sign of life " + std::to_string(silent_ms) +
-            " ms ago) to release frame " + std::to_string(acknowledged + 1);
-  }
-  return text.empty() ? "the consumers to release frame " + std::to_string(frame) : text;
+    std::string text;
+    const std::int64_t now = monotonic_ns();
+    for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
+        const ConsumerEntry& entry = pages.consumer(i);
+        if (load_acquire(entry.state) != consumer_joined || admitted[i] == 0 || entry.mode != mode_lockstep) continue;
+        const std::uint64_t acknowledged = std::max(load_acquire(entry.acknowledged_frame), admitted[i] - 1);
+        if (acknowledged >= frame) continue;
+        const auto silent_ms = (now - static_cast<std::int64_t>(load_relaxed(entry.heartbeat_ns))) / 1'000'000;
+        text += (text.empty() ? "" : ", ") + std::string("consumer '") + printable(entry.name, name_bytes) +
+                "' (process " + std::to_string(entry.pid) + ", alive, last sign of life " + std::to_string(silent_ms) +
+                " ms ago) to release frame " + std::to_string(acknowledged + 1);
+    }
+    return text.empty() ? "the consumers to release frame " + std::to_string(frame) : text;
 }
 
 }  // namespace wade::shm

@@ -15,48 +15,48 @@
 namespace wade::shm {
 
 struct Publisher::State {
-  // What the consumers in lockstep allow.
-  struct Census {
-    int active = 0;                                                     // admitted and not gone
-    std::uint64_t slowest = std::numeric_limits<std::uint64_t>::max();  // frame that all of them acknowledged
-  };
+    // What the consumers in lockstep allow.
+    struct Census {
+        int active = 0;                                                     // admitted and not gone
+        std::uint64_t slowest = std::numeric_limits<std::uint64_t>::max();  // frame that all of them acknowledged
+    };
 
-  State(const std::string& session, const StreamInfo& info, Waiting how);
+    State(const std::string& session, const StreamInfo& info, Waiting how);
 
-  // Reads all consumer entries. Those that ask to join are admitted at frame `admit_at` (0: nobody is admitted).
-  // Errors: peer_aborted, protocol_violation.
-  Census survey(std::uint64_t admit_at);
+    // Reads all consumer entries. Those that ask to join are admitted at frame `admit_at` (0: nobody is admitted).
+    // Errors: peer_aborted, protocol_violation.
+    Census survey(std::uint64_t admit_at);
 
-  // Errors: peer_dead if a consumer's process has ended without a goodbye and still owes frame `owed` or one before.
-  void check_alive(std::uint64_t owed);
+    // Errors: peer_dead if a consumer's process has ended without a goodbye and still owes frame `owed` or one before.
+    void check_alive(std::uint64_t owed);
 
-  void ring();  // tells the consumers that something has changed
-  void enter(ProducerState next);
-  void wait(const WaitTask& task) const;
-  void end(ProducerState last) noexcept;
+    void ring();  // tells the consumers that something has changed
+    void enter(ProducerState next);
+    void wait(const WaitTask& task) const;
+    void end(ProducerState last) noexcept;
 
-  [[nodiscard]] std::string label(std::uint32_t consumer) const;
-  [[nodiscard]] std::string everybody_behind(std::uint64_t frame) const;
+    [[nodiscard]] std::string label(std::uint32_t consumer) const;
+    [[nodiscard]] std::string everybody_behind(std::uint64_t frame) const;
 
-  std::string session;
-  std::string name;  // of the shared-memory object
-  Waiting waiting;
-  SegmentMap map;
-  SegmentFile file;
-  boost::interprocess::mapped_region region;
-  Pages<std::byte> pages;
+    std::string session;
+    std::string name;  // of the shared-memory object
+    Waiting waiting;
+    SegmentMap map;
+    SegmentFile file;
+    boost::interprocess::mapped_region region;
+    Pages<std::byte> pages;
 
-  std::array<std::uint64_t, max_consumers> admitted{};  // private copy, the shared one is for the consumers
-  bool had_lockstep = false;
-  bool refusals_count = false;  // during wait_for_consumers()
-  bool hash_frames = true;
-  bool frame_open = false;
-  bool ended = false;
-  std::uint64_t published = 0;
-  std::uint64_t chain = 0;
-  std::uint64_t last_tick = 0;
-  int reason_code = static_cast<int>(Failure::peer_aborted);
-  std::string reason = "It ended without closing the stream.";
+    std::array<std::uint64_t, max_consumers> admitted{};  // private copy, the shared one is for the consumers
+    bool had_lockstep = false;
+    bool refusals_count = false;  // during wait_for_consumers()
+    bool hash_frames = true;
+    bool frame_open = false;
+    bool ended = false;
+    std::uint64_t published = 0;
+    std::uint64_t chain = 0;
+    std::uint64_t last_tick = 0;
+    int reason_code = static_cast<int>(Failure::peer_aborted);
+    std::string reason = "It ended without closing the stream.";
 };
 
 }  // namespace wade::shm

@@ -13,31 +13,32 @@ namespace wade::shm {
 // An open shared-memory object; closing it gives up the locks that were taken through it.
 class SegmentFile {
  public:
-  SegmentFile() = default;
+    SegmentFile() = default;
 
-  // The existing object, opened for reading and writing; empty if there is none.
-  // Errors: std::system_error, with EACCES for another user's.
-  static std::optional<SegmentFile> open(const std::string& name);
+    // The existing object, opened for reading and writing; empty if there is none.
+    // Errors: std::system_error, with EACCES for another user's.
+    static std::optional<SegmentFile> open(const std::string& name);
 
-  // A new object of mode 0600; empty if the name is taken. Errors: std::system_error.
-  static std::optional<SegmentFile> create_exclusive(const std::string& name);
+    // A new object of mode 0600; empty if the name is taken. Errors: std::system_error.
+    static std::optional<SegmentFile> create_exclusive(const std::string& name);
 
-  [[nodiscard]] int fd() const { return object_.get_mapping_handle().handle; }
-  [[nodiscard]] bool owned_by_this_user() const;
-  [[nodiscard]] std::uint64_t size() const;
+    [[nodiscard]] int fd() const { return object_.get_mapping_handle().handle; }
+    [[nodiscard]] bool owned_by_this_user() const;
+    [[nodiscard]] std::uint64_t size() const;
 
-  // Whether `name` still leads to this object and not to a successor.
-  [[nodiscard]] bool is_named(const std::string& name) const;
+    // Whether `name` still leads to this object and not to a successor.
+    [[nodiscard]] bool is_named(const std::string& name) const;
 
-  // Sizes the object and allocates its memory, so that no later write can fail for want of memory.
-  // Errors: std::system_error that names the size, ENOSPC when /dev/shm is full.
-  void allocate(const std::string& name, std::uint64_t bytes) const;
+    // Sizes the object and allocates its memory, so that no later write can fail for want of memory.
+    // Errors: std::system_error that names the size, ENOSPC when /dev/shm is full.
+    void allocate(const std::string& name, std::uint64_t bytes) const;
 
-  // Maps a part, page tables filled at once. Errors: std::system_error.
-  [[nodiscard]] boost::interprocess::mapped_region map(std::uint64_t offset, std::uint64_t bytes, bool writable) const;
+    // Maps a part, page tables filled at once. Errors: std::system_error.
+    [[nodiscard]] boost::interprocess::mapped_region map(std::uint64_t offset, std::uint64_t bytes,
+                                                         bool writable) const;
 
  private:
-  boost::interprocess::shared_memory_object object_;
+    boost::interprocess::shared_memory_object object_;
 };
 
 // Creates the object of a new producer, holding its lock, sized. A stale object of the same name is removed first.

@@ -14,59 +14,60 @@ namespace wade::shm {
 
 // What holds for a whole stream; travels in the header page.
 struct StreamInfo {
-  std::string producer_name;            // at most 63 bytes, for example "dfsph"
-  std::uint32_t capacity = 0;           // particles a frame can hold, at least 1
-  std::uint32_t depth = 1;              // frames the producer may be ahead of the slowest acknowledgement, 1 .. slots
-  std::uint32_t slots = 0;              // 1 .. 64; 0 = depth + 1, so that a free-running reader finds a stable frame
-  std::uint64_t ticks_per_second = 30;  // unit of SlotDescriptor::tick
-  std::uint64_t ticks_per_frame = 1;    // frame f holds the state at tick f * ticks_per_frame unless it says otherwise
-  double metres_per_unit = 1;
-  std::array<double, 3> origin{};             // m
-  std::array<std::int32_t, 3> axes{1, 2, 3};  // world axis i is the stored axis |axes[i]| - 1, mirrored if negative
-  double particle_radius = 0;                 // m, 0 = not given
-  double rest_density = 0;                    // kg/m3, 0 = not given
-  std::uint64_t scene_hash = 0;               // 0 = not given
-  StreamKind kind = stream_fluid;
-  std::uint32_t coupling_lag = 0;  // two-way runs: 0 serial, 1 parallel
-  bool hash_frames = true;         // the producer computes the hash chain, so that consumers can compare
+    std::string producer_name;            // at most 63 bytes, for example "dfsph"
+    std::uint32_t capacity = 0;           // particles a frame can hold, at least 1
+    std::uint32_t depth = 1;              // frames the producer may be ahead of the slowest acknowledgement, 1 .. slots
+    std::uint32_t slots = 0;              // 1 .. 64; 0 = depth + 1, so that a free-running reader finds a stable frame
+    std::uint64_t ticks_per_second = 30;  // unit of SlotDescriptor::tick
+    std::uint64_t ticks_per_frame = 1;  // frame f holds the state at tick f * ticks_per_frame unless it says otherwise
+    double metres_per_unit = 1;
+    std::array<double, 3> origin{};             // m
+    std::array<std::int32_t, 3> axes{1, 2, 3};  // world axis i is the stored axis |axes[i]| - 1, mirrored if negative
+    double particle_radius = 0;                 // m, 0 = not given
+    double rest_density = 0;                    // kg/m3, 0 = not given
+    std::uint64_t scene_hash = 0;               // 0 = not given
+    StreamKind kind = stream_fluid;
+    std::uint32_t coupling_lag = 0;  // two-way runs: 0 serial, 1 parallel
+    bool hash_frames = true;         // the producer computes the hash chain, so that consumers can compare
 
-  std::uint64_t session_id = 0;  // of this run; chosen by the producer, ignored on input
+    std::uint64_t session_id = 0;  // of this run; chosen by the producer, ignored on input
 
-  // World coordinates are the stored ones: metres, x along the stream, y up, z across, no offset.
-  [[nodiscard]] bool in_world_coordinates() const {
-    return metres_per_unit == 1 && origin == std::array<double, 3>{} && axes == std::array<std::int32_t, 3>{1, 2, 3};
-  }
+    // World coordinates are the stored ones: metres, x along the stream, y up, z across, no offset.
+    [[nodiscard]] bool in_world_coordinates() const {
+        return metres_per_unit == 1 && origin == std::array<double, 3>{} &&
+               axes == std::array<std::int32_t, 3>{1, 2, 3};
+    }
 };
 
 // How long a side waits for the other one, and what it does meanwhile. Time during which the whole process was stopped
 // (SIGSTOP, a debugger) does not count.
 struct Waiting {
-  double attach_timeout_s = 10;                       // > 0
-  double step_warning_s = 5;                          // warn once per wait; 0 = never
-  double step_timeout_s = 60;                         // 0 = never, for a debugger
-  std::function<bool()> interrupted = {};             // polled every 50 ms and after each signal
-  std::function<void(const std::string&)> warn = {};  // gets one full sentence
+    double attach_timeout_s = 10;                       // > 0
+    double step_warning_s = 5;                          // warn once per wait; 0 = never
+    double step_timeout_s = 60;                         // 0 = never, for a debugger
+    std::function<bool()> interrupted = {};             // polled every 50 ms and after each signal
+    std::function<void(const std::string&)> warn = {};  // gets one full sentence
 };
 
 // A slot to be filled: arrays of `capacity` values, in place in the shared memory, 64-byte aligned.
 struct FrameFields {
-  std::uint64_t frame = 0;      // from 1 on
-  std::span<float> mass;        // kg
-  std::span<float> vx, vy, vz;  // m/s times units per metre
-  std::span<float> px, py, pz;  // units, see StreamInfo::metres_per_unit
+    std::uint64_t frame = 0;      // from 1 on
+    std::span<float> mass;        // kg
+    std::span<float> vx, vy, vz;  // m/s times units per metre
+    std::span<float> px, py, pz;  // units, see StreamInfo::metres_per_unit
 };
 
 // A complete frame: arrays of `count` values, in place in the shared memory, valid until release().
 struct Frame {
-  std::uint64_t frame = 0;  // from 1 on
-  std::uint64_t tick = 0;
-  std::uint32_t count = 0;
-  bool final = false;      // no frame follows
-  std::uint64_t hash = 0;  // chain over all frames so far
-  std::span<const float> mass;
-  std::span<const float> vx, vy, vz;
-  std::span<const float> px, py, pz;
-  Diagnostics diagnostics;
+    std::uint64_t frame = 0;  // from 1 on
+    std::uint64_t tick = 0;
+    std::uint32_t count = 0;
+    bool final = false;      // no frame follows
+    std::uint64_t hash = 0;  // chain over all frames so far
+    std::span<const float> mass;
+    std::span<const float> vx, vy, vz;
+    std::span<const float> px, py, pz;
+    Diagnostics diagnostics;
 };
 
 // The name of the shared-memory object of a session, "/<session>-fluid" or "/<session>-agents".

@@ -19,81 +19,81 @@ Subscriber::Subscriber(const std::string& session, const std::string& consumer_n
 
 Subscriber Subscriber::in_process(Publisher& publisher, const std::string& consumer_name,
                                   std::uint64_t expected_scene_hash, Waiting waiting) {
-  const Publisher::State& p = *publisher.state_;
-  auto* const base = static_cast<std::byte*>(p.region.get_address());
-  return Subscriber(std::make_unique<State>(
-      attach({p.session, p.map.info.kind, consumer_name, expected_scene_hash, base}, waiting), p.session, waiting));
+    const Publisher::State& p = *publisher.state_;
+    auto* const base = static_cast<std::byte*>(p.region.get_address());
+    return Subscriber(std::make_unique<State>(
+        attach({p.session, p.map.info.kind, consumer_name, expected_scene_hash, base}, waiting), p.session, waiting));
 }
 
 Subscriber::Subscriber(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
 Subscriber::~Subscriber() {
-  if (state_) state_->finish();
+    if (state_) state_->finish();
 }
 
 Subscriber::Subscriber(Subscriber&&) noexcept = default;
 
 Subscriber& Subscriber::operator=(Subscriber&& other) noexcept {
-  if (this != &other) {
-    if (state_) state_->finish();
-    state_ = std::move(other.state_);
-  }
-  return *this;
+    if (this != &other) {
+        if (state_) state_->finish();
+        state_ = std::move(other.state_);
+    }
+    return *this;
 }
 
 const StreamInfo& Subscriber::info() const {
-  return state_->link.map->info;
+    return state_->link.map->info;
 }
 std::uint64_t Subscriber::released_frame() const {
-  return state_->released;
+    return state_->released;
 }
 void Subscriber::heartbeat() noexcept {
-  state_->heartbeat();
+    state_->heartbeat();
 }
 
 std::optional<Frame> Subscriber::acquire() {
-  State& s = *state_;
-  if (s.held != 0) throw std::logic_error("Subscriber::acquire twice without release");
-  if (s.over) return std::nullopt;
-  try {
-    if (!s.wait_for_next()) {
-      s.over = true;
-      return std::nullopt;
+    State& s = *state_;
+    if (s.held != 0) throw std::logic_error("Subscriber::acquire twice without release");
+    if (s.over) return std::nullopt;
+    try {
+        if (!s.wait_for_next()) {
+            s.over = true;
+            return std::nullopt;
+        }
+        Frame frame = s.check_frame();
+        s.held = frame.frame;
+        s.held_is_final = frame.final;
+        return frame;
+    } catch (const Error& error) {
+        abort(error.exit_code(), error.what());
+        throw;
     }
-    Frame frame = s.check_frame();
-    s.held = frame.frame;
-    s.held_is_final = frame.final;
-    return frame;
-  } catch (const Error& error) {
-    abort(error.exit_code(), error.what());
-    throw;
-  }
 }
 
 void Subscriber::release() {
-  State& s = *state_;
-  if (s.held == 0) throw std::logic_error("Subscriber::release without acquire");
-  if (load_acquire(s.link.pages.descriptor(s.held).sequence) != 2 * s.held) {
-    const Error error(Failure::protocol_violation,
-                      s.producer() + " overwrote frame " + std::to_string(s.held) + " while it was in use.");
-    abort(error.exit_code(), error.what());
-    throw error;
-  }
-  s.heartbeat();
-  store_release(s.link.entry->acknowledged_frame, s.held);
-  s.released = s.held;
-  s.next = s.held + 1;
-  s.over = s.held_is_final;
-  s.held = 0;
-  s.link.ring();
+    State& s = *state_;
+    if (s.held == 0) throw std::logic_error("Subscriber::release without acquire");
+    if (load_acquire(s.link.pages.descriptor(s.held).sequence) != 2 * s.held) {
+        const Error error(Failure::protocol_violation,
+                          s.producer() + " overwrote frame " + std::to_string(s.held) + " while it was in use.");
+        abort(error.exit_code(), error.what());
+        throw error;
+    }
+    s.heartbeat();
+    store_release(s.link.entry->acknowledged_frame, s.held);
+    s.released = s.held;
+    s.next = s.held + 1;
+    s.over = s.held_is_final;
+    s.held = 0;
+    s.link.ring();
 }
 
 void Subscriber::leave() noexcept {
-  state_->say_goodbye(consumer_left, 0, "");
+    state_->say_goodbye(consumer_left, 0, "");
 }
 
 void Subscriber::abort(int reason_code, std::string_view text) noexcept {
-  state_->say_goodbye(consumer_aborted, reason_code, text);
+    state_->say_goodbye(consumer_aborted, reason_code, text);
 }
 
 }  // namespace wade::shm

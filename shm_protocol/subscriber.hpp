@@ -23,50 +23,50 @@ class Publisher;
 // leave() tells the producer that this side gave up. Every Error ends the participation, with its reason told.
 class Subscriber {
  public:
-  // Joins the session, whether its producer is already there or comes later: absent, unready and stale segments are
-  // tried again until the attach timeout. Joining does not wait for the producer's next frame; acquire() does.
-  // expected_scene_hash: 0 = any. consumer_name: at most 63 bytes.
-  // Errors: attach_timeout; protocol_violation for another version, another scene or a damaged header;
-  // std::invalid_argument.
-  Subscriber(const std::string& session, const std::string& consumer_name, std::uint64_t expected_scene_hash = 0,
-             Waiting waiting = {}, StreamKind kind = stream_fluid);
+    // Joins the session, whether its producer is already there or comes later: absent, unready and stale segments are
+    // tried again until the attach timeout. Joining does not wait for the producer's next frame; acquire() does.
+    // expected_scene_hash: 0 = any. consumer_name: at most 63 bytes.
+    // Errors: attach_timeout; protocol_violation for another version, another scene or a damaged header;
+    // std::invalid_argument.
+    Subscriber(const std::string& session, const std::string& consumer_name, std::uint64_t expected_scene_hash = 0,
+               Waiting waiting = {}, StreamKind kind = stream_fluid);
 
-  // Joins the session of a producer in the same process over the producer's own mapping (for race detectors, which
-  // follow addresses; in all else like the constructor). The publisher must outlive the subscriber.
-  static Subscriber in_process(Publisher& publisher, const std::string& consumer_name,
-                               std::uint64_t expected_scene_hash = 0, Waiting waiting = {});
+    // Joins the session of a producer in the same process over the producer's own mapping (for race detectors, which
+    // follow addresses; in all else like the constructor). The publisher must outlive the subscriber.
+    static Subscriber in_process(Publisher& publisher, const std::string& consumer_name,
+                                 std::uint64_t expected_scene_hash = 0, Waiting waiting = {});
 
-  ~Subscriber();
-  Subscriber(Subscriber&&) noexcept;
-  Subscriber& operator=(Subscriber&&) noexcept;
+    ~Subscriber();
+    Subscriber(Subscriber&&) noexcept;
+    Subscriber& operator=(Subscriber&&) noexcept;
 
-  [[nodiscard]] const StreamInfo& info() const;
+    [[nodiscard]] const StreamInfo& info() const;
 
-  // The next frame, empty once the producer has ended the stream and all its frames were released.
-  // Frames that were complete when a producer died or gave up are still delivered, then the error comes.
-  // Errors: peer_dead, peer_aborted, step_timeout, interrupted; protocol_violation if the frame is not the expected
-  // one, holds more particles than fit, does not match its hash or holds a NaN or an infinity.
-  std::optional<Frame> acquire();
+    // The next frame, empty once the producer has ended the stream and all its frames were released.
+    // Frames that were complete when a producer died or gave up are still delivered, then the error comes.
+    // Errors: peer_dead, peer_aborted, step_timeout, interrupted; protocol_violation if the frame is not the expected
+    // one, holds more particles than fit, does not match its hash or holds a NaN or an infinity.
+    std::optional<Frame> acquire();
 
-  // Acknowledges the frame of acquire(); its spans must not be used any more.
-  // Errors: protocol_violation if the producer overwrote the frame while it was held.
-  void release();
+    // Acknowledges the frame of acquire(); its spans must not be used any more.
+    // Errors: protocol_violation if the producer overwrote the frame while it was held.
+    void release();
 
-  // A sign of life during a long computation; acquire, release and every wait give one too.
-  void heartbeat() noexcept;
+    // A sign of life during a long computation; acquire, release and every wait give one too.
+    void heartbeat() noexcept;
 
-  // A clean goodbye before the end: the producer goes on without this consumer.
-  void leave() noexcept;
+    // A clean goodbye before the end: the producer goes on without this consumer.
+    void leave() noexcept;
 
-  // Gives up and tells the producer why; the text is cut at 511 bytes.
-  void abort(int reason_code, std::string_view text) noexcept;
+    // Gives up and tells the producer why; the text is cut at 511 bytes.
+    void abort(int reason_code, std::string_view text) noexcept;
 
-  [[nodiscard]] std::uint64_t released_frame() const;  // the last one, 0 = none
+    [[nodiscard]] std::uint64_t released_frame() const;  // the last one, 0 = none
 
  private:
-  struct State;
-  explicit Subscriber(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+    struct State;
+    explicit Subscriber(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
 };
 
 }  // namespace wade::shm

@@ -11,36 +11,36 @@
 namespace wade::shm {
 
 struct Subscriber::State {
-  State(Link joined, const std::string& session, Waiting how);
+    State(Link joined, const std::string& session, Waiting how);
 
-  // Waits for frame `next`; false if the stream has ended before it. Errors: those of Subscriber::acquire().
-  bool wait_for_next();
+    // Waits for frame `next`; false if the stream has ended before it. Errors: those of Subscriber::acquire().
+    bool wait_for_next();
 
-  // Looks whether frame `next` is there or will never be.
-  enum class Outlook { open, complete, ended };
-  Outlook look();
+    // Looks whether frame `next` is there or will never be.
+    enum class Outlook { open, complete, ended };
+    Outlook look();
 
-  // The complete frame `next`, checked. Errors: protocol_violation.
-  Frame check_frame();
+    // The complete frame `next`, checked. Errors: protocol_violation.
+    Frame check_frame();
 
-  void heartbeat() noexcept;
-  void say_goodbye(ConsumerState last, int reason_code, std::string_view text) noexcept;
-  void finish() noexcept;  // the goodbye of a destructor
+    void heartbeat() noexcept;
+    void say_goodbye(ConsumerState last, int reason_code, std::string_view text) noexcept;
+    void finish() noexcept;  // the goodbye of a destructor
 
-  [[nodiscard]] std::string producer() const;  // "Producer 'dfsph' (process 123)"
+    [[nodiscard]] std::string producer() const;  // "Producer 'dfsph' (process 123)"
 
-  Link link;
-  std::string session;
-  Waiting waiting;
-  std::uint64_t next = 0;  // frame to be acquired; 0 = not admitted yet
-  std::uint64_t held = 0;  // between acquire and release
-  std::uint64_t released = 0;
-  std::uint64_t chain = 0;
-  std::uint64_t last_tick = 0;
-  bool first = true;  // no frame was checked yet
-  bool held_is_final = false;
-  bool over = false;  // no frame will come any more
-  bool gone = false;  // the goodbye was said
+    Link link;
+    std::string session;
+    Waiting waiting;
+    std::uint64_t next = 0;  // frame to be acquired; 0 = not admitted yet
+    std::uint64_t held = 0;  // between acquire and release
+    std::uint64_t released = 0;
+    std::uint64_t chain = 0;
+    std::uint64_t last_tick = 0;
+    bool first = true;  // no frame was checked yet
+    bool held_is_final = false;
+    bool over = false;  // no frame will come any more
+    bool gone = false;  // the goodbye was said
 };
 
 }  // namespace wade::shm

@@ -10,76 +10,76 @@ namespace wade::shm {
 namespace {
 
 std::string seconds(double s) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g s", s);
-  return text;
+    char text[32];
+    std::snprintf(text, sizeof text, "%g s", s);
+    return text;
 }
 
 void relax_cpu() {
 #if defined(__x86_64__) || defined(__i386__)
-  __builtin_ia32_pause();
+    __builtin_ia32_pause();
 #elif defined(__aarch64__)
-  asm volatile("yield");
+    asm volatile("yield");
 #endif
 }
 
 bool spin(const std::function<bool()>& ready) {
-  if (ready()) return true;
-  static const bool alone = usable_cpus() == 1;
-  if (alone) return false;
-  const std::int64_t end = monotonic_ns() + spin_ns;
-  do {
-    for (int i = 0; i < 16; ++i) {
-      if (ready()) return true;
-      relax_cpu();
-    }
-  } while (monotonic_ns() < end);
-  return false;
+    if (ready()) return true;
+    static const bool alone = usable_cpus() == 1;
+    if (alone) return false;
+    const std::int64_t end = monotonic_ns() + spin_ns;
+    do {
+        for (int i = 0; i < 16; ++i) {
+            if (ready()) return true;
+            relax_cpu();
+        }
+    } while (monotonic_ns() < end);
+    return false;
 }
 
 struct WaitingFlag {
-  explicit WaitingFlag(std::uint32_t& flag) : flag_(flag) { store_ordered(flag_, 1U); }
-  ~WaitingFlag() { store_relaxed(flag_, 0U); }
-  WaitingFlag(const WaitingFlag&) = delete;
-  WaitingFlag& operator=(const WaitingFlag&) = delete;
-  std::uint32_t& flag_;
+    explicit WaitingFlag(std::uint32_t& flag) : flag_(flag) { store_ordered(flag_, 1U); }
+    ~WaitingFlag() { store_relaxed(flag_, 0U); }
+    WaitingFlag(const WaitingFlag&) = delete;
+    WaitingFlag& operator=(const WaitingFlag&) = delete;
+    std::uint32_t& flag_;
 };
 
 }  // namespace
 
 void Patience::count(double s) {
-  constexpr double longest = 4 * 1e-9 * static_cast<double>(slice_ns);  // a busy machine may be late by some slices
-  spent_s_ += s > longest ? 1e-9 * static_cast<double>(slice_ns) : std::max(s, 0.0);
+    constexpr double longest = 4 * 1e-9 * static_cast<double>(slice_ns);  // a busy machine may be late by some slices
+    spent_s_ += s > longest ? 1e-9 * static_cast<double>(slice_ns) : std::max(s, 0.0);
 }
 
 void check_interrupted(const Waiting& waiting, const std::string& what) {
-  if (waiting.interrupted && waiting.interrupted())
-    throw Error(Failure::interrupted, "Interrupted while waiting for " + what + ".");
+    if (waiting.interrupted && waiting.interrupted())
+        throw Error(Failure::interrupted, "Interrupted while waiting for " + what + ".");
 }
 
 void wait_for_peer(const Sleep& sleep, const Waiting& waiting, const WaitTask& task) {
-  if (spin(task.ready)) return;
-  const WaitingFlag flag(sleep.waiting);
-  Patience patience(task.timeout_s);
-  bool warned = task.warning_s <= 0 || !waiting.warn;
-  std::int64_t last = monotonic_ns();
-  for (;;) {
-    const std::uint32_t seen = load_ordered(sleep.sequence);
-    if (task.ready()) return;
-    const Wake wake = futex_wait(sleep.sequence, seen, slice_ns);
-    const std::int64_t now = monotonic_ns();
-    if (wake == Wake::changed && now - last < slice_ns) continue;
-    patience.count(1e-9 * static_cast<double>(now - last));
-    last = now;
-    check_interrupted(waiting, task.what());
-    task.after_slice();
-    if (!warned && patience.spent_s() >= task.warning_s) {
-      warned = true;
-      waiting.warn("Waiting for " + task.what() + " since " + seconds(task.warning_s) + ".");
+    if (spin(task.ready)) return;
+    const WaitingFlag flag(sleep.waiting);
+    Patience patience(task.timeout_s);
+    bool warned = task.warning_s <= 0 || !waiting.warn;
+    std::int64_t last = monotonic_ns();
+    for (;;) {
+        const std::uint32_t seen = load_ordered(sleep.sequence);
+        if (task.ready()) return;
+        const Wake wake = futex_wait(sleep.sequence, seen, slice_ns);
+        const std::int64_t now = monotonic_ns();
+        if (wake == Wake::changed && now - last < slice_ns) continue;
+        patience.count(1e-9 * static_cast<double>(now - last));
+        last = now;
+        check_interrupted(waiting, task.what());
+        task.after_slice();
+        if (!warned && patience.spent_s() >= task.warning_s) {
+            warned = true;
+            waiting.warn("Waiting for " + task.what() + " since " + seconds(task.warning_s) + ".");
+        }
+        if (patience.exhausted() && !task.ready())
+            throw Error(task.on_timeout, "Waited " + seconds(task.timeout_s) + " in vain for " + task.what() + ".");
     }
-    if (patience.exhausted() && !task.ready())
-      throw Error(task.on_timeout, "Waited " + seconds(task.timeout_s) + " in vain for " + task.what() + ".");
-  }
 }
 
 }  // namespace wade::shm

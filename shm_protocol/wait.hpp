@@ -13,17 +13,17 @@ namespace wade::shm {
 // `waiting`; the waiter sets `waiting`, reads `sequence` and then looks for the news. All four are sequentially
 // consistent, so at least one of the two sees the other: no wake-up is lost.
 struct Sleep {
-  const std::uint32_t& sequence;  // futex word, counted up by the peer
-  std::uint32_t& waiting;         // 1 while this side sleeps or is about to
+    const std::uint32_t& sequence;  // futex word, counted up by the peer
+    std::uint32_t& waiting;         // 1 while this side sleeps or is about to
 };
 
 struct WaitTask {
-  std::function<bool()> ready;        // true = the wait is over; may throw
-  std::function<void()> after_slice;  // liveness, heartbeat; may throw
-  std::function<std::string()> what;  // "frame 120 of producer 'dfsph'", for the messages
-  Failure on_timeout = Failure::step_timeout;
-  double timeout_s = 0;  // 0 = never
-  double warning_s = 0;  // 0 = never
+    std::function<bool()> ready;        // true = the wait is over; may throw
+    std::function<void()> after_slice;  // liveness, heartbeat; may throw
+    std::function<std::string()> what;  // "frame 120 of producer 'dfsph'", for the messages
+    Failure on_timeout = Failure::step_timeout;
+    double timeout_s = 0;  // 0 = never
+    double warning_s = 0;  // 0 = never
 };
 
 // Errors: task.on_timeout, Failure::interrupted, and whatever `ready` and `after_slice` throw.
@@ -33,14 +33,14 @@ void wait_for_peer(const Sleep& sleep, const Waiting& waiting, const WaitTask& t
 // the process was stopped meanwhile, and counts as one slice.
 class Patience {
  public:
-  explicit Patience(double limit_s) : limit_s_(limit_s) {}
-  void count(double seconds);
-  [[nodiscard]] double spent_s() const { return spent_s_; }
-  [[nodiscard]] bool exhausted() const { return limit_s_ > 0 && spent_s_ >= limit_s_; }
+    explicit Patience(double limit_s) : limit_s_(limit_s) {}
+    void count(double seconds);
+    [[nodiscard]] double spent_s() const { return spent_s_; }
+    [[nodiscard]] bool exhausted() const { return limit_s_ > 0 && spent_s_ >= limit_s_; }
 
  private:
-  double limit_s_;
-  double spent_s_ = 0;
+    double limit_s_;
+    double spent_s_ = 0;
 };
 
 inline constexpr std::int64_t slice_ns = 50'000'000;  // also the delay after which a dead peer is noticed

@@ -14,7 +14,9 @@ void MadeUpWater::add(double x, double z, double its_mass, double its_vx, double
     pz.push_back(static_cast<float>(z));
 }
 
-WaterView MadeUpWater::view() const { return ground_view(frame(1), shm::StreamInfo{}); }
+WaterView MadeUpWater::view() const {
+    return ground_view(frame(1), shm::StreamInfo{});
+}
 
 shm::Frame MadeUpWater::frame(std::uint64_t number) const {
     shm::Frame f;

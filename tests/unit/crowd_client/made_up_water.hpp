@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "configs/scene.hpp"
 #include "crowd_client/frame_source.hpp"
 #include "crowd_client/water_view.hpp"
 

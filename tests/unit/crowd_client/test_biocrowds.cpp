@@ -32,7 +32,9 @@ World world_of(double length, double width) {
     return world;
 }
 
-std::size_t owned(const MarkerClaims& claims, std::size_t k) { return claims.start[k + 1] - claims.start[k]; }
+std::size_t owned(const MarkerClaims& claims, std::size_t k) {
+    return claims.start[k + 1] - claims.start[k];
+}
 
 }  // namespace
 
@@ -74,7 +76,8 @@ TEST_CASE("Claims by cells are those of a search over all pairs") {
     const Markers markers = place_markers(scene);
     std::vector<Vector2d> walkers;
     for (int i = 0; i < 80; ++i) {  // a low-discrepancy set, edges of the world included
-        walkers.emplace_back(std::fmod(i * 30 * 0.6180339887, 30.0), i % 8 == 0 ? 20.0 : std::fmod(i * 20 * 0.7548776662, 20.0));
+        walkers.emplace_back(std::fmod(i * 30 * 0.6180339887, 30.0),
+                             i % 8 == 0 ? 20.0 : std::fmod(i * 20 * 0.7548776662, 20.0));
     }
     MarkerClaims claims;
     claim_markers(claims, markers, walkers, scene.crowd.perception_radius);

@@ -12,7 +12,9 @@ using namespace wade::crowd;
 
 namespace {
 // A few roundings of numbers of order one to a thousand.
-Approx close_to(double v) { return Approx(v).epsilon(1e-14).margin(1e-14); }
+Approx close_to(double v) {
+    return Approx(v).epsilon(1e-14).margin(1e-14);
+}
 }  // namespace
 
 TEST_CASE("Eq. 1: the motion vector is the weighted sum of the ways to the markers", "[eq1]") {
@@ -32,11 +34,11 @@ TEST_CASE("Eq. 2: a weight is the share of a marker in the sum of the preference
 
 TEST_CASE("Eq. 3: markers in the direction of the goal and near ones are preferred", "[eq3]") {
     const Vector2d goal(10, 0);
-    CHECK(marker_preference(goal, {1, 0}) == close_to(2 / 2.0));              // ahead, 1 m
-    CHECK(marker_preference(goal, {0, 1}) == close_to(1 / 2.0));              // abreast, 1 m
-    CHECK(marker_preference(goal, {-1, 0}) == close_to(0));                   // behind
-    CHECK(marker_preference(goal, {0.3, 0.4}) == close_to(1.6 / 1.5));        // cos = 0.6, 0.5 m
-    CHECK(marker_preference({-4, -3}, {-0.8, -0.6}) == close_to(1.0));        // ahead in another direction
+    CHECK(marker_preference(goal, {1, 0}) == close_to(2 / 2.0));        // ahead, 1 m
+    CHECK(marker_preference(goal, {0, 1}) == close_to(1 / 2.0));        // abreast, 1 m
+    CHECK(marker_preference(goal, {-1, 0}) == close_to(0));             // behind
+    CHECK(marker_preference(goal, {0.3, 0.4}) == close_to(1.6 / 1.5));  // cos = 0.6, 0.5 m
+    CHECK(marker_preference({-4, -3}, {-0.8, -0.6}) == close_to(1.0));  // ahead in another direction
 }
 
 TEST_CASE("Eq. 3: neither an agent on its goal nor a marker under the agent divides by zero", "[eq3]") {
@@ -83,7 +85,9 @@ TEST_CASE("Eq. 6: the momentum before the collision is that of the agent and of 
     CHECK(p.y() == close_to(65 * 1.3 + 50));
 }
 
-TEST_CASE("Eq. 7: agent and water go on as one mass", "[eq7]") { CHECK(mass_after(65, {150, {-200, 50}}) == close_to(215)); }
+TEST_CASE("Eq. 7: agent and water go on as one mass", "[eq7]") {
+    CHECK(mass_after(65, {150, {-200, 50}}) == close_to(215));
+}
 
 TEST_CASE("Eq. 8: an agent yields to the share tau of the water", "[eq8]") {
     const Contact yielded = yielded_water(0.2, {150, {-200, 50}});

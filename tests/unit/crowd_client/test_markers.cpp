@@ -112,6 +112,10 @@ TEST_CASE("Markers that cannot fit are refused with the keys and values") {
     scene.crowd.perception_radius = 2.5;
     CHECK_THROWS_WITH(place_markers(scene),
                       Catch::Contains("/crowd/perception_radius_m is 2.5") && Catch::Contains("up to 2"));
+    scene.crowd.perception_radius = 1;
+    scene.world.length = scene.world.width = 100000;
+    CHECK_THROWS_WITH(place_markers(scene),
+                      Catch::Contains("64 markers in each of the 2500") && Catch::Contains("make the world smaller"));
 }
 
 TEST_CASE("A draw of the counter-based generator depends on seed, stream and counter alone and fills [0, 1)") {

@@ -56,7 +56,8 @@ TEST_CASE("Contacts by cells are those of a search over all particles") {
                   counter_uniform(1, 3, i), counter_uniform(1, 4, i));
     }
     std::vector<Vector2d> agents{{0, 0}, {100, 50}, {0, 25}, {75, 50}, {2, 2}, {3.999, 4}, {100, 0}};
-    for (std::uint64_t k = 0; k < 40; ++k) agents.emplace_back(100 * counter_uniform(2, 0, k), 50 * counter_uniform(2, 1, k));
+    for (std::uint64_t k = 0; k < 40; ++k)
+        agents.emplace_back(100 * counter_uniform(2, 0, k), 50 * counter_uniform(2, 1, k));
     const WaterBins bins = bins_of(water, agents);
     for (const double distance : {0.25, 0.75, 2.0}) {
         for (const Vector2d& a : agents) {

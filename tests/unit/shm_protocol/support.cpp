@@ -6,15 +6,38 @@
 
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
+#include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 #include "shm_protocol/hash.hpp"
 
 namespace wade::shm::test {
 
+namespace {
+
+// A test process that was killed could not clean up; the next one does it, by the process number in the name.
+bool sweep_leftovers() {
+    const std::string prefix = "wade-test-";
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator("/dev/shm", ignored)) {
+        const std::string name = entry.path().filename().string();
+        if (!name.starts_with(prefix)) continue;
+        const int pid = std::atoi(name.c_str() + prefix.size());
+        if (pid > 0 && ::kill(pid, 0) != 0 && errno == ESRCH) shm_unlink(("/" + name).c_str());
+    }
+    return true;
+}
+
+}  // namespace
+
 Session::Session() {
+    static const bool swept = sweep_leftovers();
+    (void)swept;
     static std::atomic<int> counter{0};
     name_ = "wade-test-" + std::to_string(getpid()) + "-" + std::to_string(counter++);
 }
@@ -27,6 +50,7 @@ Session::~Session() {
 Child::Child(const std::function<int()>& work) : pid_(fork()) {
     if (pid_ < 0) throw std::runtime_error("fork failed");
     if (pid_ > 0) return;
+    for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTERM, SIGINT}) std::signal(signal, SIG_DFL);
     int code = 99;
     try {
         code = work();
@@ -43,7 +67,9 @@ Child::~Child() {
     wait();
 }
 
-void Child::kill(int signal) const { ::kill(pid_, signal); }
+void Child::kill(int signal) const {
+    ::kill(pid_, signal);
+}
 
 int Child::wait() {
     if (!status_) {
@@ -86,10 +112,13 @@ Waiting patient() {
     return waiting;
 }
 
-std::uint32_t test_count(std::uint64_t frame) { return static_cast<std::uint32_t>((frame * 37) % (test_capacity + 1)); }
+std::uint32_t test_count(std::uint64_t frame) {
+    return static_cast<std::uint32_t>((frame * 37) % (test_capacity + 1));
+}
 
 float test_value(std::uint64_t frame, int field, std::uint32_t particle) {
-    return static_cast<float>((frame * 131 + static_cast<std::uint64_t>(field) * 17 + particle * 7) % 1009) * 0.25F - 100;
+    return static_cast<float>((frame * 131 + static_cast<std::uint64_t>(field) * 17 + particle * 7) % 1009) * 0.25F -
+           100;
 }
 
 void fill(const FrameFields& f, std::uint32_t count) {
@@ -167,6 +196,8 @@ Caught catch_error(const std::function<void()>& work) {
     return {};
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
 
 }  // namespace wade::shm::test

@@ -39,8 +39,8 @@ class Child {
 
     [[nodiscard]] pid_t pid() const { return pid_; }
     void kill(int signal) const;
-    int wait();                      // exit code, or 128 + signal
-    int wait_continuing_stops();     // the same, and sends SIGCONT whenever the process stops
+    int wait();                   // exit code, or 128 + signal
+    int wait_continuing_stops();  // the same, and sends SIGCONT whenever the process stops
 
  private:
     pid_t pid_;

@@ -1,0 +1,103 @@
+"""What happens to one program when the other one dies, is interrupted, or cannot write its records."""
+
+import random
+import resource
+import signal
+import subprocess
+import unittest
+
+from harness import ENDLESS, SystemTest
+
+LIMIT_BYTES = 300_000  # the trajectories of the small scene outgrow it after a few simulated seconds
+
+
+def limit_file_size():
+    """For the child: a write beyond the limit fails, much as on a full disk."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (LIMIT_BYTES, LIMIT_BYTES))
+
+
+class Ends(SystemTest):
+    def started(self, frame):
+        """A pair that runs until something ends it, at or after the given frame."""
+        server, client = self.server(*ENDLESS), self.client(*ENDLESS)
+        self.wait_for_frame(frame, server, client)
+        return server, client
+
+    def test_killed_server_leaves_complete_records(self):
+        moments = random.Random(20201016)
+        for frame in [1] + [moments.randrange(2, 200) for _ in range(4)]:
+            with self.subTest(frame=frame):
+                server, client = self.started(frame)
+                self.kill_server(server)
+                self.assert_ends(client, 4, "died")
+                outcome, last = self.assert_complete_records(client.run, "peer_dead")
+                self.assertGreaterEqual(outcome["frames"], frame - 3, "at most the frames under way are lost")
+                self.assertEqual(last, outcome["frames"], "every frame that was simulated is logged")
+                self.remove_segment_of_killed_server()
+
+    def test_killed_client_ends_the_server(self):
+        moments = random.Random(20201018)
+        for frame in [1] + [moments.randrange(2, 200) for _ in range(4)]:
+            with self.subTest(frame=frame):
+                server, client = self.started(frame)
+                client.send(signal.SIGKILL)
+                self.assertEqual(client.wait(), -signal.SIGKILL)
+                self.assert_ends(server, 4, "died")
+                # What was committed before the kill is readable, frame by frame.
+                rows = dict(client.run.query("SELECT frame, COUNT(*) FROM trajectory_data GROUP BY frame"))
+                self.assertEqual(set(rows), set(range(max(rows) + 1)))
+                self.assertEqual(client.run.outcome()["status"], "running")
+
+    def test_interrupted_client_tells_the_server(self):
+        for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            with self.subTest(signal=number.name):
+                server, client = self.started(20)
+                client.send(number)
+                self.assert_ends(client, code, "nterrupted")
+                self.assert_ends(server, 5, "nterrupted")
+                self.assert_complete_records(client.run, "interrupted")
+
+    def test_interrupted_server_tells_the_client(self):
+        for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            with self.subTest(signal=number.name):
+                server, client = self.started(20)
+                server.send(number)
+                self.assert_ends(server, code, "nterrupted")
+                self.assert_ends(client, 5, "nterrupted")
+                self.assert_complete_records(client.run, "peer_aborted")
+
+    def test_server_that_waits_for_a_crowd_can_be_interrupted(self):
+        server = self.server()
+        self.wait_for_segment()
+        server.send(signal.SIGINT)
+        self.assert_ends(server, 130)
+
+    def assert_ended_by_full_disk(self, server, client, status):
+        self.assert_ends(client, 1, str(client.run.folder / "trajectories.sqlite"))
+        self.assert_ends(server, 5, "trajectories.sqlite")
+        outcome, last = self.assert_complete_records(client.run, status)
+        self.assertGreater(last, 0)
+        # Frames are committed in batches; the batch that met the end of the disk is lost as a whole.
+        self.assertLessEqual(last, outcome["frames"])
+
+    def test_file_size_limit_while_logging_is_reported(self):
+        server = self.server(*ENDLESS)
+        client = self.client(*ENDLESS, "--water-every-s", "0", preexec_fn=limit_file_size)
+        self.assert_ended_by_full_disk(server, client, "failed")
+
+    def test_full_disk_while_logging_is_reported(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        mounted = subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", "size=400k", "none", disk], capture_output=True, text=True
+        )
+        if mounted.returncode != 0:
+            self.skipTest(f"no right to mount a small disk: {mounted.stderr.strip()}")
+        self.mounts.append(disk)
+        server = self.server(*ENDLESS)
+        client = self.client(*ENDLESS, "--water-every-s", "0", out=disk / "run")
+        self.assert_ended_by_full_disk(server, client, "disk_full")
+
+
+if __name__ == "__main__":
+    unittest.main()

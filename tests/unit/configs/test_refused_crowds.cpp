@@ -1,0 +1,147 @@
+// Agents, markers and events that cannot be.
+
+#include <cmath>
+
+#include "scene_texts.hpp"
+
+using Catch::Matchers::Contains;
+using Catch::Matchers::Equals;
+using wade::LoadedScene;
+using namespace wade::test;
+
+namespace {
+
+const std::string obstacle =
+    R"("obstacles": [{"x_min_m": 10, "x_max_m": 12, "z_min_m": 20, "z_max_m": 22, "height_m": 1}])";
+
+std::string crowd(const std::string& groups, const std::string& more = "") {
+    return R"({"crowd": {"groups": [)" + groups + "]}" + more + "}";
+}
+
+}  // namespace
+
+TEST_CASE("an agent that starts inside an obstacle is refused") {
+    CHECK_THAT(
+        refusal(crowd(group("a", 11, 19, R"(, "rows": 3)"), "," + obstacle)),
+        Equals(
+            "scene.json: /crowd/groups/0/start: agent 1 at (x 11 m, z 20 m) is inside /obstacles/0; allowed: anywhere "
+            "but x 10 to 12 m with z 20 to 22 m."));
+}
+
+TEST_CASE("a goal inside an obstacle is refused") {
+    CHECK_THAT(refusal(crowd(group("a", 1, 1), "," + obstacle),
+                       {"/crowd/groups/0/goal/x_m=11", "/crowd/groups/0/goal/z_m=21"}),
+               Contains("/crowd/groups/0/goal: the goal of group \"a\" at (x 11 m, z 21 m) is inside /obstacles/0"));
+}
+
+TEST_CASE("agents and goals outside the world are refused; its edge is inside") {
+    CHECK_THAT(
+        refusal(crowd(group("a", 99, 1, R"(, "columns": 3)"))),
+        Equals("scene.json: /crowd/groups/0/start: agent 2 at (x 101 m, z 1 m) is outside the world; allowed: x 0 to "
+               "100 m, z 0 to 50 m."));
+    CHECK_THAT(refusal(crowd(group("a", 1, 1)), {"/crowd/groups/0/goal/z_m=50.1"}),
+               Contains("/crowd/groups/0/goal: the goal of group \"a\" at (x 75 m, z 50.1 m) is outside the world"));
+    CHECK(load_patched(crowd(group("a", 0, 0))).scene.crowd.groups.at(0).goal_z == 50);
+}
+
+TEST_CASE("two agents within a millimetre are refused") {
+    CHECK_THAT(
+        refusal(crowd(group("a", 1, 1, R"(, "columns": 3)") + "," + group("b", 3.0005, 1))),
+        Equals("scene.json: /crowd/groups/1/start: agents 2 and 3 start at one place, (x 3.0005 m, z 1 m); allowed: a "
+               "distance >= 0.001 m."));
+    CHECK_THAT(refusal(crowd(group("a", 1, 1, R"(, "columns": 2)")), {"/crowd/groups/0/start/pitch_x_m=0"}),
+               Contains("agents 0 and 1 start at one place"));
+    CHECK(load_patched(crowd(group("a", 1, 1) + "," + group("b", 1.0011, 1))).scene.crowd.groups.size() == 2);
+}
+
+TEST_CASE("more agents than places are refused; fewer leave the last row incomplete") {
+    CHECK_THAT(
+        refusal(crowd(group("a", 1, 1, R"(, "columns": 3, "rows": 2, "count": 7)"))),
+        Equals("scene.json: /crowd/groups/0/count: 7 agents do not fit on the start grid of 3 columns and 2 rows; "
+               "allowed: <= 6."));
+    CHECK_THAT(refusal(crowd(group("a", 1, 1, R"(, "columns": 100000, "rows": 100000)"))),
+               Contains("/crowd/groups/0/count: 10000000000 is out of range; allowed: >= 1 and <= 1000000."));
+    CHECK(
+        load_patched(crowd(group("a", 1, 1, R"(, "columns": 3, "rows": 2, "count": 4)"))).scene.crowd.groups[0].count ==
+        4);
+    CHECK(load_patched(crowd(group("a", 1, 1, R"(, "columns": 3, "rows": 2)"))).scene.crowd.groups[0].count == 6);
+}
+
+TEST_CASE("two groups of one name are refused") {
+    CHECK_THAT(refusal(crowd(group("a", 1, 1) + "," + group("a", 5, 5))),
+               Contains("/crowd/groups/1/name: \"a\" is the name of an earlier group"));
+}
+
+TEST_CASE("markers that do not fit into a cell are refused with the largest distance") {
+    // sqrt(8 / (64 pi)) = 0.199471 m
+    CHECK_THAT(refusal("{}", {"/crowd/marker_min_distance_m=0.2"}),
+               Equals("scene.json: /crowd/marker_min_distance_m: 0.2 m is too large for 64 markers to fit at random "
+                      "into a cell of "
+                      "2 x 2 m; allowed: <= 0.199471 m."));
+    CHECK(load_patched("{}", {"/crowd/marker_min_distance_m=0.199"}).scene.crowd.marker_min_distance == 0.199);
+}
+
+TEST_CASE("groups that set no tau, mass or speed take the crowd's") {
+    const LoadedScene loaded = load_patched(
+        crowd(group("a", 1, 1) + "," + group("b", 5, 5, R"(, "tau": 0.9, "mass_kg": 80, "desired_speed_m_s": 2)")),
+        {"/crowd/tau=0.2", "/crowd/mass_kg=70", "/crowd/desired_speed_m_s=1.1"});
+    const auto& groups = loaded.scene.crowd.groups;
+    CHECK(groups.at(0).tau == 0.2);
+    CHECK(groups.at(0).mass == 70);
+    CHECK(groups.at(0).desired_speed == 1.1);
+    CHECK(groups.at(1).tau == 0.9);
+    CHECK(groups.at(1).mass == 80);
+    CHECK(groups.at(1).desired_speed == 2);
+}
+
+TEST_CASE("a crowd's tau that no group takes is refused") {
+    CHECK_THAT(
+        refusal(crowd(group("a", 1, 1, R"(, "tau": 0.9)")), {"/crowd/tau=0.2"}),
+        Contains("/crowd/tau: 0.2 has no effect, as every group sets its own; set /crowd/groups/0/tau instead."));
+}
+
+TEST_CASE("an event's time becomes the first frame at or after it") {
+    const auto frame = [](double time, double rate) {
+        return load_patched("{}", {"/frame_rate_hz=" + std::to_string(rate), "/events/0/tau=0",
+                                   "/events/0/time_s=" + std::to_string(time)})
+            .scene.events.at(0)
+            .frame;
+    };
+    CHECK(frame(0, 30) == 0);
+    CHECK(frame(29, 30) == 870);
+    CHECK(frame(0.1, 30) == 3);  // 0.1 * 30 is above 3 by rounding
+    CHECK(frame(0.101, 30) == 4);
+    CHECK(frame(0.01, 30) == 1);
+}
+
+TEST_CASE("an event needs exactly one of frame and time") {
+    CHECK_THAT(
+        refusal(R"({"events": [{"tau": 0}]})"),
+        Equals("scene.json: /events/0: an event needs exactly one of \"frame\" and \"time_s\", and has neither."));
+    CHECK_THAT(refusal(R"({"events": [{"tau": 0, "frame": 1, "time_s": 1}]})"),
+               Contains("/events/0: ") && Contains("has both."));
+}
+
+TEST_CASE("an event that names nobody is refused") {
+    const std::string two = group("a", 1, 1, R"(, "columns": 2)") + "," + group("b", 5, 5);
+    CHECK_THAT(refusal(crowd(two, R"(, "events": [{"tau": 0, "frame": 1, "agent": 3}])")),
+               Equals("scene.json: /events/0/agent: there is no agent 3; allowed: 0 to 2."));
+    CHECK_THAT(refusal(crowd(two, R"(, "events": [{"tau": 0, "frame": 1, "group": "c"}])")),
+               Equals("scene.json: /events/0/group: there is no group \"c\"; allowed: \"a\", \"b\"."));
+    CHECK_THAT(refusal(R"({"events": [{"tau": 0, "frame": 1, "agent": 0}]})"), Contains("as the scene has no agents."));
+    CHECK_THAT(refusal(R"({"events": [{"tau": 0, "frame": 1, "group": "a"}]})"),
+               Contains("as the scene has no groups."));
+    CHECK_THAT(refusal(crowd(two, R"(, "events": [{"tau": 0, "frame": 1, "agent": 1, "group": "a"}])")),
+               Contains("/events/0: an event names an agent or a group, not both."));
+}
+
+TEST_CASE("events keep their order and whom they name") {
+    const LoadedScene loaded = load_patched(crowd(
+        group("a", 1, 1),
+        R"(, "events": [{"tau": 0.1, "frame": 9}, {"tau": 0.2, "frame": 3, "agent": 0}, {"tau": 0.3, "frame": 3, "group": "a"}])"));
+    const auto& events = loaded.scene.events;
+    REQUIRE(events.size() == 3);
+    CHECK((!events[0].agent && !events[0].group && events[0].frame == 9 && events[0].tau == 0.1));
+    CHECK((events[1].agent == 0 && !events[1].group && events[1].tau == 0.2));
+    CHECK((!events[2].agent && events[2].group == "a" && events[2].tau == 0.3));
+}

@@ -1,0 +1,128 @@
+// Geometry and water that cannot be simulated.
+
+#include "scene_texts.hpp"
+
+using Catch::Matchers::Contains;
+using Catch::Matchers::Equals;
+using namespace wade::test;
+
+namespace {
+
+std::string box(double x_min, double x_max, double z_min, double z_max, const std::string& height_key) {
+    return R"({"x_min_m": )" + std::to_string(x_min) + R"(, "x_max_m": )" + std::to_string(x_max) + R"(, "z_min_m": )" +
+           std::to_string(z_min) + R"(, "z_max_m": )" + std::to_string(z_max) + ", \"" + height_key + "\": 1}";
+}
+
+std::string obstacles(const std::string& boxes) {
+    return R"({"obstacles": [)" + boxes + "]}";
+}
+std::string blocks(const std::string& boxes) {
+    return R"({"channel": {"water_blocks": [)" + boxes + "]}}";
+}
+
+const std::string river =
+    R"({"channel": {"flow": "recirculating", "initial_river": "filled", "velocity_m_s": 1}, "fluid": {"particle_spacing_m": 0.5}})";
+const std::string emitter =
+    R"({"channel": {"flow": "emitter", "velocity_m_s": 1}, "fluid": {"particle_spacing_m": 0.5}})";
+
+}  // namespace
+
+TEST_CASE("an interval whose ends are swapped or equal is refused") {
+    CHECK_THAT(refusal(R"({"channel": {"x_min_m": 50}})"),
+               Equals("scene.json: /channel/x_min_m: 50 m is not smaller than x_max_m = 40 m; allowed: < 40 m."));
+    CHECK_THAT(refusal(R"({"channel": {"z_min_m": 30}})"),
+               Contains("/channel/z_min_m: 30 m is not smaller than z_max_m = 30 m"));
+    CHECK_THAT(refusal(obstacles(box(5, 4, 11, 12, "height_m"))), Contains("/obstacles/0/x_min_m: 5 m is not smaller"));
+    CHECK_THAT(refusal(blocks(box(3, 4, 13, 12, "depth_m"))),
+               Contains("/channel/water_blocks/0/z_min_m: 13 m is not smaller"));
+}
+
+TEST_CASE("a channel outside the world is refused") {
+    CHECK_THAT(
+        refusal(R"({"world": {"length_m": 30}})"),
+        Equals("scene.json: /channel: the channel at x 0 to 40 m, z 10 to 30 m reaches outside the world; allowed: "
+               "x 0 to 30 m, z 0 to 50 m."));
+}
+
+TEST_CASE("an obstacle outside the channel is refused") {
+    CHECK_THAT(
+        refusal(obstacles(box(5, 6, 9, 12, "height_m"))),
+        Equals(
+            "scene.json: /obstacles/0: the obstacle at x 5 to 6 m, z 9 to 12 m reaches outside the channel; allowed: "
+            "x 0 to 40 m, z 10 to 30 m."));
+}
+
+TEST_CASE("boxes that overlap are refused, boxes that touch are not") {
+    CHECK_THAT(
+        refusal(obstacles(box(5, 7, 11, 13, "height_m") + "," + box(6, 8, 12, 14, "height_m"))),
+        Equals("scene.json: /obstacles/1: overlaps /obstacles/0 at x 6 to 7 m, z 12 to 13 m; they may touch at most."));
+    CHECK(load_patched(obstacles(box(5, 7, 11, 13, "height_m") + "," + box(7, 8, 11, 13, "height_m")))
+              .scene.obstacles.size() == 2);
+    CHECK_THAT(refusal(blocks(box(5, 7, 11, 13, "depth_m") + "," + box(6, 8, 12, 14, "depth_m"))),
+               Contains("/channel/water_blocks/1: overlaps /channel/water_blocks/0"));
+    CHECK_THAT(refusal(blocks(box(5, 7, 11, 13, "depth_m")), {"/obstacles/0=" + box(6, 8, 12, 14, "height_m")}),
+               Contains("/channel/water_blocks/0: overlaps /obstacles/0"));
+}
+
+TEST_CASE("a capacity too small for the water is refused with what is needed") {
+    // 40 m x 20 m x 1 m / (0.5 m)^3 = 6400
+    CHECK_THAT(
+        refusal(river, {"/fluid/max_particles=6399"}),
+        Equals(
+            "scene.json: /fluid/max_particles: 6399 particles are too few for the water of this scene at a spacing of "
+            "0.5 m; allowed: >= 6400."));
+    CHECK(load_patched(river, {"/fluid/max_particles=6400"}).scene.fluid.max_particles == 6400);
+    // (40 + 5 * 0.5) m x 20 m x 1 m / (0.5 m)^3 = 6800
+    CHECK_THAT(refusal(emitter, {"/fluid/max_particles=6799"}), Contains("allowed: >= 6800."));
+    CHECK(wade::particles_needed(load_patched(emitter).scene) == 6800);
+    CHECK(wade::river_particles(load_patched(emitter).scene) == 6400);
+    // Two blocks of 2 m x 2 m x 1 m: 2 * 32
+    const std::string two = blocks(box(5, 7, 11, 13, "depth_m") + "," + box(7, 9, 11, 13, "depth_m"));
+    CHECK_THAT(refusal(two, {"/fluid/particle_spacing_m=0.5", "/fluid/max_particles=63"}), Contains("allowed: >= 64."));
+}
+
+TEST_CASE("a spacing larger than the water is refused") {
+    CHECK_THAT(refusal(emitter, {"/fluid/particle_spacing_m=1.5"}),
+               Equals("scene.json: /fluid/particle_spacing_m: 1.5 m is larger than the channel's depth of 1 m; "
+                      "allowed: <= 1 m."));
+    CHECK_THAT(refusal(emitter, {"/channel/z_max_m=10.4"}),
+               Contains("0.5 m is larger than the channel's width of 0.4 m"));
+    CHECK_THAT(refusal(emitter, {"/channel/x_max_m=0.4"}),
+               Contains("0.5 m is larger than the channel's length of 0.4 m"));
+    CHECK_THAT(refusal(blocks(box(5, 7, 11, 11.3, "depth_m"))),
+               Contains("0.4642 m is larger than the width of /channel/water_blocks/0 of 0.3 m"));
+    CHECK_THAT(refusal(blocks(box(5, 7, 11, 13, "depth_m")), {"/channel/water_blocks/0/depth_m=0.3"}),
+               Contains("0.4642 m is larger than the depth of /channel/water_blocks/0 of 0.3 m"));
+}
+
+TEST_CASE("periodic lengths below six spacings are refused") {
+    CHECK_THAT(refusal(river, {"/channel/x_max_m=2.9"}),
+               Contains("/channel/x_max_m: the recirculating channel's length is 2.9 m") &&
+                   Contains("allowed: >= 6 fluid.particle_spacing_m = 3 m."));
+    CHECK_THAT(refusal(emitter, {"/channel/sides=periodic", "/channel/z_max_m=12.9"}),
+               Contains("/channel/z_max_m: the width between periodic sides is 2.9 m"));
+    CHECK(load_patched(river, {"/channel/x_max_m=3"}).scene.channel.x.hi == 3);
+    CHECK(load_patched(emitter, {"/channel/z_max_m=12.9"}).scene.channel.z.hi == 12.9);
+}
+
+TEST_CASE("flows that cannot be are refused") {
+    CHECK_THAT(refusal(emitter, {"/channel/velocity_m_s=0"}),
+               Equals("scene.json: /channel/velocity_m_s: 0 m/s: an emitter needs a velocity; allowed: > 0 m/s."));
+    CHECK_THAT(refusal(river, {"/channel/initial_river=dry"}),
+               Contains("/channel/initial_river: a recirculating channel keeps"));
+    CHECK_THAT(refusal("{}", {"/channel/initial_river=filled"}),
+               Contains("a closed channel is filled by water_blocks."));
+    CHECK_THAT(refusal("{}", {"/channel/velocity_m_s=1"}),
+               Contains("1 m/s has no effect in a closed channel; allowed: 0 m/s."));
+    CHECK_THAT(refusal(emitter, {"/channel/water_blocks/0=" + box(5, 7, 11, 13, "depth_m")}),
+               Contains("/channel/water_blocks: blocks of water need flow \"closed\""));
+}
+
+TEST_CASE("iteration limits that contradict one another are refused") {
+    CHECK_THAT(
+        refusal("{}", {"/fluid/density_solve/min_iterations=5", "/fluid/density_solve/max_iterations=4"}),
+        Equals("scene.json: /fluid/density_solve/min_iterations: 5 is more than max_iterations = 4; allowed: <= 4."));
+    CHECK(
+        load_patched("{}", {"/fluid/divergence_solve/max_iterations=0"}).scene.fluid.divergence_solve.max_iterations ==
+        0);
+}

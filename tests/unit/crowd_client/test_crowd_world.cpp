@@ -1,0 +1,256 @@
+// Whole steps of the crowd.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "configs/exit_code.hpp"
+#include "crowd_client/crowd_world.hpp"
+#include "made_up_water.hpp"
+
+using namespace wade;
+using namespace wade::crowd;
+using wade::crowd::testing::MadeUpWater;
+using wade::crowd::testing::one_agent_scene;
+using wade::crowd::testing::uniform_water;
+
+namespace {
+
+// The start box and the goal of the paper's S1 to S12.
+Scene paper_scene(double tau) {
+    Scene scene = one_agent_scene(65, 0, 75, 50, tau);
+    AgentGroup& group = scene.crowd.groups[0];
+    group.columns = 10;
+    group.rows = 5;
+    group.count = 50;
+    group.pitch_x = group.pitch_z = 2.5;
+    return scene;
+}
+
+void take_steps(CrowdWorld& crowd, const MadeUpWater& water, std::uint64_t count) {
+    const WaterView view = water.view();
+    for (std::uint64_t i = 0; i < count; ++i) step(crowd, view, crowd.frame + 1);
+}
+
+}  // namespace
+
+TEST_CASE("Agents start on their grid, row by row, ids counted through the groups") {
+    Scene scene = paper_scene(0.2);
+    AgentGroup second = scene.crowd.groups[0];
+    second.name = "second";
+    second.count = 3;
+    second.columns = 2;
+    second.start_x = 1;
+    scene.crowd.groups.push_back(second);
+    const Agents agents = make_agents(scene);
+    REQUIRE(agents.size() == 53);
+    CHECK(agents.position[0] == Vector2d(65, 0));
+    CHECK(agents.position[9] == Vector2d(87.5, 0));
+    CHECK(agents.position[10] == Vector2d(65, 2.5));
+    CHECK(agents.position[49] == Vector2d(87.5, 10));
+    CHECK(agents.position[52] == Vector2d(1, 2.5));
+    CHECK(agents.group[52] == 1);
+}
+
+TEST_CASE("Without water all 50 agents of the paper reach their goal, the last between 38 and 50 s", "[paper]") {
+    CrowdWorld crowd = make_crowd(paper_scene(0));
+    while (!crowd.active.empty() && crowd.frame < 30 * 60) take_steps(crowd, {}, 1);
+    CHECK(crowd.arrived == 50);
+    const double last = static_cast<double>(crowd.last_arrival_frame) / 30;
+    CHECK(last >= 38);
+    CHECK(last <= 50);
+}
+
+TEST_CASE("Paths of agents with tau = 0 are the same bits whatever the water does") {
+    CrowdWorld dry = make_crowd(paper_scene(0));
+    CrowdWorld wet = make_crowd(paper_scene(0));
+    const MadeUpWater torrent = uniform_water(0, 100, 0, 50, 1, 0.5, -7.3, 2.1);
+    for (int i = 0; i < 200; ++i) {
+        take_steps(dry, {}, 1);
+        take_steps(wet, torrent, 1);
+        REQUIRE(dry.agents.position == wet.agents.position);
+    }
+    CHECK(wet.agents.max_depth[0] > 0.9);  // the water was there
+}
+
+TEST_CASE("One agent in a uniform stream moves at the velocity of Eq. 9 in closed form", "[eq9]") {
+    for (const ContactRule rule : {ContactRule::difference, ContactRule::sum}) {
+        Scene scene = one_agent_scene(80, 25, 75, 50, 0.2);
+        scene.coupling.contact_rule = rule;
+        const double reach = rule == ContactRule::sum ? 0.75 : 0.25;
+        const double v_f = -1.5;
+        const double d = 0.25;
+        const MadeUpWater stream = uniform_water(60, 95, 12, 38, 1, d, v_f, 0);
+        CrowdWorld crowd = make_crowd(scene);
+        for (int i = 0; i < 60; ++i) {
+            // Where it would walk without water, from the same place.
+            CrowdWorld dry = crowd;
+            take_steps(dry, {}, 1);
+            const Vector2d walking = dry.agents.velocity[0];
+
+            const Vector2d p = crowd.agents.position[0];
+            double water_mass = 0;
+            for (std::size_t k = 0; k < stream.mass.size(); ++k) {
+                const double dx = static_cast<double>(stream.px[k]) - p.x();
+                const double dz = static_cast<double>(stream.pz[k]) - p.y();
+                if (std::hypot(dx, dz) < reach) water_mass += 1000 * d * d * d;
+            }
+            REQUIRE(water_mass > 0);
+            const double vx = (65 * walking.x() + 0.2 * water_mass * v_f) / (65 + 0.2 * water_mass);
+            const double vz = 65 * walking.y() / (65 + 0.2 * water_mass);
+
+            take_steps(crowd, stream, 1);
+            const Vector2d v = (crowd.agents.position[0] - p) / crowd.dt;
+            // 1e-5 m/s is asked for; float32 masses and velocities of the frame are exact here.
+            REQUIRE(v.x() == Approx(vx).margin(1e-9));
+            REQUIRE(v.y() == Approx(vz).margin(1e-9));
+        }
+    }
+}
+
+TEST_CASE("Whoever is carried over x = 0 is dead, whoever starts there is alive") {
+    CrowdWorld crowd = make_crowd(one_agent_scene(0, 25, 75, 25, 1));
+    take_steps(crowd, {}, 1);
+    CHECK(crowd.agents.outcome[0] == Outcome::active);
+
+    CrowdWorld swept = make_crowd(one_agent_scene(0.5, 25, 75, 25, 1));
+    take_steps(swept, uniform_water(-2, 10, 20, 30, 1, 0.25, -6, 0), 10);
+    CHECK(swept.agents.outcome[0] == Outcome::dead);
+    CHECK(swept.agents.position[0].x() < 0);
+    CHECK(swept.dead == 1);
+    CHECK(swept.active.empty());
+}
+
+TEST_CASE("Nobody walks out of the world") {
+    // The goals lie beyond the edges, far enough not to be reached.
+    for (const Vector2d& goal : {Vector2d(-40, 25), Vector2d(140, 25), Vector2d(50, -40), Vector2d(50, 90)}) {
+        const Vector2d start(goal.x() < 0     ? 1.0
+                             : goal.x() > 100 ? 99.0
+                                              : 50.0,
+                             goal.y() < 0    ? 1.0
+                             : goal.y() > 50 ? 49.0
+                                             : 25.0);
+        CrowdWorld crowd = make_crowd(one_agent_scene(start.x(), start.y(), goal.x(), goal.y(), 0.5));
+        for (int i = 0; i < 150; ++i) {
+            take_steps(crowd, {}, 1);
+            const Vector2d& p = crowd.agents.position[0];
+            REQUIRE((p.x() >= 0 && p.x() <= 100 && p.y() >= 0 && p.y() <= 50));
+        }
+        CHECK(crowd.agents.outcome[0] == Outcome::active);
+    }
+}
+
+TEST_CASE("Water pushes nobody out of the world except over the fall") {
+    CrowdWorld crowd = make_crowd(one_agent_scene(99.9, 49.9, 10, 10, 1));
+    take_steps(crowd, uniform_water(90, 104, 40, 52, 1, 0.25, 8, 8), 30);
+    CHECK(crowd.agents.outcome[0] == Outcome::active);
+    CHECK(crowd.agents.position[0] == Vector2d(100, 50));
+}
+
+TEST_CASE("Dead and arrived agents give up their markers at once") {
+    Scene scene = one_agent_scene(10, 25, 75, 25, 0);
+    AgentGroup neighbour = scene.crowd.groups[0];
+    neighbour.name = "neighbour";
+    neighbour.start_x = 10.6;
+    neighbour.goal_x = 10.7;
+    neighbour.goal_z = 25;
+    scene.crowd.groups.push_back(neighbour);
+    CrowdWorld both = make_crowd(scene);
+    scene.crowd.groups.pop_back();
+    CrowdWorld alone = make_crowd(scene);
+    take_steps(both, {}, 1);
+    REQUIRE(both.agents.outcome[1] == Outcome::arrived);
+    CHECK(both.agents.end_frame[1] == 1);
+    // From the same place on, the first agent walks as if the other had never been there.
+    alone.agents.position[0] = both.agents.position[0];
+    alone.frame = 1;
+    for (int i = 0; i < 20; ++i) {
+        take_steps(both, {}, 1);
+        take_steps(alone, {}, 1);
+        REQUIRE(both.agents.position[0] == alone.agents.position[0]);
+    }
+    CHECK(both.agents.position[1] == both.agents.position[1]);
+    CHECK(both.agents.end_frame[1] == 1);
+}
+
+TEST_CASE("The order of the agents decides nothing but ties") {
+    Scene scene = paper_scene(0);
+    AgentGroup& group = scene.crowd.groups[0];
+    CrowdWorld forward = make_crowd(scene);
+    group.start_x = 87.5;
+    group.pitch_x = -2.5;  // the same places, ids reversed within each row
+    CrowdWorld backward = make_crowd(scene);
+    take_steps(forward, {}, 60);
+    take_steps(backward, {}, 60);
+    for (std::size_t row = 0; row < 5; ++row) {
+        for (std::size_t column = 0; column < 10; ++column) {
+            CHECK(forward.agents.position[10 * row + column] == backward.agents.position[10 * row + 9 - column]);
+        }
+    }
+}
+
+TEST_CASE("Events set tau of one agent, of a group and of all from their frame on") {
+    Scene scene = paper_scene(0.8);
+    AgentGroup second = scene.crowd.groups[0];
+    second.name = "second";
+    second.count = 2;
+    second.start_x = 20;
+    scene.crowd.groups.push_back(second);
+    scene.events.push_back({5, std::nullopt, std::nullopt, 0});  // out of order on purpose
+    scene.events.push_back({2, 7, std::nullopt, 0.1});
+    scene.events.push_back({3, std::nullopt, "second", 0.3});
+    CrowdWorld crowd = make_crowd(scene);
+    take_steps(crowd, {}, 1);
+    CHECK(crowd.agents.tau[7] == 0.8);
+    take_steps(crowd, {}, 1);
+    CHECK(crowd.agents.tau[7] == 0.1);
+    CHECK(crowd.agents.tau[8] == 0.8);
+    take_steps(crowd, {}, 1);
+    CHECK(crowd.agents.tau[50] == 0.3);
+    CHECK(crowd.agents.tau[49] == 0.8);
+    take_steps(crowd, {}, 2);
+    for (const double tau : crowd.agents.tau) CHECK(tau == 0);
+}
+
+TEST_CASE("Neither walking nor fast water takes an agent through an obstacle") {
+    Scene scene = one_agent_scene(55, 25, 20, 25, 1);
+    scene.obstacles.push_back({{40, 47}, {21.5, 28.5}, 1});
+    AgentGroup& group = scene.crowd.groups[0];
+    group.columns = 3;
+    group.rows = 9;
+    group.count = 27;
+    group.start_x = 48;
+    group.start_z = 21;  // two rows of the nine pass the corners, one starts exactly on the line of a face
+    group.pitch_x = 1;
+    group.pitch_z = 1;
+    for (const double speed : {1.0, 30.0, 1000.0}) {
+        CrowdWorld crowd = make_crowd(scene);
+        const MadeUpWater jet = uniform_water(36, 56, 16, 34, 1, 0.25, -speed, 0.05 * speed);
+        for (int i = 0; i < 60; ++i) {
+            const std::vector<Vector2d> before = crowd.agents.position;
+            take_steps(crowd, jet, 1);
+            for (std::size_t id = 0; id < crowd.agents.size(); ++id) {
+                const Vector2d& p = crowd.agents.position[id];
+                REQUIRE_FALSE((40 < p.x() && p.x() < 47 && 21.5 < p.y() && p.y() < 28.5));
+                // Nobody who stood before the block is behind it one frame later unless beside it.
+                const bool before_it = before[id].x() >= 47 && before[id].y() > 21.5 && before[id].y() < 28.5;
+                if (before_it && p.y() > 21.5 && p.y() < 28.5) REQUIRE(p.x() >= 47);
+            }
+        }
+    }
+}
+
+TEST_CASE("Settings the crowd cannot work with are refused with the key") {
+    Scene scene = one_agent_scene(10, 25, 75, 50, 0);
+    scene.coupling.agent_radius = scene.coupling.particle_radius = 0.3;
+    CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("/coupling"));
+    scene.coupling.contact_rule = ContactRule::sum;
+    CHECK_NOTHROW(make_crowd(scene));
+    scene.coupling.agent_radius = 2;
+    CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("contact distance 2.3 m"));
+
+    scene = one_agent_scene(101, 25, 75, 50, 0);
+    CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("/crowd/groups/0") && Catch::Contains("outside the world"));
+    scene = one_agent_scene(45, 25, 75, 50, 0);
+    scene.obstacles.push_back({{40, 50}, {20, 30}, 1});
+    CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("inside an obstacle"));
+}

@@ -1,0 +1,300 @@
+// What is refused, and why: names, versions, scenes, damaged segments and frames.
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+
+#include "shm_protocol/header.hpp"
+#include "shm_protocol/liveness.hpp"
+#include "shm_protocol/segment.hpp"
+#include "support.hpp"
+
+using namespace wade::shm;
+using namespace wade::shm::test;
+
+namespace {
+
+// The bytes of a segment, as an outsider sees them.
+class Bytes {
+ public:
+    explicit Bytes(const std::string& path) : fd_(open(path.c_str(), O_RDWR | O_CLOEXEC)) {
+        size_ = static_cast<std::size_t>(lseek(fd_, 0, SEEK_END));
+        data_ = static_cast<unsigned char*>(mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED, fd_, 0));
+    }
+    ~Bytes() {
+        munmap(data_, size_);
+        close(fd_);
+    }
+    Bytes(const Bytes&) = delete;
+    Bytes& operator=(const Bytes&) = delete;
+    unsigned char& operator[](std::size_t at) { return data_[at]; }
+    template <typename T>
+    T& as(std::size_t at) {
+        return *reinterpret_cast<T*>(data_ + at);
+    }
+    SlotDescriptor& descriptor(std::uint64_t frame) {
+        const auto& header = as<Header>(0);
+        return as<SlotDescriptor>(header.descriptors_offset +
+                                  (frame - 1) % header.slot_count * header.descriptor_stride);
+    }
+
+ private:
+    int fd_;
+    std::size_t size_;
+    unsigned char* data_;
+};
+
+Waiting hasty() {
+    Waiting waiting;
+    waiting.attach_timeout_s = 0.02;
+    return waiting;
+}
+
+Caught try_to_join(const Session& session, std::uint64_t scene = 0) {
+    return catch_error([&] { Subscriber(session.name(), "crowd", scene, hasty()).leave(); });
+}
+
+// Publishes frame 1, lets `change` spoil it, and returns what the subscriber says.
+template <typename Change>
+Caught receive_spoiled(Change&& change, bool hashed = true) {
+    const Session session;
+    StreamInfo info = test_info();
+    info.hash_frames = hashed;
+    Publisher publisher(session.name(), info, patient());
+    Subscriber subscriber(session.name(), "crowd", 0, patient());
+    publisher.wait_for_consumers(1);
+    const auto fields = publisher.begin_frame();
+    fill(*fields, test_count(1));
+    publisher.end_frame(test_count(1));
+    Bytes bytes(session.path());
+    change(bytes, *fields);
+    Caught caught = catch_error([&] { subscriber.acquire(); });
+    if (caught.failure) {
+        const Caught told = catch_error([&] { publisher.begin_frame(); });
+        CHECK(told.failure == Failure::peer_aborted);
+        CHECK(contains(told.text, caught.text));
+    } else {
+        subscriber.leave();
+    }
+    return caught;
+}
+
+void check_refused(const Caught& caught, const std::string& part) {
+    CAPTURE(caught.text);
+    CHECK(caught.failure == Failure::protocol_violation);
+    CHECK(contains(caught.text, part));
+}
+
+}  // namespace
+
+TEST_CASE("a name whose producer is alive is refused, and that producer is not disturbed") {
+    const Session session;
+    Child producer([&] { return produce(session.name(), 50, 1); });
+    Subscriber subscriber(session.name(), "reader", 0, patient());
+    REQUIRE(subscriber.acquire());
+    const Caught caught = catch_error([&] { Publisher(session.name(), test_info(), patient()); });
+    CHECK(caught.failure == Failure::name_in_use);
+    CHECK(contains(caught.text, "process " + std::to_string(producer.pid())));
+    subscriber.release();
+    while (subscriber.acquire()) subscriber.release();
+    CHECK(producer.wait() == 0);
+}
+
+TEST_CASE("a producer of another version is refused at once, with both versions") {
+    const Session session;
+    const Publisher publisher(session.name(), test_info(), patient());
+    Bytes bytes(session.path());
+    bytes.as<Header>(0).version_major = 9;
+    check_refused(try_to_join(session), "version 9.0, this program version 1.0");
+}
+
+TEST_CASE("another scene is refused at once on both sides, with both hashes") {
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    const Caught consumer = try_to_join(session, 0x1111222233334444);
+    check_refused(consumer, "different scenes");
+    CHECK(contains(consumer.text, "1111222233334444"));
+    CHECK(contains(consumer.text, "abcdef0123456789"));
+    const Caught producer = catch_error([&] { publisher.wait_for_consumers(1); });
+    CHECK(producer.failure == Failure::peer_aborted);
+    CHECK(contains(producer.text, "different scenes"));
+}
+
+TEST_CASE("a consumer of another scene does not disturb a stream that runs") {
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    Subscriber subscriber(session.name(), "crowd", test_scene, patient());
+    publisher.wait_for_consumers(1);
+    REQUIRE(publisher.begin_frame());
+    publisher.end_frame(0);
+    check_refused(try_to_join(session, 42), "different scenes");
+    REQUIRE(subscriber.acquire());
+    subscriber.release();
+    CHECK(publisher.begin_frame());
+    subscriber.leave();
+}
+
+TEST_CASE("an unknown scene on either side is accepted") {
+    const Session session;
+    StreamInfo info = test_info();
+    info.scene_hash = 0;
+    const Publisher publisher(session.name(), info, patient());
+    CHECK_FALSE(try_to_join(session, 42).failure);
+    CHECK_FALSE(try_to_join(session, 0).failure);
+}
+
+TEST_CASE("each byte of the header page, flipped in a living segment, leads to a refusal and never to a crash") {
+    const Session session;
+    const Publisher publisher(session.name(), test_info(), patient());
+    Bytes bytes(session.path());
+    for (std::size_t at = 0; at < page_bytes; ++at) {
+        bytes[at] ^= 0xFF;
+        const Caught caught = try_to_join(session);
+        bytes[at] ^= 0xFF;
+        CAPTURE(at, caught.text);
+        REQUIRE(caught.failure == Failure::protocol_violation);
+    }
+    CHECK_FALSE(try_to_join(session).failure);
+}
+
+TEST_CASE("a segment that is cut off, empty or unfinished is refused or waited for") {
+    const Session session;
+    const int fd = open(session.path().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    REQUIRE(fd >= 0);
+    REQUIRE(lock_byte(fd, producer_lock_byte));
+    const auto outcome = [&] { return try_to_join(session); };
+    CHECK(contains(outcome().text, "has not sized its segment yet"));
+    REQUIRE(ftruncate(fd, 100) == 0);
+    check_refused(outcome(), "cut off");
+    REQUIRE(ftruncate(fd, 4096) == 0);
+    CHECK(contains(outcome().text, "has not finished its header yet"));
+    const Header header = make_header(test_info(), 1);
+    REQUIRE(pwrite(fd, &header, sizeof header, 0) == static_cast<ssize_t>(sizeof header));
+    check_refused(outcome(), "total_bytes");
+    close(fd);
+    CHECK(contains(outcome().text, "left by a producer that is dead"));
+}
+
+TEST_CASE("more consumers than entries have to wait for one") {
+    const Session session;
+    const Publisher publisher(session.name(), test_info(), patient());
+    std::vector<Subscriber> all;
+    for (std::uint32_t i = 0; i < max_consumers; ++i) all.emplace_back(session.name(), "crowd", 0, patient());
+    const Caught caught = try_to_join(session);
+    CHECK(caught.failure == Failure::attach_timeout);
+    CHECK(contains(caught.text, "all consumer entries"));
+    all.back().leave();
+    CHECK_FALSE(try_to_join(session).failure);
+}
+
+TEST_CASE("a frame with a NaN or an infinity is refused by particle and field, hashed or not") {
+    const Session session;
+    for (const bool hashed : {true, false}) {
+        StreamInfo info = test_info();
+        info.hash_frames = hashed;
+        Publisher publisher(session.name(), info, patient());
+        Subscriber subscriber(session.name(), "crowd", 0, patient());
+        publisher.wait_for_consumers(1);
+        const auto fields = publisher.begin_frame();
+        fill(*fields, 30);
+        fields->vy[17] = hashed ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity();
+        fields->px[3] = std::numeric_limits<float>::quiet_NaN();
+        publisher.end_frame(30);
+        const Caught caught = catch_error([&] { subscriber.acquire(); });
+        CHECK(caught.failure == Failure::protocol_violation);
+        CHECK(caught.text == "Frame 1 from 'tester' holds non-finite values (first: particle 17, field vy).");
+    }
+}
+
+TEST_CASE("a non-finite value beyond the count is nobody's business") {
+    const Caught caught = receive_spoiled(
+        [](Bytes&, const FrameFields& fields) { fields.px[test_count(1)] = std::numeric_limits<float>::quiet_NaN(); });
+    CHECK_FALSE(caught.failure);
+}
+
+TEST_CASE("a frame that was changed after its publication does not match its hash") {
+    check_refused(receive_spoiled([](Bytes&, const FrameFields& fields) { fields.vz[5] += 1; }), "hash");
+    CHECK_FALSE(receive_spoiled([](Bytes&, const FrameFields& fields) { fields.vz[5] += 1; }, false).failure);
+}
+
+TEST_CASE("a descriptor that lies is refused") {
+    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).count = test_capacity + 1; }),
+                  "the capacity is");
+    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).count = 0xFFFFFFFF; }),
+                  "the capacity is");
+    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).frame = 2; }), "not complete");
+    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).sequence = 1; }), "not complete");
+    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).tick = 0; }), "tick");
+    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).count -= 1; }), "hash");
+}
+
+TEST_CASE("a producer that runs away from its consumer is refused") {
+    check_refused(
+        receive_spoiled([](Bytes& b, const FrameFields&) { b.as<Control>(control_offset).published_frame = 5; }),
+        "before frame 1 was released");
+}
+
+TEST_CASE("a producer that overwrites a frame in use is refused") {
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    Subscriber subscriber(session.name(), "crowd", 0, patient());
+    publisher.wait_for_consumers(1);
+    REQUIRE(publisher.begin_frame());
+    publisher.end_frame(0);
+    REQUIRE(subscriber.acquire());
+    Bytes bytes(session.path());
+    bytes.descriptor(1).sequence = 5;
+    check_refused(catch_error([&] { subscriber.release(); }), "overwrote frame 1");
+}
+
+TEST_CASE("a consumer that acknowledges what was never published is refused") {
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    Subscriber subscriber(session.name(), "crowd", 0, patient());
+    publisher.wait_for_consumers(1);
+    Bytes bytes(session.path());
+    bytes.as<ConsumerEntry>(consumers_offset).acknowledged_frame = 3;
+    check_refused(catch_error([&] { publisher.begin_frame(); }), "acknowledged frame 3");
+}
+
+TEST_CASE("more shared memory than there is leads to an error, not to a crash, and leaves nothing behind") {
+    const Session session;
+    StreamInfo info = test_info();
+    info.capacity = 0xFFFFFFFF;
+    info.slots = 64;  // 7.7 TB
+    try {
+        const Publisher publisher(session.name(), info, patient());
+        FAIL("this machine has more shared memory than the test expects");
+    } catch (const std::system_error& error) {
+        CHECK(contains(error.what(), "bytes of shared memory"));
+    }
+    CHECK(access(session.path().c_str(), F_OK) != 0);
+}
+
+TEST_CASE("a consumer's name has to fit") {
+    const Session session;
+    CHECK_THROWS_AS(Subscriber(session.name(), "", 0, hasty()), std::invalid_argument);
+    CHECK_THROWS_AS(Subscriber(session.name(), std::string(64, 'x'), 0, hasty()), std::invalid_argument);
+}
+
+TEST_CASE("a successor under the same name is not taken for the object that was opened, nor removed in its stead") {
+    const Session session;
+    const std::string name = segment_name(session.name(), stream_fluid);
+    const auto old = SegmentFile::create_exclusive(name);
+    REQUIRE(old);
+    CHECK(old->is_named(name));
+    CHECK_FALSE(SegmentFile::create_exclusive(name));
+    unlink_segment(*old, name);
+    CHECK_FALSE(old->is_named(name));
+    const auto successor = SegmentFile::create_exclusive(name);
+    REQUIRE(successor);
+    CHECK_FALSE(old->is_named(name));
+    unlink_segment(*old, name);
+    CHECK(successor->is_named(name));
+}

@@ -1,0 +1,39 @@
+# Sourced by the scripts of this folder: what must be there before anything runs.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=${WADE_BUILD:-$root/build/release}  # another build folder may be named, for example one with sanitizers
+
+# Two scripts that start at the same time build one after the other.
+lock_build_folder() {
+  mkdir -p "$build"
+  exec 9>"$build/.lock"
+  flock 9
+}
+
+unlock_build_folder() {
+  exec 9>&-
+}
+
+# configure_release [-D...]: fresh build folders only, or one whose options change.
+configure_release() {
+  echo "Configuring the release build in $build" >&2
+  (cd "$root" && cmake --preset release -B "$build" "$@" >&2)
+}
+
+# build_programs: brings both programs up to date; quick when they are.
+build_programs() {
+  lock_build_folder
+  if [ ! -f "$build/build.ninja" ]; then
+    configure_release -DWADE_BUILD_TESTS=OFF || return
+  fi
+  local to_compile
+  # version.cpp is listed each time, in case the commit has changed.
+  to_compile=$(ninja -n -C "$build" fluid_server crowd_client | grep 'Building CXX' | grep -vc 'version\.cpp') || true
+  if [ "$to_compile" -gt 0 ]; then
+    echo "Building fluid_server and crowd_client (release, $to_compile files); a full build takes a minute or two" >&2
+    ninja -C "$build" fluid_server crowd_client >&2 || return
+  else
+    ninja --quiet -C "$build" fluid_server crowd_client >&2 || return
+  fi
+  unlock_build_folder
+}
