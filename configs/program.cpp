@@ -3,7 +3,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <iostream>
 #include <utility>
 
@@ -40,7 +42,13 @@ int exit_code_of_signal() {
     return static_cast<int>(signal_received == SIGTERM ? ExitCode::terminated : ExitCode::interrupted);
 }
 
-Console::Console(std::string program) : program_(std::move(program)), terminal_(::isatty(STDERR_FILENO) != 0) {}
+void let_threads_wait_passively(char** argv) {
+    if (std::getenv("OMP_WAIT_POLICY") == nullptr && ::setenv("OMP_WAIT_POLICY", "passive", 1) == 0) {
+        ::execv("/proc/self/exe", argv);  // where that is not possible the program goes on as it is
+    }
+}
+
+Console::Console(std::string program) : program_(std::move(program)), terminal_(::isatty(STDERR_FILENO) != 0), pacer_(terminal_) {}
 
 void Console::copy_to(const std::filesystem::path& file) {
     std::error_code ignored;
@@ -70,14 +78,17 @@ void Console::write(const std::string& text, bool stays) {
     }
 }
 
-bool Console::progress_due(double simulated_s) {
-    const double wall = wall_seconds();
-    const bool due = terminal_ ? wall - last_wall_ >= 0.1 : simulated_s - last_simulated_ >= 10 - 1e-9;
-    if (due) {
-        last_wall_ = wall;
-        last_simulated_ = simulated_s;
+bool Console::progress_due(double simulated) { return pacer_.due(simulated, wall_seconds()); }
+
+bool ProgressPacer::due(double simulated, double wall) {
+    const double interval = terminal_ ? 0.2 : 10;
+    // A frame's time is a multiple of 1/rate and may round below the mark.
+    const double now = terminal_ ? wall : simulated + 1e-9;
+    if (now < next_) {
+        return false;
     }
-    return due;
+    next_ = interval * (std::floor(now / interval) + 1);
+    return true;
 }
 
 }  // namespace wade

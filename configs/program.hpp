@@ -17,6 +17,24 @@ void catch_signals();
 // Exit code of a run that received_signal() ended: 130 or 143.
 [[nodiscard]] int exit_code_of_signal();
 
+// Starts the program once more with OMP_WAIT_POLICY=passive, unless the variable is set; libgomp reads it at start-up only.
+// Threads that wait actively for one another lose whole time slices as soon as anything else, such as the peer of the
+// run, needs a processor: measured, a tenth of the speed.
+void let_threads_wait_passively(char** argv);
+
+// Decides when a progress line is due: five times a second of wall time on a terminal, else at the start and after every
+// ten seconds of simulated time.
+class ProgressPacer {
+ public:
+    explicit ProgressPacer(bool terminal) : terminal_(terminal) {}
+    // Both in s and growing.
+    [[nodiscard]] bool due(double simulated, double wall);
+
+ private:
+    bool terminal_;
+    double next_ = 0;  // s of wall time on a terminal, else of simulated time
+};
+
 // Log and progress on stderr; a progress line on a terminal is overwritten by what comes next.
 class Console {
  public:
@@ -30,7 +48,7 @@ class Console {
     void warning(const std::string& text) { line("warning: " + text); }
     void progress(const std::string& text);
 
-    // Whether a progress line is due: ten times a second of wall time on a terminal, every ten simulated seconds else.
+    // Whether a progress line is due at this simulated time, s.
     [[nodiscard]] bool progress_due(double simulated_s);
 
  private:
@@ -39,8 +57,7 @@ class Console {
     std::string program_;
     bool terminal_;
     bool shown_ = false;
-    double last_simulated_ = 0;
-    double last_wall_ = 0;
+    ProgressPacer pacer_;
     std::ofstream copy_;
 };
 

@@ -71,7 +71,7 @@ struct Fluid {
     double rest_density = 1000;
     double kinematic_viscosity = 0;
     int max_particles = 100000;
-    double cfl = 0;                // time step <= cfl * d / max speed
+    double cfl = 0;  // time step <= cfl * d / (largest speed + sqrt(g * depth))
     PressureSolve density_solve;
     PressureSolve divergence_solve;  // max_iterations = 0 switches it off
 };
@@ -123,7 +123,7 @@ struct Scene {
     double duration = 400;
     double frame_rate = 30;
     bool stop_when_no_agent_is_active = true;
-    int lockstep_depth = 1;  // frames the fluid may be ahead of the crowd, 1 to 3
+    int lockstep_depth = 2;  // frames the fluid may be ahead of the crowd, 1 to 3
     World world;
     Channel channel;
     std::vector<Obstacle> obstacles;

@@ -3,8 +3,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <csignal>
-#include <cstdio>
 #include <ctime>
 #include <exception>
 #include <filesystem>
@@ -15,6 +13,7 @@
 
 #include "configs/command_line.hpp"
 #include "configs/exit_code.hpp"
+#include "configs/program.hpp"
 #include "crowd_client/progress.hpp"
 #include "crowd_client/run_client.hpp"
 #include "crowd_client/run_folder.hpp"
@@ -24,24 +23,6 @@ namespace {
 using namespace wade;
 using namespace wade::crowd;
 
-volatile std::sig_atomic_t received_signal = 0;
-
-extern "C" void remember_signal(int signal) {
-    received_signal = signal;
-}
-
-void catch_signals() {
-    struct sigaction action {};
-    action.sa_handler = remember_signal;
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
-    // A file that outgrows a limit of the shell, and a closed terminal, are errors of the calls that meet them.
-    action.sa_handler = SIG_IGN;
-    sigaction(SIGXFSZ, &action, nullptr);
-    sigaction(SIGPIPE, &action, nullptr);
-}
-
 class Stopwatch {
  public:
     [[nodiscard]] double seconds() const {
@@ -50,30 +31,6 @@ class Stopwatch {
 
  private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-// Log and progress on stderr; a progress line on a terminal is overwritten by what comes next.
-class Console {
- public:
-    void line(const std::string& text) {
-        clear();
-        std::cerr << text << '\n' << std::flush;
-    }
-    void progress(const std::string& text) {
-        if (!terminal_) return line(text);
-        clear();
-        std::cerr << text << std::flush;
-        shown_ = true;
-    }
-    [[nodiscard]] bool terminal() const { return terminal_; }
-
- private:
-    void clear() {
-        if (shown_) std::cerr << "\r\033[K";
-        shown_ = false;
-    }
-    bool terminal_ = ::isatty(STDERR_FILENO) != 0;
-    bool shown_ = false;
 };
 
 std::string utc_now() {
@@ -125,16 +82,15 @@ shm::Waiting waiting_of(const RunOptions& options, Console& console) {
     shm::Waiting waiting;
     waiting.attach_timeout_s = options.attach_timeout;
     waiting.step_timeout_s = options.step_timeout;
-    waiting.interrupted = [] { return received_signal != 0; };
-    waiting.warn = [&console](const std::string& text) { console.line("crowd_client: warning: " + text); };
+    waiting.interrupted = [] { return received_signal() != 0; };
+    waiting.warn = [&console](const std::string& text) { console.warning(text); };
     return waiting;
 }
 
 int exit_code_of(const std::exception& error) {
     if (const auto* run = dynamic_cast<const RunError*>(&error)) return static_cast<int>(run->code());
     if (const auto* peer = dynamic_cast<const shm::Error*>(&error)) {
-        const bool terminated = peer->failure() == shm::Failure::interrupted && received_signal == SIGTERM;
-        return terminated ? static_cast<int>(ExitCode::terminated) : peer->exit_code();
+        return peer->failure() == shm::Failure::interrupted ? exit_code_of_signal() : peer->exit_code();
     }
     if (dynamic_cast<const std::invalid_argument*>(&error) != nullptr) {
         return static_cast<int>(ExitCode::bad_configuration);
@@ -159,17 +115,15 @@ void take_part(Run& run, RunFolder& folder, const RunOptions& options, Console& 
     const std::unique_ptr<FrameSource> source =
         join_session(options.session, run.crowd.scene.hash, run.crowd.scene.frame_rate, waiting_of(options, console));
     run.labels.model = source->info().producer_name;
-    console.line("crowd_client: joined session '" + options.session + "' of '" + run.labels.model + "'");
+    console.line("joined session '" + options.session + "' of '" + run.labels.model + "'");
     run.clock = Stopwatch();
 
-    ProgressPacer pacer(console.terminal());
     ClientHooks hooks;
-    hooks.interrupted = [] { return static_cast<int>(received_signal); };
+    hooks.interrupted = [] { return received_signal(); };
     hooks.on_frame = [&](const CrowdWorld& crowd, const shm::Frame& frame, const WaterView& water) {
         folder.record(crowd, water);
-        const double wall = run.clock.seconds();
-        if (pacer.due(static_cast<double>(crowd.frame) * crowd.dt, wall)) {
-            console.progress(progress_line(crowd, frame, wall));
+        if (console.progress_due(static_cast<double>(crowd.frame) * crowd.dt)) {
+            console.progress(progress_line(crowd, frame, run.clock.seconds()));
         }
     };
     run_client(run.crowd, *source, run.summary, hooks);
@@ -188,20 +142,20 @@ int run_scene(const ProgramStart& start, Console& console) {
         if (run.summary.status == "stream_ended") {
             run.summary.message = "the stream of water ended after frame " + std::to_string(run.summary.frames) +
                                   " of " + std::to_string(frames_of(run.crowd.scene));
-            console.line("crowd_client: warning: " + run.summary.message);
+            console.warning(run.summary.message);
         }
     } catch (const std::exception& error) {
         code = exit_code_of(error);
         run.summary.status = status_for(error);
         run.summary.message = error.what();
-        console.line(std::string("crowd_client: ") + error.what());
+        console.line(error.what());
     }
     const double wall_time = run.clock.seconds();
     run.labels.wall_time = wall_time;
     try {
         folder.finish(run.crowd, run.summary, run.labels);
     } catch (const std::exception& error) {
-        console.line(std::string("crowd_client: ") + error.what());
+        console.line(error.what());
         if (code == static_cast<int>(ExitCode::ok)) code = exit_code_of(error);
     }
     console.line(summary_text(run.crowd, run.summary, wall_time));
@@ -212,7 +166,7 @@ int run_scene(const ProgramStart& start, Console& console) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    Console console;
+    Console console("crowd_client");
     try {
         const ProgramDescription program{
             "crowd_client",
@@ -227,7 +181,7 @@ int main(int argc, char** argv) {
         catch_signals();
         return run_scene(start, console);
     } catch (const std::exception& error) {
-        console.line(std::string("crowd_client: ") + error.what());
+        console.line(error.what());
         return exit_code_of(error);
     }
 }

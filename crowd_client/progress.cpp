@@ -72,15 +72,4 @@ std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, dou
     return text;
 }
 
-bool ProgressPacer::due(double sim_time, double wall_time) {
-    constexpr double terminal_interval = 0.2;  // s of wall time
-    constexpr double plain_interval = 10;      // s of simulated time
-    // A frame's time is a multiple of 1/rate and may round below the mark.
-    const double now = terminal_ ? wall_time : sim_time + 1e-9;
-    const double interval = terminal_ ? terminal_interval : plain_interval;
-    if (now < next_) return false;
-    next_ = interval * (std::floor(now / interval) + 1);
-    return true;
-}
-
 }  // namespace wade::crowd

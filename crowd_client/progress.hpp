@@ -15,16 +15,4 @@ namespace wade::crowd {
 // Two lines at the end of a run, the second without a line end.
 [[nodiscard]] std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, double wall_time);
 
-// Decides when a line is due: on a terminal several times a second, else every 10 s of simulated time.
-class ProgressPacer {
- public:
-    explicit ProgressPacer(bool terminal) : terminal_(terminal) {}
-    // sim_time and wall_time in s, both growing.
-    [[nodiscard]] bool due(double sim_time, double wall_time);
-
- private:
-    bool terminal_;
-    double next_ = 0;  // s of wall time on a terminal, else of simulated time
-};
-
 }  // namespace wade::crowd

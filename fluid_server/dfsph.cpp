@@ -22,39 +22,34 @@ void pressure_acceleration(const std::vector<float>& pressure, const Particles& 
                            ParticleFields& f) {
     const float* const pr = pressure.data();
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        const float moves = p.kind[i] == Kind::inflow ? 0.0F : 1.0F;
-        float ax = pr[i] * f.gx[i];
-        float ay = pr[i] * f.gy[i];
-        float az = pr[i] * f.gz[i];
+        LaneSum x;
+        LaneSum y;
+        LaneSum z;
         for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
             const std::uint32_t* j = block.j.data();
             const float* gx = block.gx.data();
             const float* gy = block.gy.data();
             const float* gz = block.gz.data();
-            float x = 0;
-            float y = 0;
-            float z = 0;
-#pragma omp simd reduction(+ : x, y, z)
-            for (std::size_t k = first; k < last; ++k) {
-                const float pj = pr[j[k]];
-                x += pj * gx[k];
-                y += pj * gy[k];
-                z += pj * gz[k];
+            for (std::size_t k = first; k < last; k += lanes) {
+#pragma omp simd
+                for (std::size_t l = 0; l < lanes; ++l) {
+                    const float pj = pr[j[k + l]];
+                    x.lane[l] += mirror.rx * pj * gx[k + l];
+                    y.lane[l] += mirror.ry * pj * gy[k + l];
+                    z.lane[l] += mirror.rz * pj * gz[k + l];
+                }
             }
-            ax += mirror.rx * x;
-            ay += mirror.ry * y;
-            az += mirror.rz * z;
         });
-        f.ax[i] = -moves * ax;
-        f.ay[i] = -moves * ay;
-        f.az[i] = -moves * az;
+        const float moves = p.kind[i] == Kind::inflow ? 0.0F : 1.0F;
+        f.ax[i] = -moves * (pr[i] * f.gx[i] + x.total());
+        f.ay[i] = -moves * (pr[i] * f.gy[i] + y.total());
+        f.az[i] = -moves * (pr[i] * f.gz[i] + z.total());
     });
 }
 
 // D_i(u) for the particle i at a place of its block.
 float density_rate(const std::vector<float>& ux, const std::vector<float>& uy, const std::vector<float>& uz,
                    std::size_t i, const NeighbourBlock& block, std::size_t place, const ParticleFields& f) {
-    float rate = ux[i] * f.gx[i] + uy[i] * f.gy[i] + uz[i] * f.gz[i];
     const auto [first, last] = all_pairs(block, place);
     const std::uint32_t* j = block.j.data();
     const float* gx = block.gx.data();
@@ -63,12 +58,15 @@ float density_rate(const std::vector<float>& ux, const std::vector<float>& uy, c
     const float* x = ux.data();
     const float* y = uy.data();
     const float* z = uz.data();
-    float sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (std::size_t k = first; k < last; ++k) {
-        sum += x[j[k]] * gx[k] + y[j[k]] * gy[k] + z[j[k]] * gz[k];
+    LaneSum sum;
+    for (std::size_t k = first; k < last; k += lanes) {
+#pragma omp simd
+        for (std::size_t l = 0; l < lanes; ++l) {
+            const std::uint32_t jl = j[k + l];
+            sum.lane[l] += x[jl] * gx[k + l] + y[jl] * gy[k + l] + z[jl] * gz[k + l];
+        }
     }
-    return rate - sum;
+    return ux[i] * f.gx[i] + uy[i] * f.gy[i] + uz[i] * f.gz[i] - sum.total();
 }
 
 }  // namespace
@@ -79,34 +77,34 @@ ParticleFields::ParticleFields(std::size_t capacity)
 
 void compute_density_and_diagonal(const Particles& p, const NeighbourLists& lists, ParticleFields& f) {
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        float sx = 0;
-        float sy = 0;
-        float sz = 0;
-        float squares = 0;
+        LaneSum x;
+        LaneSum y;
+        LaneSum z;
+        LaneSum squares;
         for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
             const float* gx = block.gx.data();
             const float* gy = block.gy.data();
             const float* gz = block.gz.data();
-            float x = 0;
-            float y = 0;
-            float z = 0;
-#pragma omp simd reduction(+ : x, y, z, squares)
-            for (std::size_t k = first; k < last; ++k) {
-                x += gx[k];
-                y += gy[k];
-                z += gz[k];
-                squares += gx[k] * gx[k] + gy[k] * gy[k] + gz[k] * gz[k];
+            for (std::size_t k = first; k < last; k += lanes) {
+#pragma omp simd
+                for (std::size_t l = 0; l < lanes; ++l) {
+                    x.lane[l] += mirror.rx * gx[k + l];
+                    y.lane[l] += mirror.ry * gy[k + l];
+                    z.lane[l] += mirror.rz * gz[k + l];
+                    squares.lane[l] += gx[k + l] * gx[k + l] + gy[k + l] * gy[k + l] + gz[k + l] * gz[k + l];
+                }
             }
-            sx += mirror.rx * x;
-            sy += mirror.ry * y;
-            sz += mirror.rz * z;
         });
-        const float diagonal = sx * sx + sy * sy + sz * sz + squares;
+        const float sx = x.total();
+        const float sy = y.total();
+        const float sz = z.total();
+        const float sum_of_squares = squares.total();
+        const float diagonal = sx * sx + sy * sy + sz * sz + sum_of_squares;
         f.density[i] = lists.density[i];
         f.gx[i] = sx;
         f.gy[i] = sy;
         f.gz[i] = sz;
-        f.inverse_diagonal[i] = squares > 0 ? 1 / diagonal : 0;  // a particle alone has no pressure
+        f.inverse_diagonal[i] = sum_of_squares > 0 ? 1 / diagonal : 0;  // a particle alone has no pressure
     });
 }
 

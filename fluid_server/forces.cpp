@@ -7,31 +7,28 @@ void apply_viscosity(Particles& p, const NeighbourLists& lists, ParticleFields& 
     const float* vy = p.vy.data();
     const float* vz = p.vz.data();
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        float ax = 0;
-        float ay = 0;
-        float az = 0;
+        LaneSum ax;
+        LaneSum ay;
+        LaneSum az;
         for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
             const std::uint32_t* j = block.j.data();
             const float* factor = block.gradient_factor.data();
-            const float vxi = mirror.rx * vx[i];
-            const float vyi = mirror.ry * vy[i];
-            const float vzi = mirror.rz * vz[i];
-            float x = 0;
-            float y = 0;
-            float z = 0;
-#pragma omp simd reduction(+ : x, y, z)
-            for (std::size_t k = first; k < last; ++k) {
-                x += (vxi - vx[j[k]]) * factor[k];
-                y += (vyi - vy[j[k]]) * factor[k];
-                z += (vzi - vz[j[k]]) * factor[k];
+            const float vxi = vx[i];
+            const float vyi = vy[i];
+            const float vzi = vz[i];
+            for (std::size_t k = first; k < last; k += lanes) {
+#pragma omp simd
+                for (std::size_t l = 0; l < lanes; ++l) {
+                    const std::uint32_t jl = j[k + l];
+                    ax.lane[l] += (vxi - mirror.rx * vx[jl]) * factor[k + l];
+                    ay.lane[l] += (vyi - mirror.ry * vy[jl]) * factor[k + l];
+                    az.lane[l] += (vzi - mirror.rz * vz[jl]) * factor[k + l];
+                }
             }
-            ax += mirror.rx * x;
-            ay += mirror.ry * y;
-            az += mirror.rz * z;
         });
-        f.ax[i] = 2 * viscosity * ax;
-        f.ay[i] = 2 * viscosity * ay;
-        f.az[i] = 2 * viscosity * az;
+        f.ax[i] = 2 * viscosity * ax.total();
+        f.ay[i] = 2 * viscosity * ay.total();
+        f.az[i] = 2 * viscosity * az.total();
     });
     for_each_particle(p.count, [&](std::size_t i) {
         if (p.kind[i] == Kind::fluid) {

@@ -113,6 +113,7 @@ int exit_code_of(const std::exception& error) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    let_threads_wait_passively(argv);
     Console console("fluid_server");
     try {
         const ProgramStart start =

@@ -116,7 +116,11 @@ void CellGrid::for_each_run(float px, float py, float pz, Body&& body) const {
     }
 }
 
-void NeighbourBlock::resize(std::size_t pairs) {
+void NeighbourBlock::reserve(std::size_t pairs) {
+    if (pairs <= j.size()) {
+        return;
+    }
+    pairs *= 2;
     j.resize(pairs);
     gx.resize(pairs);
     gy.resize(pairs);
@@ -126,22 +130,20 @@ void NeighbourBlock::resize(std::size_t pairs) {
 
 namespace {
 
-constexpr std::size_t lanes = 64;  // candidates tested together
+constexpr std::size_t chunk_size = 64;  // candidates tested together
 
 // Appends to the block all candidates near the point x; accept(j) may still refuse one.
 template <typename Accept>
 void append_near(const CellGrid& grid, const Particles& p, const Vec3& at, float h2, NeighbourBlock& block,
                  std::size_t& n, Accept&& accept) {
-    std::array<float, lanes> r2{};
+    std::array<float, chunk_size> r2{};
+    std::array<std::uint32_t, chunk_size> near{};
     grid.for_each_run(at[0], at[1], at[2], [&](std::size_t from, std::size_t to, float shift_x, float shift_z) {
         const float sx = at[0] - shift_x;
         const float sy = at[1];
         const float sz = at[2] - shift_z;
-        for (std::size_t chunk = from; chunk < to; chunk += lanes) {
-            const std::size_t size = std::min(lanes, to - chunk);
-            if (block.j.size() < n + size) {
-                block.resize(2 * (n + size));
-            }
+        for (std::size_t chunk = from; chunk < to; chunk += chunk_size) {
+            const std::size_t size = std::min(chunk_size, to - chunk);
             const float* x = p.x.data() + chunk;
             const float* y = p.y.data() + chunk;
             const float* z = p.z.data() + chunk;
@@ -152,16 +154,39 @@ void append_near(const CellGrid& grid, const Particles& p, const Vec3& at, float
                 const float dz = sz - z[c];
                 r2[c] = dx * dx + dy * dy + dz * dz;
             }
-            // Each candidate is written; only a neighbour moves the end of the list.
+            // Each candidate is written; only one that is near, and then only one that is accepted, moves the end.
+            std::size_t found = 0;
             for (std::size_t c = 0; c < size; ++c) {
-                block.j[n] = static_cast<std::uint32_t>(chunk + c);
-                block.gx[n] = sx - x[c];
-                block.gy[n] = sy - y[c];
-                block.gz[n] = sz - z[c];
-                n += (r2[c] < h2 && accept(chunk + c)) ? 1U : 0U;
+                near[found] = static_cast<std::uint32_t>(c);
+                found += r2[c] < h2 ? 1U : 0U;
             }
+            std::uint32_t* j = block.j.data();
+            float* dx = block.gx.data();
+            float* dy = block.gy.data();
+            float* dz = block.gz.data();
+            for (std::size_t c = 0; c < found; ++c) {
+                const std::size_t candidate = near[c];
+                j[n] = static_cast<std::uint32_t>(chunk + candidate);
+                dx[n] = sx - x[candidate];
+                dy[n] = sy - y[candidate];
+                dz[n] = sz - z[candidate];
+                n += accept(chunk + candidate) ? 1U : 0U;
+            }
+            block.reserve(n + chunk_size + lanes);
         }
     });
+}
+
+// Ends a segment: fills it up to a multiple of the lanes with pairs that the kernel does not reach.
+void close_segment(NeighbourBlock& block, std::uint32_t i, float support_radius, const Vec3& sign, std::size_t& n) {
+    for (; n % lanes != 0; ++n) {
+        block.j[n] = i;
+        block.gx[n] = support_radius;
+        block.gy[n] = 0;
+        block.gz[n] = 0;
+    }
+    block.segments.push_back({static_cast<std::uint32_t>(n), sign[0], sign[1], sign[2]});
+    block.reserve(n + chunk_size + lanes);
 }
 
 }  // namespace
@@ -175,6 +200,7 @@ void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles
         std::vector<Mirror>& mirrors = block.mirrors;
         std::size_t n = 0;
         block.segments.clear();
+        block.reserve(chunk_size + lanes);
         block.first_segment[0] = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const Vec3 x{p.x[i], p.y[i], p.z[i]};
@@ -183,15 +209,14 @@ void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles
             const auto at = [&](std::size_t j) { return Vec3{p.x[j], p.y[j], p.z[j]}; };
             append_near(grid, p, x, h2, block, n,
                         [&](std::size_t j) { return j != i && (!by_obstacle || solids.visible(x, at(j))); });
-            block.segments.push_back({static_cast<std::uint32_t>(n)});
+            close_segment(block, static_cast<std::uint32_t>(i), support_radius, {1, 1, 1}, n);
             solids.mirrors_near(x, mirrors);
             for (const Mirror& mirror : mirrors) {
                 append_near(grid, p, mirror.reflect(x), h2, block, n, [&](std::size_t j) {
                     return !by_obstacle || (mirror.obstacle < 0 ? solids.visible(x, mirror.reflect(at(j)))
                                                                 : solids.sees_image(x, at(j), mirror));
                 });
-                const Vec3 sign = mirror.sign();
-                block.segments.push_back({static_cast<std::uint32_t>(n), sign[0], sign[1], sign[2]});
+                close_segment(block, static_cast<std::uint32_t>(i), support_radius, mirror.sign(), n);
             }
             block.first_segment[i - begin + 1] = static_cast<std::uint32_t>(block.segments.size());
 
@@ -199,18 +224,20 @@ void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles
             float* gy = block.gy.data();
             float* gz = block.gz.data();
             float* factor = block.gradient_factor.data();
-            float sum = 0;
-#pragma omp simd reduction(+ : sum)
-            for (std::size_t k = first; k < n; ++k) {
-                const float r = std::sqrt(gx[k] * gx[k] + gy[k] * gy[k] + gz[k] * gz[k]);
-                const float g = volume * kernel.gradient_factor(r);
-                sum += kernel.value(r);
-                factor[k] = g;
-                gx[k] *= g;
-                gy[k] *= g;
-                gz[k] *= g;
+            LaneSum sum;
+            for (std::size_t k = first; k < n; k += lanes) {
+#pragma omp simd
+                for (std::size_t l = 0; l < lanes; ++l) {
+                    const float r = std::sqrt(gx[k + l] * gx[k + l] + gy[k + l] * gy[k + l] + gz[k + l] * gz[k + l]);
+                    const float g = volume * kernel.gradient_factor(r);
+                    sum.lane[l] += kernel.value(r);
+                    factor[k + l] = g;
+                    gx[k + l] *= g;
+                    gy[k + l] *= g;
+                    gz[k + l] *= g;
+                }
             }
-            lists.density[i] = self + volume * sum;
+            lists.density[i] = self + volume * sum.total();
         }
     });
 }

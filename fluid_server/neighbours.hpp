@@ -54,12 +54,16 @@ class CellGrid {
     Particles scratch_;
 };
 
+// Sweeps over pairs work on this many at a time.
+inline constexpr std::size_t lanes = 8;
+
 // Neighbours of one block of particles, in segments: the first segment of a particle holds its neighbours, each further
 // one the neighbours that it sees in one mirror (solids.hpp). The gradients of a segment are those of the image,
 // V grad W(x_i - R x_j), reflected: g = R V grad W, so that u . (V grad W) = (R u) . g. Without a mirror R is the identity.
+// A segment is filled up to a multiple of `lanes` with pairs of i and itself whose gradient is zero.
 struct NeighbourBlock {
     struct Segment {
-        std::uint32_t end = 0;  // one past the last pair; the first is the end of the segment before
+        std::uint32_t end = 0;         // one past the last pair; the first is the end of the segment before
         float rx = 1, ry = 1, rz = 1;  // the diagonal of R, +1 or -1
     };
     std::array<std::uint32_t, block_size + 1> first_segment{};
@@ -68,7 +72,7 @@ struct NeighbourBlock {
     std::vector<float> gx, gy, gz;  // V = d^3; in 1/m
     std::vector<float> gradient_factor;  // V (dW/dr) / r, 1/m^2: for viscosity
     std::vector<Mirror> mirrors;         // room for the search
-    void resize(std::size_t pairs);
+    void reserve(std::size_t pairs);  // room for at least so many pairs
 };
 
 struct NeighbourLists {
@@ -97,10 +101,20 @@ inline std::array<std::size_t, 2> all_pairs(const NeighbourBlock& block, std::si
 // Calls body(segment, first pair, last pair) for each segment of the particle at a place of its block.
 template <typename Body>
 void for_each_segment(const NeighbourBlock& block, std::size_t place, Body&& body) {
+    std::size_t first = all_pairs(block, place)[0];
     for (std::uint32_t s = block.first_segment[place]; s < block.first_segment[place + 1]; ++s) {
-        body(block.segments[s], s == 0 ? 0U : block.segments[s - 1].end, block.segments[s].end);
+        body(block.segments[s], first, static_cast<std::size_t>(block.segments[s].end));
+        first = block.segments[s].end;
     }
 }
+
+// A sum whose terms are added lane by lane: the compiler keeps it in one vector register.
+struct LaneSum {
+    alignas(32) std::array<float, lanes> lane{};
+    [[nodiscard]] float total() const {
+        return ((lane[0] + lane[4]) + (lane[1] + lane[5])) + ((lane[2] + lane[6]) + (lane[3] + lane[7]));
+    }
+};
 
 // Fills the lists for sorted particles: all j != i nearer than the support radius, and all images, of i as well.
 void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& particles, const CubicSpline& kernel,

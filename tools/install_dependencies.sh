@@ -44,7 +44,7 @@ echo "Installing ${#missing[@]} Debian packages: ${missing[*]}" >&2
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
   command -v sudo >/dev/null ||
-    fail "needs root or sudo to install ${missing[*]}; as root: apt-get install --no-install-recommends ${missing[*]}"
+    fail "needs root or sudo to install ${missing[*]}; as root: apt-get install ${missing[*]}"
   as_root=(sudo)
 fi
 # A lock held by another apt, for example that of a machine that just started, is waited for.

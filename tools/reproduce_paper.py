@@ -50,7 +50,8 @@ def is_done(folder, scene):
 def run_scene(pair, programs, scene, options, folder):
     """Runs one pair; returns its exit code. On a terminal its progress is shown, else it goes to run.log."""
     folder.mkdir(parents=True, exist_ok=True)
-    command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", programs, scene, "--out", folder, *options]
+    launcher = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", programs]
+    command = [*launcher, scene, "--out", folder, *options]
     with open(folder / "run.log", "w", encoding="utf-8") as log:
         process = pair.start(command, stdout=log, stderr=None if sys.stderr.isatty() else log)
         return process.wait()

@@ -90,7 +90,7 @@ def find_scene(name):
 
 
 def resolved_scene(program, scene, arguments):
-    """The resolved scene as a dictionary; None if it is refused, then the program has said why on stderr."""
+    """The resolved scene and 0, or None and the exit code if the program refuses it; it says why on stderr."""
     answer = subprocess.run([program, scene, *arguments, "--print-config"], stdout=subprocess.PIPE, text=True)
     return (json.loads(answer.stdout), 0) if answer.returncode == 0 else (None, answer.returncode)
 
@@ -190,7 +190,8 @@ def summary(folder):
     ]
     wall, memory = outcome["wall_time_s"], outcome["fluid"].get("resident_bytes")
     if wall:
-        speed = f"{outcome['sim_time_s']:.1f} s simulated in {wall:.1f} s ({outcome['sim_time_s'] / wall:.1f} s per second)"
+        simulated = outcome["sim_time_s"]
+        speed = f"{simulated:.1f} s simulated in {wall:.1f} s ({simulated / wall:.2f} s per second)"
         lines.append(speed + (f", server memory {memory / 1e6:.0f} MB" if memory else ""))
     return lines
 
@@ -240,7 +241,7 @@ def run(scene, own, server_arguments, client_arguments, programs):
             Path(f"/dev/shm/{session}-{kind}").unlink(missing_ok=True)
 
     if codes[0]:
-        print(f"run.sh: fluid_server ended with exit code {codes[0]}; the end of {folder}/fluid_server.log:", file=sys.stderr)
+        print(f"run.sh: fluid_server ended with exit code {codes[0]}; the end of its log:", file=sys.stderr)
         for line in (folder / "fluid_server.log").read_text(errors="replace").splitlines()[-5:]:
             print("  " + line, file=sys.stderr)
     for line in summary(folder):

@@ -175,7 +175,7 @@ TEST_CASE("The summary of the water averages what frames gave after the first se
     CHECK_FALSE(summary.speed.value().has_value());
 }
 
-TEST_CASE("Progress shows time, people and the health of the water, and is due at its intervals") {
+TEST_CASE("Progress shows time, people and the health of the water") {
     CrowdWorld crowd = make_crowd(short_scene(100));
     crowd.frame = 300;
     shm::Frame frame;
@@ -190,9 +190,4 @@ TEST_CASE("Progress shows time, people and the health of the water, and is due a
                    Catch::Contains("active 1 arrived 0 dead 0") && Catch::Contains("26880 particles") &&
                    Catch::Contains("0.040 %") && Catch::Contains("4+7 iterations") && Catch::Contains("3 sub-steps") &&
                    Catch::Contains("2.00 x real time") && Catch::Contains("45 s to go"));
-
-    ProgressPacer plain(false);
-    int lines = 0;
-    for (int f = 1; f <= 900; ++f) lines += plain.due(f / 30.0, 0.001 * f) ? 1 : 0;
-    CHECK(lines == 4);  // at the first frame, 10, 20 and 30 s
 }

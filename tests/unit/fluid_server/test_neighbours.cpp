@@ -60,6 +60,7 @@ TEST_CASE("the search finds exactly the pairs that a double loop finds", "[fluid
         const std::uint32_t s = block.first_segment[i % block_size];
         const std::uint32_t first = s == 0 ? 0 : block.segments[s - 1].end;
         std::vector<std::uint32_t> found(block.j.begin() + first, block.j.begin() + block.segments[s].end);
+        std::erase(found, static_cast<std::uint32_t>(i));  // pairs that only fill up the lanes
         std::sort(found.begin(), found.end());
         wrong += found == expected ? 0U : 1U;
     }
