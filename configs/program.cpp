@@ -17,7 +17,9 @@ namespace {
 
 volatile std::sig_atomic_t signal_received = 0;
 
-extern "C" void remember_signal(int signal) { signal_received = signal; }
+extern "C" void remember_signal(int signal) {
+    signal_received = signal;
+}
 
 double wall_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -36,7 +38,9 @@ void catch_signals() {
     sigaction(SIGPIPE, &action, nullptr);
 }
 
-int received_signal() { return signal_received; }
+int received_signal() {
+    return signal_received;
+}
 
 int exit_code_of_signal() {
     return static_cast<int>(signal_received == SIGTERM ? ExitCode::terminated : ExitCode::interrupted);
@@ -48,7 +52,8 @@ void let_threads_wait_passively(char** argv) {
     }
 }
 
-Console::Console(std::string program) : program_(std::move(program)), terminal_(::isatty(STDERR_FILENO) != 0), pacer_(terminal_) {}
+Console::Console(std::string program)
+    : program_(std::move(program)), terminal_(::isatty(STDERR_FILENO) != 0), pacer_(terminal_) {}
 
 void Console::copy_to(const std::filesystem::path& file) {
     std::error_code ignored;
@@ -59,9 +64,13 @@ void Console::copy_to(const std::filesystem::path& file) {
     }
 }
 
-void Console::line(const std::string& text) { write(program_ + ": " + text, true); }
+void Console::line(const std::string& text) {
+    write(program_ + ": " + text, true);
+}
 
-void Console::progress(const std::string& text) { write(text, !terminal_); }
+void Console::progress(const std::string& text) {
+    write(text, !terminal_);
+}
 
 void Console::write(const std::string& text, bool stays) {
     if (shown_) {
@@ -78,7 +87,9 @@ void Console::write(const std::string& text, bool stays) {
     }
 }
 
-bool Console::progress_due(double simulated) { return pacer_.due(simulated, wall_seconds()); }
+bool Console::progress_due(double simulated) {
+    return pacer_.due(simulated, wall_seconds());
+}
 
 bool ProgressPacer::due(double simulated, double wall) {
     const double interval = terminal_ ? 0.2 : 10;

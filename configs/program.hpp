@@ -1,14 +1,14 @@
 #pragma once
 // What both programs need to be well-behaved processes: signals, and a log with a progress line on stderr.
 
-#include <fstream>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 namespace wade {
 
-// From now on SIGINT and SIGTERM are remembered and can be asked for; a file that outgrows a limit and a closed terminal
-// become errors of the calls that meet them instead of ending the process.
+// From now on SIGINT and SIGTERM are remembered and can be asked for; a file that outgrows a limit and a closed
+// terminal become errors of the calls that meet them instead of ending the process.
 void catch_signals();
 
 // The signal that asks to stop, 0 = none yet.
@@ -17,13 +17,13 @@ void catch_signals();
 // Exit code of a run that received_signal() ended: 130 or 143.
 [[nodiscard]] int exit_code_of_signal();
 
-// Starts the program once more with OMP_WAIT_POLICY=passive, unless the variable is set; libgomp reads it at start-up only.
-// Threads that wait actively for one another lose whole time slices as soon as anything else, such as the peer of the
-// run, needs a processor: measured, a tenth of the speed.
+// Starts the program once more with OMP_WAIT_POLICY=passive, unless the variable is set; libgomp reads it at start-up
+// only. Threads that wait actively for one another lose whole time slices as soon as anything else, such as the peer of
+// the run, needs a processor: measured, a tenth of the speed.
 void let_threads_wait_passively(char** argv);
 
-// Decides when a progress line is due: five times a second of wall time on a terminal, else at the start and after every
-// ten seconds of simulated time.
+// Decides when a progress line is due: five times a second of wall time on a terminal, else at the start and after
+// every ten seconds of simulated time.
 class ProgressPacer {
  public:
     explicit ProgressPacer(bool terminal) : terminal_(terminal) {}

@@ -67,7 +67,7 @@ struct PressureSolve {
 
 struct Fluid {
     FluidModel model = FluidModel::dfsph;
-    double particle_spacing = 0;   // d; particle mass = rest_density * d^3
+    double particle_spacing = 0;  // d; particle mass = rest_density * d^3
     double rest_density = 1000;
     double kinematic_viscosity = 0;
     int max_particles = 100000;
@@ -80,8 +80,8 @@ enum class SpeedRule { pi, per_frame, per_second };
 
 struct AgentGroup {
     std::string name;
-    int columns = 1, rows = 1;   // start grid, columns along x, rows along z
-    int count = 1;               // agents placed, column by column is row-major: id = row * columns + column
+    int columns = 1, rows = 1;  // start grid, columns along x, rows along z
+    int count = 1;              // agents placed, column by column is row-major: id = row * columns + column
     double start_x = 0, start_z = 0, pitch_x = 1, pitch_z = 1;
     double goal_x = 0, goal_z = 0;
     double desired_speed = 1.3;
@@ -91,10 +91,10 @@ struct AgentGroup {
 
 struct Crowd {
     SpeedRule speed_rule = SpeedRule::pi;
-    int markers_per_cell = 64;         // in a cell of 2 x 2 m
+    int markers_per_cell = 64;  // in a cell of 2 x 2 m
     double marker_min_distance = 0.1;
-    double perception_radius = 1.0;    // R, markers within it are perceived
-    double goal_radius = 3.0;          // an agent within it has arrived
+    double perception_radius = 1.0;  // R, markers within it are perceived
+    double goal_radius = 3.0;        // an agent within it has arrived
     std::vector<AgentGroup> groups;
 };
 

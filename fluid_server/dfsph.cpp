@@ -9,8 +9,8 @@ namespace {
 // Relaxation of the Jacobi iteration (Ihmsen et al. 2014); larger values oscillate.
 constexpr float relaxation = 0.5F;
 
-// Share of the last step's pressure that a solve starts from. A full warm start (1) makes pressure answer to density like
-// a spring without friction and a column at rest never stops ringing; 0 takes four times the iterations.
+// Share of the last step's pressure that a solve starts from. A full warm start (1) makes pressure answer to density
+// like a spring without friction and a column at rest never stops ringing; 0 takes four times the iterations.
 constexpr float warm_start = 0.95F;
 
 // Below this density a particle has an open side and may be compressed: the divergence solve leaves it alone. A flat
@@ -72,8 +72,15 @@ float density_rate(const std::vector<float>& ux, const std::vector<float>& uy, c
 }  // namespace
 
 ParticleFields::ParticleFields(std::size_t capacity)
-    : density(capacity), gx(capacity), gy(capacity), gz(capacity), inverse_diagonal(capacity), source(capacity),
-      ax(capacity), ay(capacity), az(capacity) {}
+    : density(capacity),
+      gx(capacity),
+      gy(capacity),
+      gz(capacity),
+      inverse_diagonal(capacity),
+      source(capacity),
+      ax(capacity),
+      ay(capacity),
+      az(capacity) {}
 
 void compute_density_and_diagonal(const Particles& p, const NeighbourLists& lists, ParticleFields& f) {
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {

@@ -13,9 +13,13 @@ constexpr int waiting_layers = 3;
 }  // namespace
 
 Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
-    : opening_x_(scene.channel.x.hi), velocity_(scene.channel.velocity), z_lo_(scene.channel.z.lo),
+    : opening_x_(scene.channel.x.hi),
+      velocity_(scene.channel.velocity),
+      z_lo_(scene.channel.z.lo),
       layer_(lattice_over(0, scene.channel.depth, scene.channel.z.length(), scene.fluid.particle_spacing, 0)),
-      pitch_(), last_layer_x_(), stock_(static_cast<std::uint64_t>(scene.fluid.max_particles) - particles_in_use) {
+      pitch_(),
+      last_layer_x_(),
+      stock_(static_cast<std::uint64_t>(scene.fluid.max_particles) - particles_in_use) {
     const double d = scene.fluid.particle_spacing;
     pitch_ = static_cast<double>(layer_.sites()) * d * d * d / (scene.channel.depth * scene.channel.z.length());
     last_layer_x_ = opening_x_ - 0.5 * pitch_;

@@ -2,7 +2,8 @@
 // The rectangular emitter at the upstream end and the stock that feeds it.
 //
 //      x.hi        x.hi + layers * pitch
-//   ~~~~|. . . . . .|        Layers of particles wait behind the opening x.hi as a lattice that moves with the emitter's
+//   ~~~~|. . . . . .|        Layers of particles wait behind the opening x.hi as a lattice that moves with the
+//   emitter's
 //   <-- |. . . . . .| v_F    velocity. A particle that passes the opening becomes fluid; a new layer joins at the back
 //   ~~~~|. . . . . .|        whenever the lattice has moved by one pitch, as long as the stock lasts.
 
@@ -23,7 +24,10 @@ class Emitter {
     void emit(Particles& particles, float dt);
 
     // Particles that left through the outflow go back to the stock.
-    void recycle(std::uint64_t particles) { stock_ += particles; recycled_ += particles; }
+    void recycle(std::uint64_t particles) {
+        stock_ += particles;
+        recycled_ += particles;
+    }
 
     // The opening is closed to water from inside: limits the velocity so that a fluid particle does not pass it.
     void apply_contact(Particles& particles, float dt) const;
@@ -36,9 +40,9 @@ class Emitter {
     double opening_x_;
     double velocity_;
     double z_lo_;
-    Lattice layer_;       // the sites of one layer
-    double pitch_;        // distance of layers, so that the mass flow is exactly rho v_F depth width
-    double last_layer_x_; // where the rearmost layer is
+    Lattice layer_;        // the sites of one layer
+    double pitch_;         // distance of layers, so that the mass flow is exactly rho v_F depth width
+    double last_layer_x_;  // where the rearmost layer is
     std::uint64_t stock_;
     std::uint64_t recycled_ = 0;
     std::uint64_t layers_missed_ = 0;

@@ -30,7 +30,7 @@ FluidWorld::FluidWorld(const Scene& scene)
       fields_(particles_.capacity()),
       solids_(scene),
       outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
-                                                      : -std::numeric_limits<float>::infinity()) {
+                                                     : -std::numeric_limits<float>::infinity()) {
     fill_scene(particles_, scene);
     if (scene.channel.flow == Flow::emitter) {
         emitter_.emplace(scene, particles_.count);
@@ -91,8 +91,9 @@ double FluidWorld::time_step(double remaining) {
         total.finite = total.finite && block.finite;
     });
     if (!all.finite) {
-        throw RunError(ExitCode::numerical_failure,
-                       "the fluid has a velocity that is not finite; reduce fluid.cfl or fluid.density_solve.tolerance");
+        throw RunError(
+            ExitCode::numerical_failure,
+            "the fluid has a velocity that is not finite; reduce fluid.cfl or fluid.density_solve.tolerance");
     }
     // v: what moves particles. sqrt(g H): the speed at which pressure can set them in motion; a step that outruns it
     // extrapolates the density too far and injects energy.

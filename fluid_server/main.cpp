@@ -1,4 +1,5 @@
-// fluid_server SCENE.json: simulates the water of a scene and sends it, frame by frame, to those who joined its session.
+// fluid_server SCENE.json: simulates the water of a scene and sends it, frame by frame, to those who joined its
+// session.
 
 #include <omp.h>
 
@@ -30,7 +31,8 @@ using namespace wade::fluid;
     return buffer;
 }
 
-std::string progress_line(const FluidWorld& world, const ServerSummary& summary, const shm::Diagnostics& d, double wall) {
+std::string progress_line(const FluidWorld& world, const ServerSummary& summary, const shm::Diagnostics& d,
+                          double wall) {
     const double time = static_cast<double>(summary.frames) / world.scene().frame_rate;
     const double rate = time / wall;
     return print(

@@ -1,13 +1,13 @@
 #pragma once
-// Neighbour search: a grid of cells as wide as the support radius, particles sorted by cell, and per particle the list
-// of its neighbours with the kernel gradients that every sweep of the solver uses.
+// Neighbour lists: for each particle its neighbours and the images that it sees, with the kernel gradients that every
+// sweep of the solver uses.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "configs/scene.hpp"
+#include "fluid_server/cell_grid.hpp"
 #include "fluid_server/kernel.hpp"
 #include "fluid_server/parallel.hpp"
 #include "fluid_server/particles.hpp"
@@ -15,52 +15,13 @@
 
 namespace wade::fluid {
 
-// Cells over the channel, x fastest. Particles beyond the grid count to its outermost cells, which changes nothing for
-// the search: two points that are near one another stay in the same or in adjacent cells.
-class CellGrid {
- public:
-    CellGrid(const Scene& scene, float support_radius);
-
-    // Sorts all arrays of the particles by cell, in stable order; drops those whose x is not greater than `outflow_x`.
-    // Returns the number dropped.
-    std::size_t sort(Particles& particles, float outflow_x);
-
-    // Calls body(begin, end, shift_x, shift_z) for each contiguous run of sorted particles in the 27 cells round p;
-    // the shifts are what to add to their positions across a periodic border.
-    template <typename Body>
-    void for_each_run(float px, float py, float pz, Body&& body) const;
-
-    [[nodiscard]] float period_x() const { return periodic_[0] ? length_[0] : 0; }
-    [[nodiscard]] float period_z() const { return periodic_[2] ? length_[2] : 0; }
-    [[nodiscard]] float origin_x() const { return origin_[0]; }
-    [[nodiscard]] float origin_z() const { return origin_[2]; }
-
- private:
-    [[nodiscard]] int cell_along(std::size_t axis, float v) const;
-    [[nodiscard]] std::size_t cell_index(int i, int j, int k) const {
-        return (static_cast<std::size_t>(k) * static_cast<std::size_t>(cells_[1]) + static_cast<std::size_t>(j)) *
-                   static_cast<std::size_t>(cells_[0]) +
-               static_cast<std::size_t>(i);
-    }
-
-    std::array<float, 3> origin_{};
-    std::array<float, 3> length_{};
-    std::array<float, 3> inverse_cell_{};
-    std::array<int, 3> cells_{};
-    std::array<bool, 3> periodic_{};
-    std::vector<std::uint32_t> start_;  // first particle of each cell, and the total behind the last
-    std::vector<std::uint32_t> cell_of_;
-    std::vector<std::uint32_t> source_;  // where the particle at a sorted place was before
-    Particles scratch_;
-};
-
 // Sweeps over pairs work on this many at a time.
 inline constexpr std::size_t lanes = 8;
 
 // Neighbours of one block of particles, in segments: the first segment of a particle holds its neighbours, each further
 // one the neighbours that it sees in one mirror (solids.hpp). The gradients of a segment are those of the image,
-// V grad W(x_i - R x_j), reflected: g = R V grad W, so that u . (V grad W) = (R u) . g. Without a mirror R is the identity.
-// A segment is filled up to a multiple of `lanes` with pairs of i and itself whose gradient is zero.
+// V grad W(x_i - R x_j), reflected: g = R V grad W, so that u . (V grad W) = (R u) . g. Without a mirror R is the
+// identity. A segment is filled up to a multiple of `lanes` with pairs of i and itself whose gradient is zero.
 struct NeighbourBlock {
     struct Segment {
         std::uint32_t end = 0;         // one past the last pair; the first is the end of the segment before
@@ -69,10 +30,10 @@ struct NeighbourBlock {
     std::array<std::uint32_t, block_size + 1> first_segment{};
     std::vector<Segment> segments;
     std::vector<std::uint32_t> j;
-    std::vector<float> gx, gy, gz;  // V = d^3; in 1/m
+    std::vector<float> gx, gy, gz;       // V = d^3; in 1/m
     std::vector<float> gradient_factor;  // V (dW/dr) / r, 1/m^2: for viscosity
     std::vector<Mirror> mirrors;         // room for the search
-    void reserve(std::size_t pairs);  // room for at least so many pairs
+    void reserve(std::size_t pairs);     // room for at least so many pairs
 };
 
 struct NeighbourLists {

@@ -15,7 +15,9 @@ inline constexpr std::size_t block_size = 256;
 // With fewer blocks than this the threads would wait for one another longer than they work.
 inline constexpr std::ptrdiff_t serial_below = 12;
 
-inline std::size_t block_count(std::size_t n) { return (n + block_size - 1) / block_size; }
+inline std::size_t block_count(std::size_t n) {
+    return (n + block_size - 1) / block_size;
+}
 
 // Calls body(begin, end, block) for each block of [0, n), in parallel where there is enough to share.
 template <typename Body>

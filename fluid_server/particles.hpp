@@ -23,8 +23,15 @@ struct Particles {
     std::vector<Kind> kind;
 
     explicit Particles(std::size_t capacity)
-        : x(capacity), y(capacity), z(capacity), vx(capacity), vy(capacity), vz(capacity),
-          density_pressure(capacity), divergence_pressure(capacity), kind(capacity, Kind::fluid) {}
+        : x(capacity),
+          y(capacity),
+          z(capacity),
+          vx(capacity),
+          vy(capacity),
+          vz(capacity),
+          density_pressure(capacity),
+          divergence_pressure(capacity),
+          kind(capacity, Kind::fluid) {}
 
     [[nodiscard]] std::size_t capacity() const { return x.size(); }
 

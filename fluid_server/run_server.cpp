@@ -98,8 +98,8 @@ std::uint32_t write_frame(const FluidWorld& world, const shm::FrameFields& slot)
         std::fill(slot.mass.begin() + static_cast<std::ptrdiff_t>(begin),
                   slot.mass.begin() + static_cast<std::ptrdiff_t>(end), mass);
         const auto copy = [&](const std::vector<float>& from, std::span<float> to) {
-            std::copy(from.begin() + static_cast<std::ptrdiff_t>(begin), from.begin() + static_cast<std::ptrdiff_t>(end),
-                      to.begin() + static_cast<std::ptrdiff_t>(begin));
+            std::copy(from.begin() + static_cast<std::ptrdiff_t>(begin),
+                      from.begin() + static_cast<std::ptrdiff_t>(end), to.begin() + static_cast<std::ptrdiff_t>(begin));
         };
         copy(p.vx, slot.vx);
         copy(p.vy, slot.vy);
@@ -112,8 +112,7 @@ std::uint32_t write_frame(const FluidWorld& world, const shm::FrameFields& slot)
 }
 
 void run_server(FluidWorld& world, shm::Publisher& publisher, ServerSummary& summary,
-                const std::function<void(const shm::Diagnostics&)>& on_frame,
-                const std::function<int()>& interrupted) {
+                const std::function<void(const shm::Diagnostics&)>& on_frame, const std::function<int()>& interrupted) {
     const std::uint64_t frames = frames_of(world.scene());
     try {
         publisher.wait_for_consumers(1);

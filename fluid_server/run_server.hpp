@@ -14,10 +14,10 @@ struct ServerSummary {
     std::uint64_t frames = 0;
     std::uint64_t steps = 0;
     std::uint64_t particle_steps = 0;
-    double solver_time = 0;  // s, wall
-    double contact_impulse = 0;       // N s, vertical, on bed and obstacles
-    double driving_impulse = 0;       // m/s: driving acceleration summed over time
-    bool crowd_left = false;  // every consumer said goodbye before the last frame
+    double solver_time = 0;      // s, wall
+    double contact_impulse = 0;  // N s, vertical, on bed and obstacles
+    double driving_impulse = 0;  // m/s: driving acceleration summed over time
+    bool crowd_left = false;     // every consumer said goodbye before the last frame
 };
 
 // Frames of the whole run: duration * frame rate, rounded, at least 1.

@@ -29,7 +29,8 @@ Box interior_of(const Channel& channel) {
 Box box_of(const Obstacle& obstacle, const Box& interior) {
     Box box;
     box.lo = {static_cast<float>(obstacle.x.lo), 0, static_cast<float>(obstacle.z.lo)};
-    box.hi = {static_cast<float>(obstacle.x.hi), static_cast<float>(obstacle.height), static_cast<float>(obstacle.z.hi)};
+    box.hi = {static_cast<float>(obstacle.x.hi), static_cast<float>(obstacle.height),
+              static_cast<float>(obstacle.z.hi)};
     for (std::size_t k = 0; k < 3; ++k) {
         box.lo[k] = box.lo[k] <= interior.lo[k] ? -Box::inf : box.lo[k];
         box.hi[k] = box.hi[k] >= interior.hi[k] ? Box::inf : box.hi[k];

@@ -7,8 +7,10 @@
 // and opposite, energy is neither gained nor lost, the flow slips freely along the face and none crosses it.
 //
 //        images across y | fluid           A concave edge such as bed and bank shows three families: mirrored across
-//         and z, twice   | images across y  either face, and across both. At a convex edge of an obstacle the rule is that of
-//       -----------------+----------------  sight: a particle sees another if the straight line between them is free, and
+//         and z, twice   | images across y  either face, and across both. At a convex edge of an obstacle the rule is
+//         that of
+//       -----------------+----------------  sight: a particle sees another if the straight line between them is free,
+//       and
 //         images across  |                  the image of another if the line to the image passes through the mirror's
 //         z              |  o   fluid       face. So every place round a particle is filled exactly once.
 //
@@ -38,7 +40,7 @@ struct Box {
 struct Mirror {
     std::array<bool, 3> axis{};
     Vec3 plane{};
-    int obstacle = -1;             // whose face is one of them, or -1
+    int obstacle = -1;  // whose face is one of them, or -1
     std::size_t obstacle_axis = 0;
 
     [[nodiscard]] Vec3 reflect(const Vec3& x) const {
@@ -67,8 +69,8 @@ class Solids {
     // Whether the straight line from x to y passes through no obstacle.
     [[nodiscard]] bool visible(const Vec3& x, const Vec3& y) const;
 
-    // Whether a particle at x sees a particle at y in a mirror that belongs to an obstacle: whether the line from x to the
-    // image passes through the face.
+    // Whether a particle at x sees a particle at y in a mirror that belongs to an obstacle: whether the line from x to
+    // the image passes through the face.
     [[nodiscard]] bool sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
 
     // Unilateral, inelastic contact: reduces the velocity v of a particle at x so that after x + dt v its centre is no

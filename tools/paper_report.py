@@ -9,6 +9,7 @@ COLUMNS = (
     "paper_time_s,paper_diff_percent,paper_arrived,seeds,time_s_mean,time_s_lo,time_s_hi,arrived_mean,arrived_lo,"
     "arrived_hi,dead_mean,diff_percent,agent_depth_m,agent_speed_m_s,in_band"
 ).split(",")
+SET_UPS = {"paper": "as run", "river": "as described"}  # the set-up that each set of scenes stands for
 
 
 class Run:
@@ -132,7 +133,7 @@ def report_text(rows, runs, out, failures):
     sets = list(dict.fromkeys(row["set"] for row in rows))
     head = ["", "tau", "v_F", "paper: time", "diff %", "arrived"]
     for scene_set in sets:
-        head += [f"{scene_set}: time", "diff %", "arrived", "dead"]
+        head += [f"{SET_UPS[scene_set]}: time", "diff %", "arrived", "dead"]
     lines = []
     for scenario in dict.fromkeys(row["scenario"] for row in rows):
         row = next(row for row in rows if row["scenario"] == scenario)
@@ -143,10 +144,10 @@ def report_text(rows, runs, out, failures):
         lines.append(cells)
     text = "# The scenarios of the paper\n\n"
     text += (
-        "Time: arrival of the last agent that arrives, s. diff: to S1 of the same column group. Set `paper`: as its "
-        "authors ran it (emitter,\ndry start, gravity 0.98 m/s2). Set `river`: as the paper describes it (a river 1 m "
-        "deep that flows at v_F, gravity 9.81 m/s2).\nPaper: Schaffer et al., MIG 2020, Table 1. With several seeds: "
-        "mean, and least to greatest.\n\n"
+        "Paper: Schaffer et al., MIG 2020, Table 1. As run: configs/paper, as its authors ran it (emitter, dry start, "
+        "gravity 0.98 m/s2).\nAs described: configs/river, as the paper describes it (a river 1 m deep that flows at "
+        "v_F, gravity 9.81 m/s2).\nTime: arrival of the last agent that arrives, s; `-`: nobody arrives. diff: to the "
+        "time of S1 in the same columns.\nWith several seeds: mean, and least to greatest.\n\n"
     )
     text += markdown_table(head, lines)
     if failures:

@@ -52,7 +52,8 @@ River run_river(const Scene& scene, double averaged) {
         }
         for (std::size_t i = 0; i < p.count; ++i) {
             const auto along = [](double v, const Interval& span, std::size_t n) {
-                return std::min(static_cast<std::size_t>((v - span.lo) / span.length() * static_cast<double>(n)), n - 1);
+                return std::min(static_cast<std::size_t>((v - span.lo) / span.length() * static_cast<double>(n)),
+                                n - 1);
             };
             const std::size_t tile = along(static_cast<double>(p.z[i]), channel.z, nz) * nx +
                                      along(static_cast<double>(p.x[i]), channel.x, nx);

@@ -33,7 +33,8 @@ TEST_CASE("the emitter delivers the mass flow of its opening and speed", "[fluid
         particles.count = kept;
     }
     const double d3 = std::pow(scene.fluid.particle_spacing, 3);
-    const double emitted = (static_cast<double>(before - emitter.stock()) + static_cast<double>(emitter.recycled())) * d3;
+    const double emitted =
+        (static_cast<double>(before - emitter.stock()) + static_cast<double>(emitter.recycled())) * d3;
     const double expected = 1.5 * 1 * 4 * steps / 30.0;
     CHECK(emitter.layers_missed() == 0);
     CHECK(std::abs(emitted - expected) < 2 * 2 * 9 * d3);  // to within two layers of 2 x 9 particles

@@ -118,9 +118,9 @@ TEST_CASE("water that runs round and over an obstacle neither enters it nor leav
             const bool in_tank = p.x[i] > 0 && p.x[i] < 6 && p.y[i] > 0 && p.z[i] > 0 && p.z[i] < 3;
             bool in_obstacle = false;
             for (const Obstacle& o : scene.obstacles) {
-                in_obstacle = in_obstacle || (o.x.contains(static_cast<double>(p.x[i])) &&
-                                              o.z.contains(static_cast<double>(p.z[i])) &&
-                                              static_cast<double>(p.y[i]) < o.height);
+                in_obstacle = in_obstacle ||
+                              (o.x.contains(static_cast<double>(p.x[i])) && o.z.contains(static_cast<double>(p.z[i])) &&
+                               static_cast<double>(p.y[i]) < o.height);
             }
             escaped += in_tank && !in_obstacle ? 0U : 1U;
         }

@@ -24,7 +24,9 @@ Particles random_particles(const Scene& scene, std::size_t n) {
     return particles;
 }
 
-float nearest_image(float d, float period) { return period > 0 ? d - period * std::round(d / period) : d; }
+float nearest_image(float d, float period) {
+    return period > 0 ? d - period * std::round(d / period) : d;
+}
 
 }  // namespace
 
