@@ -5,6 +5,24 @@
 
 namespace wade::fluid {
 
+namespace {
+
+// A particle stands for a cube of side d: it is free of a solid if its centre is about half of that away. Without the
+// margin a particle next to a face would see its own image too near and be shot away in the first step.
+constexpr double clearance = 0.45;
+
+bool is_free(const Vec3& x, const std::vector<Obstacle>& obstacles, double spacing) {
+    const double margin = clearance * spacing;
+    return std::none_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& o) {
+        const auto within = [&](float v, const Interval& span) {
+            return static_cast<double>(v) > span.lo - margin && static_cast<double>(v) < span.hi + margin;
+        };
+        return within(x[0], o.x) && within(x[2], o.z) && static_cast<double>(x[1]) < o.height + margin;
+    });
+}
+
+}  // namespace
+
 std::uint64_t Lattice::sites() const {
     return static_cast<std::uint64_t>(nx) * static_cast<std::uint64_t>(ny) * static_cast<std::uint64_t>(nz);
 }
@@ -23,10 +41,11 @@ Lattice lattice_over(double length, double depth, double width, double spacing, 
     return lattice;
 }
 
-void fill_block(Particles& particles, const Interval& x, double depth, const Interval& z, double spacing, float vx) {
-    const double volume = x.length() * depth * z.length();
+void fill_block(Particles& particles, const WaterBlock& block, double spacing, float vx,
+                const std::vector<Obstacle>& obstacles) {
+    const double volume = block.x.length() * block.depth * block.z.length();
     const auto wanted = static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
-    const Lattice lattice = lattice_over(x.length(), depth, z.length(), spacing, wanted);
+    const Lattice lattice = lattice_over(block.x.length(), block.depth, block.z.length(), spacing, wanted);
     const std::uint64_t layer = lattice.sites() / static_cast<std::uint64_t>(lattice.ny);
     const std::uint64_t left_out = lattice.sites() - wanted;
     for (int j = 0; j < lattice.ny; ++j) {
@@ -34,12 +53,13 @@ void fill_block(Particles& particles, const Interval& x, double depth, const Int
         for (int k = 0; k < lattice.nz; ++k) {
             for (int i = 0; i < lattice.nx; ++i, ++site) {
                 const bool top = j == lattice.ny - 1;
-                if (top && (site + 1) * left_out / layer != site * left_out / layer) {
-                    continue;
+                const bool left = top && (site + 1) * left_out / layer != site * left_out / layer;
+                const Vec3 x{static_cast<float>(block.x.lo) + (static_cast<float>(i) + 0.5F) * lattice.dx,
+                             (static_cast<float>(j) + 0.5F) * lattice.dy,
+                             static_cast<float>(block.z.lo) + (static_cast<float>(k) + 0.5F) * lattice.dz};
+                if (!left && is_free(x, obstacles, spacing)) {
+                    particles.add(x[0], x[1], x[2], vx, Kind::fluid);
                 }
-                particles.add(static_cast<float>(x.lo) + (static_cast<float>(i) + 0.5F) * lattice.dx,
-                              (static_cast<float>(j) + 0.5F) * lattice.dy,
-                              static_cast<float>(z.lo) + (static_cast<float>(k) + 0.5F) * lattice.dz, vx, Kind::fluid);
             }
         }
     }
@@ -49,10 +69,11 @@ void fill_scene(Particles& particles, const Scene& scene) {
     const Channel& channel = scene.channel;
     const double spacing = scene.fluid.particle_spacing;
     if (channel.flow != Flow::closed && channel.initial_river == InitialRiver::filled) {
-        fill_block(particles, channel.x, channel.depth, channel.z, spacing, static_cast<float>(-channel.velocity));
+        fill_block(particles, {channel.x, channel.z, channel.depth}, spacing, static_cast<float>(-channel.velocity),
+                   scene.obstacles);
     }
     for (const WaterBlock& block : channel.water_blocks) {
-        fill_block(particles, block.x, block.depth, block.z, spacing, 0);
+        fill_block(particles, block, spacing, 0, scene.obstacles);
     }
 }
 

@@ -2,9 +2,11 @@
 // Places particles at t = 0.
 
 #include <cstdint>
+#include <vector>
 
 #include "configs/scene.hpp"
 #include "fluid_server/particles.hpp"
+#include "fluid_server/solids.hpp"
 
 namespace wade::fluid {
 
@@ -17,9 +19,11 @@ struct Lattice {
 };
 Lattice lattice_over(double length, double depth, double width, double spacing, std::uint64_t wanted);
 
-// Fills the box x by [0, depth] by z with exactly round(volume / d^3) particles moving at vx, so that the mass is that
-// of the water to within half a particle. Sites beyond that number are left out of the topmost layer, evenly spread.
-void fill_block(Particles& particles, const Interval& x, double depth, const Interval& z, double spacing, float vx);
+// Fills a block of water with exactly round(volume / d^3) particles moving at vx, so that the mass is that of the water
+// to within half a particle. Sites beyond that number are left out of the topmost layer, evenly spread; so are those
+// inside or too near to an obstacle.
+void fill_block(Particles& particles, const WaterBlock& block, double spacing, float vx,
+                const std::vector<Obstacle>& obstacles = {});
 
 // Fills what the scene wants filled at t = 0: its river, its blocks of water.
 void fill_scene(Particles& particles, const Scene& scene);

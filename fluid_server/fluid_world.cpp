@@ -16,6 +16,9 @@ namespace {
 // Explicit viscosity is stable below dt = d^2 / (8 nu) (Morris et al. 1997).
 constexpr double viscous_limit = 0.125;
 
+// More sub-steps than this mean that a velocity has run away, not that the scene is demanding.
+constexpr double most_steps_a_frame = 1000;
+
 }  // namespace
 
 FluidWorld::FluidWorld(const Scene& scene)
@@ -77,24 +80,15 @@ double FluidWorld::time_step(double remaining) {
     extremes_.begin(particles_.count);
     for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
         float fastest = 0;
-        bool finite = true;
         for (std::size_t i = begin; i < end; ++i) {
             const float v2 = particles_.vx[i] * particles_.vx[i] + particles_.vy[i] * particles_.vy[i] +
                              particles_.vz[i] * particles_.vz[i];
-            finite = finite && v2 < std::numeric_limits<float>::max();
             fastest = std::max(fastest, v2);
         }
-        extremes_[b] = {0, static_cast<double>(fastest), finite};
+        extremes_[b].max = static_cast<double>(fastest);
     });
-    const Extremes all = extremes_.total([](Extremes& total, const Extremes& block) {
-        total.max = std::max(total.max, block.max);
-        total.finite = total.finite && block.finite;
-    });
-    if (!all.finite) {
-        throw RunError(
-            ExitCode::numerical_failure,
-            "the fluid has a velocity that is not finite; reduce fluid.cfl or fluid.density_solve.tolerance");
-    }
+    const Extremes all =
+        extremes_.total([](Extremes& total, const Extremes& block) { total.max = std::max(total.max, block.max); });
     // v: what moves particles. sqrt(g H): the speed at which pressure can set them in motion; a step that outruns it
     // extrapolates the density too far and injects energy.
     const double d = scene_.fluid.particle_spacing;
@@ -103,7 +97,14 @@ double FluidWorld::time_step(double remaining) {
     if (scene_.fluid.kinematic_viscosity > 0) {
         dt = std::min(dt, viscous_limit * d * d / scene_.fluid.kinematic_viscosity);
     }
-    return remaining / std::ceil(remaining / dt);
+    const double steps = std::ceil(remaining / dt);
+    if (!(steps <= most_steps_a_frame)) {
+        throw RunError(ExitCode::numerical_failure,
+                       "the fluid moves at " + std::to_string(std::sqrt(all.max)) +
+                           " m/s and would need more than 1000 steps for a frame; the simulation has become unstable: "
+                           "reduce fluid.cfl or fluid.density_solve.tolerance");
+    }
+    return remaining / steps;
 }
 
 void FluidWorld::measure_density_error(StepReport& report) {
@@ -159,17 +160,28 @@ void FluidWorld::advance(float dt) {
         }
         return v;
     };
-    clamps_.begin(particles_.count);
+    guards_.begin(particles_.count);
     for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
         for (std::size_t i = begin; i < end; ++i) {
-            std::array<float, 3> x{wrap(particles_.x[i] + dt * particles_.vx[i], grid_.origin_x(), period_x),
-                                   particles_.y[i] + dt * particles_.vy[i],
-                                   wrap(particles_.z[i] + dt * particles_.vz[i], grid_.origin_z(), period_z)};
-            clamps_[b] += solids_.clamp(x) ? 1U : 0U;
+            Vec3 x{wrap(particles_.x[i] + dt * particles_.vx[i], grid_.origin_x(), period_x),
+                   particles_.y[i] + dt * particles_.vy[i],
+                   wrap(particles_.z[i] + dt * particles_.vz[i], grid_.origin_z(), period_z)};
+            guards_[b].not_finite += std::isfinite(x[0] + x[1] + x[2]) ? 0U : 1U;
+            guards_[b].clamps += solids_.clamp(x) ? 1U : 0U;
             particles_.x[i] = x[0], particles_.y[i] = x[1], particles_.z[i] = x[2];
         }
     });
-    position_clamps_ += clamps_.total([](std::uint64_t& sum, std::uint64_t n) { sum += n; });
+    const Guards all = guards_.total([](Guards& total, const Guards& block) {
+        total.clamps += block.clamps;
+        total.not_finite += block.not_finite;
+    });
+    position_clamps_ += all.clamps;
+    if (all.not_finite > 0) {
+        throw RunError(ExitCode::numerical_failure,
+                       std::to_string(all.not_finite) +
+                           " fluid particles have a velocity or position that is not finite; reduce fluid.cfl or "
+                           "fluid.density_solve.tolerance");
+    }
 }
 
 }  // namespace wade::fluid

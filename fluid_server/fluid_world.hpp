@@ -29,7 +29,7 @@ class FluidWorld {
     explicit FluidWorld(const Scene& scene);
 
     // Advances by at most `remaining` seconds; the time step is a whole fraction of it, so that repeated calls end
-    // exactly on the frame. Throws RunError (numerical_failure) if a velocity is no longer finite.
+    // exactly on the frame. Throws RunError (numerical_failure) if a velocity runs away or is no longer finite.
     StepReport step(double remaining);
 
     [[nodiscard]] const Particles& particles() const { return particles_; }
@@ -66,11 +66,13 @@ class FluidWorld {
 
     struct Extremes {
         double sum = 0, max = 0;
-        bool finite = true;
+    };
+    struct Guards {
+        std::uint64_t clamps = 0, not_finite = 0;
     };
     BlockSums<Extremes> extremes_;
     BlockSums<double> sums_;
-    BlockSums<std::uint64_t> clamps_;
+    BlockSums<Guards> guards_;
 };
 
 }  // namespace wade::fluid

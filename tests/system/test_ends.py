@@ -2,6 +2,7 @@
 
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import unittest
@@ -88,11 +89,9 @@ class Ends(SystemTest):
     def test_full_disk_while_logging_is_reported(self):
         disk = self.folder / "disk"
         disk.mkdir()
-        mounted = subprocess.run(
-            ["mount", "-t", "tmpfs", "-o", "size=400k", "none", disk], capture_output=True, text=True
-        )
-        if mounted.returncode != 0:
-            self.skipTest(f"no right to mount a small disk: {mounted.stderr.strip()}")
+        command = ["mount", "-t", "tmpfs", "-o", "size=400k", "none", disk]
+        if shutil.which("mount") is None or subprocess.run(command, capture_output=True).returncode != 0:
+            self.skipTest("cannot mount a small disk; the limit of the file size stands in for it")
         self.mounts.append(disk)
         server = self.server(*ENDLESS)
         client = self.client(*ENDLESS, "--water-every-s", "0", out=disk / "run")
