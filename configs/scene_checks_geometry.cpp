@@ -62,6 +62,27 @@ void check_apart(const std::vector<Box>& boxes, const std::string& source) {
     }
 }
 
+// Where the water wraps round or comes in, an obstacle must be out of the particles' reach: their neighbours beyond the
+// border do not see it, and the emitter would push its lattice through it.
+void check_reach(const Scene& scene, const std::string& source) {
+    const Channel& channel = scene.channel;
+    const double reach = 2 * scene.fluid.particle_spacing;
+    Interval x = channel.x;
+    Interval z = channel.z;
+    if (channel.flow == Flow::recirculating) x = {x.lo + reach, x.hi - reach};
+    if (channel.flow == Flow::emitter) x.hi -= 2 * reach;
+    if (channel.sides == Sides::periodic) z = {z.lo + reach, z.hi - reach};
+    for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+        const Obstacle& obstacle = scene.obstacles[i];
+        if (within(obstacle.x, x) && within(obstacle.z, z)) continue;
+        refuse(source, "/obstacles/" + std::to_string(i),
+               "the obstacle at x " + words(obstacle.x) + ", z " + words(obstacle.z) +
+                   " is too near to the emitter (4 particle spacings) or to a periodic border (2 particle spacings); "
+                   "allowed: x " +
+                   words(x) + ", z " + words(z) + ".");
+    }
+}
+
 }  // namespace
 
 void check_geometry(const Scene& scene, const std::string& source) {
@@ -86,6 +107,7 @@ void check_geometry(const Scene& scene, const std::string& source) {
         check_box(boxes.back(), "the block of water", scene, source);
     }
     check_apart(boxes, source);
+    check_reach(scene, source);
 }
 
 }  // namespace wade

@@ -13,6 +13,7 @@
 
 #include "configs/command_line.hpp"
 #include "configs/exit_code.hpp"
+#include "configs/peer_support.hpp"
 #include "configs/program.hpp"
 #include "crowd_client/progress.hpp"
 #include "crowd_client/run_client.hpp"
@@ -78,29 +79,9 @@ RunLabels labels_of(const ProgramStart& start) {
     return labels;
 }
 
-shm::Waiting waiting_of(const RunOptions& options, Console& console) {
-    shm::Waiting waiting;
-    waiting.attach_timeout_s = options.attach_timeout;
-    waiting.step_timeout_s = options.step_timeout;
-    waiting.interrupted = [] { return received_signal() != 0; };
-    waiting.warn = [&console](const std::string& text) { console.warning(text); };
-    return waiting;
-}
-
-int exit_code_of(const std::exception& error) {
-    if (const auto* run = dynamic_cast<const RunError*>(&error)) return static_cast<int>(run->code());
-    if (const auto* peer = dynamic_cast<const shm::Error*>(&error)) {
-        return peer->failure() == shm::Failure::interrupted ? exit_code_of_signal() : peer->exit_code();
-    }
-    if (dynamic_cast<const std::invalid_argument*>(&error) != nullptr) {
-        return static_cast<int>(ExitCode::bad_configuration);
-    }
-    return static_cast<int>(ExitCode::unexpected);
-}
-
 std::string status_for(const std::exception& error) {
     const auto* output = dynamic_cast<const OutputError*>(&error);
-    return output != nullptr && output->disk_full() ? "disk_full" : status_of(exit_code_of(error));
+    return output != nullptr && output->disk_full() ? "disk_full" : status_of(exit_code_of<shm::Error>(error));
 }
 
 struct Run {
@@ -112,8 +93,8 @@ struct Run {
 
 // Takes part in the session to its end; errors pass through, with `run` complete up to the last frame.
 void take_part(Run& run, RunFolder& folder, const RunOptions& options, Console& console) {
-    const std::unique_ptr<FrameSource> source =
-        join_session(options.session, run.crowd.scene.hash, run.crowd.scene.frame_rate, waiting_of(options, console));
+    const std::unique_ptr<FrameSource> source = join_session(
+        options.session, run.crowd.scene.hash, run.crowd.scene.frame_rate, waiting_of<shm::Waiting>(options, console));
     run.labels.model = source->info().producer_name;
     console.line("joined session '" + options.session + "' of '" + run.labels.model + "'");
     run.clock = Stopwatch();
@@ -145,7 +126,7 @@ int run_scene(const ProgramStart& start, Console& console) {
             console.warning(run.summary.message);
         }
     } catch (const std::exception& error) {
-        code = exit_code_of(error);
+        code = exit_code_of<shm::Error>(error);
         run.summary.status = status_for(error);
         run.summary.message = error.what();
         console.line(error.what());
@@ -156,7 +137,7 @@ int run_scene(const ProgramStart& start, Console& console) {
         folder.finish(run.crowd, run.summary, run.labels);
     } catch (const std::exception& error) {
         console.line(error.what());
-        if (code == static_cast<int>(ExitCode::ok)) code = exit_code_of(error);
+        if (code == static_cast<int>(ExitCode::ok)) code = exit_code_of<shm::Error>(error);
     }
     console.line(summary_text(run.crowd, run.summary, wall_time));
     std::cout << (folder.path() / "outcome.json").string() << std::endl;
@@ -182,6 +163,6 @@ int main(int argc, char** argv) {
         return run_scene(start, console);
     } catch (const std::exception& error) {
         console.line(error.what());
-        return exit_code_of(error);
+        return exit_code_of<shm::Error>(error);
     }
 }

@@ -1,7 +1,5 @@
 #include "crowd_client/run_client.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <csignal>
 
 #include "configs/exit_code.hpp"
@@ -47,10 +45,6 @@ void take_frames(CrowdWorld& crowd, FrameSource& source, RunSummary& summary, co
 }
 
 }  // namespace
-
-std::uint64_t frames_of(const Scene& scene) {
-    return static_cast<std::uint64_t>(std::max(1LL, std::llround(scene.duration * scene.frame_rate)));
-}
 
 bool run_is_over(const CrowdWorld& crowd) {
     const bool nobody_left = crowd.agents.size() > 0 && crowd.active.empty();

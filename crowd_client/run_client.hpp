@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "configs/scene_frames.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/fluid_summary.hpp"
 #include "crowd_client/frame_source.hpp"
@@ -26,9 +27,6 @@ struct ClientHooks {
     // The signal that asks to stop, 0 = none.
     std::function<int()> interrupted = {};
 };
-
-// Frames in the whole run: duration * frame rate, rounded, at least 1.
-[[nodiscard]] std::uint64_t frames_of(const Scene& scene);
 
 // Whether the frame just taken is the last: the duration is over, or all agents have arrived or died and the scene says
 // that the run ends then. A scene without agents runs for its whole duration.

@@ -2,10 +2,9 @@
 // The rectangular emitter at the upstream end and the stock that feeds it.
 //
 //      x.hi        x.hi + layers * pitch
-//   ~~~~|. . . . . .|        Layers of particles wait behind the opening x.hi as a lattice that moves with the
-//   emitter's
-//   <-- |. . . . . .| v_F    velocity. A particle that passes the opening becomes fluid; a new layer joins at the back
-//   ~~~~|. . . . . .|        whenever the lattice has moved by one pitch, as long as the stock lasts.
+//   ~~~~|. . . . . .|        Layers of particles wait behind the opening x.hi as a lattice that moves with the velocity
+//   <-- |. . . . . .| v_F    of the emitter. A particle that passes the opening becomes fluid; a new layer joins at the
+//   ~~~~|. . . . . .|        back whenever the lattice has moved by one pitch, as long as the stock lasts.
 
 #include <cstdint>
 

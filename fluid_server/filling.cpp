@@ -30,10 +30,11 @@ std::uint64_t Lattice::sites() const {
 Lattice lattice_over(double length, double depth, double width, double spacing, std::uint64_t wanted) {
     const auto along = [&](double extent) { return std::max(1, static_cast<int>(std::lround(extent / spacing))); };
     Lattice lattice{along(length), along(depth), along(width)};
-    // Grow the longer horizontal axis until there is a site for every particle; the depth keeps its layers.
-    int& longest = length >= width ? lattice.nx : lattice.nz;
-    while (lattice.sites() < wanted) {
-        ++longest;
+    if (wanted > 0) {
+        // The longer horizontal axis has as many sites as it takes; the depth keeps its layers.
+        int& longest = length >= width ? lattice.nx : lattice.nz;
+        const std::uint64_t across = lattice.sites() / static_cast<std::uint64_t>(longest);
+        longest = static_cast<int>((wanted + across - 1) / across);
     }
     lattice.dx = static_cast<float>(length / lattice.nx);
     lattice.dy = static_cast<float>(depth / lattice.ny);
@@ -47,17 +48,18 @@ void fill_block(Particles& particles, const WaterBlock& block, double spacing, f
     const auto wanted = static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
     const Lattice lattice = lattice_over(block.x.length(), block.depth, block.z.length(), spacing, wanted);
     const std::uint64_t layer = lattice.sites() / static_cast<std::uint64_t>(lattice.ny);
-    const std::uint64_t left_out = lattice.sites() - wanted;
+    const std::uint64_t surplus = lattice.sites() - wanted;
+    // Surplus sites are left out of the uppermost layers, half a layer each at most.
+    const std::uint64_t thinned = std::min(lattice.sites(), layer * (1 + 2 * surplus / layer));
+    std::uint64_t above = lattice.sites();  // sites from this one on
     for (int j = 0; j < lattice.ny; ++j) {
-        std::uint64_t site = 0;
         for (int k = 0; k < lattice.nz; ++k) {
-            for (int i = 0; i < lattice.nx; ++i, ++site) {
-                const bool top = j == lattice.ny - 1;
-                const bool left = top && (site + 1) * left_out / layer != site * left_out / layer;
+            for (int i = 0; i < lattice.nx; ++i, --above) {
+                const bool left_out = above <= thinned && above * surplus / thinned != (above - 1) * surplus / thinned;
                 const Vec3 x{static_cast<float>(block.x.lo) + (static_cast<float>(i) + 0.5F) * lattice.dx,
                              (static_cast<float>(j) + 0.5F) * lattice.dy,
                              static_cast<float>(block.z.lo) + (static_cast<float>(k) + 0.5F) * lattice.dz};
-                if (!left && is_free(x, obstacles, spacing)) {
+                if (!left_out && is_free(x, obstacles, spacing)) {
                     particles.add(x[0], x[1], x[2], vx, Kind::fluid);
                 }
             }

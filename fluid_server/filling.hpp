@@ -10,8 +10,8 @@
 
 namespace wade::fluid {
 
-// Sites of a lattice over a box, as near to cubic as the box allows: at least `wanted` of them, a little more where the
-// counts along the axes do not divide it.
+// Sites of a lattice over a box, as near to cubic as the box allows: at least `wanted` of them, and less than a cross-
+// section of the longer horizontal axis more. With wanted = 0 the counts are the extents over the spacing, rounded.
 struct Lattice {
     int nx = 0, ny = 0, nz = 0;
     float dx = 0, dy = 0, dz = 0;  // m
@@ -20,8 +20,8 @@ struct Lattice {
 Lattice lattice_over(double length, double depth, double width, double spacing, std::uint64_t wanted);
 
 // Fills a block of water with exactly round(volume / d^3) particles moving at vx, so that the mass is that of the water
-// to within half a particle. Sites beyond that number are left out of the topmost layer, evenly spread; so are those
-// inside or too near to an obstacle.
+// to within half a particle. Surplus sites are left out of the uppermost layers, evenly spread. Sites inside or too near
+// to an obstacle are left out as well and are not made up for. Throws std::length_error if there is no room.
 void fill_block(Particles& particles, const WaterBlock& block, double spacing, float vx,
                 const std::vector<Obstacle>& obstacles = {});
 

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace wade::fluid {
@@ -35,8 +37,12 @@ struct Particles {
 
     [[nodiscard]] std::size_t capacity() const { return x.size(); }
 
-    // Adds a particle at rest in pressure; the caller has checked that there is room.
+    // Adds a particle without pressure. Throws std::length_error if there is no room.
     void add(float px, float py, float pz, float pvx, Kind k) {
+        if (count == capacity()) {
+            throw std::length_error("no room for one more fluid particle: fluid.max_particles is " +
+                                    std::to_string(capacity()));
+        }
         const std::size_t i = count++;
         x[i] = px, y[i] = py, z[i] = pz;
         vx[i] = pvx, vy[i] = 0, vz[i] = 0;

@@ -1,6 +1,7 @@
 #include "fluid_server/river_measures.hpp"
 
 #include "fluid_server/parallel.hpp"
+#include "shm_protocol/layout.hpp"
 
 namespace wade::fluid {
 
@@ -31,6 +32,9 @@ RiverMeasures measure_river(const Particles& p, double particle_mass, double gra
         total.speed += block.speed;
         total.v2 += block.v2;
     });
+    if (all.n == 0) {
+        return {shm::Diagnostics::not_given, shm::Diagnostics::not_given, 0, 0};
+    }
     return {2 * all.height / all.n, all.speed / all.n, 0.5 * particle_mass * all.v2,
             particle_mass * gravity * all.height};
 }

@@ -6,7 +6,8 @@
 
 namespace wade::fluid {
 
-// Of all fluid particles; those still inside the emitter do not count. NaN if there is none.
+// Of all fluid particles; those still inside the emitter do not count. Depth and speed are
+// shm::Diagnostics::not_given if there is none.
 struct RiverMeasures {
     double mean_depth = 0;        // m, twice the mean height of the mass
     double mean_speed = 0;        // m/s, towards -x

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <fstream>
 
-#include "configs/exit_code.hpp"
+#include "configs/peer_support.hpp"
+#include "configs/scene_frames.hpp"
 #include "fluid_server/parallel.hpp"
 #include "fluid_server/river_measures.hpp"
 
@@ -15,8 +17,15 @@ namespace wade::fluid {
 
 namespace {
 
-// Frames are counted in thousandths, so that rates such as 29.97 frames/s are whole numbers of ticks.
-constexpr std::uint64_t ticks_per_frame = 1000;
+// A power of ten that gives at least a million ticks a second, so that a rate such as 29.97 frames/s is a whole number
+// of ticks and rounding changes no rate by more than 5e-7 of itself.
+std::uint64_t ticks_per_frame(double frame_rate) {
+    std::uint64_t ticks = 1;
+    while (frame_rate * static_cast<double>(ticks) < 1e6 && ticks < 1'000'000'000'000) {
+        ticks *= 10;
+    }
+    return ticks;
+}
 
 std::uint64_t resident_bytes() {
     std::ifstream statm("/proc/self/statm");
@@ -28,18 +37,15 @@ std::uint64_t resident_bytes() {
 
 }  // namespace
 
-std::uint64_t frames_of(const Scene& scene) {
-    return static_cast<std::uint64_t>(std::max(1LL, std::llround(scene.duration * scene.frame_rate)));
-}
-
 shm::StreamInfo stream_info(const Scene& scene) {
     shm::StreamInfo info;
     info.producer_name = "dfsph";
     info.capacity = static_cast<std::uint32_t>(std::max(scene.fluid.max_particles, 1));
     info.depth = static_cast<std::uint32_t>(scene.lockstep_depth);
     info.slots = info.depth;
-    info.ticks_per_second = static_cast<std::uint64_t>(std::llround(scene.frame_rate * ticks_per_frame));
-    info.ticks_per_frame = ticks_per_frame;
+    info.ticks_per_frame = ticks_per_frame(scene.frame_rate);
+    const double ticks_per_second = scene.frame_rate * static_cast<double>(info.ticks_per_frame);
+    info.ticks_per_second = static_cast<std::uint64_t>(std::max(1LL, std::llround(ticks_per_second)));
     info.particle_radius = 0.5 * scene.fluid.particle_spacing;
     info.rest_density = scene.fluid.rest_density;
     info.scene_hash = scene.hash;
@@ -65,7 +71,6 @@ shm::Diagnostics advance_frame(FluidWorld& world, ServerSummary& summary) {
         d.mean_density_error += step.mean_density_error;
         d.max_density_error = std::max(d.max_density_error, step.max_density_error);
         driving += step.driving_acceleration * step.dt;
-        summary.contact_impulse += step.contact_force * step.dt;
         summary.particle_steps += world.particles().count;
     }
     const auto elapsed = std::chrono::steady_clock::now() - start;
@@ -88,6 +93,7 @@ shm::Diagnostics advance_frame(FluidWorld& world, ServerSummary& summary) {
     summary.steps += d.sub_steps;
     summary.solver_time += std::chrono::duration<double>(elapsed).count();
     summary.driving_impulse += driving;
+    summary.resident_bytes = std::max(summary.resident_bytes, d.resident_bytes);
     return d;
 }
 
@@ -131,14 +137,11 @@ void run_server(FluidWorld& world, shm::Publisher& publisher, ServerSummary& sum
             publisher.end_frame(count, diagnostics, frame == frames);
             on_frame(diagnostics);
         }
-    } catch (const RunError& error) {
-        publisher.abort(static_cast<int>(error.code()), error.what());
-        throw;
-    } catch (const shm::Error& error) {
-        publisher.abort(error.exit_code(), error.what());
+        publisher.close();
+    } catch (const std::exception& error) {
+        publisher.abort(exit_code_of<shm::Error>(error), error.what());
         throw;
     }
-    publisher.close();
 }
 
 }  // namespace wade::fluid

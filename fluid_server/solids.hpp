@@ -6,13 +6,15 @@
 // no case for solids: a lattice next to a wall has exactly rest density, forces between particles and images are equal
 // and opposite, energy is neither gained nor lost, the flow slips freely along the face and none crosses it.
 //
-//        images across y | fluid           A concave edge such as bed and bank shows three families: mirrored across
-//         and z, twice   | images across y  either face, and across both. At a convex edge of an obstacle the rule is
-//         that of
-//       -----------------+----------------  sight: a particle sees another if the straight line between them is free,
-//       and
-//         images across  |                  the image of another if the line to the image passes through the mirror's
-//         z              |  o   fluid       face. So every place round a particle is filled exactly once.
+//        images across y | fluid             A concave edge such as bed and bank shows three families of images: mirrored
+//         and z, twice   | images across y   across either face, and across both.
+//       -----------------+-----------------
+//         images across  |                   At a convex edge of an obstacle the rule is that of sight: a particle sees
+//         z              |  o   fluid        another if the straight line between them is free, and the image of another
+//                                            if the line to the image passes through the mirror's face. So every place
+//                                            round a particle is filled exactly once.
+//
+// Images of images between two obstacles, or an obstacle and a bank, that are nearer than two support radii are left out.
 //
 // Contact is for what pressure cannot carry: single particles and sheets thinner than the spacing have less than rest
 // density and so no pressure. Their centres stay a contact distance away from every face.

@@ -10,7 +10,7 @@ case "${1:-}" in
 Usage: tools/check_river.sh [--fine]
 
 Runs the river of configs/river at v_F 0.5, 1.5 and 2.5 m/s for 300 simulated seconds at the default spacing, or with
---fine at 0.25 m (v_F 1.5 m/s, 40 m of the channel); takes about ten minutes each on two cores. Prints areal mass, mean
+--fine at 0.25 m (v_F 1.5 m/s, 20 m of the channel); takes about ten minutes each on two cores. Prints areal mass, mean
 depth, bulk speed, the worst 10 m x 3 m tile and the driving acceleration; exit code 0 if all are within their limits.
 HELP
     exit 0

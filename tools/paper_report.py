@@ -127,8 +127,8 @@ def markdown_table(head, lines):
     return "\n".join(text) + "\n"
 
 
-def report_text(rows, runs, out, failures):
-    """report.md: the sets side by side with the paper, and how each run went."""
+def report_text(rows, runs, out, failures, verdict):
+    """report.md: the sets side by side with the paper, the verdict's section, and how each run went."""
     by_key = {(row["set"], row["scenario"]): row for row in rows}
     sets = list(dict.fromkeys(row["set"] for row in rows))
     head = ["", "tau", "v_F", "paper: time", "diff %", "arrived"]
@@ -156,7 +156,7 @@ def report_text(rows, runs, out, failures):
     text += f"\nPrograms of commit {', '.join(commits)}."
     if len(commits) > 1:
         text += " The runs come from different states of the programs: start again in an empty folder to compare them."
-    text += "\n\n## The runs\n\n"
+    text += f"\n\n{verdict}\n## The runs\n\n"
     run_lines = []
     for run in runs:
         speed, fluid = run.speed(), run.outcome["fluid"]

@@ -24,6 +24,9 @@ class Ends(SystemTest):
         self.wait_for_frame(frame, server, client)
         return server, client
 
+    def assert_server_summed_up(self, server):
+        self.assertRegex(server.messages(), r"[1-9]\d* frames, .* memory [1-9]\d* MB")
+
     def test_killed_server_leaves_complete_records(self):
         moments = random.Random(20201016)
         for frame in [1] + [moments.randrange(2, 200) for _ in range(4)]:
@@ -44,6 +47,7 @@ class Ends(SystemTest):
                 client.send(signal.SIGKILL)
                 self.assertEqual(client.wait(), -signal.SIGKILL)
                 self.assert_ends(server, 4, "died")
+                self.assert_server_summed_up(server)
                 # What was committed before the kill is readable, frame by frame.
                 rows = dict(client.run.query("SELECT frame, COUNT(*) FROM trajectory_data GROUP BY frame"))
                 self.assertEqual(set(rows), set(range(max(rows) + 1)))
@@ -64,6 +68,7 @@ class Ends(SystemTest):
                 server, client = self.started(20)
                 server.send(number)
                 self.assert_ends(server, code, "nterrupted")
+                self.assert_server_summed_up(server)
                 self.assert_ends(client, 5, "nterrupted")
                 self.assert_complete_records(client.run, "peer_aborted")
 
@@ -71,7 +76,15 @@ class Ends(SystemTest):
         server = self.server()
         self.wait_for_segment()
         server.send(signal.SIGINT)
-        self.assert_ends(server, 130)
+        self.assert_ends(server, 130, "no frame simulated")
+
+    def test_server_says_when_the_crowd_left_early(self):
+        near = ["--until-s", "5000", "--set", "/crowd/groups/0/goal/z_m=4", "--set", "/crowd/tau=0"]
+        server, client = self.server(*near), self.client(*near)
+        self.assert_ended_well(server, client)
+        frames = client.run.outcome()["frames"]
+        self.assertLess(frames, 150_000)
+        self.assertRegex(server.messages(), r"the crowd said goodbye before frame \d+ of 150000 was sent")
 
     def assert_ended_by_full_disk(self, server, client, status):
         self.assert_ends(client, 1, str(client.run.folder / "trajectories.sqlite"))

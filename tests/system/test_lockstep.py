@@ -3,7 +3,7 @@
 import signal
 import unittest
 
-from harness import CONSUMER_WAITING, SystemTest, wait_until
+from harness import CONSUMER_WAITING, ROOT, SystemTest, wait_until
 
 
 class Lockstep(SystemTest):
@@ -66,6 +66,21 @@ class Lockstep(SystemTest):
         runs = [self.pair("--reproducible") for _ in range(2)]
         for name in ("outcome.json", "manifest.json", "agents.csv"):
             self.assertEqual(runs[0].bytes_of(name), runs[1].bytes_of(name), name)
+
+    def test_both_programs_agree_on_any_frame_rate(self):
+        for rate in ("29.9701", "0.51234"):
+            with self.subTest(rate=rate):
+                outcome = self.pair("--set", f"/frame_rate_hz={rate}").outcome()
+                self.assertEqual(outcome["frames"], round(8 * float(rate)))
+
+    def test_progress_over_a_dry_river_has_no_depth(self):
+        dry = ["--until-s", "0.1"]
+        scene = ROOT / "configs" / "paper" / "s01.json"
+        server, client = self.server(*dry, scene=scene), self.client(*dry, scene=scene)
+        self.assert_ended_well(server, client)
+        first = next(line for line in server.messages().splitlines() if line.startswith("t 0.0 s"))
+        self.assertNotIn("nan", first)
+        self.assertNotIn("depth", first)
 
     def test_another_seed_gives_other_paths(self):
         self.assertNotEqual(self.pair("--seed", "1").rows(), self.pair("--seed", "2").rows())

@@ -12,8 +12,9 @@
 #include <limits>
 
 #include "configs/command_line.hpp"
-#include "configs/exit_code.hpp"
+#include "configs/peer_support.hpp"
 #include "configs/program.hpp"
+#include "configs/scene_frames.hpp"
 #include "shm_protocol/publisher.hpp"
 
 namespace {
@@ -63,15 +64,12 @@ void stay_silent(shm::Publisher& publisher) {
     }
 }
 
-void produce(const ProgramStart& start) {
+void produce(const ProgramStart& start, Console& console) {
     const Scene& scene = start.loaded.scene;
-    shm::Waiting waiting;
-    waiting.attach_timeout_s = start.options.attach_timeout;
-    waiting.step_timeout_s = start.options.step_timeout;
-    waiting.interrupted = [] { return received_signal() != 0; };
-    shm::Publisher publisher(start.options.session, stream_info(start), waiting);
+    shm::Publisher publisher(start.options.session, stream_info(start),
+                             waiting_of<shm::Waiting>(start.options, console));
     publisher.wait_for_consumers(1);
-    const auto frames = static_cast<std::uint64_t>(std::llround(scene.duration * scene.frame_rate));
+    const std::uint64_t frames = frames_of(scene);
     const auto nan_at = static_cast<std::uint64_t>(start.options.extra("--nan-at-frame"));
     const auto silent_after = static_cast<std::uint64_t>(start.options.extra("--silent-after-frame"));
     for (std::uint64_t frame = 1; frame <= frames; ++frame) {
@@ -88,6 +86,7 @@ void produce(const ProgramStart& start) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    Console console("test_producer");
     try {
         const ProgramDescription program{
             "test_producer",
@@ -101,16 +100,10 @@ int main(int argc, char** argv) {
             return 0;
         }
         catch_signals();
-        produce(start);
+        produce(start, console);
         return 0;
-    } catch (const RunError& error) {
-        std::cerr << "test_producer: " << error.what() << '\n';
-        return static_cast<int>(error.code());
-    } catch (const shm::Error& error) {
-        std::cerr << "test_producer: " << error.what() << '\n';
-        return error.exit_code();
     } catch (const std::exception& error) {
-        std::cerr << "test_producer: " << error.what() << '\n';
-        return static_cast<int>(ExitCode::unexpected);
+        console.line(error.what());
+        return exit_code_of<shm::Error>(error);
     }
 }

@@ -111,6 +111,6 @@ TEST_CASE("the river of the paper's size holds mass and speed for 300 s", "[.lon
 }
 
 TEST_CASE("the river at 0.25 m spacing holds mass, depth and speed for 300 s", "[.long][river_fine]") {
-    // The channel is periodic: 40 m of it are as good as 100 m.
-    check(run_river(river_scene("s05.json", 0.25, 40, 300), 30), true);
+    // The channel is periodic: 20 m of it are as good as 100 m.
+    check(run_river(river_scene("s05.json", 0.25, 20, 300), 30), true);
 }

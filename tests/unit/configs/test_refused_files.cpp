@@ -67,8 +67,8 @@ TEST_CASE("a value of the wrong type is refused with what was expected and found
 
 TEST_CASE("a value out of range is refused with the range and its unit") {
     CHECK_THAT(refusal(R"({"fluid": {"cfl": 3}})"),
-               Equals("scene.json: /fluid/cfl: 3 is out of range; allowed: > 0 and <= 2."));
-    CHECK_THAT(refusal(R"({"fluid": {"cfl": 0}})"), Contains("/fluid/cfl: 0 is out of range; allowed: > 0 and <= 2."));
+               Equals("scene.json: /fluid/cfl: 3 is out of range; allowed: > 0 and <= 1."));
+    CHECK_THAT(refusal(R"({"fluid": {"cfl": 0}})"), Contains("/fluid/cfl: 0 is out of range; allowed: > 0 and <= 1."));
     CHECK_THAT(refusal(R"({"duration_s": -1.5})"),
                Contains("/duration_s: -1.5 is out of range; allowed: > 0 and <= 1000000 s."));
     CHECK_THAT(refusal(R"({"lockstep_depth": 4})"),

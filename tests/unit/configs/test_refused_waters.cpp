@@ -52,6 +52,22 @@ TEST_CASE("an obstacle outside the channel is refused") {
             "x 0 to 40 m, z 10 to 30 m."));
 }
 
+TEST_CASE("an obstacle within the particles' reach of the emitter or of a periodic border is refused") {
+    const auto with = [](const std::string& flow, const std::string& boxes) {
+        return flow.substr(0, flow.size() - 1) + R"(, "obstacles": [)" + boxes + "]}";
+    };
+    const wade::Channel channel = load_patched(emitter).scene.channel;
+    const double end = channel.x.hi;
+    const double z = 0.5 * (channel.z.lo + channel.z.hi);
+    // The spacing is 0.5 m: 4 d = 2 m from the emitter, 2 d = 1 m from a periodic border.
+    CHECK_THAT(refusal(with(emitter, box(end - 3, end - 1.9, z, z + 0.5, "height_m"))),
+               Contains("scene.json: /obstacles/0: the obstacle at x ") && Contains("too near to the emitter"));
+    CHECK_NOTHROW(load_patched(with(emitter, box(end - 3, end - 2, z, z + 0.5, "height_m"))));
+    CHECK_THAT(refusal(with(river, box(end - 2, end - 0.9, z, z + 0.5, "height_m"))),
+               Contains("/obstacles/0") && Contains("periodic border (2 particle spacings)"));
+    CHECK_NOTHROW(load_patched(with(river, box(end - 2, end - 1, z, z + 0.5, "height_m"))));
+}
+
 TEST_CASE("boxes that overlap are refused, boxes that touch are not") {
     CHECK_THAT(
         refusal(obstacles(box(5, 7, 11, 13, "height_m") + "," + box(6, 8, 12, 14, "height_m"))),

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <stdexcept>
 
 #include "fluid_server/filling.hpp"
 #include "fluid_server/fluid_world.hpp"
@@ -16,6 +17,25 @@ TEST_CASE("a block is filled with the mass of its water to within half a particl
         const double volume = static_cast<double>(particles.count) * std::pow(spacing, 3);
         CHECK(std::abs(volume - 2700) <= 0.5 * std::pow(spacing, 3) + 1e-9);
     }
+}
+
+TEST_CASE("narrow, tall and tiny blocks get their mass as well", "[fluid][filling]") {
+    struct Case {
+        double length, depth, width, spacing;
+    };
+    for (const Case& c : {Case{10, 10, 0.75, 0.5}, Case{20, 1, 0.25, 0.1}, Case{1.5, 1.5, 1.5, 1},
+                          Case{0.15, 1, 0.25, 0.1}, Case{1, 8, 1, 0.3}, Case{100, 5, 0.7, 0.4642}}) {
+        Particles particles(100000);
+        fill_block(particles, {{0, c.length}, {0, c.width}, c.depth}, c.spacing, 0);
+        CHECK(particles.count ==
+              static_cast<std::size_t>(std::llround(c.length * c.depth * c.width / std::pow(c.spacing, 3))));
+    }
+}
+
+TEST_CASE("more particles than the capacity are refused", "[fluid][filling]") {
+    Particles particles(10);
+    CHECK_THROWS_AS(fill_block(particles, {{0, 10}, {0, 1}, 1}, 0.25, 0), std::length_error);
+    CHECK(particles.count == 10);
 }
 
 TEST_CASE("a filled block keeps within its bounds and moves as asked", "[fluid][filling]") {
