@@ -46,8 +46,9 @@ int exit_code_of_signal() {
     return static_cast<int>(signal_received == SIGTERM ? ExitCode::terminated : ExitCode::interrupted);
 }
 
-void let_threads_wait_passively(char** argv) {
-    if (std::getenv("OMP_WAIT_POLICY") == nullptr && ::setenv("OMP_WAIT_POLICY", "passive", 1) == 0) {
+void let_threads_spin_briefly(char** argv) {
+    const bool chosen = std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr;
+    if (!chosen && ::setenv("GOMP_SPINCOUNT", "2000", 1) == 0) {
         ::execv("/proc/self/exe", argv);  // where that is not possible the program goes on as it is
     }
 }

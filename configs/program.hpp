@@ -17,10 +17,11 @@ void catch_signals();
 // Exit code of a run that received_signal() ended: 130 or 143.
 [[nodiscard]] int exit_code_of_signal();
 
-// Starts the program once more with OMP_WAIT_POLICY=passive, unless the variable is set; libgomp reads it at start-up
-// only. Threads that wait actively for one another lose whole time slices as soon as anything else, such as the peer of
-// the run, needs a processor: measured, a tenth of the speed.
-void let_threads_wait_passively(char** argv);
+// Starts the program once more with GOMP_SPINCOUNT=2000, unless it or OMP_WAIT_POLICY is set; libgomp reads them at start-up
+// only. Threads that wait for one another then spin for some ten microseconds and sleep. By default they spin so long that
+// they lose whole time slices as soon as anything else, such as the peer of the run, needs a processor: measured with two
+// busy processes beside it, less than half the speed.
+void let_threads_spin_briefly(char** argv);
 
 // Decides when a progress line is due: five times a second of wall time on a terminal, else at the start and after
 // every ten seconds of simulated time.

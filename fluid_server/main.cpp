@@ -117,7 +117,7 @@ void run_scene(const ProgramStart& start, Console& console) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    let_threads_wait_passively(argv);
+    let_threads_spin_briefly(argv);
     Console console("fluid_server");
     try {
         const ProgramStart start =

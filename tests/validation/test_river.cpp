@@ -104,13 +104,19 @@ TEST_CASE("a short piece of the river holds mass, depth and speed", "[validation
     check(run_river(river_scene("s06.json", 0.4642, 20, 60), 10), false);
 }
 
-TEST_CASE("the river of the paper's size holds mass and speed for 300 s", "[.long][river_default]") {
-    for (const char* name : {"s04.json", "s05.json", "s06.json"}) {
-        check(run_river(river_scene(name, 0.4642, 100, 300), 30), false);
-    }
+// The channel is periodic: 10 m of it are as good as 100 m, so the fine river is that long.
+TEST_CASE("the river of the paper's size at 0.5 m/s holds mass and speed for 300 s", "[.long][river_default]") {
+    check(run_river(river_scene("s04.json", 0.4642, 100, 300), 30), false);
+}
+
+TEST_CASE("the river of the paper's size at 1.5 m/s holds mass and speed for 300 s", "[.long][river_default]") {
+    check(run_river(river_scene("s05.json", 0.4642, 100, 300), 30), false);
+}
+
+TEST_CASE("the river of the paper's size at 2.5 m/s holds mass and speed for 300 s", "[.long][river_default]") {
+    check(run_river(river_scene("s06.json", 0.4642, 100, 300), 30), false);
 }
 
 TEST_CASE("the river at 0.25 m spacing holds mass, depth and speed for 300 s", "[.long][river_fine]") {
-    // The channel is periodic: 20 m of it are as good as 100 m.
-    check(run_river(river_scene("s05.json", 0.25, 20, 300), 30), true);
+    check(run_river(river_scene("s05.json", 0.25, 10, 300), 30), true);
 }
