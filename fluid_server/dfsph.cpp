@@ -10,7 +10,7 @@ namespace {
 constexpr float relaxation = 0.5F;
 
 // Share of the last step's pressure that a solve starts from. A full warm start (1) makes pressure answer to density
-// like a spring without friction and a column at rest never stops ringing; 0 takes four times the iterations.
+// like a spring without friction and a column at rest never stops ringing; half of it takes almost four times the iterations.
 constexpr float warm_start = 0.95F;
 
 // Below this density a particle has an open side and may be compressed: the divergence solve leaves it alone. A flat
