@@ -33,6 +33,18 @@ template <typename T>
 inline void store_ordered(T& word, T value) {  // sequentially consistent
     __atomic_store_n(&word, value, __ATOMIC_SEQ_CST);
 }
+// Fences for readers that do not wait (LATEST mode): what a writer stores before its payload is visible before it, what
+// a reader loads after its payload is loaded after it. ThreadSanitizer models no fences.
+inline void fence_release() {
+#ifndef __SANITIZE_THREAD__
+    __atomic_thread_fence(__ATOMIC_RELEASE);
+#endif
+}
+inline void fence_acquire() {
+#ifndef __SANITIZE_THREAD__
+    __atomic_thread_fence(__ATOMIC_ACQUIRE);
+#endif
+}
 inline void count_up(std::uint32_t& word) {  // sequentially consistent
     __atomic_fetch_add(&word, 1U, __ATOMIC_SEQ_CST);
 }

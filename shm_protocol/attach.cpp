@@ -38,22 +38,34 @@ bool has_ended(std::uint32_t producer_state) {
     return producer_state >= producer_draining;
 }
 
-bool may_be_taken(const ConsumerEntry& entry) {
-    return load_acquire(entry.state) != consumer_joined;
+void map_entry(Link& link, const AttachRequest& request) {
+    if (request.shared_base != nullptr) {
+        link.entry = &Pages<std::byte>(request.shared_base, *link.map).consumer(link.index);
+        return;
+    }
+    const std::uint64_t at = link.map->consumers + link.index * link.map->consumer_stride;
+    link.entry_page = link.file.map(at, sizeof(ConsumerEntry), true);
+    link.entry = static_cast<ConsumerEntry*>(link.entry_page.get_address());
 }
 
 // Takes the first entry that nobody uses: its lock is free, nobody has joined through it, and the producer has seen
 // the goodbye of the one before. The lock is taken before the last look, so two consumers cannot both succeed.
-bool claim_entry(Link& link) {
+// A free-running reader that died is not missed by the producer; whoever finds its entry says its goodbye for it.
+bool claim_entry(Link& link, const AttachRequest& request) {
     for (std::uint32_t i = 0; i < link.map->consumer_count; ++i) {
-        const auto free = [&] {
-            return may_be_taken(link.pages.consumer(i)) && load_acquire(link.pages.control().admitted_frame[i]) == 0;
-        };
-        if (!free() || !lock_byte(link.file.fd(), consumer_lock_byte + i)) continue;
-        if (free()) {
-            link.index = i;
-            return true;
+        const ConsumerEntry& entry = link.pages.consumer(i);
+        const auto joined = [&] { return load_acquire(entry.state) == consumer_joined; };
+        const auto free = [&] { return !joined() && load_acquire(link.pages.control().admitted_frame[i]) == 0; };
+        const auto deserted = [&] { return joined() && load_relaxed(entry.mode) == mode_latest; };
+        if ((!free() && !deserted()) || !lock_byte(link.file.fd(), consumer_lock_byte + i)) continue;
+        link.index = i;
+        const bool bury = deserted();
+        if (bury || free()) map_entry(link, request);
+        if (bury) {
+            store_release(link.entry->state, static_cast<std::uint32_t>(consumer_left));
+            link.ring();
         }
+        if (free()) return true;
         unlock_byte(link.file.fd(), consumer_lock_byte + i);
     }
     return false;
@@ -64,9 +76,11 @@ void fill_entry(Link& link, const AttachRequest& request, ConsumerState state, c
     store_release(entry.acknowledged_frame, std::uint64_t{0});
     store_release(entry.waiting, 0U);
     store_relaxed(entry.heartbeat_ns, static_cast<std::uint64_t>(monotonic_ns()));
-    entry.mode = mode_lockstep;
-    entry.stride = 1;
-    entry.dropped_frames = 0;
+    store_relaxed(entry.mode, static_cast<std::uint32_t>(request.mode));
+    store_relaxed(entry.flags, request.options.follows ? std::uint32_t{consumer_follows} : 0U);
+    store_relaxed(entry.paused, 0U);
+    entry.stride = request.stride;
+    store_relaxed(entry.dropped_frames, std::uint64_t{0});
     entry.start_time = process_start_time();
     entry.pid = static_cast<std::uint32_t>(getpid());
     store_text(entry.name, name_bytes, request.consumer_name);
@@ -89,27 +103,31 @@ void map_pages(Link& link, const AttachRequest& request) {
     link.doorbell = static_cast<Doorbell*>(link.doorbell_page.get_address());
 }
 
-void map_entry(Link& link, const AttachRequest& request) {
-    if (request.shared_base != nullptr) {
-        link.entry = &Pages<std::byte>(request.shared_base, *link.map).consumer(link.index);
-        return;
-    }
-    const std::uint64_t at = link.map->consumers + link.index * link.map->consumer_stride;
-    link.entry_page = link.file.map(at, sizeof(ConsumerEntry), true);
-    link.entry = static_cast<ConsumerEntry*>(link.entry_page.get_address());
-}
+// The object of that name if this consumer may trust it; without one, why there is none yet.
+struct Opened {
+    std::optional<SegmentFile> file;
+    std::string otherwise;
+};
 
-std::optional<SegmentFile> open_own(const std::string& name) {
+// Errors: protocol_violation for another user's object, unless the caller accepts one that is open to its group.
+Opened open_trusted(const std::string& name, bool group_access) {
+    const std::string foreign = "shared-memory segment " + name + " belongs to another user" +
+                                (group_access ? " and is not open to a group of this process" : "");
+    const Error refused(Failure::protocol_violation, "The " + foreign + ".");
     std::optional<SegmentFile> file;
     try {
         file = SegmentFile::open(name);
     } catch (const std::system_error& e) {
         if (e.code().value() != EACCES) throw;
-        throw Error(Failure::protocol_violation, "The shared-memory segment " + name + " belongs to another user.");
+        // A new segment is its owner's alone until its producer opens it to the group.
+        if (group_access) return {std::nullopt, "the " + foreign};
+        throw refused;
     }
-    if (file && !file->owned_by_this_user())
-        throw Error(Failure::protocol_violation, "The shared-memory segment " + name + " belongs to another user.");
-    return file;
+    if (!file) return {std::nullopt, "there is no shared-memory segment " + name};
+    if (file->owned_by_this_user() || (group_access && file->open_to_group_of_this_process()))
+        return {std::move(file), ""};
+    if (group_access && file->size() == 0) return {std::nullopt, "the " + foreign};
+    throw refused;
 }
 
 // A private copy of the header page once the magic is stored, empty before.
@@ -123,8 +141,9 @@ std::optional<Header> copy_header(const SegmentFile& file) {
 }
 
 Found look(const std::string& name, const AttachRequest& request) {
-    std::optional<SegmentFile> file = open_own(name);
-    if (!file) return {std::nullopt, "there is no shared-memory segment " + name};
+    Opened opened = open_trusted(name, request.options.group_access);
+    if (!opened.file) return {std::nullopt, opened.otherwise};
+    const std::optional<SegmentFile>& file = opened.file;
     if (!is_locked_by_other(file->fd(), producer_lock_byte))
         return {std::nullopt, "the shared-memory segment " + name + " was left by a producer that is dead"};
     const std::uint64_t size = file->size();
@@ -141,20 +160,23 @@ Found look(const std::string& name, const AttachRequest& request) {
     } catch (const Error& error) {
         throw Error(error.failure(), "The shared-memory segment " + name + " is refused. " + error.what());
     }
-    link.file = std::move(*file);
+    if (link.map->info.kind != request.options.kind)
+        throw Error(Failure::protocol_violation, "The shared-memory segment " + name + " holds a stream of kind " +
+                                                     std::to_string(link.map->info.kind) + ", its name stands for " +
+                                                     std::to_string(request.options.kind) + ".");
+    link.file = std::move(*opened.file);
     map_pages(link, request);
     if (has_ended(load_acquire(link.pages.control().state)))
         return {std::nullopt, "the producer of " + name + " has ended its stream"};
     link.producer_pid = link.pages.control().pid;
-    if (!claim_entry(link)) return {std::nullopt, "all consumer entries of " + name + " are taken"};
-    map_entry(link, request);
+    if (!claim_entry(link, request)) return {std::nullopt, "all consumer entries of " + name + " are taken"};
 
     const std::uint64_t theirs = link.map->info.scene_hash;
-    if (request.scene_hash != 0 && theirs != 0 && theirs != request.scene_hash) {
+    const std::uint64_t ours = request.options.scene_hash;
+    if (ours != 0 && theirs != 0 && theirs != ours) {
         const std::string reason = "The two programs were given different scenes: producer '" +
                                    link.map->info.producer_name + "' has scene " + hexadecimal(theirs) +
-                                   ", consumer '" + request.consumer_name + "' has scene " +
-                                   hexadecimal(request.scene_hash) + ".";
+                                   ", consumer '" + request.consumer_name + "' has scene " + hexadecimal(ours) + ".";
         fill_entry(link, request, consumer_refused, reason);
         throw Error(Failure::protocol_violation, reason);
     }
@@ -164,13 +186,9 @@ Found look(const std::string& name, const AttachRequest& request) {
 
 }  // namespace
 
-void Link::ring() const {
-    count_up(doorbell->consumer_sequence);
-    if (load_ordered(pages.control().producer_waiting) != 0) futex_wake_all(doorbell->consumer_sequence);
-}
-
-Link attach(const AttachRequest& request, const Waiting& waiting) {
-    const std::string name = segment_name(request.session, request.kind);
+Link attach(const AttachRequest& request) {
+    const Waiting& waiting = request.options.waiting;
+    const std::string name = segment_name(request.session, request.options.kind);
     if (request.consumer_name.empty() || request.consumer_name.size() >= name_bytes)
         throw std::invalid_argument("Consumer name '" + request.consumer_name + "' is not allowed: 1 to 63 bytes are.");
     Patience patience(waiting.attach_timeout_s);

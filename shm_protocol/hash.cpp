@@ -38,7 +38,7 @@ FieldSum sum_field(std::span<const float> values) {
 
 }  // namespace
 
-ChainResult chain_frame(std::uint64_t previous, std::uint64_t frame, const HashedFields& fields) {
+ChainResult chain_frame(std::uint64_t previous, std::uint64_t frame, FieldSpans fields) {
     std::uint64_t h = mix(previous + 0x9E3779B97F4A7C15);
     h = mix(h ^ frame);
     h = mix(h ^ fields[0].size());
@@ -51,7 +51,7 @@ ChainResult chain_frame(std::uint64_t previous, std::uint64_t frame, const Hashe
     return {h == 0 ? 1 : h, nonfinite};
 }
 
-std::uint64_t chain_hash(std::uint64_t previous, std::uint64_t frame, const HashedFields& fields) {
+std::uint64_t chain_hash(std::uint64_t previous, std::uint64_t frame, FieldSpans fields) {
     return chain_frame(previous, frame, fields).hash;
 }
 

@@ -8,8 +8,12 @@
 
 namespace wade::shm {
 
-// The arrays of a frame in the order mass, vx, vy, vz, px, py, pz, all of one length.
+// The arrays of a fluid frame in the order mass, vx, vy, vz, px, py, pz.
 using HashedFields = std::array<std::span<const float>, 7>;
+
+// The required arrays of a frame of any kind in their order (header.hpp: required_fields), at least one, all of one
+// length.
+using FieldSpans = std::span<const std::span<const float>>;
 
 struct ChainResult {
     std::uint64_t hash;
@@ -29,10 +33,10 @@ struct ChainResult {
 //
 // The sums do not depend on the order of the terms, so any language computes them with whole-array operations and any
 // number of threads gives the same value. Not meant against an attacker.
-ChainResult chain_frame(std::uint64_t previous, std::uint64_t frame, const HashedFields& fields);
+ChainResult chain_frame(std::uint64_t previous, std::uint64_t frame, FieldSpans fields);
 
 // The same, the hash alone.
-std::uint64_t chain_hash(std::uint64_t previous, std::uint64_t frame, const HashedFields& fields);
+std::uint64_t chain_hash(std::uint64_t previous, std::uint64_t frame, FieldSpans fields);
 
 // Position of the first NaN or infinity in an array, its length if there is none.
 std::size_t first_nonfinite(std::span<const float> values);

@@ -1,6 +1,7 @@
 #include "shm_protocol/header.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -203,6 +204,11 @@ StreamInfo info_of(const Header& h) {
 
 }  // namespace
 
+std::span<const char* const> required_fields(StreamKind kind) {
+    static constexpr std::array names{"mass", "vx", "vy", "vz", "px", "py", "pz", "radius", "height", "state"};
+    return std::span(names).first(kind == stream_agents ? names.size() : names.size() - 3);
+}
+
 std::string printable(const char* text, std::size_t bytes) {
     std::string clean;
     for (std::size_t i = 0; i < bytes && text[i] != 0; ++i) {
@@ -259,9 +265,10 @@ Header make_header(const StreamInfo& given, std::uint64_t session_id) {
     store_text(h.producer_name, name_bytes, info.producer_name);
 
     const std::uint64_t array_bytes = round_up(h.capacity * sizeof(float), line_bytes);
-    h.field_count = static_cast<std::uint32_t>(field_names.size());
+    const auto names = required_fields(info.kind);
+    h.field_count = static_cast<std::uint32_t>(names.size());
     for (std::uint32_t i = 0; i < h.field_count; ++i) {
-        store_text(h.fields[i].name, sizeof h.fields[i].name, field_names[i]);
+        store_text(h.fields[i].name, sizeof h.fields[i].name, names[i]);
         h.fields[i].type = field_float32;
         h.fields[i].offset = i * array_bytes;
     }
@@ -287,7 +294,7 @@ SegmentMap read_header(const Header& h, std::uint64_t file_bytes) {
     map.descriptor_stride = h.descriptor_stride;
     map.slot_stride = h.slot_stride;
     map.consumer_count = h.consumer_count;
-    for (std::size_t i = 0; i < field_names.size(); ++i) map.fields[i] = field_offset(h, field_names[i]);
+    for (const char* const name : required_fields(map.info.kind)) map.fields.push_back(field_offset(h, name));
     return map;
 }
 

@@ -1,16 +1,19 @@
 #pragma once
 // The header page: how a producer fills it, and what a reader demands of it before it believes anything.
 
-#include <array>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "shm_protocol/layout.hpp"
 #include "shm_protocol/stream.hpp"
 
 namespace wade::shm {
 
-inline constexpr std::array<const char*, 7> field_names{"mass", "vx", "vy", "vz", "px", "py", "pz"};
+// The fields that every stream of this kind has, in the order in which they are hashed; further ones may follow.
+std::span<const char* const> required_fields(StreamKind kind);
 
 // Where things lie, in private memory: offsets are never read from the segment again.
 struct SegmentMap {
@@ -19,7 +22,7 @@ struct SegmentMap {
     std::uint64_t control = 0, doorbell = 0, consumers = 0, descriptors = 0, slots = 0;  // from the start of the file
     std::uint64_t consumer_stride = 0, descriptor_stride = 0, slot_stride = 0;
     std::uint32_t consumer_count = 0;
-    std::array<std::uint64_t, field_names.size()> fields{};  // from the start of a slot, in the order of field_names
+    std::vector<std::uint64_t> fields;  // from the start of a slot, in the order of required_fields(info.kind)
 };
 
 // The header of a new stream, complete but for the magic, which the producer stores last.

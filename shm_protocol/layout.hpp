@@ -20,7 +20,7 @@ namespace wade::shm {
 
 inline constexpr std::uint64_t magic = 0x314D485345444157;  // the bytes "WADESHM1" in a little-endian file
 inline constexpr std::uint32_t version_major = 1;
-inline constexpr std::uint32_t version_minor = 0;
+inline constexpr std::uint32_t version_minor = 1;
 inline constexpr std::uint32_t endian_tag = 0x01020304;
 inline constexpr std::uint32_t known_features = 0;  // bits of Header::required_features that this version understands
 
@@ -33,6 +33,7 @@ inline constexpr std::size_t name_bytes = 64;     // with the terminating zero
 inline constexpr std::size_t reason_bytes = 512;  // with the terminating zero
 
 enum StreamKind : std::uint32_t { stream_fluid = 1, stream_agents = 2 };
+enum AgentState : std::uint32_t { agent_walking = 0, agent_arrived = 1, agent_dead = 2 };  // field `state`, as a float
 enum FieldType : std::uint32_t { field_float32 = 1 };
 enum ProducerState : std::uint32_t {
     producer_init = 0,
@@ -52,6 +53,9 @@ enum ConsumerState : std::uint32_t {
 enum ConsumerMode : std::uint32_t {
     mode_lockstep = 0,  // the producer waits for its acknowledgements
     mode_latest = 1     // the producer never waits for it
+};
+enum ConsumerFlag : std::uint32_t {
+    consumer_follows = 1,  // the stream ends when only such consumers remain (recorders, loggers)
 };
 enum FrameFlag : std::uint32_t {
     frame_final = 1,      // the last frame of the stream
@@ -84,7 +88,7 @@ struct Diagnostics {
 
 // One array of a slot: `capacity` values of `type` from `offset` (bytes from the start of the slot) on.
 struct FieldEntry {
-    char name[16];  // zero-terminated: "mass", "vx", "vy", "vz", "px", "py", "pz"
+    char name[16];  // zero-terminated, see required_fields() in header.hpp
     std::uint32_t type;
     std::uint32_t reserved;
     std::uint64_t offset;  // a multiple of 64
@@ -139,7 +143,8 @@ struct Control {
     std::uint64_t heartbeat_ns;  // (atomic) CLOCK_MONOTONIC, a sign of life
     std::uint64_t start_time;    // of the process, clock ticks since boot
     std::uint32_t pid;
-    std::uint8_t reserved2[44];
+    std::uint32_t paused;  // (atomic) 1 = pauses on purpose, waiting consumers do not count the time
+    std::uint8_t reserved2[40];
     std::uint64_t admitted_frame[max_consumers];  // (atomic) first frame of consumer i; 0 = not admitted
     std::uint8_t reserved3[192];
     std::int32_t reason_code;
@@ -155,16 +160,18 @@ struct Doorbell {
 
 struct ConsumerEntry {
     std::uint32_t state;               // (atomic) ConsumerState
-    std::uint32_t mode;                // ConsumerMode
-    std::uint64_t acknowledged_frame;  // (atomic) this and all before are no longer in use
+    std::uint32_t mode;                // (atomic) ConsumerMode
+    std::uint64_t acknowledged_frame;  // (atomic) this and all before are no longer in use; LATEST: the last one taken
     std::uint32_t waiting;             // (atomic) 1 while the consumer sleeps or is about to
     std::uint32_t stride;              // takes every stride-th frame, LATEST mode; 0 = 1
-    std::uint64_t dropped_frames;      // LATEST mode
+    std::uint64_t dropped_frames;      // (atomic) frames missed beyond those that the stride leaves out, LATEST mode
     std::uint8_t reserved0[32];
     std::uint64_t heartbeat_ns;  // (atomic)
     std::uint64_t start_time;
     std::uint32_t pid;
-    std::uint8_t reserved1[44];
+    std::uint32_t paused;  // (atomic) 1 = pauses on purpose, a producer that waits for it does not count the time
+    std::uint32_t flags;   // (atomic) ConsumerFlag
+    std::uint8_t reserved1[36];
     char name[name_bytes];
     std::int32_t reason_code;
     std::uint32_t reserved2;
@@ -175,7 +182,7 @@ struct ConsumerEntry {
 struct SlotDescriptor {
     std::uint64_t sequence;       // (atomic) 2f - 1 while frame f is being written, 2f once it is complete
     std::uint64_t frame;          // from 1 on
-    std::uint64_t tick;           // time of the frame, strictly increasing
+    std::uint64_t tick;           // time of the frame, strictly increasing from any first value on
     std::uint32_t count;          // particles
     std::uint32_t flags;          // FrameFlag
     std::uint64_t hash;           // chain over frames 1 .. f (hash.hpp); 0 = not given
@@ -262,6 +269,7 @@ WADE_SHM_AT(Control, producer_waiting, 64);
 WADE_SHM_AT(Control, heartbeat_ns, 128);
 WADE_SHM_AT(Control, start_time, 136);
 WADE_SHM_AT(Control, pid, 144);
+WADE_SHM_AT(Control, paused, 148);
 WADE_SHM_AT(Control, admitted_frame, 192);
 WADE_SHM_AT(Control, reason_code, 512);
 WADE_SHM_AT(Control, reason_text, 520);
@@ -279,6 +287,8 @@ WADE_SHM_AT(ConsumerEntry, dropped_frames, 24);
 WADE_SHM_AT(ConsumerEntry, heartbeat_ns, 64);
 WADE_SHM_AT(ConsumerEntry, start_time, 72);
 WADE_SHM_AT(ConsumerEntry, pid, 80);
+WADE_SHM_AT(ConsumerEntry, paused, 84);
+WADE_SHM_AT(ConsumerEntry, flags, 88);
 WADE_SHM_AT(ConsumerEntry, name, 128);
 WADE_SHM_AT(ConsumerEntry, reason_code, 192);
 WADE_SHM_AT(ConsumerEntry, reason_text, 200);

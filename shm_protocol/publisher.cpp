@@ -28,13 +28,6 @@ void demand_running(const State& state, const char* call) {
     if (state.ended) throw std::logic_error(std::string("Publisher::") + call + " after the end of the stream");
 }
 
-// What is stored before the payload must not become visible after it, for readers that do not wait (LATEST mode).
-void fence_before_payload() {
-#ifndef __SANITIZE_THREAD__
-    __atomic_thread_fence(__ATOMIC_RELEASE);
-#endif
-}
-
 }  // namespace
 
 Publisher::Publisher(const std::string& session, StreamInfo info, Waiting waiting)
@@ -68,6 +61,10 @@ void Publisher::heartbeat() noexcept {
     store_relaxed(state_->pages.control().heartbeat_ns, static_cast<std::uint64_t>(monotonic_ns()));
 }
 
+void Publisher::set_paused(bool paused) noexcept {
+    if (!state_->ended) store_release(state_->pages.control().paused, paused ? 1U : 0U);
+}
+
 void Publisher::wait_for_consumers(int n) {
     State& s = *state_;
     demand_running(s, "wait_for_consumers");
@@ -76,12 +73,12 @@ void Publisher::wait_for_consumers(int n) {
     if (n < 1 || n > static_cast<int>(s.map.consumer_count))
         throw std::invalid_argument("Publisher::wait_for_consumers(" + std::to_string(n) + "): 1 to 16 are possible.");
     s.refusals_count = true;
-    int active = 0;
+    int joined = 0;
     explained(s, [&] {
         WaitTask task;
         task.ready = [&] {
-            active = s.survey(1).active;
-            return active >= n;
+            joined = s.survey(1).joined;
+            return joined >= n;
         };
         task.after_slice = [&] {
             heartbeat();
@@ -89,7 +86,7 @@ void Publisher::wait_for_consumers(int n) {
         };
         task.what = [&] {
             return std::to_string(n) + (n == 1 ? " consumer" : " consumers") + " to join session '" + s.session +
-                   "' (" + std::to_string(active) + " did)";
+                   "' (" + std::to_string(joined) + " did)";
         };
         task.on_timeout = Failure::attach_timeout;
         task.timeout_s = s.waiting.attach_timeout_s;
@@ -112,13 +109,14 @@ std::optional<FrameFields> Publisher::begin_frame() {
         WaitTask task;
         task.ready = [&] {
             census = s.survey(frame);
-            return census.slowest >= owed;
+            return census.slowest >= owed || (census.active == 0 && s.had_lockstep);
         };
         task.after_slice = [&] {
             heartbeat();
             s.check_alive(owed);
         };
         task.what = [&] { return s.everybody_behind(owed); };
+        task.paused = [&] { return s.waits_for_paused(owed); };
         task.timeout_s = s.waiting.step_timeout_s;
         task.warning_s = s.waiting.step_warning_s;
         s.wait(task);
@@ -127,14 +125,21 @@ std::optional<FrameFields> Publisher::begin_frame() {
 
     SlotDescriptor& descriptor = s.pages.descriptor(frame);
     store_ordered(descriptor.sequence, 2 * frame - 1);
-    fence_before_payload();
+    fence_release();
     s.frame_open = true;
     const std::size_t capacity = s.map.info.capacity;
     const auto array = [&](std::size_t i) { return std::span<float>(s.pages.field(frame, i), capacity); };
-    return FrameFields{frame, array(0), array(1), array(2), array(3), array(4), array(5), array(6)};
+    FrameFields fields{frame, array(0), array(1), array(2), array(3), array(4), array(5), array(6), {}, {}, {}};
+    if (s.map.info.kind == stream_agents) {
+        fields.radius = array(7);
+        fields.height = array(8);
+        fields.state = array(9);
+    }
+    return fields;
 }
 
-void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, bool final, std::uint64_t tick) {
+void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, bool final,
+                          std::optional<std::uint64_t> given_tick) {
     State& s = *state_;
     demand_running(s, "end_frame");
     if (!s.frame_open) throw std::logic_error("Publisher::end_frame without begin_frame");
@@ -142,8 +147,8 @@ void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, b
     if (count > s.map.info.capacity)
         throw std::invalid_argument("Frame " + std::to_string(frame) + " holds " + std::to_string(count) +
                                     " particles, the capacity is " + std::to_string(s.map.info.capacity) + ".");
-    if (tick == 0) tick = frame * s.map.info.ticks_per_frame;
-    if (tick <= s.last_tick)
+    const std::uint64_t tick = given_tick.value_or(tick_of_frame(s.map.info, frame));
+    if (s.published > 0 && tick <= s.last_tick)
         throw std::invalid_argument("Frame " + std::to_string(frame) + " has tick " + std::to_string(tick) +
                                     ", the frame before it has " + std::to_string(s.last_tick) + ".");
 
@@ -156,9 +161,10 @@ void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, b
     descriptor.previous_hash = s.chain;
     descriptor.diagnostics = diagnostics;
     if (s.hash_frames) {
-        HashedFields fields;
-        for (std::size_t i = 0; i < fields.size(); ++i) fields[i] = {s.pages.field(frame, i), count};
-        const ChainResult result = chain_frame(s.chain, frame, fields);
+        std::array<std::span<const float>, max_fields> fields;
+        const std::size_t n = s.map.fields.size();
+        for (std::size_t i = 0; i < n; ++i) fields[i] = {s.pages.field(frame, i), count};
+        const ChainResult result = chain_frame(s.chain, frame, std::span(fields).first(n));
         if (result.nonfinite) descriptor.flags |= frame_nonfinite;
         s.chain = descriptor.hash = result.hash;
     }
@@ -184,6 +190,7 @@ void Publisher::close() {
             s.check_alive(s.published);
         };
         task.what = [&] { return s.everybody_behind(s.published); };
+        task.paused = [&] { return s.waits_for_paused(s.published); };
         task.timeout_s = s.waiting.step_timeout_s;
         task.warning_s = s.waiting.step_warning_s;
         s.wait(task);

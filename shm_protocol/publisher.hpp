@@ -33,22 +33,26 @@ class Publisher {
 
     [[nodiscard]] const StreamInfo& info() const;
 
-    // Waits until n consumers in lockstep have joined; they take part from the next frame on. Only before frame 1.
+    // Waits until n consumers in lockstep, followers among them, have joined; they take part from the next frame on.
+    // Only before frame 1.
     // Errors: attach_timeout; peer_dead; peer_aborted, also when a consumer refused the stream (another scene).
     void wait_for_consumers(int n = 1);
 
     // The slot of the next frame, once every consumer in lockstep has acknowledged the frame `depth` before it.
-    // Empty when all consumers in lockstep have left cleanly. Consumers that ask to join take part from this frame on.
+    // Empty when all consumers in lockstep but followers have left cleanly. Consumers that ask to join take part from this frame on.
     // Errors: peer_dead, peer_aborted, step_timeout, protocol_violation, interrupted.
     std::optional<FrameFields> begin_frame();
 
-    // Publishes the slot of begin_frame(). tick 0 stands for frame * ticks_per_frame.
+    // Publishes the slot of begin_frame(). Without a tick it has the one of tick_of_frame().
     // Errors: std::invalid_argument if count exceeds the capacity or the tick does not increase.
     void end_frame(std::uint32_t count, const Diagnostics& diagnostics = {}, bool final = false,
-                   std::uint64_t tick = 0);
+                   std::optional<std::uint64_t> tick = std::nullopt);
 
     // A sign of life during a long computation; begin_frame, end_frame and every wait give one too.
     void heartbeat() noexcept;
+
+    // Tells consumers that this side pauses on purpose, so that they do not count the time until it goes on.
+    void set_paused(bool paused) noexcept;
 
     // Waits until every consumer in lockstep has acknowledged the last frame or left, then removes the segment.
     // Errors: as begin_frame().
@@ -61,7 +65,8 @@ class Publisher {
     [[nodiscard]] std::uint64_t frame_hash() const;  // chain over the published frames, 0 without hash_frames
 
  private:
-    friend class Subscriber;  // Subscriber::in_process shares the mapping
+    friend class Subscriber;  // in_process() of both shares the mapping
+    friend class LatestReader;
     struct State;
     std::unique_ptr<State> state_;
 };

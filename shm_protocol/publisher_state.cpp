@@ -32,7 +32,8 @@ Publisher::State::State(const std::string& session_name, const StreamInfo& info,
     Header header = make_header(info, random_id());
     map = read_header(header, header.total_bytes);
     map.info.hash_frames = info.hash_frames;
-    file = create_segment(name, header.total_bytes);
+    map.info.group_access = info.group_access;
+    file = create_segment(name, header.total_bytes, info.group_access);
     try {
         region = file.map(0, header.total_bytes, true);
     } catch (...) {
@@ -59,18 +60,21 @@ Publisher::State::Census Publisher::State::survey(std::uint64_t admit_at) {
         const ConsumerEntry& entry = pages.consumer(i);
         const std::uint32_t state = load_acquire(entry.state);
         if (state == consumer_free) continue;
-        if (state == consumer_joined && admitted[i] == 0 && admit_at != 0 && entry.mode <= mode_latest) {
+        const std::uint32_t mode = load_relaxed(entry.mode);
+        if (state == consumer_joined && admitted[i] == 0 && admit_at != 0 && mode <= mode_latest) {
             admitted[i] = admit_at;
             store_release(pages.control().admitted_frame[i], admit_at);
             news = true;
         }
-        if (state == consumer_left && admitted[i] != 0) {
+        // A free-running reader is nobody's peer: its end is a goodbye, whatever its reason.
+        const bool gone = state == consumer_left || (state == consumer_aborted && mode == mode_latest);
+        if (gone && admitted[i] != 0) {
             admitted[i] = 0;
             store_release(pages.control().admitted_frame[i], std::uint64_t{0});  // the entry may be used again
             continue;
         }
         const bool before_start = refusals_count && published == 0;
-        if ((state == consumer_aborted && (admitted[i] != 0 || before_start)) ||
+        if ((state == consumer_aborted && !gone && (admitted[i] != 0 || before_start)) ||
             (state == consumer_refused && before_start))
             throw Error(
                 Failure::peer_aborted,
@@ -79,13 +83,14 @@ Publisher::State::Census Publisher::State::survey(std::uint64_t admit_at) {
                          ? " refused the stream: "
                          : " gave up at frame " + std::to_string(load_acquire(entry.acknowledged_frame) + 1) + ": ") +
                     printable(entry.reason_text, reason_bytes));
-        if (state != consumer_joined || admitted[i] == 0 || entry.mode != mode_lockstep) continue;
+        if (state != consumer_joined || admitted[i] == 0 || mode != mode_lockstep) continue;
         const std::uint64_t acknowledged = load_acquire(entry.acknowledged_frame);
         if (acknowledged > published)
             throw Error(Failure::protocol_violation, label(i) + " acknowledged frame " + std::to_string(acknowledged) +
                                                          ", the last one published is " + std::to_string(published) +
                                                          ".");
-        ++census.active;
+        ++census.joined;
+        if ((load_relaxed(entry.flags) & consumer_follows) == 0) ++census.active;
         census.slowest = std::min(census.slowest, std::max(acknowledged, admitted[i] - 1));
     }
     had_lockstep = had_lockstep || census.active > 0;
@@ -93,10 +98,24 @@ Publisher::State::Census Publisher::State::survey(std::uint64_t admit_at) {
     return census;
 }
 
+bool Publisher::State::counts(std::uint32_t i) const {
+    const ConsumerEntry& entry = pages.consumer(i);
+    return admitted[i] != 0 && load_acquire(entry.state) == consumer_joined &&
+           load_relaxed(entry.mode) == mode_lockstep;
+}
+
+bool Publisher::State::waits_for_paused(std::uint64_t frame) const {
+    for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
+        const ConsumerEntry& entry = pages.consumer(i);
+        if (counts(i) && load_acquire(entry.paused) != 0 && load_acquire(entry.acknowledged_frame) < frame) return true;
+    }
+    return false;
+}
+
 void Publisher::State::check_alive(std::uint64_t owed) {
     for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
         const ConsumerEntry& entry = pages.consumer(i);
-        if (admitted[i] == 0 || load_acquire(entry.state) != consumer_joined || entry.mode != mode_lockstep) continue;
+        if (!counts(i)) continue;
         if (is_locked_by_other(file.fd(), consumer_lock_byte + i)) continue;
         // Whatever it did before it went is visible now: a goodbye, or the acknowledgement of all it owed.
         if (load_acquire(entry.state) != consumer_joined) continue;
@@ -145,7 +164,7 @@ std::string Publisher::State::everybody_behind(std::uint64_t frame) const {
     const std::int64_t now = monotonic_ns();
     for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
         const ConsumerEntry& entry = pages.consumer(i);
-        if (load_acquire(entry.state) != consumer_joined || admitted[i] == 0 || entry.mode != mode_lockstep) continue;
+        if (!counts(i)) continue;
         const std::uint64_t acknowledged = std::max(load_acquire(entry.acknowledged_frame), admitted[i] - 1);
         if (acknowledged >= frame) continue;
         const auto silent_ms = (now - static_cast<std::int64_t>(load_relaxed(entry.heartbeat_ns))) / 1'000'000;

@@ -17,7 +17,8 @@ namespace wade::shm {
 struct Publisher::State {
     // What the consumers in lockstep allow.
     struct Census {
-        int active = 0;                                                     // admitted and not gone
+        int joined = 0;  // admitted and not gone
+        int active = 0;  // those of them for whom the stream goes on: followers are not
         std::uint64_t slowest = std::numeric_limits<std::uint64_t>::max();  // frame that all of them acknowledged
     };
 
@@ -35,8 +36,10 @@ struct Publisher::State {
     void wait(const WaitTask& task) const;
     void end(ProducerState last) noexcept;
 
+    [[nodiscard]] bool counts(std::uint32_t consumer) const;  // it is in lockstep, admitted and not gone
     [[nodiscard]] std::string label(std::uint32_t consumer) const;
     [[nodiscard]] std::string everybody_behind(std::uint64_t frame) const;
+    [[nodiscard]] bool waits_for_paused(std::uint64_t frame) const;  // a consumer that owes `frame` pauses on purpose
 
     std::string session;
     std::string name;  // of the shared-memory object
@@ -47,14 +50,14 @@ struct Publisher::State {
     Pages<std::byte> pages;
 
     std::array<std::uint64_t, max_consumers> admitted{};  // private copy, the shared one is for the consumers
-    bool had_lockstep = false;
-    bool refusals_count = false;  // during wait_for_consumers()
+    bool had_lockstep = false;                            // there was a consumer for whom the stream goes on
+    bool refusals_count = false;                          // during wait_for_consumers()
     bool hash_frames = true;
     bool frame_open = false;
     bool ended = false;
     std::uint64_t published = 0;
     std::uint64_t chain = 0;
-    std::uint64_t last_tick = 0;
+    std::uint64_t last_tick = 0;  // of frame `published`
     int reason_code = static_cast<int>(Failure::peer_aborted);
     std::string reason = "It ended without closing the stream.";
 };

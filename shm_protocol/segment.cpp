@@ -5,11 +5,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/interprocess/exceptions.hpp>
 #include <boost/interprocess/permissions.hpp>
 #include <cerrno>
 #include <stdexcept>
 #include <system_error>
+#include <vector>
 
 #include "shm_protocol/error.hpp"
 #include "shm_protocol/layout.hpp"
@@ -72,6 +74,19 @@ bool SegmentFile::owned_by_this_user() const {
     return fstat(fd(), &about) == 0 && about.st_uid == geteuid();
 }
 
+bool SegmentFile::open_to_group_of_this_process() const {
+    struct stat about {};
+    if (fstat(fd(), &about) != 0 || (about.st_mode & 0060) != 0060) return false;
+    if (about.st_gid == getegid()) return true;
+    std::vector<gid_t> groups(static_cast<std::size_t>(std::max(getgroups(0, nullptr), 0)));
+    const int n = getgroups(static_cast<int>(groups.size()), groups.data());
+    return n > 0 && std::find(groups.begin(), groups.begin() + n, about.st_gid) != groups.begin() + n;
+}
+
+void SegmentFile::open_to_group(const std::string& name) const {
+    if (fchmod(fd(), 0660) != 0) fail(errno, "opening the shared-memory segment " + name + " to its group");
+}
+
 std::uint64_t SegmentFile::size() const {
     struct stat about {};
     return fstat(fd(), &about) == 0 && about.st_size > 0 ? static_cast<std::uint64_t>(about.st_size) : 0;
@@ -108,12 +123,13 @@ ipc::mapped_region SegmentFile::map(std::uint64_t offset, std::uint64_t bytes, b
 
 // Whoever holds the producer lock of an object decides about it, and only while its name still leads to it. Each step
 // may lose against another process that does the same; then the round starts again with what that one left.
-SegmentFile create_segment(const std::string& name, std::uint64_t bytes) {
+SegmentFile create_segment(const std::string& name, std::uint64_t bytes, bool group_access) {
     constexpr int rounds = 100;  // each lost round means that another process made progress
     for (int round = 0; round < rounds; ++round) {
         if (auto created = SegmentFile::create_exclusive(name)) {
             if (!lock_byte(created->fd(), producer_lock_byte) || !created->is_named(name)) continue;
             try {
+                if (group_access) created->open_to_group(name);
                 created->allocate(name, bytes);
             } catch (...) {
                 unlink_segment(*created, name);

@@ -24,10 +24,14 @@ class SegmentFile {
 
     [[nodiscard]] int fd() const { return object_.get_mapping_handle().handle; }
     [[nodiscard]] bool owned_by_this_user() const;
+    [[nodiscard]] bool open_to_group_of_this_process() const;  // mode 0660 at least, and the group is one of its own
     [[nodiscard]] std::uint64_t size() const;
 
     // Whether `name` still leads to this object and not to a successor.
     [[nodiscard]] bool is_named(const std::string& name) const;
+
+    // Lets the object's group read and write. Errors: std::system_error.
+    void open_to_group(const std::string& name) const;
 
     // Sizes the object and allocates its memory, so that no later write can fail for want of memory.
     // Errors: std::system_error that names the size, ENOSPC when /dev/shm is full.
@@ -41,9 +45,10 @@ class SegmentFile {
     boost::interprocess::shared_memory_object object_;
 };
 
-// Creates the object of a new producer, holding its lock, sized. A stale object of the same name is removed first.
+// Creates the object of a new producer, holding its lock, sized, of mode 0660 with group_access and 0600 without. A stale
+// object of the same name is removed first.
 // Errors: Failure::name_in_use; std::system_error.
-SegmentFile create_segment(const std::string& name, std::uint64_t bytes);
+SegmentFile create_segment(const std::string& name, std::uint64_t bytes, bool group_access = false);
 
 // Removes the name if it still leads to `file`.
 void unlink_segment(const SegmentFile& file, const std::string& name) noexcept;

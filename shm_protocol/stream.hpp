@@ -19,7 +19,7 @@ struct StreamInfo {
     std::uint32_t depth = 1;              // frames the producer may be ahead of the slowest acknowledgement, 1 .. slots
     std::uint32_t slots = 0;              // 1 .. 64; 0 = depth + 1, so that a free-running reader finds a stable frame
     std::uint64_t ticks_per_second = 30;  // unit of SlotDescriptor::tick
-    std::uint64_t ticks_per_frame = 1;  // frame f holds the state at tick f * ticks_per_frame unless it says otherwise
+    std::uint64_t ticks_per_frame = 1;    // see tick_of_frame()
     double metres_per_unit = 1;
     std::array<double, 3> origin{};             // m
     std::array<std::int32_t, 3> axes{1, 2, 3};  // world axis i is the stored axis |axes[i]| - 1, mirrored if negative
@@ -29,6 +29,7 @@ struct StreamInfo {
     StreamKind kind = stream_fluid;
     std::uint32_t coupling_lag = 0;  // two-way runs: 0 serial, 1 parallel
     bool hash_frames = true;         // the producer computes the hash chain, so that consumers can compare
+    bool group_access = false;       // mode 0660 instead of 0600: open to the group of the producer's process
 
     std::uint64_t session_id = 0;  // of this run; chosen by the producer, ignored on input
 
@@ -49,15 +50,29 @@ struct Waiting {
     std::function<void(const std::string&)> warn = {};  // gets one full sentence
 };
 
+// How a consumer joins a session.
+struct JoinOptions {
+    std::uint64_t scene_hash = 0;  // of the scene that it expects, 0 = any
+    Waiting waiting = {};
+    StreamKind kind = stream_fluid;
+    bool follows = false;       // the stream need not go on for this consumer alone (recorders, loggers)
+    bool group_access = false;  // accepts another user's segment that is open to a group of this process
+};
+
 // A slot to be filled: arrays of `capacity` values, in place in the shared memory, 64-byte aligned.
 struct FrameFields {
     std::uint64_t frame = 0;      // from 1 on
     std::span<float> mass;        // kg
     std::span<float> vx, vy, vz;  // m/s times units per metre
     std::span<float> px, py, pz;  // units, see StreamInfo::metres_per_unit
+
+    // Streams of agents only, else empty.
+    std::span<float> radius, height;  // units
+    std::span<float> state;           // AgentState
 };
 
-// A complete frame: arrays of `count` values, in place in the shared memory, valid until release().
+// A complete frame: arrays of `count` values, valid until the next call for a frame or Subscriber::release(). In place
+// in the shared memory for a Subscriber, copies for a LatestReader.
 struct Frame {
     std::uint64_t frame = 0;  // from 1 on
     std::uint64_t tick = 0;
@@ -67,8 +82,15 @@ struct Frame {
     std::span<const float> mass;
     std::span<const float> vx, vy, vz;
     std::span<const float> px, py, pz;
+    std::span<const float> radius, height, state;  // streams of agents only, else empty
     Diagnostics diagnostics;
 };
+
+// The tick of frame f unless its producer says otherwise: a fluid frame holds the state at the end of its interval,
+// an agents frame the state at the beginning.
+constexpr std::uint64_t tick_of_frame(const StreamInfo& info, std::uint64_t frame) {
+    return (info.kind == stream_agents ? frame - 1 : frame) * info.ticks_per_frame;
+}
 
 // The name of the shared-memory object of a session, "/<session>-fluid" or "/<session>-agents".
 // Errors: std::invalid_argument unless the session is 1 to 200 characters of [A-Za-z0-9._-].

@@ -12,17 +12,15 @@
 
 namespace wade::shm {
 
-Subscriber::Subscriber(const std::string& session, const std::string& consumer_name, std::uint64_t expected_scene_hash,
-                       Waiting waiting, StreamKind kind)
-    : state_(std::make_unique<State>(attach({session, kind, consumer_name, expected_scene_hash, nullptr}, waiting),
-                                     session, waiting)) {}
+Subscriber::Subscriber(const std::string& session, const std::string& consumer_name, JoinOptions options)
+    : state_(std::make_unique<State>(attach({session, consumer_name, options}), options.waiting)) {}
 
-Subscriber Subscriber::in_process(Publisher& publisher, const std::string& consumer_name,
-                                  std::uint64_t expected_scene_hash, Waiting waiting) {
+Subscriber Subscriber::in_process(Publisher& publisher, const std::string& consumer_name, JoinOptions options) {
     const Publisher::State& p = *publisher.state_;
+    options.kind = p.map.info.kind;
     auto* const base = static_cast<std::byte*>(p.region.get_address());
-    return Subscriber(std::make_unique<State>(
-        attach({p.session, p.map.info.kind, consumer_name, expected_scene_hash, base}, waiting), p.session, waiting));
+    return Subscriber(
+        std::make_unique<State>(attach({p.session, consumer_name, options, mode_lockstep, 1, base}), options.waiting));
 }
 
 Subscriber::Subscriber(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -48,7 +46,10 @@ std::uint64_t Subscriber::released_frame() const {
     return state_->released;
 }
 void Subscriber::heartbeat() noexcept {
-    state_->heartbeat();
+    state_->link.heartbeat();
+}
+void Subscriber::set_paused(bool paused) noexcept {
+    state_->link.set_paused(paused);
 }
 
 std::optional<Frame> Subscriber::acquire() {
@@ -75,11 +76,11 @@ void Subscriber::release() {
     if (s.held == 0) throw std::logic_error("Subscriber::release without acquire");
     if (load_acquire(s.link.pages.descriptor(s.held).sequence) != 2 * s.held) {
         const Error error(Failure::protocol_violation,
-                          s.producer() + " overwrote frame " + std::to_string(s.held) + " while it was in use.");
+                          s.link.producer() + " overwrote frame " + std::to_string(s.held) + " while it was in use.");
         abort(error.exit_code(), error.what());
         throw error;
     }
-    s.heartbeat();
+    s.link.heartbeat();
     store_release(s.link.entry->acknowledged_frame, s.held);
     s.released = s.held;
     s.next = s.held + 1;

@@ -1,7 +1,7 @@
 #pragma once
 // The consuming end of a stream of frames, in lockstep with its producer: no frame is skipped, none is seen twice.
 //
-//   Subscriber s(session, "crowd", scene_hash);
+//   Subscriber s(session, "crowd", {.scene_hash = hash});
 //   while (auto frame = s.acquire()) {   // in place, read-only, checked
 //       ... use frame->px[i] ...
 //       s.release();                     // the producer may reuse the slot
@@ -25,16 +25,14 @@ class Subscriber {
  public:
     // Joins the session, whether its producer is already there or comes later: absent, unready and stale segments are
     // tried again until the attach timeout. Joining does not wait for the producer's next frame; acquire() does.
-    // expected_scene_hash: 0 = any. consumer_name: at most 63 bytes.
+    // consumer_name: 1 to 63 bytes.
     // Errors: attach_timeout; protocol_violation for another version, another scene or a damaged header;
     // std::invalid_argument.
-    Subscriber(const std::string& session, const std::string& consumer_name, std::uint64_t expected_scene_hash = 0,
-               Waiting waiting = {}, StreamKind kind = stream_fluid);
+    Subscriber(const std::string& session, const std::string& consumer_name, JoinOptions options = {});
 
     // Joins the session of a producer in the same process over the producer's own mapping (for race detectors, which
     // follow addresses; in all else like the constructor). The publisher must outlive the subscriber.
-    static Subscriber in_process(Publisher& publisher, const std::string& consumer_name,
-                                 std::uint64_t expected_scene_hash = 0, Waiting waiting = {});
+    static Subscriber in_process(Publisher& publisher, const std::string& consumer_name, JoinOptions options = {});
 
     ~Subscriber();
     Subscriber(Subscriber&&) noexcept;
@@ -54,6 +52,9 @@ class Subscriber {
 
     // A sign of life during a long computation; acquire, release and every wait give one too.
     void heartbeat() noexcept;
+
+    // Tells the producer that this side pauses on purpose, so that it does not count the time until it goes on.
+    void set_paused(bool paused) noexcept;
 
     // A clean goodbye before the end: the producer goes on without this consumer.
     void leave() noexcept;

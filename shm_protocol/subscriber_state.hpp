@@ -2,16 +2,16 @@
 // The insides of a Subscriber.
 
 #include <cstdint>
-#include <string>
 #include <string_view>
 
 #include "shm_protocol/attach.hpp"
+#include "shm_protocol/frame_check.hpp"
 #include "shm_protocol/subscriber.hpp"
 
 namespace wade::shm {
 
 struct Subscriber::State {
-    State(Link joined, const std::string& session, Waiting how);
+    State(Link joined, Waiting how);
 
     // Waits for frame `next`; false if the stream has ended before it. Errors: those of Subscriber::acquire().
     bool wait_for_next();
@@ -23,24 +23,17 @@ struct Subscriber::State {
     // The complete frame `next`, checked. Errors: protocol_violation.
     Frame check_frame();
 
-    void heartbeat() noexcept;
     void say_goodbye(ConsumerState last, int reason_code, std::string_view text) noexcept;
     void finish() noexcept;  // the goodbye of a destructor
 
-    [[nodiscard]] std::string producer() const;  // "Producer 'dfsph' (process 123)"
-
     Link link;
-    std::string session;
     Waiting waiting;
     std::uint64_t next = 0;  // frame to be acquired; 0 = not admitted yet
     std::uint64_t held = 0;  // between acquire and release
     std::uint64_t released = 0;
-    std::uint64_t chain = 0;
-    std::uint64_t last_tick = 0;
-    bool first = true;  // no frame was checked yet
+    FrameHistory history;
     bool held_is_final = false;
     bool over = false;  // no frame will come any more
-    bool gone = false;  // the goodbye was said
 };
 
 }  // namespace wade::shm

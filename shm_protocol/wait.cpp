@@ -69,7 +69,7 @@ void wait_for_peer(const Sleep& sleep, const Waiting& waiting, const WaitTask& t
         const Wake wake = futex_wait(sleep.sequence, seen, slice_ns);
         const std::int64_t now = monotonic_ns();
         if (wake == Wake::changed && now - last < slice_ns) continue;
-        patience.count(1e-9 * static_cast<double>(now - last));
+        if (!task.paused || !task.paused()) patience.count(1e-9 * static_cast<double>(now - last));
         last = now;
         check_interrupted(waiting, task.what());
         task.after_slice();

@@ -21,6 +21,7 @@ struct WaitTask {
     std::function<bool()> ready;        // true = the wait is over; may throw
     std::function<void()> after_slice;  // liveness, heartbeat; may throw
     std::function<std::string()> what;  // "frame 120 of producer 'dfsph'", for the messages
+    std::function<bool()> paused = {};  // the peer pauses on purpose: the time does not count; empty = never
     Failure on_timeout = Failure::step_timeout;
     double timeout_s = 0;  // 0 = never
     double warning_s = 0;  // 0 = never

@@ -112,6 +112,12 @@ Waiting patient() {
     return waiting;
 }
 
+Waiting hasty() {
+    Waiting waiting;
+    waiting.attach_timeout_s = 0.02;
+    return waiting;
+}
+
 std::uint32_t test_count(std::uint64_t frame) {
     return static_cast<std::uint32_t>((frame * 37) % (test_capacity + 1));
 }
@@ -125,6 +131,14 @@ void fill(const FrameFields& f, std::uint32_t count) {
     const std::array<std::span<float>, 7> fields{f.mass, f.vx, f.vy, f.vz, f.px, f.py, f.pz};
     for (int i = 0; i < 7; ++i)
         for (std::uint32_t k = 0; k < count; ++k) fields[static_cast<std::size_t>(i)][k] = test_value(f.frame, i, k);
+}
+
+void publish_next(Publisher& publisher, bool final) {
+    const auto fields = publisher.begin_frame();
+    if (!fields) throw std::runtime_error("the stream has ended");
+    const std::uint32_t count = test_count(fields->frame);
+    fill(*fields, count);
+    publisher.end_frame(count, {}, final);
 }
 
 bool is_as_filled(const Frame& f) {
@@ -171,7 +185,7 @@ int produce(const std::string& session, std::uint64_t frames, std::uint32_t dept
 }
 
 int consume(const std::string& session, std::uint64_t frames, const AtStage& at) {
-    Subscriber subscriber(session, "reader", test_scene, patient());
+    Subscriber subscriber(session, "reader", {.scene_hash = test_scene, .waiting = patient()});
     std::uint64_t seen = 0;
     std::uint64_t chain = 0;
     for (;;) {

@@ -55,11 +55,17 @@ StreamInfo test_info(std::uint32_t depth = 1, std::uint32_t slots = 0);
 // Long enough that only a hang exhausts it, on the slowest machine and under any sanitizer.
 Waiting patient();
 
+// Gives up at once where nobody comes.
+Waiting hasty();
+
 // Content of frame f as a function of f, the field and the particle; the number of particles changes too.
 std::uint32_t test_count(std::uint64_t frame);
 float test_value(std::uint64_t frame, int field, std::uint32_t particle);
 void fill(const FrameFields& fields, std::uint32_t count);
 bool is_as_filled(const Frame& frame);
+
+// Publishes the next test frame. Errors: std::runtime_error if the stream has ended.
+void publish_next(Publisher& publisher, bool final = false);
 
 // The hash chain after `frames` test frames, computed without any segment.
 std::uint64_t expected_chain(std::uint64_t frames);

@@ -42,7 +42,7 @@ TEST_CASE("a killed producer is noticed by the consumer, which has seen whole fr
         CAPTURE(static_cast<int>(moment.stage), moment.frame, moment.depth);
         const Session session;
         Child producer([&] { return produce(session.name(), frames, moment.depth, kill_at(moment)); });
-        Subscriber subscriber(session.name(), "reader", test_scene, patient());
+        Subscriber subscriber(session.name(), "reader", {.scene_hash = test_scene, .waiting = patient()});
         std::uint64_t seen = 0;
         bool whole = true;
         const Caught caught = catch_error([&] {
@@ -99,7 +99,7 @@ TEST_CASE("a peer that is killed while stopped is dead, not slow") {
             if (stage == Stage::before && f == 5) raise(SIGSTOP);
         });
     });
-    Subscriber subscriber(session.name(), "reader", 0, patient());
+    Subscriber subscriber(session.name(), "reader", {.waiting = patient()});
     const Caught caught = catch_error([&] {
         while (const auto frame = subscriber.acquire()) {
             const bool last = frame->frame == 4;
@@ -121,9 +121,7 @@ TEST_CASE("a segment left by a killed producer is taken over, by consumers of th
     CHECK(killed.wait() == 128 + SIGKILL);
     REQUIRE(access(session.path().c_str(), F_OK) == 0);
 
-    Waiting hasty;
-    hasty.attach_timeout_s = 0.02;
-    const Caught stale = catch_error([&] { Subscriber(session.name(), "crowd", 0, hasty); });
+    const Caught stale = catch_error([&] { Subscriber(session.name(), "crowd", {.waiting = hasty()}); });
     CHECK(stale.failure == Failure::attach_timeout);
     CHECK(contains(stale.text, "left by a producer that is dead"));
 

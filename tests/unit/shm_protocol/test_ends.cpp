@@ -17,7 +17,9 @@ namespace {
 
 // A pair in one process, one frame ahead at most, so that a single thread can play both parts.
 struct Pair {
-    Pair() : publisher(session.name(), test_info(), patient()), subscriber(session.name(), "crowd", 0, patient()) {
+    Pair()
+        : publisher(session.name(), test_info(), patient()),
+          subscriber(session.name(), "crowd", {.waiting = patient()}) {
         publisher.wait_for_consumers(1);
     }
     void publish(bool final = false) {
@@ -103,7 +105,7 @@ TEST_CASE("a consumer that is destroyed before the end counts as having given up
     const Session session;
     Publisher publisher(session.name(), test_info(), patient());
     {
-        const Subscriber subscriber(session.name(), "crowd", 0, patient());
+        const Subscriber subscriber(session.name(), "crowd", {.waiting = patient()});
         publisher.wait_for_consumers(1);
     }
     const Caught caught = catch_error([&] { publisher.begin_frame(); });
@@ -127,7 +129,7 @@ TEST_CASE("a producer that is destroyed before the end counts as having given up
     std::vector<Subscriber> subscriber;
     {
         const Publisher publisher(session.name(), test_info(), patient());
-        subscriber.emplace_back(session.name(), "crowd", 0, patient());
+        subscriber.emplace_back(session.name(), "crowd", JoinOptions{.waiting = patient()});
     }
     const Caught caught = catch_error([&] { subscriber.front().acquire(); });
     CHECK(caught.failure == Failure::peer_aborted);
@@ -141,9 +143,9 @@ TEST_CASE("the reason of one consumer reaches the others by way of the producer"
     std::vector<Subscriber> keep;
     {
         Publisher publisher(session.name(), test_info(), patient());
-        keep.emplace_back(session.name(), "bystander", 0, patient());
+        keep.emplace_back(session.name(), "bystander", JoinOptions{.waiting = patient()});
         other = &keep.back();
-        Subscriber failing(session.name(), "failing", 0, patient());
+        Subscriber failing(session.name(), "failing", {.waiting = patient()});
         publisher.wait_for_consumers(2);
         failing.abort(9, "out of ink");
         CHECK(catch_error([&] { publisher.begin_frame(); }).failure == Failure::peer_aborted);
@@ -167,7 +169,7 @@ TEST_CASE("waiting can be interrupted on both sides, and the peer learns of it")
     impatient.interrupted = [] { return true; };
     Publisher publisher(session.name(), test_info(), impatient);
     CHECK(catch_error([&] { publisher.wait_for_consumers(1); }).failure == Failure::interrupted);
-    Subscriber subscriber(session.name(), "crowd", 0, impatient);
+    Subscriber subscriber(session.name(), "crowd", {.waiting = impatient});
     CHECK(catch_error([&] { subscriber.acquire(); }).failure == Failure::interrupted);
     const Caught caught = catch_error([&] { publisher.wait_for_consumers(1); });
     CHECK(caught.failure == Failure::peer_aborted);
@@ -182,7 +184,7 @@ TEST_CASE("a living but silent peer leads to one warning and then to the step ti
     waiting.step_timeout_s = 0.2;
     waiting.warn = [&](const std::string& text) { warnings.push_back(text); };
     Publisher publisher(session.name(), test_info(), waiting);
-    Subscriber subscriber(session.name(), "crowd", 0, waiting);
+    Subscriber subscriber(session.name(), "crowd", {.waiting = waiting});
     publisher.wait_for_consumers(1);
     REQUIRE(publisher.begin_frame());
     publisher.end_frame(0);
@@ -203,7 +205,7 @@ TEST_CASE("no consumer and no producer lead to the attach time-out") {
     const Session session;
     Waiting waiting;
     waiting.attach_timeout_s = 0.05;
-    const Caught alone = catch_error([&] { Subscriber(session.name(), "crowd", 0, waiting); });
+    const Caught alone = catch_error([&] { Subscriber(session.name(), "crowd", {.waiting = waiting}); });
     CHECK(alone.failure == Failure::attach_timeout);
     CHECK(contains(alone.text, "there is no shared-memory segment /" + session.name() + "-fluid"));
     Publisher publisher(session.name(), test_info(), waiting);
@@ -215,11 +217,11 @@ TEST_CASE("no consumer and no producer lead to the attach time-out") {
 TEST_CASE("a consumer that comes too late to take part is told so") {
     const Session session;
     Publisher publisher(session.name(), test_info(), patient());
-    Subscriber early(session.name(), "early", 0, patient());
+    Subscriber early(session.name(), "early", {.waiting = patient()});
     publisher.wait_for_consumers(1);
     REQUIRE(publisher.begin_frame());
     publisher.end_frame(0);
-    Subscriber late(session.name(), "late", 0, patient());
+    Subscriber late(session.name(), "late", {.waiting = patient()});
     early.leave();
     publisher.close();
     CHECK(catch_error([&] { late.acquire(); }).failure == Failure::attach_timeout);

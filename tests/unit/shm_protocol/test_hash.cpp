@@ -1,3 +1,4 @@
+#include <array>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cstring>
@@ -66,6 +67,10 @@ TEST_CASE("the chain of a small frame has the value that an independent program 
     for (std::size_t i = 0; i < 7; ++i) fields[i] = values;
     CHECK(chain_hash(0, 1, fields) == 0x04E63C549AB64FEBULL);
     CHECK(chain_hash(chain_hash(0, 1, fields), 2, fields) == 0x89C41A41FD9478F6ULL);
+    std::array<std::span<const float>, 10> agents;
+    agents.fill(values);
+    CHECK(chain_hash(0, 1, agents) == 0x5F841276364CDF92ULL);
+    CHECK(chain_hash(chain_hash(0, 1, agents), 2, agents) == 0x097B819422230CDCULL);
 }
 
 TEST_CASE("any single changed bit of a frame changes the chain") {

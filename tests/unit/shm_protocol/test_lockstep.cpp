@@ -50,7 +50,8 @@ TEST_CASE("two threads over one mapping exchange all frames in order at depth 1,
         CAPTURE(depth);
         const Session session;
         Publisher publisher(session.name(), test_info(depth), patient());
-        Subscriber subscriber = Subscriber::in_process(publisher, "thread", test_scene, patient());
+        Subscriber subscriber =
+            Subscriber::in_process(publisher, "thread", {.scene_hash = test_scene, .waiting = patient()});
         std::uint64_t seen = 0;
         std::uint64_t chain = 0;
         bool whole = true;
@@ -82,7 +83,7 @@ TEST_CASE("the producer is never further ahead than the depth") {
         CAPTURE(depth);
         const Session session;
         Publisher publisher(session.name(), test_info(depth, 4), patient());
-        Subscriber subscriber = Subscriber::in_process(publisher, "slow", 0, patient());
+        Subscriber subscriber = Subscriber::in_process(publisher, "slow", {.waiting = patient()});
         publisher.wait_for_consumers(1);
         std::atomic<std::uint64_t> begun{0};
         std::thread producer([&] {
@@ -114,7 +115,7 @@ TEST_CASE("the consumer may come first") {
 TEST_CASE("frames are written and read in place in the shared memory, and the reader cannot write") {
     const Session session;
     Publisher publisher(session.name(), test_info(), patient());
-    Subscriber subscriber(session.name(), "reader", 0, patient());
+    Subscriber subscriber(session.name(), "reader", {.waiting = patient()});
     const auto fields = publisher.begin_frame();
     REQUIRE(fields);
     CHECK(fields->px.size() == test_capacity);
@@ -148,7 +149,7 @@ TEST_CASE("diagnostics, ticks and the final mark travel with their frame") {
     StreamInfo info = test_info(2);
     info.ticks_per_frame = 3;
     Publisher publisher(session.name(), info, patient());
-    Subscriber subscriber(session.name(), "reader", 0, patient());
+    Subscriber subscriber(session.name(), "reader", {.waiting = patient()});
     CHECK(subscriber.info().ticks_per_frame == 3);
     Diagnostics d;
     d.sub_steps = 4;
@@ -205,7 +206,7 @@ TEST_CASE("a consumer that comes late takes part from the next frame on, and an 
     fill(*first, test_count(1));
     publisher.end_frame(test_count(1));
     for (std::uint64_t round = 0; round < 40; ++round) {  // more often than there are entries
-        Subscriber late(session.name(), "late", 0, patient());
+        Subscriber late(session.name(), "late", {.waiting = patient()});
         const auto fields = publisher.begin_frame();
         REQUIRE(fields);
         fill(*fields, test_count(fields->frame));

@@ -10,6 +10,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "segment_bytes.hpp"
 #include "shm_protocol/header.hpp"
 #include "shm_protocol/liveness.hpp"
 #include "shm_protocol/segment.hpp"
@@ -20,44 +21,8 @@ using namespace wade::shm::test;
 
 namespace {
 
-// The bytes of a segment, as an outsider sees them.
-class Bytes {
- public:
-    explicit Bytes(const std::string& path) : fd_(open(path.c_str(), O_RDWR | O_CLOEXEC)) {
-        size_ = static_cast<std::size_t>(lseek(fd_, 0, SEEK_END));
-        data_ = static_cast<unsigned char*>(mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED, fd_, 0));
-    }
-    ~Bytes() {
-        munmap(data_, size_);
-        close(fd_);
-    }
-    Bytes(const Bytes&) = delete;
-    Bytes& operator=(const Bytes&) = delete;
-    unsigned char& operator[](std::size_t at) { return data_[at]; }
-    template <typename T>
-    T& as(std::size_t at) {
-        return *reinterpret_cast<T*>(data_ + at);
-    }
-    SlotDescriptor& descriptor(std::uint64_t frame) {
-        const auto& header = as<Header>(0);
-        return as<SlotDescriptor>(header.descriptors_offset +
-                                  (frame - 1) % header.slot_count * header.descriptor_stride);
-    }
-
- private:
-    int fd_;
-    std::size_t size_;
-    unsigned char* data_;
-};
-
-Waiting hasty() {
-    Waiting waiting;
-    waiting.attach_timeout_s = 0.02;
-    return waiting;
-}
-
 Caught try_to_join(const Session& session, std::uint64_t scene = 0) {
-    return catch_error([&] { Subscriber(session.name(), "crowd", scene, hasty()).leave(); });
+    return catch_error([&] { Subscriber(session.name(), "crowd", {.scene_hash = scene, .waiting = hasty()}).leave(); });
 }
 
 // Publishes frame 1, lets `change` spoil it, and returns what the subscriber says.
@@ -67,7 +32,7 @@ Caught receive_spoiled(Change&& change, bool hashed = true) {
     StreamInfo info = test_info();
     info.hash_frames = hashed;
     Publisher publisher(session.name(), info, patient());
-    Subscriber subscriber(session.name(), "crowd", 0, patient());
+    Subscriber subscriber(session.name(), "crowd", {.waiting = patient()});
     publisher.wait_for_consumers(1);
     const auto fields = publisher.begin_frame();
     fill(*fields, test_count(1));
@@ -96,7 +61,7 @@ void check_refused(const Caught& caught, const std::string& part) {
 TEST_CASE("a name whose producer is alive is refused, and that producer is not disturbed") {
     const Session session;
     Child producer([&] { return produce(session.name(), 50, 1); });
-    Subscriber subscriber(session.name(), "reader", 0, patient());
+    Subscriber subscriber(session.name(), "reader", {.waiting = patient()});
     REQUIRE(subscriber.acquire());
     const Caught caught = catch_error([&] { Publisher(session.name(), test_info(), patient()); });
     CHECK(caught.failure == Failure::name_in_use);
@@ -111,7 +76,7 @@ TEST_CASE("a producer of another version is refused at once, with both versions"
     const Publisher publisher(session.name(), test_info(), patient());
     Bytes bytes(session.path());
     bytes.as<Header>(0).version_major = 9;
-    check_refused(try_to_join(session), "version 9.0, this program version 1.0");
+    check_refused(try_to_join(session), "version 9.1, this program version 1.1");
 }
 
 TEST_CASE("another scene is refused at once on both sides, with both hashes") {
@@ -129,7 +94,7 @@ TEST_CASE("another scene is refused at once on both sides, with both hashes") {
 TEST_CASE("a consumer of another scene does not disturb a stream that runs") {
     const Session session;
     Publisher publisher(session.name(), test_info(), patient());
-    Subscriber subscriber(session.name(), "crowd", test_scene, patient());
+    Subscriber subscriber(session.name(), "crowd", {.scene_hash = test_scene, .waiting = patient()});
     publisher.wait_for_consumers(1);
     REQUIRE(publisher.begin_frame());
     publisher.end_frame(0);
@@ -185,7 +150,8 @@ TEST_CASE("more consumers than entries have to wait for one") {
     const Session session;
     const Publisher publisher(session.name(), test_info(), patient());
     std::vector<Subscriber> all;
-    for (std::uint32_t i = 0; i < max_consumers; ++i) all.emplace_back(session.name(), "crowd", 0, patient());
+    for (std::uint32_t i = 0; i < max_consumers; ++i)
+        all.emplace_back(session.name(), "crowd", JoinOptions{.waiting = patient()});
     const Caught caught = try_to_join(session);
     CHECK(caught.failure == Failure::attach_timeout);
     CHECK(contains(caught.text, "all consumer entries"));
@@ -199,7 +165,7 @@ TEST_CASE("a frame with a NaN or an infinity is refused by particle and field, h
         StreamInfo info = test_info();
         info.hash_frames = hashed;
         Publisher publisher(session.name(), info, patient());
-        Subscriber subscriber(session.name(), "crowd", 0, patient());
+        Subscriber subscriber(session.name(), "crowd", {.waiting = patient()});
         publisher.wait_for_consumers(1);
         const auto fields = publisher.begin_frame();
         fill(*fields, 30);
@@ -230,8 +196,22 @@ TEST_CASE("a descriptor that lies is refused") {
                   "the capacity is");
     check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).frame = 2; }), "not complete");
     check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).sequence = 1; }), "not complete");
-    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).tick = 0; }), "tick");
     check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).count -= 1; }), "hash");
+}
+
+TEST_CASE("a frame whose time does not go on is refused") {
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    Subscriber subscriber(session.name(), "crowd", {.waiting = patient()});
+    publisher.wait_for_consumers(1);
+    REQUIRE(publisher.begin_frame());
+    publisher.end_frame(0, {}, false, 5);
+    REQUIRE(subscriber.acquire());
+    subscriber.release();
+    REQUIRE(publisher.begin_frame());
+    publisher.end_frame(0, {}, false, 6);
+    Bytes(session.path()).descriptor(2).tick = 5;
+    check_refused(catch_error([&] { subscriber.acquire(); }), "has tick 5, the frame before it has 5");
 }
 
 TEST_CASE("a producer that runs away from its consumer is refused") {
@@ -243,7 +223,7 @@ TEST_CASE("a producer that runs away from its consumer is refused") {
 TEST_CASE("a producer that overwrites a frame in use is refused") {
     const Session session;
     Publisher publisher(session.name(), test_info(), patient());
-    Subscriber subscriber(session.name(), "crowd", 0, patient());
+    Subscriber subscriber(session.name(), "crowd", {.waiting = patient()});
     publisher.wait_for_consumers(1);
     REQUIRE(publisher.begin_frame());
     publisher.end_frame(0);
@@ -256,7 +236,7 @@ TEST_CASE("a producer that overwrites a frame in use is refused") {
 TEST_CASE("a consumer that acknowledges what was never published is refused") {
     const Session session;
     Publisher publisher(session.name(), test_info(), patient());
-    Subscriber subscriber(session.name(), "crowd", 0, patient());
+    Subscriber subscriber(session.name(), "crowd", {.waiting = patient()});
     publisher.wait_for_consumers(1);
     Bytes bytes(session.path());
     bytes.as<ConsumerEntry>(consumers_offset).acknowledged_frame = 3;
@@ -279,8 +259,8 @@ TEST_CASE("more shared memory than there is leads to an error, not to a crash, a
 
 TEST_CASE("a consumer's name has to fit") {
     const Session session;
-    CHECK_THROWS_AS(Subscriber(session.name(), "", 0, hasty()), std::invalid_argument);
-    CHECK_THROWS_AS(Subscriber(session.name(), std::string(64, 'x'), 0, hasty()), std::invalid_argument);
+    CHECK_THROWS_AS(Subscriber(session.name(), "", {.waiting = hasty()}), std::invalid_argument);
+    CHECK_THROWS_AS(Subscriber(session.name(), std::string(64, 'x'), {.waiting = hasty()}), std::invalid_argument);
 }
 
 TEST_CASE("a successor under the same name is not taken for the object that was opened, nor removed in its stead") {
