@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -61,6 +62,22 @@ void refuse_leftovers(const CLI::App& app) {
                              nearest_name(name, known) + "\" (" + app.get_name() + " --help shows the options).");
 }
 
+void add_word(CLI::App& app, const ProgramOption& extra, std::map<std::string, std::string>& words) {
+    const Word& word = *extra.word;
+    words[extra.name] = word.preset;
+    const std::string preset = word.preset.empty() ? "" : " [" + word.preset + "]";
+    CLI::Option* const option =
+        app.add_option(extra.name, words[extra.name], extra.help + preset)->option_text(word.placeholder);
+    if (word.choices.empty()) return;
+    const auto check = [choices = word.choices](const std::string& text) -> std::string {
+        if (std::find(choices.begin(), choices.end(), text) != choices.end()) return "";
+        std::string allowed;
+        for (const std::string& choice : choices) allowed += (allowed.empty() ? "" : ", ") + choice;
+        return text + " is not allowed; allowed: " + allowed;
+    };
+    option->check(CLI::Validator(check, "", ""));
+}
+
 struct Parsed {
     RunOptions options;
     std::optional<std::string> answer;  // of --help or --version
@@ -115,6 +132,8 @@ Parsed parse(const ProgramDescription& program, int argc, const char* const* arg
             app.add_option(extra.name, options.extras[extra.name], extra.help + " [" + short_number(extra.preset) + "]")
                 ->check(within(extra.number->lo, extra.number->hi))
                 ->option_text("VALUE");
+        } else if (extra.word) {
+            add_word(app, extra, options.words);
         } else {
             app.add_flag(extra.name, switches[extra.name], extra.help);
         }

@@ -28,27 +28,36 @@ struct RunOptions {
     double step_timeout = 60;                  // s, how long to wait for the peer's next frame; 0 waits for ever
     bool check = false;
     bool print_config = false;
-    std::vector<SceneOverride> overrides;  // --set, --seed and --until-s, in this order
-    std::map<std::string, double> extras;  // the program's own options; a switch is 1 if given, else 0
-    std::vector<std::string> arguments;    // argv as it was, for the manifest
+    std::vector<SceneOverride> overrides;      // --set, --seed and --until-s, in this order
+    std::map<std::string, double> extras;      // the program's own options; a switch is 1 if given, else 0
+    std::map<std::string, std::string> words;  // those that take a word
+    std::vector<std::string> arguments;        // argv as it was, for the manifest
 
     // Value of one of the program's own options; the name must be one of its description.
     [[nodiscard]] double extra(const std::string& name) const { return extras.at(name); }
     [[nodiscard]] bool has(const std::string& name) const { return extra(name) != 0; }
+    [[nodiscard]] const std::string& word(const std::string& name) const { return words.at(name); }
 };
 
-// An option that only one of the programs has: a switch, or a number with a range.
+// An option that only one of the programs has: a switch, a number with a range, or a word.
 //   {"--no-figure", "Do not draw figure.png"}
 //   {"--water-every-s", "Interval of the stored water, s", NumberRange{0.1, 1000}, 5}
+//   {.name = "--clock", .help = "Pace of the run", .word = Word{"MODE", "fast", {"fast", "real_time"}}}
 struct NumberRange {
     double lo = 0;
     double hi = 0;
 };
+struct Word {
+    std::string placeholder;                // in --help
+    std::string preset = {};                // value if the option is not given
+    std::vector<std::string> choices = {};  // none: any text
+};
 struct ProgramOption {
     std::string name;
     std::string help;
-    std::optional<NumberRange> number = std::nullopt;  // none: a switch
-    double preset = 0;                                 // value if the option is not given
+    std::optional<NumberRange> number = std::nullopt;
+    double preset = 0;  // of a number, if the option is not given
+    std::optional<Word> word = std::nullopt;
 };
 
 struct ProgramDescription {

@@ -57,7 +57,16 @@ struct Obstacle {
     double height = 1;
 };
 
-enum class FluidModel { dfsph };
+enum class FluidModel { dfsph, kinematic };
+
+enum class VelocityProfile { uniform, logarithmic };
+
+// The kinematic model: nothing is solved, depth and velocity are given.
+struct Kinematic {
+    VelocityProfile profile = VelocityProfile::uniform;
+    double roughness_length = 0.005;  // z_0 of the logarithmic profile
+    double transport_factor = 1;      // particles and front move at this factor times their velocity
+};
 
 struct PressureSolve {
     double tolerance = 0;  // mean error that ends the iteration, see the schema for what it is relative to
@@ -67,6 +76,7 @@ struct PressureSolve {
 
 struct Fluid {
     FluidModel model = FluidModel::dfsph;
+    Kinematic kinematic;
     double particle_spacing = 0;  // d; particle mass = rest_density * d^3
     double rest_density = 1000;
     double kinematic_viscosity = 0;
@@ -91,6 +101,7 @@ struct AgentGroup {
 
 struct Crowd {
     SpeedRule speed_rule = SpeedRule::pi;
+    double step_rate = 30;      // steps of the crowd in a second
     int markers_per_cell = 64;  // in a cell of 2 x 2 m
     double marker_min_distance = 0.1;
     double perception_radius = 1.0;  // R, markers within it are perceived
@@ -100,12 +111,14 @@ struct Crowd {
 
 enum class ContactRule { difference, sum };
 enum class CouplingRule { per_frame };
+enum class AgentsStream { off, serial, parallel };  // the way back, coupling lag 0 or 1
 
 struct Coupling {
     ContactRule contact_rule = ContactRule::difference;
     CouplingRule rule = CouplingRule::per_frame;
     double agent_radius = 0.5;      // r_a
     double particle_radius = 0.25;  // r_p
+    AgentsStream agents_stream = AgentsStream::off;
 };
 
 // Sets tau of one agent, of a group or, if neither is named, of all agents from a frame on.

@@ -76,6 +76,23 @@ void check_periodic(const Scene& scene, const std::string& source) {
     if (channel.sides == Sides::periodic) check(channel.z, "/channel/z_max_m", "the width between periodic sides is");
 }
 
+// A given stream meets nothing and has no end walls.
+void check_kinematic(const Scene& scene, const std::string& source) {
+    if (scene.fluid.model != FluidModel::kinematic) return;
+    if (scene.channel.flow == Flow::closed) {
+        refuse(source, "/fluid/model",
+               "\"kinematic\" is a stream, and /channel/flow is \"closed\"; allowed: \"emitter\" and "
+               "\"recirculating\".");
+    }
+    if (!scene.obstacles.empty()) {
+        refuse(source, "/fluid/model",
+               "\"kinematic\" does not flow round obstacles, and /obstacles holds " +
+                   std::to_string(scene.obstacles.size()) +
+                   "; allowed: a model that solves for the water, such as "
+                   "\"dfsph\".");
+    }
+}
+
 void check_limits(const PressureSolve& solve, const std::string& source, const std::string& pointer) {
     if (solve.max_iterations == 0 || solve.min_iterations <= solve.max_iterations) return;
     refuse(source, pointer + "/min_iterations",
@@ -87,6 +104,7 @@ void check_limits(const PressureSolve& solve, const std::string& source, const s
 
 void check_water(const Scene& scene, const std::string& source) {
     check_flow(scene.channel, source);
+    check_kinematic(scene, source);
     check_limits(scene.fluid.density_solve, source, "/fluid/density_solve");
     check_limits(scene.fluid.divergence_solve, source, "/fluid/divergence_solve");
     if (!carries_water(scene.channel)) return;

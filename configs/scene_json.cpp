@@ -28,12 +28,16 @@ constexpr std::array flows{std::pair{"emitter", Flow::emitter}, std::pair{"recir
                            std::pair{"closed", Flow::closed}};
 constexpr std::array sides{std::pair{"walls", Sides::walls}, std::pair{"periodic", Sides::periodic}};
 constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"filled", InitialRiver::filled}};
-constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}};
+constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}, std::pair{"kinematic", FluidModel::kinematic}};
+constexpr std::array profiles{std::pair{"uniform", VelocityProfile::uniform},
+                              std::pair{"logarithmic", VelocityProfile::logarithmic}};
 constexpr std::array speed_rules{std::pair{"pi", SpeedRule::pi}, std::pair{"per_frame", SpeedRule::per_frame},
                                  std::pair{"per_second", SpeedRule::per_second}};
 constexpr std::array contact_rules{std::pair{"difference", ContactRule::difference},
                                    std::pair{"sum", ContactRule::sum}};
 constexpr std::array coupling_rules{std::pair{"per_frame", CouplingRule::per_frame}};
+constexpr std::array agents_streams{std::pair{"off", AgentsStream::off}, std::pair{"serial", AgentsStream::serial},
+                                    std::pair{"parallel", AgentsStream::parallel}};
 
 Interval interval(const json& box, const char* lo, const char* hi) {
     return {box.at(lo), box.at(hi)};
@@ -64,9 +68,14 @@ PressureSolve solve_from(const json& j) {
     return {j.at("tolerance"), j.at("min_iterations"), j.at("max_iterations")};
 }
 
+Kinematic kinematic_from(const json& j) {
+    return {choice_of(j.at("profile"), profiles), j.at("roughness_length_m"), j.at("transport_factor")};
+}
+
 Fluid fluid_from(const json& j) {
     Fluid fluid;
     fluid.model = choice_of(j.at("model"), fluid_models);
+    fluid.kinematic = kinematic_from(j.at("kinematic"));
     fluid.particle_spacing = j.at("particle_spacing_m");
     fluid.rest_density = j.at("rest_density_kg_m3");
     fluid.kinematic_viscosity = j.at("viscosity_m2_s");
@@ -98,6 +107,7 @@ AgentGroup group_from(const json& j) {
 Crowd crowd_from(const json& j) {
     Crowd crowd;
     crowd.speed_rule = choice_of(j.at("speed_rule"), speed_rules);
+    crowd.step_rate = j.at("step_rate_hz");
     crowd.markers_per_cell = j.at("markers_per_cell");
     crowd.marker_min_distance = j.at("marker_min_distance_m");
     crowd.perception_radius = j.at("perception_radius_m");
@@ -162,6 +172,7 @@ void resolve_shorthands(json& document, const json& as_written, const std::strin
     }
     for (std::size_t i = 0; i < crowd["groups"].size(); ++i) count_agents(crowd["groups"][i], i, source);
     const double frame_rate = document["frame_rate_hz"];
+    if (!crowd.contains("step_rate_hz")) crowd["step_rate_hz"] = frame_rate;
     for (std::size_t i = 0; i < document["events"].size(); ++i) {
         json& event = document["events"][i];
         if (event.contains("frame") == event.contains("time_s")) {
@@ -196,7 +207,7 @@ Scene scene_from_json(const json& document) {
     const json& coupling = document.at("coupling");
     scene.coupling = {choice_of(coupling.at("contact_rule"), contact_rules),
                       choice_of(coupling.at("rule"), coupling_rules), coupling.at("agent_radius_m"),
-                      coupling.at("particle_radius_m")};
+                      coupling.at("particle_radius_m"), choice_of(coupling.at("agents_stream"), agents_streams)};
     for (const json& event : document.at("events")) scene.events.push_back(event_from(event));
     return scene;
 }

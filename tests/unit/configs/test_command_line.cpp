@@ -16,7 +16,9 @@ namespace {
 const wade::ProgramDescription program{
     "crowd_client",
     "Simulates the crowd of a scene.",
-    {{"--no-figure", "Do not draw figure.png"}, {"--water-every-s", "Interval, s", wade::NumberRange{0.1, 100}, 5}}};
+    {{"--no-figure", "Do not draw figure.png"},
+     {"--water-every-s", "Interval, s", wade::NumberRange{0.1, 100}, 5},
+     {.name = "--clock", .help = "Pace", .word = wade::Word{"MODE", "fast", {"fast", "real_time"}}}}};
 
 const std::string s05 = std::string(WADE_SCENES) + "/paper/s05.json";
 
@@ -109,13 +111,37 @@ TEST_CASE("wrong usage is refused with exit code 2") {
     CHECK_THAT(usage_error({"gone.json"}), StartsWith("gone.json cannot be read: "));
 }
 
+TEST_CASE("an option that takes one of several words refuses any other and names them") {
+    CHECK(start({s05}).options.word("--clock") == "fast");
+    CHECK(start({s05, "--clock", "real_time"}).options.word("--clock") == "real_time");
+    CHECK_THAT(usage_error({s05, "--clock", "slow"}),
+               Contains("--clock: slow is not allowed; allowed: fast, real_time"));
+}
+
 TEST_CASE("--help names every option with its default, and needs no scene") {
     const ProgramStart help = start({"--help"});
     REQUIRE(help.answer);
-    for (const std::string option :
-         {"SCENE", "--session", "--out", "--reproducible", "--threads", "--seed", "--until-s", "--set",
-          "--attach-timeout-s", "[10]", "--step-timeout-s", "[60]", "--check", "--print-config", "--version",
-          "--no-figure", "--water-every-s", "[5]"}) {
+    for (const std::string option : {"SCENE",
+                                     "--session",
+                                     "--out",
+                                     "--reproducible",
+                                     "--threads",
+                                     "--seed",
+                                     "--until-s",
+                                     "--set",
+                                     "--attach-timeout-s",
+                                     "[10]",
+                                     "--step-timeout-s",
+                                     "[60]",
+                                     "--check",
+                                     "--print-config",
+                                     "--version",
+                                     "--no-figure",
+                                     "--water-every-s",
+                                     "[5]",
+                                     "--clock",
+                                     "MODE",
+                                     "[fast]"}) {
         CHECK_THAT(*help.answer, Contains(option));
     }
 }

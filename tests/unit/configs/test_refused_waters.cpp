@@ -142,3 +142,14 @@ TEST_CASE("iteration limits that contradict one another are refused") {
         load_patched("{}", {"/fluid/divergence_solve/max_iterations=0"}).scene.fluid.divergence_solve.max_iterations ==
         0);
 }
+
+TEST_CASE("a kinematic stream in a closed channel or round an obstacle is refused") {
+    const std::string kinematic = R"({"fluid": {"model": "kinematic"}, "channel": )";
+    CHECK_THAT(refusal(kinematic + R"({}})"),
+               Equals("scene.json: /fluid/model: \"kinematic\" is a stream, and /channel/flow is \"closed\"; allowed: "
+                      "\"emitter\" and \"recirculating\"."));
+    const std::string flow = kinematic + R"({"flow": "emitter", "velocity_m_s": 1})";
+    CHECK_NOTHROW(load_patched(flow + "}"));
+    CHECK_THAT(refusal(flow + R"(, "obstacles": [)" + box(5, 6, 12, 13, "height_m") + "]}"),
+               Contains("/fluid/model: \"kinematic\" does not flow round obstacles, and /obstacles holds 1"));
+}

@@ -35,7 +35,7 @@ constexpr std::array<double, 3> velocities{0.5, 1.5, 2.5};
 
 TEST_CASE("every shipped scene loads, and its canonical text loads again to the same hash") {
     const auto files = shipped_scenes();
-    CHECK(files.size() >= 28);
+    CHECK(files.size() >= 41);
     for (const auto& file : files) {
         INFO(file);
         const LoadedScene loaded = wade::load_scene(file);
@@ -54,7 +54,7 @@ TEST_CASE("every shipped scene states its Froude number") {
 }
 
 TEST_CASE("the scenarios have tau and v_F of Table 1 and the Froude number that they state") {
-    for (const std::string set : {"paper", "river"}) {
+    for (const std::string set : {"paper", "river", "observed"}) {
         for (int number = 1; number <= 12; ++number) {
             const Scene scene = wade::load_scene(scenario(set, number)).scene;
             const auto row = static_cast<std::size_t>(number - 1);
@@ -72,7 +72,7 @@ TEST_CASE("the scenarios have tau and v_F of Table 1 and the Froude number that 
 }
 
 TEST_CASE("the scenarios of a set differ in tau and v_F only") {
-    for (const std::string set : {"paper", "river"}) {
+    for (const std::string set : {"paper", "river", "observed"}) {
         std::set<std::uint64_t> hashes;
         const auto levelled = [&set](int number) {
             return wade::load_scene(scenario(set, number), {wade::parse_override("/crowd/tau=0.5"),
@@ -113,6 +113,19 @@ TEST_CASE("the river's set is the experiment as the paper describes it") {
     CHECK(scene.world.gravity == 9.81);
     CHECK(scene.crowd.groups.at(0).count == 50);
     CHECK(wade::particles_needed(scene) == wade::river_particles(scene));
+}
+
+TEST_CASE("the observed set is a given stream that is transported faster than it pushes") {
+    const Scene scene = wade::load_scene(scenario("observed", 5)).scene;
+    CHECK(scene.fluid.model == wade::FluidModel::kinematic);
+    CHECK(scene.fluid.kinematic.profile == wade::VelocityProfile::uniform);
+    CHECK(scene.fluid.kinematic.transport_factor == 2.6);
+    CHECK(scene.channel.flow == wade::Flow::emitter);
+    CHECK(scene.channel.initial_river == wade::InitialRiver::dry);
+    CHECK(scene.channel.depth == 1);
+    const Scene paper = wade::load_scene(scenario("paper", 5)).scene;
+    CHECK(scene.crowd.groups.at(0).goal_x == paper.crowd.groups.at(0).goal_x);
+    CHECK(scene.fluid.particle_spacing == paper.fluid.particle_spacing);
 }
 
 TEST_CASE("the validation scenes have the layers that their references assume") {
