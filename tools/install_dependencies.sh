@@ -4,10 +4,18 @@ set -euo pipefail
 
 packages=(
   g++ cmake ninja-build git               # build; git names the commit in --version
-  libeigen3-dev libboost-dev nlohmann-json3-dev libcli11-dev libsqlite3-dev
+  libeigen3-dev libboost-dev nlohmann-json3-dev libcli11-dev libsqlite3-dev libzstd-dev
   catch2                                  # unit tests
+  spin clang libclang-rt-14-dev           # the protocol's model and the fuzzer of its header
+  libzmq3-dev pkgconf                     # what the protocol is measured against
   python3 python3-numpy python3-matplotlib  # scripts, system tests, pictures
 )
+
+# Headers for the producer in Node; a node from elsewhere often brings them along.
+node=$(readlink -f "$(command -v node || true)" || true)
+if [ ! -f "${node%/bin/node}/include/node/node_api.h" ]; then
+  packages+=(nodejs libnode-dev)
+fi
 
 case "${1:-}" in
   "") ;;

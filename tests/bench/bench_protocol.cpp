@@ -1,0 +1,206 @@
+// bench_protocol [--quick] [--json FILE]: what it costs to hand a frame over, side by side with other ways.
+//
+// Every way is measured in every round, one after the other, so that the ratios within a round do not depend on what
+// else the machine does; shown are medians over the rounds.
+
+#include <sched.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <map>
+
+#include "shm_protocol/publisher.hpp"
+#include "shm_protocol/subscriber.hpp"
+#include "tests/bench/bench_report.hpp"
+#include "tests/bench/transports.hpp"
+
+namespace {
+
+using namespace wade;
+using namespace wade::bench;
+
+struct Options {
+    bool quick = false;
+    std::string json;
+};
+
+double now_s() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+struct Case {
+    const char* name;
+    const char* title;
+    std::uint32_t particles;
+    int exchanges;      // timed in a round
+    double unit_per_s;  // 1e6 for us
+    const char* unit;
+};
+
+struct Series {
+    std::vector<double> p50, p99;  // one of each a round
+};
+
+// The times of single exchanges after some that warm up caches, page tables and sockets.
+void measure(const Case& c, const std::string& way, Series& series) {
+    Payload payload(std::size_t{7} * c.particles);
+    for (std::size_t k = 0; k < payload.size(); ++k) payload[k] = static_cast<float>(k % 1000);
+    const auto transport = make_transport(way, c.particles);
+    for (int i = 0; i < c.exchanges / 10 + 3; ++i) transport->exchange(payload);
+    std::vector<double> times;
+    for (int i = 0; i < c.exchanges; ++i) {
+        const double start = now_s();
+        transport->exchange(payload);
+        times.push_back((now_s() - start) * c.unit_per_s);
+    }
+    series.p50.push_back(quantile(times, 0.5));
+    series.p99.push_back(quantile(times, 0.99));
+}
+
+void show_case(const Case& c, int rounds, std::vector<Result>& results) {
+    std::map<std::string, Series> all;
+    for (int round = 0; round < rounds; ++round)
+        for (const std::string& way : transport_names()) {
+            // The limit of a handshake is nothing at all.
+            if (c.particles > 0 || way != "memcpy") measure(c, way, all[way]);
+        }
+    std::printf("\n%s, %s a round trip, medians of %d rounds of %d\n", c.title, c.unit, rounds, c.exchanges);
+    std::printf("  %-14s %10s %10s %12s\n", "", "p50", "p99", "of memcpy");
+    std::vector<double> limit = all["memcpy"].p50;
+    for (const std::string& way : transport_names()) {
+        Series& series = all[way];
+        if (series.p50.empty()) continue;
+        std::vector<double> ratios;
+        for (std::size_t i = 0; i < limit.size(); ++i) ratios.push_back(series.p50[i] / limit[i]);
+        const std::vector<double> p50 = series.p50;
+        std::printf("  %-14s %10.3f %10.3f", way.c_str(), quantile(series.p50, 0.5), quantile(series.p99, 0.5));
+        std::printf(ratios.empty() ? "\n" : " %12.2f\n", ratios.empty() ? 0 : quantile(ratios, 0.5));
+        const std::string name = std::string("protocol/") + c.name + (way == "wade" ? "" : " " + way);
+        results.push_back(result_of(name, c.particles, 1, p50, c.unit));
+    }
+}
+
+double cpu_seconds_of_children() {
+    rusage usage{};
+    getrusage(RUSAGE_CHILDREN, &usage);
+    return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+shm::StreamInfo handshake_info() {
+    shm::StreamInfo info;
+    info.producer_name = "bench";
+    info.capacity = 1;
+    return info;
+}
+
+// The share of a processor that a consumer takes while its producer computes for 100 ms a frame.
+void show_waiting(int frames, std::vector<Result>& results) {
+    const double before = cpu_seconds_of_children();
+    const double start = now_s();
+    {
+        const std::string session = "wade-bench-wait-" + std::to_string(getpid());
+        shm::Publisher publisher(session, handshake_info());
+        const Child child([&] {
+            shm::Subscriber subscriber(session, "bench");
+            while (subscriber.acquire()) subscriber.release();
+        });
+        publisher.wait_for_consumers(1);
+        for (int f = 0; f < frames; ++f) {
+            static_cast<void>(publisher.begin_frame());
+            usleep(100'000);
+            publisher.end_frame(0);
+        }
+        publisher.close();
+    }
+    const double share = 100 * (cpu_seconds_of_children() - before) / (now_s() - start);
+    std::printf("\nA consumer that waits for frames of 100 ms takes %.2f %% of a processor (its start included)\n",
+                share);
+    results.push_back({"protocol/waiting_cpu_percent", 0, 1, share, share, share, "percent"});
+}
+
+// From the kill of a consumer to the error of the producer that waits for it.
+void show_death(int deaths, std::vector<Result>& results) {
+    std::vector<double> times;
+    for (int i = 0; i < deaths; ++i) {
+        const std::string session = "wade-bench-death-" + std::to_string(getpid()) + "-" + std::to_string(i);
+        shm::Publisher publisher(session, handshake_info());
+        const Child child([&] {
+            shm::Subscriber subscriber(session, "bench");
+            static_cast<void>(subscriber.acquire());
+            pause();
+        });
+        publisher.wait_for_consumers(1);
+        if (const auto slot = publisher.begin_frame()) publisher.end_frame(0);
+        usleep(20'000);
+        kill(child.pid(), SIGKILL);
+        const double start = now_s();
+        try {
+            static_cast<void>(publisher.begin_frame());
+        } catch (const shm::Error&) {
+            times.push_back(1e3 * (now_s() - start));
+        }
+    }
+    const Result result = result_of("protocol/death_noticed_ms", 0, 1, times, "ms");
+    std::printf("\nThe death of a consumer is noticed after %.0f ms (median of %d, at most %.0f ms)\n", result.median,
+                deaths, result.max);
+    results.push_back(result);
+}
+
+void use_first_processor_only() {
+    cpu_set_t all, first;
+    sched_getaffinity(0, sizeof all, &all);
+    CPU_ZERO(&first);
+    for (std::size_t i = 0; i < CPU_SETSIZE; ++i)
+        if (CPU_ISSET(i, &all)) {
+            CPU_SET(i, &first);
+            break;
+        }
+    sched_setaffinity(0, sizeof first, &first);
+}
+
+Options parse(int argc, char** argv) {
+    Options options;
+    for (int i = 1; i < argc; ++i) {
+        if (std::strcmp(argv[i], "--quick") == 0)
+            options.quick = true;
+        else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc)
+            options.json = argv[++i];
+        else
+            throw std::invalid_argument(std::string("unexpected argument ") + argv[i] +
+                                        "; allowed: --quick, --json FILE");
+    }
+    return options;
+}
+
+void run(const Options& options) {
+    const int rounds = options.quick ? 3 : 9;
+    std::vector<Result> results;
+    std::printf("%s\n", machine().c_str());
+    show_case({"handshake_us", "Handshake", 0, 20'000, 1e6, "us"}, rounds, results);
+    show_case({"frame_100k_ms", "100,000 particles", 100'000, 200, 1e3, "ms"}, rounds, results);
+    show_case({"frame_1m_ms", "1,000,000 particles", 1'000'000, 20, 1e3, "ms"}, rounds, results);
+    show_waiting(options.quick ? 10 : 30, results);
+    show_death(options.quick ? 5 : 21, results);
+    use_first_processor_only();
+    show_case({"handshake_one_cpu_us", "Handshake, both on one processor", 0, 20'000, 1e6, "us"}, rounds, results);
+    if (!options.json.empty()) write_json(options.json, results);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        run(parse(argc, argv));
+        return 0;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_protocol: %s\n", error.what());
+        return dynamic_cast<const std::invalid_argument*>(&error) != nullptr ? 2 : 1;
+    }
+}

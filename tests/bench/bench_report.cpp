@@ -1,0 +1,60 @@
+#include "tests/bench/bench_report.hpp"
+
+#include <sys/sysinfo.h>
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <thread>
+
+namespace wade::bench {
+
+double quantile(std::vector<double>& values, double q) {
+    std::sort(values.begin(), values.end());
+    const auto last = static_cast<double>(values.size() - 1);
+    return values[static_cast<std::size_t>(std::lround(q * last))];
+}
+
+Result result_of(const std::string& name, std::uint64_t size, int threads, std::vector<double> rounds,
+                 const std::string& unit) {
+    const double median = quantile(rounds, 0.5);
+    return {name, size, threads, median, rounds.front(), rounds.back(), unit};
+}
+
+std::string machine() {
+    std::ifstream cpuinfo("/proc/cpuinfo");
+    std::string model = "unknown processor";
+    for (std::string line; std::getline(cpuinfo, line);) {
+        if (line.rfind("model name", 0) != 0) continue;
+        model = line.substr(line.find(':') + 2);
+        break;
+    }
+    struct sysinfo memory {};
+    sysinfo(&memory);
+    struct utsname kernel {};
+    uname(&kernel);
+    const double gibibytes = static_cast<double>(memory.totalram) * memory.mem_unit / (1024.0 * 1024 * 1024);
+    return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " processors, " +
+           std::to_string(std::lround(gibibytes)) + " GiB, " + kernel.sysname + " " + kernel.release;
+}
+
+void write_json(const std::string& file, const std::vector<Result>& results) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const Result& r : results) {
+        list.push_back({{"name", r.name},
+                        {"size", r.size},
+                        {"threads", r.threads},
+                        {"median", r.median},
+                        {"min", r.min},
+                        {"max", r.max},
+                        {"unit", r.unit}});
+    }
+    std::ofstream out(file);
+    out << nlohmann::ordered_json{{"machine", machine()}, {"results", list}}.dump(2) << '\n';
+    if (!out.flush()) throw std::runtime_error("--json: " + file + " cannot be written");
+}
+
+}  // namespace wade::bench
