@@ -57,7 +57,7 @@ Agents make_agents(const Scene& scene) {
     const std::size_t n = agents.position.size();
     agents.velocity.assign(n, Vector2d::Zero());
     agents.outcome.assign(n, Outcome::active);
-    agents.end_frame.assign(n, 0);
+    agents.end_step.assign(n, 0);
     agents.path_length.assign(n, 0.0);
     agents.max_depth.assign(n, 0.0);
     agents.max_dv.assign(n, 0.0);

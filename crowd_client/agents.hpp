@@ -18,7 +18,7 @@ enum class Outcome : std::uint8_t { active, arrived, dead };
 
 struct Agents {
     std::vector<Vector2d> position;     // m
-    std::vector<Vector2d> velocity;     // displacement of the last frame / dt, m/s
+    std::vector<Vector2d> velocity;     // displacement of the last step / dt, m/s
     std::vector<Vector2d> heading;      // unit vector of the last motion; towards the goal before the first
     std::vector<Vector2d> goal;         // m
     std::vector<double> desired_speed;  // s_max, m/s
@@ -26,10 +26,10 @@ struct Agents {
     std::vector<double> tau;            // endurance, [0, 1]
     std::vector<std::uint32_t> group;   // index into Crowd::groups
     std::vector<Outcome> outcome;
-    std::vector<std::uint64_t> end_frame;  // frame of arrival or death; meaningless while active
-    std::vector<double> path_length;       // m
-    std::vector<double> max_depth;         // deepest water met, m
-    std::vector<double> max_dv;            // largest depth times speed of the water met, m2/s
+    std::vector<std::uint64_t> end_step;  // step of arrival or death; meaningless while active
+    std::vector<double> path_length;      // m
+    std::vector<double> max_depth;        // deepest water met, m
+    std::vector<double> max_dv;           // largest depth times speed of the water met, m2/s
 
     [[nodiscard]] std::size_t size() const { return position.size(); }
 };

@@ -12,7 +12,7 @@
 namespace wade::crowd {
 
 // Which markers belong to whom; position k of the walker list owns offsets[start[k] .. start[k + 1]).
-// The other arrays are working memory that is kept from frame to frame.
+// The other arrays are working memory that is kept from step to step.
 struct MarkerClaims {
     std::vector<std::uint32_t> start;
     std::vector<Vector2d> offsets;  // marker - walker, m

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "configs/exit_code.hpp"
+#include "configs/scene_frames.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -21,6 +22,8 @@ void check_coupling(const Scene& scene) {
                 << " m (the size of a cell)";
     } else if (!(scene.frame_rate > 0)) {
         message << "/frame_rate_hz is " << scene.frame_rate << ", allowed is more than 0";
+    } else if (!(scene.crowd.step_rate > 0)) {
+        message << "/crowd/step_rate_hz is " << scene.crowd.step_rate << ", allowed is more than 0";
     } else {
         return;
     }
@@ -48,11 +51,12 @@ void apply_event(Agents& agents, const Scene& scene, const TauEvent& event) {
     }
 }
 
-void apply_events_due(CrowdWorld& crowd, std::uint64_t frame) {
+void apply_events_due(CrowdWorld& crowd, std::uint64_t step) {
     const std::vector<TauEvent>& events = crowd.scene.events;
-    for (; crowd.events_applied < events.size() && events[crowd.events_applied].frame <= frame;
-         ++crowd.events_applied) {
-        apply_event(crowd.agents, crowd.scene, events[crowd.events_applied]);
+    for (; crowd.events_applied < events.size(); ++crowd.events_applied) {
+        const TauEvent& event = events[crowd.events_applied];
+        if (step_of_frame(crowd.scene, event.frame) > step) return;
+        apply_event(crowd.agents, crowd.scene, event);
     }
 }
 
@@ -127,14 +131,14 @@ Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
     return (crowd.agents.goal[id] - p).squaredNorm() <= reach * reach ? Outcome::arrived : Outcome::active;
 }
 
-void judge_outcomes(CrowdWorld& crowd, std::uint64_t frame) {
+void judge_outcomes(CrowdWorld& crowd, std::uint64_t step) {
     for (const std::uint32_t id : crowd.active) {
         const Outcome outcome = judge(crowd, id);
         crowd.agents.outcome[id] = outcome;
         if (outcome == Outcome::active) continue;
-        crowd.agents.end_frame[id] = frame;
+        crowd.agents.end_step[id] = step;
         ++(outcome == Outcome::arrived ? crowd.arrived : crowd.dead);
-        if (outcome == Outcome::arrived) crowd.last_arrival_frame = frame;
+        if (outcome == Outcome::arrived) crowd.last_arrival_step = step;
     }
     std::erase_if(crowd.active, [&](std::uint32_t id) { return crowd.agents.outcome[id] != Outcome::active; });
 }
@@ -145,7 +149,7 @@ CrowdWorld make_crowd(const Scene& scene) {
     check_coupling(scene);
     CrowdWorld crowd;
     crowd.scene = scene;
-    crowd.dt = 1 / scene.frame_rate;
+    crowd.dt = 1 / scene.crowd.step_rate;
     std::stable_sort(crowd.scene.events.begin(), crowd.scene.events.end(),
                      [](const TauEvent& a, const TauEvent& b) { return a.frame < b.frame; });
     crowd.agents = make_agents(scene);
@@ -160,8 +164,9 @@ CrowdWorld make_crowd(const Scene& scene) {
     return crowd;
 }
 
-void step(CrowdWorld& crowd, const WaterView& water, std::uint64_t frame) {
-    apply_events_due(crowd, frame);
+void step(CrowdWorld& crowd, const WaterView& water) {
+    const std::uint64_t this_step = crowd.steps + 1;
+    apply_events_due(crowd, this_step);
     freeze_positions(crowd);
     bin_water(crowd.water, water, crowd.positions);
     find_contacts(crowd);  // Eq. 5
@@ -170,8 +175,8 @@ void step(CrowdWorld& crowd, const WaterView& water, std::uint64_t frame) {
     choose_walking_velocities(crowd);  // Eq. 1-4
     couple_with_water(crowd);          // Eq. 6-9
     move_agents(crowd);
-    judge_outcomes(crowd, frame);
-    crowd.frame = frame;
+    judge_outcomes(crowd, this_step);
+    crowd.steps = this_step;
 }
 
 }  // namespace wade::crowd

@@ -14,15 +14,15 @@ namespace wade::crowd {
 
 struct CrowdWorld {
     Scene scene;
-    double dt = 0;            // length of a frame, s
-    std::uint64_t frame = 0;  // last one taken, 0 = the start
+    double dt = 0;            // length of a step, s
+    std::uint64_t steps = 0;  // taken; step k leads to the state at time k dt
 
     Agents agents;
     std::vector<std::uint32_t> active;  // ids of the agents that are neither arrived nor dead, ascending
     std::size_t arrived = 0;
     std::size_t dead = 0;
-    std::uint64_t last_arrival_frame = 0;  // 0 = nobody has arrived
-    std::size_t events_applied = 0;        // of scene.events, which make_crowd sorts by frame
+    std::uint64_t last_arrival_step = 0;  // 0 = nobody has arrived
+    std::size_t events_applied = 0;       // of scene.events, which make_crowd sorts by frame
 
     Markers markers;
     Walls walls;
@@ -40,8 +40,8 @@ struct CrowdWorld {
 // Sets up markers, agents and walls. Throws ConfigurationError for what the crowd cannot work with.
 [[nodiscard]] CrowdWorld make_crowd(const Scene& scene);
 
-// Takes the crowd through one frame of the water: from the state at frame - 1 to that at `frame`.
+// Takes the next step, through the water as it is: Eq. 1-9 once, whatever the rate of the water's frames.
 // The new state of each agent is computed from the frozen old state of all, so the order of the agents does not matter.
-void step(CrowdWorld& crowd, const WaterView& water, std::uint64_t frame);
+void step(CrowdWorld& crowd, const WaterView& water);
 
 }  // namespace wade::crowd

@@ -42,9 +42,9 @@ struct Contact {
 // Eq. 4: the walking velocity v_B = s m / |m|, m/s; zero for m = 0.
 // The source limits s by |m| without saying per what time; the three readings:
 //   pi          s = min(pi |m| s_max, s_max) per second, as its authors' program does; walks freely at 0.99 s_max
-//   per_frame   s = min(|m|, s_max dt) per frame
+//   per_frame   s = min(|m|, s_max dt) per step
 //   per_second  s = min(|m|, s_max) per second; walks freely at about 0.31 m/s
-// motion: m of Eq. 1, m; desired_speed: s_max, m/s; dt: length of a frame, s.
+// motion: m of Eq. 1, m; desired_speed: s_max, m/s; dt: length of a step, s.
 [[nodiscard]] Vector2d walking_velocity(const Vector2d& motion, double desired_speed, SpeedRule rule, double dt);
 
 // Eq. 5: what the particles in contact with an agent carry, sum m_i v_i in kg m/s, with their mass sum m_i in kg.
@@ -62,7 +62,7 @@ struct Contact {
 [[nodiscard]] Contact yielded_water(double tau, const Contact& water);
 
 // Eq. 9: the agent's new velocity, v^{t+1} = (m_a v_B + tau sum m_i v_i) / (m_a + tau sum m_i), m/s: Eq. 6 over Eq. 7
-// with the water of Eq. 8. It starts from v_B each frame anew, an agent has no inertia of its own. Without water or
+// with the water of Eq. 8. It starts from v_B each step anew, an agent has no inertia of its own. Without water or
 // with tau = 0 the result is v_B itself, bit for bit. Needs agent_mass > 0.
 [[nodiscard]] Vector2d coupled_velocity(double agent_mass, const Vector2d& walking, double tau, const Contact& water);
 

@@ -1,22 +1,21 @@
 #include "crowd_client/frame_source.hpp"
 
-#include <cmath>
-#include <sstream>
 #include <utility>
 
-#include "configs/exit_code.hpp"
+#include "shm_protocol/latest_reader.hpp"
 #include "shm_protocol/subscriber.hpp"
 
 namespace wade::crowd {
 namespace {
 
-class SharedMemorySource final : public FrameSource {
+class LockstepSource final : public FrameSource {
  public:
-    explicit SharedMemorySource(shm::Subscriber subscriber) : subscriber_(std::move(subscriber)) {}
+    explicit LockstepSource(shm::Subscriber subscriber) : subscriber_(std::move(subscriber)) {}
 
     [[nodiscard]] const shm::StreamInfo& info() const override { return subscriber_.info(); }
     [[nodiscard]] std::optional<shm::Frame> acquire() override { return subscriber_.acquire(); }
     void release() override { subscriber_.release(); }
+    void set_paused(bool paused) noexcept override { subscriber_.set_paused(paused); }
     void leave() noexcept override { subscriber_.leave(); }
     void abort(int reason_code, std::string_view text) noexcept override { subscriber_.abort(reason_code, text); }
 
@@ -24,23 +23,32 @@ class SharedMemorySource final : public FrameSource {
     shm::Subscriber subscriber_;
 };
 
+// The producer does not wait for this side, so that a pause or a reason to give up are no news to it.
+class LatestSource final : public FrameSource {
+ public:
+    explicit LatestSource(shm::LatestReader reader) : reader_(std::move(reader)) {}
+
+    [[nodiscard]] const shm::StreamInfo& info() const override { return reader_.info(); }
+    [[nodiscard]] bool in_lockstep() const override { return false; }
+    [[nodiscard]] std::optional<shm::Frame> acquire() override { return reader_.next(); }
+    void release() override {}
+    [[nodiscard]] std::uint64_t dropped_frames() const override { return reader_.dropped_frames(); }
+    void leave() noexcept override { reader_.leave(); }
+    void abort(int, std::string_view) noexcept override { reader_.leave(); }
+
+ private:
+    shm::LatestReader reader_;
+};
+
 }  // namespace
 
-std::unique_ptr<FrameSource> join_session(const std::string& session, std::uint64_t scene_hash, double frame_rate,
+std::unique_ptr<FrameSource> join_session(const std::string& session, std::uint64_t scene_hash, FrameMode mode,
                                           shm::Waiting waiting) {
-    auto source =
-        std::make_unique<SharedMemorySource>(shm::Subscriber(session, "crowd", scene_hash, std::move(waiting)));
-    const shm::StreamInfo& info = source->info();
-    const double stream_rate = static_cast<double>(info.ticks_per_second) / static_cast<double>(info.ticks_per_frame);
-    // A rate that is no ratio of small integers may be rounded in ticks; 1e-6 is 0.4 ms over 400 s.
-    if (!(std::abs(stream_rate - frame_rate) <= 1e-6 * frame_rate)) {
-        std::ostringstream message;
-        message << "the producer '" << info.producer_name << "' sends " << stream_rate
-                << " frames a second, the scene has /frame_rate_hz " << frame_rate;
-        source->abort(static_cast<int>(ExitCode::protocol_violation), message.str());
-        throw RunError(ExitCode::protocol_violation, message.str());
+    shm::JoinOptions options{.scene_hash = scene_hash, .waiting = std::move(waiting)};
+    if (mode == FrameMode::latest) {
+        return std::make_unique<LatestSource>(shm::LatestReader(session, "crowd", std::move(options)));
     }
-    return source;
+    return std::make_unique<LockstepSource>(shm::Subscriber(session, "crowd", std::move(options)));
 }
 
 }  // namespace wade::crowd

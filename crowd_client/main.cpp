@@ -1,23 +1,24 @@
 // crowd_client SCENE.json: walks the crowd of a scene through the water that a fluid server sends.
 
-#include <unistd.h>
-
 #include <chrono>
-#include <ctime>
 #include <exception>
-#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
-#include <thread>
 
 #include "configs/command_line.hpp"
 #include "configs/exit_code.hpp"
 #include "configs/peer_support.hpp"
 #include "configs/program.hpp"
+#include "configs/run_control.hpp"
+#include "crowd_client/agents_stream.hpp"
+#include "crowd_client/frame_time.hpp"
+#include "crowd_client/played_events.hpp"
 #include "crowd_client/progress.hpp"
 #include "crowd_client/run_client.hpp"
 #include "crowd_client/run_folder.hpp"
+#include "crowd_client/run_labels.hpp"
 
 namespace {
 
@@ -34,51 +35,6 @@ class Stopwatch {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-std::string utc_now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm utc{};
-    gmtime_r(&now, &utc);
-    char text[32];
-    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-    return text;
-}
-
-std::string host_name() {
-    char name[256] = {};
-    return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
-}
-
-// The command without what differs between two runs of the same thing: places and session names.
-std::vector<std::string> portable_command(const std::vector<std::string>& arguments) {
-    std::vector<std::string> portable;
-    for (std::size_t i = 0; i < arguments.size(); ++i) {
-        const std::string& a = arguments[i];
-        if (i == 0) {
-            portable.push_back(std::filesystem::path(a).filename().string());
-        } else if (a == "--out" || a == "--session") {
-            ++i;
-        } else if (a.rfind("--out=", 0) != 0 && a.rfind("--session=", 0) != 0) {
-            portable.push_back(a);
-        }
-    }
-    return portable;
-}
-
-RunLabels labels_of(const ProgramStart& start) {
-    RunLabels labels;
-    labels.canonical_scene = start.loaded.canonical_json;
-    labels.session = start.options.session;
-    labels.reproducible = start.options.reproducible;
-    labels.threads = start.options.threads;
-    labels.command_line = labels.reproducible ? portable_command(start.options.arguments) : start.options.arguments;
-    if (!labels.reproducible) {
-        if (labels.threads == 0) labels.threads = static_cast<int>(std::thread::hardware_concurrency());
-        labels.started_at = utc_now();
-        labels.host = host_name();
-    }
-    return labels;
-}
-
 std::string status_for(const std::exception& error) {
     const auto* output = dynamic_cast<const OutputError*>(&error);
     return output != nullptr && output->disk_full() ? "disk_full" : status_of(exit_code_of<shm::Error>(error));
@@ -91,38 +47,81 @@ struct Run {
     Stopwatch clock;
 };
 
+// Empty if the scene has no way back. The producer learns why there is none if it should have been there.
+std::optional<AgentsPublisher> open_way_back(const Run& run, FrameSource& source, const shm::Waiting& waiting) {
+    if (run.crowd.scene.coupling.agents_stream == AgentsStream::off) return std::nullopt;
+    try {
+        return AgentsPublisher(run.labels.session, run.crowd, source.info(), waiting);
+    } catch (const std::exception& error) {
+        source.abort(exit_code_of<shm::Error>(error), error.what());
+        throw;
+    }
+}
+
+void obey(const TauCommand& command, CrowdWorld& crowd, RunFolder& folder, Console& console) {
+    try {
+        const TauEvent event = event_of(crowd, command);
+        folder.record_event(event);
+        add_event(crowd, event);
+        console.line("from frame " + std::to_string(event.frame) + " on: " + event_json(event));
+    } catch (const ConfigurationError& error) {
+        console.line(error.what());
+    }
+}
+
 // Takes part in the session to its end; errors pass through, with `run` complete up to the last frame.
-void take_part(Run& run, RunFolder& folder, const RunOptions& options, Console& console) {
-    const std::unique_ptr<FrameSource> source = join_session(
-        options.session, run.crowd.scene.hash, run.crowd.scene.frame_rate, waiting_of<shm::Waiting>(options, console));
+void take_part(Run& run, RunFolder& folder, const RunOptions& options, RunControl& control, Console& console) {
+    const auto waiting = waiting_of<shm::Waiting>(options, console);
+    const FrameMode mode = run.labels.latest_frames ? FrameMode::latest : FrameMode::lockstep;
+    const std::unique_ptr<FrameSource> source = join_session(options.session, run.crowd.scene.hash, mode, waiting);
     run.labels.model = source->info().producer_name;
     console.line("joined session '" + options.session + "' of '" + run.labels.model + "'");
+    if (const std::string note = rate_note(run.crowd.scene, source->info()); !note.empty()) console.line(note);
+    std::optional<AgentsPublisher> agents = open_way_back(run, *source, waiting);
     run.clock = Stopwatch();
+
+    RunControl::Hooks control_hooks;
+    control_hooks.paused = [&](bool paused) {
+        source->set_paused(paused);
+        if (agents) agents->set_paused(paused);
+    };
+    control_hooks.interrupted = [] { return received_signal() != 0; };
+    control_hooks.message = [&](const std::string& text) { console.line(text); };
 
     ClientHooks hooks;
     hooks.interrupted = [] { return received_signal(); };
-    hooks.on_frame = [&](const CrowdWorld& crowd, const shm::Frame& frame, const WaterView& water) {
-        folder.record(crowd, water);
-        if (console.progress_due(static_cast<double>(crowd.frame) * crowd.dt)) {
+    hooks.before_frame = [&] {
+        control.wait_while_paused(control_hooks);
+        for (const TauCommand& command : control.take_tau_commands()) obey(command, run.crowd, folder, console);
+    };
+    hooks.on_step = [&](const CrowdWorld& crowd, const WaterView& water) { folder.record(crowd, water); };
+    hooks.on_frame = [&](const CrowdWorld& crowd, const shm::Frame& frame) {
+        if (console.progress_due(static_cast<double>(crowd.steps) * crowd.dt)) {
             console.progress(progress_line(crowd, frame, run.clock.seconds()));
         }
     };
-    run_client(run.crowd, *source, run.summary, hooks);
+    run_client(run.crowd, *source, run.summary, hooks, agents ? &*agents : nullptr);
 }
 
 int run_scene(const ProgramStart& start, Console& console) {
     Run run;
     run.crowd = make_crowd(start.loaded.scene);
     run.labels = labels_of(start);
+    if (run.labels.latest_frames && run.crowd.scene.coupling.agents_stream != AgentsStream::off) {
+        throw ConfigurationError(
+            "--mode latest: frames may be missed, but the scene's /coupling/agents_stream answers each of them; "
+            "allowed: --mode lockstep, or agents_stream \"off\".");
+    }
+    RunControl control(start.options.word("--commands"));
     RunFolder folder(start.options.out.value_or(default_run_folder(run.crowd.scene.name)), run.crowd, run.labels,
                      start.options.extra("--water-every-s"));
     run.clock = Stopwatch();
     int code = static_cast<int>(ExitCode::ok);
     try {
-        take_part(run, folder, start.options, console);
+        take_part(run, folder, start.options, control, console);
         if (run.summary.status == "stream_ended") {
             run.summary.message = "the stream of water ended after frame " + std::to_string(run.summary.frames) +
-                                  " of " + std::to_string(frames_of(run.crowd.scene));
+                                  ", before the scene's duration was over";
             console.warning(run.summary.message);
         }
     } catch (const std::exception& error) {
@@ -144,17 +143,31 @@ int run_scene(const ProgramStart& start, Console& console) {
     return code;
 }
 
+ProgramDescription description() {
+    return {"crowd_client",
+            "Walks the crowd of a scene through the water that a fluid server sends.",
+            {{.name = "--water-every-s",
+              .help = "Simulated time between two stored pictures of the water, s; 0: none",
+              .number = NumberRange{0, 1e6},
+              .preset = 5},
+             {.name = "--mode",
+              .help = "lockstep: every frame, and the producer waits for the crowd. latest: the newest frame, and the "
+                      "producer never waits; frames may be dropped, so that two runs differ",
+              .word = Word{"MODE", "lockstep", {"lockstep", "latest"}}},
+             {.name = "--commands",
+              .help = "Where lines with commands come from: pause, resume, step [N] (N frames of water), tau VALUE "
+                      "[agent ID | group NAME], quit, an empty line to pause or resume. PLACE: a FIFO, made if it is "
+                      "absent; -: stdin [the terminal, if stdin is one]. SIGUSR1 pauses or resumes, SIGUSR2 does one "
+                      "frame",
+              .word = Word{"PLACE"}}}};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     Console console("crowd_client");
     try {
-        const ProgramDescription program{
-            "crowd_client",
-            "Walks the crowd of a scene through the water that a fluid server sends.",
-            {{"--water-every-s", "Simulated time between two stored pictures of the water, s; 0: none",
-              NumberRange{0, 1e6}, 5}}};
-        const ProgramStart start = start_program(program, argc, argv);
+        const ProgramStart start = start_program(description(), argc, argv);
         if (start.answer) {
             std::cout << *start.answer;
             return 0;

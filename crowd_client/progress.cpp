@@ -40,28 +40,32 @@ std::string duration_text(double seconds) {
 }  // namespace
 
 std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, double wall_time) {
-    const std::uint64_t last = frames_of(crowd.scene);
-    const double time = static_cast<double>(crowd.frame) * crowd.dt;
-    std::string line = print("t %.1f s  frame %llu/%llu  active %zu arrived %zu dead %zu  ", time,
-                             static_cast<unsigned long long>(crowd.frame), static_cast<unsigned long long>(last),
+    const std::uint64_t last = steps_of(crowd.scene);
+    const double time = static_cast<double>(crowd.steps) * crowd.dt;
+    std::string line = print("t %.1f s  step %llu/%llu  active %zu arrived %zu dead %zu  ", time,
+                             static_cast<unsigned long long>(crowd.steps), static_cast<unsigned long long>(last),
                              crowd.active.size(), crowd.arrived, crowd.dead);
     line += water_text(frame);
     if (wall_time > 0 && time > 0) {
         const double factor = time / wall_time;
-        const double left = static_cast<double>(last - std::min(last, crowd.frame)) * crowd.dt / factor;
+        const double left = static_cast<double>(last - std::min(last, crowd.steps)) * crowd.dt / factor;
         line += print("  %.2f x real time, at most ", factor) + duration_text(left) + " to go";
     }
     return line;
 }
 
 std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, double wall_time) {
-    const double time = static_cast<double>(summary.frames) * crowd.dt;
+    const double time = static_cast<double>(crowd.steps) * crowd.dt;
     std::string text = print("%s: %zu of %zu arrived", summary.status.c_str(), crowd.arrived, crowd.agents.size());
     if (crowd.arrived > 0)
-        text += print(", the last after %.1f s", static_cast<double>(crowd.last_arrival_frame) * crowd.dt);
+        text += print(", the last after %.1f s", static_cast<double>(crowd.last_arrival_step) * crowd.dt);
     text += print("; %zu dead, %zu active\n", crowd.dead, crowd.active.size());
     text += print("%.1f s simulated in %.1f s of wall time", time, wall_time);
     if (wall_time > 0) text += print(" (%.2f s a second)", time / wall_time);
+    if (summary.dropped_frames > 0) {
+        text += print("; %llu frames taken, %llu dropped", static_cast<unsigned long long>(summary.frames),
+                      static_cast<unsigned long long>(summary.dropped_frames));
+    }
     const FluidSummary& fluid = summary.fluid;
     text += print("; water: up to %u particles", fluid.particles_max);
     if (const auto error = fluid.density_error.value()) text += print(", mean density error %.3f %%", 100 * *error);

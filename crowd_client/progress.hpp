@@ -7,8 +7,8 @@
 
 namespace wade::crowd {
 
-// One line: simulated time, frame, agents, health of the water, real-time factor and time to go.
-//   "t 12.0 s  frame 360/12000  active 48 arrived 2 dead 0  water 26880 particles, density error 0.012 %, ..."
+// One line: simulated time, step, agents, health of the water, real-time factor and time to go.
+//   "t 12.0 s  step 360/12000  active 48 arrived 2 dead 0  water 26880 particles, density error 0.012 %, ..."
 // wall_time: s since the first frame was asked for.
 [[nodiscard]] std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, double wall_time);
 

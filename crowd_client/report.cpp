@@ -16,8 +16,12 @@ Json or_null(const std::optional<T>& value) {
     return value ? Json(*value) : Json(nullptr);
 }
 
-double time_of(const CrowdWorld& crowd, std::uint64_t frame) {
-    return static_cast<double>(frame) / crowd.scene.frame_rate;
+double time_of(const CrowdWorld& crowd, std::uint64_t step) {
+    return static_cast<double>(step) / crowd.scene.crowd.step_rate;
+}
+
+Json hash_or_null(std::uint64_t hash) {
+    return hash != 0 ? Json(hash_text(hash)) : Json(nullptr);
 }
 
 // A counter that may not have been given: 0 means so, unless the producer gave other figures.
@@ -76,18 +80,23 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     json["seed"] = crowd.scene.seed;
     json["status"] = summary.status;
     json["message"] = summary.message.empty() ? Json(nullptr) : Json(summary.message);
+    json["mode"] = labels.latest_frames ? "latest" : "lockstep";
     json["frames"] = summary.frames;
+    json["dropped_frames"] = summary.dropped_frames;
     json["frame_rate_hz"] = crowd.scene.frame_rate;
-    json["sim_time_s"] = time_of(crowd, summary.frames);
+    json["steps"] = crowd.steps;
+    json["step_rate_hz"] = crowd.scene.crowd.step_rate;
+    json["sim_time_s"] = time_of(crowd, crowd.steps);
     json["wall_time_s"] = labels.reproducible ? Json(nullptr) : or_null(labels.wall_time);
     json["agents"] = crowd.agents.size();
     json["arrived"] = crowd.arrived;
     json["dead"] = crowd.dead;
     json["active"] = crowd.active.size();
-    json["last_arrival_s"] = crowd.arrived > 0 ? Json(time_of(crowd, crowd.last_arrival_frame)) : Json(nullptr);
+    json["last_arrival_s"] = crowd.arrived > 0 ? Json(time_of(crowd, crowd.last_arrival_step)) : Json(nullptr);
     json["contact_rule"] = crowd.scene.coupling.contact_rule == ContactRule::sum ? "sum" : "difference";
     json["fluid"] = fluid_json(summary, labels);
-    json["frame_hash"] = summary.frame_hash != 0 ? Json(hash_text(summary.frame_hash)) : Json(nullptr);
+    json["frame_hash"] = hash_or_null(summary.frame_hash);
+    json["agents_hash"] = hash_or_null(summary.agents_hash);
     return text_of(json);
 }
 
@@ -98,7 +107,7 @@ std::string agents_csv(const CrowdWorld& crowd) {
         const bool active = agents.outcome[id] == Outcome::active;
         csv += std::to_string(id) + ',' + csv_field(crowd.scene.crowd.groups[agents.group[id]].name) + ',';
         csv += outcome_name(agents.outcome[id]);
-        const double time = time_of(crowd, active ? crowd.frame : agents.end_frame[id]);
+        const double time = time_of(crowd, active ? crowd.steps : agents.end_step[id]);
         for (const double v : {time, agents.position[id].x(), agents.position[id].y(), agents.tau[id], agents.mass[id],
                                agents.path_length[id], agents.max_depth[id], agents.max_dv[id]}) {
             csv += ',' + number(v);

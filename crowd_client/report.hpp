@@ -14,7 +14,8 @@ struct RunLabels {
     std::string model;            // of the fluid, as its producer calls itself; empty: never met
     std::string canonical_scene;  // JSON of the resolved scene
     std::string session;
-    int threads = 0;  // 0: as many as there are processors
+    bool latest_frames = false;  // the newest frames instead of all
+    int threads = 0;             // 0: as many as there are processors
     std::vector<std::string> command_line;
     bool reproducible = false;
     std::optional<double> wall_time;  // s
@@ -26,7 +27,7 @@ struct RunLabels {
 [[nodiscard]] std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);
 
 // agents.csv: id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s. Numbers have as many
-// digits as it takes to read back the same bits. time_s: of arrival, of death or of the last frame.
+// digits as it takes to read back the same bits. time_s: of arrival, of death or of the last step.
 [[nodiscard]] std::string agents_csv(const CrowdWorld& crowd);
 
 // manifest.json: which program, scene, seed and command made the folder; holds the resolved scene.

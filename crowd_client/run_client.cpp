@@ -3,6 +3,7 @@
 #include <csignal>
 
 #include "configs/exit_code.hpp"
+#include "crowd_client/frame_time.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -16,51 +17,109 @@ void stop_if_interrupted(const ClientHooks& hooks, std::uint64_t frame) {
         std::string("interrupted by ") + (terminated ? "SIGTERM" : "SIGINT") + " after frame " + std::to_string(frame));
 }
 
-void take_frames(CrowdWorld& crowd, FrameSource& source, RunSummary& summary, const ClientHooks& hooks) {
-    while (true) {
-        stop_if_interrupted(hooks, summary.frames);
-        const std::optional<shm::Frame> frame = source.acquire();
-        if (!frame) break;
-        if (frame->frame != summary.frames + 1) {
-            throw RunError(ExitCode::protocol_violation, "got frame " + std::to_string(frame->frame) +
-                                                             " of the water where frame " +
-                                                             std::to_string(summary.frames + 1) + " was due");
+// One way through the stream: the frames that came and where they led.
+class Journey {
+ public:
+    Journey(CrowdWorld& crowd, FrameSource& source, RunSummary& summary, const ClientHooks& hooks,
+            AgentsPublisher* agents)
+        : crowd_(crowd), source_(source), summary_(summary), hooks_(hooks), agents_(agents) {}
+
+    void take_frames() {
+        if (agents_ != nullptr) agents_->start(crowd_);
+        while (const std::optional<shm::Frame> frame = next_frame()) {
+            check_order(*frame);
+            walk_through(*frame);
+            const bool stream_ends = frame->final;
+            const bool last = stream_ends || run_is_over(crowd_);
+            publish_agents(frame->tick, last);
+            source_.release();
+            if (!last) continue;
+            if (!stream_ends) source_.leave();
+            break;
         }
-        const WaterView water = ground_view(*frame, source.info());
-        step(crowd, water, frame->frame);
-        summary.frames = frame->frame;
-        summary.frame_hash = frame->hash;
-        add_frame(summary.fluid, *frame, static_cast<double>(frame->frame) * crowd.dt, crowd.dt);
-        if (hooks.on_frame) hooks.on_frame(crowd, *frame, water);
-        const bool stream_ends = frame->final;
-        source.release();
-        const bool done = run_is_over(crowd);
-        if (done || stream_ends) {
-            if (!stream_ends) source.leave();
-            summary.status = done ? "completed" : "stream_ended";
-            return;
-        }
+        if (agents_ != nullptr) agents_->close();
+        summary_.status = run_is_over(crowd_) || duration_is_over() ? "completed" : "stream_ended";
     }
-    summary.status = "stream_ended";
-}
+
+ private:
+    std::optional<shm::Frame> next_frame() {
+        stop_if_interrupted(hooks_, last_frame_);
+        if (hooks_.before_frame) {
+            hooks_.before_frame();
+            stop_if_interrupted(hooks_, last_frame_);
+        }
+        return source_.acquire();
+    }
+
+    void check_order(const shm::Frame& frame) const {
+        const std::uint64_t due = last_frame_ + 1;
+        if (source_.in_lockstep() ? frame.frame == due : frame.frame >= due) return;
+        throw RunError(ExitCode::protocol_violation, "got frame " + std::to_string(frame.frame) +
+                                                         " of the water where frame " + std::to_string(due) +
+                                                         " was due");
+    }
+
+    void walk_through(const shm::Frame& frame) {
+        const WaterView water = ground_view(frame, source_.info());
+        const std::uint64_t due = steps_due_at(crowd_.scene, source_.info(), frame.tick);
+        while (crowd_.steps < due && !run_is_over(crowd_)) {
+            stop_if_interrupted(hooks_, last_frame_);
+            step(crowd_, water);
+            if (hooks_.on_step) hooks_.on_step(crowd_, water);
+        }
+        const double time = time_of_tick(source_.info(), frame.tick);
+        add_frame(summary_.fluid, frame, time, time - time_);
+        time_ = time;
+        last_frame_ = frame.frame;
+        ++summary_.frames;
+        summary_.dropped_frames = source_.dropped_frames();
+        if (source_.in_lockstep()) summary_.frame_hash = frame.hash;
+        if (hooks_.on_frame) hooks_.on_frame(crowd_, frame);
+    }
+
+    void publish_agents(std::uint64_t tick, bool last) {
+        if (agents_ == nullptr) return;
+        agents_->publish(crowd_, tick, last);
+        summary_.agents_hash = agents_->hash();
+    }
+
+    // With rates that do not fit the duration, the last step may be due after the last frame.
+    [[nodiscard]] bool duration_is_over() const {
+        return time_ >= crowd_.scene.duration - 0.5 / crowd_.scene.frame_rate;
+    }
+
+    CrowdWorld& crowd_;
+    FrameSource& source_;
+    RunSummary& summary_;
+    const ClientHooks& hooks_;
+    AgentsPublisher* agents_;
+    std::uint64_t last_frame_ = 0;
+    double time_ = 0;  // s, of the last frame
+};
 
 }  // namespace
 
 bool run_is_over(const CrowdWorld& crowd) {
     const bool nobody_left = crowd.agents.size() > 0 && crowd.active.empty();
-    return crowd.frame >= frames_of(crowd.scene) || (nobody_left && crowd.scene.stop_when_no_agent_is_active);
+    return crowd.steps >= steps_of(crowd.scene) || (nobody_left && crowd.scene.stop_when_no_agent_is_active);
 }
 
-void run_client(CrowdWorld& crowd, FrameSource& source, RunSummary& summary, const ClientHooks& hooks) {
+void run_client(CrowdWorld& crowd, FrameSource& source, RunSummary& summary, const ClientHooks& hooks,
+                AgentsPublisher* agents) {
+    const auto give_up = [&](int code, const char* reason) {
+        source.abort(code, reason);
+        if (agents != nullptr) agents->abort(code, reason);
+    };
     try {
-        take_frames(crowd, source, summary, hooks);
+        Journey(crowd, source, summary, hooks, agents).take_frames();
     } catch (const RunError& error) {
-        source.abort(static_cast<int>(error.code()), error.what());
+        give_up(static_cast<int>(error.code()), error.what());
         throw;
-    } catch (const shm::Error&) {
-        throw;  // the other side is gone or knows already
+    } catch (const shm::Error& error) {
+        give_up(error.exit_code(), error.what());  // the stream that failed knows already, the other one does not
+        throw;
     } catch (const std::exception& error) {
-        source.abort(static_cast<int>(ExitCode::unexpected), error.what());
+        give_up(static_cast<int>(ExitCode::unexpected), error.what());
         throw;
     }
 }

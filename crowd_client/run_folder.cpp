@@ -7,14 +7,18 @@
 #include <functional>
 #include <utility>
 
+#include "crowd_client/played_events.hpp"
+
 namespace wade::crowd {
 
 RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels,
                      double water_interval)
-    : folder_(std::move(folder)) {
+    : folder_(std::move(folder)), canonical_scene_(labels.canonical_scene) {
     make_run_folder(folder_);
     std::error_code ignored;
-    for (const char* old : {"agents.csv", "water.bin", "figure.png"}) std::filesystem::remove(folder_ / old, ignored);
+    for (const char* old : {"agents.csv", "water.bin", "figure.png", "events.jsonl", "scene_as_played.json"}) {
+        std::filesystem::remove(folder_ / old, ignored);
+    }
     write_whole_file(folder_ / "manifest.json", manifest_json(crowd, RunSummary{}, labels));
     write_whole_file(folder_ / "outcome.json", outcome_json(crowd, RunSummary{}, labels));
     // Twice the length of a line of agents.csv, twice the other files and their blocks.
@@ -23,18 +27,25 @@ RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, cons
     trajectories_->write(0, crowd.agents, crowd.active);
     if (water_interval > 0) {
         water_.emplace(folder_ / "water.bin", crowd.scene);
-        frames_per_snapshot_ = static_cast<std::uint64_t>(std::max(1LL, std::llround(water_interval / crowd.dt)));
+        steps_per_snapshot_ = static_cast<std::uint64_t>(std::max(1LL, std::llround(water_interval / crowd.dt)));
     }
 }
 
 void RunFolder::record(const CrowdWorld& crowd, const WaterView& water) {
-    trajectories_->write(crowd.frame, crowd.agents, crowd.active);
+    trajectories_->write(crowd.steps, crowd.agents, crowd.active);
     if (!water_) return;
-    // The first and the last frame, too, so that any time of the run has a picture at most one interval away.
-    const bool due = crowd.frame == 1 || crowd.frame % frames_per_snapshot_ == 0;
+    // After the first and the last step, too, so that any time of the run has a picture at most one interval away.
+    const bool due = crowd.steps == 1 || crowd.steps % steps_per_snapshot_ == 0;
     if (due || run_is_over(crowd)) {
-        water_->write(crowd.frame, static_cast<double>(crowd.frame) * crowd.dt, water);
+        water_->write(crowd.steps, static_cast<double>(crowd.steps) * crowd.dt, water);
     }
+}
+
+void RunFolder::record_event(const TauEvent& event) {
+    played_.push_back(event);
+    if (!events_) events_.emplace(folder_ / "events.jsonl");
+    events_->append(event_json(event) + "\n");
+    write_whole_file(folder_ / "scene_as_played.json", scene_with_events(canonical_scene_, played_));
 }
 
 void RunFolder::finish(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {

@@ -1,8 +1,10 @@
 #pragma once
-// The files of one run, kept complete up to the last frame at any moment.
+// The files of one run, kept complete up to the last step at any moment.
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "crowd_client/output_file.hpp"
 #include "crowd_client/report.hpp"
@@ -11,7 +13,9 @@
 
 namespace wade::crowd {
 
-//   trajectories.sqlite, water.bin   grow frame by frame
+//   trajectories.sqlite, water.bin   grow step by step
+//   events.jsonl                     grows with each tau command, absent if there was none
+//   scene_as_played.json             the scene with these as events, rewritten as a whole with each
 //   outcome.json, manifest.json      say "running" from the start, rewritten as a whole at the end
 //   agents.csv                       written at the end, be it good or bad
 //   .reserve                         space for the last three, so that a disk that fills up keeps none of them out
@@ -22,8 +26,11 @@ class RunFolder {
     // Throws ConfigurationError if the folder cannot be made or written to, OutputError for a file in it.
     RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, double water_interval);
 
-    // Logs the state after a frame. Throws OutputError.
+    // Logs the state after a step. Throws OutputError.
     void record(const CrowdWorld& crowd, const WaterView& water);
+
+    // Logs an event that was not in the scene, so that the scene as it was played repeats the run. Throws OutputError.
+    void record_event(const TauEvent& event);
 
     // Writes the final files. All are tried, the first error is thrown at the end.
     void finish(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);
@@ -35,7 +42,10 @@ class RunFolder {
     std::optional<ReservedSpace> reserve_;
     std::optional<TrajectoryFile> trajectories_;
     std::optional<WaterSnapshots> water_;
-    std::uint64_t frames_per_snapshot_ = 0;
+    std::optional<AppendFile> events_;
+    std::string canonical_scene_;
+    std::vector<TauEvent> played_;  // that were recorded
+    std::uint64_t steps_per_snapshot_ = 0;
 };
 
 // runs/<scene>-<UTC time>, with a number appended if that exists.

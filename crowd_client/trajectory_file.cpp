@@ -134,7 +134,7 @@ TrajectoryFile::TrajectoryFile(const std::filesystem::path& file, const Scene& s
     sqlite3_stmt* metadata = db.prepare("INSERT INTO metadata VALUES (?, ?)");
     try {
         db.set_metadata(metadata, "version", "2");
-        db.set_metadata(metadata, "fps", text_of(scene.frame_rate));
+        db.set_metadata(metadata, "fps", text_of(scene.crowd.step_rate));
         db.set_metadata(metadata, "xmin", "0");
         db.set_metadata(metadata, "xmax", text_of(scene.world.length));
         db.set_metadata(metadata, "ymin", "0");

@@ -1,8 +1,8 @@
 #pragma once
 // trajectories.sqlite: the paths in JuPedSim's format, schema version 2, as JuPedSim's and PedPy's tools read it.
 //
-// pos_x is our x, pos_y our z. Frame f holds the state after f frames, frame 0 the start. Agents that have arrived or
-// died have no rows from that frame on.
+// pos_x is our x, pos_y our z. Frame f holds the state after f steps of the crowd, frame 0 the start; fps is the rate of
+// the steps. Agents that have arrived or died have no rows from that frame on.
 
 #include <cstdint>
 #include <filesystem>

@@ -13,7 +13,7 @@
 namespace wade::crowd {
 
 // Particles of the cells that are within one cell of an active agent, ordered by cell and, within it, as they came.
-// The arrays keep their memory from frame to frame.
+// The arrays keep their memory from step to step.
 struct WaterBins {
     GroundGrid grid;
     std::vector<double> x, z;               // m

@@ -53,7 +53,7 @@ WaterSnapshots::WaterSnapshots(const std::filesystem::path& file, const Scene& s
     file_.append(header);
 }
 
-void WaterSnapshots::write(std::uint64_t frame, double time, const WaterView& water) {
+void WaterSnapshots::write(std::uint64_t step, double time, const WaterView& water) {
     std::fill(mass_.begin(), mass_.end(), 0.0);
     for (std::size_t i = 0; i < water.size(); ++i) {
         const double c = std::floor((water.origin_x + water.scale_x * static_cast<double>(water.px[i]) - x0_) / cell_);
@@ -63,7 +63,7 @@ void WaterSnapshots::write(std::uint64_t frame, double time, const WaterView& wa
             static_cast<double>(water.mass[i]);
     }
     record_.clear();
-    put(record_, frame);
+    put(record_, step);
     put(record_, time);
     for (const double mass : mass_) {
         const double depth = std::min(mass / (rest_density_ * cell_ * cell_), max_depth);

@@ -2,7 +2,7 @@
 // water.bin: the depth of the water on a grid every few seconds, for pictures.
 //
 // Little-endian. Header, 64 bytes: "WADEWAT1", u32 columns, u32 rows, f64 cell size (m), f64 x and z of the grid's
-// corner (m), f64 largest depth that can be stored (m), zeros. Then one record a snapshot: u64 frame, f64 time (s),
+// corner (m), f64 largest depth that can be stored (m), zeros. Then one record a snapshot: u64 step of the crowd, f64 time (s),
 // columns * rows u16, row by row (z), depth in millimetres.
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class WaterSnapshots {
     WaterSnapshots(const std::filesystem::path& file, const Scene& scene);
 
     // Appends one record. Throws OutputError.
-    void write(std::uint64_t frame, double time, const WaterView& water);
+    void write(std::uint64_t step, double time, const WaterView& water);
 
  private:
     AppendFile file_;

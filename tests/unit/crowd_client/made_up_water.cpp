@@ -52,8 +52,9 @@ std::optional<shm::Frame> MadeUpSource::acquire() {
     if (released >= frames_) return std::nullopt;
     current_ = make_(number_of_next);
     shm::Frame f = current_.frame(number_of_next);
+    f.tick = tick_of(number_of_next);
     f.final = released + 1 == frames_;
-    ++number_of_next;
+    number_of_next += stride;
     return f;
 }
 

@@ -29,18 +29,23 @@ class MadeUpSource final : public FrameSource {
  public:
     MadeUpSource(std::uint64_t frames, std::function<MadeUpWater(std::uint64_t)> make)
         : frames_(frames), make_(std::move(make)) {
-        info_.producer_name = "made_up";
+        stream.producer_name = "made_up";
     }
 
-    [[nodiscard]] const shm::StreamInfo& info() const override { return info_; }
+    [[nodiscard]] const shm::StreamInfo& info() const override { return stream; }
+    [[nodiscard]] bool in_lockstep() const override { return stride == 1; }
     [[nodiscard]] std::optional<shm::Frame> acquire() override;
     void release() override { ++released; }
+    [[nodiscard]] std::uint64_t dropped_frames() const override { return (stride - 1) * (released + 1); }
     void leave() noexcept override { left = true; }
     void abort(int reason_code, std::string_view text) noexcept override {
         abort_code = reason_code;
         abort_text = text;
     }
 
+    shm::StreamInfo stream;  // 30 frames a second
+    std::function<std::uint64_t(std::uint64_t)> tick_of = [](std::uint64_t frame) { return frame; };
+    std::uint64_t stride = 1;  // above 1: not in lockstep, the frames between are dropped
     std::uint64_t number_of_next = 1;
     std::uint64_t released = 0;
     bool left = false;
@@ -51,7 +56,6 @@ class MadeUpSource final : public FrameSource {
     std::uint64_t frames_;
     std::function<MadeUpWater(std::uint64_t)> make_;
     MadeUpWater current_;
-    shm::StreamInfo info_;
 };
 
 // A world of 100 x 50 m with one agent group of one agent at `start`.

@@ -28,7 +28,7 @@ Scene paper_scene(double tau) {
 
 void take_steps(CrowdWorld& crowd, const MadeUpWater& water, std::uint64_t count) {
     const WaterView view = water.view();
-    for (std::uint64_t i = 0; i < count; ++i) step(crowd, view, crowd.frame + 1);
+    for (std::uint64_t i = 0; i < count; ++i) step(crowd, view);
 }
 
 }  // namespace
@@ -53,9 +53,9 @@ TEST_CASE("Agents start on their grid, row by row, ids counted through the group
 
 TEST_CASE("Without water all 50 agents of the paper reach their goal, the last between 38 and 50 s", "[paper]") {
     CrowdWorld crowd = make_crowd(paper_scene(0));
-    while (!crowd.active.empty() && crowd.frame < 30 * 60) take_steps(crowd, {}, 1);
+    while (!crowd.active.empty() && crowd.steps < 30 * 60) take_steps(crowd, {}, 1);
     CHECK(crowd.arrived == 50);
-    const double last = static_cast<double>(crowd.last_arrival_frame) / 30;
+    const double last = static_cast<double>(crowd.last_arrival_step) / 30;
     CHECK(last >= 38);
     CHECK(last <= 50);
 }
@@ -159,17 +159,17 @@ TEST_CASE("Dead and arrived agents give up their markers at once") {
     CrowdWorld alone = make_crowd(scene);
     take_steps(both, {}, 1);
     REQUIRE(both.agents.outcome[1] == Outcome::arrived);
-    CHECK(both.agents.end_frame[1] == 1);
+    CHECK(both.agents.end_step[1] == 1);
     // From the same place on, the first agent walks as if the other had never been there.
     alone.agents.position[0] = both.agents.position[0];
-    alone.frame = 1;
+    alone.steps = 1;
     for (int i = 0; i < 20; ++i) {
         take_steps(both, {}, 1);
         take_steps(alone, {}, 1);
         REQUIRE(both.agents.position[0] == alone.agents.position[0]);
     }
     CHECK(both.agents.position[1] == both.agents.position[1]);
-    CHECK(both.agents.end_frame[1] == 1);
+    CHECK(both.agents.end_step[1] == 1);
 }
 
 TEST_CASE("The order of the agents decides nothing but ties") {

@@ -83,6 +83,7 @@ TEST_CASE("Trajectories have JuPedSim's tables, version 2, and one file remains"
     scene.crowd.groups[0].count = scene.crowd.groups[0].columns = 2;
     scene.obstacles.push_back({{60, 67}, {21.5, 28.5}, 1});
     CrowdWorld crowd = make_crowd(scene);
+    scene.crowd.step_rate = 45;
     TrajectoryFile trajectories(file, scene);
     trajectories.write(0, crowd.agents, crowd.active);
     crowd.active = {1};
@@ -90,7 +91,7 @@ TEST_CASE("Trajectories have JuPedSim's tables, version 2, and one file remains"
     trajectories.close();
 
     CHECK(query(file, "SELECT key, value FROM metadata ORDER BY key") ==
-          "fps|30\nversion|2\nxmax|100\nxmin|0\nymax|50\nymin|0\n");
+          "fps|45\nversion|2\nxmax|100\nxmin|0\nymax|50\nymin|0\n");
     CHECK(query(file, "SELECT frame, id, pos_x, pos_y FROM trajectory_data ORDER BY frame, id") ==
           "0|0|10.0|25.0\n0|1|11.0|25.0\n1|1|11.0|25.0\n");
     CHECK(query(file, "SELECT count(*) FROM trajectory_data WHERE abs(ori_x*ori_x + ori_y*ori_y - 1) > 1e-9") == "0\n");
@@ -229,7 +230,7 @@ TEST_CASE("A run folder is complete at the end, and says 'running' until then") 
     testing::MadeUpSource source(1000, [](std::uint64_t) { return testing::MadeUpWater{}; });
     RunSummary summary;
     ClientHooks hooks;
-    hooks.on_frame = [&](const CrowdWorld& c, const shm::Frame&, const WaterView& water) { run.record(c, water); };
+    hooks.on_step = [&](const CrowdWorld& c, const WaterView& water) { run.record(c, water); };
     run_client(crowd, source, summary, hooks);
     run.finish(crowd, summary, labels);
     CHECK_THAT(content_of(run.path() / "outcome.json"), Catch::Contains("\"status\": \"completed\""));
@@ -239,7 +240,27 @@ TEST_CASE("A run folder is complete at the end, and says 'running' until then") 
     CHECK(std::distance(fs::directory_iterator(run.path()), fs::directory_iterator()) == 5);
     // Rows as long as the agent was active: from frame 0 to the one before it arrived.
     CHECK(query(run.path() / "trajectories.sqlite", "SELECT max(frame) FROM trajectory_data") ==
-          std::to_string(crowd.agents.end_frame[0] - 1) + "\n");
+          std::to_string(crowd.agents.end_step[0] - 1) + "\n");
     CHECK(query(run.path() / "trajectories.sqlite", "SELECT max(frame) FROM frame_data") ==
-          std::to_string(summary.frames) + "\n");
+          std::to_string(crowd.steps) + "\n");
+}
+
+TEST_CASE("Events of a run are on the disk at once, as lines and as a scene") {
+    TemporaryFolder folder;
+    const CrowdWorld crowd = make_crowd(one_agent_scene(10, 25, 75, 50, 0.2));
+    RunLabels labels;
+    labels.canonical_scene = R"({"events": [{"frame": 3, "tau": 0.5}], "name": "x"})";
+    RunFolder run(folder.path, crowd, labels, 0);
+    CHECK_FALSE(fs::exists(folder.path / "events.jsonl"));
+    CHECK_FALSE(fs::exists(folder.path / "scene_as_played.json"));
+    run.record_event({7, std::nullopt, "walkers", 0.25});
+    run.record_event({7, 0, std::nullopt, 1});
+    const std::string lines = R"({"frame":7,"group":"walkers","tau":0.25})"
+                              "\n"
+                              R"({"agent":0,"frame":7,"tau":1.0})"
+                              "\n";
+    CHECK(content_of(folder.path / "events.jsonl") == lines);
+    const std::string scene = content_of(folder.path / "scene_as_played.json");
+    CHECK(scene.find("\"frame\": 3") < scene.find("\"group\": \"walkers\""));
+    CHECK(scene.find("\"group\": \"walkers\"") < scene.find("\"agent\": 0"));
 }

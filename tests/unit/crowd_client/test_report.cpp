@@ -4,6 +4,7 @@
 
 #include "configs/scene_loader.hpp"
 #include "crowd_client/report.hpp"
+#include "crowd_client/run_labels.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;
@@ -19,15 +20,16 @@ struct Finished {
     RunLabels labels;
 
     Finished() {
-        crowd.frame = 90;
+        crowd.steps = 90;
         crowd.arrived = 1;
         crowd.active.clear();
-        crowd.last_arrival_frame = 90;
+        crowd.last_arrival_step = 90;
         crowd.agents.outcome[0] = Outcome::arrived;
-        crowd.agents.end_frame[0] = 90;
+        crowd.agents.end_step[0] = 90;
         summary.status = "completed";
         summary.frames = 90;
         summary.frame_hash = 0x0123456789abcdef;
+        summary.agents_hash = 0xff;
         labels.model = "dfsph";
         labels.canonical_scene = R"({"name": "x"})";
         labels.command_line = {"crowd_client", "x.json"};
@@ -53,7 +55,11 @@ TEST_CASE("outcome.json has all fields that scripts rely on") {
     CHECK(outcome["seed"] == 1);
     CHECK(outcome["status"] == "completed");
     CHECK(outcome["frames"] == 90);
+    CHECK(outcome["mode"] == "lockstep");
+    CHECK(outcome["dropped_frames"] == 0);
     CHECK(outcome["frame_rate_hz"] == 30.0);
+    CHECK(outcome["steps"] == 90);
+    CHECK(outcome["step_rate_hz"] == 30.0);
     CHECK(outcome["sim_time_s"] == 3.0);
     CHECK(outcome["wall_time_s"] == 1.5);
     CHECK(outcome["agents"] == 1);
@@ -63,6 +69,7 @@ TEST_CASE("outcome.json has all fields that scripts rely on") {
     CHECK(outcome["last_arrival_s"] == 3.0);
     CHECK(outcome["contact_rule"] == "difference");
     CHECK(outcome["frame_hash"] == "0123456789abcdef");
+    CHECK(outcome["agents_hash"] == "00000000000000ff");
     const json& fluid = outcome["fluid"];
     CHECK(fluid["model"] == "dfsph");
     CHECK(fluid["particles_max"] == 27000);
@@ -79,10 +86,11 @@ TEST_CASE("outcome.json has all fields that scripts rely on") {
 TEST_CASE("What a producer does not give, and what did not happen, is null") {
     Finished run;
     run.crowd.arrived = 0;
-    run.summary.frame_hash = 0;
+    run.summary.frame_hash = run.summary.agents_hash = 0;
     const json outcome = json::parse(outcome_json(run.crowd, run.summary, run.labels));
     CHECK(outcome["last_arrival_s"].is_null());
     CHECK(outcome["frame_hash"].is_null());
+    CHECK(outcome["agents_hash"].is_null());
     for (const char* key : {"particle_steps", "steps", "solver_wall_s", "mean_depth_m", "mean_speed_m_s",
                             "max_density_error", "mean_density_error", "position_clamps"}) {
         CHECK(outcome["fluid"].at(key).is_null());
@@ -120,10 +128,37 @@ TEST_CASE("agents.csv has one line an agent with the columns that scripts rely o
     CHECK_FALSE(std::getline(csv, line));
 }
 
-TEST_CASE("The time of an active agent is that of the last frame") {
+TEST_CASE("Times are those of the crowd's steps, whatever the rate of the frames") {
+    Finished run;
+    run.crowd.scene.frame_rate = 10;
+    run.crowd.scene.crowd.step_rate = 45;
+    const json outcome = json::parse(outcome_json(run.crowd, run.summary, run.labels));
+    CHECK(outcome["frame_rate_hz"] == 10.0);
+    CHECK(outcome["step_rate_hz"] == 45.0);
+    CHECK(outcome["sim_time_s"] == 2.0);
+    CHECK(outcome["last_arrival_s"] == 2.0);
+    CHECK_THAT(agents_csv(run.crowd), Catch::Contains("0,walkers,arrived,2,"));
+}
+
+TEST_CASE("A run on the latest frames says so and how many it missed") {
+    Finished run;
+    run.labels.latest_frames = true;
+    run.summary.dropped_frames = 17;
+    const json outcome = json::parse(outcome_json(run.crowd, run.summary, run.labels));
+    CHECK(outcome["mode"] == "latest");
+    CHECK(outcome["dropped_frames"] == 17);
+}
+
+TEST_CASE("A reproducible command line names no places") {
+    CHECK(portable_command({"/a/b/crowd_client", "x.json", "--out", "/tmp/1", "--seed=3", "--session=s", "--commands",
+                            "/tmp/fifo", "--mode", "latest", "--commands=-"}) ==
+          std::vector<std::string>{"crowd_client", "x.json", "--seed=3", "--mode", "latest"});
+}
+
+TEST_CASE("The time of an active agent is that of the last step") {
     Finished run;
     run.crowd.agents.outcome[0] = Outcome::active;
-    run.crowd.agents.end_frame[0] = 0;
+    run.crowd.agents.end_step[0] = 0;
     CHECK_THAT(agents_csv(run.crowd), Catch::Contains("0,walkers,active,3,"));
 }
 

@@ -111,8 +111,8 @@ TEST_CASE("A failing log ends the run and tells the producer why") {
     MadeUpSource source(1000, no_water);
     RunSummary summary;
     ClientHooks hooks;
-    hooks.on_frame = [](const CrowdWorld& c, const shm::Frame&, const WaterView&) {
-        if (c.frame == 5) throw RunError(ExitCode::unexpected, "no space left");
+    hooks.on_step = [](const CrowdWorld& c, const WaterView&) {
+        if (c.steps == 5) throw RunError(ExitCode::unexpected, "no space left");
     };
     CHECK_THROWS_WITH(run_client(crowd, source, summary, hooks), "no space left");
     CHECK(source.abort_code == 1);
@@ -128,22 +128,44 @@ TEST_CASE("A frame out of turn is a violation of the protocol") {
     CHECK(source.abort_code == 6);
 }
 
-TEST_CASE("The log sees each frame once, in order, before it is released") {
+TEST_CASE("The log sees each step once, in order, before its frame is released") {
     CrowdWorld crowd = make_crowd(short_scene(1));
     MadeUpSource source(
         30, [](std::uint64_t f) { return testing::uniform_water(0, 1, 0, 1, 0.5, 0.5, static_cast<double>(f), 0); });
     RunSummary summary;
     ClientHooks hooks;
     std::uint64_t expected = 0;
-    hooks.on_frame = [&](const CrowdWorld& c, const shm::Frame& frame, const WaterView& water) {
+    hooks.on_step = [&](const CrowdWorld& c, const WaterView& water) {
         ++expected;
-        REQUIRE(c.frame == expected);
-        REQUIRE(frame.frame == expected);
+        REQUIRE(c.steps == expected);
         REQUIRE(source.released == expected - 1);
         REQUIRE(static_cast<double>(water.vx[0]) == static_cast<double>(expected));
     };
     run_client(crowd, source, summary, hooks);
     CHECK(expected == 30);
+}
+
+TEST_CASE("Commands are taken before each frame, before it is asked for") {
+    CrowdWorld crowd = make_crowd(short_scene(1));
+    MadeUpSource source(30, no_water);
+    RunSummary summary;
+    ClientHooks hooks;
+    std::uint64_t calls = 0;
+    hooks.before_frame = [&] { REQUIRE(source.number_of_next == ++calls); };
+    run_client(crowd, source, summary, hooks);
+    CHECK(calls == 30);
+}
+
+TEST_CASE("A signal that comes with the commands ends the run before the next frame") {
+    CrowdWorld crowd = make_crowd(short_scene(1));
+    MadeUpSource source(30, no_water);
+    RunSummary summary;
+    ClientHooks hooks;
+    int signal = 0;
+    hooks.before_frame = [&] { signal = summary.frames == 3 ? SIGINT : 0; };
+    hooks.interrupted = [&] { return signal; };
+    CHECK_THROWS_WITH(run_client(crowd, source, summary, hooks), Catch::Contains("after frame 3"));
+    CHECK(source.number_of_next == 4);
 }
 
 TEST_CASE("The summary of the water averages what frames gave after the first second") {
@@ -177,7 +199,7 @@ TEST_CASE("The summary of the water averages what frames gave after the first se
 
 TEST_CASE("Progress shows time, people and the health of the water") {
     CrowdWorld crowd = make_crowd(short_scene(100));
-    crowd.frame = 300;
+    crowd.steps = 300;
     shm::Frame frame;
     frame.count = 26880;
     frame.diagnostics.sub_steps = 3;
@@ -186,7 +208,7 @@ TEST_CASE("Progress shows time, people and the health of the water") {
     frame.diagnostics.mean_density_error = 0.0004;
     frame.diagnostics.max_density_error = 0.01;
     CHECK_THAT(progress_line(crowd, frame, 5.0),
-               Catch::Contains("t 10.0 s") && Catch::Contains("frame 300/3000") &&
+               Catch::Contains("t 10.0 s") && Catch::Contains("step 300/3000") &&
                    Catch::Contains("active 1 arrived 0 dead 0") && Catch::Contains("26880 particles") &&
                    Catch::Contains("0.040 %") && Catch::Contains("4+7 iterations") && Catch::Contains("3 sub-steps") &&
                    Catch::Contains("2.00 x real time") && Catch::Contains("45 s to go"));

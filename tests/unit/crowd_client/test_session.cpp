@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "configs/exit_code.hpp"
+#include "crowd_client/frame_time.hpp"
 #include "crowd_client/run_client.hpp"
 #include "made_up_water.hpp"
 #include "shm_protocol/publisher.hpp"
@@ -92,13 +93,13 @@ TEST_CASE("Over shared memory, one agent in a uniform stream moves at the veloci
     scene.duration = 2;
     CrowdWorld crowd = make_crowd(scene);
     ProducerThread producer(session, stream_info(stream), stream, std::uint64_t{1000});
-    const std::unique_ptr<FrameSource> source = join_session(session, 42, scene.frame_rate, {});
+    const std::unique_ptr<FrameSource> source = join_session(session, 42, FrameMode::lockstep, {});
     CHECK(source->info().producer_name == "uniform");
 
     Vector2d before = crowd.agents.position[0];
     int checked = 0;
     ClientHooks hooks;
-    hooks.on_frame = [&](const CrowdWorld& c, const shm::Frame&, const WaterView&) {
+    hooks.on_step = [&](const CrowdWorld& c, const WaterView&) {
         double water_mass = 0;
         for (std::size_t k = 0; k < stream.mass.size(); ++k) {
             const double dx = static_cast<double>(stream.px[k]) - before.x();
@@ -122,38 +123,67 @@ TEST_CASE("Over shared memory, one agent in a uniform stream moves at the veloci
     CHECK(producer.error == nullptr);  // the client said goodbye
 }
 
-TEST_CASE("A stream with another frame rate than the scene's is refused, and the producer learns why") {
+TEST_CASE("A stream with another frame rate than the scene's is taken by its ticks") {
     const std::string session = unique_session("rate");
     const MadeUpWater water = testing::uniform_water(0, 1, 0, 1, 0.5, 0.5, 0, 0);
     shm::StreamInfo info = stream_info(water);
-    info.ticks_per_second = 32;
-    ProducerThread producer(session, info, water, std::uint64_t{1000});
-    try {
-        (void)join_session(session, 42, 30, {});
-        FAIL("the stream was accepted");
-    } catch (const RunError& error) {
-        CHECK(error.code() == ExitCode::protocol_violation);
-        CHECK_THAT(error.what(), Catch::Contains("32 frames a second") && Catch::Contains("/frame_rate_hz 30"));
-    }
+    info.ticks_per_second = 20;
+    ProducerThread producer(session, info, water, std::uint64_t{40});
+    const std::unique_ptr<FrameSource> source = join_session(session, 42, FrameMode::lockstep, {});
+    Scene scene = one_agent_scene(80, 25, 75, 50, 0.2);
+    scene.duration = 2;
+    CHECK_THAT(rate_note(scene, source->info()),
+               Catch::Contains("20 frames a second") && Catch::Contains("/frame_rate_hz 30"));
+    CrowdWorld crowd = make_crowd(scene);
+    RunSummary summary;
+    run_client(crowd, *source, summary);
     producer.join();
-    REQUIRE(producer.error);
-    try {
-        std::rethrow_exception(producer.error);
-    } catch (const shm::Error& error) {
-        CHECK(error.failure() == shm::Failure::peer_aborted);
-        CHECK_THAT(error.what(), Catch::Contains("/frame_rate_hz 30"));
-    }
+    CHECK(producer.error == nullptr);
+    CHECK(summary.status == "completed");
+    CHECK(summary.frames == 40);
+    CHECK(crowd.steps == 60);
+}
+
+TEST_CASE("A client of the latest frames walks all steps and is not waited for") {
+    const std::string session = unique_session("latest");
+    const MadeUpWater water = testing::uniform_water(0, 1, 0, 1, 0.5, 0.5, 0, 0);
+    shm::Publisher publisher(session, stream_info(water));
+    const std::unique_ptr<FrameSource> source = join_session(session, 42, FrameMode::latest, {});
+    CHECK_FALSE(source->in_lockstep());
+    Scene scene = one_agent_scene(80, 25, 75, 50, 0.2);
+    scene.duration = 1;
+    CrowdWorld crowd = make_crowd(scene);
+    RunSummary summary;
+    ClientHooks hooks;
+    std::uint64_t sent = 0;
+    // Before each frame that the client takes, the producer sends three without waiting.
+    hooks.before_frame = [&] {
+        for (int i = 0; i < 3; ++i) {
+            const auto fields = publisher.begin_frame();
+            REQUIRE(fields);
+            fill(*fields, water);
+            ++sent;
+            publisher.end_frame(static_cast<std::uint32_t>(water.mass.size()), {}, sent == 30);
+        }
+    };
+    run_client(crowd, *source, summary, hooks);
+    CHECK(summary.status == "completed");
+    CHECK(summary.frames == 10);
+    CHECK(summary.dropped_frames == 18);  // two before each frame but the first one taken
+    CHECK(summary.frame_hash == 0);
+    CHECK(crowd.steps == 30);
+    publisher.close();
 }
 
 TEST_CASE("A client that gives up tells the producer the reason") {
     const std::string session = unique_session("giveup");
     const MadeUpWater water = testing::uniform_water(0, 1, 0, 1, 0.5, 0.5, 0, 0);
     ProducerThread producer(session, stream_info(water), water, std::uint64_t{1000});
-    const std::unique_ptr<FrameSource> source = join_session(session, 42, 30, {});
+    const std::unique_ptr<FrameSource> source = join_session(session, 42, FrameMode::lockstep, {});
     CrowdWorld crowd = make_crowd(one_agent_scene(80, 25, 75, 50, 0.2));
     RunSummary summary;
     ClientHooks hooks;
-    hooks.on_frame = [](const CrowdWorld&, const shm::Frame& frame, const WaterView&) {
+    hooks.on_frame = [](const CrowdWorld&, const shm::Frame& frame) {
         if (frame.frame == 3) throw RunError(ExitCode::unexpected, "no space left on the device of 'x'");
     };
     CHECK_THROWS_AS(run_client(crowd, *source, summary, hooks), RunError);

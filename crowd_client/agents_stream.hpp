@@ -1,0 +1,61 @@
+#pragma once
+// The way back: the crowd's agents as a stream for the water, "/<session>-agents".
+//
+// Agents frame f is the state before frame f of the water, frame 1 the start. All agents are in every frame, in the
+// order of their ids, standing on the bed y = 0; those that have arrived or died rest where that happened.
+//
+//   crowd    publish 1 | take water 1, steps, publish 2, release 1 | take water 2, steps, publish 3, release 2 | ...
+//   water    serial, lag 0:   take agents f     before it computes frame f
+//            parallel, lag 1: take agents f - 1 before it computes frame f, none for frame 1
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "crowd_client/crowd_world.hpp"
+#include "shm_protocol/publisher.hpp"
+
+namespace wade::crowd {
+
+class AgentsPublisher {
+ public:
+    // The body height that is published of every agent, m: the model of this version knows no heights.
+    static constexpr float body_height = 1.7F;
+
+    // Creates the stream; ticks are those of the water's stream. The scene's agents_stream must not be `off`.
+    // Errors: as shm::Publisher.
+    AgentsPublisher(const std::string& session, const CrowdWorld& crowd, const shm::StreamInfo& water,
+                    const shm::Waiting& waiting);
+
+    // Waits until the producer of the water takes part and publishes frame 1. Errors: as shm::Publisher.
+    void start(const CrowdWorld& crowd);
+
+    // Publishes the next frame, the state after the steps that a frame of the water with this tick led to. Goes on
+    // without anybody once the other side has left. Errors: as shm::Publisher.
+    void publish(const CrowdWorld& crowd, std::uint64_t tick, bool final);
+
+    // Waits until all frames are taken or the other side has left. Errors: as shm::Publisher.
+    void close();
+
+    // Tells the other side why this one gives up.
+    void abort(int reason_code, std::string_view text) noexcept;
+
+    void set_paused(bool paused) noexcept;
+
+    // Chain over all frames made so far, whether anybody took them or not, so that it depends on the crowd alone.
+    [[nodiscard]] std::uint64_t hash() const { return hash_; }
+
+ private:
+    void gather(const CrowdWorld& crowd);
+
+    shm::Publisher publisher_;
+    bool taken_ = true;  // somebody still takes part
+    std::uint64_t frame_ = 0;
+    std::uint64_t last_tick_ = 0;
+    std::uint64_t hash_ = 0;
+    std::array<std::vector<float>, 10> fields_;  // in the order of the stream's required fields
+};
+
+}  // namespace wade::crowd

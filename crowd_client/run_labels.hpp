@@ -1,0 +1,19 @@
+#pragma once
+// What a run is called and where it came from, for its records.
+
+#include <string>
+#include <vector>
+
+#include "configs/command_line.hpp"
+#include "crowd_client/report.hpp"
+
+namespace wade::crowd {
+
+// The labels of a run that starts now, its fluid model not yet known.
+[[nodiscard]] RunLabels labels_of(const ProgramStart& start);
+
+// The command without what differs between two runs of the same thing: the folder of the program, the options --out,
+// --session and --commands.
+[[nodiscard]] std::vector<std::string> portable_command(const std::vector<std::string>& arguments);
+
+}  // namespace wade::crowd

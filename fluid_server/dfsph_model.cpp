@@ -1,0 +1,78 @@
+#include "fluid_server/dfsph_model.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "fluid_server/parallel.hpp"
+#include "fluid_server/river_measures.hpp"
+
+namespace wade::fluid {
+
+std::uint32_t DfsphModel::capacity() const {
+    return static_cast<std::uint32_t>(std::max(world_.scene().fluid.max_particles, 1));
+}
+
+shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
+    const auto start = std::chrono::steady_clock::now();
+    const double frame_time = interval.duration();
+    shm::Diagnostics d;
+    d.mean_density_error = 0;
+    d.max_density_error = 0;
+    double driving = 0;
+    double remaining = frame_time;
+    // What is left after the last sub-step is rounding.
+    while (remaining > 1e-9 * frame_time) {
+        const StepReport step = world_.step(remaining);
+        remaining -= step.dt;
+        ++d.sub_steps;
+        d.last_dt_s = step.dt;
+        d.density_iterations += static_cast<std::uint32_t>(step.density.iterations);
+        d.divergence_iterations += static_cast<std::uint32_t>(step.divergence.iterations);
+        d.mean_density_error += step.mean_density_error;
+        d.max_density_error = std::max(d.max_density_error, step.max_density_error);
+        driving += step.driving_acceleration * step.dt;
+    }
+    const auto elapsed = std::chrono::steady_clock::now() - start;
+    const RiverMeasures river =
+        measure_river(world_.particles(), static_cast<double>(world_.particle_mass()), world_.scene().world.gravity);
+    d.mean_density_error /= d.sub_steps;
+    d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());
+    d.mean_depth_m = river.mean_depth;
+    d.mean_speed_m_s = river.mean_speed;
+    d.kinetic_energy_j = river.kinetic_energy;
+    d.potential_energy_j = river.potential_energy;
+    if (world_.scene().channel.flow == Flow::recirculating) {
+        d.driving_acceleration_m_s2 = driving / frame_time;
+    }
+    d.position_clamps = world_.position_clamps();
+    d.recycled_particles = world_.recycled();
+    return d;
+}
+
+std::uint32_t DfsphModel::write_frame(const shm::FrameFields& slot) const {
+    const Particles& p = world_.particles();
+    const float mass = world_.particle_mass();
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t) {
+        std::fill(slot.mass.begin() + static_cast<std::ptrdiff_t>(begin),
+                  slot.mass.begin() + static_cast<std::ptrdiff_t>(end), mass);
+        const auto copy = [&](const std::vector<float>& from, std::span<float> to) {
+            std::copy(from.begin() + static_cast<std::ptrdiff_t>(begin),
+                      from.begin() + static_cast<std::ptrdiff_t>(end), to.begin() + static_cast<std::ptrdiff_t>(begin));
+        };
+        copy(p.vx, slot.vx);
+        copy(p.vy, slot.vy);
+        copy(p.vz, slot.vz);
+        copy(p.x, slot.px);
+        copy(p.y, slot.py);
+        copy(p.z, slot.pz);
+    });
+    return static_cast<std::uint32_t>(p.count);
+}
+
+std::string DfsphModel::remarks() const {
+    if (world_.layers_missed() == 0) return {};
+    return "warning: the stock was empty for " + std::to_string(world_.layers_missed()) +
+           " layers of the emitter, raise fluid.max_particles";
+}
+
+}  // namespace wade::fluid

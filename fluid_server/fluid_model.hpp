@@ -1,0 +1,70 @@
+#pragma once
+// What the server asks of a model of the water, a few calls a frame. All the rest of the server is the same for each.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "configs/scene.hpp"
+#include "shm_protocol/stream.hpp"
+
+namespace wade::fluid {
+
+// The time that a frame spans, (begin, end]. Counted in ticks, so that sums of durations do not drift.
+struct FrameInterval {
+    std::uint64_t begin_tick = 0;
+    std::uint64_t end_tick = 0;
+    std::uint64_t ticks_per_second = 1;
+
+    [[nodiscard]] double duration() const {  // s
+        return static_cast<double>(end_tick - begin_tick) / static_cast<double>(ticks_per_second);
+    }
+    [[nodiscard]] double end() const {  // s
+        return static_cast<double>(end_tick) / static_cast<double>(ticks_per_second);
+    }
+};
+
+// The crowd as it was at `tick`, one entry an agent in each span; in place, valid during the call only.
+struct AgentsView {
+    std::uint64_t frame = 0;
+    std::uint64_t tick = 0;
+    std::span<const float> mass;            // kg
+    std::span<const float> vx, vy, vz;      // m/s
+    std::span<const float> px, py, pz;      // m
+    std::span<const float> radius, height;  // m
+    std::span<const float> state;           // shm::AgentState
+};
+
+class FluidModel {
+ public:
+    FluidModel() = default;
+    FluidModel(const FluidModel&) = delete;
+    FluidModel& operator=(const FluidModel&) = delete;
+    virtual ~FluidModel() = default;
+
+    // The producer's name in the header of the stream.
+    [[nodiscard]] virtual std::string_view name() const = 0;
+
+    // The most particles that a frame can hold, at least 1.
+    [[nodiscard]] virtual std::uint32_t capacity() const = 0;
+
+    // The agents that the next frame is computed with, before advance_frame(). A model may ignore them.
+    virtual void take_agents(const AgentsView& agents) { static_cast<void>(agents); }
+
+    // Computes the water at the end of the interval, which begins where the last one ended; the first begins at 0.
+    // Throws RunError (numerical_failure).
+    virtual shm::Diagnostics advance_frame(const FrameInterval& interval) = 0;
+
+    // Writes the particles of the frame just computed into its slot; returns their number.
+    virtual std::uint32_t write_frame(const shm::FrameFields& slot) const = 0;
+
+    // What a user should know at the end and no diagnostic says; empty if there is nothing.
+    [[nodiscard]] virtual std::string remarks() const { return {}; }
+};
+
+// The model that the scene names, with its water at t = 0.
+[[nodiscard]] std::unique_ptr<FluidModel> make_fluid_model(const Scene& scene);
+
+}  // namespace wade::fluid

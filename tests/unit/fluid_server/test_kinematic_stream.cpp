@@ -1,0 +1,224 @@
+#include <omp.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+#include "fluid_server/kinematic_stream.hpp"
+#include "frame_arrays.hpp"
+#include "scenes.hpp"
+
+using namespace wade;
+using namespace wade::fluid;
+
+namespace {
+
+constexpr std::uint64_t ticks_per_second = 3'000'000;
+constexpr std::uint64_t ticks_per_frame = 100'000;
+
+Scene stream_scene(Flow flow, InitialRiver river) {
+    Scene scene = test::emitter_channel(1.5, 9.81, 10000);
+    scene.fluid.model = wade::FluidModel::kinematic;
+    scene.channel.x = {20, 60};
+    scene.channel.z = {11.5, 20};
+    scene.channel.flow = flow;
+    scene.channel.initial_river = river;
+    return scene;
+}
+Scene dry_scene() {
+    return stream_scene(Flow::emitter, InitialRiver::dry);
+}
+Scene filled_scene() {
+    return stream_scene(Flow::emitter, InitialRiver::filled);
+}
+Scene round_scene() {
+    return stream_scene(Flow::recirculating, InitialRiver::filled);
+}
+
+FrameInterval frame(std::uint64_t f) {
+    return {(f - 1) * ticks_per_frame, f * ticks_per_frame, ticks_per_second};
+}
+
+test::FrameArrays frame_at(const Scene& scene, std::uint64_t f, shm::Diagnostics* diagnostics = nullptr) {
+    KinematicStream stream(scene);
+    const shm::Diagnostics d = stream.advance_frame(frame(f));
+    if (diagnostics != nullptr) *diagnostics = d;
+    test::FrameArrays arrays(stream);
+    arrays.take(stream);
+    return arrays;
+}
+
+double bed_area(const Scene& scene) {
+    return scene.channel.x.length() * scene.channel.z.length();
+}
+
+}  // namespace
+
+TEST_CASE("a recirculating kinematic stream holds the mass of its depth to half a particle", "[fluid][kinematic]") {
+    for (const double depth : {0.5, 0.7, 1.0, 1.3}) {
+        Scene scene = round_scene();
+        scene.channel.depth = depth;
+        const double wanted = 1000 * depth * bed_area(scene);
+        const double particle = 1000 * std::pow(scene.fluid.particle_spacing, 3);
+        INFO(depth);
+        CHECK(std::abs(frame_at(scene, 7).mass() - wanted) <= 0.501 * particle);
+    }
+}
+
+TEST_CASE("a kinematic stream through a channel holds the mass of its depth in the mean over time",
+          "[fluid][kinematic]") {
+    for (const double depth : {0.5, 0.7, 1.0, 1.3}) {
+        Scene scene = filled_scene();
+        scene.channel.depth = depth;
+        KinematicStream stream(scene);
+        test::FrameArrays arrays(stream);
+        double mass = 0;
+        for (std::uint64_t f = 1; f <= 400; ++f) {
+            stream.advance_frame(frame(f));
+            arrays.take(stream);
+            mass += arrays.mass() / 400;
+        }
+        INFO(depth);
+        CHECK(mass == Approx(1000 * depth * bed_area(scene)).epsilon(1e-3));
+    }
+}
+
+TEST_CASE("the front of a dry start is at transport factor times velocity times time", "[fluid][kinematic]") {
+    Scene scene = dry_scene();
+    scene.fluid.kinematic.transport_factor = 2.6;
+    for (const std::uint64_t f : {30U, 90U, 200U}) {
+        const auto x = frame_at(scene, f).x();
+        const double front = 60 - 2.6 * 1.5 * static_cast<double>(f) / 30;
+        const double foremost = static_cast<double>(*std::min_element(x.begin(), x.end()));
+        INFO(f);
+        CHECK(foremost >= front - 1e-4);
+        CHECK(foremost <= front + scene.fluid.particle_spacing);  // the nearest of some forty first cells
+    }
+}
+
+TEST_CASE("nothing of a dry start is there before it enters, nothing stays when it has passed the end",
+          "[fluid][kinematic]") {
+    const Scene scene = dry_scene();
+    KinematicStream stream(scene);
+    test::FrameArrays arrays(stream);
+    arrays.take(stream);
+    CHECK(arrays.count == 0);
+    for (std::uint64_t f = 1; f <= 1500; ++f) {
+        const shm::Diagnostics d = stream.advance_frame(frame(f));
+        arrays.take(stream);
+        for (const float x : arrays.x()) REQUIRE((x >= 20 && x <= 60));
+        // What has come through the opening is there or was recycled; 50 cells may be a particle ahead or behind.
+        const double entered = 1.5 * static_cast<double>(f) / 30 * 8.5;  // m3
+        const double particles = static_cast<double>(arrays.count) + static_cast<double>(d.recycled_particles);
+        REQUIRE(std::abs(particles * std::pow(scene.fluid.particle_spacing, 3) - entered) < 4);
+    }
+    CHECK(arrays.count > 0);
+}
+
+TEST_CASE("a kinematic stream publishes the velocity without the transport factor", "[fluid][kinematic]") {
+    Scene scene = filled_scene();
+    scene.fluid.kinematic.transport_factor = 2.6;
+    shm::Diagnostics d;
+    const auto particles = frame_at(scene, 12, &d).particles();
+    CHECK(std::all_of(particles[1].begin(), particles[1].end(), [](float v) { return v == -1.5F; }));
+    CHECK(std::all_of(particles[2].begin(), particles[2].end(), [](float v) { return v == 0; }));
+    CHECK(d.mean_speed_m_s == Approx(1.5));
+    CHECK(d.mean_depth_m == Approx(1.0).epsilon(0.01));
+}
+
+TEST_CASE("the layers of a logarithmic stream have its velocity as their mean and move each at their own",
+          "[fluid][kinematic]") {
+    Scene scene = round_scene();
+    scene.fluid.particle_spacing = 0.25;
+    scene.fluid.max_particles = 100000;
+    scene.fluid.kinematic.profile = VelocityProfile::logarithmic;
+    scene.fluid.kinematic.transport_factor = 2;
+    shm::Diagnostics d;
+    const auto before = frame_at(scene, 1).particles();
+    const auto after = frame_at(scene, 2, &d).particles();
+    CHECK(d.mean_speed_m_s == Approx(1.5).epsilon(1e-4));
+    std::set<float> heights, velocities;
+    for (std::size_t i = 0; i < before[0].size(); ++i) {
+        heights.insert(before[5][i]);
+        velocities.insert(before[1][i]);
+        double moved = static_cast<double>(before[4][i] - after[4][i]);
+        if (moved < 0) moved += 40;
+        REQUIRE(moved == Approx(2 * static_cast<double>(-before[1][i]) / 30).margin(1e-5));
+    }
+    CHECK(heights == std::set<float>{0.125F, 0.375F, 0.625F, 0.875F});
+    CHECK(velocities.size() == 4);
+}
+
+TEST_CASE("a recirculating kinematic stream comes back after a round", "[fluid][kinematic]") {
+    // 40 m at 1.6 m/s are 25 s or 750 frames.
+    Scene scene = round_scene();
+    scene.channel.velocity = 1.6;
+    const auto once = frame_at(scene, 10).particles();
+    const auto again = frame_at(scene, 760).particles();
+    REQUIRE(once[0].size() == again[0].size());
+    for (std::size_t i = 0; i < once[0].size(); ++i) {
+        REQUIRE(again[4][i] == Approx(once[4][i]).margin(1e-4));
+        REQUIRE(again[6][i] == once[6][i]);
+        REQUIRE((once[4][i] >= 20 && once[4][i] <= 60));
+    }
+}
+
+TEST_CASE("a frame of a kinematic stream is a function of its tick alone", "[fluid][kinematic]") {
+    for (const Scene& scene : {dry_scene(), filled_scene(), round_scene()}) {
+        KinematicStream stream(scene);
+        shm::Diagnostics step_by_step, at_once;
+        for (std::uint64_t f = 1; f <= 900; ++f) step_by_step = stream.advance_frame(frame(f));
+        test::FrameArrays arrays(stream);
+        arrays.take(stream);
+        CHECK(arrays.particles() == frame_at(scene, 900, &at_once).particles());
+        CHECK(step_by_step.recycled_particles == at_once.recycled_particles);
+
+        // Frames of any length come to the same place.
+        KinematicStream uneven(scene);
+        uneven.advance_frame({0, 12'345'678, ticks_per_second});
+        uneven.advance_frame({12'345'678, 900 * ticks_per_frame, ticks_per_second});
+        test::FrameArrays same(uneven);
+        same.take(uneven);
+        CHECK(same.particles() == arrays.particles());
+    }
+}
+
+TEST_CASE("a kinematic stream is the same for any number of threads and another for another seed",
+          "[fluid][kinematic]") {
+    Scene scene = filled_scene();
+    scene.fluid.particle_spacing = 0.25;
+    scene.fluid.max_particles = 100000;
+    const int threads = omp_get_max_threads();
+    omp_set_num_threads(1);
+    const auto alone = frame_at(scene, 30).particles();
+    omp_set_num_threads(4);
+    const auto together = frame_at(scene, 30).particles();
+    omp_set_num_threads(threads);
+    REQUIRE(alone[0].size() > 4096);  // enough to be shared among threads
+    CHECK(alone == together);
+    scene.seed = 2;
+    CHECK(alone != frame_at(scene, 30).particles());
+}
+
+TEST_CASE("particles of a kinematic stream scatter within their cells over the whole width", "[fluid][kinematic]") {
+    const auto particles = frame_at(round_scene(), 1).particles();
+    // Squares of one metre on the bed hold ten particles of 100 kg in the mean: between none and twice that would be
+    // Poisson's scatter, all the same that of a lattice.
+    std::vector<int> squares(40 * 8);
+    for (std::size_t i = 0; i < particles[0].size(); ++i) {
+        const auto x = static_cast<std::size_t>(particles[4][i] - 20);
+        const auto z = static_cast<std::size_t>(particles[6][i] - 11.5F);
+        REQUIRE((particles[6][i] >= 11.5F && particles[6][i] <= 20));
+        if (z < 8 && x < 40) ++squares[z * 40 + x];
+    }
+    double sum = 0, squared = 0;
+    for (const int n : squares) {
+        sum += n;
+        squared += static_cast<double>(n) * n;
+    }
+    const double mean = sum / static_cast<double>(squares.size());
+    const double variance = squared / static_cast<double>(squares.size()) - mean * mean;
+    CHECK(mean == Approx(10).epsilon(0.02));
+    CHECK(variance > 1);
+    CHECK(variance < 8);
+}
