@@ -20,20 +20,21 @@ configure_release() {
   (cd "$root" && cmake --preset release -B "$build" "$@" >&2)
 }
 
-# build_programs: brings both programs up to date; quick when they are.
+# build_programs [TARGET...]: brings both programs, or those named, up to date; quick when they are.
 build_programs() {
+  [ $# -gt 0 ] || set -- fluid_server crowd_client
   lock_build_folder
   if [ ! -f "$build/build.ninja" ]; then
     configure_release -DWADE_BUILD_TESTS=OFF || return
   fi
   local to_compile
   # version.cpp is listed each time, in case the commit has changed.
-  to_compile=$(ninja -n -C "$build" fluid_server crowd_client | grep 'Building CXX' | grep -vc 'version\.cpp') || true
+  to_compile=$(ninja -n -C "$build" "$@" | grep 'Building CXX' | grep -vc 'version\.cpp') || true
   if [ "$to_compile" -gt 0 ]; then
-    echo "Building fluid_server and crowd_client (release, $to_compile files); a full build takes a minute or two" >&2
-    ninja -C "$build" fluid_server crowd_client >&2 || return
+    echo "Building $* (release, $to_compile files); a full build takes a minute or two" >&2
+    ninja -C "$build" "$@" >&2 || return
   else
-    ninja --quiet -C "$build" fluid_server crowd_client >&2 || return
+    ninja --quiet -C "$build" "$@" >&2 || return
   fi
   unlock_build_folder
 }

@@ -4,29 +4,43 @@ set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
+programs=(fluid_server crowd_client)
 for argument in "$@"; do
-  if [ "$argument" = --help ] || [ "$argument" = -h ]; then
-    cat <<'HELP'
-Usage: tools/run.sh [SCENE] [--out DIR] [--no-figure] [any option of the two programs]
+  case "$argument" in
+    -h | --help)
+      # Needs neither packages nor a build, so that help is always at hand.
+      cat <<'HELP'
+Usage: tools/run.sh [SCENE] [--out DIR] [--no-figure] [--record FILE | --replay FILE | --producer COMMAND]
+                    [any option of the programs]
 
 Runs SCENE (default configs/paper/s05.json): installs missing packages, builds a release build if needed, starts
 fluid_server and crowd_client, waits for both, prints the outcome and draws DIR/figure.png.
 
-  --out DIR        run folder [runs/<scene>-<time>/ in the project]; the server's log is DIR/fluid_server.log
-  --session NAME   name under which the two programs meet [a unique one]
-  --no-figure      do not draw figure.png
-  --check          only check the scene
-Other options go to the program, or both programs, that have them; see
-build/release/fluid_server --help and build/release/crowd_client --help.
+  --out DIR           run folder [runs/<scene>-<time>/ in the project]; the server's log is DIR/fluid_server.log, that
+                      of another producer DIR/producer.log
+  --record FILE       shm_record writes the water into FILE, frame by frame
+  --replay FILE       shm_replay plays FILE in place of fluid_server
+  --producer COMMAND  another producer of water in place of fluid_server, for example './my_producer --session {session}';
+                      {session}, {scene} and {consumers} stand for what the run has; without {session} the words
+                      --session NAME are added at the end
+  --session NAME      name under which the programs meet [a unique one]
+  --no-figure         do not draw figure.png
+  --check             only check the scene
+Other options go to the programs that have them; see --help of build/release/fluid_server, crowd_client, shm_record
+and shm_replay. Started from a terminal, the crowd takes commands typed there (pause, step, tau ...; see crowd_client
+--help); SIGUSR1 and SIGUSR2 are passed on to it.
 
-Exit code: 0 if both programs ended well and the picture is drawn, else that of the program that failed first:
+Exit code: 0 if all programs ended well and the picture is drawn, else that of the program that failed first:
 1 unexpected, 2 bad configuration or usage, 3 attach time-out, 4 peer dead, 5 peer aborted, 6 protocol violation,
 7 step time-out, 8 name in use, 9 numerical failure, 130/143 interrupted.
 HELP
-    exit 0
-  fi
+      exit 0
+      ;;
+    --record | --record=*) programs+=(shm_record) ;;
+    --replay | --replay=*) programs+=(shm_replay) ;;
+  esac
 done
 
 "$root/tools/install_dependencies.sh" || exit 1
-build_programs || { echo "run.sh: the build failed" >&2; exit 1; }
+build_programs "${programs[@]}" || { echo "run.sh: the build failed" >&2; exit 1; }
 exec /usr/bin/python3 "$root/tools/run_pair.py" --programs "$build" "$@"

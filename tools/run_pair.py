@@ -1,92 +1,36 @@
 #!/usr/bin/env python3
-"""Starts fluid_server and crowd_client on one scene, waits for both, prints the outcome and draws the picture.
+"""Starts a producer of water and crowd_client on one scene, waits for both, prints the outcome and draws the picture.
 
+The producer is fluid_server, shm_replay with --replay, or any command with --producer; --record adds shm_record.
 tools/run.sh calls it once the programs are built. Standard library only.
 """
 
-import ctypes
 import json
 import os
-import re
 import secrets
+import shlex
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-DEFAULT_SCENE = ROOT / "configs" / "paper" / "s05.json"
-OWN_VALUES = ("--out", "--session", "--programs")
-OWN_SWITCHES = ("--no-figure",)
+from pair_arguments import ROOT, UsageError, find_scene, is_given, options_of, split_arguments
+from pair_processes import Pair, meaning, wait_for_own_segment, wait_until_joined
+
 ANSWERS = ("--check", "--print-config", "--version")  # one program answers and nothing is run
-# Exit codes that are only the echo of what happened to the other side: attach time-out, peer dead, peer aborted,
-# step time-out. The other side's own code says more.
-ECHOES = (3, 4, 5, 7)
-PEER_NOTICES_WITHIN_S = 3  # a dead peer is noticed after 50 ms; what waits longer waits for a peer that never came
-PR_SET_PDEATHSIG = 1
-SEGMENT_PID_AT = 4096 + 144  # the producer's process, see shm_protocol/layout.hpp
+SHOWN_OF_LOG = 5  # lines, of a program that failed
 
 
-class UsageError(Exception):
-    """A wrong command line; ends with exit code 2."""
-
-
-def options_of(program):
-    """The options of a program as {name: takes a value}, read from its --help."""
-    text = subprocess.run([program, "--help"], capture_output=True, text=True, check=True).stdout
-    pattern = re.compile(r"^  (?:-\w,)?(--[a-z0-9-]+)( [A-Z][A-Z=]*)?(?:  |$)", re.MULTILINE)
-    return {name: bool(value) for name, value in pattern.findall(text)}
-
-
-def split_arguments(arguments, server_options, client_options):
-    """Sorts arguments into (scene or None, own options, server arguments, client arguments).
-
-    An option goes to each program that has it, one that nobody has goes to both, so that they refuse it.
-    """
-    takes_value = {**server_options, **client_options}
-    takes_value.update(dict.fromkeys(OWN_VALUES, True))
-    takes_value.update(dict.fromkeys(OWN_SWITCHES, False))
-    scene, own, server, client = None, {}, [], []
-    unknown, surplus = False, None
-    rest = list(arguments)
-    while rest:
-        argument = rest.pop(0)
-        if not argument.startswith("-"):
-            if scene is None:
-                scene = argument
-            else:
-                surplus = surplus or argument
-            continue
-        name, equals, value = argument.partition("=")
-        words = [argument]
-        if takes_value.get(name) and not equals:
-            if not rest:
-                raise UsageError(f"{name}: a value is missing")
-            value = rest.pop(0)
-            words.append(value)
-        if name in OWN_VALUES + OWN_SWITCHES:
-            own[name] = value or True
-            continue
-        nobody = name not in takes_value
-        unknown = unknown or nobody
-        if name in server_options or nobody:
-            server += words
-        if name in client_options or nobody:
-            client += words
-    # After an unknown option this may be its value; then the programs say what is wrong.
-    if surplus and not unknown:
-        raise UsageError(f'unexpected argument "{surplus}"; one scene file is allowed')
-    return scene, own, server, client
-
-
-def find_scene(name):
-    """The scene as named from here, else as named from the project's folder."""
-    if name is None:
-        return DEFAULT_SCENE
-    here = Path(name)
-    there = ROOT / name
-    return there if not here.exists() and there.exists() else here
+def programs_of(arguments):
+    """(name of the producer's program or None, names of all programs that take part)."""
+    if is_given(arguments, "--replay") and is_given(arguments, "--producer"):
+        raise UsageError("--replay and --producer exclude one another")
+    producer = "shm_replay" if is_given(arguments, "--replay") else "fluid_server"
+    if is_given(arguments, "--producer"):
+        producer = None
+    recorder = ["shm_record"] if is_given(arguments, "--record") else []
+    return producer, [name for name in (producer, "crowd_client", *recorder) if name]
 
 
 def resolved_scene(program, scene, arguments):
@@ -104,76 +48,32 @@ def new_run_folder(scene_name):
     return folder
 
 
-def end_with_parent():
-    """Runs in the child: it gets SIGTERM when this process dies, so that no orphan keeps simulating."""
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+def producer_command(run, session):
+    """The command line of whatever sends the water."""
+    own, arguments = run.own, run.arguments
+    consumers = 2 if "--record" in own else 1
+    counted = ["--consumers", str(consumers)] if consumers > 1 else []
+    if run.producer == "fluid_server":
+        server = [run.programs / "fluid_server", run.scene]
+        return [*server, *counted, *arguments["fluid_server"], "--session", session]
+    if run.producer == "shm_replay":
+        way_back = run.resolved.get("coupling", {}).get("agents_stream", "off") != "off"
+        switches = ["--take-agents"] if way_back else []
+        replay = [run.programs / "shm_replay", own["--replay"]]
+        return [*replay, *switches, *counted, *arguments["shm_replay"], "--session", session]
+    words = shlex.split(own["--producer"])
+    if not any("{session}" in word for word in words):
+        words += ["--session", "{session}"]
+    known = {"{session}": session, "{scene}": str(run.scene), "{consumers}": str(consumers)}
+    for place, value in known.items():
+        words = [word.replace(place, value) for word in words]
+    return words
 
 
-class Pair:
-    """The two processes; signals that this process receives are passed on to both."""
-
-    def __init__(self):
-        self.processes = []
-        self.signal = 0
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, self.pass_on)
-
-    def pass_on(self, number, _frame):
-        self.signal = number
-        self.send(signal.SIGINT if number == signal.SIGINT else signal.SIGTERM)
-
-    def send(self, number):
-        for process in self.processes:
-            if process.poll() is None:
-                process.send_signal(number)
-
-    def start(self, command, **streams):
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=end_with_parent, **streams)
-        self.processes.append(process)
-        if self.signal:
-            self.send(signal.SIGTERM)
-        return process
-
-    def wait(self):
-        """Waits for all; returns their exit codes in the order of start, None for one that had to be told to end."""
-        given_up_at, told = None, set()
-        while any(process.poll() is None for process in self.processes):
-            if given_up_at is None and any(process.poll() for process in self.processes):
-                given_up_at = time.monotonic() + PEER_NOTICES_WITHIN_S
-            if given_up_at is not None and time.monotonic() > given_up_at:
-                told.update(process.pid for process in self.processes if process.poll() is None)
-                self.send(signal.SIGTERM)
-                given_up_at = time.monotonic() + PEER_NOTICES_WITHIN_S
-            time.sleep(0.02)
-        return [None if process.pid in told else exit_code(process) for process in self.processes]
-
-
-def wait_for_own_segment(server, session):
-    """Waits until the session is that of this server or the server has ended.
-
-    A crowd that starts earlier could join another server that lives under the same name, and disturb it.
-    """
-    while server.poll() is None:
-        try:
-            with open(f"/dev/shm/{session}-fluid", "rb") as segment:
-                segment.seek(SEGMENT_PID_AT)
-                if segment.read(4) == server.pid.to_bytes(4, "little"):
-                    return
-        except OSError:
-            pass
-        time.sleep(0.01)
-
-
-def exit_code(process):
-    """As a shell shows it: 128 + number of the signal that ended it."""
-    return process.returncode if process.returncode >= 0 else 128 - process.returncode
-
-
-def meaning(codes):
-    """The exit code of the pair: the cause rather than its echo on the other side."""
-    bad = [code for code in codes if code]
-    causes = [code for code in bad if code not in ECHOES]
-    return (causes + bad + [0])[0]
+def stdin_of_client(arguments):
+    """The terminal, or whatever the user says the commands come from; None = that of this process."""
+    from_stdin = "--commands=-" in arguments or ("--commands", "-") in zip(arguments, arguments[1:])
+    return None if sys.stdin.isatty() or from_stdin else subprocess.DEVNULL
 
 
 def summary(folder):
@@ -210,43 +110,93 @@ def draw(folder, pair):
     return artist.wait() == 0 and figure.exists()
 
 
-def run(scene, own, server_arguments, client_arguments, programs):
-    resolved, code = resolved_scene(programs / "fluid_server", scene, server_arguments)
-    if resolved is not None:
-        resolved, code = resolved_scene(programs / "crowd_client", scene, client_arguments)
-    if resolved is None:
+class Run:
+    """What the command line asks for."""
+
+    def __init__(self, arguments):
+        self.programs = Path(arguments[arguments.index("--programs") + 1])
+        self.producer, names = programs_of(arguments)
+        options = {name: options_of(self.programs / name) for name in names}
+        scene, self.own, self.arguments = split_arguments(arguments, options)
+        if self.producer is None and "--record" in self.own and "{consumers}" not in self.own["--producer"]:
+            raise UsageError(
+                "--record: the command of --producer must say with {consumers} how many consumers it is to wait for"
+            )
+        self.scene = find_scene(scene)
+        self.resolved = None
+
+    def check_scene(self):
+        """Reads the scene as the programs do; returns the exit code of the one that refuses it, else 0."""
+        for name in ("fluid_server", "crowd_client"):
+            if name in self.arguments:
+                self.resolved, code = resolved_scene(self.programs / name, self.scene, self.arguments[name])
+                if self.resolved is None:
+                    return code
+        return 0
+
+
+def start_all(run, pair, folder, session):
+    """Starts the producer, the recorder if there is one, and the crowd; returns {name: (process, its log or None)}."""
+    producer_name = run.producer or "the producer"
+    started = {}
+
+    def start_logged(name, command, log_name):
+        log = folder / log_name
+        with open(log, "w", encoding="utf-8") as file:
+            try:
+                started[name] = pair.start(command, stdout=file, stderr=file), log
+            except OSError as error:
+                raise UsageError(f"cannot start {command[0]}: {error.strerror}") from error
+        return started[name][0]
+
+    log_name = "fluid_server.log" if run.producer == "fluid_server" else "producer.log"
+    producer = start_logged(producer_name, producer_command(run, session), log_name)
+    wait_for_own_segment(producer, session)
+    if "--record" in run.own:
+        command = [run.programs / "shm_record", session, run.own["--record"], *run.arguments["shm_record"]]
+        recorder = start_logged("shm_record", command, "shm_record.log")
+        if not wait_until_joined(recorder, producer, session):
+            return started
+    if not producer.poll():
+        arguments = run.arguments["crowd_client"]
+        command = [run.programs / "crowd_client", run.scene, *arguments, "--session", session, "--out", folder]
+        client = pair.start(command, stdin=stdin_of_client(arguments), stdout=subprocess.DEVNULL)
+        started["crowd_client"] = client, None
+        pair.controlled = client
+    return started
+
+
+def carry_out(run):
+    """Runs everything to its end; returns the exit code."""
+    code = run.check_scene()
+    if code:
         return code
-    folder = Path(own["--out"]) if "--out" in own else new_run_folder(resolved["name"])
+    own = run.own
+    folder = Path(own["--out"]) if "--out" in own else new_run_folder(run.resolved["name"])
+    session = own.get("--session") or f"wade-{os.getuid()}-{os.getpid()}-{secrets.token_hex(4)}"
+    pair = Pair()
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        log = open(folder / "fluid_server.log", "w", encoding="utf-8")
+        started = start_all(run, pair, folder, session)
     except OSError as error:
-        print(f"run.sh: --out: cannot write to {folder}: {error.strerror}", file=sys.stderr)
-        return 2
-    session = own.get("--session") or f"wade-{os.getuid()}-{os.getpid()}-{secrets.token_hex(4)}"
-
-    pair = Pair()
-    common = ["--session", session]
-    with log:
-        server = pair.start([programs / "fluid_server", scene, *server_arguments, *common], stdout=log, stderr=log)
-        wait_for_own_segment(server, session)
-        if not server.poll():
-            client = [programs / "crowd_client", scene, *client_arguments, *common, "--out", folder]
-            pair.start(client, stdout=subprocess.DEVNULL)
-        codes = pair.wait()
+        raise UsageError(f"--out: cannot write to {folder}: {error.strerror}") from error
+    codes = pair.wait()
     code = meaning(codes)
     if "--session" not in own:
-        # Only a killed server leaves its segment behind, and nobody else knows this name.
+        # Only a killed producer leaves its segment behind, and nobody else knows this name.
         for kind in ("fluid", "agents"):
             Path(f"/dev/shm/{session}-{kind}").unlink(missing_ok=True)
 
-    if codes[0]:
-        print(f"run.sh: fluid_server ended with exit code {codes[0]}; the end of its log:", file=sys.stderr)
-        for line in (folder / "fluid_server.log").read_text(errors="replace").splitlines()[-5:]:
-            print("  " + line, file=sys.stderr)
+    for (name, (_process, log)), ended in zip(started.items(), codes):
+        if ended and log:
+            print(f"run.sh: {name} ended with exit code {ended}; the end of its log:", file=sys.stderr)
+            for line in log.read_text(errors="replace").splitlines()[-SHOWN_OF_LOG:]:
+                print("  " + line, file=sys.stderr)
     for line in summary(folder):
         print(line)
     print(f"run folder: {folder}")
+    if "--record" in own:
+        print(f"recording: {own['--record']}")
     if "--no-figure" not in own and not pair.signal and has_frames(folder):
         if draw(folder, pair):
             print(f"picture: {folder / 'figure.png'}")
@@ -259,19 +209,15 @@ def run(scene, own, server_arguments, client_arguments, programs):
 
 
 def main():
-    arguments = sys.argv[1:]
-    programs = Path(arguments[arguments.index("--programs") + 1])
-    server_options = options_of(programs / "fluid_server")
-    client_options = options_of(programs / "crowd_client")
     try:
-        name, own, server, client = split_arguments(arguments, server_options, client_options)
+        run = Run(sys.argv[1:])
+        client = run.arguments["crowd_client"]
+        if any(answer in client for answer in ANSWERS):
+            return subprocess.run([run.programs / "crowd_client", run.scene, *client]).returncode
+        return carry_out(run)
     except UsageError as error:
         print(f"run.sh: {error} (tools/run.sh --help shows the options)", file=sys.stderr)
         return 2
-    scene = find_scene(name)
-    if any(answer in client for answer in ANSWERS):
-        return subprocess.run([programs / "crowd_client", scene, *client]).returncode
-    return run(scene, own, server, client, programs)
 
 
 if __name__ == "__main__":

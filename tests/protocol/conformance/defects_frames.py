@@ -1,0 +1,180 @@
+"""Defects of the frames and of their order in time."""
+
+import random
+import time
+
+from python_producer import CONTROL, SLOTS, Publisher
+
+import system
+from layout import FINAL, ControlPage, Descriptor
+
+
+class SkipsAFrame(Publisher):
+    caught_by = "frames"
+
+    def send(self, frame, final):
+        if frame < 7:
+            super().send(frame, final)
+            return
+        self.mark(frame, False)
+        self.write_descriptor(frame, self.write_arrays(frame), FINAL if final else 0)
+        self.words.set_u64(self.descriptor(frame) + Descriptor.FRAME, frame + 1)
+        self.mark(frame, True)
+        self.publish(frame)
+
+
+class TickStandsStill(Publisher):
+    caught_by = "frames"
+
+    def tick(self, frame):
+        return min(frame, 9)
+
+
+class CountAboveCapacity(Publisher):
+    caught_by = "frames"
+
+    def count(self, frame):
+        return self.options.particles + (frame == 5)
+
+
+class AgentsComeAndGo(Publisher):
+    """Leaves out agents; caught in streams of agents alone."""
+
+    caught_by, kind = "frames", "agents"
+
+    def count(self, frame):
+        return self.options.particles - (frame > 3)
+
+
+class NotANumber(Publisher):
+    caught_by = "frames"
+
+    def values(self, frame):
+        values = super().values(frame)
+        if frame == 6:
+            values[5][3] = float("nan")
+        return values
+
+
+class HashOfThisFrameAlone(Publisher):
+    caught_by = "hash_chain"
+
+    def next_chain(self, frame, fields):
+        self.chain = 0
+        return super().next_chain(frame, fields)
+
+
+class DoesNotCountUp(Publisher):
+    """Wakes without counting publish_sequence up."""
+
+    caught_by = "states"
+
+    def ring(self):
+        system.futex_wake_all(self.words.address(CONTROL + ControlPage.PUBLISH_SEQUENCE))
+
+
+class PublishesBeforeWriting(Publisher):
+    caught_by = "lockstep"
+
+    def send(self, frame, final):
+        self.write_descriptor(frame, [v.tobytes() for v in self.values(frame)], FINAL if final else 0)
+        self.mark(frame, True)
+        self.publish(frame)
+        time.sleep(0.005)
+        self.write_arrays(frame)
+
+
+class IgnoresAcknowledgements(Publisher):
+    caught_by = "depth"
+
+    def wait_for_acknowledgements(self, owed, frame):
+        time.sleep(0.01)
+        return super().wait_for_acknowledgements(0 if frame else owed, frame)
+
+
+class OneFrameTooFar(Publisher):
+    """Runs one frame further ahead than the depth says."""
+
+    caught_by = "lockstep"
+
+    def wait_for_acknowledgements(self, owed, frame):
+        return super().wait_for_acknowledgements(max(0, owed - 1) if frame else owed, frame)
+
+
+class OverwritesAHeldFrame(Publisher):
+    caught_by = "lockstep"
+
+    def begin_frame(self, frame):
+        if frame == 4:
+            time.sleep(0.05)
+            self.words.bytes[SLOTS + (frame - 2) % self.slots * self.slot_stride] ^= 1
+        return super().begin_frame(frame)
+
+
+class NeverMarksASlot(Publisher):
+    caught_by = "write_mark"
+
+    def mark(self, frame, complete):
+        if complete:
+            super().mark(frame, complete)
+
+    def write_arrays(self, frame):
+        fields = super().write_arrays(frame)
+        time.sleep(0.003)
+        return fields
+
+
+class NeverWakes(Publisher):
+    caught_by = "wake_up"
+
+    def ring(self):
+        at = CONTROL + ControlPage.PUBLISH_SEQUENCE
+        self.words.set_u32(at, self.words.u32(at) + 1)
+
+
+class NoHeartbeat(Publisher):
+    caught_by = "heartbeat"
+
+    def beat(self):
+        if not self.published:
+            super().beat()
+
+
+class RandomValues(Publisher):
+    caught_by = "repeat"
+
+    def values(self, frame):
+        values = super().values(frame)
+        values[4][0] = random.random()
+        return values
+
+
+class ValuesFollowTheClock(Publisher):
+    """Frames depend on how long the consumer took."""
+
+    caught_by = "stalls"
+    begun = 0.0
+
+    def begin_frame(self, frame):
+        begun = time.monotonic()
+        goes_on = super().begin_frame(frame)
+        self.slow = time.monotonic() - begun > 0.04
+        return goes_on
+
+    def values(self, frame):
+        values = super().values(frame)
+        values[4][0] += self.slow
+        return values
+
+
+class ValuesFollowStops(Publisher):
+    """Frames depend on how long their computation took."""
+
+    caught_by = "stops"
+
+    def values(self, frame):
+        begun = time.monotonic()
+        time.sleep(0.002)
+        values = super().values(frame)
+        values[4][0] += time.monotonic() - begun > 0.04
+        return values

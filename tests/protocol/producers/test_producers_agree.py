@@ -1,0 +1,133 @@
+"""The example producers of tools/producers: all play the stream that their README defines, and the crowd cannot tell."""
+
+import math
+import os
+import shutil
+import subprocess
+import sys
+import unittest
+from array import array
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path[:0] = [str(ROOT / "tests" / "system"), str(ROOT / "tools" / "conformance")]
+from harness import PROGRAMS, SystemTest  # noqa: E402
+from hashes import chain  # noqa: E402
+
+FOLDER = ROOT / "tools" / "producers"
+PYTHON = ["/usr/bin/python3", "-B"]
+SCENE = ROOT / "configs" / "paper" / "s05.json"
+FRAMES = 120  # 4 s: some of the 50 people of the scene have reached the water by then
+PARTICLES = 2000
+
+PRODUCERS = {
+    "c": [os.environ.get("WADE_C_PRODUCER", PROGRAMS / "producers" / "c_producer")],
+    "plain": [*PYTHON, FOLDER / "python" / "producer_plain.py"],
+    "numpy": [*PYTHON, FOLDER / "python" / "producer_numpy.py"],
+    "ctypes": [*PYTHON, FOLDER / "python" / "producer_ctypes.py"],
+}
+if os.environ.get("WADE_NODE"):
+    PRODUCERS["node"] = [os.environ["WADE_NODE"], FOLDER / "node" / "producer.mjs"]
+else:
+    print("Node or its headers were not there at configuration: the Node producer is left out.", file=sys.stderr)
+
+
+def definition(frame, speed=1.5):
+    """The arrays of a frame as tools/producers/README.md defines them, as bytes."""
+    places = range(PARTICLES)
+    x = [(60 + k // 50 * 0.4642) - speed * frame / 30 for k in places]
+    arrays = (
+        [100] * PARTICLES,
+        [-speed] * PARTICLES,
+        [0] * PARTICLES,
+        [0] * PARTICLES,
+        [v - 100 * math.floor(v / 100) for v in x],
+        [0.23] * PARTICLES,
+        [12 + k % 50 * 0.4642 for k in places],
+    )
+    return [array("f", values).tobytes() for values in arrays]
+
+
+def hash_of_definition(frames):
+    value = 0
+    for frame in range(1, frames + 1):
+        value = chain(value, frame, definition(frame))
+    return f"{value:016x}"
+
+
+class ProducersAgree(SystemTest):
+    def play(self, command, *options, frames=FRAMES):
+        """Runs a producer and the crowd to a good end; returns the run of the crowd."""
+        producer = self.start(*command, SCENE, "--session", self.session, "--frames", frames, *options)
+        client = self.client("--reproducible", "--until-s", frames / 30, scene=SCENE)
+        self.assert_ended_well(client, producer)
+        self.assertEqual(client.run.outcome()["frames"], frames)
+        return client.run
+
+    def test_every_producer_plays_the_frames_of_the_definition_and_moves_the_same_people(self):
+        expected = hash_of_definition(FRAMES)
+        paths = {}
+        for name, command in PRODUCERS.items():
+            with self.subTest(producer=name):
+                run = self.play(command)
+                self.assertEqual(run.outcome()["frame_hash"], expected)
+                paths[name] = run.bytes_of("agents.csv"), run.rows()
+        for name, path in paths.items():
+            with self.subTest(producer=name):
+                self.assertEqual(path, paths["c"], "the outcome of the crowd is that with the C producer")
+
+    def test_the_stream_reaches_the_people(self):
+        """So that the comparison of their paths could fail."""
+        slow, fast = (self.play(PRODUCERS["c"], "--speed", speed).bytes_of("agents.csv") for speed in ("0.5", "1.5"))
+        self.assertNotEqual(slow, fast)
+
+    def test_depth_does_not_change_the_frames(self):
+        expected = hash_of_definition(60)
+        for name, command in PRODUCERS.items():
+            with self.subTest(producer=name):
+                self.assertEqual(self.play(command, "--depth", "3", frames=60).outcome()["frame_hash"], expected)
+
+    def test_plain_producer_needs_no_package(self):
+        bare = ["/usr/bin/python3", "-B", "-S"]  # without site-packages
+        self.assertNotEqual(subprocess.run([*bare, "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode, 0)
+        self.play([*bare, FOLDER / "python" / "producer_plain.py"], frames=5)
+
+    def test_c_producer_needs_nothing_but_a_c_compiler(self):
+        for file in (FOLDER / "c").iterdir():
+            shutil.copy(file, self.folder)
+        program = self.folder / "own_producer"
+        subprocess.run(["cc", "-std=c11", "-O2", "producer.c", "-o", program, "-lm"], cwd=self.folder, check=True)
+        self.assertEqual(self.play([program], frames=60).outcome()["frame_hash"], hash_of_definition(60))
+
+    def test_a_crowd_with_another_scene_is_turned_away(self):
+        for name, command in PRODUCERS.items():
+            with self.subTest(producer=name):
+                producer = self.start(*command, "--session", self.session, "--scene-hash", "123456789abcdef0")
+                client = self.client(scene=SCENE)
+                self.assert_ends(client, 6, "123456789abcdef0")
+                self.assert_ends(producer, 5, "123456789abcdef0")
+
+    def test_wrong_options_are_refused_by_name(self):
+        wrong = {
+            "--frames": ["0", "1.5", "many"],
+            "--particles": ["0", "-1"],
+            "--depth": ["0", "64"],
+            "--speed": ["101", "nan", "fast"],
+            "--scene-hash": ["xyz", "1" * 17],
+            "--step-timeout-s": ["-1"],
+        }
+        cases = [(option, value) for option, values in wrong.items() for value in values]
+        for name, command in PRODUCERS.items():
+            # Starting an interpreter takes long: a value of each option will do for those that share their parser.
+            chosen = cases if name in ("c", "plain", "node") else cases[::4]
+            for option, value in chosen:
+                with self.subTest(producer=name, option=option, value=value):
+                    self.assert_ends(self.start(*command, "--session", self.session, option, value), 2, option, value)
+            with self.subTest(producer=name, option="--session"):
+                self.assert_ends(self.start(*command, "--session", "a/b"), 2, "a/b")
+                self.assert_ends(self.start(*command), 2, "--session")
+                self.assert_ends(self.start(*command, "--session", self.session, "--sped", "1"), 2, "--sped")
+
+
+if __name__ == "__main__":
+    unittest.main()

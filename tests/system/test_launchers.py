@@ -1,0 +1,162 @@
+"""tools/run.sh with a recorder, a replay and another producer, its commands, and tools/run_many.sh."""
+
+import csv
+import os
+import signal
+import unittest
+from pathlib import Path
+
+from harness import ENDLESS, PROGRAMS, ROOT, SCENES, SMALL, Run, SystemTest, wait_until
+
+RUN, RUN_MANY = ROOT / "tools" / "run.sh", ROOT / "tools" / "run_many.sh"
+SHORT = ["--until-s", "1"]
+CLIENT_PAUSED = 3 * 4096 + 84  # shm_protocol/layout.hpp: of the first consumer
+
+
+class Launcher(SystemTest):
+    def script(self, *command):
+        return self.start(*command, cwd=self.folder, env={**os.environ, "WADE_BUILD": str(PROGRAMS)})
+
+    def output_of(self, program):
+        program.output.seek(0)
+        return program.output.read()
+
+
+class RunScript(Launcher):
+    def run_sh(self, out, *arguments, scene=SMALL):
+        program = self.script(
+            RUN, scene, "--session", self.session, "--out", self.folder / out, "--no-figure", *arguments
+        )
+        program.run = Run(self.folder / out)
+        return program
+
+    def assert_same_results(self, run, other):
+        for name in ("outcome.json", "agents.csv", "trajectories.sqlite", "water.bin"):
+            self.assertEqual(run.bytes_of(name), other.bytes_of(name), name)
+
+    def test_record_and_replay_give_the_same_results(self):
+        file = self.folder / "run.wrec"
+        live = self.run_sh("live", "--reproducible", "--record", file)
+        self.assert_ended_well(live)
+        self.assertIn(f"recording: {file}", self.output_of(live))
+        self.assertIn("240 frames", (live.run.folder / "shm_record.log").read_text())
+        replay = self.run_sh("replay", "--reproducible", "--replay", file)
+        self.assert_ended_well(replay)
+        self.assert_same_results(live.run, replay.run)
+        self.assertIn("240 frames played", (replay.run.folder / "producer.log").read_text())
+
+    def test_any_command_can_be_the_producer(self):
+        file = self.folder / "run.wrec"
+        live = self.run_sh("live", "--reproducible", *SHORT, "--record", file)
+        self.assert_ended_well(live)
+        program = f"{PROGRAMS / 'shm_replay'} {file}"
+        copy = self.folder / "copy.wrec"
+        for out, command, options in (
+            ("named", f"{program} --session {{session}}", []),
+            ("appended", program, []),
+            ("below a shell", f"sh -c '{program} --session {{session}}; exit $?'", []),
+            ("recorded", f"{program} --consumers {{consumers}}", ["--record", copy]),
+        ):
+            with self.subTest(out):
+                run_sh = self.run_sh(out, "--reproducible", *SHORT, *options, "--producer", command)
+                self.assert_ended_well(run_sh)
+                self.assert_same_results(live.run, run_sh.run)
+
+    def test_wrong_choices_of_a_producer_are_refused(self):
+        for arguments, *texts in (
+            (["--replay", "a", "--producer", "b"], "--replay", "--producer", "exclude"),
+            (["--record", "a", "--producer", "b"], "{consumers}"),
+            (["--producer", "/no/such/program"], "/no/such/program"),
+            (["--replay", self.folder / "absent.wrec"], "absent.wrec"),
+            (["--record", self.folder / "no" / "such" / "folder.wrec"], "folder.wrec"),
+        ):
+            with self.subTest(arguments):
+                self.assert_ends(self.run_sh("run", *arguments), 2, *texts)
+
+    def test_failed_producer_is_reported_with_its_code_and_log(self):
+        run_sh = self.run_sh("run", "--producer", "sh -c 'echo no water today; exit 9'")
+        self.assert_ends(run_sh, 9, "exit code 9", "no water today")
+
+    def test_killed_recorder_is_reported(self):
+        run_sh = self.run_sh("run", *ENDLESS, "--record", self.folder / "run.wrec")
+        self.wait_for_frame(5, run_sh)
+        for child in Path(f"/proc/{run_sh.process.pid}/task/{run_sh.process.pid}/children").read_text().split():
+            if "shm_record" in Path(f"/proc/{child}/cmdline").read_text():
+                os.kill(int(child), signal.SIGKILL)
+        self.assert_ends(run_sh, 128 + signal.SIGKILL, "shm_record ended with exit code 137", "recorder")
+
+    def test_signals_pause_and_resume_the_crowd(self):
+        run_sh = self.run_sh("run", *ENDLESS)
+        self.wait_for_frame(5, run_sh)
+        run_sh.send(signal.SIGUSR1)
+        wait_until(lambda: self.word(CLIENT_PAUSED, "<I") == 1, "the crowd to pause")
+        run_sh.send(signal.SIGUSR1)
+        wait_until(lambda: self.word(CLIENT_PAUSED, "<I") == 0, "the crowd to go on")
+        self.wait_for_frame(self.published_frame() + 5, run_sh)
+        run_sh.send(signal.SIGTERM)
+        self.assert_ends(run_sh, 143)
+
+    def test_commands_come_from_standard_input(self):
+        command = f"printf 'tau 0.7\\nquit\\n' | {RUN} {SMALL} --session {self.session} --out {self.folder / 'run'} "
+        run_sh = self.script("sh", "-c", command + "--no-figure --commands - " + " ".join(ENDLESS))
+        self.assert_ends(run_sh, 130, "0.7", "told to quit")
+        self.assertIn('"tau":0.7', (self.folder / "run" / "events.jsonl").read_text().replace(" ", ""))
+
+
+class RunMany(Launcher):
+    def many(self, *arguments):
+        return self.script(RUN_MANY, "--out", self.folder / "many", *arguments)
+
+    def rows(self):
+        with open(self.folder / "many" / "summary.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+    def test_runs_side_by_side_equal_single_runs(self):
+        many = self.many("--jobs", "2", "--seeds", "5-7", SMALL, "--", "--reproducible")
+        self.assert_ended_well(many)
+        rows = self.rows()
+        self.assertEqual([(row["seed"], row["status"]) for row in rows], [(s, "completed") for s in ("5", "6", "7")])
+        for row in rows:
+            alone = self.pair("--reproducible", "--seed", row["seed"])
+            self.assertEqual(row["frame_hash"], alone.outcome()["frame_hash"])
+            beside = Run(Path(row["folder"]))
+            for name in ("outcome.json", "agents.csv", "trajectories.sqlite", "water.bin"):
+                self.assertEqual(beside.bytes_of(name), alone.bytes_of(name), name)
+        self.assertIn("scenes-small  7     completed", self.output_of(many))
+
+    def test_failing_run_does_not_stop_the_others(self):
+        many = self.many("--jobs", "1", SMALL, SCENES / "absent.json", SMALL, "--", *SHORT)
+        self.assert_ends(many, 1, "exit code 2", "run.log")
+        self.assertEqual([row["status"] for row in self.rows()], ["completed", "failed", "completed"])
+        self.assertEqual([row["exit_code"] for row in self.rows()], ["0", "2", "0"])
+
+    def test_interrupt_ends_all_and_leaves_nothing(self):
+        before = {path.name for path in Path("/dev/shm").iterdir()}
+        many = self.many("--jobs", "2", SMALL, SMALL, SMALL, "--", *ENDLESS)
+        folders = [self.folder / "many" / name for name in ("scenes-small", "scenes-small-2")]
+        wait_until(
+            lambda: all((f / "run.log").exists() and "t 0.0 s" in (f / "run.log").read_text() for f in folders),
+            "two runs to walk",
+        )
+        many.send(signal.SIGINT)
+        self.assert_ends(many, 130)
+        self.assertEqual([row["status"] for row in self.rows()], ["interrupted", "interrupted", "not_run"])
+        sessions = {path.name for path in Path("/dev/shm").iterdir() if path.name.startswith("wade-0-")} - before
+        self.assertEqual([name for name in sessions if self.belongs_to(name, folders)], [])
+
+    def belongs_to(self, name, folders):
+        return any(name.rsplit("-", 1)[0] in (folder / "manifest.json").read_text() for folder in folders)
+
+    def test_wrong_usage_is_refused(self):
+        for arguments, *texts in (
+            (["--seeds", "3-1", SMALL], "--seeds", "3-1"),
+            (["--jobs", "0", SMALL], "--jobs", "whole numbers from 1"),
+            ([], "scenes"),
+            ([SMALL, "--", "--out", "x"], "--out"),
+        ):
+            with self.subTest(arguments):
+                self.assert_ends(self.many(*arguments), 2, *texts)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,76 @@
+"""The command line of a run: whose option is whose, read from the programs' own --help."""
+
+import re
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+DEFAULT_SCENE = ROOT / "configs" / "paper" / "s05.json"
+OWN_VALUES = ("--out", "--session", "--programs", "--record", "--replay", "--producer")
+OWN_SWITCHES = ("--no-figure",)
+
+
+class UsageError(Exception):
+    """A wrong command line; ends with exit code 2."""
+
+
+def options_of(program):
+    """The options of a program as {name: takes a value}, read from its --help."""
+    text = subprocess.run([program, "--help"], capture_output=True, text=True, check=True).stdout
+    pattern = re.compile(r"^  (?:-\w,)?(--[a-z0-9-]+)( [A-Z][A-Z=]*)?(?:  |$)", re.MULTILINE)
+    return {name: bool(value) for name, value in pattern.findall(text)}
+
+
+def is_given(arguments, name):
+    """Whether an own option is on the command line."""
+    return any(argument == name or argument.startswith(name + "=") for argument in arguments)
+
+
+def split_arguments(arguments, programs):
+    """Sorts arguments into (scene or None, own options, {program: its arguments}).
+
+    programs: {name: options_of(it)}. An option goes to each program that has it, one that nobody has goes to all, so
+    that they refuse it.
+    """
+    takes_value = {name: value for options in programs.values() for name, value in options.items()}
+    takes_value.update(dict.fromkeys(OWN_VALUES, True))
+    takes_value.update(dict.fromkeys(OWN_SWITCHES, False))
+    scene, own, theirs = None, {}, {program: [] for program in programs}
+    unknown, surplus = False, None
+    rest = list(arguments)
+    while rest:
+        argument = rest.pop(0)
+        if not argument.startswith("-"):
+            if scene is None:
+                scene = argument
+            else:
+                surplus = surplus or argument
+            continue
+        name, equals, value = argument.partition("=")
+        words = [argument]
+        if takes_value.get(name) and not equals:
+            if not rest:
+                raise UsageError(f"{name}: a value is missing")
+            value = rest.pop(0)
+            words.append(value)
+        if name in OWN_VALUES + OWN_SWITCHES:
+            own[name] = value or True
+            continue
+        nobody = name not in takes_value
+        unknown = unknown or nobody
+        for program, options in programs.items():
+            if nobody or name in options:
+                theirs[program] += words
+    # After an unknown option this may be its value; then the programs say what is wrong.
+    if surplus and not unknown:
+        raise UsageError(f'unexpected argument "{surplus}"; one scene file is allowed')
+    return scene, own, theirs
+
+
+def find_scene(name):
+    """The scene as named from here, else as named from the project's folder."""
+    if name is None:
+        return DEFAULT_SCENE
+    here = Path(name)
+    there = ROOT / name
+    return there if not here.exists() and there.exists() else here

@@ -1,0 +1,243 @@
+// The producer's part of libwade_shm.so for Node: a thin N-API addon. JavaScript sees
+//
+//   open(session, { capacity, depth, producerName, sceneHash, attachTimeoutS, stepTimeoutS }) -> publisher
+//   waitForConsumers(publisher, n)
+//   beginFrame(publisher) -> { frame, mass, vx, vy, vz, px, py, pz } or null when the stream should end
+//   endFrame(publisher, count, final), close(publisher), abort(publisher, code, text), frameHash(publisher)
+//   catchSignals(), receivedSignal()
+//
+// The arrays of a frame are Float32Arrays over the shared memory itself; close and abort detach them. Waits block the
+// event loop: a solver that also serves requests belongs in a worker thread. What fails throws an Error whose exitCode is
+// that of the contract.
+#define NAPI_VERSION 8
+#include <node_api.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "shm_protocol/c_api/wade_shm.h"
+
+enum { max_slots = 64, field_count = 7 };
+static const char* const field_names[field_count] = {"mass", "vx", "vy", "vz", "px", "py", "pz"};
+
+struct publisher {
+    wade_publisher* stream;
+    unsigned slots;               // known so far
+    float* addresses[max_slots];  // of the first array of a slot
+    napi_ref frames[max_slots];   // the object with its arrays, made once
+};
+
+static volatile sig_atomic_t signal_received;
+
+static void remember_signal(int number) {
+    signal_received = number;
+    wade_interrupt();
+}
+
+static napi_value throw_failure(napi_env env, int code, const char* text) {
+    napi_value error, message, number;
+    napi_create_string_utf8(env, text, NAPI_AUTO_LENGTH, &message);
+    napi_create_error(env, NULL, message, &error);
+    napi_create_int32(env, code, &number);
+    napi_set_named_property(env, error, "exitCode", number);
+    napi_throw(env, error);
+    return NULL;
+}
+static napi_value done(napi_env env, int result) {
+    return result == WADE_OK ? NULL : throw_failure(env, result, wade_last_error());
+}
+
+// Arguments of a call, the first one a publisher that is still open. False: an error was thrown.
+static bool read_call(napi_env env, napi_callback_info info, size_t count, napi_value* arguments,
+                      struct publisher** p) {
+    size_t given = count;
+    napi_get_cb_info(env, info, &given, arguments, NULL, NULL);
+    napi_valuetype type = napi_undefined;
+    if (given >= count) napi_typeof(env, arguments[0], &type);
+    if (type == napi_external && napi_get_value_external(env, arguments[0], (void**)p) == napi_ok &&
+        (*p)->stream != NULL)
+        return true;
+    throw_failure(env, WADE_USAGE, "The first argument must be a publisher that is open; the others are required.");
+    return false;
+}
+
+// Frees the stream; nothing can reach its memory any more through arrays that JavaScript still holds.
+static void free_stream(napi_env env, struct publisher* p) {
+    for (unsigned s = 0; s < p->slots; ++s) {
+        napi_value frame, array, buffer;
+        if (napi_get_reference_value(env, p->frames[s], &frame) != napi_ok || frame == NULL) continue;
+        for (unsigned i = 0; i < field_count; ++i) {
+            if (napi_get_named_property(env, frame, field_names[i], &array) == napi_ok &&
+                napi_get_typedarray_info(env, array, NULL, NULL, NULL, &buffer, NULL) == napi_ok)
+                napi_detach_arraybuffer(env, buffer);
+        }
+        napi_delete_reference(env, p->frames[s]);
+    }
+    p->slots = 0;
+    wade_publisher_free(p->stream);
+    p->stream = NULL;
+}
+static void finalize(napi_env env, void* data, void* hint) {
+    (void)env, (void)hint;
+    struct publisher* const p = data;
+    if (p->stream != NULL) wade_publisher_free(p->stream);
+    free(p);
+}
+
+static double number_property(napi_env env, napi_value object, const char* name, double otherwise) {
+    napi_value value;
+    double number = otherwise;
+    if (napi_get_named_property(env, object, name, &value) == napi_ok) napi_get_value_double(env, value, &number);
+    return number;
+}
+
+static napi_value open_publisher(napi_env env, napi_callback_info info) {
+    size_t count = 2;
+    napi_value arguments[2], property, result;
+    napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
+    wade_stream stream;
+    wade_waiting waiting;
+    wade_stream_defaults(&stream);
+    wade_waiting_defaults(&waiting);
+    char session[256];
+    if (count < 2 || napi_get_value_string_utf8(env, arguments[0], session, sizeof session, NULL) != napi_ok)
+        return throw_failure(env, WADE_USAGE, "open(session, options): a name and an object are required.");
+    if (napi_get_named_property(env, arguments[1], "producerName", &property) == napi_ok)
+        napi_get_value_string_utf8(env, property, stream.producer_name, sizeof stream.producer_name, NULL);
+    bool lossless;
+    if (napi_get_named_property(env, arguments[1], "sceneHash", &property) == napi_ok)
+        napi_get_value_bigint_uint64(env, property, &stream.scene_hash, &lossless);
+    stream.capacity = (uint32_t)number_property(env, arguments[1], "capacity", stream.capacity);
+    stream.depth = (uint32_t)number_property(env, arguments[1], "depth", stream.depth);
+    stream.rest_density = 1000;
+    waiting.attach_timeout_s = number_property(env, arguments[1], "attachTimeoutS", waiting.attach_timeout_s);
+    waiting.step_timeout_s = number_property(env, arguments[1], "stepTimeoutS", waiting.step_timeout_s);
+
+    struct publisher* const p = calloc(1, sizeof *p);
+    if (p == NULL) return throw_failure(env, WADE_UNEXPECTED, "There is no memory left.");
+    const int failure = wade_publisher_open(session, &stream, &waiting, &p->stream);
+    if (failure == WADE_OK && napi_create_external(env, p, finalize, NULL, &result) == napi_ok) return result;
+    finalize(env, p, NULL);
+    return throw_failure(env, failure != WADE_OK ? failure : WADE_UNEXPECTED, wade_last_error());
+}
+
+static napi_value wait_for_consumers(napi_env env, napi_callback_info info) {
+    napi_value arguments[2];
+    struct publisher* p;
+    if (!read_call(env, info, 2, arguments, &p)) return NULL;
+    int32_t count = 1;
+    napi_get_value_int32(env, arguments[1], &count);
+    return done(env, wade_publisher_wait_for_consumers(p->stream, count));
+}
+
+// The object of a slot that is seen for the first time: a Float32Array for each field, in place.
+static napi_value new_frame(napi_env env, const wade_slot* slot) {
+    float* const arrays[field_count] = {slot->mass, slot->vx, slot->vy, slot->vz, slot->px, slot->py, slot->pz};
+    napi_value frame, buffer, array;
+    napi_create_object(env, &frame);
+    for (unsigned i = 0; i < field_count; ++i) {
+        if (napi_create_external_arraybuffer(env, arrays[i], slot->capacity * sizeof(float), NULL, NULL, &buffer) !=
+                napi_ok ||
+            napi_create_typedarray(env, napi_float32_array, slot->capacity, buffer, 0, &array) != napi_ok ||
+            napi_set_named_property(env, frame, field_names[i], array) != napi_ok)
+            return throw_failure(env, WADE_UNEXPECTED, "This JavaScript engine allows no arrays over shared memory.");
+    }
+    return frame;
+}
+
+static napi_value begin_frame(napi_env env, napi_callback_info info) {
+    napi_value argument, frame, number;
+    struct publisher* p;
+    if (!read_call(env, info, 1, &argument, &p)) return NULL;
+    wade_slot slot;
+    const int result = wade_publisher_begin_frame(p->stream, &slot);
+    if (result == WADE_END) return napi_get_null(env, &frame) == napi_ok ? frame : NULL;
+    if (result != WADE_OK) return done(env, result);
+    unsigned s = 0;
+    while (s < p->slots && p->addresses[s] != slot.mass) ++s;
+    if (s < p->slots) {
+        napi_get_reference_value(env, p->frames[s], &frame);
+    } else {
+        frame = new_frame(env, &slot);
+        if (frame == NULL || s == max_slots) return NULL;
+        napi_create_reference(env, frame, 1, &p->frames[s]);
+        p->addresses[s] = slot.mass;
+        p->slots = s + 1;
+    }
+    napi_create_int64(env, (int64_t)slot.frame, &number);
+    napi_set_named_property(env, frame, "frame", number);
+    return frame;
+}
+
+static napi_value end_frame(napi_env env, napi_callback_info info) {
+    napi_value arguments[3];
+    struct publisher* p;
+    if (!read_call(env, info, 3, arguments, &p)) return NULL;
+    uint32_t count = 0;
+    bool final = false;
+    if (napi_get_value_uint32(env, arguments[1], &count) != napi_ok ||
+        napi_get_value_bool(env, arguments[2], &final) != napi_ok)
+        return throw_failure(env, WADE_USAGE,
+                             "endFrame(publisher, count, final): a number and a boolean are required.");
+    return done(env, wade_publisher_end_frame(p->stream, count, NULL, final));
+}
+
+static napi_value close_publisher(napi_env env, napi_callback_info info) {
+    napi_value argument;
+    struct publisher* p;
+    if (!read_call(env, info, 1, &argument, &p)) return NULL;
+    const int result = wade_publisher_close(p->stream);
+    if (result == WADE_OK) free_stream(env, p);
+    return done(env, result);
+}
+
+static napi_value abort_publisher(napi_env env, napi_callback_info info) {
+    napi_value arguments[3];
+    struct publisher* p;
+    if (!read_call(env, info, 3, arguments, &p)) return NULL;
+    int32_t code = WADE_UNEXPECTED;
+    char text[512] = "";
+    napi_get_value_int32(env, arguments[1], &code);
+    napi_get_value_string_utf8(env, arguments[2], text, sizeof text, NULL);
+    const int result = wade_publisher_abort(p->stream, code, text);
+    free_stream(env, p);
+    return done(env, result);
+}
+
+static napi_value frame_hash(napi_env env, napi_callback_info info) {
+    napi_value argument, result;
+    struct publisher* p;
+    if (!read_call(env, info, 1, &argument, &p)) return NULL;
+    napi_create_bigint_uint64(env, wade_publisher_frame_hash(p->stream), &result);
+    return result;
+}
+
+static napi_value catch_signals(napi_env env, napi_callback_info info) {
+    (void)env, (void)info;
+    struct sigaction action = {.sa_handler = remember_signal};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    return NULL;
+}
+static napi_value received_signal(napi_env env, napi_callback_info info) {
+    (void)info;
+    napi_value number;
+    napi_create_int32(env, signal_received, &number);
+    return number;
+}
+
+NAPI_MODULE_INIT() {
+    const napi_property_descriptor functions[] = {
+        {"open", NULL, open_publisher, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"waitForConsumers", NULL, wait_for_consumers, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"beginFrame", NULL, begin_frame, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"endFrame", NULL, end_frame, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"close", NULL, close_publisher, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"abort", NULL, abort_publisher, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"frameHash", NULL, frame_hash, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"catchSignals", NULL, catch_signals, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"receivedSignal", NULL, received_signal, NULL, NULL, NULL, napi_enumerable, NULL}};
+    napi_define_properties(env, exports, sizeof functions / sizeof *functions, functions);
+    return exports;
+}

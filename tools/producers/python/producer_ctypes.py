@@ -1,0 +1,142 @@
+#!/usr/bin/python3
+"""Plays the known stream of ../README.md through libwade_shm.so: the way for machines where plain Python will not do.
+
+The library is found in build/release or where WADE_SHM_LIBRARY says. With numpy, in place in the shared memory.
+"""
+
+import ctypes
+import os
+import sys
+from pathlib import Path
+
+import known_stream
+import numpy as np
+
+ABI_VERSION = 1
+OK, END, UNEXPECTED, USAGE = 0, -1, 1, 2
+U32, U64, F64 = ctypes.c_uint32, ctypes.c_uint64, ctypes.c_double
+FIELDS = ("mass", "vx", "vy", "vz", "px", "py", "pz")
+
+
+class Stream(ctypes.Structure):
+    """wade_stream"""
+
+    _fields_ = [
+        ("producer_name", ctypes.c_char * 64), ("kind", U32), ("capacity", U32), ("depth", U32), ("slots", U32),
+        ("ticks_per_second", U64), ("ticks_per_frame", U64), ("metres_per_unit", F64), ("origin", F64 * 3),
+        ("axes", ctypes.c_int32 * 3), ("coupling_lag", U32), ("particle_radius", F64), ("rest_density", F64),
+        ("scene_hash", U64), ("session_id", U64), ("hash_frames", U32), ("group_access", U32),
+    ]  # fmt: skip
+
+
+INTERRUPTED = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)
+
+
+class Waiting(ctypes.Structure):
+    """wade_waiting"""
+
+    _fields_ = [
+        ("attach_timeout_s", F64), ("step_warning_s", F64), ("step_timeout_s", F64),
+        ("interrupted", INTERRUPTED), ("warn", ctypes.c_void_p), ("context", ctypes.c_void_p),
+    ]  # fmt: skip
+
+
+class Slot(ctypes.Structure):
+    """wade_slot"""
+
+    _fields_ = [("frame", U64), ("capacity", U64)] + [
+        (name, ctypes.POINTER(ctypes.c_float)) for name in FIELDS + ("radius", "height", "state")
+    ]
+
+
+class StreamError(Exception):
+    def __init__(self, code, message):
+        super().__init__(message)
+        self.code = code
+
+
+class Library:
+    """libwade_shm.so; a call that fails raises StreamError."""
+
+    def __init__(self):
+        default = Path(__file__).resolve().parents[3] / "build" / "release" / "libwade_shm.so"
+        path = os.environ.get("WADE_SHM_LIBRARY", default)
+        try:
+            self.library = ctypes.CDLL(str(path))
+        except OSError as error:
+            raise StreamError(USAGE, f"Cannot load {path}: {error}; build the target wade_shm_c.") from error
+        self.library.wade_last_error.restype = ctypes.c_char_p
+        if self.library.wade_abi_version() != ABI_VERSION:
+            raise StreamError(USAGE, f"{path} has another ABI than version {ABI_VERSION}.")
+
+    def __call__(self, name, *arguments):
+        function = getattr(self.library, "wade_" + name)
+        function.restype = None if name.endswith(("_defaults", "_free")) else ctypes.c_int
+        result = function(*arguments)
+        if result not in (None, OK, END):
+            raise StreamError(result, self.library.wade_last_error().decode())
+        return result
+
+
+def open_publisher(library, options, interrupted):
+    stream, waiting, publisher = Stream(), Waiting(), ctypes.c_void_p()
+    library("stream_defaults", ctypes.byref(stream))
+    library("waiting_defaults", ctypes.byref(waiting))
+    stream.producer_name, stream.rest_density = b"producer_ctypes", 1000
+    stream.capacity, stream.depth, stream.scene_hash = options.particles, options.depth, options.scene_hash
+    waiting.attach_timeout_s, waiting.step_timeout_s = options.attach_timeout_s, options.step_timeout_s
+    waiting.interrupted = interrupted
+    session = options.session.encode()
+    library("publisher_open", session, ctypes.byref(stream), ctypes.byref(waiting), ctypes.byref(publisher))
+    return publisher
+
+
+def fill(slot, start_x, z, options):
+    """Computed in double precision, rounded to float32 by the assignment."""
+    shape = (slot.capacity,)
+    mass, vx, vy, vz, px, py, pz = (np.ctypeslib.as_array(getattr(slot, name), shape) for name in FIELDS)
+    x = start_x - known_stream.travelled(options.speed, slot.frame)
+    mass[:] = known_stream.MASS_KG
+    vx[:] = -options.speed
+    vy[:] = vz[:] = 0
+    px[:] = x - known_stream.LENGTH_M * np.floor(x / known_stream.LENGTH_M)
+    py[:] = known_stream.HEIGHT_M
+    pz[:] = z
+
+
+def play(library, publisher, options, signal_received):
+    k = np.arange(options.particles)
+    start_x = known_stream.FIRST_X_M + k // known_stream.ROWS * known_stream.SPACING_M
+    z = known_stream.FIRST_Z_M + k % known_stream.ROWS * known_stream.SPACING_M
+    slot = Slot()
+    library("publisher_wait_for_consumers", publisher, 1)
+    for frame in range(1, options.frames + 1):
+        if signal_received():
+            raise StreamError(128 + signal_received(), f"Interrupted after frame {frame - 1}.")
+        if library("publisher_begin_frame", publisher, ctypes.byref(slot)) == END:
+            break
+        fill(slot, start_x, z, options)
+        library("publisher_end_frame", publisher, options.particles, None, int(frame == options.frames))
+    library("publisher_close", publisher)
+
+
+def produce(options):
+    library, signal_received = Library(), known_stream.catch_signals()
+    interrupted = INTERRUPTED(lambda _: signal_received())  # must live as long as the publisher
+    publisher = open_publisher(library, options, interrupted)
+    try:
+        play(library, publisher, options, signal_received)
+    except Exception as error:
+        code = 128 + signal_received() if signal_received() else getattr(error, "code", UNEXPECTED)
+        library("publisher_abort", publisher, code, str(error).encode())
+        raise StreamError(code, str(error)) from error
+    finally:
+        library("publisher_free", publisher)
+
+
+if __name__ == "__main__":
+    try:
+        produce(known_stream.read_options("producer_ctypes"))
+    except StreamError as error:
+        print(f"producer_ctypes: {error}", file=sys.stderr)
+        sys.exit(error.code)

@@ -1,0 +1,64 @@
+#!/usr/bin/python3
+"""Plays the known stream of ../README.md; with numpy, in place in the shared memory."""
+
+import sys
+
+import known_stream
+import numpy as np
+from shared_memory_stream import SharedMemoryStream, StreamError
+
+
+def field_sums(fields):
+    """Sums of the hash chain, one for each array of float32."""
+    n = np.arange(1, len(fields[0]) + 1, dtype=np.uint32)
+    for field in fields:
+        w = field.view(np.uint32)
+        x = w + n * np.uint32(0x9E3779B1)
+        y = (w << np.uint32(16) | w >> np.uint32(16)) ^ (n * np.uint32(0x85EBCA77))
+        yield int(np.sum(x.astype(np.uint64) * y, dtype=np.uint64))
+
+
+def fill(fields, start_x, z, options, frame):
+    """Computed in double precision, rounded to float32 by the assignment."""
+    mass, vx, vy, vz, px, py, pz = fields
+    x = start_x - known_stream.travelled(options.speed, frame)
+    mass[:] = known_stream.MASS_KG
+    vx[:] = -options.speed
+    vy[:] = vz[:] = 0
+    px[:] = x - known_stream.LENGTH_M * np.floor(x / known_stream.LENGTH_M)
+    py[:] = known_stream.HEIGHT_M
+    pz[:] = z
+
+
+def produce(options):
+    k = np.arange(options.particles)
+    start_x = known_stream.FIRST_X_M + k // known_stream.ROWS * known_stream.SPACING_M
+    z = known_stream.FIRST_Z_M + k % known_stream.ROWS * known_stream.SPACING_M
+    with SharedMemoryStream(
+        options.session,
+        options.particles,
+        "producer_numpy",
+        options.depth,
+        options.scene_hash,
+        options.attach_timeout_s,
+        options.step_timeout_s,
+        known_stream.catch_signals(),
+    ) as stream:
+        stream.wait_for_consumers()
+        for frame in range(1, options.frames + 1):
+            arrays = stream.begin_frame()
+            if arrays is None:
+                break
+            fields = [np.frombuffer(values, np.float32) for values in arrays]
+            fill(fields, start_x, z, options, frame)
+            chain = known_stream.chain(stream.hash, frame, options.particles, field_sums(fields))
+            stream.end_frame(options.particles, chain, final=frame == options.frames)
+        stream.close()
+
+
+if __name__ == "__main__":
+    try:
+        produce(known_stream.read_options("producer_numpy"))
+    except StreamError as error:
+        print(f"producer_numpy: {error}", file=sys.stderr)
+        sys.exit(error.code)

@@ -1,0 +1,193 @@
+#!/usr/bin/env python3
+"""Runs many pairs of programs, several at once, and sums their outcomes up in one table.
+
+tools/run_many.sh calls it once the programs are built; each pair is a run_pair.py. Standard library only.
+"""
+
+import argparse
+import csv
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from pair_arguments import ROOT, find_scene
+from pair_processes import Pair, exit_code
+
+COLUMNS = (
+    "scene",
+    "seed",
+    "status",
+    "exit_code",
+    "agents",
+    "arrived",
+    "dead",
+    "last_arrival_s",
+    "frames",
+    "frame_hash",
+    "wall_time_s",
+    "folder",
+)
+TABLE = ("scene", "seed", "status", "arrived", "last_arrival_s", "frame_hash")
+
+
+class Job:
+    """One run: its scene, its seed (None = the scene's) and its folder."""
+
+    def __init__(self, scene, seed, folder):
+        self.scene, self.seed, self.folder = scene, seed, folder
+        self.process = None
+
+    def command(self, options):
+        launcher = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", options.programs]
+        seed = [] if self.seed is None else ["--seed", str(self.seed)]
+        figure = [] if options.figures else ["--no-figure"]
+        return [*launcher, self.scene, "--out", self.folder, *seed, *figure, *options.common]
+
+    def row(self):
+        """What the run came to, as a line of summary.csv."""
+        row = dict.fromkeys(COLUMNS, "")
+        row.update(scene=label(self.scene), seed=self.seed, status="not_run", folder=self.folder)
+        if self.process is None:
+            return row
+        row.update(status="failed", exit_code=exit_code(self.process))
+        try:
+            outcome = json.loads((self.folder / "outcome.json").read_text())
+        except (OSError, ValueError):
+            return row
+        row.update({key: value for key, value in outcome.items() if key in COLUMNS and key != "scene"})
+        return {key: "" if value is None else value for key, value in row.items()}
+
+    def ended_well(self):
+        return self.process is not None and self.process.returncode == 0
+
+
+def label(scene):
+    """Folder and name of a scene file, "paper-s05"."""
+    path = Path(scene).resolve()
+    return f"{path.parent.name}-{path.stem}"
+
+
+def seed_range(text):
+    """The seeds of "A-B" or "A"."""
+    match = re.fullmatch(r"(\d+)(?:-(\d+))?", text)
+    if not match or int(match[2] or match[1]) < int(match[1]):
+        raise argparse.ArgumentTypeError(f'"{text}" is not allowed; allowed: A-B with whole numbers A <= B, or A')
+    return range(int(match[1]), int(match[2] or match[1]) + 1)
+
+
+def positive(text):
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f'"{text}" is not allowed; allowed: whole numbers from 1')
+    return int(text)
+
+
+def parse(arguments):
+    common = []
+    if "--" in arguments:
+        at = arguments.index("--")
+        arguments, common = arguments[:at], arguments[at + 1 :]
+    parser = argparse.ArgumentParser(prog="run_many.sh", usage="run_many.sh --help", allow_abbrev=False)
+    parser.add_argument("scenes", nargs="+")
+    parser.add_argument("--programs", type=Path, required=True)
+    parser.add_argument("--jobs", type=positive, default=max(1, len(os.sched_getaffinity(0)) // 2))
+    parser.add_argument("--out", type=Path, default=ROOT / "runs" / f"many-{time.strftime('%Y%m%d-%H%M%S')}")
+    parser.add_argument("--seeds", type=seed_range, default=[None])
+    parser.add_argument("--figures", action="store_true")
+    options = parser.parse_args(arguments)
+    if not any(word.split("=")[0] == "--threads" for word in common):
+        common += ["--threads", str(max(1, len(os.sched_getaffinity(0)) // options.jobs))]
+    for name in ("--out", "--session"):
+        if any(word.split("=")[0] == name for word in common):
+            parser.error(f"{name} is not allowed behind --: every run has one of its own")
+    options.common = common
+    return options
+
+
+def jobs_of(options):
+    jobs, taken = [], set()
+    for name in options.scenes:
+        for seed in options.seeds:
+            scene = find_scene(name)
+            stem = label(scene) + ("" if seed is None else f"-seed{seed}")
+            folder, n = stem, 1
+            while folder in taken:
+                n += 1
+                folder = f"{stem}-{n}"
+            taken.add(folder)
+            jobs.append(Job(scene, seed, options.out / folder))
+    return jobs
+
+
+def start(job, pair, options):
+    job.folder.mkdir(parents=True, exist_ok=True)
+    # What an earlier run left there must not pass for this one's.
+    (job.folder / "outcome.json").unlink(missing_ok=True)
+    with open(job.folder / "run.log", "w", encoding="utf-8") as log:
+        job.process = pair.start(job.command(options), stdout=log, stderr=subprocess.STDOUT)
+
+
+def told(job, done, total):
+    row = job.row()
+    seed = "" if row["seed"] in ("", None) else f" seed {row['seed']}"
+    words = f"[{done}/{total}] {row['scene']}{seed}: {row['status']}"
+    if row["agents"] != "":
+        words += f", {row['arrived']} of {row['agents']} arrived"
+    if not job.ended_well():
+        words += f" (exit code {row['exit_code']}, see {job.folder / 'run.log'})"
+    return words
+
+
+def run_all(jobs, pair, options):
+    """Keeps as many runs going as are allowed, until all have ended or a signal came."""
+    waiting, running, done = list(jobs), [], 0
+    while running or (waiting and not pair.signal):
+        while waiting and len(running) < options.jobs and not pair.signal:
+            running.append(waiting.pop(0))
+            start(running[-1], pair, options)
+        for job in [job for job in running if job.process.poll() is not None]:
+            running.remove(job)
+            done += 1
+            print(told(job, done, len(jobs)), file=sys.stderr, flush=True)
+        time.sleep(0.02)
+
+
+def table(rows):
+    words = [[shown(row[key]) for key in TABLE] for row in rows]
+    widths = [max(map(len, column)) for column in zip(TABLE, *words)]
+    return "\n".join("  ".join(f"{word:<{width}}" for word, width in zip(line, widths)).rstrip() for line in [TABLE, *words])
+
+
+def shown(value):
+    return f"{value:.1f}" if isinstance(value, float) else str(value if value is not None else "")
+
+
+def main():
+    options = parse(sys.argv[1:])
+    jobs = jobs_of(options)
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+        summary = open(options.out / "summary.csv", "w", newline="", encoding="utf-8")
+    except OSError as error:
+        print(f"run_many.sh: --out: cannot write to {options.out}: {error.strerror}", file=sys.stderr)
+        return 2
+    pair = Pair()
+    run_all(jobs, pair, options)
+    rows = [job.row() for job in jobs]
+    with summary:
+        writer = csv.DictWriter(summary, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    print(table(rows))
+    print(f"summary: {options.out / 'summary.csv'}")
+    if pair.signal:
+        return 130 if pair.signal == signal.SIGINT else 143
+    return 0 if all(job.ended_well() for job in jobs) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,136 @@
+#include "tools/shm/recording.hpp"
+
+#include <array>
+#include <cstring>
+#include <span>
+
+#include "configs/exit_code.hpp"
+#include "shm_protocol/crc32c.hpp"
+#include "shm_protocol/hash.hpp"
+#include "tools/shm/frame_payload.hpp"
+
+namespace wade::recording {
+namespace {
+
+template <typename T>
+std::span<const std::byte> bytes_of(const T& value) {
+    return std::as_bytes(std::span(&value, 1));
+}
+
+bool fetch(std::ifstream& file, void* into, std::uint64_t bytes) {
+    return bytes == 0 || static_cast<bool>(file.read(static_cast<char*>(into), static_cast<std::streamsize>(bytes)));
+}
+
+}  // namespace
+
+Recording::Recording(const std::filesystem::path& file) : path_(file), file_(file, std::ios::binary) {
+    std::error_code error;
+    file_bytes_ = std::filesystem::file_size(file, error);
+    if (error) throw ConfigurationError("The recording " + file.string() + " cannot be read: " + error.message() + ".");
+    if (!file_) throw ConfigurationError("The recording " + file.string() + " cannot be read.");
+    read_start();
+    while (read_record()) {
+    }
+}
+
+void Recording::refuse(const std::string& why) const {
+    throw ConfigurationError(path_.string() + " " + why + ".");
+}
+
+void Recording::refuse_next(const std::string& why) const {
+    const std::uint64_t next = frames_.empty() ? 0 : frames_.back().descriptor.frame + 1;
+    refuse("is damaged at byte " + std::to_string(whole_bytes_) + ", " +
+           (next == 0 ? "its first frame" : "frame " + std::to_string(next)) + ": " + why);
+}
+
+void Recording::read_start() {
+    struct {
+        FileHead head;
+        shm::Header page;
+    } start;
+    static_assert(sizeof start == sizeof(FileHead) + sizeof(shm::Header));
+    if (!fetch(file_, &start, sizeof start) || start.head.magic != file_magic)
+        refuse("is no recording: it does not begin with WADEREC1 and a header page");
+    if (start.head.version != file_version)
+        refuse("is a recording of version " + std::to_string(start.head.version) + ", this program reads version " +
+               std::to_string(file_version));
+    if (start.head.endian_tag != shm::endian_tag) refuse("was recorded on a machine of another byte order");
+    const std::uint32_t crc = start.head.crc32c;
+    start.head.crc32c = 0;
+    if (shm::crc32c(bytes_of(start)) != crc) refuse("is damaged: the CRC-32C of its header is wrong");
+    try {
+        map_ = shm::read_header(start.page, start.page.total_bytes);
+    } catch (const shm::Error& error) {
+        refuse(std::string("holds a header that is refused. ") + error.what());
+    }
+    whole_bytes_ = sizeof start;
+}
+
+bool Recording::read_record() {
+    RecordHead head;
+    if (file_bytes_ - whole_bytes_ < sizeof head) return false;
+    if (!fetch(file_, &head, sizeof head)) refuse_next("it cannot be read");
+    if (shm::crc32c(bytes_of(head).first(offsetof(RecordHead, head_crc32c))) != head.head_crc32c)
+        refuse_next("the CRC-32C of the head of its record is wrong");
+    if (end_) refuse_next("something follows the end record");
+    if (head.body_bytes > file_bytes_ - whole_bytes_ - sizeof head) return false;
+    std::vector<std::byte> body(head.body_bytes);
+    if (!fetch(file_, body.data(), body.size())) refuse_next("it cannot be read");
+    if (shm::crc32c(body) != head.body_crc32c) refuse_next("the CRC-32C of its record is wrong");
+    if (head.kind == record_frame) {
+        keep_frame(head, body);
+    } else if (head.kind == record_end) {
+        if (body.size() != sizeof(EndBody)) refuse_next("the end record has a wrong size");
+        std::memcpy(&end_.emplace(), body.data(), sizeof(EndBody));
+    } else {
+        refuse_next("its record is of an unknown kind");
+    }
+    whole_bytes_ += sizeof head + head.body_bytes;
+    return true;
+}
+
+void Recording::keep_frame(const RecordHead& head, const std::vector<std::byte>& body) {
+    if (body.size() < sizeof(shm::SlotDescriptor)) refuse_next("its record is too short");
+    if (head.encoding > payload_shuffled_zstd) refuse_next("its encoding is unknown");
+    FrameRecord record;
+    std::memcpy(&record.descriptor, body.data(), sizeof record.descriptor);
+    record.payload_at = whole_bytes_ + sizeof head + sizeof record.descriptor;
+    record.payload_bytes = body.size() - sizeof record.descriptor;
+    record.encoding = static_cast<PayloadEncoding>(head.encoding);
+    const shm::SlotDescriptor& d = record.descriptor;
+    if (d.frame == 0) refuse_next("its number is 0");
+    if (d.count > map_.info.capacity) refuse_next("it holds more particles than the capacity of the stream");
+    if (record.payload_bytes > largest_payload(record.encoding, map_.fields.size() * d.count))
+        refuse_next("its payload is longer than its particles can be");
+    if (!frames_.empty()) {
+        const shm::SlotDescriptor& before = frames_.back().descriptor;
+        if (d.frame != before.frame + 1) refuse_next("its number is " + std::to_string(d.frame));
+        if (d.tick <= before.tick) refuse_next("its tick does not increase");
+        if (d.previous_hash != before.hash) refuse_next("its hash does not continue that of the frame before");
+    }
+    frames_.push_back(record);
+}
+
+std::uint64_t Recording::plain_bytes() const {
+    std::uint64_t bytes = 0;
+    for (const FrameRecord& record : frames_) bytes += map_.fields.size() * record.descriptor.count * sizeof(float);
+    return bytes;
+}
+
+void Recording::read(const FrameRecord& record, const shm::FrameFields& slot) {
+    const shm::SlotDescriptor& d = record.descriptor;
+    const auto damaged = [&](const std::string& why) {
+        refuse("is damaged, frame " + std::to_string(d.frame) + ": " + why);
+    };
+    std::vector<std::byte> payload(record.payload_bytes);
+    file_.clear();
+    file_.seekg(static_cast<std::streamoff>(record.payload_at));
+    if (!fetch(file_, payload.data(), payload.size())) damaged("it cannot be read");
+    auto fields = fields_of(slot, map_.info.kind);
+    for (auto& field : fields) field = field.first(d.count);
+    if (!decode_payload(payload, record.encoding, fields)) damaged("its payload does not hold its particles");
+    const std::vector<std::span<const float>> values(fields.begin(), fields.end());
+    if (shm::chain_hash(d.previous_hash, d.frame, values) != d.hash) damaged("its particles do not match its hash");
+}
+
+}  // namespace wade::recording

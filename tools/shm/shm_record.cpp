@@ -1,0 +1,133 @@
+// shm_record SESSION FILE: writes every frame of a session into a file, in lockstep but without keeping the run alive.
+
+#include <cstdio>
+#include <iostream>
+#include <optional>
+#include <string>
+
+#include "configs/exit_code.hpp"
+#include "configs/peer_support.hpp"
+#include "configs/program.hpp"
+#include "shm_protocol/subscriber.hpp"
+#include "tools/shm/recording_writer.hpp"
+#include "tools/shm/tool_arguments.hpp"
+
+namespace {
+
+using namespace wade;
+
+struct Options {
+    std::string session, file;
+    std::string stream = "fluid";
+    double frames = 0;
+    double compression = 1;
+    shm::Waiting waiting;
+};
+
+std::optional<std::string> parse(Options& o, int argc, char** argv) {
+    ToolArguments arguments("shm_record", "Records a session into a file, frame by frame, until its stream ends.");
+    arguments.positional("SESSION", o.session, "Name of the session");
+    arguments.positional("FILE", o.file, "Recording to be written; an older recording is replaced");
+    arguments.word("--stream", o.stream, "What to record: the water or the way back",
+                   {"KIND", "", {"fluid", "agents"}});
+    arguments.number("--frames", o.frames, "Leave after N frames, the run goes on; 0: stay to the end", "N", {0, 1e15},
+                     Whole::yes);
+    arguments.number("--compression", o.compression, "0 stores, 1 to 19 compress, faster to smaller", "LEVEL", {0, 19},
+                     Whole::yes);
+    arguments.waiting(o.waiting);
+    return arguments.parse(argc, argv);
+}
+
+std::string megabytes(std::uint64_t bytes) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f MB", 1e-6 * static_cast<double>(bytes));
+    return text;
+}
+
+enum class Ending { stream, limit, signal };
+
+// Takes frames until the stream ends, the limit is reached or a signal comes.
+Ending record_frames(shm::Subscriber& subscriber, recording::RecordingWriter& writer, std::uint64_t limit) {
+    for (;;) {
+        try {
+            const auto frame = subscriber.acquire();
+            if (!frame) return Ending::stream;
+            writer.append(*frame);  // before the acknowledgement: what was released is in the file
+        } catch (const shm::Error& error) {
+            if (error.failure() == shm::Failure::interrupted) return Ending::signal;
+            throw;
+        }
+        subscriber.release();
+        if (received_signal() != 0) return Ending::signal;
+        if (writer.frames() == limit) return Ending::limit;
+    }
+}
+
+std::string words_for(Ending ending) {
+    switch (ending) {
+        case Ending::stream:
+            return "the stream ended";
+        case Ending::limit:
+            return "left after the frames asked for";
+        case Ending::signal:
+            return "left at a signal";
+    }
+    return "";
+}
+
+int record(Options& o, Console& console) {
+    recording::RecordingWriter writer(o.file, static_cast<int>(o.compression));
+    std::optional<shm::Subscriber> subscriber;
+    connect(o.waiting, console);
+    // The goodbye comes before the error of an interrupted wait, so that the run goes on without the recorder.
+    o.waiting.interrupted = [&] {
+        if (received_signal() != 0 && subscriber) subscriber->leave();
+        return received_signal() != 0;
+    };
+    shm::JoinOptions join;
+    join.waiting = o.waiting;
+    join.kind = o.stream == "agents" ? shm::stream_agents : shm::stream_fluid;
+    join.follows = true;
+    subscriber.emplace(o.session, "recorder", join);
+    console.line("recording session '" + o.session + "' of '" + subscriber->info().producer_name + "' into " + o.file);
+
+    const auto summary = [&](const std::string& why) {
+        console.line(std::to_string(writer.frames()) + " frames, " + megabytes(writer.plain_bytes()) +
+                     " of particles in " + megabytes(writer.file_bytes()) + "; " + why);
+    };
+    try {
+        writer.begin(subscriber->info());
+        const Ending ending = record_frames(*subscriber, writer, static_cast<std::uint64_t>(o.frames));
+        subscriber->leave();
+        const int code = ending == Ending::signal ? exit_code_of_signal() : 0;
+        writer.finish(ending == Ending::stream ? recording::end_of_stream : recording::end_of_recorder, code,
+                      words_for(ending));
+        summary(words_for(ending));
+        return code;
+    } catch (const std::exception& error) {
+        const int code = exit_code_of<shm::Error>(error);
+        subscriber->abort(code, std::string("The recorder gave up: ") + error.what());
+        try {
+            writer.finish(recording::end_of_recorder, code, error.what());
+        } catch (const std::exception&) {
+            // The disk may be full; the frames before are in the file.
+        }
+        summary("cut short");
+        throw;
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Console console("shm_record");
+    return run_tool(console, [&] {
+        Options options;
+        if (const auto answer = parse(options, argc, argv)) {
+            std::cout << *answer;
+            return 0;
+        }
+        catch_signals();
+        return record(options, console);
+    });
+}

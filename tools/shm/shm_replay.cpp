@@ -1,0 +1,168 @@
+// shm_replay FILE --session NAME: a producer that plays a recording, the same frames with the same hash chain.
+
+#include <cstdio>
+#include <iostream>
+#include <string>
+
+#include "configs/exit_code.hpp"
+#include "configs/peer_support.hpp"
+#include "configs/program.hpp"
+#include "configs/scene_loader.hpp"
+#include "shm_protocol/publisher.hpp"
+#include "tools/shm/agents_taker.hpp"
+#include "tools/shm/recording.hpp"
+#include "tools/shm/tool_arguments.hpp"
+
+namespace {
+
+using namespace wade;
+using recording::Recording;
+
+struct Options {
+    std::string file, session;
+    bool info = false;
+    bool any_scene = false;
+    bool take_agents = false;
+    double depth = 0;
+    double consumers = 1;
+    shm::Waiting waiting;
+};
+
+std::optional<std::string> parse(Options& o, int argc, char** argv) {
+    ToolArguments arguments("shm_replay", "Plays a recording as the producer of a session, or prints what it holds.");
+    arguments.positional("FILE", o.file, "Recording written by shm_record");
+    arguments.word("--session", o.session, "Name under which the consumers find the stream", {"NAME"});
+    arguments.flag("--info", o.info, "Print what the file holds, and end");
+    arguments.number("--depth", o.depth, "Frames the replay may be ahead, 1 to 63; 0: as recorded", "D", {0, 63},
+                     Whole::yes);
+    arguments.number("--consumers", o.consumers, "Consumers in lockstep to wait for before the first frame; 0: none",
+                     "N", {0, 16}, Whole::yes);
+    arguments.flag("--any-scene", o.any_scene,
+                   "Do not tell the scene of the recording, so that any other may be played");
+    arguments.flag("--take-agents", o.take_agents, "Take the frames of the way back, and ignore them");
+    arguments.waiting(o.waiting);
+    return arguments.parse(argc, argv);
+}
+
+std::string ending_of(const Recording& r) {
+    const std::uint64_t last = r.frames().empty() ? 0 : r.frames().back().descriptor.frame;
+    const std::string after = last == 0 ? "before its first frame" : "after frame " + std::to_string(last);
+    if (!r.end())
+        return "incomplete: the file was cut off " + after + " (" + std::to_string(r.file_bytes() - r.whole_bytes()) +
+               " bytes of the next record are left out)";
+    const std::string text = shm::printable(r.end()->text, sizeof r.end()->text);
+    if (r.end()->reason == recording::end_of_stream) return "complete: " + text;
+    return "incomplete: the recorder ended " + after + " (" + text + ")";
+}
+
+std::string info_text(const Options& o, const Recording& r) {
+    const shm::StreamInfo& s = r.info();
+    const auto& frames = r.frames();
+    char text[1024];
+    std::string out = o.file + ": " + (s.kind == shm::stream_agents ? "agents" : "water") + " of '" + s.producer_name +
+                      "', scene " + (s.scene_hash == 0 ? "not given" : hash_text(s.scene_hash)) + "\n";
+    const double rate = static_cast<double>(s.ticks_per_second) / static_cast<double>(s.ticks_per_frame);
+    std::snprintf(text, sizeof text, "stream      capacity %u, depth %u, %.6g frames/s, coupling lag %u\n", s.capacity,
+                  s.depth, rate, s.coupling_lag);
+    out += text;
+    if (frames.empty()) {
+        out += "frames      none\n";
+    } else {
+        std::uint32_t least = ~0U, most = 0;
+        for (const auto& f : frames) {
+            least = std::min(least, f.descriptor.count);
+            most = std::max(most, f.descriptor.count);
+        }
+        const auto& first = frames.front().descriptor;
+        const auto& last = frames.back().descriptor;
+        std::snprintf(text, sizeof text, "frames      %llu to %llu, up to %.6g s%s; %u to %u particles\n",
+                      static_cast<unsigned long long>(first.frame), static_cast<unsigned long long>(last.frame),
+                      static_cast<double>(last.tick) / static_cast<double>(s.ticks_per_second),
+                      (last.flags & shm::frame_final) != 0 ? ", the last one final" : "", least, most);
+        out += text;
+        out += "frame hash  " + hash_text(last.hash) + "\n";
+    }
+    const auto plain = static_cast<double>(r.plain_bytes());
+    std::snprintf(text, sizeof text, "size        %.2f MB for %.2f MB of particles, ratio %.2f\n",
+                  1e-6 * static_cast<double>(r.file_bytes()), 1e-6 * plain,
+                  plain / static_cast<double>(r.file_bytes()));
+    out += text;
+    return out + "end         " + ending_of(r) + "\n";
+}
+
+shm::StreamInfo stream_of(const Options& o, const Recording& r) {
+    shm::StreamInfo info = r.info();
+    info.hash_frames = true;
+    if (o.depth > 0) {
+        info.depth = static_cast<std::uint32_t>(o.depth);
+        info.slots = 0;
+    }
+    if (o.any_scene) info.scene_hash = 0;
+    return info;
+}
+
+// Plays all frames; the number of the first frame that nobody wanted any more, 0 if all were played.
+std::uint64_t play(Recording& r, shm::Publisher& publisher, AgentsTaker& agents) {
+    for (const auto& record : r.frames()) {
+        agents.check();
+        const auto& d = record.descriptor;
+        if (received_signal() != 0)
+            throw shm::Error(shm::Failure::interrupted,
+                             "Interrupted by a signal at frame " + std::to_string(d.frame) + ".");
+        const auto slot = publisher.begin_frame();
+        if (!slot) return d.frame;
+        r.read(record, *slot);
+        publisher.end_frame(d.count, d.diagnostics, (d.flags & shm::frame_final) != 0, d.tick);
+    }
+    return 0;
+}
+
+int replay(Options& o, Recording& r, Console& console) {
+    connect(o.waiting, console);
+    if (!r.frames().empty() && r.frames().front().descriptor.frame != 1)
+        throw ConfigurationError(o.file + " begins at frame " + std::to_string(r.frames().front().descriptor.frame) +
+                                 "; only a recording from frame 1 on can be played.");
+    shm::Publisher publisher(o.session, stream_of(o, r), o.waiting);
+    console.line("session '" + o.session + "', " + std::to_string(r.frames().size()) + " frames of '" +
+                 r.info().producer_name + "' from " + o.file + "; waiting for " +
+                 std::to_string(static_cast<int>(o.consumers)) + " consumers");
+    try {
+        AgentsTaker agents(o.take_agents, o.session, o.waiting);
+        if (o.consumers > 0) publisher.wait_for_consumers(static_cast<int>(o.consumers));
+        const std::uint64_t left_at = play(r, publisher, agents);
+        publisher.close();
+        agents.finish();
+        std::string summary =
+            std::to_string(publisher.published_frames()) + " frames played, hash " + hash_text(publisher.frame_hash());
+        if (left_at != 0) summary += "; the consumers said goodbye before frame " + std::to_string(left_at);
+        console.line(summary);
+        if (left_at == 0 && (!r.end() || r.end()->reason != recording::end_of_stream))
+            console.warning("the recording is " + ending_of(r));
+        return 0;
+    } catch (const std::exception& error) {
+        publisher.abort(exit_code_of<shm::Error>(error), error.what());
+        throw;
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Console console("shm_replay");
+    return run_tool(console, [&] {
+        Options options;
+        if (const auto answer = parse(options, argc, argv)) {
+            std::cout << *answer;
+            return 0;
+        }
+        if (!options.info && options.session.empty())
+            throw ConfigurationError("--session NAME or --info is required (shm_replay --help shows the options).");
+        catch_signals();
+        Recording recording(options.file);
+        if (options.info) {
+            std::cout << info_text(options, recording);
+            return 0;
+        }
+        return replay(options, recording, console);
+    });
+}

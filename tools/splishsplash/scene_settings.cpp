@@ -1,0 +1,81 @@
+#include "tools/splishsplash/scene_settings.hpp"
+
+#include <array>
+#include <sstream>
+#include <stdexcept>
+
+#if __has_include("extern/json/json.hpp")
+#include "extern/json/json.hpp"  // the copy in SPlisHSPlasH
+#else
+#include <nlohmann/json.hpp>
+#endif
+
+namespace wade::splishsplash {
+
+namespace {
+
+using nlohmann::json;
+
+[[noreturn]] void refuse(const std::string& key, const json& value, const std::string& allowed) {
+    throw std::invalid_argument("/Wade/" + key + " is " + value.dump() + ", allowed is " + allowed);
+}
+
+double number(const std::string& key, const json& value, double lo, double hi) {
+    if (value.is_number() && value.get<double>() >= lo && value.get<double>() <= hi) return value.get<double>();
+    std::ostringstream allowed;
+    allowed << "a number from " << lo << " to " << hi;
+    refuse(key, value, allowed.str());
+}
+
+template <typename Number>
+std::array<Number, 3> triple(const std::string& key, const json& value) {
+    const bool three = value.is_array() && value.size() == 3;
+    for (const json& item : three ? value : json::array({nullptr})) {
+        if (std::is_integral_v<Number> ? !item.is_number_integer() : !item.is_number()) {
+            refuse(key, value, std::is_integral_v<Number> ? "three integers" : "three numbers");
+        }
+    }
+    return {value[0].get<Number>(), value[1].get<Number>(), value[2].get<Number>()};
+}
+
+void read_key(SceneSettings& settings, const std::string& key, const json& value) {
+    if (key == "session") {
+        if (!value.is_string()) refuse(key, value, "a session name");
+        settings.session = value.get<std::string>();
+    } else if (key == "metres_per_unit") {
+        settings.units.metres_per_unit = number(key, value, 1e-6, 1e6);
+    } else if (key == "time_scale") {
+        settings.units.time_scale = number(key, value, 1e-6, 1e6);
+    } else if (key == "origin_m") {
+        settings.units.origin = triple<double>(key, value);
+    } else if (key == "axes") {
+        settings.units.axes = triple<std::int32_t>(key, value);
+    } else if (key == "depth") {
+        const double depth = number(key, value, 1, 63);
+        if (!value.is_number_integer()) refuse(key, value, "an integer from 1 to 63");
+        settings.depth = static_cast<std::uint32_t>(depth);
+    } else if (key == "attach_timeout_s") {
+        settings.attach_timeout_s = number(key, value, 1e-3, 1e6);
+    } else if (key == "step_timeout_s") {
+        settings.step_timeout_s = number(key, value, 0, 1e6);
+    } else {
+        throw std::invalid_argument(
+            "/Wade/" + key +
+            " is no key of this block, which knows session, metres_per_unit, time_scale, origin_m, "
+            "axes, depth, attach_timeout_s and step_timeout_s");
+    }
+}
+
+}  // namespace
+
+SceneSettings read_settings(std::string_view block) {
+    SceneSettings settings;
+    const json object = block.empty() ? json() : json::parse(block, nullptr, false);
+    if (object.is_null()) return settings;
+    if (!object.is_object()) throw std::invalid_argument("/Wade must be an object");
+    for (const auto& [key, value] : object.items()) read_key(settings, key, value);
+    check(settings.units);
+    return settings;
+}
+
+}  // namespace wade::splishsplash
