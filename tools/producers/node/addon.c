@@ -7,8 +7,8 @@
 //   catchSignals(), receivedSignal()
 //
 // The arrays of a frame are Float32Arrays over the shared memory itself; close and abort detach them. Waits block the
-// event loop: a solver that also serves requests belongs in a worker thread. What fails throws an Error whose exitCode is
-// that of the contract.
+// event loop: a solver that also serves requests belongs in a worker thread. What fails throws an Error whose exitCode
+// is that of the contract.
 #define NAPI_VERSION 8
 #include <node_api.h>
 #include <signal.h>

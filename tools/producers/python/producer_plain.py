@@ -4,17 +4,23 @@
 import math
 import sys
 from array import array
+from operator import mul
 
 import known_stream
 from shared_memory_stream import SharedMemoryStream, StreamError
 
 
-def field_sum(field):
+def hash_weights(count):
+    """What the hash chain adds to, and mixes into, each value of an array."""
+    return [[factor * n & 0xFFFFFFFF for n in range(1, count + 1)] for factor in (0x9E3779B1, 0x85EBCA77)]
+
+
+def field_sum(field, weights):
     """Sum of the hash chain over one array of float32."""
-    return sum(
-        ((w + 0x9E3779B1 * n) & 0xFFFFFFFF) * ((w << 16 & 0xFFFFFFFF | w >> 16) ^ (0x85EBCA77 * n & 0xFFFFFFFF))
-        for n, w in enumerate(field.cast("B").cast("I"), start=1)
-    )
+    words = field.cast("B").cast("I")
+    x = [w + a & 0xFFFFFFFF for w, a in zip(words, weights[0])]
+    y = [(w << 16 & 0xFFFFFFFF | w >> 16) ^ b for w, b in zip(words, weights[1])]
+    return sum(map(mul, x, y))
 
 
 def still_arrays(options):
@@ -40,6 +46,7 @@ def positions(start, travelled):
 
 def produce(options):
     still, start = still_arrays(options)
+    weights = hash_weights(options.particles)
     with SharedMemoryStream(
         options.session,
         options.particles,
@@ -58,7 +65,8 @@ def produce(options):
             for place, values in still.items():
                 fields[place][:] = memoryview(values)
             fields[4][:] = memoryview(positions(start, known_stream.travelled(options.speed, frame)))
-            chain = known_stream.chain(stream.hash, frame, options.particles, map(field_sum, fields))
+            sums = [field_sum(field, weights) for field in fields]
+            chain = known_stream.chain(stream.hash, frame, options.particles, sums)
             stream.end_frame(options.particles, chain, final=frame == options.frames)
         stream.close()
 

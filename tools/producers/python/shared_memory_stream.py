@@ -31,6 +31,7 @@ from shared_memory_segment import (
     SLICE_S,
     STEP_TIMEOUT,
     UNEXPECTED,
+    USAGE,
     VIOLATION,
     Kernel,
     Segment,
@@ -46,6 +47,7 @@ JOINED, LEFT, GAVE_UP, REFUSED = 1, 2, 3, 4  # ConsumerEntry.state
 LOCKSTEP, LATEST = 0, 1  # ConsumerEntry.mode
 FOLLOWS = 1  # ConsumerEntry.flags
 FINAL = 1  # SlotDescriptor.flags
+
 
 def crc32c(data):
     crc = 0xFFFFFFFF
@@ -93,6 +95,8 @@ class SharedMemoryStream:
         ticks_per_second=30,
         ticks_per_frame=1,
     ):
+        if not 1 <= capacity < 2**32 or not 1 <= depth <= 63:
+            raise StreamError(USAGE, f"Capacity {capacity} must be 1 to 2^32 - 1 and depth {depth} 1 to 63.")
         self.session, self.interrupted = session, interrupted
         self.attach_timeout_s, self.step_timeout_s = attach_timeout_s, step_timeout_s
         self.depth, self.slots = depth, depth + 1  # a slot more, so that a free-running reader finds a stable frame
@@ -168,7 +172,7 @@ class SharedMemoryStream:
             page = CONSUMERS + i * PAGE
             state, mode = self.u32[page // 4], self.u32[page // 4 + 1]
             admit = state == JOINED and mode <= LATEST and self.admitted[i] == 0 and admit_at != 0
-            # A free-running reader is nobody's peer: nobody waits for it, and its end is a goodbye, whatever its reason.
+            # A free-running reader is nobody's peer: its end is a goodbye, whatever its reason.
             gone = state == LEFT or (state == GAVE_UP and mode == LATEST)
             if admit or (gone and self.admitted[i] != 0):
                 self.admitted[i] = admit_at if admit else 0  # 0: the page may be taken again
@@ -265,6 +269,8 @@ class SharedMemoryStream:
 
     def end_frame(self, count, frame_hash=0, final=False):
         """Publishes the frame that begin_frame began; frame_hash: the chain of the contract, 0 if not computed."""
+        if not 0 <= count <= self.capacity:
+            raise StreamError(USAGE, f"A frame of {count} particles exceeds the capacity of {self.capacity}.")
         frame = self.published + 1
         at = DESCRIPTORS + (frame - 1) % self.slots * DESCRIPTOR_BYTES
         tick, flags = frame * self.ticks_per_frame, FINAL if final else 0
@@ -306,6 +312,6 @@ class SharedMemoryStream:
 
     def __exit__(self, kind, error, _):
         if error is not None:
-            self.abort(getattr(error, "code", UNEXPECTED) or UNEXPECTED, str(error) or kind.__name__)
+            self.abort(error.code if kind is StreamError else UNEXPECTED, str(error) or kind.__name__)
         else:
             self.abort(UNEXPECTED, "It ended without closing the stream.")
