@@ -13,7 +13,7 @@ import checks_ends
 import checks_frames
 import checks_object
 import checks_repeat
-from bench import Bench
+from bench import Bench, CannotStart
 from expectation import PATIENCE_S, NotApplicable, Violation
 from layout import KINDS
 
@@ -37,8 +37,8 @@ exit codes: 0 every check that ran passed, 1 a check failed, 2 usage."""
 
 def arguments():
     parser = argparse.ArgumentParser(
-        prog="tools/conformance.sh", usage="%(prog)s [options] [--] COMMAND ...", description=DESCRIPTION, epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        prog="tools/conformance.sh", usage="%(prog)s [options] [--] COMMAND ...", description=DESCRIPTION,
+        epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     parser.add_argument("--list", action="store_true", help="list the checks and end")
@@ -49,9 +49,9 @@ def arguments():
     parser.add_argument("--report", metavar="FILE", help="write the results as JSON")
     parser.add_argument("--kind", choices=sorted(KINDS), default="fluid", help="kind of the stream [fluid]")
     parser.add_argument("--attach-timeout-option", metavar="OPTION", default="",
-                        help="the producer's option for its attach time-out in seconds, to shorten nobody_comes")
+                        help="the producer's option for its attach time-out in seconds; it shortens nobody_comes")
     parser.add_argument("--step-timeout-option", metavar="OPTION", default="",
-                        help="the producer's option for its step time-out in seconds; without it two checks are skipped")
+                        help="the producer's option for its step time-out in seconds; two checks need it")
     parser.add_argument("--patience-s", type=float, metavar="T", default=PATIENCE_S,
                         help="when to give up on a producer that does nothing [60]")
     options = parser.parse_args()
@@ -78,6 +78,9 @@ def judge(check, bench):
         return "skip", str(reason)
     except Violation as violation:
         return "FAIL", str(violation)
+    except CannotStart as error:
+        print(f"tools/conformance.sh: error: {error}", file=sys.stderr)
+        sys.exit(2)
     except Exception as error:  # the suite itself met something it does not know
         traceback.print_exc(file=sys.stderr)
         return "FAIL", f"the suite could not go on: {type(error).__name__}: {error}"

@@ -2,6 +2,7 @@
 
 import os
 import secrets
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -11,9 +12,14 @@ from pathlib import Path
 import system
 from expectation import PATIENCE_S, NotApplicable, Violation, expect, wait_until
 from layout import KINDS, MAGIC, PAGE, ControlPage
-from participant import Consumer, LatestReader, Segment
+from participant import Consumer, Segment
 
 FRAMES = 20
+HOLD = ["sh", "-c", 'kill -STOP $$; exec "$@"', "sh"]
+
+
+class CannotStart(Exception):
+    """The command is no program."""
 
 
 @dataclass
@@ -28,9 +34,12 @@ class Bench:
     nondeterministic: bool = False
     runs: list = field(default_factory=list)
 
-    def start(self, session=None, extra=()):
-        """A run of the producer under a fresh session name or a given one; tidied up by close()."""
-        run = Run(self, session or f"conformance-{os.getpid()}-{secrets.token_hex(4)}", extra)
+    def start(self, session=None, extra=(), held=False):
+        """A run of the producer under a fresh session name or a given one; tidied up by close().
+
+        held: it stands still before its first instruction, until SIGCONT.
+        """
+        run = Run(self, session or f"conformance-{os.getpid()}-{secrets.token_hex(4)}", extra, HOLD if held else [])
         self.runs.append(run)
         return run
 
@@ -52,18 +61,20 @@ class Bench:
 class Run:
     """A running producer and those who have joined it."""
 
-    def __init__(self, bench, session, extra=()):
+    def __init__(self, bench, session, extra=(), before=()):
         self.bench, self.session = bench, session
         self.path = Path("/dev/shm") / f"{session}-{bench.kind}"
         self.kind = KINDS[bench.kind]
-        self.messages = tempfile.TemporaryFile()
         self.participants = []
         words = [word.replace("{session}", session) for word in bench.command]
         if words == bench.command:
             words += ["--session", session]
+        if not shutil.which(words[0]):
+            raise CannotStart(f"there is no program '{words[0]}'")
+        self.messages = tempfile.TemporaryFile()
         # In a session of its own, so that a ^C of the suite's terminal does not reach it and a wrapper ends with it.
         self.process = subprocess.Popen(
-            words + list(extra), stdin=subprocess.DEVNULL, stdout=self.messages, stderr=self.messages,
+            [*before, *words, *extra], stdin=subprocess.DEVNULL, stdout=self.messages, stderr=self.messages,
             start_new_session=True,
         )
 
@@ -157,12 +168,7 @@ class Run:
         """Stops the producer's process; returns when it stands still."""
         pid = self.pid()
         os.kill(pid, signal.SIGSTOP)
-
-        def stopped():
-            with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as file:
-                return file.read().rsplit(")", 1)[1].split()[0] in "Tt"
-
-        self.wait(stopped, "a stopped process stands still")
+        self.wait(lambda: system.is_stopped(pid), "a stopped process stands still")
 
     def go_on(self):
         self.send(signal.SIGCONT)

@@ -3,6 +3,7 @@
 import random
 import time
 
+import system
 from bench import FRAMES, follow
 from child import start_child
 from expectation import NotApplicable, expect
@@ -146,7 +147,8 @@ def leaver(bench):
     again = run.join("again")
     expect(again.index == page, f"page {page} can be taken again", f"page {again.index} is the first free one")
     expect_all_admitted([stays, again])
-    return f"left at frame {goes.next}, page {page} taken again, {expect_same(follow([stays, again], 5))} frames the same"
+    same = expect_same(follow([stays, again], 5))
+    return f"left at frame {goes.next}, page {page} taken again, {same} frames the same"
 
 
 def hasty_leaver(bench):
@@ -173,6 +175,13 @@ def latest(bench):
     consumer.take()
     reader = run.join("reader", LatestReader)
     consumer.release()
+    with system.apart_from(run.pid()):
+        whole, races, hashed = read_along(consumer, reader)
+    return f"{whole} frames read while held, {races} while written, {reader.torn} discarded, {hashed} hashes right"
+
+
+def read_along(consumer, reader):
+    """Reads while frames are held and while they are written; (copies of held, of others, hashes checked)."""
     whole, races, hashed = 0, 0, set()
     for number in range(FRAMES):
         frame = consumer.take()
@@ -189,7 +198,7 @@ def latest(bench):
             if copy:
                 expect_whole(copy, hashed)
                 races += 1
-    return f"{whole} frames read while held, {races} while written, {reader.torn} discarded, {len(hashed)} hashes right"
+    return whole, races, len(hashed)
 
 
 def expect_whole(copy, hashed):
@@ -242,10 +251,12 @@ def follower(bench):
     consumer.leave()
     last = recorder.published() + 2  # one may be under way, another begun
     while not recorder.at_end():
-        recorder.wait(lambda: recorder.available() or recorder.at_end(), "the producer drains when only followers remain")
+        recorder.wait(lambda: recorder.available() or recorder.at_end(),
+                      "the producer drains when only followers remain")
         if recorder.available():
             frame = recorder.take().frame
-            expect(frame <= last, f"the stream ends when only followers remain, at frame {last} at the latest", f"{frame}")
+            expect(frame <= last, f"the stream ends when only followers remain, at frame {last} at the latest",
+                   f"{frame}")
             recorder.release()
     recorder.leave()
     run.expect_end(0, "the producer ends when the followers have acknowledged the last frame")

@@ -188,6 +188,6 @@ def paused_consumer(bench):
 
 
 ALL = (
-    end, all_leave, consumer_aborts, hostile_texts, consumer_killed, consumer_killed_at_end, false_acknowledgement, sigterm, sigint,
-    signal_before, step_timeout, paused_consumer,
+    end, all_leave, consumer_aborts, hostile_texts, consumer_killed, consumer_killed_at_end, false_acknowledgement,
+    sigterm, sigint, signal_before, step_timeout, paused_consumer,
 )

@@ -14,22 +14,13 @@ from layout import MAGIC, PAGE, READY, ControlPage
 
 def header(bench):
     """Header and control page are complete and true at the moment the magic becomes visible."""
-    run = bench.start()
-    looks = 0
-    deadline = time.monotonic() + bench.patience_s
-    while True:  # without a pause: the first page with a magic counts
-        looks += 1
-        try:
-            with open(run.path, "rb") as file:
-                page, size = file.read(2 * PAGE), os.fstat(file.fileno()).st_size
-        except FileNotFoundError:
-            page, size = b"", 0
-        if any(page[:8]):
-            break
-        expect(time.monotonic() < deadline and not run.over(), f"the producer creates {run.path}", run.over)
+    run = bench.start(held=True)
+    pid = run.process.pid
+    run.wait(lambda: system.is_stopped(pid), "the suite needs a shell that stops itself")
+    with system.apart_from(pid):
+        os.kill(pid, signal.SIGCONT)
+        page, size, looks = first_header(run, time.monotonic() + bench.patience_s)
     found = read_header(page[:PAGE], size, run.kind)
-    blocks = run.path.stat().st_blocks * 512
-    expect(blocks >= size, "the object is allocated (posix_fallocate), not only sized", f"{blocks} of {size} bytes")
     segment = run.look()
     expect(segment.state() == READY, "the state is ready (1) once the magic is stored and nobody joined",
            segment.situation)
@@ -41,6 +32,25 @@ def header(bench):
         f"'{name}', version {found.version_major}.{found.version_minor}, capacity {found.capacity}, "
         f"{found.slot_count} slots, depth {found.depth}, {looks} looks"
     )
+
+
+def first_header(run, deadline):
+    """Looks without a pause until a magic is visible; (header and control page, size of the object, looks)."""
+    looks, page = 0, b""
+    while not any(page[:8]):
+        looks += 1
+        try:
+            about = os.stat(run.path)
+            allocated = about.st_blocks * 512
+            expect(allocated >= about.st_size, "the object is allocated (posix_fallocate), not only sized",
+                   f"{allocated} of {about.st_size} bytes")
+            with open(run.path, "rb") as file:
+                page = file.read(2 * PAGE)
+                size = os.fstat(file.fileno()).st_size
+        except FileNotFoundError:
+            expect(not run.over(), f"the producer creates {run.path}", run.over)
+        expect(time.monotonic() < deadline, f"the producer creates {run.path} and stores its magic", "it does not")
+    return page, size, looks
 
 
 def mode(bench):

@@ -52,7 +52,7 @@ def check_values(header):
     for name in "particle_radius", "rest_density":
         demand(header, name, lambda v: math.isfinite(v) and v >= 0, "0 or above")
     demand(header, "field_count", lambda v: 1 <= v <= MAX_FIELDS, "1 .. 16")
-    demand(header, "producer_name", lambda v: 0 in v[1:], "a zero-terminated text")
+    demand(header, "producer_name", lambda v: 0 in v, "a zero-terminated text")
 
 
 def check_regions(header, file_bytes):
@@ -82,7 +82,8 @@ def check_fields(header):
     for field in header.fields:
         expect(field.type == 1, f"field {field.name} has type 1 (float32)", f"{field.type}")
         expect(field.offset % 64 == 0, f"field {field.name} has an offset that is a multiple of 64", f"{field.offset}")
-    check_apart({f"field {f.name}": (f.offset, 4 * header.capacity) for f in header.fields}, header.slot_stride, "a slot")
+    arrays = {f"field {field.name}": (field.offset, 4 * header.capacity) for field in header.fields}
+    check_apart(arrays, header.slot_stride, "a slot")
 
 
 def check_apart(regions, room, whole):

@@ -11,6 +11,7 @@ import os
 import struct
 import threading
 import time
+from contextlib import contextmanager
 
 F_OFD_GETLK, F_OFD_SETLK = 36, 37
 _FLOCK = struct.Struct("@hhqqi4x")
@@ -104,8 +105,28 @@ def futex_wake_all(address):
     )
 
 
+@contextmanager
+def apart_from(pid):
+    """This process and another one on processors of their own, if there are two, so that one can watch the other."""
+    usable = os.sched_getaffinity(0)
+    if len(usable) > 1:
+        first, *others = sorted(usable)
+        os.sched_setaffinity(0, {first})
+        os.sched_setaffinity(pid, others)
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, usable)
+
+
 def monotonic_ns():
     return time.clock_gettime_ns(time.CLOCK_MONOTONIC)
+
+
+def is_stopped(pid):
+    """Whether a process stands still (/proc/PID/stat, field 3)."""
+    with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as file:
+        return file.read().rsplit(")", 1)[1].split()[0] in "Tt"
 
 
 def start_time(pid):

@@ -48,6 +48,18 @@ class SlotsBeyondTheFile(Publisher):
         return page
 
 
+class OnlySized(Publisher):
+    """Reserves no memory, so that a full /dev/shm would be a SIGBUS later."""
+
+    caught_by = "header"
+
+    def create(self):
+        fd = super().create()
+        os.ftruncate(fd, 0)
+        os.ftruncate(fd, self.total_bytes)
+        return fd
+
+
 class ReadableByAll(Publisher):
     caught_by = "mode"
     permissions = 0o644

@@ -34,13 +34,7 @@ class Publisher:
     permissions = 0o600
 
     def __init__(self, options):
-        self.options = options
-        self.path = Path("/dev/shm") / f"{options.session}-{options.kind}"
-        self.names = FIELDS[KINDS[options.kind]]
-        self.field_bytes = -(-4 * options.particles // 64) * 64
-        self.slot_stride = -(-self.field_bytes * len(self.names) // PAGE) * PAGE
-        self.slots = options.depth + 1
-        self.total_bytes = SLOTS + self.slots * self.slot_stride
+        self.plan(options)
         self.published = self.chain = self.signal = 0
         self.admitted = [0] * MAX_CONSUMERS
         self.had_lockstep = False
@@ -50,6 +44,16 @@ class Publisher:
         self.words = system.Words(self.fd, 0, self.total_bytes, True)
         self.fill_control()
         self.store_header()
+
+    def plan(self, options):
+        """Names and sizes."""
+        self.options = options
+        self.path = Path("/dev/shm") / f"{options.session}-{options.kind}"
+        self.names = FIELDS[KINDS[options.kind]]
+        self.field_bytes = -(-4 * options.particles // 64) * 64
+        self.slot_stride = -(-self.field_bytes * len(self.names) // PAGE) * PAGE
+        self.slots = options.depth + 1
+        self.total_bytes = SLOTS + self.slots * self.slot_stride
 
     def remember(self, number, _frame):
         self.signal = number

@@ -47,7 +47,8 @@ class SoundProducer(unittest.TestCase):
 
     def test_passes_with_a_stream_of_agents(self):
         names = ("header", "frames", "hash_chain", "repeat", "end")
-        code, _, output = conformance("--kind=agents", *(f"--only={name}" for name in names), producer=("--kind", "agents"))
+        options = [f"--only={name}" for name in names]
+        code, _, output = conformance("--kind=agents", *options, producer=("--kind", "agents"))
         self.assertEqual(code, 0, output)
         self.assertIn("5 passed", output)
 
@@ -92,12 +93,17 @@ class Suite(unittest.TestCase):
         self.assertEqual({name: verdict for name, (verdict, _) in checks.items()}, {"mode": "FAIL", "frames": "pass"})
 
     def test_session_is_put_where_the_command_wants_it(self):
-        words = [str(SUITE), "--only=frames", "--", "sh", "-c", f"exec {sys.executable} -B {PRODUCER[2]} --session {{session}}"]
+        script = f"exec {sys.executable} -B {PRODUCER[2]} --session {{session}}"
+        words = [str(SUITE), "--only=frames", "--", "sh", "-c", script]
         done = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stdout)
 
     def test_usage_errors_end_with_2_and_name_the_mistake(self):
-        for words, text in (([], "COMMAND"), (["--only=no_such_check", "x"], "no_such_check"), (["--patience-s=0", "x"], "0")):
+        mistakes = (
+            ([], "COMMAND"), (["--only=no_such_check", "x"], "no_such_check"), (["--patience-s=0", "x"], "--patience-s"),
+            (["/no/such/program"], "/no/such/program"),
+        )
+        for words, text in mistakes:
             with self.subTest(words=words):
                 done = subprocess.run([SUITE, *words], stderr=subprocess.PIPE, text=True, check=False)
                 self.assertEqual(done.returncode, 2)
