@@ -87,6 +87,7 @@ std::uint64_t recycled_particles(Simulation& simulation) {
 struct ParticleExporter_Wade::Stream {
     ModelUnits units;
     shm::Publisher publisher;
+    ModelClock clock;
 };
 
 ParticleExporter_Wade::ParticleExporter_Wade(SimulatorBase* base)
@@ -111,7 +112,7 @@ void ParticleExporter_Wade::open() {
     waiting.interrupted = interrupted_;
     waiting.warn = [](const std::string& text) { LOG_WARN << "Wade: " << text; };
     const std::string& session = session_.empty() ? settings.session : session_;
-    stream_ = std::make_unique<Stream>(Stream{settings.units, shm::Publisher(session, info, waiting)});
+    stream_ = std::make_unique<Stream>(Stream{settings.units, shm::Publisher(session, info, waiting), {}});
     LOG_INFO << "Wade: session " << session << " waits for a consumer";
     stream_->publisher.wait_for_consumers(1);
 }
@@ -129,10 +130,12 @@ void ParticleExporter_Wade::publish() {
         return;
     }
     Simulation& simulation = *Simulation::getCurrent();
-    TimeManager& clock = *TimeManager::getCurrent();
     outcome_.particles = store_fluids(simulation, stream_->units, *slot);
-    const std::uint64_t tick = tick_of_time(stream_->units, static_cast<double>(clock.getTime()), slot->frame);
-    diagnostics.last_dt_s = static_cast<double>(clock.getTimeStepSize()) * stream_->units.time_scale;
+    TimeManager& simulator_clock = *TimeManager::getCurrent();
+    const auto step = static_cast<double>(simulator_clock.getTimeStepSize());
+    const double time = stream_->clock.advance(static_cast<double>(simulator_clock.getTime()), step);
+    const std::uint64_t tick = tick_of_time(stream_->units, time, slot->frame);
+    diagnostics.last_dt_s = step * stream_->units.time_scale;
     diagnostics.recycled_particles = recycled_particles(simulation);
     const bool final = slot->frame == last_frame_;
     publisher.end_frame(outcome_.particles, diagnostics, final, tick);

@@ -71,4 +71,5 @@ done
 (cd "$their_build/Simulator" && "${command[@]}")
 # Emitters look for their shape beside the program.
 ln -sfn "$checkout/bin/resources" "$out/resources"
+"$out/splishsplash_producer" --help >/dev/null
 echo "linked $out/splishsplash_producer"

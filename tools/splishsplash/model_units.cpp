@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -53,6 +54,17 @@ shm::StreamInfo stream_info(const ModelUnits& units, std::uint32_t capacity, dou
     return info;
 }
 
+double ModelClock::advance(double clock, double step) {
+    const double passed = started_ ? clock - clock_ : step;
+    const double steps = std::round(passed / step);
+    // A difference of two single-precision clocks is good to a few of their last places.
+    const double rounding = 4 * static_cast<double>(std::numeric_limits<float>::epsilon()) * std::abs(clock);
+    time_ += std::abs(passed - steps * step) <= rounding * std::max(1.0, steps) ? steps * step : passed;
+    clock_ = clock;
+    started_ = true;
+    return time_;
+}
+
 std::uint64_t tick_of_time(const ModelUnits& units, double time, std::uint64_t frame) {
     const double frames = time * units.frame_rate;
     if (!(std::abs(frames - static_cast<double>(frame)) <= 1.5)) {
@@ -62,7 +74,9 @@ std::uint64_t tick_of_time(const ModelUnits& units, double time, std::uint64_t f
                 << " s: its time step must not exceed 1/dataExportFPS = " << 1 / units.frame_rate << " s";
         throw std::invalid_argument(message.str());
     }
-    return static_cast<std::uint64_t>(std::max(0LL, std::llround(frames * static_cast<double>(ticks_per_frame))));
+    const double whole = std::round(frames);
+    const double shown = std::abs(frames - whole) <= 1e-6 * whole ? whole : frames;
+    return static_cast<std::uint64_t>(std::max(0LL, std::llround(shown * static_cast<double>(ticks_per_frame))));
 }
 
 void store(const ModelUnits& units, const ModelParticle& particle, const shm::FrameFields& slot, std::size_t i) {

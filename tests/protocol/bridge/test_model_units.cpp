@@ -97,10 +97,50 @@ TEST_CASE("the header states the particle radius in metres") {
     CHECK(stream_info(tenth(), 1, 0.025, 1000).particle_radius == Approx(0.25));
 }
 
-TEST_CASE("the tick of a frame is the simulator's own time, not the frame's number") {
+TEST_CASE("the tick of a frame is its time, not its number") {
     const double third_frame_late = (90 + 1.0 / 3) / 300;
     CHECK(tick_of_time(tenth(), 0.3, 90) == 90 * ticks_per_frame);
     CHECK(tick_of_time(tenth(), third_frame_late, 90) == 90'333'333);
+}
+
+TEST_CASE("12,000 steps of a frame each are 12,000 whole frames, although a single-precision clock drifts") {
+    const float step = 1.0F / 300;
+    float drifting = 0;
+    ModelClock clock;
+    bool whole = true;
+    for (std::uint64_t frame = 1; frame <= 12'000; ++frame) {
+        drifting += step;
+        const double time = clock.advance(static_cast<double>(drifting), static_cast<double>(step));
+        whole = whole && tick_of_time(tenth(), time, frame) == frame * ticks_per_frame;
+    }
+    CHECK(whole);
+    CHECK(std::abs(static_cast<double>(drifting) - 40) > 1.0 / 300);
+}
+
+TEST_CASE("with three steps a frame, of which the first is exported, frames lie a whole frame apart") {
+    const float step = 1.0F / 900;
+    float drifting = 0;
+    ModelClock clock;
+    for (std::uint64_t n = 1; n <= 6'000; ++n) {
+        drifting += step;
+        if (n % 3 != 1) continue;
+        const double time = clock.advance(static_cast<double>(drifting), static_cast<double>(step));
+        const auto ticks = static_cast<double>(tick_of_time(tenth(), time, n / 3 + 1));
+        REQUIRE(std::abs(ticks - static_cast<double>(n) / 3 * static_cast<double>(ticks_per_frame)) < 100);
+    }
+}
+
+TEST_CASE("steps of changing length are taken from the simulator's clock") {
+    ModelClock clock;
+    CHECK(clock.advance(0.002, 0.002) == Approx(0.002).epsilon(1e-9));
+    CHECK(clock.advance(0.0055, 0.0015) == Approx(0.0055).epsilon(1e-9));
+    CHECK(clock.advance(0.0065, 0.001) == Approx(0.0065).epsilon(1e-9));
+}
+
+TEST_CASE("a stream that is switched on in the middle of a simulation starts one step after its own zero") {
+    ModelClock clock;
+    CHECK(clock.advance(5.0, 0.01) == 0.01);
+    CHECK(clock.advance(5.01, 0.01) == 0.02);
 }
 
 TEST_CASE("a simulation whose steps are longer than a frame is refused at its second frame") {
