@@ -24,7 +24,8 @@ Frame checked_frame(const StreamInfo& info, std::uint64_t frame, const SlotDescr
         refuse(
             info, frame,
             "has tick " + std::to_string(d.tick) + ", the frame before it has " + std::to_string(*history.last_tick));
-    const ChainResult result = chain_frame(history.chain, frame, fields);
+    const ChainResult result =
+        history.check_values ? chain_frame(history.chain, frame, fields) : ChainResult{d.hash, false};
     if (d.hash != 0 && d.hash != result.hash)
         refuse(info, frame,
                "does not match its hash: it was changed after it was published, or its chain is another one");

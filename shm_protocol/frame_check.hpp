@@ -14,6 +14,7 @@ namespace wade::shm {
 
 // What a reader knows about the frames before this one.
 struct FrameHistory {
+    bool check_values = true;                // JoinOptions
     std::uint64_t chain = 0;                 // over all frames before
     std::optional<std::uint64_t> last_tick;  // of the last frame that this reader saw
 };

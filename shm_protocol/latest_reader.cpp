@@ -14,8 +14,10 @@
 namespace wade::shm {
 
 struct LatestReader::State {
-    State(Link joined, Waiting how, std::uint32_t wanted_stride)
-        : link(std::move(joined)), waiting(std::move(how)), stride(wanted_stride) {}
+    State(Link joined, const JoinOptions& options, std::uint32_t wanted_stride)
+        : link(std::move(joined)), waiting(options.waiting), stride(wanted_stride) {
+        history.check_values = options.check_values;
+    }
 
     enum class Outlook { open, complete, ended };
 
@@ -108,8 +110,8 @@ void LatestReader::State::give_up(const Error& error) noexcept {
 LatestReader::LatestReader(const std::string& session, const std::string& consumer_name, JoinOptions options,
                            std::uint32_t stride) {
     if (stride == 0) throw std::invalid_argument("LatestReader: a stride of 0 is not allowed, 1 is every frame.");
-    state_ = std::make_unique<State>(attach({session, consumer_name, options, mode_latest, stride, nullptr}),
-                                     options.waiting, stride);
+    state_ = std::make_unique<State>(attach({session, consumer_name, options, mode_latest, stride, nullptr}), options,
+                                     stride);
 }
 
 LatestReader LatestReader::in_process(Publisher& publisher, const std::string& consumer_name, JoinOptions options,
@@ -119,7 +121,7 @@ LatestReader LatestReader::in_process(Publisher& publisher, const std::string& c
     options.kind = p.map.info.kind;
     auto* const base = static_cast<std::byte*>(p.region.get_address());
     return LatestReader(std::make_unique<State>(attach({p.session, consumer_name, options, mode_latest, stride, base}),
-                                                options.waiting, stride));
+                                                options, stride));
 }
 
 LatestReader::LatestReader(std::unique_ptr<State> state) : state_(std::move(state)) {}

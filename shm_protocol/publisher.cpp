@@ -73,12 +73,12 @@ void Publisher::wait_for_consumers(int n) {
     if (n < 1 || n > static_cast<int>(s.map.consumer_count))
         throw std::invalid_argument("Publisher::wait_for_consumers(" + std::to_string(n) + "): 1 to 16 are possible.");
     s.refusals_count = true;
-    int joined = 0;
+    State::Census census;
     explained(s, [&] {
         WaitTask task;
         task.ready = [&] {
-            joined = s.survey(1).joined;
-            return joined >= n;
+            census = s.survey(1);
+            return census.joined >= n && census.active > 0;
         };
         task.after_slice = [&] {
             heartbeat();
@@ -86,7 +86,8 @@ void Publisher::wait_for_consumers(int n) {
         };
         task.what = [&] {
             return std::to_string(n) + (n == 1 ? " consumer" : " consumers") + " to join session '" + s.session +
-                   "' (" + std::to_string(joined) + " did)";
+                   "' (" + std::to_string(census.joined) + " did" +
+                   (census.joined > 0 && census.active == 0 ? ", followers only)" : ")");
         };
         task.on_timeout = Failure::attach_timeout;
         task.timeout_s = s.waiting.attach_timeout_s;

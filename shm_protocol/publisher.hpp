@@ -33,8 +33,8 @@ class Publisher {
 
     [[nodiscard]] const StreamInfo& info() const;
 
-    // Waits until n consumers in lockstep, followers among them, have joined; they take part from the next frame on.
-    // Only before frame 1.
+    // Waits until n consumers in lockstep have joined, at least one of which is no follower; they take part from the
+    // next frame on. Only before frame 1.
     // Errors: attach_timeout; peer_dead; peer_aborted, also when a consumer refused the stream (another scene).
     void wait_for_consumers(int n = 1);
 

@@ -57,6 +57,9 @@ struct JoinOptions {
     StreamKind kind = stream_fluid;
     bool follows = false;       // the stream need not go on for this consumer alone (recorders, loggers)
     bool group_access = false;  // accepts another user's segment that is open to a group of this process
+    // Reads all values of each frame: computes the hash chain, compares it with the producer's, and refuses NaN and
+    // infinity. Without, Frame::hash is the producer's word, 0 if it gives none.
+    bool check_values = true;
 };
 
 // A slot to be filled: arrays of `capacity` values, in place in the shared memory, 64-byte aligned.

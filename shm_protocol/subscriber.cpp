@@ -13,14 +13,14 @@
 namespace wade::shm {
 
 Subscriber::Subscriber(const std::string& session, const std::string& consumer_name, JoinOptions options)
-    : state_(std::make_unique<State>(attach({session, consumer_name, options}), options.waiting)) {}
+    : state_(std::make_unique<State>(attach({session, consumer_name, options}), options)) {}
 
 Subscriber Subscriber::in_process(Publisher& publisher, const std::string& consumer_name, JoinOptions options) {
     const Publisher::State& p = *publisher.state_;
     options.kind = p.map.info.kind;
     auto* const base = static_cast<std::byte*>(p.region.get_address());
     return Subscriber(
-        std::make_unique<State>(attach({p.session, consumer_name, options, mode_lockstep, 1, base}), options.waiting));
+        std::make_unique<State>(attach({p.session, consumer_name, options, mode_lockstep, 1, base}), options));
 }
 
 Subscriber::Subscriber(std::unique_ptr<State> state) : state_(std::move(state)) {}

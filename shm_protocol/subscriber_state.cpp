@@ -7,7 +7,9 @@
 
 namespace wade::shm {
 
-Subscriber::State::State(Link joined, Waiting how) : link(std::move(joined)), waiting(std::move(how)) {}
+Subscriber::State::State(Link joined, const JoinOptions& options) : link(std::move(joined)), waiting(options.waiting) {
+    history.check_values = options.check_values;
+}
 
 Subscriber::State::Outlook Subscriber::State::look() {
     const Control& control = link.pages.control();

@@ -11,7 +11,7 @@
 namespace wade::shm {
 
 struct Subscriber::State {
-    State(Link joined, Waiting how);
+    State(Link joined, const JoinOptions& options);
 
     // Waits for frame `next`; false if the stream has ended before it. Errors: those of Subscriber::acquire().
     bool wait_for_next();

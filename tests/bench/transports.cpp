@@ -55,7 +55,7 @@ enum class Hand { copy, in_place };
 class SharedMemory final : public Transport {
  public:
     SharedMemory(const std::string& session, std::uint32_t n, Hand hand, bool hash)
-        : hand_(hand), publisher_(session, info_for(n, hash)), child_([session] { consume(session); }) {
+        : hand_(hand), publisher_(session, info_for(n, hash)), child_([session, hash] { consume(session, hash); }) {
         publisher_.wait_for_consumers(1);
     }
     ~SharedMemory() override { publisher_.close(); }
@@ -82,8 +82,10 @@ class SharedMemory final : public Transport {
         info.hash_frames = hash;
         return info;
     }
-    static void consume(const std::string& session) {
-        shm::Subscriber subscriber(session, "bench");
+    static void consume(const std::string& session, bool check) {
+        shm::JoinOptions join;
+        join.check_values = check;
+        shm::Subscriber subscriber(session, "bench", join);
         while (const auto frame = subscriber.acquire()) {
             sink = read_positions(frame->px, frame->py, frame->pz);
             subscriber.release();
@@ -228,7 +230,7 @@ Child::~Child() {
 }
 
 std::vector<std::string> transport_names() {
-    std::vector<std::string> names{"memcpy", "wade in place", "wade unhashed", "wade", "unix socket"};
+    std::vector<std::string> names{"memcpy", "wade in place", "wade unchecked", "wade", "unix socket"};
 #ifdef WADE_HAS_ZEROMQ
     names.push_back("zeromq ipc");
 #endif
@@ -238,7 +240,7 @@ std::vector<std::string> transport_names() {
 std::unique_ptr<Transport> make_transport(const std::string& name, std::uint32_t n) {
     if (name == "memcpy") return std::make_unique<Memcpy>(n);
     if (name == "wade in place") return std::make_unique<SharedMemory>(unique_name("shm"), n, Hand::in_place, false);
-    if (name == "wade unhashed") return std::make_unique<SharedMemory>(unique_name("shm"), n, Hand::copy, false);
+    if (name == "wade unchecked") return std::make_unique<SharedMemory>(unique_name("shm"), n, Hand::copy, false);
     if (name == "wade") return std::make_unique<SharedMemory>(unique_name("shm"), n, Hand::copy, true);
     if (name == "unix socket") return std::make_unique<UnixSocket>(n);
 #ifdef WADE_HAS_ZEROMQ

@@ -29,8 +29,8 @@ class Transport {
 
 // Starts both ends for frames of n particles. `name` is one of transport_names().
 //   wade            copied into the slot, hashed on both sides, every value checked
-//   wade unhashed   copied, the producer gives no hash
-//   wade in place   the producer's arrays are the slot, so that nothing is copied; not hashed
+//   wade unchecked  copied, no hash on either side and no check of the values
+//   wade in place   the producer's arrays are the slot, so that nothing is copied; unchecked
 //   memcpy          the limit: the same copy and the same reading in one process, no hand-over
 //   unix socket     a stream of bytes through a socket pair, acknowledged with one byte
 //   zeromq ipc      one message a frame, acknowledged with an empty one

@@ -1,4 +1,4 @@
-/* A producer and its consumers in two processes over the C ABI, compiled as C. Usage: c_abi SESSION */
+/* A producer and its consumers in two processes over the C ABI, compiled as C. */
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -212,14 +212,15 @@ static void waits_can_be_interrupted(const char* session) {
     wade_clear_interrupt();
 }
 
-int main(int argc, char** argv) {
-    if (argc != 2) return 2;
+int main(void) {
+    char session[64];
+    snprintf(session, sizeof session, "wade-test-%d-c", (int)getpid());
     CHECK(wade_abi_version() == WADE_ABI_VERSION);
-    every_frame_crosses(argv[1], WADE_FLUID);
-    every_frame_crosses(argv[1], WADE_AGENTS);
-    a_reason_crosses(argv[1]);
-    a_consumer_may_give_up(argv[1]);
-    misuse_is_refused(argv[1]);
-    waits_can_be_interrupted(argv[1]);
+    every_frame_crosses(session, WADE_FLUID);
+    every_frame_crosses(session, WADE_AGENTS);
+    a_reason_crosses(session);
+    a_consumer_may_give_up(session);
+    misuse_is_refused(session);
+    waits_can_be_interrupted(session);
     return 0;
 }

@@ -88,20 +88,22 @@ TEST_CASE("another user's segment is refused at once, as a stream and as a name"
 
 TEST_CASE("even a user who can open everything does not trust or replace another user's segment") {
     if (!is_root("root and another user's segment")) return;
-    const Session session;
-    REQUIRE(as_stranger(strange_group, [&] {
-                const int fd = open(session.path().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-                return fd >= 0 && ftruncate(fd, 4096) == 0 ? 0 : impossible;
-            }) == 0);
-    const Caught joined = catch_error([&] { join_and_leave(session, false); });
-    CHECK(joined.failure == Failure::protocol_violation);
-    CHECK(contains(joined.text, "belongs to another user"));
-    const Caught shared = catch_error([&] { join_and_leave(session, true); });
-    CHECK(shared.failure == Failure::protocol_violation);
-    CHECK(contains(shared.text, "not open to a group of this process"));
-    const Caught created = catch_error([&] { Publisher(session.name(), test_info(), patient()); });
-    CHECK(created.failure == Failure::name_in_use);
-    CHECK(mode_of(session.path()) == 0600);
+    for (const mode_t mode : {mode_t{0600}, mode_t{0660}}) {  // the group is none of this process's
+        const Session session;
+        REQUIRE(as_stranger(strange_group, [&] {
+                    const int fd = open(session.path().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+                    return fd >= 0 && ftruncate(fd, 4096) == 0 && fchmod(fd, mode) == 0 ? 0 : impossible;
+                }) == 0);
+        const Caught joined = catch_error([&] { join_and_leave(session, false); });
+        CHECK(joined.failure == Failure::protocol_violation);
+        CHECK(contains(joined.text, "belongs to another user"));
+        const Caught shared = catch_error([&] { join_and_leave(session, true); });
+        CHECK(shared.failure == Failure::protocol_violation);
+        CHECK(contains(shared.text, "not open to a group of this process"));
+        const Caught created = catch_error([&] { Publisher(session.name(), test_info(), patient()); });
+        CHECK(created.failure == Failure::name_in_use);
+        CHECK(mode_of(session.path()) == mode);
+    }
 }
 
 TEST_CASE("a member of the group takes part in a shared segment, but only if it asked for that") {

@@ -51,14 +51,18 @@ TEST_CASE("a stream ends when only followers remain, and they get all of it") {
     CHECK(seen == 2);
 }
 
-TEST_CASE("a follower counts among the consumers that a producer waits for before frame 1") {
+TEST_CASE("a follower counts among the consumers that a producer waits for, but a stream does not start for it alone") {
     const Session session;
     Waiting waiting = patient();
     waiting.attach_timeout_s = 0.05;
     Publisher publisher(session.name(), test_info(), waiting);
     const Subscriber recorder(session.name(), "recorder", following());
-    CHECK_FALSE(catch_error([&] { publisher.wait_for_consumers(1); }).failure);
-    CHECK(catch_error([&] { publisher.wait_for_consumers(2); }).failure == Failure::attach_timeout);
+    const Caught alone = catch_error([&] { publisher.wait_for_consumers(1); });
+    CHECK(alone.failure == Failure::attach_timeout);
+    CHECK_THAT(alone.text, Catch::Matchers::Contains("followers only"));
+    const Subscriber crowd(session.name(), "crowd", {.waiting = patient()});
+    CHECK_FALSE(catch_error([&] { publisher.wait_for_consumers(2); }).failure);
+    CHECK(catch_error([&] { publisher.wait_for_consumers(3); }).failure == Failure::attach_timeout);
 }
 
 TEST_CASE("the producer waits for a follower as for any other consumer") {

@@ -278,3 +278,19 @@ TEST_CASE("a successor under the same name is not taken for the object that was 
     unlink_segment(*old, name);
     CHECK(successor->is_named(name));
 }
+
+TEST_CASE("a consumer that checks no values takes the producer's word for the hash") {
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    JoinOptions trusting{.waiting = patient()};
+    trusting.check_values = false;
+    Subscriber subscriber(session.name(), "viewer", trusting);
+    publisher.wait_for_consumers(1);
+    publish_next(publisher);
+    Bytes bytes(session.path());
+    bytes.as<SlotDescriptor>(descriptors_offset).hash ^= 1;  // a checking consumer refuses this frame
+    const auto frame = subscriber.acquire();
+    REQUIRE(frame);
+    CHECK(frame->hash == (publisher.frame_hash() ^ 1));
+    subscriber.release();
+}
