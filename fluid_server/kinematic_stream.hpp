@@ -1,14 +1,15 @@
 #pragma once
 // A stream of given depth and velocity: nothing is solved.
 //
-//        x.lo                                            x.hi
-//         |   .  . | .  | . ~~|.  | . |  . | .  | . |  .  |       n layers, each cut into strips along the stream; a
-//         | .   |.  | .   front | . |.  | . | . |  .| .   |       strip is a row of cells of one length, one particle
-//         |===================== bed =====================|       somewhere in each cell. Strips move as a whole.
+//    x.lo                              x.hi
+//      |    front | .  |.   |  . | .  |  .|    Layers, one above the other, of strips, one beside the other. A strip
+//      |    front |  . |  . |.   |   .|.  |    is a row of cells of one length with a particle somewhere in each; it
+//      |============== bed ===============|    moves as a whole.
 //
 // The position in its cell is a random number of (seed, strip, cell), and the strips' place is a function of the time,
-// so that a frame depends on nothing but its tick. n = depth / spacing, rounded; the particle's mass is rest_density *
-// spacing^3 and the number of cells that which holds rest_density * depth over each square metre of the bed.
+// so that a frame depends on nothing but its tick. There are depth / spacing layers, rounded; a particle has the mass
+// rest_density * spacing^3 and the mean velocity of its layer, and a cell is as long as it takes to have the mass
+// rest_density * depth over each square metre of the bed.
 
 #include <vector>
 

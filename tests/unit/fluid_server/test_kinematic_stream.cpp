@@ -200,25 +200,37 @@ TEST_CASE("a kinematic stream is the same for any number of threads and another 
     CHECK(alone != frame_at(scene, 30).particles());
 }
 
-TEST_CASE("particles of a kinematic stream scatter within their cells over the whole width", "[fluid][kinematic]") {
-    const auto particles = frame_at(round_scene(), 1).particles();
-    // Squares of one metre on the bed hold ten particles of 100 kg in the mean: between none and twice that would be
-    // Poisson's scatter, all the same that of a lattice.
-    std::vector<int> squares(40 * 8);
+TEST_CASE("particles that pass the end of a filled stream are counted as recycled", "[fluid][kinematic]") {
+    const Scene scene = filled_scene();
+    shm::Diagnostics d;
+    frame_at(scene, 300, &d);
+    const double passed = 1.5 * 10 * 8.5 / std::pow(scene.fluid.particle_spacing, 3);
+    CHECK(static_cast<double>(d.recycled_particles) == Approx(passed).margin(20));
+}
+
+TEST_CASE("each particle of a kinematic stream is anywhere in its cell", "[fluid][kinematic]") {
+    Scene scene = round_scene();
+    const auto particles = frame_at(scene, 1).particles();
+    const double strip_width = 8.5 / 18;  // the strips are about as wide as the spacing of 0.46 m
+    std::vector<double> along, across;    // of the first strip of the lowest layer; of all
     for (std::size_t i = 0; i < particles[0].size(); ++i) {
-        const auto x = static_cast<std::size_t>(particles[4][i] - 20);
-        const auto z = static_cast<std::size_t>(particles[6][i] - 11.5F);
-        REQUIRE((particles[6][i] >= 11.5F && particles[6][i] <= 20));
-        if (z < 8 && x < 40) ++squares[z * 40 + x];
+        const double z = static_cast<double>(particles[6][i]) - 11.5;
+        across.push_back(z);
+        if (particles[5][i] < 0.3F && z < strip_width) along.push_back(static_cast<double>(particles[4][i]));
     }
-    double sum = 0, squared = 0;
-    for (const int n : squares) {
-        sum += n;
-        squared += static_cast<double>(n) * n;
+    std::sort(across.begin(), across.end());
+    std::sort(along.begin(), along.end());
+    REQUIRE(along.size() > 60);
+    // The distance of two uniform places in neighbouring cells has the variance of 1/6 of a cell squared.
+    const double cell = 40 / static_cast<double>(along.size());
+    double variance = 0;
+    for (std::size_t i = 1; i < along.size(); ++i) {
+        const double deviation = along[i] - along[i - 1] - cell;
+        variance += deviation * deviation / static_cast<double>(along.size() - 1);
     }
-    const double mean = sum / static_cast<double>(squares.size());
-    const double variance = squared / static_cast<double>(squares.size()) - mean * mean;
-    CHECK(mean == Approx(10).epsilon(0.02));
-    CHECK(variance > 1);
-    CHECK(variance < 8);
+    CHECK(variance / (cell * cell) == Approx(1.0 / 6).margin(0.06));
+    // And nowhere on the width is a gap.
+    double gap = std::max(across.front(), 8.5 - across.back());
+    for (std::size_t i = 1; i < across.size(); ++i) gap = std::max(gap, across[i] - across[i - 1]);
+    CHECK(gap < 0.05);
 }
