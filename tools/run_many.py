@@ -157,9 +157,9 @@ def run_all(jobs, pair, options):
 
 
 def table(rows):
-    words = [[shown(row[key]) for key in TABLE] for row in rows]
-    widths = [max(map(len, column)) for column in zip(TABLE, *words)]
-    return "\n".join("  ".join(f"{word:<{width}}" for word, width in zip(line, widths)).rstrip() for line in [TABLE, *words])
+    lines = [TABLE, *([shown(row[key]) for key in TABLE] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*lines)]
+    return "\n".join("  ".join(map(str.ljust, line, widths)).rstrip() for line in lines)
 
 
 def shown(value):

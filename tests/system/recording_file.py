@@ -27,7 +27,8 @@ class Record:
 
     def __init__(self, data, at):
         self.at = at
-        self.kind, self.encoding, self.body_bytes, self.body_crc, self.head_crc = struct.unpack_from("<4sIQII", data, at)
+        head = struct.unpack_from("<4sIQII", data, at)
+        self.kind, self.encoding, self.body_bytes, self.body_crc, self.head_crc = head
         self.body_at = at + RECORD_HEAD_BYTES
         self.end = self.body_at + self.body_bytes
 

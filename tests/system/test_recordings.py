@@ -114,6 +114,12 @@ class RoundTrip(RecordingTest):
         page = recording_file.HEAD_BYTES
         return data[: page - 48] + data[page : page + 24] + data[page + 28 : page + 40] + data[page + 48 :]
 
+    def test_run_at_a_pace_that_cannot_be_repeated_is_repeated_from_its_recording(self):
+        server = self.server("--consumers", "2", "--clock", "variable", *SHORT)
+        recorder, client = self.recorder(), self.client("--reproducible", *SHORT)
+        self.assert_ended_well(server, recorder, client)
+        self.assert_same_folders(client.run, self.replayed_run(client=SHORT))
+
     def test_other_scene_is_refused_unless_any_is_allowed(self):
         self.recorded_run(*SHORT)
         other = ["--until-s", "1", "--set", "/crowd/tau=0.3"]
@@ -204,7 +210,7 @@ class DamagedFiles(RecordingTest):
 
     def test_damaged_record_is_refused_with_the_number_of_its_frame(self):
         seventh = self.records[6]
-        for at in (seventh.at + 9, seventh.at + 17, seventh.body_at + 16, seventh.end - 1):
+        for at in (seventh.at + 1, seventh.at + 12, seventh.at + 17, seventh.body_at + 16, seventh.end - 1):
             with self.subTest(at=at):
                 self.assert_refused(self.spoilt(at), "damaged", "frame 7")
 
@@ -230,6 +236,33 @@ class DamagedFiles(RecordingTest):
         self.assert_ends(client, 5, "frame 7")
         self.assertEqual(client.run.outcome()["frames"], 6)
         self.assertEqual(live.outcome()["frames"], 30)
+
+
+class WayBack(RecordingTest):
+    """Two-way runs: the crowd sends its agents back, and somebody must take them."""
+
+    TWO_WAY = [*SHORT, "--set", "/coupling/agents_stream=serial"]
+
+    def test_replay_takes_the_agents_that_the_server_took(self):
+        live = self.recorded_run(*self.TWO_WAY)
+        self.assertIsNotNone(live.outcome()["agents_hash"])
+        self.assert_same_folders(live, self.replayed_run("--take-agents", client=self.TWO_WAY))
+
+    def test_agents_can_be_recorded_beside_a_replay_and_played_in_turn(self):
+        self.recorded_run(*self.TWO_WAY)
+        agents, again = self.folder / "agents.wrec", self.folder / "again.wrec"
+        replay, crowd = self.replay(), self.client(*self.TWO_WAY)
+        recorder = self.start(RECORD, self.session, agents, "--stream", "agents")
+        self.assert_ended_well(replay, crowd, recorder)
+        crowd_hash = crowd.run.outcome()["agents_hash"]
+        for file in (agents, again):
+            info = subprocess.run([REPLAY, "--info", file], capture_output=True, text=True, check=False).stdout
+            for text in ("agents of 'crowd", "6 to 6 particles", f"frame hash  {crowd_hash}", "complete"):
+                self.assertIn(text, info)
+            if file == agents:
+                producer = self.start(REPLAY, agents, "--session", self.session)
+                recorder = self.start(RECORD, self.session, again, "--stream", "agents")
+                self.assert_ended_well(producer, recorder)
 
 
 class Ends(RecordingTest):

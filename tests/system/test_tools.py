@@ -157,8 +157,8 @@ class Inspect(ToolTest):
         server = self.server(*ENDLESS)
         self.wait_for_segment()
         for arguments in ([], ["--all"]):
-            names = [segment["segment"] for segment in json.loads(self.answer(0, "--json", "--interval-s", "0", *arguments))]
-            self.assertIn(f"/{self.session}-fluid", names)
+            seen = json.loads(self.answer(0, "--json", "--interval-s", "0", *arguments))
+            self.assertIn(f"/{self.session}-fluid", [segment["segment"] for segment in seen])
         self.answer(2, "--all", self.session)
         self.end(server)
 

@@ -97,12 +97,11 @@ int verdict(const Options& o, const std::vector<Sample>& samples) {
 
 int inspect(const Options& o) {
     std::vector<SegmentView> before = look(o);
-    if (o.session.empty() || !before.empty()) {
-        if (o.interval_s > 0 && !before.empty()) sleep_for(o.interval_s);
-    } else {
+    if (before.empty() && !o.session.empty()) {
         show(o, {});
         return verdict(o, {});
     }
+    if (o.interval_s > 0 && !before.empty()) sleep_for(o.interval_s);
     for (std::uint64_t shown = 1;; ++shown) {
         std::vector<SegmentView> now = look(o);
         // A segment that vanished during the interval is shown as it was seen last.

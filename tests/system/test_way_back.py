@@ -1,0 +1,100 @@
+"""The agents as a stream for the water, which this version's water takes without being moved by it."""
+
+import signal
+import unittest
+from pathlib import Path
+
+from harness import ENDLESS, SystemTest
+
+LAGS = ("serial", "parallel")
+
+
+def way_back(lag):
+    return ["--set", f"/coupling/agents_stream={lag}"]
+
+
+class WayBack(SystemTest):
+    def segments(self):
+        return sorted(path.name.removeprefix(self.session + "-") for path in Path("/dev/shm").glob(f"{self.session}-*"))
+
+    def assert_only_left_then_remove(self, *kinds):
+        """Those whose producer was killed; whoever lives on removes its own."""
+        self.assertEqual(self.segments(), sorted(kinds))
+        for kind in kinds:
+            Path(f"/dev/shm/{self.session}-{kind}").unlink()
+
+    def started(self, lag, frame):
+        arguments = [*way_back(lag), *ENDLESS]
+        server, client = self.server(*arguments), self.client(*arguments)
+        self.wait_for_frame(frame, server, client)
+        return server, client
+
+    def test_water_and_outcome_are_those_without_the_way_back(self):
+        off = self.pair()
+        self.assertIsNone(off.outcome()["agents_hash"])
+        for lag in LAGS:
+            with self.subTest(lag=lag):
+                run = self.pair(*way_back(lag))
+                self.assertEqual(run.outcome()["frame_hash"], off.outcome()["frame_hash"])
+                self.assertEqual(run.bytes_of("agents.csv"), off.bytes_of("agents.csv"))
+                self.assertEqual(run.rows(), off.rows())
+
+    def test_agents_are_the_same_in_both_lags_at_all_depths_and_in_every_run(self):
+        hashes = [
+            self.pair(*way_back(lag), "--set", f"/lockstep_depth={depth}").outcome()["agents_hash"]
+            for lag in LAGS
+            for depth in (1, 2, 3, 3)
+        ]
+        self.assertIsNotNone(hashes[0])
+        self.assertEqual(hashes, [hashes[0]] * 8)
+
+    def test_other_paths_give_another_hash(self):
+        self.assertNotEqual(
+            self.pair(*way_back("serial")).outcome()["agents_hash"],
+            self.pair(*way_back("serial"), "--set", "/crowd/tau=0.3").outcome()["agents_hash"],
+        )
+
+    def test_killed_server_ends_the_client(self):
+        for lag in LAGS:
+            for frame in (1, 40):
+                with self.subTest(lag=lag, frame=frame):
+                    server, client = self.started(lag, frame)
+                    self.kill_server(server)
+                    self.assert_ends(client, 4, "died")
+                    self.assert_complete_records(client.run, "peer_dead")
+                    self.assert_only_left_then_remove("fluid")
+
+    def test_killed_client_ends_the_server(self):
+        for lag in LAGS:
+            for frame in (1, 40):
+                with self.subTest(lag=lag, frame=frame):
+                    server, client = self.started(lag, frame)
+                    client.send(signal.SIGKILL)
+                    self.assertEqual(client.wait(), -signal.SIGKILL)
+                    self.assert_ends(server, 4, "died")
+                    self.assert_only_left_then_remove("agents")
+
+    def test_interrupted_side_tells_the_other_one(self):
+        for lag in LAGS:
+            for interrupted in (0, 1):
+                with self.subTest(lag=lag, interrupted=("server", "client")[interrupted]):
+                    pair = self.started(lag, 20)
+                    pair[interrupted].send(signal.SIGINT)
+                    self.assert_ends(pair[interrupted], 130, "nterrupted")
+                    self.assert_ends(pair[1 - interrupted], 5, "nterrupted")
+                    self.assertEqual(self.segments(), [])
+
+    def test_crowd_that_has_arrived_ends_both_well(self):
+        near = ["--until-s", "5000", "--set", "/crowd/groups/0/goal/z_m=4", "--set", "/crowd/tau=0"]
+        hashes = [self.pair(*near, *way_back(lag)).outcome()["agents_hash"] for lag in LAGS]
+        self.assertEqual(hashes[0], hashes[1])
+
+    def test_producer_that_takes_no_agents_is_named(self):
+        client = self.client("--attach-timeout-s", "1", *way_back("serial"))
+        producer = self.producer(*way_back("serial"))
+        self.assert_ends(client, 3, "1 consumer", f"{self.session}")
+        self.assert_ends(producer, 5, "1 consumer")
+
+
+if __name__ == "__main__":
+    unittest.main()
