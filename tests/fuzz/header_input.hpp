@@ -12,7 +12,7 @@
 namespace wade::fuzz {
 
 // Without these repairs almost no input would get past the magic, the checksum and the size.
-enum Repair : std::uint8_t { repair_identity = 1, repair_crc = 2, repair_size = 4 };
+enum Repair : std::uint8_t { repair_identity = 1, repair_crc = 2, repair_size = 4, also_round_trip = 8 };
 
 struct HeaderInput {
     shm::Header header{};

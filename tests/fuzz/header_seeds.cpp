@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <stdexcept>
 #include <string>
 
 #include "tests/fuzz/header_input.hpp"
@@ -11,11 +12,15 @@ using wade::shm::StreamInfo;
 
 namespace {
 
-void write(const std::string& folder, const std::string& name, std::uint8_t repairs, const StreamInfo& info) {
-    const auto bytes = wade::fuzz::write_input(repairs, wade::shm::make_header(info, 1));
+void write(const std::string& folder, const std::string& name, std::uint8_t repairs, const wade::shm::Header& header) {
+    const auto bytes = wade::fuzz::write_input(repairs, header);
     std::ofstream file(folder + "/" + name, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     if (!file) throw std::runtime_error("cannot write " + folder + "/" + name);
+}
+
+void write(const std::string& folder, const std::string& name, std::uint8_t repairs, const StreamInfo& info) {
+    write(folder, name, repairs, wade::shm::make_header(info, 1));
 }
 
 }  // namespace
@@ -31,6 +36,12 @@ int main(int argc, char** argv) try {
     info.capacity = 20;
     write(argv[1], "fluid", all, info);
     write(argv[1], "fluid_nothing_repaired", wade::fuzz::repair_size, info);
+    // Room for a change of one member to stay without consequences for the others.
+    wade::shm::Header roomy = wade::shm::make_header(info, 1);
+    roomy.slot_stride *= 64;
+    roomy.slots_offset <<= 20;
+    roomy.total_bytes = std::uint64_t{1} << 62;
+    write(argv[1], "fluid_roomy", all, roomy);
     info.depth = 3;
     info.slots = 64;
     write(argv[1], "fluid_64_slots", all, info);

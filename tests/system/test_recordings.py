@@ -252,7 +252,7 @@ class WayBack(RecordingTest):
         self.recorded_run(*self.TWO_WAY)
         agents, again = self.folder / "agents.wrec", self.folder / "again.wrec"
         replay, crowd = self.replay(), self.client(*self.TWO_WAY)
-        recorder = self.start(RECORD, self.session, agents, "--stream", "agents")
+        recorder = self.start(RECORD, self.session, agents, "--stream", "agents", "--lead")
         self.assert_ended_well(replay, crowd, recorder)
         crowd_hash = crowd.run.outcome()["agents_hash"]
         for file in (agents, again):
@@ -261,7 +261,7 @@ class WayBack(RecordingTest):
                 self.assertIn(text, info)
             if file == agents:
                 producer = self.start(REPLAY, agents, "--session", self.session)
-                recorder = self.start(RECORD, self.session, again, "--stream", "agents")
+                recorder = self.start(RECORD, self.session, again, "--stream", "agents", "--lead")
                 self.assert_ended_well(producer, recorder)
 
 

@@ -1,4 +1,5 @@
-// shm_record SESSION FILE: writes every frame of a session into a file, in lockstep but without keeping the run alive.
+// shm_record SESSION FILE: writes every frame of a session into a file, in lockstep, as a follower that neither starts a
+// stream nor keeps it alive unless it is told to lead.
 
 #include <cstdio>
 #include <iostream>
@@ -19,6 +20,7 @@ using namespace wade;
 struct Options {
     std::string session, file;
     std::string stream = "fluid";
+    bool lead = false;
     double frames = 0;
     double compression = 1;
     shm::Waiting waiting;
@@ -30,6 +32,7 @@ std::optional<std::string> parse(Options& o, int argc, char** argv) {
     arguments.positional("FILE", o.file, "Recording to be written; an older recording is replaced");
     arguments.word("--stream", o.stream, "What to record: the water or the way back",
                    {"KIND", "", {"fluid", "agents"}});
+    arguments.flag("--lead", o.lead, "Be somebody for whom the stream starts and goes on, as a crowd is");
     arguments.number("--frames", o.frames, "Leave after N frames, the run goes on; 0: stay to the end", "N", {0, 1e15},
                      Whole::yes);
     arguments.number("--compression", o.compression, "0 stores, 1 to 19 compress, faster to smaller", "LEVEL", {0, 19},
@@ -87,7 +90,7 @@ int record(Options& o, Console& console) {
     shm::JoinOptions join;
     join.waiting = o.waiting;
     join.kind = o.stream == "agents" ? shm::stream_agents : shm::stream_fluid;
-    join.follows = true;
+    join.follows = !o.lead;
     subscriber.emplace(o.session, "recorder", join);
     console.line("recording session '" + o.session + "' of '" + subscriber->info().producer_name + "' into " + o.file);
 

@@ -19,6 +19,11 @@
 #ifndef KILLS
 #define KILLS 1
 #endif
+#ifdef FOLLOWER
+#define leads(i) (i == 0) /* consumer 1 follows: the stream does not go on for it alone */
+#else
+#define leads(i) 1
+#endif
 #ifndef JOINS
 #define JOINS 1 /* how often each consumer entry is used: 2 = again after a goodbye */
 #endif
@@ -58,15 +63,9 @@ inline wake_consumers() { asleep[0] = 0; asleep[1] = 0 }
 
 /* Publisher::State::ring */
 inline ring() {
-#ifdef FLAG_TESTED_FIRST
-  anybody = waiting[0] || waiting[1];
-  mortal(PRODUCER, d_step { fresh[0] = 0; fresh[1] = 0 });
-  d_step { if :: anybody -> wake_consumers() :: else fi; anybody = 0 }
-#else
   mortal(PRODUCER, d_step { fresh[0] = 0; fresh[1] = 0 });
   d_step { if :: waiting[0] -> wake_consumers() :: else fi }
   d_step { if :: waiting[1] -> wake_consumers() :: else fi }
-#endif
 }
 
 /* Link::ring */

@@ -4,7 +4,7 @@
    from it is done in the next. */
 inline survey_entry(i, first, admit_at) {
   d_step {
-    if :: first -> anyone = 0; enough = 1; news = 0 :: else fi;
+    if :: first -> anyone = 0; leader = 0; enough = 1; news = 0 :: else fi;
     seen = consumer_state[i];
     if
     :: seen == joined && mine[i] == 0 && admit_at == 0 -> seen = none
@@ -19,14 +19,15 @@ inline survey_entry(i, first, admit_at) {
   :: atomic { seen == none }
   :: atomic { seen == gave_up -> outcome = peer_aborted; goto abort }
   :: d_step { seen == left -> mine[i] = 0; admitted[i] = 0 }
-  :: d_step { seen == joined && mine[i] == 0 -> mine[i] = admit_at; admitted[i] = admit_at; news = 1; had_lockstep = 1; anyone = 1;
+  :: d_step { seen == joined && mine[i] == 0 -> mine[i] = admit_at; admitted[i] = admit_at; news = 1;
+              anyone = 1; leader = leader || leads(i); had_lockstep = had_lockstep || leads(i);
               enough = enough && admit_at - 1 >= owed }
-  :: d_step { seen == joined && mine[i] != 0 -> had_lockstep = 1; anyone = 1;
+  :: d_step { seen == joined && mine[i] != 0 -> anyone = 1; leader = leader || leads(i); had_lockstep = had_lockstep || leads(i);
               assert(acknowledged[i] <= published); enough = enough && max(acknowledged[i], mine[i] - 1) >= owed }
   fi
 }
 
-/* Publisher::State::survey: leaves anyone, enough */
+/* Publisher::State::survey: leaves anyone, leader (somebody who does not only follow), enough */
 inline survey(admit_at) {
   survey_entry(0, 1, admit_at);
   survey_entry(1, 0, admit_at);
@@ -93,13 +94,13 @@ inline wait(is_ready, admit_at, may_time_out) {
 
 /* What consumer i may rely on: published <= acknowledged + depth */
 #define in_reach(i) (mine[i] == 0 || consumer_state[i] != joined || published <= max(acknowledged[i], mine[i] - 1) + DEPTH)
-#define served(i) (mine[i] == 0 || consumer_state[i] != joined || acknowledged[i] == published)
+#define served(i) (mine[i] == 0 || consumer_state[i] != joined || max(acknowledged[i], mine[i] - 1) == published)
 
 /* Equal states of the rest shall be equal states. */
 inline forget_producer() {
   atomic {
   frame = 0; owed = 0; mine[0] = 0; mine[1] = 0; looked[0] = 0; looked[1] = 0; outcome = none; seen = none;
-  anybody = 0; due = 0; anyone = 0; enough = 0; news = 0; started = 0; had_lockstep = 0; final = 0
+  anybody = 0; due = 0; anyone = 0; leader = 0; enough = 0; news = 0; started = 0; had_lockstep = 0; final = 0
   }
 }
 
@@ -113,7 +114,7 @@ proctype producer() {
   byte frame = 1, owed;
   byte mine[2];   /* private copy of admitted */
   byte looked[2]; /* 0 not in this sleep, 1 while it lived, 2 after its death */
-  bit anybody, due, anyone, enough, news, started, had_lockstep, final;
+  bit anybody, due, anyone, leader, enough, news, started, had_lockstep, final;
   mtype seen, outcome = none;
     /* Publisher::State::State: the magic is stored last, so attaching begins with the state `ready` */
     atomic { locked[PRODUCER] = 1; producer_state = ready }
@@ -127,9 +128,9 @@ proctype producer() {
     ring();
     do
     :: owed = (frame > AHEAD -> frame - AHEAD : 0);
-       wait(enough, frame, 0);
+       wait(enough || (!leader && had_lockstep), frame, 0);
        if
-       :: !anyone -> break /* all have left: begin_frame is empty */
+       :: !leader && had_lockstep -> break /* all have left: begin_frame is empty */
        :: else
        fi;
        final = (frame == FRAMES && !NO_FINAL);
@@ -151,12 +152,18 @@ proctype producer() {
        mortal(PRODUCER, sequence[slot(frame)] = 2 * frame);
 #else
        mortal(PRODUCER, sequence[slot(frame)] = 2 * frame);
+#ifdef FLAG_TESTED_FIRST
+       anybody = waiting[0] || waiting[1];
+#endif
        mortal(PRODUCER, d_step { published = frame; assert(in_reach(0)); assert(in_reach(1)) });
 #endif
 #endif
        frame++;
        if :: final -> mortal(PRODUCER, producer_state = draining) :: else fi;
-#ifndef PUBLISHED_FIRST
+#ifdef FLAG_TESTED_FIRST
+       d_step { fresh[0] = 0; fresh[1] = 0 }
+       d_step { if :: anybody -> wake_consumers() :: else fi; anybody = 0 }
+#elif !defined(PUBLISHED_FIRST)
        ring();
 #endif
        if
