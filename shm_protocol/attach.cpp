@@ -48,24 +48,39 @@ void map_entry(Link& link, const AttachRequest& request) {
     link.entry = static_cast<ConsumerEntry*>(link.entry_page.get_address());
 }
 
-// Takes the first entry that nobody uses: its lock is free, nobody has joined through it, and the producer has seen
-// the goodbye of the one before. The lock is taken before the last look, so two consumers cannot both succeed.
+// Whether entry i may be taken: nobody has joined through it, or the producer has seen the goodbye of the one before. The
+// producer may have looked at the entry just before that goodbye, and may admit the one that left a moment after it; once
+// another frame was published that look is over. So published_frame is read before admitted_frame.
+bool is_free(const Link& link, std::uint32_t i) {
+    const ConsumerEntry& entry = link.pages.consumer(i);
+    const Control& control = link.pages.control();
+    const std::uint32_t state = load_acquire(entry.state);
+    if (state == consumer_joined) return false;
+    const bool rested =
+        state == consumer_free || load_acquire(control.published_frame) > load_acquire(entry.left_at_frame);
+    return rested && load_acquire(control.admitted_frame[i]) == 0;
+}
+
 // A free-running reader that died is not missed by the producer; whoever finds its entry says its goodbye for it.
+bool is_deserted(const ConsumerEntry& entry) {
+    return load_acquire(entry.state) == consumer_joined && load_relaxed(entry.mode) == mode_latest;
+}
+
+// Takes the first entry that nobody uses. The lock is taken before the last look, so two consumers cannot both succeed.
 bool claim_entry(Link& link, const AttachRequest& request) {
     for (std::uint32_t i = 0; i < link.map->consumer_count; ++i) {
         const ConsumerEntry& entry = link.pages.consumer(i);
-        const auto joined = [&] { return load_acquire(entry.state) == consumer_joined; };
-        const auto free = [&] { return !joined() && load_acquire(link.pages.control().admitted_frame[i]) == 0; };
-        const auto deserted = [&] { return joined() && load_relaxed(entry.mode) == mode_latest; };
-        if ((!free() && !deserted()) || !lock_byte(link.file.fd(), consumer_lock_byte + i)) continue;
+        if ((!is_free(link, i) && !is_deserted(entry)) || !lock_byte(link.file.fd(), consumer_lock_byte + i)) continue;
         link.index = i;
-        const bool bury = deserted();
-        if (bury || free()) map_entry(link, request);
-        if (bury) {
+        if (is_deserted(entry)) {
+            map_entry(link, request);
             store_release(link.entry->state, static_cast<std::uint32_t>(consumer_left));
             link.ring();
+            link.lay_to_rest();
+        } else if (is_free(link, i)) {
+            map_entry(link, request);
+            return true;
         }
-        if (free()) return true;
         unlock_byte(link.file.fd(), consumer_lock_byte + i);
     }
     return false;
@@ -79,6 +94,7 @@ void fill_entry(Link& link, const AttachRequest& request, ConsumerState state, c
     store_relaxed(entry.mode, static_cast<std::uint32_t>(request.mode));
     store_relaxed(entry.flags, request.options.follows ? std::uint32_t{consumer_follows} : 0U);
     store_relaxed(entry.paused, 0U);
+    store_relaxed(entry.left_at_frame, state == consumer_joined ? ~std::uint64_t{0} : 0);
     entry.stride = request.stride;
     store_relaxed(entry.dropped_frames, std::uint64_t{0});
     entry.start_time = process_start_time();

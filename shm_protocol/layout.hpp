@@ -171,7 +171,9 @@ struct ConsumerEntry {
     std::uint32_t pid;
     std::uint32_t paused;  // (atomic) 1 = pauses on purpose, a producer that waits for it does not count the time
     std::uint32_t flags;   // (atomic) ConsumerFlag
-    std::uint8_t reserved1[36];
+    std::uint32_t reserved1;
+    std::uint64_t left_at_frame;  // (atomic) published_frame after the goodbye, 2^64 - 1 before it
+    std::uint8_t reserved4[24];
     char name[name_bytes];
     std::int32_t reason_code;
     std::uint32_t reserved2;
@@ -289,6 +291,7 @@ WADE_SHM_AT(ConsumerEntry, start_time, 72);
 WADE_SHM_AT(ConsumerEntry, pid, 80);
 WADE_SHM_AT(ConsumerEntry, paused, 84);
 WADE_SHM_AT(ConsumerEntry, flags, 88);
+WADE_SHM_AT(ConsumerEntry, left_at_frame, 96);
 WADE_SHM_AT(ConsumerEntry, name, 128);
 WADE_SHM_AT(ConsumerEntry, reason_code, 192);
 WADE_SHM_AT(ConsumerEntry, reason_text, 200);

@@ -20,6 +20,11 @@ void Link::set_paused(bool paused) const noexcept {
     if (!gone) store_release(entry->paused, paused ? 1U : 0U);
 }
 
+// After ring(), so that the frame is read when the goodbye can be seen.
+void Link::lay_to_rest() const noexcept {
+    store_release(entry->left_at_frame, load_ordered(pages.control().published_frame));
+}
+
 void Link::say_goodbye(ConsumerState last, int reason_code, std::string_view text) noexcept {
     if (gone) return;
     gone = true;
@@ -27,6 +32,7 @@ void Link::say_goodbye(ConsumerState last, int reason_code, std::string_view tex
     store_text(entry->reason_text, reason_bytes, text);
     store_release(entry->state, static_cast<std::uint32_t>(last));
     ring();
+    lay_to_rest();
     unlock_byte(file.fd(), consumer_lock_byte + index);
 }
 

@@ -28,6 +28,8 @@ struct Link {
     void ring() const;  // tells the producer that something has changed
     void heartbeat() const noexcept;
     void set_paused(bool paused) const noexcept;
+    // From the next frame on somebody else may take the entry, whose state is a goodbye.
+    void lay_to_rest() const noexcept;
     void say_goodbye(ConsumerState last, int reason_code, std::string_view text) noexcept;
 
     [[nodiscard]] bool producer_lives() const;

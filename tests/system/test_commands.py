@@ -1,4 +1,4 @@
-"""Commands while the run goes on: pause, single frames, another tau, the end; and runs that repeat those with commands."""
+"""Commands during a run: pause, single frames, another tau, the end; and runs that repeat those with commands."""
 
 import json
 import signal
@@ -91,7 +91,10 @@ class Commands(SystemTest):
             for program, paused in (client, CONSUMER_PAUSED), (server, PRODUCER_PAUSED):
                 with self.subTest(agents_stream=lag, paused=program.name):
                     program.send(signal.SIGUSR1)
-                    wait_until(lambda word=paused: self.word(word, "<I") == 1, f"{program.name} to pause")
+                    wait_until(
+                        lambda word=paused, p=program: self.word(word, "<I") == 1 or not p.running(),
+                        f"{program.name} to pause",
+                    )
                     begin = time.monotonic()
                     wait_until(lambda since=begin: time.monotonic() - since > 1.5 * limit_s, "the time-out to be over")
                     last = self.published_frame()

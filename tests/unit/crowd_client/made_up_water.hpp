@@ -35,7 +35,10 @@ class MadeUpSource final : public FrameSource {
     [[nodiscard]] const shm::StreamInfo& info() const override { return stream; }
     [[nodiscard]] bool in_lockstep() const override { return stride == 1; }
     [[nodiscard]] std::optional<shm::Frame> acquire() override;
-    void release() override { ++released; }
+    void release() override {
+        if (on_release) on_release();
+        ++released;
+    }
     [[nodiscard]] std::uint64_t dropped_frames() const override { return (stride - 1) * (released + 1); }
     void leave() noexcept override { left = true; }
     void abort(int reason_code, std::string_view text) noexcept override {
@@ -47,6 +50,7 @@ class MadeUpSource final : public FrameSource {
     std::function<std::uint64_t(std::uint64_t)> tick_of = [](std::uint64_t frame) { return frame; };
     std::uint64_t stride = 1;  // above 1: not in lockstep, the frames between are dropped
     std::uint64_t number_of_next = 1;
+    std::function<void()> on_release = {};
     std::uint64_t released = 0;
     bool left = false;
     int abort_code = 0;

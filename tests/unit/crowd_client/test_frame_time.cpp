@@ -83,6 +83,7 @@ TEST_CASE("No tick leads beyond the last step") {
 TEST_CASE("A stream as fast as the scene needs no note, another one is named with both rates") {
     CHECK(rate_note(scene_of(29.97, 30), stream_of(2'997'000, 100'000)).empty());
     const std::string note = rate_note(scene_of(30, 30), stream_of(1000, 40));
-    CHECK_THAT(note, Catch::Contains("'other_producer' sends 25 frames a second") && Catch::Contains("/frame_rate_hz 30"));
+    CHECK_THAT(note,
+               Catch::Contains("'other_producer' sends 25 frames a second") && Catch::Contains("/frame_rate_hz 30"));
     CHECK_THAT(rate_note(scene_of(30, 30), stream_of(1000, 0)), Catch::Contains("does not say"));
 }

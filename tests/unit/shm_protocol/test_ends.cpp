@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "segment_bytes.hpp"
 #include "support.hpp"
 
 using namespace wade::shm;
@@ -243,4 +244,20 @@ TEST_CASE("calls in the wrong order are errors of the program") {
     CHECK_THROWS_AS(pair.publisher.end_frame(0, {}, false, 1), std::invalid_argument);  // frame 1 had tick 1
     pair.publisher.abort(0, "done");
     CHECK_THROWS_AS(pair.publisher.begin_frame(), std::logic_error);
+}
+
+TEST_CASE("an entry that was left rests until the next frame is published") {
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    Bytes bytes(session.path());
+    const auto name_of = [&](std::size_t i) {
+        return std::string(bytes.as<ConsumerEntry>(consumers_offset + i * page_bytes).name);
+    };
+    Subscriber(session.name(), "first", {.waiting = patient()}).leave();
+    Subscriber(session.name(), "second", {.waiting = patient()}).leave();
+    CHECK(name_of(0) == "first");
+    CHECK(name_of(1) == "second");  // nobody knows yet whether the producer had seen the first one join
+    publish_next(publisher);
+    const Subscriber third(session.name(), "third", {.waiting = patient()});
+    CHECK(name_of(0) == "third");
 }
