@@ -130,7 +130,7 @@ Parsed parse(const ProgramDescription& program, int argc, const char* const* arg
         options.extras[extra.name] = extra.preset;
         if (extra.number) {
             app.add_option(extra.name, options.extras[extra.name], extra.help + " [" + short_number(extra.preset) + "]")
-                ->check(within(extra.number->lo, extra.number->hi))
+                ->check(within(extra.number->lo, extra.number->hi, extra.number->whole))
                 ->option_text("VALUE");
         } else if (extra.word) {
             add_word(app, extra, options.words);

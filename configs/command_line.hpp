@@ -46,6 +46,7 @@ struct RunOptions {
 struct NumberRange {
     double lo = 0;
     double hi = 0;
+    bool whole = false;  // whole numbers only
 };
 struct Word {
     std::string placeholder;                // in --help

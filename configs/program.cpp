@@ -66,7 +66,8 @@ void Console::copy_to(const std::filesystem::path& file) {
 }
 
 void Console::line(const std::string& text) {
-    write(program_ + ": " + text, true);
+    const std::string prefix = program_ + ": ";
+    write(text.rfind(prefix, 0) == 0 ? text : prefix + text, true);  // errors of usage name the program themselves
 }
 
 void Console::progress(const std::string& text) {

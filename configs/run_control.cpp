@@ -142,6 +142,7 @@ std::vector<std::string> CommandLines::take() {
         if (got < 0 && (errno == EAGAIN || errno == EINTR)) break;
         if (got <= 0) {  // the pipe or terminal was closed
             fd_ = ready.fd = -1;
+            if (!begun_.empty()) begun_ += '\n';  // the last line counts without its end as well
             break;
         }
         begun_.append(bytes, static_cast<std::size_t>(got));
@@ -153,13 +154,14 @@ std::vector<std::string> CommandLines::take() {
     return lines;
 }
 
-RunControl::RunControl(const std::string& commands) : lines_(commands) {
+RunControl::RunControl(const std::string& commands) {
     struct sigaction action {};
     sigemptyset(&action.sa_mask);
     action.sa_handler = ask_for_toggle;
     sigaction(SIGUSR1, &action, nullptr);
     action.sa_handler = ask_for_step;
     sigaction(SIGUSR2, &action, nullptr);
+    lines_ = CommandLines(commands);
 }
 
 void RunControl::obey(const Command& command, const Hooks& hooks) {

@@ -82,7 +82,7 @@ class RunControl {
     void take_all(const Hooks& hooks);
     void obey(const Command& command, const Hooks& hooks);
 
-    CommandLines lines_;
+    CommandLines lines_;  // made after the signals are taken: who sees the FIFO may send them
     bool paused_ = false;
     std::uint64_t steps_left_ = 0;
     std::vector<TauCommand> tau_commands_;

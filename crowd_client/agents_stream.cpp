@@ -41,11 +41,11 @@ float state_of(Outcome outcome) {
 }  // namespace
 
 AgentsPublisher::AgentsPublisher(const std::string& session, const CrowdWorld& crowd, const shm::StreamInfo& water,
-                                 const shm::Waiting& waiting)
-    : publisher_(session, agents_info(crowd, water), waiting) {}
+                                 const shm::Waiting& waiting, int consumers)
+    : publisher_(session, agents_info(crowd, water), waiting), consumers_(consumers) {}
 
 void AgentsPublisher::start(const CrowdWorld& crowd) {
-    publisher_.wait_for_consumers(1);
+    publisher_.wait_for_consumers(consumers_);
     publish(crowd, 0, false);
 }
 

@@ -24,12 +24,12 @@ class AgentsPublisher {
     // The body height that is published of every agent, m: the model of this version knows no heights.
     static constexpr float body_height = 1.7F;
 
-    // Creates the stream; ticks are those of the water's stream. The scene's agents_stream must not be `off`.
-    // Errors: as shm::Publisher.
+    // Creates the stream, for `consumers` that it waits for before frame 1, the producer of the water among them. Ticks are
+    // those of the water's stream. The scene's agents_stream must not be `off`. Errors: as shm::Publisher.
     AgentsPublisher(const std::string& session, const CrowdWorld& crowd, const shm::StreamInfo& water,
-                    const shm::Waiting& waiting);
+                    const shm::Waiting& waiting, int consumers = 1);
 
-    // Waits until the producer of the water takes part and publishes frame 1. Errors: as shm::Publisher.
+    // Waits for the consumers and publishes frame 1. Errors: as shm::Publisher.
     void start(const CrowdWorld& crowd);
 
     // Publishes the next frame, the state after the steps that a frame of the water with this tick led to. Goes on
@@ -51,6 +51,7 @@ class AgentsPublisher {
     void gather(const CrowdWorld& crowd);
 
     shm::Publisher publisher_;
+    int consumers_;
     bool taken_ = true;  // somebody still takes part
     std::uint64_t frame_ = 0;
     std::uint64_t last_tick_ = 0;

@@ -16,6 +16,7 @@ class LockstepSource final : public FrameSource {
     [[nodiscard]] std::optional<shm::Frame> acquire() override { return subscriber_.acquire(); }
     void release() override { subscriber_.release(); }
     void set_paused(bool paused) noexcept override { subscriber_.set_paused(paused); }
+    [[nodiscard]] bool producer_is_there() const override { return subscriber_.producer_is_there(); }
     void leave() noexcept override { subscriber_.leave(); }
     void abort(int reason_code, std::string_view text) noexcept override { subscriber_.abort(reason_code, text); }
 
@@ -33,6 +34,7 @@ class LatestSource final : public FrameSource {
     [[nodiscard]] std::optional<shm::Frame> acquire() override { return reader_.next(); }
     void release() override {}
     [[nodiscard]] std::uint64_t dropped_frames() const override { return reader_.dropped_frames(); }
+    [[nodiscard]] bool producer_is_there() const override { return reader_.producer_is_there(); }
     void leave() noexcept override { reader_.leave(); }
     void abort(int, std::string_view) noexcept override { reader_.leave(); }
 

@@ -29,6 +29,8 @@ class FrameSource {
     [[nodiscard]] virtual std::uint64_t dropped_frames() const { return 0; }
     // Whether this side pauses on purpose, so that the producer need not count the time.
     virtual void set_paused(bool) noexcept {}
+    // Whether frames may still come; acquire() says what happened if not.
+    [[nodiscard]] virtual bool producer_is_there() const { return true; }
     // Clean goodbye before the end of the stream.
     virtual void leave() noexcept = 0;
     // Tells the producer why this side gives up.

@@ -48,10 +48,11 @@ struct Run {
 };
 
 // Empty if the scene has no way back. The producer learns why there is none if it should have been there.
-std::optional<AgentsPublisher> open_way_back(const Run& run, FrameSource& source, const shm::Waiting& waiting) {
+std::optional<AgentsPublisher> open_way_back(const Run& run, FrameSource& source, const shm::Waiting& waiting,
+                                             int consumers) {
     if (run.crowd.scene.coupling.agents_stream == AgentsStream::off) return std::nullopt;
     try {
-        return AgentsPublisher(run.labels.session, run.crowd, source.info(), waiting);
+        return AgentsPublisher(run.labels.session, run.crowd, source.info(), waiting, consumers);
     } catch (const std::exception& error) {
         source.abort(exit_code_of<shm::Error>(error), error.what());
         throw;
@@ -77,7 +78,8 @@ void take_part(Run& run, RunFolder& folder, const RunOptions& options, RunContro
     run.labels.model = source->info().producer_name;
     console.line("joined session '" + options.session + "' of '" + run.labels.model + "'");
     if (const std::string note = rate_note(run.crowd.scene, source->info()); !note.empty()) console.line(note);
-    std::optional<AgentsPublisher> agents = open_way_back(run, *source, waiting);
+    std::optional<AgentsPublisher> agents =
+        open_way_back(run, *source, waiting, static_cast<int>(options.extra("--agents-consumers")));
     run.clock = Stopwatch();
 
     RunControl::Hooks control_hooks;
@@ -85,7 +87,7 @@ void take_part(Run& run, RunFolder& folder, const RunOptions& options, RunContro
         source->set_paused(paused);
         if (agents) agents->set_paused(paused);
     };
-    control_hooks.interrupted = [] { return received_signal() != 0; };
+    control_hooks.interrupted = [&] { return received_signal() != 0 || !source->producer_is_there(); };
     control_hooks.message = [&](const std::string& text) { console.line(text); };
 
     ClientHooks hooks;
@@ -144,22 +146,28 @@ int run_scene(const ProgramStart& start, Console& console) {
 }
 
 ProgramDescription description() {
-    return {"crowd_client",
-            "Walks the crowd of a scene through the water that a fluid server sends.",
-            {{.name = "--water-every-s",
-              .help = "Simulated time between two stored pictures of the water, s; 0: none",
-              .number = NumberRange{0, 1e6},
-              .preset = 5},
-             {.name = "--mode",
-              .help = "lockstep: every frame, and the producer waits for the crowd. latest: the newest frame, and the "
-                      "producer never waits; frames may be dropped, so that two runs differ",
-              .word = Word{"MODE", "lockstep", {"lockstep", "latest"}}},
-             {.name = "--commands",
-              .help = "Where lines with commands come from: pause, resume, step [N] (N frames of water), tau VALUE "
-                      "[agent ID | group NAME], quit, an empty line to pause or resume. PLACE: a FIFO, made if it is "
-                      "absent; -: stdin [the terminal, if stdin is one]. SIGUSR1 pauses or resumes, SIGUSR2 does one "
-                      "frame",
-              .word = Word{"PLACE"}}}};
+    return {
+        "crowd_client",
+        "Walks the crowd of a scene through the water that a fluid server sends.",
+        {{.name = "--water-every-s",
+          .help = "Simulated time between two stored pictures of the water, s; 0: none",
+          .number = NumberRange{0, 1e6},
+          .preset = 5},
+         {.name = "--mode",
+          .help = "lockstep: every frame, and the producer waits for the crowd. latest: the newest frame, and the "
+                  "producer never waits; frames may be dropped, so that two runs differ",
+          .word = Word{"MODE", "lockstep", {"lockstep", "latest"}}},
+         {.name = "--agents-consumers",
+          .help = "With /coupling/agents_stream: consumers that the way back waits for, the water among them; 2 leaves "
+                  "room for a recorder of the agents",
+          .number = NumberRange{1, shm::max_consumers, true},
+          .preset = 1},
+         {.name = "--commands",
+          .help = "Where lines with commands come from: pause, resume, step [N] (N frames of water), tau VALUE "
+                  "[agent ID | group NAME], quit, an empty line to pause or resume. PLACE: a FIFO, made if it is "
+                  "absent; -: stdin [the terminal, if stdin is one]. SIGUSR1 pauses or resumes, SIGUSR2 does one "
+                  "frame",
+          .word = Word{"PLACE"}}}};
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <omp.h>
 
 #include <chrono>
-#include <cmath>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -31,17 +30,11 @@ ProgramDescription description() {
         {{"--consumers",
           "Consumers in lockstep to wait for before frame 1, 0 to 16; 0: wait for nobody, free-running readers take "
           "what they can",
-          NumberRange{0, shm::max_consumers}, 1},
+          NumberRange{0, shm::max_consumers, true}, 1},
          {.name = "--clock",
           .help = "fast: send each frame as soon as it is ready. real_time: send frame f not before f / frame_rate_hz "
                   "of wall time. variable: a frame lasts as long as the wall time since the last one; not repeatable",
           .word = Word{"MODE", "fast", {"fast", "real_time", "variable"}}}}};
-}
-
-int consumers_of(const RunOptions& options) {
-    const double n = options.extra("--consumers");
-    if (n != std::floor(n)) throw ConfigurationError("--consumers: only whole numbers from 0 to 16 are allowed.");
-    return static_cast<int>(n);
 }
 
 Pace pace_of(const std::string& word) {
@@ -67,13 +60,14 @@ RunControl::Hooks control_hooks(shm::Publisher& publisher, RunClock& clock, Cons
                 publisher.heartbeat();
                 paused ? clock.pause() : clock.resume();
             },
-            [] { return received_signal() != 0; }, [&](const std::string& text) { console.line(text); }};
+            [&] { return received_signal() != 0 || !publisher.consumers_are_there(); },
+            [&](const std::string& text) { console.line(text); }};
 }
 
 void run_scene(const ProgramStart& start, Console& console) {
     const Scene& scene = start.loaded.scene;
     const RunOptions& options = start.options;
-    const int consumers = consumers_of(options);
+    const auto consumers = static_cast<int>(options.extra("--consumers"));
     if (options.threads > 0) omp_set_num_threads(options.threads);
     if (options.out) console.copy_to(*options.out / "fluid_server.log");
 

@@ -203,6 +203,10 @@ std::optional<Frame> LatestReader::poll() {
     }
 }
 
+bool LatestReader::producer_is_there() const {
+    return state_->link.producer_lives();
+}
+
 void LatestReader::leave() noexcept {
     state_->over = true;
     state_->link.say_goodbye(consumer_left, 0, "");

@@ -51,6 +51,10 @@ class LatestReader {
     // Frames that passed unseen since the first one taken, beyond those that the stride leaves out.
     [[nodiscard]] std::uint64_t dropped_frames() const;
 
+    // Whether the producer is still there: false once it has died, given up or ended. For a side that pauses; the next
+    // call for a frame says what happened.
+    [[nodiscard]] bool producer_is_there() const;
+
     // Goodbye; frames taken stay valid.
     void leave() noexcept;
 

@@ -65,6 +65,10 @@ void Publisher::set_paused(bool paused) noexcept {
     if (!state_->ended) store_release(state_->pages.control().paused, paused ? 1U : 0U);
 }
 
+bool Publisher::consumers_are_there() const {
+    return state_->consumers_are_there();
+}
+
 void Publisher::wait_for_consumers(int n) {
     State& s = *state_;
     demand_running(s, "wait_for_consumers");

@@ -61,6 +61,10 @@ class Publisher {
     // Ends the stream at once and tells the consumers why; the text is cut at 511 bytes.
     void abort(int reason_code, std::string_view text) noexcept;
 
+    // Whether it makes sense to go on: false once a consumer in lockstep has died or given up, or all have left. For a side
+    // that pauses; the next call of another function says what happened.
+    [[nodiscard]] bool consumers_are_there() const;
+
     [[nodiscard]] std::uint64_t published_frames() const;
     [[nodiscard]] std::uint64_t frame_hash() const;  // chain over the published frames, 0 without hash_frames
 

@@ -126,6 +126,19 @@ void Publisher::State::check_alive(std::uint64_t owed) {
     }
 }
 
+bool Publisher::State::consumers_are_there() const {
+    bool somebody = !had_lockstep;
+    for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
+        const ConsumerEntry& entry = pages.consumer(i);
+        if (admitted[i] == 0 || load_relaxed(entry.mode) != mode_lockstep) continue;
+        const bool locked = is_locked_by_other(file.fd(), consumer_lock_byte + i);
+        const std::uint32_t state = load_acquire(entry.state);  // after the lock: a goodbye comes before it is given up
+        if (state == consumer_aborted || (state == consumer_joined && !locked)) return false;
+        somebody = somebody || state == consumer_joined;
+    }
+    return somebody;
+}
+
 void Publisher::State::ring() {
     Control& control = pages.control();
     count_up(control.publish_sequence);

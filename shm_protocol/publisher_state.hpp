@@ -31,6 +31,9 @@ struct Publisher::State {
     // Errors: peer_dead if a consumer's process has ended without a goodbye and still owes frame `owed` or one before.
     void check_alive(std::uint64_t owed);
 
+    // Whether a consumer in lockstep is left, and none that was admitted has died or given up.
+    [[nodiscard]] bool consumers_are_there() const;
+
     void ring();  // tells the consumers that something has changed
     void enter(ProducerState next);
     void wait(const WaitTask& task) const;

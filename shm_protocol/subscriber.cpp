@@ -89,6 +89,10 @@ void Subscriber::release() {
     s.link.ring();
 }
 
+bool Subscriber::producer_is_there() const {
+    return state_->link.producer_lives();
+}
+
 void Subscriber::leave() noexcept {
     state_->say_goodbye(consumer_left, 0, "");
 }

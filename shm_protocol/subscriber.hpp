@@ -56,6 +56,10 @@ class Subscriber {
     // Tells the producer that this side pauses on purpose, so that it does not count the time until it goes on.
     void set_paused(bool paused) noexcept;
 
+    // Whether the producer is still there: false once it has died, given up or ended. For a side that pauses; the next
+    // call for a frame says what happened.
+    [[nodiscard]] bool producer_is_there() const;
+
     // A clean goodbye before the end: the producer goes on without this consumer.
     void leave() noexcept;
 

@@ -299,7 +299,7 @@ def draw(run, time, output):
     outcome = read_json(run / "outcome.json")
     scene = manifest["resolved_scene"]
     whole_run = time is None
-    rate = outcome["frame_rate_hz"]
+    rate = outcome["step_rate_hz"]  # a frame of the paths is a step of the crowd
     # A run that was killed still says frame 0 in its outcome; its paths tell how far it came.
     until_frame = 2**53 if whole_run else int(round(time * rate))
     paths = read_paths(run / "trajectories.sqlite", until_frame)

@@ -9,7 +9,7 @@ COLUMNS = (
     "paper_time_s,paper_diff_percent,paper_arrived,seeds,time_s_mean,time_s_lo,time_s_hi,arrived_mean,arrived_lo,"
     "arrived_hi,dead_mean,diff_percent,agent_depth_m,agent_speed_m_s,in_band"
 ).split(",")
-SET_UPS = {"paper": "as run", "river": "as described"}  # the set-up that each set of scenes stands for
+SET_UPS = {"paper": "as run", "river": "as described", "observed": "as observed"}  # the set-up that each set of scenes stands for
 
 
 class Run:

@@ -16,6 +16,7 @@ from run_pair import ROOT, Pair
 
 QUICK = ("S1", "S4", "S5", "S8")
 SETS = ("paper", "river")
+MORE_SETS = ("observed",)  # cheap, not judged
 
 
 def scene_file(scene_set, scenario):
@@ -64,7 +65,7 @@ def parse(arguments):
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "reproduce_paper")
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--set-of-scenes", choices=(*SETS, "both"), default="both")
+    parser.add_argument("--set-of-scenes", choices=(*SETS, *MORE_SETS, "both"), default="both")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--until-s", type=float)
     options = parser.parse_args(arguments)

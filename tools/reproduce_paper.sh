@@ -9,7 +9,7 @@ for argument in "$@"; do
     -h | --help)
       # Needs neither packages nor a build, so that help is always at hand.
       cat <<'HELP'
-Usage: tools/reproduce_paper.sh [--out DIR] [--seeds N] [--quick] [--set-of-scenes paper|river|both]
+Usage: tools/reproduce_paper.sh [--out DIR] [--seeds N] [--quick] [--set-of-scenes paper|river|observed|both]
                                 [--threads N] [--until-s T]
 
 Runs S1 to S12 of configs/paper (as the authors ran it) and configs/river (as the paper describes it), one after
@@ -19,7 +19,7 @@ below it, whether the results are those of the paper where these can be told apa
   --out DIR             [runs/reproduce_paper in the project]
   --seeds N             runs of each scene, with the seeds 1 to N [1]
   --quick               only S1, S4, S5 and S8
-  --set-of-scenes SET   paper, river or both [both]
+  --set-of-scenes SET   paper, river, observed or both (paper and river) [both]
   --threads N           threads of the fluid server [2]
   --until-s T           simulated time at which each run ends, s [the scene's, 400]; such runs are not judged
 A run in DIR that is complete and whose scene is still the same is not repeated. Scenes that were not run, as with

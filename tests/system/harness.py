@@ -214,7 +214,7 @@ class SystemTest(unittest.TestCase):
         per_frame = dict(run.query("SELECT frame, COUNT(*) FROM trajectory_data GROUP BY frame"))
         last = max(per_frame)
         # Logged frames are whole: an agent has a row in every frame before its end and in none after it.
-        rate = outcome["frame_rate_hz"]
+        rate = outcome["step_rate_hz"]
         for frame, count in per_frame.items():
             present = [a for a in agents if a["outcome"] == "active" or round(float(a["time_s"]) * rate) > frame]
             self.assertEqual(count, len(present), f"rows of frame {frame}")

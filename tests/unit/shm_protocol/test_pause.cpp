@@ -129,6 +129,7 @@ TEST_CASE("an entry's next owner does not inherit the pause or the following of 
         CHECK(entry.paused == 1);
         first.leave();
     }
+    publish_next(publisher);
     const Subscriber second(session.name(), "second", {.waiting = patient()});
     CHECK(std::string(entry.name) == "second");
     CHECK(entry.paused == 0);

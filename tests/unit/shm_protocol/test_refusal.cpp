@@ -148,7 +148,7 @@ TEST_CASE("a segment that is cut off, empty or unfinished is refused or waited f
 
 TEST_CASE("more consumers than entries have to wait for one") {
     const Session session;
-    const Publisher publisher(session.name(), test_info(), patient());
+    Publisher publisher(session.name(), test_info(), patient());
     std::vector<Subscriber> all;
     for (std::uint32_t i = 0; i < max_consumers; ++i)
         all.emplace_back(session.name(), "crowd", JoinOptions{.waiting = patient()});
@@ -156,6 +156,7 @@ TEST_CASE("more consumers than entries have to wait for one") {
     CHECK(caught.failure == Failure::attach_timeout);
     CHECK(contains(caught.text, "all consumer entries"));
     all.back().leave();
+    publish_next(publisher);
     CHECK_FALSE(try_to_join(session).failure);
 }
 
