@@ -142,7 +142,7 @@ std::vector<std::string> CommandLines::take() {
         if (got < 0 && (errno == EAGAIN || errno == EINTR)) break;
         if (got <= 0) {  // the pipe or terminal was closed
             fd_ = ready.fd = -1;
-            if (!begun_.empty()) begun_ += '\n';  // the last line counts without its end as well
+            if (!begun_.empty() && begun_.back() != '\n') begun_ += '\n';  // the last line counts without its end as well
             break;
         }
         begun_.append(bytes, static_cast<std::size_t>(got));

@@ -8,7 +8,7 @@ import system
 from expectation import PATIENCE_S, expect, wait_until
 from header_rules import read_header
 from layout import (
-    GAVE_UP, JOINED, LATEST, LEFT, LOCKSTEP, PAGE, PRODUCER_STATES, ConsumerPage, ControlPage, Descriptor,
+    FREE, GAVE_UP, JOINED, LATEST, LEFT, LOCKSTEP, PAGE, PRODUCER_STATES, ConsumerPage, ControlPage, Descriptor,
     text_of,
 )
 
@@ -136,8 +136,10 @@ class Consumer(Segment):
         return 0
 
     def _is_free(self, i):
-        state = self.words.u32(self.header.consumer(i) + ConsumerPage.STATE)
-        return state != JOINED and self.control64(ControlPage.ADMITTED_FRAME + 8 * i) == 0
+        page = self.header.consumer(i)
+        state = self.words.u32(page + ConsumerPage.STATE)
+        rested = state == FREE or self.published() > self.words.u64(page + ConsumerPage.LEFT_AT_FRAME)
+        return state != JOINED and rested and self.control64(ControlPage.ADMITTED_FRAME + 8 * i) == 0
 
     def _fill(self, name, mode, flags, paused):
         page = self.page
@@ -150,6 +152,7 @@ class Consumer(Segment):
         page.set_u32(ConsumerPage.PID, os.getpid())
         page.set_u32(ConsumerPage.PAUSED, int(paused))
         page.set_u32(ConsumerPage.FLAGS, flags)
+        page.set_u64(ConsumerPage.LEFT_AT_FRAME, 2**64 - 1)
         page.set_text(ConsumerPage.NAME, ConsumerPage.NAME_BYTES, name)
         page.set_i32(ConsumerPage.REASON_CODE, 0)
         page.set_text(ConsumerPage.REASON_TEXT, ConsumerPage.REASON_BYTES, "")
@@ -230,6 +233,7 @@ class Consumer(Segment):
         if self.page.u32(ConsumerPage.STATE) == JOINED:
             self.page.set_u32(ConsumerPage.STATE, state)
             self.ring()
+            self.page.set_u64(ConsumerPage.LEFT_AT_FRAME, self.published())
             system.unlock_byte(self.fd, 1 + self.index)
 
 

@@ -75,6 +75,7 @@ const std::map<std::string, std::size_t> offsets{
     MEMBER(ConsumerEntry, pid),
     MEMBER(ConsumerEntry, paused),
     MEMBER(ConsumerEntry, flags),
+    MEMBER(ConsumerEntry, left_at_frame),
     MEMBER(ConsumerEntry, name),
     MEMBER(ConsumerEntry, reason_code),
     MEMBER(ConsumerEntry, reason_text),
