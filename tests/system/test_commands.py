@@ -104,6 +104,22 @@ class Commands(SystemTest):
             self.assert_ends(client, 143)
             self.assert_ends(server, 5)
 
+    def test_paused_side_notices_that_the_other_one_died(self):
+        server, client = self.server(*ENDLESS), self.client_with_commands(*ENDLESS)
+        self.wait_for_frame(2, server, client)
+        client.say("pause")
+        wait_until(lambda: self.word(CONSUMER_PAUSED, "<I") == 1, "the crowd to pause")
+        self.kill_server(server)
+        self.assert_ends(client, 4, "died at frame")
+        self.remove_segment_of_killed_server()
+
+        server, client = self.server(*ENDLESS), self.client(*ENDLESS)
+        self.wait_for_frame(2, server, client)
+        server.send(signal.SIGUSR1)
+        wait_until(lambda: self.word(PRODUCER_PAUSED, "<I") == 1, "the water to pause")
+        client.send(signal.SIGKILL)
+        self.assert_ends(server, 4, "died at frame")
+
     def test_wrong_commands_are_messages_and_no_end(self):
         client = self.client_with_commands()
         client.say("jump", "tau 2", "tau 0.5 agent 6", "tau 0.5 group swimmers")

@@ -248,6 +248,15 @@ class WayBack(RecordingTest):
         self.assertIsNotNone(live.outcome()["agents_hash"])
         self.assert_same_folders(live, self.replayed_run("--take-agents", client=self.TWO_WAY))
 
+    def test_agents_of_a_live_run_are_recorded_from_frame_1(self):
+        live = self.pair(*self.TWO_WAY)
+        server = self.server(*self.TWO_WAY)
+        recorder = self.recorder("--stream", "agents")
+        crowd = self.client(*self.TWO_WAY, "--agents-consumers", "2")
+        self.assert_ended_well(server, crowd, recorder)
+        for text in ("agents of 'crowd", f"frame hash  {live.outcome()['agents_hash']}", "complete"):
+            self.assertIn(text, self.info())
+
     def test_agents_can_be_recorded_beside_a_replay_and_played_in_turn(self):
         self.recorded_run(*self.TWO_WAY)
         agents, again = self.folder / "agents.wrec", self.folder / "again.wrec"

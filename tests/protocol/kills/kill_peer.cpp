@@ -1,8 +1,10 @@
-// kill_peer produce|consume SESSION [--frames N] [--consumers N] [--depth D] [--log FILE] [--kill-after-us T]
+// kill_peer produce|consume SESSION [--frames N] [--consumers N] [--depth D] [--log FILE]
+//           [--kill-after-us T | --kill-when writing|published|reading|released --kill-at-frame F]
 //
 // One side of a stream whose every value is known, which may be killed at any moment. It keeps a log of the frames that
 // it has published or used: a line is written before the frame is acknowledged, so the log holds all that the other
-// side can have been told. --kill-after-us sets a timer that kills the process without any warning.
+// side can have been told. --kill-after-us sets a timer that kills the process without any warning; --kill-when has it
+// die at a place that a timer would rarely hit.
 
 #include <fcntl.h>
 #include <signal.h>
@@ -49,6 +51,13 @@ void kill_myself_after(std::uint64_t microseconds) {
         throw std::runtime_error("the timer cannot be set");
 }
 
+// A place in a frame at which this process may have been told to die.
+void may_die(const Options& options, const std::string& place, std::uint64_t frame) {
+    const auto found = options.find("--kill-when");
+    if (found != options.end() && found->second == place && frame == number(options, "--kill-at-frame", 0))
+        raise(SIGKILL);
+}
+
 class Log {
  public:
     explicit Log(const std::string& file)
@@ -65,7 +74,7 @@ class Log {
 
 shm::Waiting patience() {
     shm::Waiting waiting;
-    waiting.attach_timeout_s = 2;
+    waiting.attach_timeout_s = 1;
     return waiting;
 }
 
@@ -84,9 +93,10 @@ void produce(const std::string& session, const Options& options, const Log& log)
         std::size_t field = 0;
         for (const auto& array : {slot->mass, slot->vx, slot->vy, slot->vz, slot->px, slot->py, slot->pz}) {
             for (std::size_t k = 0; k < array.size(); ++k) array[k] = value_of(frame, field, k);
-            ++field;
+            if (++field == 4) may_die(options, "writing", frame);
         }
         publisher.end_frame(particles, {}, frame == frames);
+        may_die(options, "published", frame);
     }
     publisher.close();
     log.write("closed");
@@ -102,7 +112,7 @@ bool is_whole(const shm::Frame& frame) {
     return true;
 }
 
-void consume(const std::string& session, const Log& log) {
+void consume(const std::string& session, const Options& options, const Log& log) {
     shm::JoinOptions join;
     join.waiting = patience();
     shm::Subscriber subscriber(session, "kill_peer", join);
@@ -113,8 +123,11 @@ void consume(const std::string& session, const Log& log) {
             log.write("torn " + std::to_string(frame->frame));
             std::_Exit(torn);
         }
-        log.write(std::to_string(frame->frame));
+        may_die(options, "reading", frame->frame);
+        const std::uint64_t number = frame->frame;
+        log.write(std::to_string(number));
         subscriber.release();
+        may_die(options, "released", number);
     }
     log.write("ended");
 }
@@ -134,7 +147,7 @@ int main(int argc, char** argv) {
         if (std::string(argv[1]) == "produce")
             produce(argv[2], options, log);
         else
-            consume(argv[2], log);
+            consume(argv[2], options, log);
         return 0;
     } catch (const shm::Error& error) {
         std::fprintf(stderr, "%s\n", error.what());

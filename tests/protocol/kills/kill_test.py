@@ -91,14 +91,13 @@ def consumer_entries(segment):
 
 
 class Peer:
-    def __init__(self, run, role, *arguments, kill_after_us=None):
+    def __init__(self, run, role, *arguments, death=()):
         self.role = role
         self.log = run.folder / f"{role}-{len(run.peers)}.log"
         self.errors = open(run.folder / f"{role}-{len(run.peers)}.err", "w+")
-        self.victim = kill_after_us is not None
-        timer = ["--kill-after-us", str(kill_after_us)] if self.victim else []
+        self.victim = bool(death)
         self.process = subprocess.Popen(
-            [run.binary, role, run.session, "--log", self.log, *map(str, arguments), *timer],
+            [run.binary, role, run.session, "--log", self.log, *map(str, arguments), *map(str, death)],
             stdin=subprocess.DEVNULL, stderr=self.errors,
             preexec_fn=(lambda: os.sched_setaffinity(0, FIRST_CPU)) if run.one_cpu else None,
         )
@@ -134,15 +133,14 @@ class Run:
         self.consumers = random_numbers.randint(1, 2)
         roles = ["produce"] + ["consume"] * self.consumers
         victim = random_numbers.choice([0, 0, *range(1, len(roles))])
-        # Short delays hit creation and attachment, long ones the frames and the end.
-        delay = int(10 ** random_numbers.uniform(2.6, 4.9))
+        death = self.way_to_die(random_numbers, roles[victim])
         order = list(range(len(roles)))
         random_numbers.shuffle(order)
         segment = Segment(self.session)
         try:
             for k in order:
                 arguments = ["--frames", FRAMES, "--depth", self.depth, "--consumers", self.consumers] if k == 0 else []
-                Peer(self, roles[k], *arguments, kill_after_us=delay if k == victim else None)
+                Peer(self, roles[k], *arguments, death=death if k == victim else ())
             self.victim = next(peer for peer in self.peers if peer.victim)
             while any(peer.process.poll() is None for peer in self.peers) and segment.file is None:
                 segment.look()
@@ -161,6 +159,16 @@ class Run:
             segment.close()
         self.state = (f"producer {state_of_producer(at_death)}" if self.victim.role == "produce"
                       else f"consumer {self.consumer_state(at_death)}")
+
+    @staticmethod
+    def way_to_die(random_numbers, role):
+        """By a timer, or at a place that a timer would rarely hit: in the first, the last or some frame."""
+        if random_numbers.random() < 0.7:
+            # Short delays hit creation and attachment, long ones the frames and the end.
+            return "--kill-after-us", int(10 ** random_numbers.uniform(2.6, 4.9))
+        places = ("writing", "published") if role == "produce" else ("reading", "released")
+        frame = random_numbers.choice([1, random_numbers.randint(2, FRAMES - 1), FRAMES])
+        return "--kill-when", random_numbers.choice(places), "--kill-at-frame", frame
 
     def consumer_state(self, segment):
         state = consumer_entries(segment).get(self.victim.process.pid, ("absent", 0))[0]
