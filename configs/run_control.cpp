@@ -142,7 +142,9 @@ std::vector<std::string> CommandLines::take() {
         if (got < 0 && (errno == EAGAIN || errno == EINTR)) break;
         if (got <= 0) {  // the pipe or terminal was closed
             fd_ = ready.fd = -1;
-            if (!begun_.empty() && begun_.back() != '\n') begun_ += '\n';  // the last line counts without its end as well
+            ended_ = true;
+            if (!begun_.empty() && begun_.back() != '\n')
+                begun_ += '\n';  // the last line counts without its end as well
             break;
         }
         begun_.append(bytes, static_cast<std::size_t>(got));
@@ -152,6 +154,10 @@ std::vector<std::string> CommandLines::take() {
         begun_.erase(0, end + 1);
     }
     return lines;
+}
+
+bool CommandLines::have_ended() {
+    return std::exchange(ended_, false);
 }
 
 RunControl::RunControl(const std::string& commands) {
@@ -164,7 +170,7 @@ RunControl::RunControl(const std::string& commands) {
     lines_ = CommandLines(commands);
 }
 
-void RunControl::obey(const Command& command, const Hooks& hooks) {
+void RunControl::obey(const Command& command) {
     switch (command.kind) {
         case Command::Kind::pause:
             paused_ = true;
@@ -185,28 +191,31 @@ void RunControl::obey(const Command& command, const Hooks& hooks) {
             tau_commands_.push_back(command.tau);
             break;
         case Command::Kind::quit:
-            if (hooks.message) hooks.message("told to quit");
-            std::raise(SIGINT);
+            quit_ = true;
             break;
     }
 }
 
 void RunControl::take_all(const Hooks& hooks) {
-    if (toggles_asked.exchange(0) % 2 == 1) obey({Command::Kind::toggle, 1, {}}, hooks);
-    if (const unsigned steps = steps_asked.exchange(0); steps > 0) obey({Command::Kind::step, steps, {}}, hooks);
+    if (toggles_asked.exchange(0) % 2 == 1) obey({Command::Kind::toggle, 1, {}});
+    if (const unsigned steps = steps_asked.exchange(0); steps > 0) obey({Command::Kind::step, steps, {}});
     for (const std::string& line : lines_.take()) {
         try {
-            obey(parse_command(line), hooks);
+            obey(parse_command(line));
         } catch (const ConfigurationError& error) {
             if (hooks.message) hooks.message(error.what());
         }
+    }
+    if (lines_.have_ended() && paused_) {
+        obey({Command::Kind::resume, 1, {}});
+        if (hooks.message) hooks.message("the commands have ended; the run goes on");
     }
 }
 
 void RunControl::wait_while_paused(const Hooks& hooks) {
     take_all(hooks);
     bool told = false;
-    while (paused_ && steps_left_ == 0 && !(hooks.interrupted && hooks.interrupted())) {
+    while (paused_ && steps_left_ == 0 && !quit_ && !(hooks.interrupted && hooks.interrupted())) {
         if (!told && hooks.message) hooks.message("paused; resume, step [N] or an empty line go on");
         if (hooks.paused) hooks.paused(true);
         told = true;

@@ -51,11 +51,14 @@ class CommandLines {
 
     // The complete lines that have come since the last call.
     [[nodiscard]] std::vector<std::string> take();
+    // Whether they have come to their end since the last call.
+    [[nodiscard]] bool have_ended();
     // To poll for lines; -1 while there are none, and while another program has the terminal.
     [[nodiscard]] int fd() const;
 
  private:
     int fd_ = -1;
+    bool ended_ = false;
     std::filesystem::path own_fifo_;
     std::string begun_;
 };
@@ -72,18 +75,23 @@ class RunControl {
     explicit RunControl(const std::string& commands);
 
     // Takes what has been asked and holds the caller as long as the run is paused; a step that was asked for lets it go
-    // once. A line that is not understood becomes a message.
+    // once. A line that is not understood becomes a message. The end of the commands ends a pause, which nobody could
+    // end any more.
     void wait_while_paused(const Hooks& hooks);
+
+    // Whether the run is to end here.
+    [[nodiscard]] bool quit_asked() const { return quit_; }
 
     // The commands for tau that have come, in their order.
     [[nodiscard]] std::vector<TauCommand> take_tau_commands();
 
  private:
     void take_all(const Hooks& hooks);
-    void obey(const Command& command, const Hooks& hooks);
+    void obey(const Command& command);
 
     CommandLines lines_;  // made after the signals are taken: who sees the FIFO may send them
     bool paused_ = false;
+    bool quit_ = false;
     std::uint64_t steps_left_ = 0;
     std::vector<TauCommand> tau_commands_;
 };

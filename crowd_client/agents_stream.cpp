@@ -99,4 +99,8 @@ void AgentsPublisher::set_paused(bool paused) noexcept {
     publisher_.set_paused(paused);
 }
 
+void AgentsPublisher::heartbeat() noexcept {
+    publisher_.heartbeat();
+}
+
 }  // namespace wade::crowd

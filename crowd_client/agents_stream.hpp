@@ -44,6 +44,9 @@ class AgentsPublisher {
 
     void set_paused(bool paused) noexcept;
 
+    // A sign of life while this side waits elsewhere.
+    void heartbeat() noexcept;
+
     // Chain over all frames made so far, whether anybody took them or not, so that it depends on the crowd alone.
     [[nodiscard]] std::uint64_t hash() const { return hash_; }
 

@@ -19,6 +19,7 @@
 #include "crowd_client/run_client.hpp"
 #include "crowd_client/run_folder.hpp"
 #include "crowd_client/run_labels.hpp"
+#include "shm_protocol/segment.hpp"
 
 namespace {
 
@@ -47,10 +48,23 @@ struct Run {
     Stopwatch clock;
 };
 
+bool has_way_back(const Run& run) {
+    return run.crowd.scene.coupling.agents_stream != AgentsStream::off;
+}
+
+// A second crowd, started by mistake, must not join the water and disturb the first one.
+void demand_free_way_back(const Run& run) {
+    if (!has_way_back(run) || !shm::has_living_producer(run.labels.session, shm::stream_agents)) return;
+    throw shm::Error(
+        shm::Failure::name_in_use,
+        "Session '" + run.labels.session + "' has a crowd whose agents the water takes; choose another session.");
+}
+
 // Empty if the scene has no way back. The producer learns why there is none if it should have been there.
-std::optional<AgentsPublisher> open_way_back(const Run& run, FrameSource& source, const shm::Waiting& waiting,
-                                             int consumers) {
-    if (run.crowd.scene.coupling.agents_stream == AgentsStream::off) return std::nullopt;
+std::optional<AgentsPublisher> open_way_back(const Run& run, FrameSource& source, shm::Waiting waiting, int consumers) {
+    if (!has_way_back(run)) return std::nullopt;
+    // While the crowd waits for the water to take its agents, the water may die.
+    waiting.interrupted = [&source] { return received_signal() != 0 || !source.producer_is_there(); };
     try {
         return AgentsPublisher(run.labels.session, run.crowd, source.info(), waiting, consumers);
     } catch (const std::exception& error) {
@@ -59,12 +73,24 @@ std::optional<AgentsPublisher> open_way_back(const Run& run, FrameSource& source
     }
 }
 
-void obey(const TauCommand& command, CrowdWorld& crowd, RunFolder& folder, Console& console) {
+// Whether the frames so far are those of the scene, so that the same events in the same scene lead to the same run.
+struct Regularity {
+    bool so_far = true;
+    void see(const shm::StreamInfo& info, const shm::Frame& frame, const Scene& scene) {
+        so_far = so_far && rate_note(scene, info).empty() && frame.tick == frame.frame * info.ticks_per_frame;
+    }
+};
+
+void obey(const TauCommand& command, CrowdWorld& crowd, RunFolder& folder, bool repeatable, Console& console) {
     try {
         const TauEvent event = event_of(crowd, command);
         folder.record_event(event);
         add_event(crowd, event);
         console.line("from frame " + std::to_string(event.frame) + " on: " + event_json(event));
+        if (!repeatable)
+            console.warning(
+                "the frames of this water are not those of the scene, so scene_as_played.json does not "
+                "repeat this run; a recording does (shm_record)");
     } catch (const ConfigurationError& error) {
         console.line(error.what());
     }
@@ -72,32 +98,49 @@ void obey(const TauCommand& command, CrowdWorld& crowd, RunFolder& folder, Conso
 
 // Takes part in the session to its end; errors pass through, with `run` complete up to the last frame.
 void take_part(Run& run, RunFolder& folder, const RunOptions& options, RunControl& control, Console& console) {
+    std::optional<AgentsPublisher> agents;
     const auto waiting = waiting_of<shm::Waiting>(options, console);
+    // While the crowd waits for the water it still lives, or pauses with it, for those who wait for its agents.
+    shm::Waiting for_water = waiting;
+    for_water.interrupted = [&] {
+        if (agents) agents->heartbeat();
+        return received_signal() != 0;
+    };
+    for_water.paused = [&](double) {
+        if (agents) agents->set_paused(true);
+    };
+    demand_free_way_back(run);
     const FrameMode mode = run.labels.latest_frames ? FrameMode::latest : FrameMode::lockstep;
-    const std::unique_ptr<FrameSource> source = join_session(options.session, run.crowd.scene.hash, mode, waiting);
+    const std::unique_ptr<FrameSource> source = join_session(options.session, run.crowd.scene.hash, mode, for_water);
     run.labels.model = source->info().producer_name;
     console.line("joined session '" + options.session + "' of '" + run.labels.model + "'");
     if (const std::string note = rate_note(run.crowd.scene, source->info()); !note.empty()) console.line(note);
-    std::optional<AgentsPublisher> agents =
-        open_way_back(run, *source, waiting, static_cast<int>(options.extra("--agents-consumers")));
+    agents = open_way_back(run, *source, waiting, static_cast<int>(options.extra("--agents-consumers")));
     run.clock = Stopwatch();
 
+    Regularity regularity;
     RunControl::Hooks control_hooks;
     control_hooks.paused = [&](bool paused) {
         source->set_paused(paused);
-        if (agents) agents->set_paused(paused);
+        if (!agents) return;
+        agents->set_paused(paused);
+        agents->heartbeat();
     };
     control_hooks.interrupted = [&] { return received_signal() != 0 || !source->producer_is_there(); };
     control_hooks.message = [&](const std::string& text) { console.line(text); };
 
     ClientHooks hooks;
     hooks.interrupted = [] { return received_signal(); };
+    hooks.quit = [&] { return control.quit_asked(); };
     hooks.before_frame = [&] {
         control.wait_while_paused(control_hooks);
-        for (const TauCommand& command : control.take_tau_commands()) obey(command, run.crowd, folder, console);
+        for (const TauCommand& command : control.take_tau_commands()) {
+            obey(command, run.crowd, folder, regularity.so_far && !run.labels.latest_frames, console);
+        }
     };
     hooks.on_step = [&](const CrowdWorld& crowd, const WaterView& water) { folder.record(crowd, water); };
     hooks.on_frame = [&](const CrowdWorld& crowd, const shm::Frame& frame) {
+        regularity.see(source->info(), frame, crowd.scene);
         if (console.progress_due(static_cast<double>(crowd.steps) * crowd.dt)) {
             console.progress(progress_line(crowd, frame, run.clock.seconds()));
         }
@@ -109,7 +152,7 @@ int run_scene(const ProgramStart& start, Console& console) {
     Run run;
     run.crowd = make_crowd(start.loaded.scene);
     run.labels = labels_of(start);
-    if (run.labels.latest_frames && run.crowd.scene.coupling.agents_stream != AgentsStream::off) {
+    if (run.labels.latest_frames && has_way_back(run)) {
         throw ConfigurationError(
             "--mode latest: frames may be missed, but the scene's /coupling/agents_stream answers each of them; "
             "allowed: --mode lockstep, or agents_stream \"off\".");

@@ -25,7 +25,7 @@ class Journey {
         : crowd_(crowd), source_(source), summary_(summary), hooks_(hooks), agents_(agents) {}
 
     void take_frames() {
-        if (agents_ != nullptr) agents_->start(crowd_);
+        if (agents_ != nullptr) beside_water([&] { agents_->start(crowd_); });
         while (const std::optional<shm::Frame> frame = next_frame()) {
             check_order(*frame);
             walk_through(*frame);
@@ -33,11 +33,12 @@ class Journey {
             const bool last = stream_ends || run_is_over(crowd_);
             publish_agents(frame->tick, last);
             source_.release();
+            holds_frame_ = false;
             if (!last) continue;
             if (!stream_ends) source_.leave();
             break;
         }
-        if (agents_ != nullptr) agents_->close();
+        if (agents_ != nullptr) beside_water([&] { agents_->close(); });
         summary_.status = run_is_over(crowd_) || duration_is_over() ? "completed" : "stream_ended";
     }
 
@@ -48,7 +49,32 @@ class Journey {
             hooks_.before_frame();
             stop_if_interrupted(hooks_, last_frame_);
         }
-        return source_.acquire();
+        if (hooks_.quit && hooks_.quit()) quit();
+        std::optional<shm::Frame> frame = source_.acquire();
+        if (agents_ != nullptr) agents_->set_paused(false);  // as it may be while the water pauses
+        holds_frame_ = frame.has_value();
+        return frame;
+    }
+
+    // A wait for those who take the agents; if the water goes meanwhile, its own stream says how.
+    template <typename Work>
+    void beside_water(Work&& work) {
+        try {
+            work();
+        } catch (const shm::Error& error) {
+            const bool by_signal = hooks_.interrupted && hooks_.interrupted() != 0;
+            if (error.failure() != shm::Failure::interrupted || by_signal) throw;
+            if (holds_frame_) source_.release();
+            while (source_.acquire()) source_.release();
+            throw shm::Error(shm::Failure::peer_aborted, "The water ended its stream before it took the agents.");
+        }
+    }
+
+    // An end that was wished for is nobody's failure.
+    [[noreturn]] void quit() {
+        source_.leave();
+        if (agents_ != nullptr) agents_->close();
+        throw RunError(ExitCode::interrupted, "told to quit after frame " + std::to_string(last_frame_));
     }
 
     void check_order(const shm::Frame& frame) const {
@@ -79,7 +105,7 @@ class Journey {
 
     void publish_agents(std::uint64_t tick, bool last) {
         if (agents_ == nullptr) return;
-        agents_->publish(crowd_, tick, last);
+        beside_water([&] { agents_->publish(crowd_, tick, last); });
         summary_.agents_hash = agents_->hash();
     }
 
@@ -93,6 +119,7 @@ class Journey {
     RunSummary& summary_;
     const ClientHooks& hooks_;
     AgentsPublisher* agents_;
+    bool holds_frame_ = false;
     std::uint64_t last_frame_ = 0;
     double time_ = 0;  // s, of the last frame
 };

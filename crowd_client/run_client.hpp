@@ -33,6 +33,8 @@ struct ClientHooks {
     std::function<void(const CrowdWorld&, const shm::Frame&)> on_frame = {};
     // The signal that asks to stop, 0 = none.
     std::function<int()> interrupted = {};
+    // Whether the user asks to end the run after the last frame; the producer then gets a goodbye.
+    std::function<bool()> quit = {};
 };
 
 // Whether the step just taken is the last: the duration is over, or all agents have arrived or died and the scene says

@@ -3,6 +3,7 @@
 #include <omp.h>
 
 #include <chrono>
+#include <csignal>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -72,9 +73,10 @@ void run_scene(const ProgramStart& start, Console& console) {
     if (options.out) console.copy_to(*options.out / "fluid_server.log");
 
     const std::unique_ptr<fluid::FluidModel> model = make_fluid_model(scene);
-    const auto waiting = waiting_of<shm::Waiting>(options, console);
-    shm::Publisher publisher(options.session, stream_info(scene, *model), waiting);
     RunClock clock(scene, pace_of(options.word("--clock")));
+    auto waiting = waiting_of<shm::Waiting>(options, console);
+    waiting.paused = [&](double seconds) { clock.discount(seconds); };
+    shm::Publisher publisher(options.session, stream_info(scene, *model), waiting);
     RunControl control("");
     const RunControl::Hooks hooks = control_hooks(publisher, clock, console);
 
@@ -82,7 +84,12 @@ void run_scene(const ProgramStart& start, Console& console) {
     shm::Waiting inlet_waiting = waiting;
     inlet_waiting.interrupted = [&] {
         publisher.heartbeat();
-        return received_signal() != 0;
+        return received_signal() != 0 || !publisher.consumers_are_there();
+    };
+    // A crowd that pauses pauses the water, for all who wait for it.
+    inlet_waiting.paused = [&](double seconds) {
+        clock.discount(seconds);
+        publisher.set_paused(true);
     };
     std::optional<AgentsInlet> agents = agents_inlet(scene, options.session, inlet_waiting);
 
@@ -90,7 +97,7 @@ void run_scene(const ProgramStart& start, Console& console) {
     const auto wall = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
     ServerSummary summary;
     ServerRun run{*model, publisher, clock, agents ? &*agents : nullptr, consumers};
-    run.interrupted = received_signal;
+    run.interrupted = [&] { return control.quit_asked() ? SIGINT : received_signal(); };
     run.hold = [&] {
         control.wait_while_paused(hooks);
         if (!control.take_tau_commands().empty()) console.warning("tau belongs to the crowd; tell it to crowd_client");

@@ -94,10 +94,13 @@ void RunClock::pause() {
 
 void RunClock::resume() {
     if (paused_at_ < 0) return;
-    const double lost = wall_.now() - paused_at_;
-    start_ += lost;
-    followed_ += lost;
+    discount(wall_.now() - paused_at_);
     paused_at_ = -1;
+}
+
+void RunClock::discount(double paused) {
+    start_ += paused;
+    followed_ += paused;
 }
 
 }  // namespace wade::fluid

@@ -62,6 +62,8 @@ class RunClock {
     // Wall time between the two does not count. A pause may be begun again while it lasts.
     void pause();
     void resume();
+    // The same for a pause of the other side, told afterwards. s
+    void discount(double paused);
 
     [[nodiscard]] Pace pace() const { return pace_; }
     [[nodiscard]] double end() const {  // s

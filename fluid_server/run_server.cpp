@@ -32,6 +32,20 @@ void add_frame(ServerSummary& summary, const shm::Diagnostics& d, double duratio
     summary.last = d;
 }
 
+// A wait for the agents; if the crowd goes meanwhile, the stream of water says how. False if it left in peace.
+template <typename Work>
+bool beside_crowd(const ServerRun& run, Work&& work) {
+    try {
+        const bool there = work();
+        run.publisher.set_paused(false);  // as it may be while the crowd pauses
+        return there;
+    } catch (const shm::Error& error) {
+        if (error.failure() != shm::Failure::interrupted || run.interrupted() != 0) throw;
+        if (!run.publisher.check_consumers()) return false;
+        throw;
+    }
+}
+
 // One frame; false if the crowd is no longer there.
 bool send_frame(const ServerRun& run, std::uint64_t frame, ServerSummary& summary) {
     const auto check_interrupted = [&] {
@@ -45,7 +59,7 @@ bool send_frame(const ServerRun& run, std::uint64_t frame, ServerSummary& summar
     run.hold();
     check_interrupted();
     const FrameInterval interval = run.clock.next_frame(idle);
-    if (run.agents != nullptr && !run.agents->take(frame, run.model)) return false;
+    if (run.agents != nullptr && !beside_crowd(run, [&] { return run.agents->take(frame, run.model); })) return false;
     shm::Diagnostics diagnostics = run.model.advance_frame(interval);
     diagnostics.resident_bytes = resident_bytes();
     add_frame(summary, diagnostics, interval.duration());
@@ -81,7 +95,11 @@ shm::StreamInfo stream_info(const Scene& scene, const FluidModel& model) {
 void run_server(const ServerRun& run, ServerSummary& summary) {
     try {
         if (run.consumers > 0) run.publisher.wait_for_consumers(run.consumers);
-        if (run.agents != nullptr) run.agents->join(run.model.name());
+        const auto join = [&] {
+            run.agents->join(run.model.name());
+            return true;
+        };
+        summary.crowd_left = run.agents != nullptr && !beside_crowd(run, join);
         run.clock.start();
         while (!run.clock.ended() && !summary.crowd_left) {
             summary.crowd_left = !send_frame(run, summary.frames + 1, summary);

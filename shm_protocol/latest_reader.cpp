@@ -38,8 +38,9 @@ struct LatestReader::State {
     std::uint64_t dropped = 0;
     std::uint64_t overtaken = 0;  // copies that the producer spoiled
     bool over = false;
-    SlotDescriptor descriptor{};  // of the copy
-    std::uint64_t copied = 0;     // frame of the copy
+    std::optional<Error> failure;  // final: it comes again with every further call for a frame
+    SlotDescriptor descriptor{};   // of the copy
+    std::uint64_t copied = 0;      // frame of the copy
     std::array<std::vector<float>, max_fields> values;
     FrameHistory history;
 };
@@ -103,6 +104,7 @@ Frame LatestReader::State::deliver() {
 }
 
 void LatestReader::State::give_up(const Error& error) noexcept {
+    failure = error;
     over = true;
     link.say_goodbye(consumer_aborted, error.exit_code(), error.what());
 }
@@ -152,6 +154,7 @@ std::uint64_t LatestReader::dropped_frames() const {
 
 std::optional<Frame> LatestReader::next() {
     State& s = *state_;
+    if (s.failure) throw Error(*s.failure);
     if (s.over) return std::nullopt;
     try {
         s.link.heartbeat();
@@ -187,6 +190,7 @@ std::optional<Frame> LatestReader::next() {
 
 std::optional<Frame> LatestReader::poll() {
     State& s = *state_;
+    if (s.failure) throw Error(*s.failure);
     if (s.over) return std::nullopt;
     try {
         s.link.heartbeat();

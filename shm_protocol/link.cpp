@@ -71,7 +71,7 @@ Error Link::ended_before_entry() const {
 }
 
 Sleep Link::bed() const {
-    return {pages.control().publish_sequence, entry->waiting};
+    return {pages.control().publish_sequence, entry->waiting, entry->paused};
 }
 
 }  // namespace wade::shm

@@ -1,6 +1,7 @@
 #include "shm_protocol/publisher.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "shm_protocol/atomic.hpp"
@@ -69,6 +70,15 @@ bool Publisher::consumers_are_there() const {
     return state_->consumers_are_there();
 }
 
+bool Publisher::check_consumers() {
+    State& s = *state_;
+    return explained(s, [&] {
+        const State::Census census = s.survey(0);
+        s.check_alive(std::numeric_limits<std::uint64_t>::max());
+        return census.active > 0 || !s.had_lockstep;
+    });
+}
+
 void Publisher::wait_for_consumers(int n) {
     State& s = *state_;
     demand_running(s, "wait_for_consumers");
@@ -89,8 +99,9 @@ void Publisher::wait_for_consumers(int n) {
             s.check_alive(1);
         };
         task.what = [&] {
-            return std::to_string(n) + (n == 1 ? " consumer" : " consumers") + " to join session '" + s.session +
-                   "' (" + std::to_string(census.joined) + " did" +
+            return std::to_string(n) + (n == 1 ? " consumer" : " consumers") + " to join the stream of " +
+                   (s.map.info.kind == stream_agents ? "agents" : "water") + " of session '" + s.session + "' (" +
+                   std::to_string(census.joined) + " did" +
                    (census.joined > 0 && census.active == 0 ? ", followers only)" : ")");
         };
         task.on_timeout = Failure::attach_timeout;
@@ -104,6 +115,7 @@ std::optional<FrameFields> Publisher::begin_frame() {
     State& s = *state_;
     demand_running(s, "begin_frame");
     if (s.frame_open) throw std::logic_error("Publisher::begin_frame twice without end_frame");
+    if (s.sent_final) throw std::logic_error("Publisher::begin_frame after the final frame");
     const std::uint64_t frame = s.published + 1;
     const std::uint64_t depth = s.map.info.depth;
     const std::uint64_t owed = frame > depth ? frame - depth : 0;
@@ -178,6 +190,7 @@ void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, b
     s.published = frame;
     s.last_tick = tick;
     s.frame_open = false;
+    s.sent_final = final;
     heartbeat();
     if (final) store_release(s.pages.control().state, static_cast<std::uint32_t>(producer_draining));
     s.ring();

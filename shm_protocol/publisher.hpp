@@ -61,9 +61,13 @@ class Publisher {
     // Ends the stream at once and tells the consumers why; the text is cut at 511 bytes.
     void abort(int reason_code, std::string_view text) noexcept;
 
-    // Whether it makes sense to go on: false once a consumer in lockstep has died or given up, or all have left. For a side
-    // that pauses; the next call of another function says what happened.
+    // Whether all goes well on the other side: false once a consumer in lockstep has died or given up, or all have left. For
+    // a side that pauses or waits elsewhere; check_consumers() says what happened.
     [[nodiscard]] bool consumers_are_there() const;
+
+    // Looks at every consumer in lockstep, whether it owes a frame or not; false if all have left.
+    // Errors: peer_dead, peer_aborted, protocol_violation.
+    bool check_consumers();
 
     [[nodiscard]] std::uint64_t published_frames() const;
     [[nodiscard]] std::uint64_t frame_hash() const;  // chain over the published frames, 0 without hash_frames

@@ -75,7 +75,7 @@ Publisher::State::Census Publisher::State::survey(std::uint64_t admit_at) {
         }
         const bool before_start = refusals_count && published == 0;
         if ((state == consumer_aborted && !gone && (admitted[i] != 0 || before_start)) ||
-            (state == consumer_refused && before_start))
+            (state == consumer_refused && mode == mode_lockstep && before_start))
             throw Error(
                 Failure::peer_aborted,
                 label(i) +
@@ -155,7 +155,8 @@ void Publisher::State::enter(ProducerState next) {
 }
 
 void Publisher::State::wait(const WaitTask& task) const {
-    wait_for_peer({pages.doorbell().consumer_sequence, pages.control().producer_waiting}, waiting, task);
+    wait_for_peer({pages.doorbell().consumer_sequence, pages.control().producer_waiting, pages.control().paused},
+                  waiting, task);
 }
 
 void Publisher::State::end(ProducerState last) noexcept {

@@ -57,6 +57,7 @@ struct Publisher::State {
     bool refusals_count = false;                          // during wait_for_consumers()
     bool hash_frames = true;
     bool frame_open = false;
+    bool sent_final = false;  // no frame may follow
     bool ended = false;
     std::uint64_t published = 0;
     std::uint64_t chain = 0;

@@ -160,6 +160,17 @@ SegmentFile create_segment(const std::string& name, std::uint64_t bytes, bool gr
     throw Error(Failure::name_in_use, "The name " + name + " is fought over by other producers.");
 }
 
+bool has_living_producer(const std::string& session, StreamKind kind) {
+    const std::string name = segment_name(session, kind);
+    std::optional<SegmentFile> file;
+    try {
+        file = SegmentFile::open(name);
+    } catch (const std::system_error&) {
+        return true;  // another user's
+    }
+    return file && is_locked_by_other(file->fd(), producer_lock_byte);
+}
+
 void unlink_segment(const SegmentFile& file, const std::string& name) noexcept {
     if (file.is_named(name)) ipc::shared_memory_object::remove(name.c_str());
 }

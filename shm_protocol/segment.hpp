@@ -8,6 +8,8 @@
 #include <optional>
 #include <string>
 
+#include "shm_protocol/layout.hpp"
+
 namespace wade::shm {
 
 // An open shared-memory object; closing it gives up the locks that were taken through it.
@@ -49,6 +51,9 @@ class SegmentFile {
 // object of the same name is removed first.
 // Errors: Failure::name_in_use; std::system_error.
 SegmentFile create_segment(const std::string& name, std::uint64_t bytes, bool group_access = false);
+
+// Whether a stream of this session has a producer that lives. Errors: std::invalid_argument for a bad name.
+bool has_living_producer(const std::string& session, StreamKind kind);
 
 // Removes the name if it still leads to `file`.
 void unlink_segment(const SegmentFile& file, const std::string& name) noexcept;

@@ -48,6 +48,7 @@ struct Waiting {
     double step_timeout_s = 60;                         // 0 = never, for a debugger
     std::function<bool()> interrupted = {};             // polled every 50 ms and after each signal
     std::function<void(const std::string&)> warn = {};  // gets one full sentence
+    std::function<void(double)> paused = {};            // gets the seconds just spent on a peer that pauses
 };
 
 // How a consumer joins a session.

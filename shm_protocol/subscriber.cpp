@@ -55,6 +55,7 @@ void Subscriber::set_paused(bool paused) noexcept {
 std::optional<Frame> Subscriber::acquire() {
     State& s = *state_;
     if (s.held != 0) throw std::logic_error("Subscriber::acquire twice without release");
+    if (s.failure) throw Error(*s.failure);
     if (s.over) return std::nullopt;
     try {
         if (!s.wait_for_next()) {
@@ -66,6 +67,7 @@ std::optional<Frame> Subscriber::acquire() {
         s.held_is_final = frame.final;
         return frame;
     } catch (const Error& error) {
+        s.failure = error;
         abort(error.exit_code(), error.what());
         throw;
     }
@@ -77,6 +79,7 @@ void Subscriber::release() {
     if (load_acquire(s.link.pages.descriptor(s.held).sequence) != 2 * s.held) {
         const Error error(Failure::protocol_violation,
                           s.link.producer() + " overwrote frame " + std::to_string(s.held) + " while it was in use.");
+        s.failure = error;
         abort(error.exit_code(), error.what());
         throw error;
     }

@@ -2,6 +2,7 @@
 // The insides of a Subscriber.
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "shm_protocol/attach.hpp"
@@ -32,6 +33,7 @@ struct Subscriber::State {
     std::uint64_t held = 0;  // between acquire and release
     std::uint64_t released = 0;
     FrameHistory history;
+    std::optional<Error> failure;  // final: it comes again with every further call for a frame
     bool held_is_final = false;
     bool over = false;  // no frame will come any more
 };

@@ -45,6 +45,24 @@ struct WaitingFlag {
     std::uint32_t& flag_;
 };
 
+// The pause of a peer is the pause of whoever waits for it, as long as it waits.
+class PassedOnPause {
+ public:
+    explicit PassedOnPause(std::uint32_t& word) : word_(word), before_(load_relaxed(word)) {}
+    ~PassedOnPause() { set(false); }
+    PassedOnPause(const PassedOnPause&) = delete;
+    PassedOnPause& operator=(const PassedOnPause&) = delete;
+    void set(bool paused) {
+        if (passed_on_ != paused) store_release(word_, paused ? 1U : before_);
+        passed_on_ = paused;
+    }
+
+ private:
+    std::uint32_t& word_;
+    std::uint32_t before_;  // this side may pause itself
+    bool passed_on_ = false;
+};
+
 }  // namespace
 
 void Patience::count(double s) {
@@ -60,6 +78,7 @@ void check_interrupted(const Waiting& waiting, const std::string& what) {
 void wait_for_peer(const Sleep& sleep, const Waiting& waiting, const WaitTask& task) {
     if (spin(task.ready)) return;
     const WaitingFlag flag(sleep.waiting);
+    PassedOnPause pause(sleep.paused);
     Patience patience(task.timeout_s);
     bool warned = task.warning_s <= 0 || !waiting.warn;
     std::int64_t last = monotonic_ns();
@@ -69,8 +88,12 @@ void wait_for_peer(const Sleep& sleep, const Waiting& waiting, const WaitTask& t
         const Wake wake = futex_wait(sleep.sequence, seen, slice_ns);
         const std::int64_t now = monotonic_ns();
         if (wake == Wake::changed && now - last < slice_ns) continue;
-        if (!task.paused || !task.paused()) patience.count(1e-9 * static_cast<double>(now - last));
+        const double waited = 1e-9 * static_cast<double>(now - last);
         last = now;
+        const bool paused = task.paused && task.paused();
+        pause.set(paused);
+        if (!paused) patience.count(waited);
+        if (paused && waiting.paused) waiting.paused(waited);
         check_interrupted(waiting, task.what());
         task.after_slice();
         if (!warned && patience.spent_s() >= task.warning_s) {

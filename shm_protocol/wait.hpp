@@ -15,6 +15,7 @@ namespace wade::shm {
 struct Sleep {
     const std::uint32_t& sequence;  // futex word, counted up by the peer
     std::uint32_t& waiting;         // 1 while this side sleeps or is about to
+    std::uint32_t& paused;          // 1 while this side pauses, or waits for one that does: a pause is passed on
 };
 
 struct WaitTask {

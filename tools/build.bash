@@ -5,6 +5,7 @@ build=${WADE_BUILD:-$root/build/release}  # another build folder may be named, f
 
 # Two scripts that start at the same time build one after the other.
 lock_build_folder() {
+  check_build_folder || exit
   mkdir -p "$build"
   exec 9>"$build/.lock"
   flock 9
@@ -12,6 +13,16 @@ lock_build_folder() {
 
 unlock_build_folder() {
   exec 9>&-
+}
+
+# A build folder that was named belongs to one source folder; another one's programs must not run in its place.
+check_build_folder() {
+  local home
+  home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$build/CMakeCache.txt" 2>/dev/null) || true
+  if [ -n "$home" ] && [ "$(readlink -f "$home")" != "$(readlink -f "$root")" ]; then
+    echo "$build is the build folder of $home, not of $root; name another one in WADE_BUILD" >&2
+    return 2
+  fi
 }
 
 # configure_release [-D...]: fresh build folders only, or one whose options change.

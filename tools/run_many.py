@@ -101,9 +101,9 @@ def parse(arguments):
     options = parser.parse_args(arguments)
     if not any(word.split("=")[0] == "--threads" for word in common):
         common += ["--threads", str(max(1, len(os.sched_getaffinity(0)) // options.jobs))]
-    for name in ("--out", "--session"):
+    for name in ("--out", "--session", "--record", "--commands"):
         if any(word.split("=")[0] == name for word in common):
-            parser.error(f"{name} is not allowed behind --: every run has one of its own")
+            parser.error(f"{name} is not allowed behind --: the runs would share what each needs for itself")
     options.common = common
     return options
 

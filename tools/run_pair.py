@@ -118,10 +118,6 @@ class Run:
         self.producer, names = programs_of(arguments)
         options = {name: options_of(self.programs / name) for name in names}
         scene, self.own, self.arguments = split_arguments(arguments, options)
-        if self.producer is None and "--record" in self.own and "{consumers}" not in self.own["--producer"]:
-            raise UsageError(
-                "--record: the command of --producer must say with {consumers} how many consumers it is to wait for"
-            )
         self.scene = find_scene(scene)
         self.resolved = None
 

@@ -1,11 +1,12 @@
 """Commands during a run: pause, single frames, another tau, the end; and runs that repeat those with commands."""
 
 import json
+import re
 import signal
 import time
 import unittest
 
-from harness import CLIENT, ENDLESS, SystemTest, wait_until
+from harness import CLIENT, ENDLESS, PROGRAMS, SystemTest, wait_until
 
 # shm_protocol/layout.hpp: `paused` of the control block and of the first consumer.
 PRODUCER_PAUSED, CONSUMER_PAUSED = 4096 + 148, 3 * 4096 + 84
@@ -129,14 +130,44 @@ class Commands(SystemTest):
             self.assertIn(text, client.messages())
         self.assertFalse((client.run.folder / "events.jsonl").exists())
 
-    def test_quit_is_an_interruption(self):
+    def test_quit_is_a_goodbye(self):
+        for settings in ([], ["--set", "/coupling/agents_stream=parallel"]):
+            with self.subTest(settings=settings):
+                client = self.client_with_commands(*ENDLESS, *settings)
+                server = self.server(*ENDLESS, *settings)
+                self.wait_for_frame(5, server, client)
+                client.say("quit")
+                self.assert_ends(client, 130, "told to quit after frame")
+                self.assert_ended_well(server)
+                self.assert_complete_records(client.run, "interrupted")
+
+    def test_pause_does_not_cost_a_third_party_its_patience(self):
+        recording = self.folder / "paused.wrec"
+        server = self.server("--consumers", "2", *ENDLESS)
+        recorder = self.start(PROGRAMS / "shm_record", self.session, recording, "--step-timeout-s", "0.5")
         client = self.client_with_commands(*ENDLESS)
-        server = self.server(*ENDLESS)
+        self.wait_for_frame(5, server, client, recorder)
+        client.say("pause")
+        wait_until(lambda: self.word(CONSUMER_PAUSED, "<I") or self.word(CONSUMER_PAUSED + 4096, "<I"), "the pause")
+        wait_until(lambda: self.word(PRODUCER_PAUSED, "<I") == 1, "the water to pass the pause on")
+        time.sleep(1.5)  # three times the patience of the recorder
+        self.assertTrue(recorder.running(), recorder.messages())
+        client.say("resume", "quit")
+        self.assert_ends(client, 130)
+        self.assert_ended_well(server, recorder)
+
+    def test_pause_of_the_crowd_stops_the_clock_of_the_water(self):
+        length = ["--until-s", "3", "--set", "/stop_when_no_agent_is_active=false"]
+        server, client = self.server("--clock", "real_time", *length), self.client_with_commands(*length)
         self.wait_for_frame(5, server, client)
-        client.say("quit")
-        self.assert_ends(client, 130, "told to quit")
-        self.assert_ends(server, 5, "nterrupted")
-        self.assert_complete_records(client.run, "interrupted")
+        client.say("pause")
+        wait_until(lambda: self.word(PRODUCER_PAUSED, "<I") == 1, "the water to pass the pause on")
+        time.sleep(1.5)
+        client.say("resume")
+        self.assert_ended_well(server, client)
+        # Without it all frames after the pause would be more than a second late.
+        late = re.search(r"by up to (\d+) ms", server.messages())
+        self.assertLess(int(late[1]) if late else 0, 1000, server.messages())
 
     def test_killed_run_keeps_the_commands_it_obeyed(self):
         client = self.client_with_commands(*ENDLESS)

@@ -77,7 +77,6 @@ class RunScript(Launcher):
     def test_wrong_choices_of_a_producer_are_refused(self):
         for arguments, *texts in (
             (["--replay", "a", "--producer", "b"], "--replay", "--producer", "exclude"),
-            (["--record", "a", "--producer", "b"], "{consumers}"),
             (["--producer", "/no/such/program"], "/no/such/program"),
             (["--replay", self.folder / "absent.wrec"], "absent.wrec"),
             (["--record", self.folder / "no" / "such" / "folder.wrec"], "folder.wrec"),

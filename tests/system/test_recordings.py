@@ -251,7 +251,7 @@ class WayBack(RecordingTest):
     def test_agents_of_a_live_run_are_recorded_from_frame_1(self):
         live = self.pair(*self.TWO_WAY)
         server = self.server(*self.TWO_WAY)
-        recorder = self.recorder("--stream", "agents")
+        recorder = self.recorder("--stream", "agents", "--lead")
         crowd = self.client(*self.TWO_WAY, "--agents-consumers", "2")
         self.assert_ended_well(server, crowd, recorder)
         for text in ("agents of 'crowd", f"frame hash  {live.outcome()['agents_hash']}", "complete"):

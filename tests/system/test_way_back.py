@@ -4,7 +4,7 @@ import signal
 import unittest
 from pathlib import Path
 
-from harness import ENDLESS, SystemTest
+from harness import ENDLESS, SystemTest, wait_until
 
 LAGS = ("serial", "parallel")
 
@@ -83,6 +83,23 @@ class WayBack(SystemTest):
                     self.assert_ends(pair[interrupted], 130, "nterrupted")
                     self.assert_ends(pair[1 - interrupted], 5, "nterrupted")
                     self.assertEqual(self.segments(), [])
+
+    def test_water_that_dies_before_it_takes_the_agents_is_a_dead_peer(self):
+        server = self.server("--consumers", "2", *way_back("serial"))  # waits for somebody else
+        client = self.client(*way_back("serial"))
+        wait_until(lambda: any("agents" in name for name in self.segments()), "the agents' stream")
+        self.kill_server(server)
+        self.assert_ends(client, 4, "died")
+        self.assert_only_left_then_remove("fluid")
+
+    def test_second_crowd_is_refused_and_disturbs_nobody(self):
+        server, client = self.started("serial", 20)
+        for _ in range(5):
+            self.assert_ends(self.client(*ENDLESS, *way_back("serial")), 8, "has a crowd")
+        self.assertTrue(server.running() and client.running())
+        client.send(signal.SIGINT)
+        self.assert_ends(client, 130)
+        self.assert_ends(server, 5)
 
     def test_crowd_that_has_arrived_ends_both_well(self):
         near = ["--until-s", "5000", "--set", "/crowd/groups/0/goal/z_m=4", "--set", "/crowd/tau=0"]

@@ -1,6 +1,11 @@
 #include "tools/shm/recording.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <span>
 
@@ -21,9 +26,21 @@ bool fetch(std::ifstream& file, void* into, std::uint64_t bytes) {
     return bytes == 0 || static_cast<bool>(file.read(static_cast<char*>(into), static_cast<std::streamsize>(bytes)));
 }
 
+// Held as long as the file is in use, so that no recorder replaces it. A file that cannot be locked is read all the same.
+std::shared_ptr<void> lock_for_reading(const std::filesystem::path& file) {
+    const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return nullptr;
+    if (::flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        ::close(fd);
+        throw ConfigurationError("The recording " + file.string() + " is being written.");
+    }
+    return {nullptr, [fd](void*) { ::close(fd); }};
+}
+
 }  // namespace
 
-Recording::Recording(const std::filesystem::path& file) : path_(file), file_(file, std::ios::binary) {
+Recording::Recording(const std::filesystem::path& file)
+    : path_(file), lock_(lock_for_reading(file)), file_(file, std::ios::binary) {
     std::error_code error;
     file_bytes_ = std::filesystem::file_size(file, error);
     if (error) throw ConfigurationError("The recording " + file.string() + " cannot be read: " + error.message() + ".");

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +48,7 @@ class Recording {
     [[noreturn]] void refuse_next(const std::string& why) const;  // names the frame after the last one kept
 
     std::filesystem::path path_;
+    std::shared_ptr<void> lock_;  // nobody writes the file meanwhile
     std::ifstream file_;
     std::uint64_t file_bytes_ = 0, whole_bytes_ = 0;
     shm::SegmentMap map_;

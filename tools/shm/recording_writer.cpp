@@ -1,6 +1,7 @@
 #include "tools/shm/recording_writer.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -40,6 +41,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, int compress
     fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (fd_ < 0) refuse(file, std::strerror(errno));
     try {
+        if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+            refuse(file, "it is being written or played by another program");
         demand_replaceable(fd_, file);
     } catch (...) {
         ::close(fd_);

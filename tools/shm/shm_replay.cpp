@@ -125,7 +125,7 @@ int replay(Options& o, Recording& r, Console& console) {
     shm::Publisher publisher(o.session, stream_of(o, r), o.waiting);
     console.line("session '" + o.session + "', " + std::to_string(r.frames().size()) + " frames of '" +
                  r.info().producer_name + "' from " + o.file + "; waiting for " +
-                 std::to_string(static_cast<int>(o.consumers)) + " consumers");
+                 std::to_string(static_cast<int>(o.consumers)) + (o.consumers == 1 ? " consumer" : " consumers"));
     try {
         AgentsTaker agents(o.take_agents, o.session, o.waiting);
         if (o.consumers > 0) publisher.wait_for_consumers(static_cast<int>(o.consumers));

@@ -11,6 +11,8 @@ kills somewhere between its first instruction and its last. Then must hold:
     over for this survivor when the victim died (0). In a pair that never met, the survivor ends with 3, and a consumer
     whose companion died, which the producer reports as the reason of its end, with 5.
   * What a consumer has acknowledged, as the segment says, is in that consumer's log.
+  * The kills did hit: half of the victims at least were killed, and somebody said "peer dead"; from 300 runs on each
+    state that a participant passes through was hit, too.
 """
 
 import argparse
@@ -33,6 +35,11 @@ CONTROL, CONSUMERS, PAGE = 4096, 3 * 4096, 4096
 PRODUCER_STATES = ["init", "ready", "running", "draining", "closed", "aborted"]
 CONSUMER_STATES = ["free", "joined", "left", "aborted", "refused"]
 FIRST_CPU = {min(os.sched_getaffinity(0))}
+MUST_BE_HIT = {
+    *(f"producer {state}" for state in ("init", "ready", "running", "draining")),
+    "consumer absent", "consumer joined, stream running", "consumer joined, stream draining",
+}
+RUNS_TO_HIT_ALL = 300
 DIED = re.compile(r"died at frame (\d+)")
 
 
@@ -231,7 +238,7 @@ class Run:
                 raise Wrong("the producer waited for consumers although all had joined")
             return "never met"
         if peer.code == 5 and peer.role == "consume" and self.victim.role == "consume":
-            reasons = ("died at frame", "to join session")  # of the victim, or before it could join
+            reasons = ("died at frame", "consumers to join ")  # of the victim, or before it could join
             if not any(reason in peer.message for reason in reasons):
                 raise Wrong("the producer's reason does not say what happened")
             return "told by the producer"
@@ -246,6 +253,18 @@ class Run:
             return len(peer.frames_logged()) == FRAMES
         return all(acknowledged == FRAMES or state == "left"
                    for state, acknowledged in consumer_entries(self.bytes).values())
+
+
+def missed(runs, states, ends):
+    """What the kills did not hit although they should have, as sentences."""
+    killed = sum(states.values())
+    if 2 * killed < runs:
+        yield f"only {killed} of {runs} victims were killed"
+    if not any("peer dead" in end for end in ends):
+        yield "no survivor said that its peer is dead"
+    if runs >= RUNS_TO_HIT_ALL:
+        for state in sorted(MUST_BE_HIT - states.keys()):
+            yield f"no kill hit the state \"{state}\""
 
 
 def main():
@@ -265,17 +284,21 @@ def main():
                 wrong += 1
                 print(f"run {number}: {error}: {run.describe() if 'run' in locals() else ''}", flush=True)
                 continue
-        killed = run.victim.code == -signal.SIGKILL
-        states[run.state if killed else "not killed: ended before"] += 1
+        if run.victim.code == -signal.SIGKILL:
+            states[run.state] += 1
         ends[end] += 1
     print(f"{options.runs} runs, seed {options.seed}: {wrong} wrong")
     print("the victim was, when it died:")
     for state, count in sorted(states.items()):
         print(f"  {count:5}  {state}")
+    print(f"  {options.runs - wrong - states.total():5}  not killed: ended before")
     print("the survivors said:")
     for end, count in sorted(ends.items()):
         print(f"  {count:5}  {end}")
-    return 1 if wrong else 0
+    gaps = list(missed(options.runs, states, ends))
+    for gap in gaps:
+        print(f"not good enough: {gap}")
+    return 1 if wrong or gaps else 0
 
 
 if __name__ == "__main__":

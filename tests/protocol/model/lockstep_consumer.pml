@@ -79,10 +79,32 @@ inline forget_consumer() { d_step { next = 0; there = 0; looked = 0; state = 0; 
 #ifdef ENTRIES_REST
 /* An entry is used again only after a frame was published since its goodbye. */
 byte left_at[2];
-#define entry_is_free(i) (consumer_state[i] != joined && admitted[i] == 0 && (joins == 0 || published > left_at[i]))
+#define rested(i, frames) (joins == 0 || frames > left_at[i])
 #else
-#define entry_is_free(i) (consumer_state[i] != joined && admitted[i] == 0)
+#define rested(i, frames) 1
 #endif
+
+/* attach.cpp:is_free, with a step for each load that another process can change under it */
+inline claim_entry() {
+  locked[i] = 1;
+#ifdef ADMITTED_READ_FIRST
+  there = admitted[i];
+  if
+  :: there == 0 && rested(i, published)
+  :: else -> there = 0; locked[i] = 0; goto attach
+  fi;
+#else
+  if
+  :: joins == 0 /* it is free, not left: published_frame is not looked at */
+  :: else -> there = published
+  fi;
+  if
+  :: rested(i, there) && admitted[i] == 0
+  :: else -> there = 0; locked[i] = 0; goto attach
+  fi;
+#endif
+  there = 0
+}
 
 proctype consumer(byte i) {
   byte next, there, joins;
@@ -93,14 +115,10 @@ proctype consumer(byte i) {
     :: ended[PRODUCER] || producer_state == draining || producer_state == closed || producer_state == aborted ->
        outcome = attach_timeout;
        goto gone
-    :: locked[PRODUCER] && producer_state != init_ && entry_is_free(i) -> locked[i] = 1
+    :: locked[PRODUCER] && producer_state != init_ -> claim_entry()
 #ifdef ENTRIES_REST
-    :: left_at[i] >= published && joins > 0 -> outcome = attach_timeout; goto gone
+    :: joins > 0 && left_at[i] >= published -> outcome = attach_timeout; goto gone
 #endif
-    fi;
-    if
-    :: entry_is_free(i)
-    :: else -> locked[i] = 0; goto attach
     fi;
     mortal(i, acknowledged[i] = 0);
     mortal(i, consumer_state[i] = joined);

@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <utility>
 
 #include "configs/exit_code.hpp"
 #include "configs/run_control.hpp"
@@ -230,14 +231,35 @@ TEST_CASE("a wrong line is a message and no end, and the lines after it count") 
     CHECK(c.control.take_tau_commands().empty());
 }
 
-TEST_CASE("quit is an interruption") {
-    static volatile std::sig_atomic_t interruptions = 0;
-    struct sigaction action {};
-    struct sigaction before {};
-    action.sa_handler = [](int) { interruptions = interruptions + 1; };
-    REQUIRE(sigaction(SIGINT, &action, &before) == 0);
+TEST_CASE("quit asks the run to end, also during a pause") {
     Controlled c;
-    CHECK_FALSE(c.waits_after("quit\n"));
-    sigaction(SIGINT, &before, nullptr);
-    CHECK(interruptions == 1);
+    CHECK_FALSE(c.control.quit_asked());
+    CHECK_FALSE(c.waits_after("pause\nquit\n"));
+    CHECK(c.control.quit_asked());
+}
+
+TEST_CASE("the end of the commands ends a pause that nobody could end any more, and only then") {
+    int ends[2];
+    REQUIRE(::pipe(ends) == 0);
+    const int before = ::dup(STDIN_FILENO);
+    REQUIRE(::dup2(ends[0], STDIN_FILENO) == STDIN_FILENO);
+    RunControl control("-");
+    ::dup2(before, STDIN_FILENO);
+    REQUIRE(::write(ends[1], "pause", 5) == 5);
+    ::close(ends[1]);
+    std::vector<std::string> messages;
+    RunControl::Hooks hooks;
+    hooks.message = [&](const std::string& text) { messages.push_back(text); };
+    REQUIRE(::dup2(ends[0], STDIN_FILENO) == STDIN_FILENO);
+    control.wait_while_paused(hooks);
+    REQUIRE_FALSE(messages.empty());
+    CHECK_THAT(messages.back(), Catch::Contains("commands have ended"));
+    std::raise(SIGUSR1);
+    bool looked = false;
+    hooks.interrupted = [&] { return std::exchange(looked, true); };
+    control.wait_while_paused(hooks);
+    CHECK(looked);  // a pause by a signal lasts
+    ::dup2(before, STDIN_FILENO);
+    ::close(before);
+    ::close(ends[0]);
 }
