@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "configs/command_line.hpp"
 #include "configs/exit_code.hpp"
@@ -139,8 +140,15 @@ void take_part(Run& run, RunFolder& folder, const RunOptions& options, RunContro
         }
     };
     hooks.on_step = [&](const CrowdWorld& crowd, const WaterView& water) { folder.record(crowd, water); };
+    std::uint64_t steps_before = 0;
+    bool told_of_gaps = false;
     hooks.on_frame = [&](const CrowdWorld& crowd, const shm::Frame& frame) {
         regularity.see(source->info(), frame, crowd.scene);
+        const std::uint64_t steps = crowd.steps - std::exchange(steps_before, crowd.steps);
+        if (static_cast<double>(steps) > crowd.scene.crowd.step_rate && !std::exchange(told_of_gaps, true)) {
+            console.warning(std::to_string(steps) + " steps, more than a second, were walked through frame " +
+                            std::to_string(frame.frame) + " alone; water that runs in real time leaves fewer gaps");
+        }
         if (console.progress_due(static_cast<double>(crowd.steps) * crowd.dt)) {
             console.progress(progress_line(crowd, frame, run.clock.seconds()));
         }

@@ -207,6 +207,7 @@ Link attach(const AttachRequest& request) {
     const std::string name = segment_name(request.session, request.options.kind);
     if (request.consumer_name.empty() || request.consumer_name.size() >= name_bytes)
         throw std::invalid_argument("Consumer name '" + request.consumer_name + "' is not allowed: 1 to 63 bytes are.");
+    check_waiting(waiting);
     Patience patience(waiting.attach_timeout_s);
     std::int64_t last = monotonic_ns();
     for (;;) {

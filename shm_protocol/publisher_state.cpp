@@ -28,6 +28,7 @@ std::uint64_t random_id() {
 
 Publisher::State::State(const std::string& session_name, const StreamInfo& info, Waiting how)
     : session(session_name), name(segment_name(session_name, info.kind)), waiting(std::move(how)) {
+    check_waiting(waiting);
     hash_frames = info.hash_frames;
     Header header = make_header(info, random_id());
     map = read_header(header, header.total_bytes);

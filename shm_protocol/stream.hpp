@@ -43,7 +43,7 @@ struct StreamInfo {
 // How long a side waits for the other one, and what it does meanwhile. Time during which the whole process was stopped
 // (SIGSTOP, a debugger) does not count.
 struct Waiting {
-    double attach_timeout_s = 10;                       // > 0
+    double attach_timeout_s = 10;                       // 0 = never
     double step_warning_s = 5;                          // warn once per wait; 0 = never
     double step_timeout_s = 60;                         // 0 = never, for a debugger
     std::function<bool()> interrupted = {};             // polled every 50 ms and after each signal

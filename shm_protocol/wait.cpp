@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <stdexcept>
 
 #include "shm_protocol/atomic.hpp"
 #include "shm_protocol/futex.hpp"
@@ -68,6 +69,17 @@ class PassedOnPause {
 void Patience::count(double s) {
     constexpr double longest = 4 * 1e-9 * static_cast<double>(slice_ns);  // a busy machine may be late by some slices
     spent_s_ += s > longest ? 1e-9 * static_cast<double>(slice_ns) : std::max(s, 0.0);
+}
+
+void check_waiting(const Waiting& waiting) {
+    const auto demand = [](const char* name, double value) {
+        if (!(value >= 0))
+            throw std::invalid_argument(std::string(name) + " = " + std::to_string(value) +
+                                        " is out of range: 0 (never) or more, in seconds.");
+    };
+    demand("attach_timeout_s", waiting.attach_timeout_s);
+    demand("step_timeout_s", waiting.step_timeout_s);
+    demand("step_warning_s", waiting.step_warning_s);
 }
 
 void check_interrupted(const Waiting& waiting, const std::string& what) {

@@ -48,6 +48,9 @@ class Patience {
 inline constexpr std::int64_t slice_ns = 50'000'000;  // also the delay after which a dead peer is noticed
 inline constexpr std::int64_t spin_ns = 30'000;       // about the cost of two futex round trips
 
+// Errors: std::invalid_argument for a time-out that is negative or no number.
+void check_waiting(const Waiting& waiting);
+
 // Throws Failure::interrupted if the caller asked to stop.
 void check_interrupted(const Waiting& waiting, const std::string& what);
 

@@ -4,11 +4,13 @@
 
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <limits>
 #include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include "segment_bytes.hpp"
+#include "shm_protocol/latest_reader.hpp"
 #include "support.hpp"
 
 using namespace wade::shm;
@@ -260,4 +262,39 @@ TEST_CASE("an entry that was left rests until the next frame is published") {
     publish_next(publisher);
     const Subscriber third(session.name(), "third", {.waiting = patient()});
     CHECK(name_of(0) == "third");
+}
+
+TEST_CASE("a time-out that is negative or no number is refused") {
+    const Session session;
+    for (const double wrong : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
+        Waiting waiting = patient();
+        waiting.attach_timeout_s = wrong;
+        CHECK_THROWS_AS(Publisher(session.name(), test_info(), waiting), std::invalid_argument);
+        CHECK_THROWS_AS(Subscriber(session.name(), "crowd", {.waiting = waiting}), std::invalid_argument);
+    }
+}
+
+TEST_CASE("a failure is final and comes again, so that nobody takes it for the end of the stream") {
+    Pair pair;
+    pair.publisher.abort(9, "the water boils");
+    for (int i = 0; i < 3; ++i)
+        CHECK(catch_error([&] { (void)pair.subscriber.acquire(); }).failure == Failure::peer_aborted);
+}
+
+TEST_CASE("no frame follows the final one") {
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    REQUIRE(publisher.begin_frame());
+    publisher.end_frame(0, {}, true);
+    CHECK_THROWS_AS(publisher.begin_frame(), std::logic_error);
+}
+
+TEST_CASE("a free-running reader of another scene does not end a stream that waits for its crowd") {
+    const Session session;
+    StreamInfo info = test_info();
+    info.scene_hash = 1;
+    Publisher publisher(session.name(), info, patient());
+    CHECK_THROWS_AS(LatestReader(session.name(), "viewer", {.scene_hash = 2, .waiting = patient()}), Error);
+    const Subscriber crowd(session.name(), "crowd", {.scene_hash = 1, .waiting = patient()});
+    CHECK_NOTHROW(publisher.wait_for_consumers(1));
 }
