@@ -26,10 +26,13 @@ FieldSum sum_field(std::span<const float> values) {
     std::uint32_t nonfinite = 0;
     const float* const data = values.data();
     const std::uint32_t count = static_cast<std::uint32_t>(values.size());
+    std::uint32_t a = 0, b = 0;  // the two multiples of k + 1, added up: vectors add faster than they multiply
     for (std::uint32_t k = 0; k < count; ++k) {
+        a += 0x9E3779B1U;
+        b += 0x85EBCA77U;
         const std::uint32_t w = std::bit_cast<std::uint32_t>(data[k]);
-        const std::uint32_t x = w + 0x9E3779B1U * (k + 1U);
-        const std::uint32_t y = ((w << 16) | (w >> 16)) ^ (0x85EBCA77U * (k + 1U));
+        const std::uint32_t x = w + a;
+        const std::uint32_t y = ((w << 16) | (w >> 16)) ^ b;
         sum += static_cast<std::uint64_t>(x) * y;
         nonfinite |= static_cast<std::uint32_t>((w & exponent_bits) == exponent_bits);
     }
