@@ -144,13 +144,13 @@ class Commands(SystemTest):
     def test_pause_does_not_cost_a_third_party_its_patience(self):
         recording = self.folder / "paused.wrec"
         server = self.server("--consumers", "2", *ENDLESS)
-        recorder = self.start(PROGRAMS / "shm_record", self.session, recording, "--step-timeout-s", "0.5")
+        recorder = self.start(PROGRAMS / "shm_record", self.session, recording, "--step-timeout-s", "1")
         client = self.client_with_commands(*ENDLESS)
         self.wait_for_frame(5, server, client, recorder)
         client.say("pause")
         wait_until(lambda: self.word(CONSUMER_PAUSED, "<I") or self.word(CONSUMER_PAUSED + 4096, "<I"), "the pause")
         wait_until(lambda: self.word(PRODUCER_PAUSED, "<I") == 1, "the water to pass the pause on")
-        time.sleep(1.5)  # three times the patience of the recorder
+        time.sleep(3)  # three times the patience of the recorder
         self.assertTrue(recorder.running(), recorder.messages())
         client.say("resume", "quit")
         self.assert_ends(client, 130)
@@ -162,12 +162,12 @@ class Commands(SystemTest):
         self.wait_for_frame(5, server, client)
         client.say("pause")
         wait_until(lambda: self.word(PRODUCER_PAUSED, "<I") == 1, "the water to pass the pause on")
-        time.sleep(1.5)
+        time.sleep(3)
         client.say("resume")
         self.assert_ended_well(server, client)
-        # Without it all frames after the pause would be more than a second late.
+        # Without it all frames after the pause would be about three seconds late; a busy machine is late by less than two.
         late = re.search(r"by up to (\d+) ms", server.messages())
-        self.assertLess(int(late[1]) if late else 0, 1000, server.messages())
+        self.assertLess(int(late[1]) if late else 0, 2000, server.messages())
 
     def test_killed_run_keeps_the_commands_it_obeyed(self):
         client = self.client_with_commands(*ENDLESS)
