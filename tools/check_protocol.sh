@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The long form of what the tests show about the protocol; about an hour, --quick: some minutes.
+# The long form of what the tests show about the protocol; about twenty minutes, --quick: some minutes.
 set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
