@@ -5,6 +5,7 @@
 // Keys, units, ranges and defaults stand in scene.schema.json, the one place that defines them; a Scene is what remains
 // once a file was read, merged with those that it extends, completed with the defaults and checked.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -29,24 +30,55 @@ struct World {
 enum class Flow {
     emitter,        // an emitter at x.hi feeds the channel, particles that pass x.lo return to its stock
     recirculating,  // periodic along x, the bulk speed held at `velocity`
+    periodic,       // periodic along x, driven by slope and held up by friction
     closed          // walls at both ends
 };
 enum class Sides { walls, periodic };
+enum class Top { open, wall, periodic };
 enum class InitialRiver { dry, filled };
 
-// A block of water at rest at t = 0, standing on the bed.
+// A block of water at t = 0.
 struct WaterBlock {
     Interval x, z;
     double depth = 0;
+    double y_min = 0;  // 0: stands on the bed
+    std::array<double, 3> velocity{};
 };
 
-// The channel that confines the water: bed y = 0, banks at z.lo and z.hi.
+// A point of the bed's height along x.
+struct BedPoint {
+    double x = 0;
+    double y = 0;
+};
+
+enum class Plane { bed, top, x_min, x_max, z_min, z_max, obstacles };
+
+// A plane at which viscous water takes the plane's velocity.
+struct NoSlip {
+    Plane plane = Plane::bed;
+    std::array<double, 3> velocity{};
+};
+
+// A point of v_F in time.
+struct VelocityPoint {
+    double time = 0;
+    double velocity = 0;
+};
+
+// The channel that confines the water: bed y = 0 unless bed_points raise it, banks at z.lo and z.hi.
 struct Channel {
     Interval x, z;
     Flow flow = Flow::emitter;
     Sides sides = Sides::walls;
+    Top top = Top::open;
+    double height = 1;                 // y of the top, unless it is open
+    std::vector<BedPoint> bed_points;  // ascending x
+    double slope = 0;                  // fall of the bed towards -x
+    double manning_n = 0;              // of the bed, s/m^(1/3)
+    std::vector<NoSlip> no_slip;
     double depth = 1;     // depth of the emitter's opening and of a filled river
     double velocity = 0;  // v_F of the paper: emitter velocity or bulk speed, along -x
+    std::vector<VelocityPoint> velocity_history;  // v_F in time; empty: `velocity` throughout
     InitialRiver initial_river = InitialRiver::dry;
     std::vector<WaterBlock> water_blocks;
 };
@@ -68,6 +100,8 @@ struct Kinematic {
     double transport_factor = 1;      // particles and front move at this factor times their velocity
 };
 
+enum class KernelKind { cubic_spline, wendland_c2 };
+
 struct PressureSolve {
     double tolerance = 0;  // mean error that ends the iteration, see the schema for what it is relative to
     int min_iterations = 0;
@@ -78,6 +112,7 @@ struct Fluid {
     FluidModel model = FluidModel::dfsph;
     Kinematic kinematic;
     double particle_spacing = 0;  // d; particle mass = rest_density * d^3
+    KernelKind kernel = KernelKind::cubic_spline;
     double rest_density = 1000;
     double kinematic_viscosity = 0;
     int max_particles = 100000;

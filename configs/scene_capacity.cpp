@@ -25,6 +25,9 @@ std::uint64_t particles_needed(const Scene& scene) {
             return particles_in((channel.x.length() + 5 * d) * channel.z.length() * channel.depth, d);
         case Flow::recirculating:
             return river_particles(scene);
+        case Flow::periodic:
+            if (channel.initial_river == InitialRiver::filled) return river_particles(scene);
+            break;
         case Flow::closed:
             break;
     }

@@ -25,8 +25,16 @@ Choice choice_of(const json& value, const std::array<std::pair<const char*, Choi
 }
 
 constexpr std::array flows{std::pair{"emitter", Flow::emitter}, std::pair{"recirculating", Flow::recirculating},
-                           std::pair{"closed", Flow::closed}};
+                           std::pair{"periodic", Flow::periodic}, std::pair{"closed", Flow::closed}};
 constexpr std::array sides{std::pair{"walls", Sides::walls}, std::pair{"periodic", Sides::periodic}};
+constexpr std::array tops{std::pair{"open", Top::open}, std::pair{"wall", Top::wall},
+                          std::pair{"periodic", Top::periodic}};
+constexpr std::array planes{std::pair{"bed", Plane::bed},     std::pair{"top", Plane::top},
+                            std::pair{"x_min", Plane::x_min}, std::pair{"x_max", Plane::x_max},
+                            std::pair{"z_min", Plane::z_min}, std::pair{"z_max", Plane::z_max},
+                            std::pair{"obstacles", Plane::obstacles}};
+constexpr std::array kernels{std::pair{"cubic_spline", KernelKind::cubic_spline},
+                             std::pair{"wendland_c2", KernelKind::wendland_c2}};
 constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"filled", InitialRiver::filled}};
 constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}, std::pair{"kinematic", FluidModel::kinematic}};
 constexpr std::array profiles{std::pair{"uniform", VelocityProfile::uniform},
@@ -49,17 +57,33 @@ Interval z_of(const json& box) {
     return interval(box, "z_min_m", "z_max_m");
 }
 
+std::array<double, 3> velocity_of(const json& j) {
+    return {j.at("velocity_x_m_s"), j.at("velocity_y_m_s"), j.at("velocity_z_m_s")};
+}
+
 Channel channel_from(const json& j) {
     Channel channel;
     channel.x = x_of(j);
     channel.z = z_of(j);
     channel.flow = choice_of(j.at("flow"), flows);
     channel.sides = choice_of(j.at("sides"), sides);
+    channel.top = choice_of(j.at("top"), tops);
+    channel.height = j.at("height_m");
+    for (const json& point : j.at("bed_points")) channel.bed_points.push_back({point.at("x_m"), point.at("y_m")});
+    channel.slope = j.at("slope");
+    channel.manning_n = j.at("manning_n");
+    for (const json& wall : j.at("no_slip")) {
+        channel.no_slip.push_back({choice_of(wall.at("plane"), planes), velocity_of(wall)});
+    }
     channel.depth = j.at("depth_m");
     channel.velocity = j.at("velocity_m_s");
+    for (const json& point : j.at("velocity_history")) {
+        channel.velocity_history.push_back({point.at("time_s"), point.at("velocity_m_s")});
+    }
     channel.initial_river = choice_of(j.at("initial_river"), rivers);
     for (const json& block : j.at("water_blocks")) {
-        channel.water_blocks.push_back({x_of(block), z_of(block), block.at("depth_m")});
+        channel.water_blocks.push_back(
+            {x_of(block), z_of(block), block.at("depth_m"), block.at("y_min_m"), velocity_of(block)});
     }
     return channel;
 }
@@ -77,6 +101,7 @@ Fluid fluid_from(const json& j) {
     fluid.model = choice_of(j.at("model"), fluid_models);
     fluid.kinematic = kinematic_from(j.at("kinematic"));
     fluid.particle_spacing = j.at("particle_spacing_m");
+    fluid.kernel = choice_of(j.at("kernel"), kernels);
     fluid.rest_density = j.at("rest_density_kg_m3");
     fluid.kinematic_viscosity = j.at("viscosity_m2_s");
     fluid.max_particles = j.at("max_particles");

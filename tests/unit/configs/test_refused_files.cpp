@@ -67,8 +67,8 @@ TEST_CASE("a value of the wrong type is refused with what was expected and found
 
 TEST_CASE("a value out of range is refused with the range and its unit") {
     CHECK_THAT(refusal(R"({"fluid": {"cfl": 3}})"),
-               Equals("scene.json: /fluid/cfl: 3 is out of range; allowed: > 0 and <= 1."));
-    CHECK_THAT(refusal(R"({"fluid": {"cfl": 0}})"), Contains("/fluid/cfl: 0 is out of range; allowed: > 0 and <= 1."));
+               Equals("scene.json: /fluid/cfl: 3 is out of range; allowed: > 0 and <= 2."));
+    CHECK_THAT(refusal(R"({"fluid": {"cfl": 0}})"), Contains("/fluid/cfl: 0 is out of range; allowed: > 0 and <= 2."));
     CHECK_THAT(refusal(R"({"duration_s": -1.5})"),
                Contains("/duration_s: -1.5 is out of range; allowed: > 0 and <= 1000000 s."));
     CHECK_THAT(refusal(R"({"lockstep_depth": 4})"),
@@ -98,7 +98,7 @@ TEST_CASE("a missing required key is refused with its type, values and meaning")
     CHECK_THAT(
         refusal_of_text(R"({"channel": {"x_min_m": 0, "x_max_m": 1, "z_min_m": 0, "z_max_m": 1}})"),
         StartsWith("scene.json: /channel/flow: required key \"flow\" is missing (a string; allowed: \"emitter\", "
-                   "\"recirculating\", \"closed\")."));
+                   "\"recirculating\", \"periodic\", \"closed\")."));
     CHECK_THAT(refusal(R"({"crowd": {"groups": [{"name": "a", "goal": {"x_m": 1, "z_m": 1}}]}})"),
                Contains("/crowd/groups/0/start: required key \"start\" is missing"));
 }
