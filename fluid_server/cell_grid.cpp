@@ -29,7 +29,8 @@ CellGrid::CellGrid(const Scene& scene, float support_radius)
       source_(static_cast<std::size_t>(scene.fluid.max_particles)),
       scratch_(static_cast<std::size_t>(scene.fluid.max_particles)) {
     const Channel& channel = scene.channel;
-    periodic_ = {channel.flow == Flow::recirculating, false, channel.sides == Sides::periodic};
+    periodic_ = {channel.flow == Flow::recirculating || channel.flow == Flow::periodic, channel.top == Top::periodic,
+                 channel.sides == Sides::periodic};
     // An emitter holds its next layers behind the upstream end.
     const double behind = channel.flow == Flow::emitter ? 3 * static_cast<double>(support_radius) : 0;
     const std::array<double, 3> lo{channel.x.lo, 0, channel.z.lo};
