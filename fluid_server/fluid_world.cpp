@@ -36,9 +36,14 @@ FluidWorld::FluidWorld(const Scene& scene)
       lists_(particles_.capacity()),
       fields_(particles_.capacity()),
       solids_(scene),
+      gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
+      gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
       outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
                                                      : -std::numeric_limits<float>::infinity()) {
     fill_scene(particles_, scene);
+    if (scene.channel.manning_n > 0) {
+        friction_.emplace(scene);
+    }
     if (scene.channel.flow == Flow::emitter) {
         emitter_.emplace(scene, particles_.count);
         emitter_->emit(particles_, 0);
@@ -68,8 +73,11 @@ StepReport FluidWorld::step(double remaining) {
     if (scene_.channel.flow == Flow::recirculating) {
         report.driving_acceleration = -driving_acceleration(particles_, scene_.channel.velocity, dt);
     }
-    apply_body_force(particles_, static_cast<float>(-report.driving_acceleration),
-                     static_cast<float>(-scene_.world.gravity), dt);
+    apply_body_force(particles_, static_cast<float>(gravity_x_ - report.driving_acceleration),
+                     static_cast<float>(gravity_y_), dt);
+    if (friction_) {
+        friction_->apply(particles_, dt);
+    }
     report.density = solver_.solve_density(particles_, lists_, fields_, dt, fluid.density_solve);
 
     apply_contact(dt, report);

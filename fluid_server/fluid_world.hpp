@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "configs/scene.hpp"
+#include "fluid_server/bed_friction.hpp"
 #include "fluid_server/dfsph.hpp"
 #include "fluid_server/emitter.hpp"
 #include "fluid_server/neighbours.hpp"
@@ -61,7 +62,9 @@ class FluidWorld {
     Solids solids_;
     PressureSolver solver_;
     std::optional<Emitter> emitter_;
-    float outflow_x_;  // particles that are not beyond it have left
+    std::optional<BedFriction> friction_;
+    double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed
+    float outflow_x_;               // particles that are not beyond it have left
     std::uint64_t position_clamps_ = 0;
 
     struct Extremes {
