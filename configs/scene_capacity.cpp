@@ -12,6 +12,10 @@ std::uint64_t particles_in(double volume, double spacing) {
 
 }  // namespace
 
+double support_radius_of(const Fluid& fluid) {
+    return (fluid.kernel == KernelKind::wendland_c2 ? 3 : 2) * fluid.particle_spacing;
+}
+
 std::uint64_t river_particles(const Scene& scene) {
     const Channel& channel = scene.channel;
     return particles_in(channel.x.length() * channel.z.length() * channel.depth, scene.fluid.particle_spacing);

@@ -7,6 +7,9 @@
 
 namespace wade {
 
+// h, the distance at which the kernel ends, m: 2 d for the cubic spline, 3 d for Wendland's.
+[[nodiscard]] double support_radius_of(const Fluid& fluid);
+
 // Number of particles that fill the channel: length * width * depth / d^3, rounded.
 [[nodiscard]] std::uint64_t river_particles(const Scene& scene);
 
