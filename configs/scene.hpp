@@ -85,8 +85,8 @@ struct Channel {
     double slope = 0;                  // fall of the bed towards -x
     double manning_n = 0;              // of the bed, s/m^(1/3)
     std::vector<NoSlip> no_slip;
-    double depth = 1;     // depth of the emitter's opening and of a filled river
-    double velocity = 0;  // v_F of the paper: emitter velocity or bulk speed, along -x
+    double depth = 1;                             // depth of the emitter's opening and of a filled river
+    double velocity = 0;                          // v_F of the paper: emitter velocity or bulk speed, along -x
     std::vector<VelocityPoint> velocity_history;  // v_F in time; empty: `velocity` throughout
     InitialRiver initial_river = InitialRiver::dry;
     std::vector<WaterBlock> water_blocks;

@@ -30,9 +30,12 @@ constexpr std::array flows{std::pair{"emitter", Flow::emitter}, std::pair{"recir
 constexpr std::array sides{std::pair{"walls", Sides::walls}, std::pair{"periodic", Sides::periodic}};
 constexpr std::array tops{std::pair{"open", Top::open}, std::pair{"wall", Top::wall},
                           std::pair{"periodic", Top::periodic}};
-constexpr std::array planes{std::pair{"bed", Plane::bed},     std::pair{"top", Plane::top},
-                            std::pair{"x_min", Plane::x_min}, std::pair{"x_max", Plane::x_max},
-                            std::pair{"z_min", Plane::z_min}, std::pair{"z_max", Plane::z_max},
+constexpr std::array planes{std::pair{"bed", Plane::bed},
+                            std::pair{"top", Plane::top},
+                            std::pair{"x_min", Plane::x_min},
+                            std::pair{"x_max", Plane::x_max},
+                            std::pair{"z_min", Plane::z_min},
+                            std::pair{"z_max", Plane::z_max},
                             std::pair{"obstacles", Plane::obstacles}};
 constexpr std::array kernels{std::pair{"cubic_spline", KernelKind::cubic_spline},
                              std::pair{"wendland_c2", KernelKind::wendland_c2}};
