@@ -7,8 +7,7 @@
 
 namespace wade {
 
-// Distance within which particles act on one another, the support radius of the kernel, m: 2 d (cubic_spline) or 3 d
-// (wendland_c2).
+// h, the distance at which the kernel ends, m: 2 d for the cubic spline, 3 d for Wendland's.
 [[nodiscard]] double support_radius_of(const Fluid& fluid);
 
 // Number of particles that fill the channel: length * width * depth / d^3, rounded.

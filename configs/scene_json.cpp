@@ -24,6 +24,7 @@ Choice choice_of(const json& value, const std::array<std::pair<const char*, Choi
     throw std::logic_error("the schema allows a choice that the scene does not know: " + value.dump());
 }
 
+constexpr std::array world_ends{std::pair{"open", Ends::open}, std::pair{"periodic", Ends::periodic}};
 constexpr std::array flows{std::pair{"emitter", Flow::emitter}, std::pair{"recirculating", Flow::recirculating},
                            std::pair{"periodic", Flow::periodic}, std::pair{"closed", Flow::closed}};
 constexpr std::array sides{std::pair{"walls", Sides::walls}, std::pair{"periodic", Sides::periodic}};
@@ -225,7 +226,8 @@ Scene scene_from_json(const json& document) {
     scene.stop_when_no_agent_is_active = document.at("stop_when_no_agent_is_active");
     scene.lockstep_depth = document.at("lockstep_depth");
     const json& world = document.at("world");
-    scene.world = {world.at("length_m"), world.at("width_m"), world.at("gravity_m_s2")};
+    scene.world = {world.at("length_m"), world.at("width_m"), world.at("gravity_m_s2"),
+                   choice_of(world.at("ends"), world_ends)};
     scene.channel = channel_from(document.at("channel"));
     for (const json& obstacle : document.at("obstacles")) {
         scene.obstacles.push_back({x_of(obstacle), z_of(obstacle), obstacle.at("height_m")});
