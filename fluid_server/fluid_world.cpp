@@ -10,6 +10,7 @@
 #include "configs/scene_capacity.hpp"
 #include "fluid_server/filling.hpp"
 #include "fluid_server/forces.hpp"
+#include "fluid_server/inflow.hpp"
 
 namespace wade::fluid {
 
@@ -96,6 +97,9 @@ StepReport FluidWorld::step(double remaining) {
     const std::size_t left = grid_.sort(particles_, outflow_x_);
     if (emitter_) {
         emitter_->recycle(left);
+        if (!scene_.channel.velocity_history.empty()) {
+            emitter_->set_velocity(particles_, mean_velocity(scene_.channel, time_, time_ + report.dt));
+        }
     }
     find_neighbours(grid_, solids_, particles_, kernel_, support_radius_, volume_, lists_);
     compute_density_and_diagonal(particles_, lists_, fields_);
@@ -108,7 +112,8 @@ StepReport FluidWorld::step(double remaining) {
         apply_viscosity(particles_, lists_, fields_, static_cast<float>(fluid.kinematic_viscosity), dt);
     }
     if (scene_.channel.flow == Flow::recirculating) {
-        report.driving_acceleration = -driving_acceleration(particles_, scene_.channel.velocity, dt);
+        report.driving_acceleration =
+            -driving_acceleration(particles_, velocity_at(scene_.channel, time_ + report.dt), dt);
     }
     apply_body_force(particles_, static_cast<float>(gravity_x_ - report.driving_acceleration),
                      static_cast<float>(gravity_y_), dt);
@@ -122,6 +127,7 @@ StepReport FluidWorld::step(double remaining) {
     if (emitter_) {
         emitter_->emit(particles_, dt);
     }
+    time_ += report.dt;
     return report;
 }
 
@@ -141,9 +147,13 @@ double FluidWorld::time_step(double remaining) {
     // v: what moves particles. sqrt(g H): the speed at which pressure can set them in motion; a step that outruns it
     // extrapolates the density too far and injects energy.
     const double d = scene_.fluid.particle_spacing;
-    const double v = std::max(std::sqrt(all.max), fastest_plane(scene_.channel));
+    double v = std::max(std::sqrt(all.max), fastest_plane(scene_.channel));
+    if (!scene_.channel.velocity_history.empty()) {
+        v = std::max(v, largest_velocity(scene_.channel, time_, time_ + remaining));  // what comes in within the step
+    }
     const double wave = std::sqrt(scene_.world.gravity * deepest_water(scene_));
-    const double expected = std::max({wave, scene_.channel.velocity, fastest_plane(scene_.channel), initial_speed_});
+    const double expected =
+        std::max({wave, largest_velocity(scene_.channel), fastest_plane(scene_.channel), initial_speed_});
     if (expected > 0 && v > runaway * expected) {
         throw RunError(ExitCode::numerical_failure,
                        "a fluid particle moves at " + std::to_string(v) + " m/s, more than " + std::to_string(runaway) +
@@ -224,9 +234,8 @@ void FluidWorld::apply_contact(float dt, StepReport& report) {
 }
 
 std::array<double, 3> FluidWorld::obstacle_force(std::size_t obstacle) const {
-    std::array<double, 3> force =
-        fluid::obstacle_force(particles_, lists_, static_cast<double>(particle_mass_), scene_.fluid.kinematic_viscosity,
-                              static_cast<int>(obstacle));
+    std::array<double, 3> force = fluid::obstacle_force(particles_, lists_, static_cast<double>(particle_mass_),
+                                                        scene_.fluid.kinematic_viscosity, static_cast<int>(obstacle));
     for (std::size_t k = 0; k < 3 && obstacle < contact_forces_.size(); ++k) {
         force[k] += contact_forces_[obstacle][k];
     }

@@ -38,6 +38,7 @@ class FluidWorld {
     // exactly on the frame. Throws RunError (numerical_failure) if a velocity runs away or is no longer finite.
     StepReport step(double remaining);
 
+    [[nodiscard]] double time() const { return time_; }  // s, since the water's t = 0
     [[nodiscard]] const Particles& particles() const { return particles_; }
     [[nodiscard]] const ParticleFields& fields() const { return fields_; }
     [[nodiscard]] const Scene& scene() const { return scene_; }
@@ -75,6 +76,7 @@ class FluidWorld {
     double initial_speed_ = 0;      // of the fastest particle, m/s
     float outflow_x_;               // particles that are not beyond it have left
     std::uint64_t position_clamps_ = 0;
+    double time_ = 0;
 
     struct Extremes {
         double sum = 0, max = 0;

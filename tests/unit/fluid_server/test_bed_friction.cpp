@@ -84,9 +84,8 @@ TEST_CASE("friction never turns water round, and a film has that of half a spaci
     Scene scene = stream(1, 0, 0, 1);
     BedFriction friction(scene);
     Particles p(10);
-    p.add(3, 0.1F, 1, -5, Kind::fluid);
-    p.vz[0] = 2;
-    p.add(3.1F, 0.1F, 1, -7, Kind::inflow);
+    p.add({3, 0.1F, 1}, {-5, 0, 2}, Kind::fluid);
+    p.add({3.1F, 0.1F, 1}, {-7, 0, 0}, Kind::inflow);
     friction.apply(p, 0.01F);
     // One particle in a cell of 1 m x 1 m would be 1.6 cm of water.
     const double k = 9.81 * std::hypot(5.0, 2.0) / std::pow(0.125, 4.0 / 3);
@@ -105,7 +104,7 @@ TEST_CASE("a column stands on the ground that a tall obstacle leaves it", "[flui
     BedFriction friction(scene);
     Particles p(200);
     for (int i = 0; i < 32; ++i) {
-        p.add(2.5F, 0.5F, 0.75F, -1, Kind::fluid);  // 0.5 m^3 on 0.5 m^2
+        p.add({2.5F, 0.5F, 0.75F}, {-1, 0, 0}, Kind::fluid);  // 0.5 m^3 on 0.5 m^2
     }
     friction.apply(p, 1);
     CHECK(static_cast<double>(p.vx[0]) == Approx(-1 / (1 + 9.81 * 0.01)));
