@@ -6,8 +6,10 @@
 #include <string>
 
 #include "configs/exit_code.hpp"
+#include "configs/scene_checks.hpp"
 #include "fluid_server/filling.hpp"
 #include "fluid_server/forces.hpp"
+#include "fluid_server/stabler_settings.hpp"
 
 namespace wade::fluid {
 
@@ -22,6 +24,11 @@ constexpr int runaway = 100;
 
 // A mean compression beyond this is no water any more.
 constexpr double collapse = 0.1;
+
+// `what` happened and what to change in the scene.
+[[noreturn]] void fail(const std::string& what, const Fluid& fluid) {
+    throw RunError(ExitCode::numerical_failure, what + "; " + advice(fluid));
+}
 
 }  // namespace
 
@@ -42,6 +49,32 @@ FluidWorld::FluidWorld(const Scene& scene)
     if (scene.channel.flow == Flow::emitter) {
         emitter_.emplace(scene, particles_.count);
         emitter_->emit(particles_, 0);
+    }
+}
+
+void FluidWorld::capture(FluidState& state) const {
+    if (state.particles.capacity() != particles_.capacity() || particles_.capacity() == 0) {
+        state.scene = scene_;
+        state.particles = Particles(particles_.capacity());
+    }
+    copy_particles(particles_, state.particles);
+    state.time = time_;
+    state.position_clamps = position_clamps_;
+    state.emitter.reset();
+    if (emitter_) state.emitter = emitter_->state();
+}
+
+void FluidWorld::restore(const FluidState& state, const std::string& source) {
+    check_state_fits(state, scene_, source);
+    copy_particles(state.particles, particles_);
+    time_ = state.time;
+    position_clamps_ = state.position_clamps;
+    if (emitter_) {
+        EmitterState emitter = *state.emitter;
+        // The stock takes up a change of max_particles.
+        emitter.stock += static_cast<std::uint64_t>(scene_.fluid.max_particles);
+        emitter.stock -= static_cast<std::uint64_t>(state.scene.fluid.max_particles);
+        emitter_->restore(emitter);
     }
 }
 
@@ -73,10 +106,11 @@ StepReport FluidWorld::step(double remaining) {
     report.density = solver_.solve_density(particles_, lists_, fields_, dt, fluid.density_solve);
 
     apply_contact(dt, report);
-    advance(dt);
+    advance(dt, report);
     if (emitter_) {
         emitter_->emit(particles_, dt);
     }
+    time_ += report.dt;
     return report;
 }
 
@@ -100,10 +134,9 @@ double FluidWorld::time_step(double remaining) {
     const double wave = std::sqrt(scene_.world.gravity * deepest_water(scene_));
     const double expected = std::max(wave, scene_.channel.velocity);
     if (expected > 0 && v > runaway * expected) {
-        throw RunError(ExitCode::numerical_failure,
-                       "a fluid particle moves at " + std::to_string(v) + " m/s, more than " + std::to_string(runaway) +
-                           " times what the scene's depth and velocity explain: the simulation has become unstable; "
-                           "reduce fluid.cfl or fluid.density_solve.tolerance");
+        fail("a fluid particle moves at " + short_number(v) + " m/s, more than " + std::to_string(runaway) +
+                 " times the " + short_number(expected) + " m/s of the scene's depth and velocity",
+             scene_.fluid);
     }
     const double speed = v + wave;
     double dt = speed > 0 ? scene_.fluid.cfl * d / speed : remaining;
@@ -131,10 +164,9 @@ void FluidWorld::measure_density_error(StepReport& report) {
     report.mean_density_error = particles_.count == 0 ? 0 : all.sum / static_cast<double>(particles_.count);
     report.max_density_error = all.max;
     if (report.mean_density_error > collapse) {
-        throw RunError(ExitCode::numerical_failure,
-                       "the fluid is compressed by " + std::to_string(100 * report.mean_density_error) +
-                           " % on average: the pressure solve does not hold it; reduce fluid.cfl or "
-                           "fluid.density_solve.tolerance, or raise fluid.density_solve.max_iterations");
+        fail("the fluid is compressed by " + short_number(100 * report.mean_density_error) +
+                 " % on average, more than " + short_number(100 * collapse) + " %",
+             scene_.fluid);
     }
 }
 
@@ -162,7 +194,7 @@ double FluidWorld::bed_pressure_force() const {
     return fluid::bed_pressure_force(particles_, lists_, static_cast<double>(particle_mass_));
 }
 
-void FluidWorld::advance(float dt) {
+void FluidWorld::advance(float dt, StepReport& report) {
     const float period_x = grid_.period_x();
     const float period_z = grid_.period_z();
     const auto wrap = [](float v, float origin, float period) {
@@ -178,6 +210,9 @@ void FluidWorld::advance(float dt) {
             Vec3 x{wrap(particles_.x[i] + dt * particles_.vx[i], grid_.origin_x(), period_x),
                    particles_.y[i] + dt * particles_.vy[i],
                    wrap(particles_.z[i] + dt * particles_.vz[i], grid_.origin_z(), period_z)};
+            const float v2 = particles_.vx[i] * particles_.vx[i] + particles_.vy[i] * particles_.vy[i] +
+                             particles_.vz[i] * particles_.vz[i];
+            guards_[b].longest_squared = std::max(guards_[b].longest_squared, dt * dt * v2);
             guards_[b].not_finite += std::isfinite(x[0] + x[1] + x[2]) ? 0U : 1U;
             guards_[b].clamps += solids_.clamp(x) ? 1U : 0U;
             particles_.x[i] = x[0], particles_.y[i] = x[1], particles_.z[i] = x[2];
@@ -186,13 +221,19 @@ void FluidWorld::advance(float dt) {
     const Guards all = guards_.total([](Guards& total, const Guards& block) {
         total.clamps += block.clamps;
         total.not_finite += block.not_finite;
+        total.longest_squared = std::max(total.longest_squared, block.longest_squared);
     });
     position_clamps_ += all.clamps;
     if (all.not_finite > 0) {
-        throw RunError(ExitCode::numerical_failure,
-                       std::to_string(all.not_finite) +
-                           " fluid particles have a velocity or position that is not finite; reduce fluid.cfl or "
-                           "fluid.density_solve.tolerance");
+        fail(std::to_string(all.not_finite) + " fluid particles have a velocity or position that is not finite",
+             scene_.fluid);
+    }
+    report.max_displacement = std::sqrt(static_cast<double>(all.longest_squared));
+    if (report.max_displacement > static_cast<double>(support_radius_)) {
+        fail("a fluid particle moves by " + short_number(report.max_displacement) +
+                 " m in one step, further than the support radius of " +
+                 short_number(static_cast<double>(support_radius_)) + " m",
+             scene_.fluid);
     }
 }
 
