@@ -1,5 +1,6 @@
 #include "configs/program.hpp"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -19,6 +20,14 @@ volatile std::sig_atomic_t signal_received = 0;
 
 extern "C" void remember_signal(int signal) {
     signal_received = signal;
+}
+
+// Whether stderr goes to this very file.
+bool is_stderr(const std::filesystem::path& file) {
+    struct stat here {};
+    struct stat there {};
+    return ::fstat(STDERR_FILENO, &here) == 0 && ::stat(file.c_str(), &there) == 0 && here.st_dev == there.st_dev &&
+           here.st_ino == there.st_ino;
 }
 
 double wall_seconds() {
@@ -57,6 +66,7 @@ Console::Console(std::string program)
     : program_(std::move(program)), terminal_(::isatty(STDERR_FILENO) != 0), pacer_(terminal_) {}
 
 void Console::copy_to(const std::filesystem::path& file) {
+    if (is_stderr(file)) return;
     std::error_code ignored;
     std::filesystem::create_directories(file.parent_path(), ignored);
     copy_.open(file);

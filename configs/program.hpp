@@ -42,7 +42,8 @@ class Console {
     // `program` starts each line.
     explicit Console(std::string program);
 
-    // Copies all lines, progress as well, to a file from now on. Throws ConfigurationError if it cannot be written.
+    // Copies all lines, progress as well, to a file from now on, unless stderr goes to this file already. Throws
+    // ConfigurationError if it cannot be written.
     void copy_to(const std::filesystem::path& file);
 
     void line(const std::string& text);

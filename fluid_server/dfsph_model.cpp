@@ -2,11 +2,25 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
+#include "configs/exit_code.hpp"
+#include "configs/scene_checks.hpp"
 #include "fluid_server/parallel.hpp"
 #include "fluid_server/river_measures.hpp"
 
 namespace wade::fluid {
+
+namespace {
+
+// Whether better settings could go on from where this step began: compressed by no more than the 1 % that stable water
+// may be, and no particle that pressure throws further than the time step allows.
+bool is_sound(const StepReport& step, const Fluid& fluid) {
+    return step.mean_density_error <= 0.01 &&
+           step.max_displacement <= std::max(0.5, fluid.cfl) * fluid.particle_spacing;
+}
+
+}  // namespace
 
 std::uint32_t DfsphModel::capacity() const {
     return static_cast<std::uint32_t>(std::max(world_.scene().fluid.max_particles, 1));
@@ -19,10 +33,12 @@ shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
     d.mean_density_error = 0;
     d.max_density_error = 0;
     double driving = 0;
+    keep_state();
     double remaining = frame_time;
     // What is left after the last sub-step is rounding.
     while (remaining > 1e-9 * frame_time) {
-        const StepReport step = world_.step(remaining);
+        const StepReport step = this->step(remaining);
+        if (d.sub_steps == 0) kept_is_sound_ = is_sound(step, world_.scene().fluid);
         remaining -= step.dt;
         ++d.sub_steps;
         d.last_dt_s = step.dt;
@@ -32,6 +48,7 @@ shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
         d.max_density_error = std::max(d.max_density_error, step.max_density_error);
         driving += step.driving_acceleration * step.dt;
     }
+    ++frame_;
     const auto elapsed = std::chrono::steady_clock::now() - start;
     const RiverMeasures river =
         measure_river(world_.particles(), static_cast<double>(world_.particle_mass()), world_.scene().world.gravity);
@@ -47,6 +64,42 @@ shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
     d.position_clamps = world_.position_clamps();
     d.recycled_particles = world_.recycled();
     return d;
+}
+
+StepReport DfsphModel::step(double remaining) {
+    try {
+        return world_.step(remaining);
+    } catch (const RunError& error) {
+        failed_ = true;
+        throw RunError(error.code(), "the water failed in frame " + std::to_string(frame_ + 1) +
+                                         ", at t = " + short_number(world_.time()) + " s: " + error.what());
+    }
+}
+
+void DfsphModel::keep_state() {
+    if (kept_is_sound_) {
+        std::swap(kept_, sound_);
+        has_sound_ = true;
+    }
+    kept_is_sound_ = false;  // until its first step has shown it
+    world_.capture(kept_);
+    kept_.frame = frame_;
+}
+
+FailureStates DfsphModel::states_before_failure() const {
+    if (!failed_) return {};
+    return {&kept_, kept_is_sound_ ? &kept_ : has_sound_ ? &sound_ : nullptr};
+}
+
+const FluidState* DfsphModel::state() {
+    world_.capture(kept_);
+    kept_.frame = frame_;
+    return &kept_;
+}
+
+void DfsphModel::restore(const FluidState& state, const std::string& source) {
+    world_.restore(state, source);
+    frame_ = state.frame;
 }
 
 std::uint32_t DfsphModel::write_frame(const shm::FrameFields& slot) const {

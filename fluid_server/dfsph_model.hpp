@@ -15,11 +15,25 @@ class DfsphModel final : public FluidModel {
     shm::Diagnostics advance_frame(const FrameInterval& interval) override;
     std::uint32_t write_frame(const shm::FrameFields& slot) const override;
     [[nodiscard]] std::string remarks() const override;
+    [[nodiscard]] const FluidState* state() override;
+    [[nodiscard]] FailureStates states_before_failure() const override;
+    void restore(const FluidState& state, const std::string& source) override;
 
     [[nodiscard]] const FluidWorld& world() const { return world_; }
 
  private:
+    StepReport step(double remaining);
+    void keep_state();
+
     FluidWorld world_;
+    // The state at the begin of the frame, and the last such state before it from which the water could go on well. One
+    // copy a frame, 33 bytes a particle; the second costs a swap.
+    FluidState kept_;
+    FluidState sound_;
+    bool kept_is_sound_ = false;
+    bool has_sound_ = false;
+    std::uint64_t frame_ = 0;  // frames since the water's t = 0
+    bool failed_ = false;
 };
 
 }  // namespace wade::fluid

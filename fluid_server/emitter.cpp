@@ -41,6 +41,13 @@ void Emitter::set_velocity(Particles& p, double velocity) {
     });
 }
 
+void Emitter::restore(const EmitterState& state) {
+    last_layer_x_ = state.last_layer_x;
+    stock_ = state.stock;
+    recycled_ = state.recycled;
+    layers_missed_ = state.layers_missed;
+}
+
 void Emitter::emit(Particles& p, float dt) {
     last_layer_x_ -= velocity_ * static_cast<double>(dt);
     const auto opening = static_cast<float>(opening_x_);

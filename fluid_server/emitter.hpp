@@ -17,6 +17,14 @@
 
 namespace wade::fluid {
 
+// What an emitter remembers from step to step.
+struct EmitterState {
+    double last_layer_x = 0;  // m, of the rearmost layer
+    std::uint64_t stock = 0;
+    std::uint64_t recycled = 0;
+    std::uint64_t layers_missed = 0;
+};
+
 class Emitter {
  public:
     Emitter(const Scene& scene, std::uint64_t particles_in_use);
@@ -41,6 +49,8 @@ class Emitter {
     [[nodiscard]] std::uint64_t stock() const { return stock_; }
     [[nodiscard]] std::uint64_t recycled() const { return recycled_; }
     [[nodiscard]] std::uint64_t layers_missed() const { return layers_missed_; }
+    [[nodiscard]] EmitterState state() const { return {last_layer_x_, stock_, recycled_, layers_missed_}; }
+    void restore(const EmitterState& state);
 
  private:
     double opening_x_;

@@ -1,9 +1,15 @@
 #include "fluid_server/fluid_model.hpp"
 
+#include "configs/exit_code.hpp"
 #include "fluid_server/dfsph_model.hpp"
 #include "fluid_server/kinematic_stream.hpp"
 
 namespace wade::fluid {
+
+void FluidModel::restore(const FluidState&, const std::string& source) {
+    throw ConfigurationError(source + ": /fluid/model is " + std::string(name()) +
+                             "; allowed: dfsph, the only model that has a state");
+}
 
 std::unique_ptr<FluidModel> make_fluid_model(const Scene& scene) {
     if (scene.fluid.model == wade::FluidModel::kinematic) {

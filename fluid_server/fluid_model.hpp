@@ -37,6 +37,14 @@ struct AgentsView {
     std::span<const float> state;           // shm::AgentState
 };
 
+struct FluidState;
+
+// What is known of the water before a numerical failure. Null where there is nothing.
+struct FailureStates {
+    const FluidState* frame_begin = nullptr;  // at the begin of the frame that failed
+    const FluidState* last_sound = nullptr;  // the same or an earlier one, the last that better settings can go on from
+};
+
 class FluidModel {
  public:
     FluidModel() = default;
@@ -59,6 +67,17 @@ class FluidModel {
 
     // Writes the particles of the frame just computed into its slot; returns their number.
     virtual std::uint32_t write_frame(const shm::FrameFields& slot) const = 0;
+
+    // The complete state after the last frame, to go on from later; null if the model has none that can be kept.
+    // Valid until the next call.
+    [[nodiscard]] virtual const FluidState* state() { return nullptr; }
+
+    // Once advance_frame() has thrown a numerical failure.
+    [[nodiscard]] virtual FailureStates states_before_failure() const { return {}; }
+
+    // Goes on from a state instead of the scene's t = 0; before the first frame. `source` begins the ConfigurationError
+    // that is thrown if it does not fit.
+    virtual void restore(const FluidState& state, const std::string& source);
 
     // What a user should know at the end and no diagnostic says; empty if there is nothing.
     [[nodiscard]] virtual std::string remarks() const { return {}; }

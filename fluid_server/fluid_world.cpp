@@ -8,9 +8,11 @@
 
 #include "configs/exit_code.hpp"
 #include "configs/scene_capacity.hpp"
+#include "configs/scene_checks.hpp"
 #include "fluid_server/filling.hpp"
 #include "fluid_server/forces.hpp"
 #include "fluid_server/inflow.hpp"
+#include "fluid_server/stabler_settings.hpp"
 
 namespace wade::fluid {
 
@@ -48,6 +50,11 @@ double fastest_particle(const Particles& p) {
 
 // A mean compression beyond this is no water any more.
 constexpr double collapse = 0.1;
+
+// `what` happened and what to change in the scene.
+[[noreturn]] void fail(const std::string& what, const Fluid& fluid) {
+    throw RunError(ExitCode::numerical_failure, what + "; " + advice(fluid));
+}
 
 }  // namespace
 
@@ -88,6 +95,33 @@ void FluidWorld::set_velocity(const std::function<std::array<double, 3>(const st
     initial_speed_ = fastest_particle(p);
 }
 
+void FluidWorld::capture(FluidState& state) const {
+    if (state.particles.capacity() != particles_.capacity() || particles_.capacity() == 0) {
+        state.scene = scene_;
+        state.particles = Particles(particles_.capacity());
+    }
+    copy_particles(particles_, state.particles);
+    state.time = time_;
+    state.position_clamps = position_clamps_;
+    state.emitter.reset();
+    if (emitter_) state.emitter = emitter_->state();
+}
+
+void FluidWorld::restore(const FluidState& state, const std::string& source) {
+    check_state_fits(state, scene_, source);
+    copy_particles(state.particles, particles_);
+    time_ = state.time;
+    position_clamps_ = state.position_clamps;
+    initial_speed_ = std::max(initial_speed_, fastest_particle(particles_));
+    if (emitter_) {
+        EmitterState emitter = *state.emitter;
+        // The stock takes up a change of max_particles.
+        emitter.stock += static_cast<std::uint64_t>(scene_.fluid.max_particles);
+        emitter.stock -= static_cast<std::uint64_t>(state.scene.fluid.max_particles);
+        emitter_->restore(emitter);
+    }
+}
+
 StepReport FluidWorld::step(double remaining) {
     StepReport report;
     report.dt = time_step(remaining);
@@ -123,7 +157,7 @@ StepReport FluidWorld::step(double remaining) {
     report.density = solver_.solve_density(particles_, lists_, fields_, dt, fluid.density_solve);
 
     apply_contact(dt, report);
-    advance(dt);
+    advance(dt, report);
     if (emitter_) {
         emitter_->emit(particles_, dt);
     }
@@ -155,10 +189,9 @@ double FluidWorld::time_step(double remaining) {
     const double expected =
         std::max({wave, largest_velocity(scene_.channel), fastest_plane(scene_.channel), initial_speed_});
     if (expected > 0 && v > runaway * expected) {
-        throw RunError(ExitCode::numerical_failure,
-                       "a fluid particle moves at " + std::to_string(v) + " m/s, more than " + std::to_string(runaway) +
-                           " times what the scene's depth and velocity explain: the simulation has become unstable; "
-                           "reduce fluid.cfl or fluid.density_solve.tolerance");
+        fail("a fluid particle moves at " + short_number(v) + " m/s, more than " + std::to_string(runaway) +
+                 " times the " + short_number(expected) + " m/s of the scene's depth and velocity",
+             scene_.fluid);
     }
     const double speed = v + wave;
     double dt = speed > 0 ? scene_.fluid.cfl * d / speed : remaining;
@@ -186,10 +219,9 @@ void FluidWorld::measure_density_error(StepReport& report) {
     report.mean_density_error = particles_.count == 0 ? 0 : all.sum / static_cast<double>(particles_.count);
     report.max_density_error = all.max;
     if (report.mean_density_error > collapse) {
-        throw RunError(ExitCode::numerical_failure,
-                       "the fluid is compressed by " + std::to_string(100 * report.mean_density_error) +
-                           " % on average: the pressure solve does not hold it; reduce fluid.cfl or "
-                           "fluid.density_solve.tolerance, or raise fluid.density_solve.max_iterations");
+        fail("the fluid is compressed by " + short_number(100 * report.mean_density_error) +
+                 " % on average, more than " + short_number(100 * collapse) + " %",
+             scene_.fluid);
     }
 }
 
@@ -246,13 +278,16 @@ double FluidWorld::bed_pressure_force() const {
     return fluid::bed_pressure_force(particles_, lists_, static_cast<double>(particle_mass_));
 }
 
-void FluidWorld::advance(float dt) {
+void FluidWorld::advance(float dt, StepReport& report) {
     guards_.begin(particles_.count);
     for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
         for (std::size_t i = begin; i < end; ++i) {
             Vec3 x{grid_.wrap(0, particles_.x[i] + dt * particles_.vx[i]),
                    grid_.wrap(1, particles_.y[i] + dt * particles_.vy[i]),
                    grid_.wrap(2, particles_.z[i] + dt * particles_.vz[i])};
+            const float v2 = particles_.vx[i] * particles_.vx[i] + particles_.vy[i] * particles_.vy[i] +
+                             particles_.vz[i] * particles_.vz[i];
+            guards_[b].longest_squared = std::max(guards_[b].longest_squared, dt * dt * v2);
             guards_[b].not_finite += std::isfinite(x[0] + x[1] + x[2]) ? 0U : 1U;
             guards_[b].clamps += solids_.clamp(x) ? 1U : 0U;
             particles_.x[i] = x[0], particles_.y[i] = x[1], particles_.z[i] = x[2];
@@ -261,13 +296,19 @@ void FluidWorld::advance(float dt) {
     const Guards all = guards_.total([](Guards& total, const Guards& block) {
         total.clamps += block.clamps;
         total.not_finite += block.not_finite;
+        total.longest_squared = std::max(total.longest_squared, block.longest_squared);
     });
     position_clamps_ += all.clamps;
     if (all.not_finite > 0) {
-        throw RunError(ExitCode::numerical_failure,
-                       std::to_string(all.not_finite) +
-                           " fluid particles have a velocity or position that is not finite; reduce fluid.cfl or "
-                           "fluid.density_solve.tolerance");
+        fail(std::to_string(all.not_finite) + " fluid particles have a velocity or position that is not finite",
+             scene_.fluid);
+    }
+    report.max_displacement = std::sqrt(static_cast<double>(all.longest_squared));
+    if (report.max_displacement > static_cast<double>(support_radius_)) {
+        fail("a fluid particle moves by " + short_number(report.max_displacement) +
+                 " m in one step, further than the support radius of " +
+                 short_number(static_cast<double>(support_radius_)) + " m",
+             scene_.fluid);
     }
 }
 

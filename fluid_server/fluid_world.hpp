@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "configs/scene.hpp"
 #include "fluid_server/bed_friction.hpp"
 #include "fluid_server/dfsph.hpp"
 #include "fluid_server/emitter.hpp"
+#include "fluid_server/fluid_state.hpp"
 #include "fluid_server/neighbours.hpp"
 #include "fluid_server/particles.hpp"
 #include "fluid_server/solids.hpp"
@@ -24,6 +26,7 @@ struct StepReport {
     double max_density_error = 0;
     double driving_acceleration = 0;  // m/s^2, towards -x; recirculating channels
     double contact_force = 0;         // N, vertical force of contact on bed and obstacles
+    double max_displacement = 0;      // m, of a particle of the solver in the step
 };
 
 class FluidWorld {
@@ -37,6 +40,13 @@ class FluidWorld {
     // Advances by at most `remaining` seconds; the time step is a whole fraction of it, so that repeated calls end
     // exactly on the frame. Throws RunError (numerical_failure) if a velocity runs away or is no longer finite.
     StepReport step(double remaining);
+
+    // Copies the state into one made by a former call or into a fresh FluidState; `frame` is left as it is. Allocates in
+    // the first call only. Between steps.
+    void capture(FluidState& state) const;
+
+    // Goes on from a state. Throws ConfigurationError, beginning with `source`, if it does not fit (check_state_fits).
+    void restore(const FluidState& state, const std::string& source);
 
     [[nodiscard]] double time() const { return time_; }  // s, since the water's t = 0
     [[nodiscard]] const Particles& particles() const { return particles_; }
@@ -57,7 +67,7 @@ class FluidWorld {
     [[nodiscard]] double time_step(double remaining);
     void measure_density_error(StepReport& report);
     void apply_contact(float dt, StepReport& report);
-    void advance(float dt);
+    void advance(float dt, StepReport& report);
 
     Scene scene_;
     float support_radius_;
@@ -83,6 +93,7 @@ class FluidWorld {
     };
     struct Guards {
         std::uint64_t clamps = 0, not_finite = 0;
+        float longest_squared = 0;  // m^2
     };
     BlockSums<Extremes> extremes_;
     BlockSums<double> sums_;

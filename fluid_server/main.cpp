@@ -16,6 +16,7 @@
 #include "configs/run_control.hpp"
 #include "fluid_server/report.hpp"
 #include "fluid_server/run_server.hpp"
+#include "fluid_server/state_options.hpp"
 
 namespace {
 
@@ -35,7 +36,15 @@ ProgramDescription description() {
          {.name = "--clock",
           .help = "fast: send each frame as soon as it is ready. real_time: send frame f not before f / frame_rate_hz "
                   "of wall time. variable: a frame lasts as long as the wall time since the last one; not repeatable",
-          .word = Word{"MODE", "fast", {"fast", "real_time", "variable"}}}}};
+          .word = Word{"MODE", "fast", {"fast", "real_time", "variable"}}},
+         {.name = "--from-state",
+          .help = "Go on from the state in FILE instead of the scene's t = 0. Frames count from 1, the duration from "
+                  "there. Spacing, kernel, rest density, channel and obstacles must be those of the state",
+          .word = Word{"FILE"}},
+         {.name = "--save-state",
+          .help = "Write the state of the water into FILE at the end of the run, however it ends but for a numerical "
+                  "failure, which leaves numerical_failure.state in --out or here",
+          .word = Word{"FILE"}}}};
 }
 
 Pace pace_of(const std::string& word) {
@@ -65,6 +74,25 @@ RunControl::Hooks control_hooks(shm::Publisher& publisher, RunClock& clock, Cons
             [&](const std::string& text) { console.line(text); }};
 }
 
+// What a run that threw leaves behind; rethrows, with where the state is after a numerical failure.
+[[noreturn]] void end_badly(const ProgramStart& start, fluid::FluidModel& model, bool simulated, Console& console) {
+    const std::string& save = start.options.word("--save-state");
+    try {
+        throw;
+    } catch (const RunError& error) {
+        if (error.code() != ExitCode::numerical_failure) throw;
+        const std::string dump = dump_failure(model, start.loaded, start.options.out.value_or(""));
+        throw RunError(error.code(), dump.empty() ? error.what() : error.what() + ("\n" + dump));
+    } catch (const std::exception&) {
+        try {
+            if (simulated && !save.empty()) console.line(save_state(model, start.loaded, save));
+        } catch (const std::exception& error) {
+            console.warning(error.what());
+        }
+        throw;
+    }
+}
+
 void run_scene(const ProgramStart& start, Console& console) {
     const Scene& scene = start.loaded.scene;
     const RunOptions& options = start.options;
@@ -73,6 +101,9 @@ void run_scene(const ProgramStart& start, Console& console) {
     if (options.out) console.copy_to(*options.out / "fluid_server.log");
 
     const std::unique_ptr<fluid::FluidModel> model = make_fluid_model(scene);
+    const std::string &from = options.word("--from-state"), &save = options.word("--save-state");
+    if (!save.empty()) check_can_save_state(*model, save);
+    if (!from.empty()) console.line(start_from_state(*model, from));
     RunClock clock(scene, pace_of(options.word("--clock")));
     auto waiting = waiting_of<shm::Waiting>(options, console);
     waiting.paused = [&](double seconds) { clock.discount(seconds); };
@@ -111,9 +142,10 @@ void run_scene(const ProgramStart& start, Console& console) {
         run_server(run, summary);
     } catch (const std::exception&) {
         console.line(summary_text(run, summary, wall()));
-        throw;
+        end_badly(start, *model, summary.frames > 0, console);
     }
     console.line(summary_text(run, summary, wall()));
+    if (!save.empty()) console.line(save_state(*model, start.loaded, save));
 }
 
 }  // namespace

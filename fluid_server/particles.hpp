@@ -52,4 +52,19 @@ struct Particles {
     }
 };
 
+// Every array of a particle's numbers but `kind`, for whoever copies or stores whole particles.
+struct ParticleArray {
+    const char* name;
+    std::vector<float> Particles::*values;
+};
+inline constexpr std::array<ParticleArray, 8> particle_arrays{
+    {{"x", &Particles::x},
+     {"y", &Particles::y},
+     {"z", &Particles::z},
+     {"vx", &Particles::vx},
+     {"vy", &Particles::vy},
+     {"vz", &Particles::vz},
+     {"density_pressure", &Particles::density_pressure},
+     {"divergence_pressure", &Particles::divergence_pressure}}};
+
 }  // namespace wade::fluid

@@ -24,6 +24,7 @@ fluid_server and crowd_client, waits for both, prints the outcome and draws DIR/
                       {session}, {scene} and {consumers} stand for what the run has; without {session} the words
                       --session NAME are added at the end
   --session NAME      name under which the programs meet [a unique one]
+  --from-state FILE   the water goes on from a state that --save-state FILE or a numerical failure has written
   --no-figure         do not draw figure.png
   --check             only check the scene
 Other options go to the programs that have them; see --help of build/release/fluid_server, crowd_client, shm_record

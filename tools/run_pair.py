@@ -48,14 +48,15 @@ def new_run_folder(scene_name):
     return folder
 
 
-def producer_command(run, session):
+def producer_command(run, folder, session):
     """The command line of whatever sends the water."""
     own, arguments = run.own, run.arguments
     consumers = 2 if "--record" in own else 1
     counted = ["--consumers", str(consumers)] if consumers > 1 else []
     if run.producer == "fluid_server":
         server = [run.programs / "fluid_server", run.scene]
-        return [*server, *counted, *arguments["fluid_server"], "--session", session]
+        # Its log is our redirection to the same file; after a numerical failure it leaves the water's state there.
+        return [*server, *counted, *arguments["fluid_server"], "--session", session, "--out", folder]
     if run.producer == "shm_replay":
         way_back = run.resolved.get("coupling", {}).get("agents_stream", "off") != "off"
         switches = ["--take-agents"] if way_back else []
@@ -146,7 +147,7 @@ def start_all(run, pair, folder, session):
         return started[name][0]
 
     log_name = "fluid_server.log" if run.producer == "fluid_server" else "producer.log"
-    producer = start_logged(producer_name, producer_command(run, session), log_name)
+    producer = start_logged(producer_name, producer_command(run, folder, session), log_name)
     wait_for_own_segment(producer, session)
     if "--record" in run.own:
         command = [run.programs / "shm_record", session, run.own["--record"], *run.arguments["shm_record"]]
