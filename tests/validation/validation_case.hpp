@@ -1,5 +1,8 @@
 #pragma once
 // A validation case: a simulation whose truth is known, and what its error is.
+//
+// A case is one file, case_NAME.cpp, with a function NAME_case() that cases.hpp declares and cases.cpp lists. The
+// program `validate` runs it, thresholds.csv says which of its metrics are judged.
 
 #include <cstddef>
 #include <string>
@@ -12,13 +15,15 @@ namespace wade::validation {
 // One number of a result. Errors are non-negative, so that smaller is better; thresholds.csv says which are judged.
 struct Metric {
     std::string name;  // lower case with underscores, for example pressure_rms
-    double value = 0;
+    double value = 0;  // NaN: could not be measured, which fails a threshold
     std::string unit;  // "1" for a ratio
 };
 
-// A table for a plot: simulated and true values side by side.
+// A table for a plot: simulated and true values side by side. The first column is the abscissa, every other one a curve
+// over it. Columns named exact_* are drawn as lines (analytic truth), measured_* as points (published measurements),
+// the rest as the simulation. NaN: no value in this row.
 struct Curve {
-    std::string name;
+    std::string name;                  // as a metric's; one plot each
     std::vector<std::string> columns;  // with units: x_m, depth_m, exact_depth_m
     std::vector<std::vector<double>> rows;
 };
@@ -32,28 +37,38 @@ struct Request {
 
 struct Result {
     std::string model = "dfsph";
-    std::size_t particles = 0;      // at the end
-    std::size_t steps = 0;          // of the solver
-    double particle_steps = 0;      // work: particles summed over steps
-    double simulated_time = 0;      // s
-    double solver_cpu_time = 0;     // s, without set-up and measurement
-    double solver_wall_time = 0;    // s
+    std::size_t particles = 0;    // at the end
+    std::size_t steps = 0;        // of the solver
+    double particle_steps = 0;    // work: particles summed over steps
+    double simulated_time = 0;    // s
+    double solver_cpu_time = 0;   // s, without set-up and measurement
+    double solver_wall_time = 0;  // s
     std::vector<Metric> metrics;
     std::vector<Curve> curves;
 };
 
 struct Case {
-    std::string name;       // lower case with underscores
-    std::string truth;      // what it is compared with, with source
-    std::vector<double> spacings;  // m: coarse, medium, fine
-    bool quick = false;     // part of the tests, at the coarse spacing
+    std::string name{};       // lower case with underscores
+    std::string truth{};      // what it is compared with, with source; one or two sentences of the report
+    std::string reference{};  // the same in a word or two, for a table: "Ritter 1892", "rho g z"
+    // m: coarse, medium, fine; fewer if the case has fewer. A case without spacing counts its levels by another number
+    // and says so in `truth`.
+    std::vector<double> spacings{};
+    bool quick = false;           // part of the tests, at quick_level
+    std::size_t quick_level = 0;  // index in spacings
+    std::size_t long_from = 3;    // this level and finer ones take hours and are run by request only
     Result (*run)(const Request& request) = nullptr;
 };
 
 // All cases, in the order of the report.
 const std::vector<Case>& all_cases();
 
-// A scene of configs/ with the request's spacing and overrides.
-Scene scene_for(const Request& request, const std::string& name);
+// A scene of configs/ with the request's spacing and overrides. `sizes` are overrides that go before those of the
+// request, for what depends on the spacing, such as the width of a slice. Unless an override sets fluid.max_particles it
+// becomes what the scene needs: as much as its water at t = 0, an emitter's scene a quarter more.
+Scene scene_for(const Request& request, const std::string& name, const std::vector<std::string>& sizes = {});
+
+// "/pointer=value" with all digits of the number.
+std::string assign(const std::string& pointer, double value);
 
 }  // namespace wade::validation

@@ -44,6 +44,27 @@ TEST_CASE("agents and goals outside the world are refused; its edge is inside") 
     CHECK(load_patched(crowd(group("a", 0, 0))).scene.crowd.groups.at(0).goal_z == 50);
 }
 
+TEST_CASE("a world with periodic ends has whole cells, people before its end and water that goes round") {
+    const std::string ring = R"(, "world": {"length_m": 40, "ends": "periodic"})";
+    const std::string round =
+        R"(, "channel": {"x_min_m": 0, "x_max_m": 40, "flow": "recirculating", "initial_river": "filled"})";
+    const LoadedScene loaded = load_patched(crowd(group("a", 1, 1), ring + round), {"/crowd/groups/0/goal/x_m=-4000"});
+    CHECK(loaded.scene.world.period() == 40);
+    CHECK(loaded.scene.crowd.groups.at(0).goal_x == -4000);
+    CHECK(load_patched(crowd(group("a", 1, 1))).scene.world.period() == 0);
+
+    CHECK_THAT(refusal(crowd(group("a", 1, 1), ring + round), {"/world/length_m=41"}),
+               Contains("/world/length_m: 41 m cannot be the length of a world with periodic ends; allowed: 6 m, 8 m"));
+    CHECK_THAT(refusal(crowd(group("a", 40, 1), ring + round)),
+               Contains("/crowd/groups/0/start: an agent starts at x 40 m, which in a world with periodic ends is x 0 "
+                        "m; allowed: x < 40 m."));
+    CHECK_THAT(refusal(crowd(group("a", 1, 1), ring + round), {"/channel/x_max_m=38"}),
+               Contains("/world/ends: \"periodic\" does not go with water that ends; allowed: \"open\", or a channel "
+                        "from x 0 to 40 m with flow \"recirculating\" or \"periodic\""));
+    CHECK_THAT(refusal(crowd(group("a", 1, 1)), {"/crowd/groups/0/goal/x_m=-1"}),
+               Contains("the goal of group \"a\" at (x -1 m, z 50 m) is outside the world"));
+}
+
 TEST_CASE("two agents within a millimetre are refused") {
     CHECK_THAT(
         refusal(crowd(group("a", 1, 1, R"(, "columns": 3)") + "," + group("b", 3.0005, 1))),

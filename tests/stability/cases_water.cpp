@@ -1,0 +1,163 @@
+// Water in tanks: at rest, falling, shot, spread out.
+
+#include <algorithm>
+#include <cmath>
+
+#include "cases.hpp"
+#include "water_run.hpp"
+
+namespace wade::stability {
+
+namespace {
+
+using fluid::FluidWorld;
+
+double mean_of(const std::vector<float>& values, std::size_t count) {
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) sum += static_cast<double>(values[i]);
+    return count == 0 ? 0 : sum / static_cast<double>(count);
+}
+
+// A column keeps its volume: twice the mean height is its depth. 1 %: as the compression allowed at any place.
+Result deep_column(const Request& request) {
+    const Scene scene = scene_for(request, "deep_column",
+                                  {"/channel/water_blocks/0/depth_m=4", "/duration_s=1", "/fluid/max_particles=1440"});
+    const double depth = scene.channel.water_blocks.at(0).depth;
+    double lowest = 1;
+    double highest = 1;
+    double last = 1;
+    Hooks hooks;
+    hooks.after_frame = [&](const FluidWorld& world, double, Result&) {
+        const double volume = 2 * mean_of(world.particles().y, world.particles().count) / depth;
+        lowest = std::min(lowest, volume);
+        highest = std::max(highest, volume);
+        last = volume;
+    };
+    Result result = run_water(scene, hooks);
+    check_at_least(result, "smallest_volume", lowest, 0.99);
+    check_at_most(result, "largest_volume", highest, 1.01);
+    note(result, "volume_at_the_end", last);
+    return result;
+}
+
+Result immersed_solid(const Request& request) {
+    return run_water(scene_for(request, "immersed_solid", {"/duration_s=1"}));
+}
+
+// The loader refuses blocks that overlap, so the second is moved over the first here, by half a spacing. The energy of
+// the compression is released as height: at most that of the overlapping water lifted onto the surface. The
+// compression counts from 0.5 s on, when waves of sqrt(g H) have crossed the tank.
+Result overlapping_water(const Request& request) {
+    Scene scene = scene_for(request, "overlapping_water", {"/duration_s=1"});
+    WaterBlock& moved = scene.channel.water_blocks.at(1);
+    const double overlap = 0.5 * scene.fluid.particle_spacing;
+    moved.x.lo -= overlap;
+    moved.x.hi -= overlap;
+    Hooks hooks;
+    hooks.settling = 0.5;
+    hooks.extra_energy =
+        scene.fluid.rest_density * scene.world.gravity * overlap * moved.depth * moved.z.length() * (moved.depth / 2);
+    return run_water(scene, hooks);
+}
+
+// Two blocks in one place are no start at all: the run must end with a message in the first step, not explode.
+Result water_twice(const Request& request) {
+    Scene scene = scene_for(request, "overlapping_water");
+    scene.channel.water_blocks.at(1).x = scene.channel.water_blocks.at(0).x;
+    Result result = run_water(scene);
+    Result verdict;
+    verdict.particles = result.particles;
+    verdict.steps = result.steps;
+    verdict.remarks.push_back("ended with: " + (result.failure.empty() ? "nothing" : result.failure));
+    check_at_least(verdict, "refused", result.failure.empty() ? 0 : 1, 1);
+    check_at_most(verdict, "steps_before_refusal", static_cast<double>(result.steps), 1);
+    return verdict;
+}
+
+Result tank(const Request& request, double length) {
+    Request with_length = request;
+    with_length.overrides.push_back("/channel/x_max_m=" + std::to_string(length));
+    with_length.overrides.push_back("/channel/water_blocks/0/x_max_m=" + std::to_string(length / 3));
+    return run_water(scene_for(with_length, "tank", {"/duration_s=1"}));
+}
+
+Result tank_short(const Request& request) {
+    return tank(request, 0.84);
+}
+Result tank_middle(const Request& request) {
+    return tank(request, 3.6);
+}
+Result tank_long(const Request& request) {
+    return tank(request, 4);
+}
+
+// Water slips freely along the banks, so a channel of one to three particles must run as far as a wide one. 10 %: what
+// a row of particles can differ from a packing of many; water that sticks stays behind by most of its way.
+Result narrow_channel(const Request& request) {
+    const std::vector<std::string> quick{"/duration_s=0.6"};
+    Scene scene = scene_for(request, "narrow_channel", quick);
+    const double d = scene.fluid.particle_spacing;
+    const auto run = [&](int across, double& way) {
+        scene.channel.z = {0, across * d};
+        scene.channel.water_blocks.at(0).z = scene.channel.z;
+        double start = 0;
+        Hooks hooks;
+        hooks.start = [&](FluidWorld& world) { start = mean_of(world.particles().x, world.particles().count); };
+        hooks.after_frame = [&](const FluidWorld& world, double, Result&) {
+            way = start - mean_of(world.particles().x, world.particles().count);
+        };
+        return run_water(scene, hooks);
+    };
+    double wide_way = 0;
+    Result all = run(12, wide_way);
+    for (int across = 1; across <= 3; ++across) {
+        double way = 0;
+        const Result narrow = run(across, way);
+        all.steps += narrow.steps;
+        all.cpu_time += narrow.cpu_time;
+        all.mean_density_error = std::max(all.mean_density_error, narrow.mean_density_error);
+        all.max_density_error = std::max(all.max_density_error, narrow.max_density_error);
+        all.energy_ratio = std::max(all.energy_ratio, narrow.energy_ratio);
+        all.max_displacement = std::max(all.max_displacement, narrow.max_displacement);
+        all.lost_particles += narrow.lost_particles;
+        all.nonfinite += narrow.nonfinite;
+        if (all.failure.empty()) all.failure = narrow.failure;
+        check_at_least(all, "way_of_" + std::to_string(across) + "_over_wide", way / wide_way, 0.9);
+    }
+    return all;
+}
+
+Result jet(const Request& request) {
+    return run_water(scene_for(request, "jet", {"/duration_s=0.5"}));
+}
+
+Result thin_sheet(const Request& request) {
+    return run_water(scene_for(request, "thin_sheet", {"/duration_s=2"}));
+}
+
+Result sloshing(const Request& request) {
+    return run_water(scene_for(request, "sloshing", {"/duration_s=4"}));
+}
+
+}  // namespace
+
+std::vector<Case> water_cases() {
+    return {
+        {"deep_column",
+         "a column of 40 to 80 layers collapses to 80 % of its volume without a rise in density "
+         "(SPlisHSPlasH #242)",
+         deep_column},
+        {"immersed_solid", "a solid that stands in the water at t = 0 explodes (SPlisHSPlasH #56)", immersed_solid},
+        {"overlapping_water", "overlapping water explodes (SPlisHSPlasH #346)", overlapping_water},
+        {"water_twice", "the same, twice the water in one place: must be refused", water_twice, false},
+        {"tank_0.84", "a tank explodes or not by its length (SPlisHSPlasH #179)", tank_short},
+        {"tank_3.6", "the length that explodes there (SPlisHSPlasH #179)", tank_middle},
+        {"tank_4", "a length that is no whole number of spacings (SPlisHSPlasH #179)", tank_long},
+        {"narrow_channel", "water sticks in a channel of one to three particles (SPlisHSPlasH #98)", narrow_channel},
+        {"jet", "a jet of 20 m/s into a pool and a wall", jet},
+        {"thin_sheet", "a sheet that spreads until it is thinner than a particle", thin_sheet},
+        {"sloshing", "water that sloshes in its first mode for long", sloshing},
+    };
+}
+
+}  // namespace wade::stability

@@ -1,0 +1,84 @@
+#include "record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace wade::stability {
+
+namespace {
+
+// JSON knows no infinity: such a value becomes text.
+nlohmann::json number(double value) {
+    if (std::isfinite(value)) return value;
+    return std::isnan(value) ? "nan" : "inf";
+}
+
+}  // namespace
+
+std::string verdict(const Case& hard_case, const Run& run, const Result& result,
+                    const std::vector<KnownFailure>& known) {
+    if (passes(result)) return "pass";
+    const std::vector<Check> checks = all_checks(result);
+    const bool all_known = std::all_of(checks.begin(), checks.end(), [&](const Check& check) {
+        return check.passes() || is_known(known, hard_case.name, run.setting, check);
+    });
+    if (all_known) return "known";
+    return is_stable(result) ? "long_steps" : "fail";
+}
+
+std::string record_text(const Case& hard_case, const Run& run, const Result& r,
+                        const std::vector<KnownFailure>& known) {
+    nlohmann::ordered_json j;
+    j["case"] = hard_case.name;
+    j["trouble"] = hard_case.trouble;
+    j["setting"] = run.setting;
+    j["overrides"] = run.overrides;
+    j["threads"] = run.threads;
+    j["form"] = run.long_form ? "long" : run.quick ? "quick" : "full";
+    j["fingerprint"] = run.fingerprint;
+    j["model"] = r.model;
+    j["particles"] = r.particles;
+    j["steps"] = r.steps;
+    j["simulated_time_s"] = r.simulated_time;
+    j["cpu_s"] = r.cpu_time;
+    j["mean_density_error"] = number(r.mean_density_error);
+    j["max_density_error"] = number(r.max_density_error);
+    j["energy_ratio"] = number(r.energy_ratio);
+    j["kinetic_ratio"] = number(r.kinetic_ratio);
+    j["lost_particles"] = r.lost_particles;
+    j["nonfinite"] = r.nonfinite;
+    j["max_displacement_over_spacing"] = number(r.max_displacement);
+    char hash[17];
+    std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(r.state_hash));
+    j["state_hash"] = hash;
+    j["checks"] = nlohmann::ordered_json::array();
+    for (const Check& check : all_checks(r)) {
+        j["checks"].push_back({{"name", check.name},
+                               {"value", number(check.value)},
+                               {"rule", check.rule_text()},
+                               {"pass", check.passes()},
+                               {"known", !check.passes() && is_known(known, hard_case.name, run.setting, check)}});
+    }
+    j["failure"] = r.failure;
+    j["remarks"] = r.remarks;
+    j["stable"] = is_stable(r);
+    j["pass"] = passes(r);
+    j["verdict"] = verdict(hard_case, run, r, known);
+    return j.dump(2) + "\n";
+}
+
+void write_record(const std::filesystem::path& file, const std::string& text) {
+    std::filesystem::create_directories(file.parent_path());
+    const std::filesystem::path part = file.string() + ".part";
+    std::ofstream out(part, std::ios::binary | std::ios::trunc);
+    out << text;
+    out.close();
+    if (!out) throw std::runtime_error("cannot write " + part.string());
+    std::filesystem::rename(part, file);
+}
+
+}  // namespace wade::stability

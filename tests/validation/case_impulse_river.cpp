@@ -1,0 +1,46 @@
+// A river of 1 m and 1.5 m/s on people who stand and walk in it.
+
+#include <numbers>
+
+#include "cases.hpp"
+#include "crowd_client/water_bins.hpp"
+#include "impulse.hpp"
+
+namespace wade::validation {
+
+namespace {
+
+// rho pi r^2 h v_F T towards -x: what a stream of uniform speed brings into the contact distance r of an agent.
+crowd::Vector2d uniform_stream(const Scene& scene) {
+    const double r = crowd::contact_distance(scene.coupling);
+    const double mass = scene.fluid.rest_density * std::numbers::pi * r * r * scene.channel.depth;
+    return {-mass * scene.channel.velocity * scene.duration, 0};
+}
+
+Result run(const Request& request) {
+    const std::string name = "impulse_river";
+    const Scene scene = scene_for(request, "validation/" + name + ".json");
+    Result result;
+    const ImpulseRun people = run_impulse(scene, result);
+    compare_impulse(people, read_reference(name), result);
+    compare_with_uniform_stream(people, uniform_stream(scene), result);
+    return result;
+}
+
+}  // namespace
+
+Case impulse_river_case() {
+    Case c;
+    c.name = "impulse_river";
+    c.truth =
+        "our own finest run (tests/validation/data/impulse_river_*.csv): 16 people stand and 12 walk in a "
+        "recirculating "
+        "river of 12 m x 6 m, 1 m deep, 1.5 m/s; and rho pi r^2 h v T of a uniform stream.";
+    c.reference = "finest run";
+    c.spacings = {0.4642, 0.2321, 0.1161};
+    c.quick = true;
+    c.run = run;
+    return c;
+}
+
+}  // namespace wade::validation

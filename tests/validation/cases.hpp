@@ -1,0 +1,46 @@
+#pragma once
+// One function a case file.
+
+#include "validation_case.hpp"
+
+namespace wade::validation {
+
+Case column_case();
+Case dam_break_case();
+Case wet_bed_01_case();
+Case wet_bed_02_case();
+Case wet_bed_05_case();
+Case collapse_case();
+Case spheric2_case();
+Case sloshing_case();
+Case uniform_river_case();
+Case uniform_river_600s_case();
+Case manning_river_case();
+Case manning_river_600s_case();
+Case bump_subcritical_case();
+Case bump_transcritical_case();
+Case bump_jump_case();
+Case jump_fr2_case();
+Case jump_fr3_case();
+Case jump_fr5_case();
+Case block_case();
+Case taylor_green_case();
+Case cavity_100_case();
+Case cavity_400_case();
+Case cavity_1000_case();
+Case poiseuille_case();
+Case couette_case();
+Case impulse_river_case();
+Case impulse_front_case();
+Case impulse_lee_case();
+Case crowd_free_speed_case();
+Case crowd_rimea_01_case();
+Case crowd_rimea_04_case();
+Case crowd_rimea_06_case();
+Case crowd_rimea_09_case();
+Case crowd_rimea_12_case();
+Case crowd_circle_case();
+Case crowd_counterflow_case();
+Case crowd_mirror_case();
+
+}  // namespace wade::validation

@@ -1,0 +1,36 @@
+#pragma once
+// A stream in a channel: what the cases of open-channel flow measure in common.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "fluid_server/fluid_world.hpp"
+#include "profiles.hpp"
+#include "run.hpp"
+
+namespace wade::validation {
+
+// Overrides of a scene that is a slice of a wide channel: three support radii wide, the least that periodic sides allow.
+// spacing: m
+std::vector<std::string> slice_width(double spacing);
+
+// Advances to the time `from`, then to `to`, and averages over all frames of the second part in columns about `column` long.
+// Times in s; column: m
+Columns average_columns(fluid::FluidWorld& world, double from, double to, double column, Cost& cost);
+
+// Discharge per width of a column, m^2/s, towards -x.
+double discharge(const Columns& columns, std::size_t k);
+
+// Mean over the columns whose centres lie in a range of x; NaN if there are none.
+double mean_over(const Columns& columns, const Interval& x, const std::function<double(std::size_t)>& value);
+double mean_depth(const Columns& columns, const Interval& x);      // m
+double mean_discharge(const Columns& columns, const Interval& x);  // m^2/s
+
+// sqrt(sum (h - h_exact)^2 / sum h_exact^2) over the columns whose centres lie in a range of x.
+double depth_error(const Columns& columns, const Interval& x, const std::function<double(double)>& exact_depth);
+
+// The largest |q / q_mean - 1| of a column whose centre lies in a range of x.
+double discharge_variation(const Columns& columns, const Interval& x);
+
+}  // namespace wade::validation

@@ -1,0 +1,71 @@
+#pragma once
+// What the water does to the people of a scene: impulse on those who stand, outcome of those who walk.
+//
+// Water and crowd run in one process, frame by frame, as the two programs do in lockstep: the water computes frame k,
+// the crowd takes step k through it. The crowd does not act on the water.
+//
+//   p_a(k)  = sum_i m_i v_i over the particles that touch agent a in step k: Eq. 5 with the scene's contact rule,
+//             horizontal, kg m/s
+//   I_a     = sum_k p_a(k) dt, the time integral of that momentum, kg m; dt is the length of a step of the crowd
+//   L_a     = sum_k |p_a(k)| dt, kg m: the same without the cancelling of opposite directions, "load"
+//
+// By Eq. 9 the velocity of an agent depends on the water through p_a and the mass in contact alone, so I_a is what the
+// walking of agents is sensitive to; I_a divided by the duration is the mean momentum in contact with the agent.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "configs/scene.hpp"
+#include "crowd_client/agents.hpp"
+#include "validation_case.hpp"
+
+namespace wade::validation {
+
+// One who stands: desired speed 0 and tau 0, so that the place is the same in every run.
+struct StandingAgent {
+    std::uint32_t id = 0;
+    crowd::Vector2d impulse = crowd::Vector2d::Zero();  // I_a, kg m
+    double load = 0;                                    // L_a, kg m
+};
+
+struct WalkingAgent {
+    std::uint32_t id = 0;
+    crowd::Outcome outcome = crowd::Outcome::active;
+    double time = 0;                                  // of arrival or death, s; the end of the run if still active
+    crowd::Vector2d place = crowd::Vector2d::Zero();  // at that time, m
+};
+
+struct ImpulseRun {
+    std::vector<StandingAgent> standing;  // ascending id
+    std::vector<WalkingAgent> walking;    // ascending id
+};
+
+// Runs the scene with any model of the water; notes cost and model in `result`.
+[[nodiscard]] ImpulseRun run_impulse(const Scene& scene, Result& result);
+
+// The finest run of a case, from data/<name>_standing.csv and data/<name>_walking.csv beside this file. Empty if there
+// are no such files. Throws std::runtime_error, naming file and line, if one cannot be read.
+[[nodiscard]] ImpulseRun read_reference(const std::string& name);
+
+// Adds to `result` the curves of the run and, unless the reference is empty, its errors against it:
+//   impulse_median, impulse_p95  |I_a - I_a,ref| / L_a,ref over the standing agents with L_a,ref > 0. The load in the
+//                                denominator keeps an agent in a lee, where the impulse cancels, from dividing by
+//                                nearly nothing; in a stream of one direction L = |I|.
+//   load_total                   |sum L_a - sum L_a,ref| / sum L_a,ref: what remains once the scatter among agents
+//                                cancels
+//   outcome_changed              share of the walking agents whose outcome is another one
+//   end_time_median              s, over the walking agents that arrive or die in both runs in the same way
+//   end_place_median             m, over all walking agents: distance of their last places
+// Throws std::runtime_error if the two runs are not of the same agents.
+void compare_impulse(const ImpulseRun& run, const ImpulseRun& reference, Result& result);
+
+// Runs the case: configs/validation/<name>.json against the reference <name>.
+[[nodiscard]] Result run_impulse_case(const Request& request, const std::string& name);
+
+// The error of the whole sample against a stream of given momentum in contact: median over the standing agents of
+// |I_a - I| / |I|. impulse: I, kg m
+void compare_with_uniform_stream(const ImpulseRun& run, const crowd::Vector2d& impulse, Result& result);
+
+}  // namespace wade::validation

@@ -1,0 +1,43 @@
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+#include "configs/scene_capacity.hpp"
+#include "configs/scene_loader.hpp"
+#include "validation_case.hpp"
+
+namespace wade::validation {
+
+std::string assign(const std::string& pointer, double value) {
+    std::ostringstream text;
+    text.precision(17);
+    text << pointer << '=' << value;
+    return text.str();
+}
+
+Scene scene_for(const Request& request, const std::string& name, const std::vector<std::string>& sizes) {
+    const std::string capacity = "/fluid/max_particles=";
+    std::vector<SceneOverride> overrides;
+    bool capacity_given = false;
+    const auto add = [&](const std::string& text) {
+        capacity_given = capacity_given || text.starts_with(capacity);
+        overrides.push_back(parse_override(text));
+    };
+    if (request.spacing > 0) {
+        add(assign("/fluid/particle_spacing_m", request.spacing));
+    }
+    std::for_each(sizes.begin(), sizes.end(), add);
+    std::for_each(request.overrides.begin(), request.overrides.end(), add);
+    if (!capacity_given) {
+        overrides.push_back(parse_override(capacity + "100000000"));  // refuses nothing; the true need follows
+    }
+    Scene scene = load_scene(std::filesystem::path(WADE_CONFIGS) / name, overrides).scene;
+    if (!capacity_given) {
+        const std::uint64_t needed = particles_needed(scene);
+        const std::uint64_t slack = scene.channel.flow == Flow::emitter ? needed / 4 : 0;
+        scene.fluid.max_particles = static_cast<int>(needed + slack);
+    }
+    return scene;
+}
+
+}  // namespace wade::validation

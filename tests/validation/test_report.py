@@ -1,0 +1,125 @@
+"""The scripts of tools/validate.sh: which runs are planned, how they are judged, what the report says."""
+
+import csv
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(ROOT / "tools" / "validation"))
+
+import convergence  # noqa: E402
+import report  # noqa: E402
+import results  # noqa: E402
+import runs  # noqa: E402
+
+HEADER = "case,model,spacing_m,particles,metric,value,unit,threshold,pass,wall_s,cpu_s,reference"
+CASES = [runs.Case("wave 0.1 0.05 0.025 quick=medium"), runs.Case("river 0.25 0.125 long=medium"), runs.Case("crowd 0")]
+
+
+def names(plan):
+    return [f"{case.name}-{level}" for case, level in plan]
+
+
+def run_of(case, level, spacing, error, fingerprint="now"):
+    return {
+        "case": case, "level": level, "status": "completed", "error": "", "truth": "The truth.", "reference": "somebody 1900",
+        "model": "dfsph", "spacing_m": spacing, "particles": 10, "steps": 5, "particle_steps": 50.0, "simulated_s": 2.0,
+        "solver_cpu_s": 1.5, "solver_wall_s": 3.0, "processor": "P", "processors": 2, "compiler": "C", "version": "0",
+        "git": "abc", "fingerprint": fingerprint,
+        "metrics": [{"name": "height", "value": error, "unit": "1"}, {"name": "rest", "value": 7.0, "unit": "m"}],
+        "curves": [{"name": "line", "file": f"{case}-{level}-line.csv", "columns": ["x_m", "height_m", "exact_height_m"]}],
+    }  # fmt: skip
+
+
+class Planning(unittest.TestCase):
+    def test_everything_but_long_runs_coarse_first(self):
+        expected = ["wave-coarse", "river-coarse", "crowd-coarse", "wave-medium", "wave-fine"]
+        self.assertEqual(names(runs.plan(CASES, "", "", False, False)), expected)
+
+    def test_quick_long_and_patterns(self):
+        self.assertEqual(names(runs.plan(CASES, "", "", True, False)), ["wave-medium"])
+        self.assertEqual(names(runs.plan(CASES, "r*,crowd", "", False, True)), ["river-coarse", "crowd-coarse", "river-medium"])
+        self.assertEqual(names(runs.plan(CASES, "wave", "fine", False, False)), ["wave-fine"])
+
+    def test_what_does_not_exist_is_refused_by_name(self):
+        for patterns, levels, word in (("wafe", "", "wafe"), ("", "rough", "rough"), ("river", "medium", "nothing to run")):
+            with self.assertRaisesRegex(ValueError, word):
+                runs.plan(CASES, patterns, levels, False, False)
+
+
+class Order(unittest.TestCase):
+    def test_of_a_power_law(self):
+        self.assertAlmostEqual(convergence.order([0.4, 0.2, 0.1], [0.16, 0.04, 0.01]), 2)
+
+    def test_none_where_errors_do_not_fall(self):
+        self.assertIsNone(convergence.order([0.4, 0.2, 0.1], [0.03, 0.02, 0.04]))
+        self.assertIsNone(convergence.order([0.4, 0.2, 0.1], [0.01, 0.02, 0.04]))
+        self.assertIsNone(convergence.order([0.4, 0.2], [0.2, 0.1]))
+        self.assertIsNone(convergence.order([0.4, 0.2, 0.1], [1e-7, 5e-8, 0]))
+        self.assertIsNone(convergence.order([0.4, 0.2, 0.1], [0.1, None, 0.02]))
+
+
+class Reporting(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = Path(folder.name)
+        (self.out / "runs").mkdir()
+        (self.out / "t.csv").write_text("case,metric,coarse,medium,fine,reason\nwave,height,0.2,,0.02,because, it, is\n")
+        (self.out / "k.csv").write_text("case,metric,level,guard,reason\nwave,height,fine,0.05,thin\n")
+        self.judge = results.Judge(self.out / "t.csv", self.out / "k.csv")
+
+    def put(self, run):
+        (self.out / "runs" / f"{run['case']}-{run['level']}.json").write_text(json.dumps(run))
+        for curve in run["curves"]:
+            (self.out / "runs" / curve["file"]).write_text("x_m,height_m,exact_height_m\n0,1,1\n1,,2\n2,3,3\n")
+
+    def test_verdicts(self):
+        def verdict(level, value):
+            run = run_of("wave", level, 0.1, value)
+            return self.judge.verdict(run, run["metrics"][0])
+
+        self.assertEqual(verdict("coarse", 0.2), "yes")
+        self.assertEqual(verdict("coarse", 0.21), "no")
+        self.assertEqual(verdict("medium", 0.1), "yes")
+        self.assertEqual(verdict("fine", 0.04), "known")
+        self.assertEqual(verdict("fine", 0.06), "no")
+        self.assertEqual(verdict("fine", None), "no")
+
+    def test_table_and_report_hold_every_run(self):
+        for level, spacing, error in (("coarse", 0.1, 0.3), ("medium", 0.05, 0.1), ("fine", 0.025, 0.04)):
+            self.put(run_of("wave", level, spacing, error, "now" if level != "fine" else "before"))
+        failed = run_of("crowd", "coarse", 0, 0)
+        failed.update(status="failed", error="it ran away", metrics=[], curves=[])
+        self.put(failed)
+        found = results.read_runs(self.out / "runs", CASES)
+        self.assertEqual(len(found), 4)
+        results.write_csv(found, self.judge, self.out / "validation.csv")
+        report.write(found, CASES, self.judge, "now", self.out)
+
+        lines = (self.out / "validation.csv").read_text().splitlines()
+        self.assertEqual(lines[0], HEADER)
+        rows = list(csv.DictReader(lines))
+        self.assertEqual([row["pass"] for row in rows], ["no", "", "yes", "", "no", "", "no"])
+        self.assertEqual(rows[-1]["metric"], "run_completed")
+        text = (self.out / "report.md").read_text()
+        for words in ("**FAIL** (known)", "it ran away", "The truth.", "because, it, is", "another version", "| 1.5 |"):
+            self.assertIn(words, text)
+        picture = self.out / "figures" / "wave.png"
+        self.assertLess(picture.stat().st_size, 60_000)
+        plan = [(case, level) for case, level in runs.plan(CASES, "wave,crowd", "", False, False)]
+        self.assertEqual(results.print_summary(plan, found, self.judge), 1)
+
+    def test_the_program_and_the_script_read_the_same_tables(self):
+        tables = ROOT / "tests" / "validation"
+        judge = results.Judge(tables / "thresholds.csv", tables / "known_failures.csv")
+        for key, (guard, _) in judge.guards.items():
+            self.assertGreater(guard, judge.thresholds[key], key)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Sweeps the settings of the water and sets the error of each beside what it costs.
+set -euo pipefail
+# shellcheck source=tools/build.bash
+. "$(dirname "${BASH_SOURCE[0]}")/build.bash"
+
+for argument in "$@"; do
+  case "$argument" in
+    -h | --help)
+      # Needs neither packages nor a build, so that help is always at hand.
+      cat <<'HELP'
+Usage: tools/speed_vs_error.sh [--quick] [--out DIR] [--cases A,B] [--spacings N] [--repeats N] [--time-limit S]
+                               [--splishsplash PROGRAM]
+
+Runs cases of the validation suite, among them the impulse of the water on people, at three spacings and with other
+tolerances, CFL numbers, kernels and numbers of threads: one at a time around the default, then joined where each alone
+lies near the front. Writes DIR/speed_vs_error.csv, DIR/report.md ("for an error below x choose this") and a plot of
+error over CPU time for each error. Takes hours; a run that is there already, of the same program and scenes, is not
+repeated.
+
+  --quick                 two spacings, few settings, one run each: two minutes
+  --out DIR               [runs/speed_vs_error in the project]
+  --cases A,B             only these
+  --spacings N            only the N coarsest spacings of each case, 1 to 3 [3]
+  --repeats N             runs of each point; its cost is their median [3, quick: 1]
+  --time-limit S          wall time after which a run is given up, s [3600]
+  --splishsplash PROGRAM  measures the front of the impulse case with SPlisHSPlasH too: the program that
+                          tools/splishsplash/build.sh makes
+HELP
+      exit 0
+      ;;
+  esac
+done
+
+"$root/tools/install_dependencies.sh" || exit 1
+lock_build_folder
+if ! grep -qs '^WADE_BUILD_TESTS:BOOL=ON' "$build/CMakeCache.txt"; then
+  configure_release -DWADE_BUILD_TESTS=ON || exit 1
+fi
+ninja -C "$build" validate crowd_client >&2 || { echo "speed_vs_error.sh: the build failed" >&2; exit 1; }
+unlock_build_folder
+exec /usr/bin/python3 "$root/tools/speed_vs_error" --validate "$build/validate" "$@"

@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+"""Measures error and cost over the settings of the water; see tools/speed_vs_error.sh.
+
+Needs matplotlib for the plots.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from measure import Runner
+from settings import FACTORS, QUICK_FACTORS, ROOT, Setting, default_setting
+from settings import combinations, near_front, one_at_a_time, probes
+from splishsplash import measure_all
+from table import ERRORS, error_names, error_of, groups_of, write_table
+
+# River with agents, dam break, box in a tank, bump, obstacle; each at the three spacings of its case.
+CASES = ("impulse_river", "impulse_front", "impulse_lee", "dam_break", "spheric2", "bump_subcritical",
+         "bump_transcritical", "bump_jump", "block")
+# Two spacings each, or one where the second one alone would take most of the two minutes.
+QUICK_CASES = {"impulse_river": 2, "impulse_front": 2, "impulse_lee": 2, "dam_break": 1}
+KINEMATIC = ("impulse_river",)  # the cases to which a stream of given velocity applies
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="speed_vs_error.sh", description="Speed against error.")
+    parser.add_argument("--validate", required=True, type=Path, help="the program `validate`")
+    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "speed_vs_error")
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--repeats", type=int)
+    parser.add_argument("--cases", help="comma-separated, default: " + ",".join(CASES))
+    parser.add_argument("--spacings", type=int, choices=(1, 2, 3), help="how many, from the coarse one")
+    parser.add_argument("--time-limit", type=float, default=3600.0)
+    parser.add_argument("--splishsplash")
+    options = parser.parse_args()
+    if options.repeats is None:
+        options.repeats = 1 if options.quick else 3
+    if options.repeats < 1:
+        parser.error(f"--repeats {options.repeats}: allowed: 1 and more")
+    if not options.time_limit > 0:
+        parser.error(f"--time-limit {options.time_limit:g}: allowed: more than 0 s")
+    return options
+
+
+def listed_cases(program):
+    """name -> (spacings, those of them that take hours and are left out)"""
+    answer = subprocess.run([program, "--list"], stdout=subprocess.PIPE, text=True, check=True)
+    cases = {}
+    levels = {"coarse": 0, "medium": 1, "fine": 2}
+    for line in answer.stdout.splitlines():
+        words = line.split()
+        marks = dict(w.split("=") for w in words[1:] if "=" in w)
+        spacings = [float(w) for w in words[1:] if "=" not in w]
+        short = levels[marks["long"]] if "long" in marks else len(spacings)
+        cases[words[0]] = (spacings[:short], spacings[short:])
+    return cases
+
+
+def sweep(runner, case, spacing, factors, join):
+    """All points of one case and spacing; with `join` also the combinations and the probes of chance."""
+    points = [runner.run(s, ROOT) for s in one_at_a_time(case, spacing, factors)]
+    if case in KINEMATIC:
+        points.append(runner.run(Setting(case=case, spacing=spacing, model="kinematic"), ROOT))
+    metric = ERRORS[case][0]
+    known = [p for p in points if p.setting.model == "dfsph" and error_of(p.metrics, metric) is not None]
+    if join:
+        near = near_front([(p.setting, p.cpu, error_of(p.metrics, metric)) for p in known])
+        points += [runner.run(s, ROOT) for s in combinations(default_setting(case, spacing), near)]
+        points += [runner.run(s, ROOT) for s in probes(case, spacing)]
+    return points
+
+
+def machine_of():
+    def output(*command):
+        pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+        return subprocess.run(command, **pipe, text=True, check=False).stdout.strip()
+
+    processor = next((line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
+                      if line.startswith("model name")), "unknown processor")
+    return {
+        "processor": processor,
+        "processors": os.cpu_count(),
+        "load": os.getloadavg()[0],
+        "compiler": output("c++", "--version").splitlines()[0] if output("c++", "--version") else "unknown compiler",
+        "git": output("git", "-C", str(ROOT), "describe", "--always", "--dirty") or "unknown",
+    }
+
+
+def main():
+    options = arguments()
+    there = listed_cases(options.validate)
+    factors = QUICK_FACTORS if options.quick else FACTORS
+    wanted = options.cases.split(",") if options.cases else list(QUICK_CASES if options.quick else CASES)
+    remarks = []
+    measured = []
+    options.out.mkdir(parents=True, exist_ok=True)
+    runner = Runner(options.validate, options.out / "points", options.repeats, options.time_limit)
+    for case in wanted:
+        if case not in there or case not in ERRORS:
+            if options.cases:
+                sys.exit(f"speed_vs_error.sh: --cases {case}: allowed: {', '.join(c for c in CASES if c in there)}")
+            remarks.append(f"Case {case} is not in this version of `validate` and was left out.")
+            continue
+        spacings, too_long = there[case]
+        count = options.spacings or (QUICK_CASES.get(case, 1) if options.quick else 3)
+        if too_long and count > len(spacings):
+            remarks.append(f"{case}: spacings {', '.join(f'{d:g} m' for d in too_long)} take hours and were left out.")
+        for spacing in spacings[:count]:
+            measured += sweep(runner, case, spacing, factors, join=not options.quick)
+            write_results(options, measured, remarks)
+        if not any(error_names(case, p.metrics) for p in measured if p.setting.case == case and p.metrics):
+            remarks.append(f"{case}: its runs report no error; an impulse case needs its reference in tests/validation/data.")
+    if options.splishsplash:
+        crowd_client = options.validate.parent / "crowd_client"
+        spacings = sorted({p.setting.spacing for p in measured if p.setting.case == "impulse_front"}, reverse=True)
+        if not spacings:
+            remarks.append("SPlisHSPlasH is compared in impulse_front only, which was not asked for.")
+        folder = options.out / "splishsplash"
+        points, more = measure_all(options.splishsplash, crowd_client, spacings, options.repeats, folder)
+        measured += points
+        remarks += more
+    write_results(options, measured, remarks)
+    print(options.out / "report.md")
+
+
+def write_results(options, measured, remarks):
+    """After each spacing, so that a sweep that is cut short leaves what it has."""
+    from plots import has_plot, plot, plot_name
+    from report import report_text
+
+    groups = groups_of(measured)
+    write_table(options.out / "speed_vs_error.csv", groups)
+    for group in filter(has_plot, groups):
+        plot(group, options.out / plot_name(group))
+    text = report_text(groups, machine_of(), remarks, options.quick)
+    part = options.out / "report.md.part"
+    part.write_text(text, encoding="utf-8")
+    os.replace(part, options.out / "report.md")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,120 @@
+"""Runs `validate` for a point and keeps what it says; what is there already is not repeated."""
+
+import hashlib
+import json
+import os
+import statistics
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass
+class Measured:
+    """A point with its result."""
+
+    setting: object
+    particles: int = 0
+    cpu: float = 0.0  # CPU seconds of the solver per simulated second, median of the repeats
+    wall: float = 0.0  # the same of wall time
+    rate: float = 0.0  # particle steps per wall second, median
+    repeats: int = 0
+    metrics: dict = None  # name -> value, None where it could not be measured
+    failure: str = ""  # why there is no result
+
+
+class Runner:
+    """Runs points with one program and keeps the results under a folder."""
+
+    def __init__(self, program, folder, repeats, time_limit):
+        self.program = Path(program)
+        self.folder = Path(folder)
+        self.repeats = repeats
+        self.time_limit = time_limit
+        self.hash = hashlib.sha256(self.program.read_bytes()).hexdigest()[:16]
+        self.inputs = {}  # case -> hash of the files it reads
+
+    def fingerprint(self, setting, root):
+        """Of program, scenes and reference: a run of another one is out of date."""
+        if setting.case not in self.inputs:
+            h = hashlib.sha256()
+            for pattern in ("configs/scene.schema.json", "configs/validation/*.json", "tests/validation/data/*"):
+                for file in sorted(root.glob(pattern)):
+                    h.update(file.read_bytes())
+            self.inputs[setting.case] = h.hexdigest()[:16]
+        return f"{self.hash}-{self.inputs[setting.case]}"
+
+    def run(self, setting, root):
+        """Measures a point, with as many runs as are missing. A run that fails is tried once and noted."""
+        documents = []
+        for k in range(1, self.repeats + 1):
+            document = self.one_run(setting, root, k)
+            documents.append(document)
+            if document["status"] != "completed":
+                particles = document.get("particles", 0)
+                return Measured(setting, particles, repeats=k, metrics={}, failure=document["error"])
+        return summary(setting, documents)
+
+    def one_run(self, setting, root, k):
+        folder = self.folder / setting.key() / f"repeat-{k}"
+        fingerprint = self.fingerprint(setting, root)
+        file = folder / "result.json"
+        try:
+            document = json.loads(file.read_text())
+            if document.get("fingerprint") == fingerprint:
+                return document
+        except (OSError, ValueError):
+            pass
+        folder.mkdir(parents=True, exist_ok=True)
+        command = [self.program, "--case", setting.case, "--spacing", f"{setting.spacing:.10g}"]
+        for override in setting.overrides():
+            command += ["--set", override]
+        command += ["--threads", str(setting.threads), "--out", folder]
+        print(f"  {setting.key()} ({k} of {self.repeats})", file=sys.stderr, flush=True)
+        environment = dict(os.environ, OMP_NUM_THREADS=str(setting.threads), GOMP_SPINCOUNT="2000")
+        document = {"status": "failed", "error": ""}
+        for old in (folder / "runs").glob("*.json"):
+            old.unlink()
+        try:
+            answer = subprocess.run(
+                command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment,
+                timeout=self.time_limit, check=False,
+            )
+            written = sorted((folder / "runs").glob(f"{setting.case}-*.json"))
+            if written:
+                document = json.loads(written[0].read_text())
+            elif answer.returncode == 2:
+                document["error"] = answer.stderr.strip()[-300:]
+            else:
+                words = " ".join(map(str, command))
+                raise RuntimeError(f"{words}: exit code {answer.returncode}: {answer.stderr.strip()[-300:]}")
+        except subprocess.TimeoutExpired:
+            document["error"] = f"took longer than {self.time_limit:g} s of wall time (--time-limit)"
+        document["fingerprint"] = fingerprint
+        part = file.with_suffix(".part")
+        part.write_text(json.dumps(document))
+        os.replace(part, file)
+        return document
+
+
+def summary(setting, documents):
+    """Medians over the repeats. The errors are the same bits in each; if not, the runs are not those of one setting."""
+    first = documents[0]
+    metrics = {m["name"]: m["value"] for m in first["metrics"]}
+    for other in documents[1:]:
+        if {m["name"]: m["value"] for m in other["metrics"]} != metrics:
+            raise RuntimeError(f"{setting.key()}: two runs of the same setting have different errors")
+
+    def median(value):
+        return statistics.median(value(d) for d in documents)
+
+    return Measured(
+        setting,
+        particles=first["particles"],
+        cpu=median(lambda d: d["solver_cpu_s"] / d["simulated_s"]),
+        wall=median(lambda d: d["solver_wall_s"] / d["simulated_s"]),
+        rate=median(lambda d: d["particle_steps"] / max(d["solver_wall_s"], 1e-9)),
+        repeats=len(documents),
+        metrics=metrics,
+    )

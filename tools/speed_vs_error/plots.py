@@ -1,0 +1,74 @@
+"""Log-log plots of error over cost, with the front drawn and labelled."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+from settings import default_setting  # noqa: E402
+from table import is_default  # noqa: E402
+
+COLOURS = ("#1b6ca8", "#d1701f", "#3a8a4d", "#8a4d9e", "#777777")
+
+WORDS = {
+    "impulse_median": "impulse on standing agents: median relative error",
+    "impulse_p95": "impulse on standing agents: 95th percentile of the relative error",
+    "outcome_changed": "share of walking agents with another outcome",
+    "end_place_median": "last place of walking agents: median distance from the true one, m",
+    "depth_l1": "L1 error of depth / H",
+    "speed_l1": "L1 error of speed / sqrt(g H)",
+}
+
+
+def words(metric):
+    return WORDS.get(metric, metric.rstrip("_*").replace("_", " "))
+
+
+def plot_name(group):
+    return f"{group.case}-{group.metric.rstrip('_*')}.png"
+
+
+def has_plot(group):
+    """A logarithmic axis needs two errors above 0."""
+    return sum(e is not None and e > 0 for e in group.errors) >= 2
+
+
+def plot(group, file):
+    """Draws one group. Errors of 0 have no place on a logarithmic axis and are left out; the table has them."""
+    figure, axes = plt.subplots(figsize=(8.8, 4.4))
+    shown = [(p, e, f) for p, e, f in zip(group.points, group.errors, group.flags) if e is not None and e > 0]
+    spacings = sorted({p.setting.spacing for p in group.points}, reverse=True)
+    for k, spacing in enumerate(spacings):
+        here = [(p, e) for p, e, _ in shown if p.setting.spacing == spacing]
+        colour = COLOURS[k % len(COLOURS)]
+        for model, marker in (("dfsph", "o"), ("other", "D")):
+            some = [(p, e) for p, e in here if (p.setting.model == "dfsph") == (model == "dfsph")]
+            if some:
+                label = f"d = {spacing:g} m" + ("" if model == "dfsph" else f", {some[0][0].setting.model}")
+                axes.scatter([p.cpu for p, _ in some], [e for _, e in some], s=26, marker=marker, color=colour,
+                             alpha=0.75, linewidths=0, label=label)
+        for p, e in here:
+            if is_default(p.setting):
+                lo, hi = group.spread.get(spacing, (e, e))
+                axes.plot([p.cpu, p.cpu], [max(lo, 1e-3 * hi), hi], color=colour, linewidth=1.2)
+                axes.scatter([p.cpu], [e], s=110, marker="o", facecolors="none", edgecolors=colour, linewidths=1.4)
+    best = sorted(((p.cpu, e, p) for p, e, f in shown if f), key=lambda b: b[:2])
+    if best:
+        axes.plot([c for c, _, _ in best], [e for _, e, _ in best], color="black", linewidth=1, zorder=0, label="front")
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    names = []
+    for k, (cost, error, p) in enumerate(best, start=1):
+        name = p.setting.label(default_setting(p.setting.case, p.setting.spacing))
+        names.append(f"{k}: d {p.setting.spacing:g}, {name}")
+        axes.annotate(str(k), (cost, error), textcoords="offset points", xytext=(-9, -9), fontsize=8, weight="bold")
+    axes.text(1.02, 0.0, "\n".join(names), transform=axes.transAxes, fontsize=7, va="bottom", ha="left")
+    axes.set_xlabel("CPU seconds per simulated second")
+    axes.set_ylabel(words(group.metric), fontsize=8)
+    axes.set_title(f"{group.case}: error over cost (ring: default, bar: its chance)", fontsize=10)
+    axes.grid(True, which="both", linewidth=0.3, alpha=0.5)
+    axes.margins(x=0.15, y=0.12)
+    axes.legend(fontsize=7, bbox_to_anchor=(1.01, 1), loc="upper left", frameon=False)
+    figure.tight_layout()
+    figure.savefig(file, dpi=100)
+    plt.close(figure)

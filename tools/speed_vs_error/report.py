@@ -1,0 +1,140 @@
+"""report.md: what to choose for which error, where the default lies, and what the numbers are made of."""
+
+from front import cheapest_below, distance_to_front
+from plots import has_plot, plot_name, words
+from settings import default_setting
+from table import is_default
+
+LIMITS = (0.5, 0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01)
+
+
+def cost_text(cost):
+    return f"{cost:.3g} s"
+
+
+def name_of(point):
+    s = point.setting
+    return f"d = {s.spacing:g} m, {s.label(default_setting(s.case, s.spacing))}"
+
+
+def choice_table(group):
+    """For an error below x choose this: a row where the choice changes, with the strictest limit that it keeps."""
+    lines = ["| for an error below | choose | error | CPU s per simulated s | particles |", "|---|---|---|---|---|"]
+    choices = [(limit, cheapest_below(group.pairs(), limit)) for limit in LIMITS]
+    for k, (limit, best) in enumerate(choices):
+        if best is None:
+            smallest = min((e for e in group.errors if e is not None), default=None)
+            if smallest is not None:
+                lines.append(f"| {limit:g} | nothing measured here; the smallest error is {smallest:.3g} | | | |")
+            break
+        if k + 1 < len(choices) and choices[k + 1][1] == best:
+            continue
+        p = group.points[best]
+        lines.append(f"| {limit:g} | {name_of(p)} | {group.errors[best]:.3g} | {cost_text(p.cpu)} | {p.particles} |")
+    return lines
+
+
+def default_lines(group):
+    """Where the default lies relative to the front, at each spacing."""
+    lines = []
+    for i, point in enumerate(group.points):
+        if not is_default(point.setting) or group.errors[i] is None:
+            continue
+        d = point.setting.spacing
+        if group.flags[i]:
+            lines.append(f"* d = {d:g} m: the default lies on the front (error {group.errors[i]:.3g}, "
+                         f"{cost_text(point.cpu)} per simulated second).")
+            continue
+        cost, error = distance_to_front(group.pairs(), i)
+        text = (f"* d = {d:g} m: the default is off the front (error {group.errors[i]:.3g}, {cost_text(point.cpu)} per "
+                "simulated second)")
+        if cost > 1.05:
+            cheaper = group.points[cheapest_below(group.pairs(), group.errors[i])]
+            text += f"; {name_of(cheaper)} is at most as wrong and {cost:.2g} times cheaper"
+        best = group.errors[i] / error
+        if error > 1.05 and best < group.spread.get(d, (float("inf"), 0))[0]:
+            text += f"; at no more than its cost there is an error {error:.2g} times smaller"
+        elif error > 1.05:
+            text += "; at no more than its cost no error is smaller by more than chance"
+        if cost <= 1.05 and error <= 1.05:
+            text += ", by less than 5 % in cost and error"
+        lines.append(text + ".")
+    for d, (lo, hi) in group.spread.items():
+        lines.append(f"* d = {d:g} m, chance: the default with gravity changed by 0.01 % has errors from {lo:.3g} to "
+                     f"{hi:.3g}; smaller differences between settings say nothing.")
+    return lines
+
+
+def thread_lines(group):
+    """What a second thread does to wall time and to CPU time."""
+    by_setting = {p.setting: p for p in group.points if not p.failure}
+    lines = []
+    for setting, point in by_setting.items():
+        one = next((p for s, p in by_setting.items() if setting.threads > 1 and s.threads == 1
+                    and s.overrides() == setting.overrides() and s.spacing == setting.spacing), None)
+        if one:
+            lines.append(f"* d = {setting.spacing:g} m ({point.particles} particles), {setting.threads} threads: "
+                         f"{one.wall / point.wall:.2f} times as fast on the wall clock for {point.cpu / one.cpu:.2f} times "
+                         "the CPU time.")
+    return lines
+
+
+def layer_lines(group):
+    """What each spacing costs and gives with the default settings, beside the coarsest."""
+    points = [(p, e) for p, e in zip(group.points, group.errors) if is_default(p.setting) and e is not None]
+    points.sort(key=lambda pair: -pair[0].setting.spacing)
+    if len(points) < 2:
+        return []
+    lines = ["| spacing | particles | CPU s per simulated s | times the coarsest | error |", "|---|---|---|---|---|"]
+    for p, e in points:
+        times = p.cpu / points[0][0].cpu
+        lines.append(f"| {p.setting.spacing:g} m | {p.particles} | {cost_text(p.cpu)} | {times:.3g} | {e:.3g} |")
+    return lines
+
+
+def machine_line(machine):
+    return (f"{machine['processor']}, {machine['processors']} processors, load {machine['load']:.1f} when the report "
+            f"was written; {machine['compiler']}; commit {machine['git']}.")
+
+
+def report_text(groups, machine, remarks, quick):
+    lines = ["# Speed against error", ""]
+    command = "`tools/speed_vs_error.sh --quick`" if quick else "`tools/speed_vs_error.sh`"
+    lines.append(f"Written by {command}. Machine: {machine_line(machine)}")
+    lines += [
+        "",
+        "Cost is CPU time of the solver per simulated second, median of the repeats, so that it depends little on what "
+        "else the machine does. A point is on the front if no other point of its case is at most as dear and at most as "
+        "wrong, and better in one of both. One factor at a time was varied around the default of the scene schema, then "
+        "those changes were joined that lie within 10 % of the front alone. In the plots a ring marks the default, its "
+        "bar what chance does to it.",
+        "",
+        "The impulse on an agent is the time integral of the momentum of the particles that touch it (Eq. 5), kg m; its "
+        "error is the distance from that of our own finest run, relative to the time integral of the momentum's magnitude "
+        "there. The finest run is no truth, and its spacing is not far from the fine one here: errors at the fine spacing "
+        "are lower bounds.",
+        "",
+    ]
+    seen = set()
+    for group in groups:
+        if group.case not in seen:
+            seen.add(group.case)
+            lines += [f"## {group.case}", ""]
+            lines += section("spacing with the default settings", layer_lines(group))
+            lines += section("threads", thread_lines(group))
+            failed = [f"* {name_of(p)}: {p.failure}" for p in group.points if p.failure]
+            lines += section("settings that failed", failed)
+        lines += [f"### {words(group.metric)}", ""]
+        if has_plot(group):
+            lines += [f"![{group.case}, {group.metric.rstrip('_*')}]({plot_name(group)})", ""]
+        lines += choice_table(group) + [""]
+        lines += section("the default", default_lines(group))
+    if quick:
+        remarks = ["What chance does to the errors was not measured (--quick).", *remarks]
+    if remarks:
+        lines += ["## Remarks", ""] + [f"* {remark}" for remark in remarks] + [""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def section(title, lines):
+    return [title[0].upper() + title[1:] + ":", "", *lines, ""] if lines else []

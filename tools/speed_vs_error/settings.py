@@ -1,0 +1,151 @@
+"""What is varied: the settings of a point, and the list of points to measure."""
+
+import itertools
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# Factors in the order in which the table shows them. The values are those of the issue that asked for this sweep:
+# tolerances 1, 0.1 and 0.01 %, CFL 0.25, 0.5 and 1, both kernels, the divergence solve at three tolerances and off.
+FACTORS = {
+    "tolerance": (1e-2, 1e-3, 1e-4),
+    "divergence_tolerance": (1e-2, 1e-4, "off"),
+    "cfl": (0.25, 1.0),
+    "kernel": ("wendland_c2",),
+    "threads": (2,),
+}
+QUICK_FACTORS = {"tolerance": (1e-2,), "cfl": (1.0,)}
+
+GRAVITY = 9.81  # m/s2, of every case that is swept
+
+# Combinations are made of these: the number of threads changes no error.
+COMBINED = ("tolerance", "divergence_tolerance", "cfl", "kernel")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One point: a case, a spacing in m, a model, and the values of the factors."""
+
+    case: str
+    spacing: float
+    model: str = "dfsph"
+    tolerance: float = 0.0
+    divergence_tolerance: object = 0.0  # a number or "off"
+    cfl: float = 0.0
+    kernel: str = ""
+    threads: int = 1
+    gravity_change: float = 0.0  # relative; see probes()
+
+    def key(self):
+        """Name of the folder of its runs: letters, digits, '.', '-' and '_'."""
+        name = f"{self.case}_d{self.spacing:g}_{self.model}_t{self.threads}"
+        if self.model == "dfsph":
+            name += f"_tol{self.tolerance:g}_div{self.divergence_tolerance}_cfl{self.cfl:g}_{self.kernel}"
+        if self.gravity_change:
+            name += f"_g{1 + self.gravity_change:.6g}"
+        return name
+
+    def overrides(self):
+        """The values as options of `validate`. Every factor is set, whatever the scene of the case says."""
+        if self.model != "dfsph":
+            return [f"/fluid/model={self.model}"]
+        values = [
+            f"/fluid/density_solve/tolerance={self.tolerance:g}",
+            f"/fluid/cfl={self.cfl:g}",
+        ]
+        if self.divergence_tolerance == "off":
+            values.append("/fluid/divergence_solve/min_iterations=0")
+            values.append("/fluid/divergence_solve/max_iterations=0")
+        else:
+            values.append(f"/fluid/divergence_solve/tolerance={self.divergence_tolerance:g}")
+        if self.kernel != schema_defaults()["kernel"]:
+            values.append(f"/fluid/kernel={self.kernel}")
+        if self.gravity_change:
+            values.append(f"/world/gravity_m_s2={GRAVITY * (1 + self.gravity_change):.10g}")
+        return values
+
+    def label(self, default):
+        """What distinguishes it from the default of its spacing, in a few characters."""
+        if self.model != "dfsph":
+            return self.model
+        short = {"tolerance": "tol", "divergence_tolerance": "div", "cfl": "cfl", "kernel": "", "threads": "threads"}
+        parts = []
+        for name, word in short.items():
+            value = getattr(self, name)
+            if value != getattr(default, name):
+                text = f"{value:g}" if isinstance(value, float) else str(value).replace("wendland_c2", "wendland")
+                parts.append(f"{word} {text}".strip())
+        return ", ".join(parts) or "default"
+
+
+def schema_defaults(schema=ROOT / "configs" / "scene.schema.json"):
+    """The defaults of the factors, read where they are defined."""
+    fluid = json.loads(Path(schema).read_text())["properties"]["fluid"]["properties"]
+
+    def tolerance(solve):
+        return fluid[solve]["properties"]["tolerance"]["default"]
+
+    return {
+        "tolerance": tolerance("density_solve"),
+        "divergence_tolerance": tolerance("divergence_solve"),
+        "cfl": fluid["cfl"]["default"],
+        "kernel": fluid.get("kernel", {}).get("default", "cubic_spline"),
+    }
+
+
+def default_setting(case, spacing):
+    return Setting(case=case, spacing=spacing, **schema_defaults())
+
+
+def one_at_a_time(case, spacing, factors):
+    """The default and, for each factor, its other values with all else at the default."""
+    default = default_setting(case, spacing)
+    points = [default]
+    for name, values in factors.items():
+        points += [replace(default, **{name: v}) for v in values if v != getattr(default, name)]
+    return points
+
+
+def probes(case, spacing):
+    """The default with a change that means nothing: 0.01 % of gravity.
+
+    Splashing water is chaotic, so that the error of one run is in part chance. How far these runs lie apart says how
+    small a difference between two settings may be before it says nothing.
+    """
+    default = default_setting(case, spacing)
+    return [replace(default, gravity_change=change) for change in (-1e-4, 1e-4)]
+
+
+def near_front(points, slack=0.1):
+    """Keys of the points that no other one beats by more than `slack` in both cost and error.
+
+    points: list of (key, cost, error), costs and errors positive.
+    """
+    keep = []
+    for key, cost, error in points:
+        limit_cost, limit_error = cost * (1 - slack), error * (1 - slack)
+        beaten = any(c <= limit_cost and e <= limit_error for k, c, e in points if k != key)
+        if not beaten:
+            keep.append(key)
+    return keep
+
+
+def combinations(default, near):
+    """Pairs and the one of all cheap values: settings that join changes which, alone, lie near the front.
+
+    near: the settings near the front that differ from the default in one factor each.
+    """
+    changes = []
+    for setting in near:
+        for name in COMBINED:
+            if getattr(setting, name) != getattr(default, name):
+                changes.append((name, getattr(setting, name)))
+    joined = []
+    for size in (2, 3):
+        for some in itertools.combinations(changes, size):
+            names = [name for name, _ in some]
+            if len(set(names)) == size:
+                joined.append(replace(default, **dict(some)))
+    return joined

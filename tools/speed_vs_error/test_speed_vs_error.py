@@ -1,0 +1,107 @@
+"""Front, settings and table of the sweep; runs nothing. /usr/bin/python3 -m unittest test_speed_vs_error"""
+
+import csv
+import tempfile
+import unittest
+from dataclasses import replace
+from pathlib import Path
+
+from front import cheapest_below, distance_to_front, front
+from measure import Measured
+from settings import FACTORS, combinations, default_setting, near_front, one_at_a_time, probes
+from splishsplash import filled_block
+from table import HEADER, error_of, groups_of, write_table
+
+# What scripts outside of this project read, in this order; more columns may follow.
+CONTRACT = (
+    "case,model,spacing_m,tolerance,cfl,threads,particles,cpu_s_per_sim_s,wall_s_per_sim_s,particle_steps_per_s,"
+    "error_metric,error,on_front"
+).split(",")
+
+
+class Front(unittest.TestCase):
+    def test_a_point_that_is_beaten_in_both_is_off_the_front(self):
+        self.assertEqual(front([(1, 4), (2, 2), (4, 1), (3, 3), (4, 2)]), [True, True, True, False, False])
+
+    def test_equal_points_are_both_on_the_front(self):
+        self.assertEqual(front([(1, 1), (1, 1), (1, 2), (2, 1)]), [True, True, False, False])
+
+    def test_a_point_without_error_takes_no_part(self):
+        self.assertEqual(front([(0.1, None), (1, 1)]), [False, True])
+
+    def test_cheapest_below(self):
+        points = [(1, 4), (2, 2), (4, 1), (1.5, None)]
+        self.assertEqual(cheapest_below(points, 2.5), 1)
+        self.assertEqual(cheapest_below(points, 0.5), None)
+
+    def test_distance(self):
+        cost, error = distance_to_front([(1, 1), (4, 1), (3, 0.5)], 1)
+        self.assertEqual((cost, error), (4, 2))
+
+
+class Settings(unittest.TestCase):
+    def test_the_default_is_that_of_the_schema_and_comes_first(self):
+        points = one_at_a_time("dam_break", 0.1, FACTORS)
+        self.assertEqual(points[0], default_setting("dam_break", 0.1))
+        self.assertEqual(len(points), len(set(points)))
+        for point in points[1:]:
+            changed = [n for n in FACTORS if getattr(point, n) != getattr(points[0], n)]
+            self.assertEqual(len(changed), 1)
+
+    def test_each_setting_has_a_folder_of_its_own(self):
+        points = one_at_a_time("dam_break", 0.1, FACTORS) + probes("dam_break", 0.1)
+        self.assertEqual(len({p.key() for p in points}), len(points))
+
+    def test_combinations_join_changes_of_different_factors(self):
+        default = default_setting("dam_break", 0.1)
+        near = [default, replace(default, tolerance=1e-2), replace(default, tolerance=1e-3), replace(default, cfl=1.0)]
+        joined = combinations(default, near)
+        self.assertEqual({(p.tolerance, p.cfl) for p in joined}, {(1e-2, 1.0), (1e-3, 1.0)})
+
+    def test_near_front_forgives_ten_percent(self):
+        self.assertEqual(near_front([("a", 1, 1), ("b", 1.05, 1.05), ("c", 2, 2)]), ["a", "b"])
+
+    def test_no_divergence_solve(self):
+        text = " ".join(replace(default_setting("dam_break", 0.1), divergence_tolerance="off").overrides())
+        self.assertIn("/fluid/divergence_solve/max_iterations=0", text)
+
+
+class Table(unittest.TestCase):
+    def test_the_columns_that_others_rely_on(self):
+        self.assertEqual(HEADER[: len(CONTRACT)], CONTRACT)
+
+    def test_a_mean_over_metrics(self):
+        self.assertEqual(error_of({"height_rms_h1": 1.0, "height_rms_h2": 3.0, "x": 9.0}, "height_rms_*"), 2.0)
+        self.assertIsNone(error_of({"height_rms_h1": None}, "height_rms_*"))
+
+    def test_rows(self):
+        default = default_setting("dam_break", 0.1)
+        measured = [
+            Measured(default, 100, 2.0, 2.5, 1e5, 3, {"depth_l1": 0.1, "speed_l1": 0.2}),
+            Measured(replace(default, cfl=1.0), 100, 1.0, 1.5, 1e5, 3, {"depth_l1": 0.05, "speed_l1": 0.3}),
+            Measured(replace(default, tolerance=1e-2), 0, repeats=1, metrics={}, failure="a particle, too fast"),
+            Measured(replace(default, gravity_change=1e-4), 100, 2.0, 2.5, 1e5, 3, {"depth_l1": 0.12, "speed_l1": 0.2}),
+        ]
+        groups = groups_of(measured)
+        self.assertEqual(groups[0].spread, {0.1: (0.1, 0.12)})
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "speed_vs_error.csv"
+            write_table(file, groups)
+            rows = list(csv.DictReader(file.read_text().splitlines()))
+        self.assertEqual(len(rows), 6)
+        self.assertEqual([r["on_front"] for r in rows], ["no", "yes", "no", "yes", "yes", "no"])
+        self.assertEqual(rows[0]["is_default"], "yes")
+        self.assertEqual((rows[2]["error"], rows[2]["failure"]), ("", "a particle, too fast"))
+
+
+class SplishSplash(unittest.TestCase):
+    def test_a_block_holds_a_particle_for_each_cell(self):
+        block = {"x_min_m": 11, "x_max_m": 16, "z_min_m": 1, "z_max_m": 7, "depth_m": 1}
+        made = filled_block(block, 0.25)
+        counts = [round((hi - lo) / 0.25) - 1 for lo, hi in zip(made["start"], made["end"])]
+        self.assertEqual(counts, [20, 4, 24])
+        self.assertEqual(made["start"][0] + 0.25, 11.125)  # the centre of the first
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Runs the hard cases of the fluid and the crowd with every solver setting. Writes stability.csv and report.md.
+set -euo pipefail
+# shellcheck source=tools/build.bash
+. "$(dirname "${BASH_SOURCE[0]}")/build.bash"
+
+for argument in "$@"; do
+  case "$argument" in
+    -h | --help)
+      # Needs neither packages nor a build, so that help is always at hand.
+      cat <<'HELP'
+Usage: tools/stability.sh [--quick] [--out DIR] [--cases A,B] [--settings S,T] [--long] [--jobs N] [--again]
+
+Runs each hard case (configs/stability) with each solver setting, and sweeps the CFL factor and the tolerance of the
+density solve in three of them. Writes DIR/stability.csv, DIR/report.md with plots, and DIR/runs/ with the numbers of
+each run.
+
+  --quick         small forms, at the default settings and at CFL 1, no sweeps; a minute or two
+  --out DIR       [runs/stability in the project]
+  --cases A,B     only these; patterns such as 'tank*' may stand for several
+  --settings S,T  only these, for example default,cfl_1
+  --long          a million steps in the case `leak`
+  --jobs N        runs side by side, one thread each [number of processors]
+  --again         repeats runs that are complete
+  --list          lists the cases and the settings, and ends
+A run that is complete and whose program and scenes are still the same is not repeated. Exit code 1: a run failed, or a
+rule is broken at the default settings that is not among the known failures.
+HELP
+      exit 0
+      ;;
+  esac
+done
+
+"$root/tools/install_dependencies.sh" || exit 1
+lock_build_folder
+if ! grep -q '^WADE_BUILD_TESTS:BOOL=ON' "$build/CMakeCache.txt" 2>/dev/null; then
+  configure_release -DWADE_BUILD_TESTS=ON
+fi
+unlock_build_folder
+build_programs stability || { echo "stability.sh: the build failed" >&2; exit 1; }
+exec /usr/bin/python3 "$root/tools/stability/stability.py" --program "$build/stability" "$@"

@@ -1,0 +1,37 @@
+"""The solver settings that a user may choose, and the sweeps."""
+
+CFL = "/fluid/cfl"
+TOLERANCE = "/fluid/density_solve/tolerance"
+
+# Name, what it sets, whether it is part of the quick form.
+SETTINGS = {
+    "default": ([], True),
+    "cfl_0.25": ([f"{CFL}=0.25"], False),
+    "cfl_1": ([f"{CFL}=1"], True),  # twice the default
+    "tolerance_1e-2": ([f"{TOLERANCE}=1e-2"], False),
+    "tolerance_1e-4": ([f"{TOLERANCE}=1e-4"], False),
+    "no_divergence_solve": (["/fluid/divergence_solve/max_iterations=0"], False),
+    "wendland_c2": (["/fluid/kernel=wendland_c2"], False),
+    "no_viscosity": (["/fluid/viscosity_m2_s=0"], False),
+}
+
+# Cases of the sweeps: a deep one, a violent one, a stream.
+SWEPT_CASES = ("deep_column", "tank_3.6", "recirculating_quiet")
+SWEEPS = {
+    "cfl": (CFL, ("0.1", "0.25", "0.5", "0.75", "1", "1.25", "1.5", "1.75", "2")),
+    "tolerance": (TOLERANCE, ("1e-5", "1e-4", "5e-4", "1e-3", "2e-3", "5e-3", "1e-2", "2e-2", "5e-2", "1e-1")),
+}
+
+
+def sweep_name(sweep, value):
+    return f"sweep_{sweep}_{value}"
+
+
+def overrides_of(name):
+    if name in SETTINGS:
+        return SETTINGS[name][0]
+    for sweep, (pointer, values) in SWEEPS.items():
+        for value in values:
+            if name == sweep_name(sweep, value):
+                return [f"{pointer}={value}"]
+    raise ValueError(f"--settings {name}: no such setting; allowed: {', '.join(SETTINGS)}")

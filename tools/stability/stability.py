@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Runs hard cases side by side and writes their table and report; tools/stability.sh calls it."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import report
+import results
+import runs
+import settings
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def read_arguments():
+    parser = argparse.ArgumentParser(prog="tools/stability.sh", add_help=False)
+    parser.add_argument("--program", type=Path, required=True)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--long", action="store_true")
+    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "stability")
+    parser.add_argument("--cases", default="")
+    parser.add_argument("--settings", default="")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--again", action="store_true")
+    parser.add_argument("--list", action="store_true")
+    arguments = parser.parse_args()
+    if not 1 <= arguments.jobs <= 1024:
+        parser.error(f"--jobs {arguments.jobs}: allowed: 1 to 1024")
+    if arguments.quick and arguments.long:
+        parser.error("--quick and --long: allowed: one of them")
+    return arguments
+
+
+def main():
+    arguments = read_arguments()
+    cases = runs.list_cases(arguments.program)
+    if arguments.list:
+        for case in cases:
+            print(f"{case.name}: {case.trouble}{'' if case.varied else '; at the default settings only'}")
+        print("settings:", ", ".join(settings.SETTINGS))
+        return 0
+    try:
+        chosen = runs.choose(cases, arguments.cases)
+        plan = runs.plan(chosen, arguments.settings, arguments.quick)
+    except ValueError as error:
+        print(f"stability.sh: {error}", file=sys.stderr)
+        return 2
+    form = "quick" if arguments.quick else "long" if arguments.long else "full"
+    fingerprint = runs.fingerprint(arguments.program, ROOT, form)
+    folder = arguments.out / "runs"
+    runner = runs.Runner(arguments.program, folder, fingerprint, form)
+    interrupted = runs.run_all(plan, runner, arguments.jobs, arguments.again)
+    found = results.read_runs(folder, plan)
+    results.write_csv(found, arguments.out / "stability.csv")
+    report.write(chosen, found, form, fingerprint, arguments.out)
+    print(f"report: {arguments.out / 'report.md'}, table: {arguments.out / 'stability.csv'}")
+    return 130 if interrupted else results.print_summary(plan, found)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

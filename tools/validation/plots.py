@@ -1,0 +1,105 @@
+"""The curves of a case beside its reference, one picture a case."""
+
+import csv
+import io
+import math
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot  # noqa: E402
+from PIL import Image  # noqa: E402
+
+TRUTHS = ("exact_", "measured_", "reference_")
+COLOURS = {"coarse": "#8fbcdb", "medium": "#2f7fc1", "fine": "#0b3c6f"}
+LARGEST = 60_000  # bytes
+COLUMNS = 2  # panels side by side
+
+
+def read_curve(run, curve):
+    with open(run["folder"] / curve["file"], newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    columns = {}
+    for index, name in enumerate(rows[0]):
+        columns[name] = [float(row[index]) if row[index] else math.nan for row in rows[1:]]
+    return rows[0][0], columns
+
+
+def label(name):
+    """depth_m -> "depth, m": the last part is the unit where it looks like one."""
+    units = {"m": "m", "s": "s", "Pa": "Pa", "N": "N", "1": "", "m_s": "m/s", "m_s2": "m/s2", "m2_s": "m2/s", "per_m2": "1/m2"}
+    for ending in sorted(units, key=len, reverse=True):
+        if name.endswith("_" + ending):
+            text = name[: -len(ending) - 1].replace("_", " ")
+            return f"{text}, {units[ending]}" if units[ending] else text
+    return name.replace("_", " ")
+
+
+def panels_of(runs):
+    """(curve, column) of each simulated column, in the order in which they first appear."""
+    panels = []
+    for run in runs:
+        for curve in run["curves"]:
+            for column in curve["columns"][1:]:
+                if not column.startswith(TRUTHS) and (curve["name"], column) not in panels:
+                    panels.append((curve["name"], column))
+    return panels
+
+
+def draw_truth(axes, x, columns, column):
+    pairs = {"exact_": ("k-", "exact"), "measured_": ("ko", "measured"), "reference_": ("k--", "reference")}
+    for prefix, (style, name) in pairs.items():
+        if prefix + column in columns:
+            axes.plot(x, columns[prefix + column], style, label=name, linewidth=1, markersize=3, zorder=3, fillstyle="none")
+
+
+def draw_panel(axes, runs, name, column):
+    finest = None
+    for run in runs:
+        for curve in run["curves"]:
+            if curve["name"] == name and column in curve["columns"]:
+                abscissa, columns = read_curve(run, curve)
+                x, y = columns[abscissa], columns[column]
+                shown = [(a, b) for a, b in zip(x, y) if not (math.isnan(a) or math.isnan(b))]
+                what = f"{run['spacing_m']:g} m" if run["spacing_m"] else run["level"]
+                marker = "." if len(shown) < 25 else ""
+                axes.plot(*zip(*shown) if shown else ([], []), marker=marker, color=COLOURS[run["level"]], linewidth=1.2, label=what)
+                finest = (x, columns, abscissa)
+    if finest:
+        draw_truth(axes, finest[0], finest[1], column)
+        axes.set_xlabel(label(finest[2]), fontsize=8)
+    axes.set_ylabel(label(column), fontsize=8)
+    axes.tick_params(labelsize=7)
+    axes.grid(True, linewidth=0.3)
+    axes.legend(fontsize=7, frameon=False)
+
+
+def png_of(figure):
+    """As small a picture as is legible: 64 colours, fewer dots if it must be."""
+    for dots in (110, 90, 75, 60):
+        raw = io.BytesIO()
+        figure.savefig(raw, format="png", dpi=dots)
+        small = io.BytesIO()
+        Image.open(raw).convert("RGB").quantize(64, dither=Image.Dither.NONE).save(small, format="png", optimize=True)
+        if len(small.getvalue()) <= LARGEST:
+            break
+    return small.getvalue()
+
+
+def draw(runs):
+    """PNG of one case's runs, coarse to fine; None if they hold no curves."""
+    panels = panels_of(runs)
+    if not panels:
+        return None
+    across = min(COLUMNS, len(panels))
+    down = math.ceil(len(panels) / across)
+    figure, axes = pyplot.subplots(down, across, figsize=(4.2 * across, 2.7 * down), squeeze=False)
+    for index, panel in enumerate(axes.flat):
+        if index < len(panels):
+            draw_panel(panel, runs, *panels[index])
+        else:
+            panel.set_axis_off()
+    figure.tight_layout()
+    png = png_of(figure)
+    pyplot.close(figure)
+    return png

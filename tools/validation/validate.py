@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""Runs validation cases side by side and writes their table and report; tools/validate.sh calls it."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import report
+import results
+import runs
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def read_arguments():
+    parser = argparse.ArgumentParser(prog="tools/validate.sh", add_help=False)
+    parser.add_argument("--program", type=Path, required=True)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "validation")
+    parser.add_argument("--cases", default="")
+    parser.add_argument("--levels", default="")
+    parser.add_argument("--long", action="store_true")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--again", action="store_true")
+    parser.add_argument("--list", action="store_true")
+    arguments = parser.parse_args()
+    if not 1 <= arguments.jobs <= 1024:
+        parser.error(f"--jobs {arguments.jobs}: allowed: 1 to 1024")
+    return arguments
+
+
+def main():
+    arguments = read_arguments()
+    try:
+        cases = runs.list_cases(arguments.program)
+        if arguments.list:
+            for case in cases:
+                print(case.describe())
+            return 0
+        plan = runs.plan(cases, arguments.cases, arguments.levels, arguments.quick, arguments.long)
+    except ValueError as error:
+        print(f"validate.sh: {error}", file=sys.stderr)
+        return 2
+    fingerprint = runs.fingerprint(arguments.program, ROOT)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    interrupted = runs.run_all(plan, arguments.program, arguments.out, fingerprint, arguments.jobs, arguments.again)
+
+    tables = ROOT / "tests" / "validation"
+    judge = results.Judge(tables / "thresholds.csv", tables / "known_failures.csv")
+    # What older programs found stays in the report, marked, until it is repeated.
+    found = results.read_runs(arguments.out / "runs", cases)
+    results.write_csv(found, judge, arguments.out / "validation.csv")
+    report.write(found, cases, judge, fingerprint, arguments.out)
+    print(f"report: {arguments.out / 'report.md'}, table: {arguments.out / 'validation.csv'}")
+    if interrupted:
+        return 130
+    return results.print_summary(plan, found, judge)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
