@@ -6,9 +6,6 @@ namespace wade::fluid {
 
 namespace {
 
-// Relaxation of the Jacobi iteration (Ihmsen et al. 2014); larger values oscillate.
-constexpr float relaxation = 0.5F;
-
 // Share of the last step's pressure that a solve starts from. A full warm start (1) makes pressure answer to density
 // like a spring without friction and a column at rest never stops ringing; half of it takes almost four times the iterations.
 constexpr float warm_start = 0.95F;
@@ -183,7 +180,7 @@ SolveResult PressureSolver::iterate(std::vector<float>& pressure, Particles& p, 
             // Compression that is left after the step.
             const float error = f.source[i] + dt2 * density_rate(f.ax, f.ay, f.az, i, block, place, f);
             errors_[i / block_size] += static_cast<double>(std::max(error, 0.0F));
-            pressure[i] = std::max(0.0F, pressure[i] + relaxation * error * f.inverse_diagonal[i] / dt2);
+            pressure[i] = std::max(0.0F, pressure[i] + relaxation_ * error * f.inverse_diagonal[i] / dt2);
         });
         pressure_acceleration(pressure, p, lists, f);
         ++result.iterations;
@@ -201,6 +198,22 @@ SolveResult PressureSolver::iterate(std::vector<float>& pressure, Particles& p, 
     return result;
 }
 
+void PressureSolver::subtract_mean(std::vector<float>& source, std::size_t n) {
+    errors_.begin(n);
+    for_each_particle(n, [&](std::size_t i) { errors_[i / block_size] += static_cast<double>(source[i]); });
+    const double total = errors_.total([](double& sum, double e) { sum += e; });
+    const auto mean = static_cast<float>(n == 0 ? 0 : total / static_cast<double>(n));
+    for_each_particle(n, [&](std::size_t i) { source[i] -= mean; });
+}
+
+void withdraw_acceleration(Particles& p, const ParticleFields& f, float dt) {
+    for_each_particle(p.count, [&](std::size_t i) {
+        p.vx[i] -= dt * f.ax[i];
+        p.vy[i] -= dt * f.ay[i];
+        p.vz[i] -= dt * f.az[i];
+    });
+}
+
 SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists& lists, ParticleFields& f, float dt,
                                              const PressureSolve& settings) {
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
@@ -208,6 +221,9 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
         // With a source of -1 the pressure of a particle with an open side stays at zero.
         f.source[i] = f.density[i] < open_surface_density_ ? -1 : dt * rate;
     });
+    if (confined_) {
+        subtract_mean(f.source, p.count);
+    }
     return iterate(p.divergence_pressure, p, lists, f, dt, settings);
 }
 
@@ -216,6 +232,9 @@ SolveResult PressureSolver::solve_density(Particles& p, const NeighbourLists& li
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
         f.source[i] = f.density[i] - 1 + dt * density_rate(p.vx, p.vy, p.vz, i, block, place, f);
     });
+    if (confined_) {
+        subtract_mean(f.source, p.count);
+    }
     return iterate(p.density_pressure, p, lists, f, dt, settings);
 }
 

@@ -37,6 +37,9 @@ struct SolveResult {
     double error = 0;  // mean predicted compression left: fraction of rest density
 };
 
+// Takes back what the density solve gave to the velocities, which then has moved positions only (Cornelis et al. 2019).
+void withdraw_acceleration(Particles& particles, const ParticleFields& fields, float dt);
+
 // Density, sum of gradients and diagonal of each particle.
 void compute_density_and_diagonal(const Particles& particles, const NeighbourLists& lists, ParticleFields& fields);
 
@@ -52,8 +55,13 @@ std::array<double, 3> obstacle_force(const Particles& particles, const Neighbour
 class PressureSolver {
  public:
     // open_surface_density: below this density, as a fraction, a particle has an open side and may be compressed: the
-    // divergence solve leaves it alone.
-    explicit PressureSolver(float open_surface_density) : open_surface_density_(open_surface_density) {}
+    //     divergence solve leaves it alone.
+    // relaxation: of the Jacobi iteration.
+    // confined: the water fills its space and has no open side. The pressure is then known up to a constant and the system
+    //     can only be solved for sources whose mean is zero; the mean, that of an SPH density over disordered particles,
+    //     is subtracted.
+    PressureSolver(float open_surface_density, float relaxation, bool confined)
+        : open_surface_density_(confined ? 0 : open_surface_density), relaxation_(relaxation), confined_(confined) {}
 
     // Corrects the velocities until no particle that is near rest density is being compressed.
     SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists, ParticleFields& fields, float dt,
@@ -66,7 +74,11 @@ class PressureSolver {
  private:
     SolveResult iterate(std::vector<float>& pressure, Particles& particles, const NeighbourLists& lists,
                         ParticleFields& fields, float dt, const PressureSolve& settings);
+    void subtract_mean(std::vector<float>& source, std::size_t n);
+
     float open_surface_density_;
+    float relaxation_;
+    bool confined_;
     BlockSums<double> errors_;
 };
 

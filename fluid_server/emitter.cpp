@@ -23,7 +23,7 @@ Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
       velocity_(velocity_at(scene.channel, 0)),
       waiting_layers_(layers_within_reach(scene.fluid)),
       z_lo_(scene.channel.z.lo),
-      layer_(lattice_over(0, scene.channel.depth, scene.channel.z.length(), scene.fluid.particle_spacing, 0)),
+      layer_(lattice_over(0, scene.channel.depth, scene.channel.z.length(), scene.fluid.particle_spacing)),
       pitch_(),
       last_layer_x_(),
       stock_(static_cast<std::uint64_t>(scene.fluid.max_particles) - particles_in_use) {

@@ -21,29 +21,66 @@ bool is_free(const Vec3& x, const std::vector<Obstacle>& obstacles, double spaci
     });
 }
 
-// `wanted` particles over a block, row by row.
-void fill_lattice(Particles& particles, const WaterBlock& block, double spacing, std::uint64_t wanted,
-                  const std::vector<Obstacle>& obstacles) {
-    const Lattice lattice = lattice_over(block.x.length(), block.depth, block.z.length(), spacing, wanted);
-    const std::uint64_t layer = lattice.sites() / static_cast<std::uint64_t>(lattice.ny);
-    const std::uint64_t surplus = lattice.sites() - wanted;
-    // Surplus sites are left out of the uppermost layers, half a layer each at most.
-    const std::uint64_t thinned = std::min(lattice.sites(), layer * (1 + 2 * surplus / layer));
-    std::uint64_t above = lattice.sites();  // sites from this one on
-    const Vec3 v{static_cast<float>(block.velocity[0]), static_cast<float>(block.velocity[1]),
-                 static_cast<float>(block.velocity[2])};
-    for (int j = 0; j < lattice.ny; ++j) {
-        for (int k = 0; k < lattice.nz; ++k) {
-            for (int i = 0; i < lattice.nx; ++i, --above) {
-                const bool left_out = above <= thinned && above * surplus / thinned != (above - 1) * surplus / thinned;
-                const Vec3 x{static_cast<float>(block.x.lo) + (static_cast<float>(i) + 0.5F) * lattice.dx,
-                             static_cast<float>(block.y_min) + (static_cast<float>(j) + 0.5F) * lattice.dy,
-                             static_cast<float>(block.z.lo) + (static_cast<float>(k) + 0.5F) * lattice.dz};
-                if (!left_out && is_free(x, obstacles, spacing)) {
-                    particles.add(x, v, Kind::fluid);
+std::uint64_t particles_in(double volume, double spacing) {
+    return static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
+}
+
+int count_along(double extent, double spacing) {
+    return std::max(1, static_cast<int>(std::lround(extent / spacing)));
+}
+
+// `wanted` particles over a block, layer by layer from below, as far apart as it takes for each site to have the volume
+// d^3, whatever the rounding along the other two axes.
+void fill_layers(Particles& particles, const WaterBlock& block, const Surroundings& in, double gravity,
+                 std::uint64_t wanted) {
+    const int nx = count_along(block.x.length(), in.spacing);
+    const int nz = count_along(block.z.length(), in.spacing);
+    const double dx = block.x.length() / nx;
+    const double dz = block.z.length() / nz;
+    const auto layer = static_cast<std::uint64_t>(nx) * static_cast<std::uint64_t>(nz);
+    const std::uint64_t layers = (wanted + layer - 1) / layer;
+    double dy = in.spacing * in.spacing * in.spacing / (dx * dz);
+    if (in.lid) {
+        dy = std::min(dy, block.depth / static_cast<double>(layers));
+    }
+    const std::array<float, 3> v{static_cast<float>(block.velocity[0]), static_cast<float>(block.velocity[1]),
+                                 static_cast<float>(block.velocity[2])};
+    for (std::uint64_t j = 0; j < layers; ++j) {
+        const std::uint64_t here = std::min(layer, wanted - j * layer);
+        const double y = block.y_min + (static_cast<double>(j) + 0.5) * dy;
+        const double pressure = std::max(0.0, gravity * (block.y_min + block.depth - y));
+        std::uint64_t site = 0;
+        for (int k = 0; k < nz; ++k) {
+            for (int i = 0; i < nx; ++i, ++site) {
+                const bool filled = (site + 1) * here / layer != site * here / layer;
+                const Vec3 x{static_cast<float>(block.x.lo + (i + 0.5) * dx), static_cast<float>(y),
+                             static_cast<float>(block.z.lo + (k + 0.5) * dz)};
+                if (filled && is_free(x, in.obstacles, in.spacing)) {
+                    particles.add(x, v, Kind::fluid, static_cast<float>(pressure));
                 }
             }
         }
+    }
+}
+
+// Slabs one spacing long, each standing on the bed at its middle.
+void fill_slabs(Particles& particles, const WaterBlock& block, const Surroundings& in) {
+    const int slabs = count_along(block.x.length(), in.spacing);
+    const double length = block.x.length() / slabs;
+    double volume = 0;
+    std::uint64_t filled = 0;
+    for (int s = 0; s < slabs; ++s) {
+        WaterBlock slab = block;
+        slab.x = {block.x.lo + s * length, block.x.lo + (s + 1) * length};
+        slab.y_min = static_cast<double>(bed_height(in.bed, static_cast<float>(0.5 * (slab.x.lo + slab.x.hi))));
+        slab.depth = block.depth - slab.y_min;
+        if (slab.depth <= 0) {
+            continue;
+        }
+        volume += length * slab.depth * block.z.length();
+        const std::uint64_t due = particles_in(volume, in.spacing);
+        fill_layers(particles, slab, in, in.gravity, due - filled);
+        filled = due;
     }
 }
 
@@ -53,65 +90,33 @@ std::uint64_t Lattice::sites() const {
     return static_cast<std::uint64_t>(nx) * static_cast<std::uint64_t>(ny) * static_cast<std::uint64_t>(nz);
 }
 
-Lattice lattice_over(double length, double depth, double width, double spacing, std::uint64_t wanted) {
-    const auto along = [&](double extent) { return std::max(1, static_cast<int>(std::lround(extent / spacing))); };
-    Lattice lattice{along(length), along(depth), along(width)};
-    if (wanted > 0) {
-        // The longer horizontal axis has as many sites as it takes; the depth keeps its layers.
-        int& longest = length >= width ? lattice.nx : lattice.nz;
-        const std::uint64_t across = lattice.sites() / static_cast<std::uint64_t>(longest);
-        longest = static_cast<int>((wanted + across - 1) / across);
-    }
+Lattice lattice_over(double length, double depth, double width, double spacing) {
+    Lattice lattice{count_along(length, spacing), count_along(depth, spacing), count_along(width, spacing)};
     lattice.dx = static_cast<float>(length / lattice.nx);
     lattice.dy = static_cast<float>(depth / lattice.ny);
     lattice.dz = static_cast<float>(width / lattice.nz);
     return lattice;
 }
 
-void fill_block(Particles& particles, const WaterBlock& block, double spacing, const std::vector<Obstacle>& obstacles) {
-    const double volume = block.x.length() * block.depth * block.z.length();
-    const auto wanted = static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
-    fill_lattice(particles, block, spacing, wanted, obstacles);
-}
-
-void fill_above_bed(Particles& particles, const WaterBlock& block, double spacing, const std::vector<BedFacet>& bed,
-                    const std::vector<Obstacle>& obstacles) {
-    const auto slabs = std::max(1L, std::lround(block.x.length() / spacing));
-    const double length = block.x.length() / static_cast<double>(slabs);
-    double volume = 0;
-    std::uint64_t filled = 0;
-    for (long s = 0; s < slabs; ++s) {
-        WaterBlock slab = block;
-        slab.x.lo = block.x.lo + static_cast<double>(s) * length;
-        slab.x.hi = slab.x.lo + length;
-        slab.y_min = static_cast<double>(bed_height(bed, static_cast<float>(0.5 * (slab.x.lo + slab.x.hi))));
-        slab.depth = block.depth - slab.y_min;
-        if (slab.depth <= 0) {
-            continue;
-        }
-        volume += length * slab.depth * block.z.length();
-        const auto due = static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
-        fill_lattice(particles, slab, spacing, due - filled, obstacles);
-        filled = due;
+void fill_block(Particles& particles, const WaterBlock& block, const Surroundings& in) {
+    const bool stands_on_bed = block.y_min == 0;
+    if (stands_on_bed && !in.bed.empty()) {
+        fill_slabs(particles, block, in);
+        return;
     }
+    const double volume = block.x.length() * block.depth * block.z.length();
+    fill_layers(particles, block, in, stands_on_bed ? in.gravity : 0, particles_in(volume, in.spacing));
 }
 
 void fill_scene(Particles& particles, const Scene& scene) {
     const Channel& channel = scene.channel;
-    const double spacing = scene.fluid.particle_spacing;
-    const std::vector<BedFacet> bed = bed_facets(channel);
-    const auto fill = [&](const WaterBlock& block) {
-        if (bed.empty() || block.y_min > 0) {
-            fill_block(particles, block, spacing, scene.obstacles);
-        } else {
-            fill_above_bed(particles, block, spacing, bed, scene.obstacles);
-        }
-    };
+    const Surroundings surroundings{scene.fluid.particle_spacing, scene.world.gravity, channel.top != Top::open,
+                                    bed_facets(channel), scene.obstacles};
     if (channel.flow != Flow::closed && channel.initial_river == InitialRiver::filled) {
-        fill({channel.x, channel.z, channel.depth, 0, {-channel.velocity, 0, 0}});
+        fill_block(particles, {channel.x, channel.z, channel.depth, 0, {-channel.velocity, 0, 0}}, surroundings);
     }
     for (const WaterBlock& block : channel.water_blocks) {
-        fill(block);
+        fill_block(particles, block, surroundings);
     }
 }
 

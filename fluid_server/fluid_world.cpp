@@ -64,12 +64,18 @@ FluidWorld::FluidWorld(const Scene& scene)
       volume_(static_cast<float>(std::pow(scene.fluid.particle_spacing, 3))),
       particle_mass_(static_cast<float>(scene.fluid.rest_density * std::pow(scene.fluid.particle_spacing, 3))),
       kernel_(make_kernel(scene.fluid)),
+      viscosity_(scene.fluid.kinematic_viscosity / std::visit([&](const auto& kernel) {
+                     return lattice_second_moment(kernel, scene.fluid.particle_spacing);
+                 }, kernel_)),
+      confined_(scene.channel.top != Top::open),
       particles_(static_cast<std::size_t>(scene.fluid.max_particles)),
       grid_(scene, support_radius_),
       lists_(particles_.capacity()),
       fields_(particles_.capacity()),
       solids_(scene),
-      solver_(std::visit([](const auto& kernel) { return kernel.open_surface_density; }, kernel_)),
+      solver_(std::visit([&](const auto& kernel) {
+          return PressureSolver(kernel.open_surface_density, kernel.relaxation, confined_);
+      }, kernel_)),
       gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
       gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
       outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
@@ -139,11 +145,11 @@ StepReport FluidWorld::step(double remaining) {
     compute_density_and_diagonal(particles_, lists_, fields_);
     measure_density_error(report);
 
-    if (fluid.divergence_solve.max_iterations > 0) {
-        report.divergence = solver_.solve_divergence(particles_, lists_, fields_, dt, fluid.divergence_solve);
+    if (!confined_) {
+        solve_divergence(dt, report);
     }
-    if (fluid.kinematic_viscosity > 0) {
-        apply_viscosity(particles_, lists_, fields_, static_cast<float>(fluid.kinematic_viscosity), dt);
+    if (viscosity_ > 0) {
+        apply_viscosity(particles_, lists_, fields_, static_cast<float>(viscosity_), dt);
     }
     if (scene_.channel.flow == Flow::recirculating) {
         report.driving_acceleration =
@@ -154,15 +160,28 @@ StepReport FluidWorld::step(double remaining) {
     if (friction_) {
         friction_->apply(particles_, dt);
     }
+    if (confined_) {
+        solve_divergence(dt, report);  // without a free surface it carries all forces
+    }
     report.density = solver_.solve_density(particles_, lists_, fields_, dt, fluid.density_solve);
 
     apply_contact(dt, report);
     advance(dt, report);
+    if (confined_) {
+        withdraw_acceleration(particles_, fields_, dt);
+    }
     if (emitter_) {
         emitter_->emit(particles_, dt);
     }
     time_ += report.dt;
     return report;
+}
+
+void FluidWorld::solve_divergence(float dt, StepReport& report) {
+    const PressureSolve& settings = scene_.fluid.divergence_solve;
+    if (settings.max_iterations > 0) {
+        report.divergence = solver_.solve_divergence(particles_, lists_, fields_, dt, settings);
+    }
 }
 
 double FluidWorld::time_step(double remaining) {
@@ -267,7 +286,7 @@ void FluidWorld::apply_contact(float dt, StepReport& report) {
 
 std::array<double, 3> FluidWorld::obstacle_force(std::size_t obstacle) const {
     std::array<double, 3> force = fluid::obstacle_force(particles_, lists_, static_cast<double>(particle_mass_),
-                                                        scene_.fluid.kinematic_viscosity, static_cast<int>(obstacle));
+                                                        viscosity_, static_cast<int>(obstacle));
     for (std::size_t k = 0; k < 3 && obstacle < contact_forces_.size(); ++k) {
         force[k] += contact_forces_[obstacle][k];
     }

@@ -64,6 +64,7 @@ class FluidWorld {
     [[nodiscard]] std::uint64_t position_clamps() const { return position_clamps_; }
 
  private:
+    void solve_divergence(float dt, StepReport& report);
     [[nodiscard]] double time_step(double remaining);
     void measure_density_error(StepReport& report);
     void apply_contact(float dt, StepReport& report);
@@ -74,6 +75,8 @@ class FluidWorld {
     float volume_;
     float particle_mass_;
     Kernel kernel_;
+    double viscosity_;  // nu over the kernel's second moment on the lattice, m^2/s
+    bool confined_;     // the water fills a channel with a lid or without top and bed
     Particles particles_;
     CellGrid grid_;
     NeighbourLists lists_;

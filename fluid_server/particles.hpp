@@ -38,8 +38,9 @@ struct Particles {
 
     [[nodiscard]] std::size_t capacity() const { return x.size(); }
 
-    // Adds a particle without pressure. Throws std::length_error if there is no room.
-    void add(const std::array<float, 3>& position, const std::array<float, 3>& velocity, Kind k) {
+    // Adds a particle; its pressure over rest density, m^2/s^2, is a first guess. Throws std::length_error if there is no room.
+    void add(const std::array<float, 3>& position, const std::array<float, 3>& velocity, Kind k,
+             float pressure = 0) {
         if (count == capacity()) {
             throw std::length_error("no room for one more fluid particle: fluid.max_particles is " +
                                     std::to_string(capacity()));
@@ -47,7 +48,7 @@ struct Particles {
         const std::size_t i = count++;
         x[i] = position[0], y[i] = position[1], z[i] = position[2];
         vx[i] = velocity[0], vy[i] = velocity[1], vz[i] = velocity[2];
-        density_pressure[i] = 0, divergence_pressure[i] = 0;
+        density_pressure[i] = pressure, divergence_pressure[i] = 0;
         kind[i] = k;
     }
 };
