@@ -8,10 +8,7 @@
 namespace wade::validation {
 
 double slice_thickness(const Request& request) {
-    const bool wide = std::any_of(request.overrides.begin(), request.overrides.end(), [](const std::string& change) {
-        return change.starts_with("/fluid/kernel=") && change.find("wendland_c2") != std::string::npos;
-    });
-    return 3 * (wide ? 3 : 2) * request.spacing;
+    return 9 * request.spacing;
 }
 
 std::vector<std::string> slice_overrides(const Request& request, bool along_x) {

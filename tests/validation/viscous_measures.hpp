@@ -11,8 +11,7 @@
 
 namespace wade::validation {
 
-// Thickness of a periodic slice, m: three support radii, the least that the loader allows. That is 6 spacings, and 9 if an
-// override chooses the kernel wendland_c2.
+// Thickness of a periodic slice, m: 9 spacings, three support radii of the wider kernel, the least that the loader allows.
 double slice_thickness(const Request& request);
 
 // Overrides that make a scene's periodic slice that thick along z, and along x as well if it is a slice there too.

@@ -61,7 +61,7 @@ def draw_sweep(found, sweep, label, file):
             y = [factor * float(run[key]) for run in runs]
             (line,) = axes.plot(x, y, "-", label=case, linewidth=1)
             for k, run in enumerate(runs):
-                axes.plot(x[k], y[k], "o" if run["stable"] else "x", color=line.get_color(), markersize=5)
+                axes.plot(x[k], y[k], "o" if results.is_stable(run) else "x", color=line.get_color(), markersize=5)
     panels[0].set_yscale("log")
     panels[0].axhline(1, color="grey", linestyle=":")
     panels[0].set_ylabel("largest mean compression, %")

@@ -86,7 +86,7 @@ def write(cases, found, form, fingerprint, folder):
             continue
         plots.draw_sweep(found, sweep, label, folder / f"sweep_{sweep}.png")
         lines += [f"## Sweep of the {what}", ""]
-        lines += ["Stable: all rules hold but that on the way in a step, which the factor itself sets.", ""]
+        lines += ["Stable: the rules of all cases hold, but that on the way in a step, which the factor itself sets.", ""]
         lines += [*sweep_table(found, sweep, what), "", f"![Sweep](sweep_{sweep}.png)", ""]
         lines += ["A cross marks a run that breaks a rule; dotted: the rules.", ""]
     results.write_whole(folder / "report.md", "\n".join(lines))

@@ -17,6 +17,7 @@ SETTINGS = {
 
 # Cases of the sweeps: a deep one, a violent one, a stream.
 SWEPT_CASES = ("deep_column", "tank_3.6", "recirculating_quiet")
+SWEEP_FRAMES = "/frame_rate_hz=5"  # a step ends with its frame at the latest: long frames leave it to the factor
 SWEEPS = {
     "cfl": (CFL, ("0.1", "0.25", "0.5", "0.75", "1", "1.25", "1.5", "1.75", "2")),
     "tolerance": (TOLERANCE, ("1e-5", "1e-4", "5e-4", "1e-3", "2e-3", "5e-3", "1e-2", "2e-2", "5e-2", "1e-1")),
@@ -33,5 +34,5 @@ def overrides_of(name):
     for sweep, (pointer, values) in SWEEPS.items():
         for value in values:
             if name == sweep_name(sweep, value):
-                return [f"{pointer}={value}"]
+                return [SWEEP_FRAMES, f"{pointer}={value}"]
     raise ValueError(f"--settings {name}: no such setting; allowed: {', '.join(SETTINGS)}")
