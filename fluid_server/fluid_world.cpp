@@ -278,7 +278,7 @@ void FluidWorld::apply_contact(float dt, StepReport& report) {
             }
         }
     }
-    report.contact_force = mass * -sums_.total([](double& sum, double a) { sum += a; });
+    report.contact_force = mass * sums_.total([](double& sum, double a) { sum += a; });
     for (const std::array<double, 3>& force : contact_forces_) {
         report.contact_force -= force[1];
     }
