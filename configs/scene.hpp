@@ -20,11 +20,20 @@ struct Interval {
     [[nodiscard]] bool contains(double v) const { return lo <= v && v <= hi; }
 };
 
+enum class Ends {
+    open,     // the world ends at x = 0, the fall, and at x = length
+    periodic  // x = length is x = 0 again
+};
+
 // Walkable ground, [0, length] x [0, width].
 struct World {
     double length = 100;
     double width = 50;
     double gravity = 9.81;
+    Ends ends = Ends::open;
+
+    // Length after which the world repeats along x, m; 0 where it does not.
+    [[nodiscard]] double period() const { return ends == Ends::periodic ? length : 0; }
 };
 
 enum class Flow {
@@ -76,8 +85,8 @@ struct Channel {
     double slope = 0;                  // fall of the bed towards -x
     double manning_n = 0;              // of the bed, s/m^(1/3)
     std::vector<NoSlip> no_slip;
-    double depth = 1;     // depth of the emitter's opening and of a filled river
-    double velocity = 0;  // v_F of the paper: emitter velocity or bulk speed, along -x
+    double depth = 1;                             // depth of the emitter's opening and of a filled river
+    double velocity = 0;                          // v_F of the paper: emitter velocity or bulk speed, along -x
     std::vector<VelocityPoint> velocity_history;  // v_F in time; empty: `velocity` throughout
     InitialRiver initial_river = InitialRiver::dry;
     std::vector<WaterBlock> water_blocks;
@@ -128,7 +137,7 @@ struct AgentGroup {
     int columns = 1, rows = 1;  // start grid, columns along x, rows along z
     int count = 1;              // agents placed, column by column is row-major: id = row * columns + column
     double start_x = 0, start_z = 0, pitch_x = 1, pitch_z = 1;
-    double goal_x = 0, goal_z = 0;
+    double goal_x = 0, goal_z = 0;  // in a periodic world x counts on, lap by lap
     double desired_speed = 1.3;
     double mass = 65;
     double tau = 0;  // endurance in [0, 1]: 0 is not moved by the water

@@ -12,6 +12,10 @@ std::uint64_t particles_in(double volume, double spacing) {
 
 }  // namespace
 
+double support_radius_of(const Fluid& fluid) {
+    return (fluid.kernel == KernelKind::wendland_c2 ? 3 : 2) * fluid.particle_spacing;
+}
+
 std::uint64_t river_particles(const Scene& scene) {
     const Channel& channel = scene.channel;
     return particles_in(channel.x.length() * channel.z.length() * channel.depth, scene.fluid.particle_spacing);
@@ -22,7 +26,8 @@ std::uint64_t particles_needed(const Scene& scene) {
     const double d = scene.fluid.particle_spacing;
     switch (channel.flow) {
         case Flow::emitter:
-            return particles_in((channel.x.length() + 5 * d) * channel.z.length() * channel.depth, d);
+            return particles_in(
+                (channel.x.length() + support_radius_of(scene.fluid) + 3 * d) * channel.z.length() * channel.depth, d);
         case Flow::recirculating:
             return river_particles(scene);
         case Flow::periodic:

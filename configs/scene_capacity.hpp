@@ -1,5 +1,5 @@
 #pragma once
-// How many fluid particles a scene needs.
+// How far fluid particles reach, and how many of them a scene needs.
 
 #include <cstdint>
 
@@ -7,12 +7,16 @@
 
 namespace wade {
 
+// h, the distance at which the kernel ends, m: 2 d for the cubic spline, 3 d for Wendland's.
+[[nodiscard]] double support_radius_of(const Fluid& fluid);
+
 // Number of particles that fill the channel: length * width * depth / d^3, rounded.
 [[nodiscard]] std::uint64_t river_particles(const Scene& scene);
 
 // Smallest fluid.max_particles with which the scene can run.
-//   emitter        the filled channel and 5 d more of length for the inflow and the outflow
+//   emitter        the filled channel, and its length more by a support radius and 3 d for the inflow and the outflow
 //   recirculating  the filled channel
+//   periodic       the filled channel, or as closed
 //   closed         the sum over the water blocks, each volume / d^3, rounded
 [[nodiscard]] std::uint64_t particles_needed(const Scene& scene);
 

@@ -18,6 +18,7 @@ void refuse(const std::string& source, const std::string& pointer, const std::st
 
 void check_scene(const Scene& scene, const std::string& source) {
     check_geometry(scene, source);
+    check_boundaries(scene, source);
     check_water(scene, source);
     check_crowd(scene, source);
 }

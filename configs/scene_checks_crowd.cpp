@@ -76,6 +76,12 @@ void check_distances(const std::vector<Place>& places, const std::string& source
     }
 }
 
+// The goal's place in a periodic world, where its x counts on over the ends.
+double goal_in_world(const Scene& scene, double x) {
+    const double period = scene.world.period();
+    return period > 0 ? x - period * std::floor(x / period) : x;
+}
+
 void check_groups(const Scene& scene, const std::string& source) {
     std::set<std::string> names;
     for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
@@ -85,8 +91,8 @@ void check_groups(const Scene& scene, const std::string& source) {
             refuse(source, pointer + "/name",
                    "\"" + group.name + "\" is the name of an earlier group; allowed: any other.");
         }
-        check_place(group.goal_x, group.goal_z, scene, "the goal of group \"" + group.name + "\"", source,
-                    pointer + "/goal");
+        check_place(goal_in_world(scene, group.goal_x), group.goal_z, scene, "the goal of group \"" + group.name + "\"",
+                    source, pointer + "/goal");
     }
 }
 
@@ -100,6 +106,34 @@ void check_markers(const Crowd& crowd, const std::string& source) {
     refuse(source, "/crowd/marker_min_distance_m",
            short_number(crowd.marker_min_distance) + " m is too large for " + std::to_string(crowd.markers_per_cell) +
                " markers to fit at random into a cell of 2 x 2 m; allowed: <= " + short_number(largest) + " m.");
+}
+
+// The cells of the ground are 2 m wide, and an agent looks into those beside its own: in a ring of three they differ.
+void check_ends(const Scene& scene, const std::vector<Place>& places, const std::string& source) {
+    if (scene.world.ends == Ends::open) return;
+    constexpr double cell = 2;
+    const double length = scene.world.length;
+    if (length < 3 * cell || std::fmod(length, cell) != 0) {
+        refuse(source, "/world/length_m",
+               short_number(length) +
+                   " m cannot be the length of a world with periodic ends; allowed: 6 m, 8 m, 10 m "
+                   "and so on in steps of 2 m.");
+    }
+    for (const Place& place : places) {
+        if (place.x < length) continue;
+        refuse(source, "/crowd/groups/" + std::to_string(place.group) + "/start",
+               "an agent starts at x " + short_number(place.x) +
+                   " m, which in a world with periodic ends is x 0 m; allowed: x < " + short_number(length) + " m.");
+    }
+    const Channel& channel = scene.channel;
+    const bool dry = channel.flow == Flow::closed && channel.water_blocks.empty();
+    const bool ring = (channel.flow == Flow::recirculating || channel.flow == Flow::periodic) && channel.x.lo == 0 &&
+                      channel.x.hi == length;
+    if (dry || ring) return;
+    refuse(source, "/world/ends",
+           "\"periodic\" does not go with water that ends; allowed: \"open\", or a channel from x 0 to " +
+               short_number(length) +
+               " m with flow \"recirculating\" or \"periodic\", or a dry one: flow \"closed\" without water_blocks.");
 }
 
 void check_events(const Scene& scene, std::size_t agents, const std::string& source) {
@@ -139,6 +173,7 @@ void check_crowd(const Scene& scene, const std::string& source) {
                     "/crowd/groups/" + std::to_string(places[i].group) + "/start");
     }
     check_distances(places, source);
+    check_ends(scene, places, source);
     check_markers(scene.crowd, source);
     check_events(scene, places.size(), source);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "configs/scene_capacity.hpp"
 #include "configs/scene_checks.hpp"
 
 namespace wade {
@@ -10,7 +11,7 @@ namespace wade {
 namespace {
 
 struct Box {
-    Interval x, z;
+    Interval x, y, z;
     std::string pointer;
 };
 
@@ -35,7 +36,7 @@ bool overlap(const Interval& a, const Interval& b) {
     return a.lo < b.hi && b.lo < a.hi;
 }
 bool overlap(const Box& a, const Box& b) {
-    return overlap(a.x, b.x) && overlap(a.z, b.z);
+    return overlap(a.x, b.x) && overlap(a.y, b.y) && overlap(a.z, b.z);
 }
 
 void check_box(const Box& box, const std::string& what, const Scene& scene, const std::string& source) {
@@ -66,20 +67,20 @@ void check_apart(const std::vector<Box>& boxes, const std::string& source) {
 // border do not see it, and the emitter would push its lattice through it.
 void check_reach(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
-    const double reach = 2 * scene.fluid.particle_spacing;
+    const double reach = support_radius_of(scene.fluid);
     Interval x = channel.x;
     Interval z = channel.z;
-    if (channel.flow == Flow::recirculating) x = {x.lo + reach, x.hi - reach};
+    if (channel.flow == Flow::recirculating || channel.flow == Flow::periodic) x = {x.lo + reach, x.hi - reach};
     if (channel.flow == Flow::emitter) x.hi -= 2 * reach;
     if (channel.sides == Sides::periodic) z = {z.lo + reach, z.hi - reach};
+    const double spacings = reach / scene.fluid.particle_spacing;
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
         const Obstacle& obstacle = scene.obstacles[i];
         if (within(obstacle.x, x) && within(obstacle.z, z)) continue;
         refuse(source, "/obstacles/" + std::to_string(i),
-               "the obstacle at x " + words(obstacle.x) + ", z " + words(obstacle.z) +
-                   " is too near to the emitter (4 particle spacings) or to a periodic border (2 particle spacings); "
-                   "allowed: x " +
-                   words(x) + ", z " + words(z) + ".");
+               "the obstacle at x " + words(obstacle.x) + ", z " + words(obstacle.z) + " is too near to the emitter (" +
+                   short_number(2 * spacings) + " particle spacings) or to a periodic border (" +
+                   short_number(spacings) + " particle spacings); allowed: x " + words(x) + ", z " + words(z) + ".");
     }
 }
 
@@ -98,12 +99,14 @@ void check_geometry(const Scene& scene, const std::string& source) {
 
     std::vector<Box> boxes;
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-        boxes.push_back({scene.obstacles[i].x, scene.obstacles[i].z, "/obstacles/" + std::to_string(i)});
+        const Obstacle& obstacle = scene.obstacles[i];
+        boxes.push_back({obstacle.x, {0, obstacle.height}, obstacle.z, "/obstacles/" + std::to_string(i)});
         check_box(boxes.back(), "the obstacle", scene, source);
     }
     for (std::size_t i = 0; i < channel.water_blocks.size(); ++i) {
         const WaterBlock& block = channel.water_blocks[i];
-        boxes.push_back({block.x, block.z, "/channel/water_blocks/" + std::to_string(i)});
+        const Interval y{block.y_min, block.y_min + block.depth};
+        boxes.push_back({block.x, y, block.z, "/channel/water_blocks/" + std::to_string(i)});
         check_box(boxes.back(), "the block of water", scene, source);
     }
     check_apart(boxes, source);

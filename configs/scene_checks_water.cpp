@@ -1,5 +1,7 @@
 // Whether the water can be simulated: flow, spacing, capacity, solver limits.
 
+#include <algorithm>
+
 #include "configs/scene_capacity.hpp"
 #include "configs/scene_checks.hpp"
 
@@ -14,27 +16,61 @@ bool carries_water(const Channel& channel) {
     return channel.flow != Flow::closed || !channel.water_blocks.empty();
 }
 
-void check_flow(const Channel& channel, const std::string& source) {
-    if (channel.flow != Flow::closed && !channel.water_blocks.empty()) {
+// Which water there is at t = 0.
+void check_start(const Channel& channel, const std::string& source) {
+    const bool filled = channel.initial_river == InitialRiver::filled;
+    const bool takes_blocks = channel.flow == Flow::closed || channel.flow == Flow::periodic;
+    if (!takes_blocks && !channel.water_blocks.empty()) {
         refuse(source, "/channel/water_blocks",
-               "blocks of water need flow \"closed\"; the other flows start dry or filled, see initial_river.");
+               "blocks of water need flow \"closed\" or \"periodic\"; the other flows start dry or filled, see "
+               "initial_river.");
     }
-    if (channel.flow == Flow::closed && channel.initial_river == InitialRiver::filled) {
+    if (channel.flow == Flow::closed && filled) {
         refuse(source, "/channel/initial_river",
-               "\"filled\" needs flow \"emitter\" or \"recirculating\"; a closed channel is filled by water_blocks.");
+               "\"filled\" needs flow \"emitter\", \"recirculating\" or \"periodic\"; a closed channel is filled by "
+               "water_blocks.");
     }
-    if (channel.flow == Flow::closed && channel.velocity != 0) {
-        refuse(source, "/channel/velocity_m_s",
-               short_number(channel.velocity) + " m/s has no effect in a closed channel; allowed: 0 m/s.");
-    }
-    if (channel.flow == Flow::recirculating && channel.initial_river == InitialRiver::dry) {
+    if (channel.flow == Flow::recirculating && !filled) {
         refuse(source, "/channel/initial_river",
                "a recirculating channel keeps the water that it starts with, so \"dry\" would leave it empty; allowed: "
                "\"filled\".");
     }
-    if (channel.flow == Flow::emitter && !(channel.velocity > 0)) {
+    if (channel.flow != Flow::periodic) return;
+    if (filled && !channel.water_blocks.empty()) {
+        refuse(
+            source, "/channel/water_blocks",
+            "a periodic channel whose initial_river is \"filled\" has no room for blocks of water; allowed: none, or "
+            "initial_river \"dry\".");
+    }
+    if (!filled && channel.water_blocks.empty()) {
+        refuse(source, "/channel/initial_river",
+               "a periodic channel keeps the water that it starts with, so \"dry\" without water_blocks would leave it "
+               "empty; allowed: \"filled\", or \"dry\" with water_blocks.");
+    }
+}
+
+void check_flow(const Channel& channel, const std::string& source) {
+    check_start(channel, source);
+    if (channel.flow == Flow::closed && channel.velocity != 0) {
+        refuse(source, "/channel/velocity_m_s",
+               short_number(channel.velocity) + " m/s has no effect in a closed channel; allowed: 0 m/s.");
+    }
+    if (channel.flow == Flow::periodic && !channel.water_blocks.empty() && channel.velocity != 0) {
+        refuse(source, "/channel/velocity_m_s",
+               short_number(channel.velocity) +
+                   " m/s has no effect in a periodic channel that starts with water_blocks, which have velocities of "
+                   "their own; allowed: 0 m/s.");
+    }
+    if (channel.flow != Flow::emitter) return;
+    if (channel.velocity_history.empty() && !(channel.velocity > 0)) {
         refuse(source, "/channel/velocity_m_s",
                short_number(channel.velocity) + " m/s: an emitter needs a velocity; allowed: > 0 m/s.");
+    }
+    const bool ever_flows = std::any_of(channel.velocity_history.begin(), channel.velocity_history.end(),
+                                        [](const VelocityPoint& point) { return point.velocity > 0; });
+    if (!channel.velocity_history.empty() && !ever_flows) {
+        refuse(source, "/channel/velocity_history",
+               "all velocities are 0 m/s: an emitter needs a velocity; allowed: at least one > 0 m/s.");
     }
 }
 
@@ -49,7 +85,8 @@ void check_spacing(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
     check(channel.x.length(), "the channel's length");
     check(channel.z.length(), "the channel's width");
-    if (channel.flow != Flow::closed) check(channel.depth, "the channel's depth");
+    if (has_river(channel)) check(channel.depth, "the channel's depth");
+    if (channel.top != Top::open) check(channel.height, "the channel's height");
     for (std::size_t i = 0; i < channel.water_blocks.size(); ++i) {
         const WaterBlock& block = channel.water_blocks[i];
         const std::string name = " of /channel/water_blocks/" + std::to_string(i);
@@ -59,30 +96,37 @@ void check_spacing(const Scene& scene, const std::string& source) {
     }
 }
 
-// A particle's neighbours reach over 2 d, in cells of that size; with fewer than three cells along a periodic axis a
-// particle would meet a neighbour twice, or itself.
+// A particle's neighbours reach over the support radius, in cells of that size; with fewer than three cells along a
+// periodic axis a particle would meet a neighbour twice, or itself.
 void check_periodic(const Scene& scene, const std::string& source) {
-    const double shortest = 6 * scene.fluid.particle_spacing;
-    const auto check = [&](const Interval& extent, const std::string& pointer, const std::string& what) {
-        if (extent.length() >= shortest * (1 - rounding)) return;
+    const double shortest = 3 * support_radius_of(scene.fluid);
+    const auto check = [&](double length, const std::string& pointer, const std::string& what) {
+        if (length >= shortest * (1 - rounding)) return;
         refuse(source, pointer,
-               what + " " + short_number(extent.length()) +
-                   " m, so that a particle would meet itself across the joint; " +
-                   "allowed: >= 6 fluid.particle_spacing_m = " + short_number(shortest) + " m.");
+               what + " " + short_number(length) + " m, so that a particle would meet itself across the joint; " +
+                   "allowed: >= " + short_number(shortest / scene.fluid.particle_spacing) +
+                   " fluid.particle_spacing_m = " + short_number(shortest) + " m.");
     };
     const Channel& channel = scene.channel;
     if (channel.flow == Flow::recirculating)
-        check(channel.x, "/channel/x_max_m", "the recirculating channel's length is");
-    if (channel.sides == Sides::periodic) check(channel.z, "/channel/z_max_m", "the width between periodic sides is");
+        check(channel.x.length(), "/channel/x_max_m", "the recirculating channel's length is");
+    if (channel.flow == Flow::periodic)
+        check(channel.x.length(), "/channel/x_max_m", "the periodic channel's length is");
+    if (channel.sides == Sides::periodic)
+        check(channel.z.length(), "/channel/z_max_m", "the width between periodic sides is");
+    if (channel.top == Top::periodic)
+        check(channel.height, "/channel/height_m", "the height between bottom and top, which are periodic, is");
 }
 
-// A given stream meets nothing and has no end walls.
+// A given stream meets nothing, has no end walls, and nothing changes it.
 void check_kinematic(const Scene& scene, const std::string& source) {
     if (scene.fluid.model != FluidModel::kinematic) return;
-    if (scene.channel.flow == Flow::closed) {
+    const Channel& channel = scene.channel;
+    if (channel.flow == Flow::closed || channel.flow == Flow::periodic) {
         refuse(source, "/fluid/model",
-               "\"kinematic\" is a stream, and /channel/flow is \"closed\"; allowed: \"emitter\" and "
-               "\"recirculating\".");
+               std::string("\"kinematic\" is a stream of given velocity, and /channel/flow is \"") +
+                   (channel.flow == Flow::closed ? "closed" : "periodic") +
+                   "\"; allowed: \"emitter\" and \"recirculating\".");
     }
     if (!scene.obstacles.empty()) {
         refuse(source, "/fluid/model",
@@ -91,6 +135,20 @@ void check_kinematic(const Scene& scene, const std::string& source) {
                    "; allowed: a model that solves for the water, such as "
                    "\"dfsph\".");
     }
+    const auto refuse_key = [&](bool is_set, const std::string& key) {
+        if (!is_set) return;
+        refuse(source, "/fluid/model",
+               "\"kinematic\" solves nothing, so /channel/" + key +
+                   " would have no effect; allowed: a model that solves for the water, such as \"dfsph\", or a scene "
+                   "without " +
+                   key + ".");
+    };
+    refuse_key(channel.top != Top::open, "top");
+    refuse_key(!channel.bed_points.empty(), "bed_points");
+    refuse_key(channel.slope != 0, "slope");
+    refuse_key(channel.manning_n != 0, "manning_n");
+    refuse_key(!channel.no_slip.empty(), "no_slip");
+    refuse_key(!channel.velocity_history.empty(), "velocity_history");
 }
 
 void check_limits(const PressureSolve& solve, const std::string& source, const std::string& pointer) {

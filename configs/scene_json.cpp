@@ -24,14 +24,18 @@ Choice choice_of(const json& value, const std::array<std::pair<const char*, Choi
     throw std::logic_error("the schema allows a choice that the scene does not know: " + value.dump());
 }
 
+constexpr std::array world_ends{std::pair{"open", Ends::open}, std::pair{"periodic", Ends::periodic}};
 constexpr std::array flows{std::pair{"emitter", Flow::emitter}, std::pair{"recirculating", Flow::recirculating},
                            std::pair{"periodic", Flow::periodic}, std::pair{"closed", Flow::closed}};
 constexpr std::array sides{std::pair{"walls", Sides::walls}, std::pair{"periodic", Sides::periodic}};
 constexpr std::array tops{std::pair{"open", Top::open}, std::pair{"wall", Top::wall},
                           std::pair{"periodic", Top::periodic}};
-constexpr std::array planes{std::pair{"bed", Plane::bed},     std::pair{"top", Plane::top},
-                            std::pair{"x_min", Plane::x_min}, std::pair{"x_max", Plane::x_max},
-                            std::pair{"z_min", Plane::z_min}, std::pair{"z_max", Plane::z_max},
+constexpr std::array planes{std::pair{"bed", Plane::bed},
+                            std::pair{"top", Plane::top},
+                            std::pair{"x_min", Plane::x_min},
+                            std::pair{"x_max", Plane::x_max},
+                            std::pair{"z_min", Plane::z_min},
+                            std::pair{"z_max", Plane::z_max},
                             std::pair{"obstacles", Plane::obstacles}};
 constexpr std::array kernels{std::pair{"cubic_spline", KernelKind::cubic_spline},
                              std::pair{"wendland_c2", KernelKind::wendland_c2}};
@@ -222,7 +226,8 @@ Scene scene_from_json(const json& document) {
     scene.stop_when_no_agent_is_active = document.at("stop_when_no_agent_is_active");
     scene.lockstep_depth = document.at("lockstep_depth");
     const json& world = document.at("world");
-    scene.world = {world.at("length_m"), world.at("width_m"), world.at("gravity_m_s2")};
+    scene.world = {world.at("length_m"), world.at("width_m"), world.at("gravity_m_s2"),
+                   choice_of(world.at("ends"), world_ends)};
     scene.channel = channel_from(document.at("channel"));
     for (const json& obstacle : document.at("obstacles")) {
         scene.obstacles.push_back({x_of(obstacle), z_of(obstacle), obstacle.at("height_m")});

@@ -18,9 +18,10 @@ enum class Outcome : std::uint8_t { active, arrived, dead };
 
 struct Agents {
     std::vector<Vector2d> position;     // m
+    std::vector<std::int32_t> laps;     // times round a periodic world, towards +x; 0 in an open one
     std::vector<Vector2d> velocity;     // displacement of the last step / dt, m/s
     std::vector<Vector2d> heading;      // unit vector of the last motion; towards the goal before the first
-    std::vector<Vector2d> goal;         // m
+    std::vector<Vector2d> goal;         // m; in a periodic world x counts on, lap by lap
     std::vector<double> desired_speed;  // s_max, m/s
     std::vector<double> mass;           // m_a, kg
     std::vector<double> tau;            // endurance, [0, 1]
@@ -33,6 +34,13 @@ struct Agents {
 
     [[nodiscard]] std::size_t size() const { return position.size(); }
 };
+
+// The way from an agent's place to its goal, m. period: World::period().
+[[nodiscard]] inline Vector2d goal_offset(const Agents& agents, std::size_t id, double period) {
+    Vector2d offset = agents.goal[id] - agents.position[id];
+    offset.x() -= agents.laps[id] * period;
+    return offset;
+}
 
 // All agents on their start grids, ids counted through the groups in order, row by row within a group.
 // Throws ConfigurationError for a start outside the world.

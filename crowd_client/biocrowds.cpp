@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace wade::crowd {
 namespace {
@@ -44,6 +45,30 @@ void find_candidates(MarkerClaims& claims, const GroundGrid& grid, std::span<con
     }
 }
 
+// Adds the images of the walkers that perceive markers beyond the joint of a periodic world. Each marker is there once
+// and sees a walker once, or its image, whichever is nearer.
+std::span<const Vector2d> add_images(MarkerClaims& claims, std::span<const Vector2d> walkers, double radius,
+                                     double period) {
+    claims.with_images.assign(walkers.begin(), walkers.end());
+    claims.image_of.resize(walkers.size());
+    std::iota(claims.image_of.begin(), claims.image_of.end(), 0U);
+    const auto add = [&](std::size_t k, double shift) {
+        claims.with_images.emplace_back(walkers[k].x() + shift, walkers[k].y());
+        claims.image_of.push_back(static_cast<std::uint32_t>(k));
+    };
+    for (std::size_t k = 0; k < walkers.size(); ++k) {
+        if (walkers[k].x() < radius) add(k, period);
+        if (walkers[k].x() > period - radius) add(k, -period);
+    }
+    return claims.with_images;
+}
+
+// Of two at one distance the one that comes first in the list without images; image_of is empty where there are none.
+bool comes_first(const MarkerClaims& claims, std::uint32_t k, std::uint32_t other) {
+    if (other == nobody || claims.image_of.empty()) return k < other;
+    return claims.image_of[k] < claims.image_of[other];
+}
+
 std::uint32_t nearest(const MarkerClaims& claims, std::span<const Vector2d> walkers, double x, double z,
                       double radius) {
     std::uint32_t owner = nobody;
@@ -52,7 +77,7 @@ std::uint32_t nearest(const MarkerClaims& claims, std::span<const Vector2d> walk
         const double dx = x - walkers[k].x();
         const double dz = z - walkers[k].y();
         const double distance = dx * dx + dz * dz;
-        if (distance < best || (distance == best && k < owner)) {
+        if (distance < best || (distance == best && comes_first(claims, k, owner))) {
             owner = k;
             best = distance;
         }
@@ -62,13 +87,17 @@ std::uint32_t nearest(const MarkerClaims& claims, std::span<const Vector2d> walk
 
 }  // namespace
 
-void claim_markers(MarkerClaims& claims, const Markers& markers, std::span<const Vector2d> walkers,
-                   double perception_radius) {
+void claim_markers(MarkerClaims& claims, const Markers& markers, std::span<const Vector2d> walkers_in_world,
+                   double perception_radius, double period) {
     const GroundGrid& grid = markers.grid;
+    claims.image_of.clear();
+    const std::span<const Vector2d> walkers =
+        period > 0 ? add_images(claims, walkers_in_world, perception_radius, period) : walkers_in_world;
+    const auto whose = [&](std::uint32_t k) { return claims.image_of.empty() ? k : claims.image_of[k]; };
     sort_walkers_by_cell(claims, grid, walkers);
     claims.claimed_marker.clear();
     claims.claimed_by.clear();
-    claims.start.assign(walkers.size() + 1, 0);
+    claims.start.assign(walkers_in_world.size() + 1, 0);
     for (int row = 0; row < grid.rows; ++row) {
         for (int column = 0; column < grid.columns; ++column) {
             find_candidates(claims, grid, walkers, column, row, perception_radius);
@@ -79,14 +108,14 @@ void claim_markers(MarkerClaims& claims, const Markers& markers, std::span<const
                 if (owner == nobody) continue;
                 claims.claimed_marker.push_back(m);
                 claims.claimed_by.push_back(owner);
-                ++claims.start[owner + std::size_t{1}];
+                ++claims.start[whose(owner) + std::size_t{1}];
             }
         }
     }
 
     // start[k + 1] is the next free place of walker k while the markers are dealt out, and its end when all are.
     std::uint32_t before = 0;
-    for (std::size_t k = 0; k < walkers.size(); ++k) {
+    for (std::size_t k = 0; k < walkers_in_world.size(); ++k) {
         const std::uint32_t count = claims.start[k + 1];
         claims.start[k + 1] = before;
         before += count;
@@ -95,7 +124,8 @@ void claim_markers(MarkerClaims& claims, const Markers& markers, std::span<const
     for (std::size_t i = 0; i < claims.claimed_marker.size(); ++i) {
         const std::uint32_t m = claims.claimed_marker[i];
         const std::uint32_t owner = claims.claimed_by[i];
-        claims.offsets[claims.start[owner + std::size_t{1}]++] = Vector2d(markers.x[m], markers.z[m]) - walkers[owner];
+        claims.offsets[claims.start[whose(owner) + std::size_t{1}]++] =
+            Vector2d(markers.x[m], markers.z[m]) - walkers[owner];
     }
 }
 

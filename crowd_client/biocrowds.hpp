@@ -21,12 +21,17 @@ struct MarkerClaims {
     std::vector<std::uint32_t> candidates;
     std::vector<std::uint32_t> claimed_marker, claimed_by;
     std::vector<double> weights;
+
+    // In a periodic world the walkers and their images beyond the joint, and whose image each is.
+    std::vector<Vector2d> with_images;
+    std::vector<std::uint32_t> image_of;
 };
 
 // Gives each marker to the nearest walker within `perception_radius`, ties to the one that comes first in `walkers`.
 // Walkers: positions of the active agents in the order of their ids, in the world; nobody else claims markers.
+// period: World::period(); where it is above 0, walkers see the markers beyond the joint. Needs markers placed for it.
 void claim_markers(MarkerClaims& claims, const Markers& markers, std::span<const Vector2d> walkers,
-                   double perception_radius);
+                   double perception_radius, double period = 0);
 
 // The walking velocity of one walker by Eq. 1-4, m/s; zero without markers.
 //   k            place in the list given to claim_markers

@@ -88,7 +88,7 @@ void choose_walking_velocities(CrowdWorld& crowd) {
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
         const Vector2d wish =
-            biocrowds_velocity(crowd.claims, k, crowd.agents.goal[id] - crowd.positions[k],
+            biocrowds_velocity(crowd.claims, k, goal_offset(crowd.agents, id, crowd.scene.world.period()),
                                crowd.agents.desired_speed[id], crowd.scene.crowd.speed_rule, crowd.dt);
         crowd.walking[k] = keep_in_world(crowd.scene.world, crowd.positions[k], wish, crowd.dt);
     }
@@ -108,8 +108,19 @@ bool pushed_over_the_fall(double tau, const Contact& contact) {
     return tau > 0 && contact.momentum.x() < 0;
 }
 
+// Brings an agent that left a periodic world over one end in at the other.
+void wrap(Vector2d& p, std::int32_t& laps, double period) {
+    const double lap = std::floor(p.x() / period);
+    p.x() -= lap * period;
+    laps += static_cast<std::int32_t>(lap);
+    if (p.x() < period) return;
+    p.x() = 0;  // a step below 0 that is too small to be told from the length
+    ++laps;
+}
+
 void move_agents(CrowdWorld& crowd) {
     Agents& agents = crowd.agents;
+    const double period = crowd.scene.world.period();
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
         const Vector2d& from = crowd.positions[k];
@@ -121,6 +132,7 @@ void move_agents(CrowdWorld& crowd) {
         agents.velocity[id] = way / crowd.dt;
         agents.path_length[id] += length;
         if (length > 0) agents.heading[id] = way / length;
+        if (period > 0) wrap(agents.position[id], agents.laps[id], period);
     }
 }
 
@@ -128,7 +140,8 @@ Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
     const Vector2d& p = crowd.agents.position[id];
     if (p.x() < 0) return Outcome::dead;
     const double reach = crowd.scene.crowd.goal_radius;
-    return (crowd.agents.goal[id] - p).squaredNorm() <= reach * reach ? Outcome::arrived : Outcome::active;
+    const Vector2d rest = goal_offset(crowd.agents, id, crowd.scene.world.period());
+    return rest.squaredNorm() <= reach * reach ? Outcome::arrived : Outcome::active;
 }
 
 void judge_outcomes(CrowdWorld& crowd, std::uint64_t step) {
@@ -161,6 +174,7 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water.grid = crowd.markers.grid;
+    crowd.water.period = scene.world.period();
     return crowd;
 }
 
@@ -171,7 +185,8 @@ void step(CrowdWorld& crowd, const WaterView& water) {
     bin_water(crowd.water, water, crowd.positions);
     find_contacts(crowd);  // Eq. 5
     note_water_met(crowd);
-    claim_markers(crowd.claims, crowd.markers, crowd.positions, crowd.scene.crowd.perception_radius);
+    claim_markers(crowd.claims, crowd.markers, crowd.positions, crowd.scene.crowd.perception_radius,
+                  crowd.scene.world.period());
     choose_walking_velocities(crowd);  // Eq. 1-4
     couple_with_water(crowd);          // Eq. 6-9
     move_agents(crowd);

@@ -33,6 +33,10 @@ bool far_from_all(const std::vector<Point>& others, const Point& p, double min_d
     return true;
 }
 
+void shift_x(std::vector<Point>& points, double by) {
+    for (Point& p : points) p.x += by;
+}
+
 constexpr double most_markers = 2e8;  // 16 bytes each; also keeps their numbers within 32 bits
 
 void check_ranges(const Crowd& crowd, const GroundGrid& grid) {
@@ -72,6 +76,10 @@ Markers place_markers(const Scene& scene) {
     const double min_distance = crowd.marker_min_distance;
     const auto wanted = static_cast<std::size_t>(crowd.markers_per_cell);
 
+    // Columns that are seen twice in a periodic world: the last one stands before the first, the first behind the last.
+    const double period = scene.world.period();
+    const int last_column = grid.columns - 3;
+
     // Only the row below and the row at hand are needed to keep the distance across borders.
     std::array<std::vector<std::vector<Point>>, 2> placed;
     placed.fill(std::vector<std::vector<Point>>(static_cast<std::size_t>(grid.columns)));
@@ -82,8 +90,15 @@ Markers place_markers(const Scene& scene) {
         std::vector<std::vector<Point>>& here = placed[static_cast<std::size_t>(row % 2)];
         const std::vector<std::vector<Point>>& below = placed[static_cast<std::size_t>((row + 1) % 2)];
         const double z0 = GroundGrid::line_start(row);
+        if (period > 0) {
+            for (std::vector<Point>& cell : here) cell.clear();
+        }
         for (int column = 0; column < grid.columns; ++column) {
             const auto c = static_cast<std::size_t>(column);
+            if (period > 0 && (column == 0 || column > last_column)) {
+                markers.cell_start.push_back(static_cast<std::uint32_t>(markers.x.size()));
+                continue;
+            }
             const double x0 = GroundGrid::line_start(column);
             const std::uint64_t stream = grid.index(column, row);
             std::vector<Point>& own = here[c];
@@ -97,12 +112,23 @@ Markers place_markers(const Scene& scene) {
                 const bool near_left = column > 0 && u < min_distance;
                 const bool near_below = row > 0 && w < min_distance;
                 const bool near_right = column + 1 < grid.columns && GroundGrid::cell_size - u < min_distance;
+                const bool near_joint = period > 0 && column == last_column && near_right;
                 if (near_left && !far_from_all(here[c - 1], p, min_distance)) continue;
                 if (near_below && !far_from_all(below[c], p, min_distance)) continue;
                 if (near_below && near_left && !far_from_all(below[c - 1], p, min_distance)) continue;
                 if (near_below && near_right && !far_from_all(below[c + 1], p, min_distance)) continue;
+                if (near_joint && !far_from_all(here[c + 1], p, min_distance)) continue;
                 if (!far_from_all(own, p, min_distance)) continue;
                 own.push_back(p);
+            }
+            if (period > 0 && column == 1) {
+                std::vector<Point>& behind = here[static_cast<std::size_t>(last_column) + 1];
+                behind = own;
+                shift_x(behind, period);
+            }
+            if (period > 0 && column == last_column) {
+                here[0] = own;
+                shift_x(here[0], -period);
             }
             for (const Point& p : own) {
                 if (inside_obstacle(scene.obstacles, p)) continue;

@@ -20,7 +20,8 @@ struct Markers {
 // Throws darts, `markers_per_cell` that stay in each cell of the grid, uniformly at random under the condition that no
 // two of them, in one cell or in two, are closer than `marker_min_distance`; then drops those inside obstacles, so that
 // free ground has the same density everywhere. The grid's border has markers too: an agent at the edge of the world
-// perceives as many as elsewhere.
+// perceives as many as elsewhere. In a periodic world the border's first and last columns have none: what lies beyond an
+// end are the markers at the other, and the distance holds across the joint.
 // Depends on the seed alone. Throws ConfigurationError if the markers do not fit or the perception radius exceeds a
 // cell.
 [[nodiscard]] Markers place_markers(const Scene& scene);

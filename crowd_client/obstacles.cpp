@@ -54,6 +54,13 @@ bool free_of_boxes(const Walls& walls, const Vector2d& p) {
 
 Walls make_walls(const Scene& scene) {
     Walls walls{scene.world, scene.obstacles};
+    if (const double period = scene.world.period(); period > 0) {
+        for (const Obstacle& box : scene.obstacles) {
+            for (const double shift : {-period, period}) {
+                walls.boxes.push_back({{box.x.lo + shift, box.x.hi + shift}, box.z, box.height});
+            }
+        }
+    }
     for (Obstacle& box : walls.boxes) {
         box.x = {box.x.lo - Walls::skin, box.x.hi + Walls::skin};
         box.z = {box.z.lo - Walls::skin, box.z.hi + Walls::skin};
@@ -82,15 +89,18 @@ std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p) {
 }
 
 Vector2d keep_in_world(const World& world, const Vector2d& p, const Vector2d& walking, double dt) {
-    return {std::clamp(walking.x(), -p.x() / dt, (world.length - p.x()) / dt),
+    const bool ends = world.ends == Ends::open;
+    return {ends ? std::clamp(walking.x(), -p.x() / dt, (world.length - p.x()) / dt) : walking.x(),
             std::clamp(walking.y(), -p.y() / dt, (world.width - p.y()) / dt)};
 }
 
 Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displacement, bool may_fall) {
     const World& world = walls.world;
     Vector2d target = p + displacement;
-    target.x() = std::min(target.x(), world.length);
-    if (!may_fall) target.x() = std::max(target.x(), 0.0);
+    if (world.ends == Ends::open) {
+        target.x() = std::min(target.x(), world.length);
+        if (!may_fall) target.x() = std::max(target.x(), 0.0);
+    }
     target.y() = std::clamp(target.y(), 0.0, world.width);
 
     // Each face met takes one component away, so two faces end a step; further turns serve boxes that are met while

@@ -18,6 +18,38 @@ void mark_cells_near(WaterBins& bins, std::span<const Vector2d> positions) {
     }
 }
 
+void keep(WaterBins& bins, std::size_t particle, std::size_t cell) {
+    if (bins.near_agent[cell] == 0) return;
+    bins.kept_particle.push_back(static_cast<std::uint32_t>(particle));
+    bins.kept_cell.push_back(static_cast<std::uint32_t>(cell));
+    ++bins.cell_start[cell + 1];
+}
+
+// x brought into [0, period).
+double in_period(double x, double period) {
+    const double inside = x - period * std::floor(x / period);
+    return inside < period ? inside : 0;
+}
+
+// In a periodic world the first and the last column of cells stand in the border, too, at the other end.
+void keep_with_images(WaterBins& bins, std::size_t particle, double x, double z) {
+    const GroundGrid& grid = bins.grid;
+    const int last = grid.columns - 3;
+    const int column = GroundGrid::line_of(in_period(x, bins.period));
+    const int row = GroundGrid::line_of(z);
+    keep(bins, particle, grid.index(column, row));
+    if (column == 1) keep(bins, particle, grid.index(last + 1, row));
+    if (column == last) keep(bins, particle, grid.index(0, row));
+}
+
+// x of a particle as it is seen in a cell of the periodic world's grid.
+double x_seen_in(const WaterBins& bins, double x, std::size_t cell) {
+    const double inside = in_period(x, bins.period);
+    const int column = static_cast<int>(cell % static_cast<std::size_t>(bins.grid.columns));
+    if (column == 0) return inside - bins.period;
+    return column > bins.grid.columns - 3 ? inside + bins.period : inside;
+}
+
 // Fills kept_particle and kept_cell and counts the particles of cell c into cell_start[c + 1].
 void keep_near(WaterBins& bins, const WaterView& water) {
     const GroundGrid& grid = bins.grid;
@@ -32,11 +64,11 @@ void keep_near(WaterBins& bins, const WaterView& water) {
         const double x = water.origin_x + water.scale_x * static_cast<double>(water.px[i]);
         const double z = water.origin_z + water.scale_z * static_cast<double>(water.pz[i]);
         if (!(x >= x_lo && x < x_hi && z >= z_lo && z < z_hi)) continue;  // false for NaN, too
-        const std::size_t cell = grid.cell_of(x, z);
-        if (bins.near_agent[cell] == 0) continue;
-        bins.kept_particle.push_back(static_cast<std::uint32_t>(i));
-        bins.kept_cell.push_back(static_cast<std::uint32_t>(cell));
-        ++bins.cell_start[cell + 1];
+        if (bins.period > 0) {
+            keep_with_images(bins, i, x, z);
+        } else {
+            keep(bins, i, grid.cell_of(x, z));
+        }
     }
 }
 
@@ -64,7 +96,8 @@ void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d
     for (std::size_t k = 0; k < kept; ++k) {
         const std::size_t i = bins.kept_particle[k];
         const std::size_t to = bins.cell_start[bins.kept_cell[k] + std::size_t{1}]++;
-        bins.x[to] = water.origin_x + water.scale_x * static_cast<double>(water.px[i]);
+        const double x = water.origin_x + water.scale_x * static_cast<double>(water.px[i]);
+        bins.x[to] = bins.period > 0 ? x_seen_in(bins, x, bins.kept_cell[k]) : x;
         bins.z[to] = water.origin_z + water.scale_z * static_cast<double>(water.pz[i]);
         bins.mass[to] = static_cast<double>(water.mass[i]);
         bins.vx[to] = water.scale_x * static_cast<double>(water.vx[i]);

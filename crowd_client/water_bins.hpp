@@ -16,6 +16,7 @@ namespace wade::crowd {
 // The arrays keep their memory from step to step.
 struct WaterBins {
     GroundGrid grid;
+    double period = 0;                      // World::period(), m; above 0 the border holds images of the water
     std::vector<double> x, z;               // m
     std::vector<double> mass;               // kg
     std::vector<double> vx, vz;             // m/s

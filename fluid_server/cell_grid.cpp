@@ -29,11 +29,13 @@ CellGrid::CellGrid(const Scene& scene, float support_radius)
       source_(static_cast<std::size_t>(scene.fluid.max_particles)),
       scratch_(static_cast<std::size_t>(scene.fluid.max_particles)) {
     const Channel& channel = scene.channel;
-    periodic_ = {channel.flow == Flow::recirculating, false, channel.sides == Sides::periodic};
+    periodic_ = {channel.flow == Flow::recirculating || channel.flow == Flow::periodic, channel.top == Top::periodic,
+                 channel.sides == Sides::periodic};
     // An emitter holds its next layers behind the upstream end.
     const double behind = channel.flow == Flow::emitter ? 3 * static_cast<double>(support_radius) : 0;
     const std::array<double, 3> lo{channel.x.lo, 0, channel.z.lo};
-    const std::array<double, 3> hi{channel.x.hi + behind, headroom * deepest_water(scene), channel.z.hi};
+    const double height = channel.top == Top::open ? headroom * deepest_water(scene) : channel.height;
+    const std::array<double, 3> hi{channel.x.hi + behind, height, channel.z.hi};
     for (std::size_t k = 0; k < 3; ++k) {
         const double length = hi[k] - lo[k];
         const int cells = std::max(1, static_cast<int>(length / static_cast<double>(support_radius)));

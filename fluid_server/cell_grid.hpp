@@ -22,15 +22,19 @@ class CellGrid {
     // Returns the number dropped.
     std::size_t sort(Particles& particles, float outflow_x);
 
-    // Calls body(begin, end, shift_x, shift_z) for each contiguous run of sorted particles in the 27 cells round p;
-    // the shifts are what to add to their positions across a periodic border.
+    // Calls body(begin, end, shift) for each contiguous run of sorted particles in the 27 cells round p; the shift is
+    // what to add to their positions across a periodic border.
     template <typename Body>
     void for_each_run(float px, float py, float pz, Body&& body) const;
 
-    [[nodiscard]] float period_x() const { return periodic_[0] ? length_[0] : 0; }
-    [[nodiscard]] float period_z() const { return periodic_[2] ? length_[2] : 0; }
-    [[nodiscard]] float origin_x() const { return origin_[0]; }
-    [[nodiscard]] float origin_z() const { return origin_[2]; }
+    // Moves a coordinate that is less than one period outside back into the grid; others stay.
+    [[nodiscard]] float wrap(std::size_t axis, float v) const {
+        if (periodic_[axis]) {
+            v += v < origin_[axis] ? length_[axis] : 0;
+            v -= v >= origin_[axis] + length_[axis] ? length_[axis] : 0;
+        }
+        return v;
+    }
 
  private:
     [[nodiscard]] int cell_along(std::size_t axis, float v) const;
@@ -57,19 +61,22 @@ void CellGrid::for_each_run(float px, float py, float pz, Body&& body) const {
     const int cj = cell_along(1, py);
     const int ck = cell_along(2, pz);
     const int last_x = cells_[0] - 1;
-    for (int k = ck - 1; k <= ck + 1; ++k) {
-        int kk = k;
-        float shift_z = 0;
-        if (k < 0 || k >= cells_[2]) {
-            if (!periodic_[2]) {
-                continue;
+    // Calls visit(cell, shift) for the three cells along an axis, as far as they exist.
+    const auto along = [&](std::size_t axis, int centre, auto&& visit) {
+        const int cells = cells_[axis];
+        for (int c = centre - 1; c <= centre + 1; ++c) {
+            if (c >= 0 && c < cells) {
+                visit(c, 0.0F);
+            } else if (periodic_[axis]) {
+                visit(c < 0 ? cells - 1 : 0, c < 0 ? -length_[axis] : length_[axis]);
             }
-            kk = k < 0 ? cells_[2] - 1 : 0;
-            shift_z = k < 0 ? -length_[2] : length_[2];
         }
-        for (int j = std::max(cj - 1, 0); j <= std::min(cj + 1, cells_[1] - 1); ++j) {
+    };
+    along(2, ck, [&](int k, float shift_z) {
+        along(1, cj, [&](int j, float shift_y) {
             const auto run = [&](int from, int to, float shift_x) {
-                body(start_[cell_index(from, j, kk)], start_[cell_index(to, j, kk) + 1], shift_x, shift_z);
+                body(start_[cell_index(from, j, k)], start_[cell_index(to, j, k) + 1],
+                     std::array<float, 3>{shift_x, shift_y, shift_z});
             };
             if (periodic_[0] && ci == 0) {
                 run(last_x, last_x, -length_[0]);
@@ -78,8 +85,8 @@ void CellGrid::for_each_run(float px, float py, float pz, Body&& body) const {
             if (periodic_[0] && ci == last_x) {
                 run(0, 0, length_[0]);
             }
-        }
-    }
+        });
+    });
 }
 
 }  // namespace wade::fluid

@@ -13,10 +13,6 @@ constexpr float relaxation = 0.5F;
 // like a spring without friction and a column at rest never stops ringing; half of it takes almost four times the iterations.
 constexpr float warm_start = 0.95F;
 
-// Below this density a particle has an open side and may be compressed: the divergence solve leaves it alone. A flat
-// free surface of the lattice has 0.85.
-constexpr float open_surface_density = 0.8F;
-
 // a_i(p); particles inside the emitter keep their velocity.
 void pressure_acceleration(const std::vector<float>& pressure, const Particles& p, const NeighbourLists& lists,
                            ParticleFields& f) {
@@ -26,6 +22,7 @@ void pressure_acceleration(const std::vector<float>& pressure, const Particles& 
         LaneSum y;
         LaneSum z;
         for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
+            const PlaneMap r = mirror.reflection;
             const std::uint32_t* j = block.j.data();
             const float* gx = block.gx.data();
             const float* gy = block.gy.data();
@@ -34,9 +31,9 @@ void pressure_acceleration(const std::vector<float>& pressure, const Particles& 
 #pragma omp simd
                 for (std::size_t l = 0; l < lanes; ++l) {
                     const float pj = pr[j[k + l]];
-                    x.lane[l] += mirror.rx * pj * gx[k + l];
-                    y.lane[l] += mirror.ry * pj * gy[k + l];
-                    z.lane[l] += mirror.rz * pj * gz[k + l];
+                    x.lane[l] += pj * (r.xx * gx[k + l] + r.xy * gy[k + l]);
+                    y.lane[l] += pj * (r.xy * gx[k + l] + r.yy * gy[k + l]);
+                    z.lane[l] += pj * (r.zz * gz[k + l]);
                 }
             }
         });
@@ -89,15 +86,16 @@ void compute_density_and_diagonal(const Particles& p, const NeighbourLists& list
         LaneSum z;
         LaneSum squares;
         for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
+            const PlaneMap r = mirror.reflection;
             const float* gx = block.gx.data();
             const float* gy = block.gy.data();
             const float* gz = block.gz.data();
             for (std::size_t k = first; k < last; k += lanes) {
 #pragma omp simd
                 for (std::size_t l = 0; l < lanes; ++l) {
-                    x.lane[l] += mirror.rx * gx[k + l];
-                    y.lane[l] += mirror.ry * gy[k + l];
-                    z.lane[l] += mirror.rz * gz[k + l];
+                    x.lane[l] += r.xx * gx[k + l] + r.xy * gy[k + l];
+                    y.lane[l] += r.xy * gx[k + l] + r.yy * gy[k + l];
+                    z.lane[l] += r.zz * gz[k + l];
                     squares.lane[l] += gx[k + l] * gx[k + l] + gy[k + l] * gy[k + l] + gz[k + l] * gz[k + l];
                 }
             }
@@ -121,18 +119,56 @@ double bed_pressure_force(const Particles& p, const NeighbourLists& lists, doubl
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
         const float pi = p.density_pressure[i] + p.divergence_pressure[i];
         for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
-            if (mirror.ry > 0 || p.kind[i] == Kind::inflow) {
+            const PlaneMap r = mirror.reflection;
+            if (r.yy > 0 || p.kind[i] == Kind::inflow) {
                 return;
             }
             double push = 0;
             for (std::size_t k = first; k < last; ++k) {
                 const std::uint32_t j = block.j[k];
-                push += static_cast<double>((pi + p.density_pressure[j] + p.divergence_pressure[j]) * block.gy[k]);
+                const float gy = r.xy * block.gx[k] + r.yy * block.gy[k];
+                push -= static_cast<double>((pi + p.density_pressure[j] + p.divergence_pressure[j]) * gy);
             }
-            forces[i / block_size] += push * particle_mass;  // gy is that of R g: it points up from the image
+            forces[i / block_size] += push * particle_mass;
         });
     });
     return forces.total([](double& sum, double force) { sum += force; });
+}
+
+std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& lists, double particle_mass,
+                                     double viscosity, int obstacle) {
+    BlockSums<std::array<double, 3>> forces;
+    forces.begin(p.count);
+    for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
+        const float pi = p.density_pressure[i] + p.divergence_pressure[i];
+        const Vec3 vi{p.vx[i], p.vy[i], p.vz[i]};
+        for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
+            if (mirror.obstacle != obstacle || p.kind[i] == Kind::inflow) {
+                return;
+            }
+            // The face pushes along its normal; along itself it holds only water that sticks to it.
+            const auto normal = static_cast<std::size_t>(mirror.obstacle_axis);
+            std::array<double, 3> push{};
+            for (std::size_t k = first; k < last; ++k) {
+                const std::uint32_t j = block.j[k];
+                const Vec3 g = mirror.reflection({block.gx[k], block.gy[k], block.gz[k]});
+                push[normal] += static_cast<double>((pi + p.density_pressure[j] + p.divergence_pressure[j]) * g[normal]);
+                const Vec3 image = mirror.viscous.map({p.vx[j], p.vy[j], p.vz[j]});
+                for (std::size_t a = 0; a < 3; ++a) {
+                    const float slip = vi[a] - (image[a] + mirror.viscous.shift[a]);
+                    push[a] -= 2 * viscosity * static_cast<double>(slip * block.gradient_factor[k]);
+                }
+            }
+            for (std::size_t a = 0; a < 3; ++a) {
+                forces[i / block_size][a] += push[a] * particle_mass;
+            }
+        });
+    });
+    return forces.total([](std::array<double, 3>& sum, const std::array<double, 3>& force) {
+        for (std::size_t a = 0; a < 3; ++a) {
+            sum[a] += force[a];
+        }
+    });
 }
 
 SolveResult PressureSolver::iterate(std::vector<float>& pressure, Particles& p, const NeighbourLists& lists,
@@ -170,7 +206,7 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
         const float rate = density_rate(p.vx, p.vy, p.vz, i, block, place, f);
         // With a source of -1 the pressure of a particle with an open side stays at zero.
-        f.source[i] = f.density[i] < open_surface_density ? -1 : dt * rate;
+        f.source[i] = f.density[i] < open_surface_density_ ? -1 : dt * rate;
     });
     return iterate(p.divergence_pressure, p, lists, f, dt, settings);
 }

@@ -12,6 +12,7 @@
 //
 // The lists hold R g_ij (neighbours.hpp), so that (R u_j) . g_ij = u_j . (R g_ij).
 
+#include <array>
 #include <vector>
 
 #include "configs/scene.hpp"
@@ -39,11 +40,21 @@ struct SolveResult {
 // Density, sum of gradients and diagonal of each particle.
 void compute_density_and_diagonal(const Particles& particles, const NeighbourLists& lists, ParticleFields& fields);
 
-// Force on the bed, N, downwards, by the pressures of the last step: what the particles push against their images.
+// Force on bed and obstacles, N, downwards, by the pressures of the last step: what the particles push against their
+// images. A lid's is subtracted.
 double bed_pressure_force(const Particles& particles, const NeighbourLists& lists, double particle_mass);
+
+// Force on the faces of one obstacle, N, by the pressures of the last step and, if viscosity > 0, by viscosity at the
+// velocities that the particles have now.
+std::array<double, 3> obstacle_force(const Particles& particles, const NeighbourLists& lists, double particle_mass,
+                                     double viscosity, int obstacle);
 
 class PressureSolver {
  public:
+    // open_surface_density: below this density, as a fraction, a particle has an open side and may be compressed: the
+    // divergence solve leaves it alone.
+    explicit PressureSolver(float open_surface_density) : open_surface_density_(open_surface_density) {}
+
     // Corrects the velocities until no particle that is near rest density is being compressed.
     SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists, ParticleFields& fields, float dt,
                                  const PressureSolve& settings);
@@ -55,6 +66,7 @@ class PressureSolver {
  private:
     SolveResult iterate(std::vector<float>& pressure, Particles& particles, const NeighbourLists& lists,
                         ParticleFields& fields, float dt, const PressureSolve& settings);
+    float open_surface_density_;
     BlockSums<double> errors_;
 };
 

@@ -49,9 +49,9 @@ void Emitter::emit(Particles& p, float dt) {
         stock_ -= layer_.sites();
         for (int k = 0; k < layer_.nz; ++k) {
             for (int j = 0; j < layer_.ny; ++j) {
-                p.add(static_cast<float>(last_layer_x_), (static_cast<float>(j) + 0.5F) * layer_.dy,
-                      static_cast<float>(z_lo_) + (static_cast<float>(k) + 0.5F) * layer_.dz,
-                      static_cast<float>(-velocity_), Kind::inflow);
+                p.add({static_cast<float>(last_layer_x_), (static_cast<float>(j) + 0.5F) * layer_.dy,
+                       static_cast<float>(z_lo_) + (static_cast<float>(k) + 0.5F) * layer_.dz},
+                      {static_cast<float>(-velocity_), 0, 0}, Kind::inflow);
             }
         }
     }

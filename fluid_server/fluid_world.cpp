@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <variant>
 
 #include "configs/exit_code.hpp"
+#include "configs/scene_capacity.hpp"
 #include "configs/scene_checks.hpp"
 #include "fluid_server/filling.hpp"
 #include "fluid_server/forces.hpp"
@@ -22,6 +24,29 @@ constexpr double viscous_limit = 0.125;
 // run away.
 constexpr int runaway = 100;
 
+double length(const std::array<double, 3>& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+// Largest speed of the planes to which water sticks, m/s.
+double fastest_plane(const Channel& channel) {
+    double fastest = 0;
+    for (const NoSlip& wall : channel.no_slip) {
+        fastest = std::max(fastest, length(wall.velocity));
+    }
+    return fastest;
+}
+
+// Largest speed of the particles, m/s.
+double fastest_particle(const Particles& p) {
+    double fastest = 0;
+    for (std::size_t i = 0; i < p.count; ++i) {
+        fastest = std::max(fastest, length({static_cast<double>(p.vx[i]), static_cast<double>(p.vy[i]),
+                                            static_cast<double>(p.vz[i])}));
+    }
+    return fastest;
+}
+
 // A mean compression beyond this is no water any more.
 constexpr double collapse = 0.1;
 
@@ -34,18 +59,20 @@ constexpr double collapse = 0.1;
 
 FluidWorld::FluidWorld(const Scene& scene)
     : scene_(scene),
-      support_radius_(static_cast<float>(2 * scene.fluid.particle_spacing)),
+      support_radius_(static_cast<float>(support_radius_of(scene.fluid))),
       volume_(static_cast<float>(std::pow(scene.fluid.particle_spacing, 3))),
       particle_mass_(static_cast<float>(scene.fluid.rest_density * std::pow(scene.fluid.particle_spacing, 3))),
-      kernel_(support_radius_),
+      kernel_(make_kernel(scene.fluid)),
       particles_(static_cast<std::size_t>(scene.fluid.max_particles)),
       grid_(scene, support_radius_),
       lists_(particles_.capacity()),
       fields_(particles_.capacity()),
       solids_(scene),
+      solver_(std::visit([](const auto& kernel) { return kernel.open_surface_density; }, kernel_)),
       outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
                                                      : -std::numeric_limits<float>::infinity()) {
     fill_scene(particles_, scene);
+    initial_speed_ = fastest_particle(particles_);
     if (scene.channel.flow == Flow::emitter) {
         emitter_.emplace(scene, particles_.count);
         emitter_->emit(particles_, 0);
@@ -76,6 +103,16 @@ void FluidWorld::restore(const FluidState& state, const std::string& source) {
         emitter.stock -= static_cast<std::uint64_t>(state.scene.fluid.max_particles);
         emitter_->restore(emitter);
     }
+}
+
+void FluidWorld::set_velocity(const std::function<std::array<double, 3>(const std::array<double, 3>& place)>& field) {
+    Particles& p = particles_;
+    for (std::size_t i = 0; i < p.count; ++i) {
+        const std::array<double, 3> v =
+            field({static_cast<double>(p.x[i]), static_cast<double>(p.y[i]), static_cast<double>(p.z[i])});
+        p.vx[i] = static_cast<float>(v[0]), p.vy[i] = static_cast<float>(v[1]), p.vz[i] = static_cast<float>(v[2]);
+    }
+    initial_speed_ = fastest_particle(p);
 }
 
 StepReport FluidWorld::step(double remaining) {
@@ -130,9 +167,9 @@ double FluidWorld::time_step(double remaining) {
     // v: what moves particles. sqrt(g H): the speed at which pressure can set them in motion; a step that outruns it
     // extrapolates the density too far and injects energy.
     const double d = scene_.fluid.particle_spacing;
-    const double v = std::sqrt(all.max);
+    const double v = std::max(std::sqrt(all.max), fastest_plane(scene_.channel));
     const double wave = std::sqrt(scene_.world.gravity * deepest_water(scene_));
-    const double expected = std::max(wave, scene_.channel.velocity);
+    const double expected = std::max({wave, scene_.channel.velocity, fastest_plane(scene_.channel), initial_speed_});
     if (expected > 0 && v > runaway * expected) {
         fail("a fluid particle moves at " + short_number(v) + " m/s, more than " + std::to_string(runaway) +
                  " times the " + short_number(expected) + " m/s of the scene's depth and velocity",
@@ -172,13 +209,22 @@ void FluidWorld::measure_density_error(StepReport& report) {
 
 void FluidWorld::apply_contact(float dt, StepReport& report) {
     sums_.begin(particles_.count);
+    contact_sums_.begin(particles_.count);
+    const std::size_t obstacles = scene_.obstacles.size();
     for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        contact_sums_[b].resize(obstacles);
         for (std::size_t i = begin; i < end; ++i) {
             if (particles_.kind[i] == Kind::inflow) {
                 continue;
             }
             Vec3 v{particles_.vx[i], particles_.vy[i], particles_.vz[i]};
-            const Vec3 removed = solids_.apply_contact({particles_.x[i], particles_.y[i], particles_.z[i]}, dt, v);
+            const auto on_obstacle = [&](std::size_t o, const Vec3& removed) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    contact_sums_[b][o][k] += static_cast<double>(removed[k] / dt);
+                }
+            };
+            const Vec3 removed =
+                solids_.apply_contact({particles_.x[i], particles_.y[i], particles_.z[i]}, dt, v, on_obstacle);
             particles_.vx[i] = v[0], particles_.vy[i] = v[1], particles_.vz[i] = v[2];
             sums_[b] -= static_cast<double>(removed[1] / dt);
         }
@@ -186,8 +232,29 @@ void FluidWorld::apply_contact(float dt, StepReport& report) {
     if (emitter_) {
         emitter_->apply_contact(particles_, dt);
     }
-    const double upward = sums_.total([](double& sum, double a) { sum += a; });
-    report.contact_force = static_cast<double>(particle_mass_) * upward;
+    const auto mass = static_cast<double>(particle_mass_);
+    contact_forces_.assign(obstacles, {});
+    for (std::size_t b = 0; b < block_count(particles_.count); ++b) {
+        for (std::size_t o = 0; o < obstacles; ++o) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                contact_forces_[o][k] += mass * contact_sums_[b][o][k];
+            }
+        }
+    }
+    report.contact_force = mass * -sums_.total([](double& sum, double a) { sum += a; });
+    for (const std::array<double, 3>& force : contact_forces_) {
+        report.contact_force -= force[1];
+    }
+}
+
+std::array<double, 3> FluidWorld::obstacle_force(std::size_t obstacle) const {
+    std::array<double, 3> force =
+        fluid::obstacle_force(particles_, lists_, static_cast<double>(particle_mass_), scene_.fluid.kinematic_viscosity,
+                              static_cast<int>(obstacle));
+    for (std::size_t k = 0; k < 3 && obstacle < contact_forces_.size(); ++k) {
+        force[k] += contact_forces_[obstacle][k];
+    }
+    return force;
 }
 
 double FluidWorld::bed_pressure_force() const {
@@ -195,21 +262,12 @@ double FluidWorld::bed_pressure_force() const {
 }
 
 void FluidWorld::advance(float dt, StepReport& report) {
-    const float period_x = grid_.period_x();
-    const float period_z = grid_.period_z();
-    const auto wrap = [](float v, float origin, float period) {
-        if (period > 0) {
-            v += v < origin ? period : 0;
-            v -= v >= origin + period ? period : 0;
-        }
-        return v;
-    };
     guards_.begin(particles_.count);
     for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
         for (std::size_t i = begin; i < end; ++i) {
-            Vec3 x{wrap(particles_.x[i] + dt * particles_.vx[i], grid_.origin_x(), period_x),
-                   particles_.y[i] + dt * particles_.vy[i],
-                   wrap(particles_.z[i] + dt * particles_.vz[i], grid_.origin_z(), period_z)};
+            Vec3 x{grid_.wrap(0, particles_.x[i] + dt * particles_.vx[i]),
+                   grid_.wrap(1, particles_.y[i] + dt * particles_.vy[i]),
+                   grid_.wrap(2, particles_.z[i] + dt * particles_.vz[i])};
             const float v2 = particles_.vx[i] * particles_.vx[i] + particles_.vy[i] * particles_.vy[i] +
                              particles_.vz[i] * particles_.vz[i];
             guards_[b].longest_squared = std::max(guards_[b].longest_squared, dt * dt * v2);

@@ -1,7 +1,9 @@
 #pragma once
 // The whole state of the fluid and the step that advances it.
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -23,13 +25,16 @@ struct StepReport {
     double max_density_error = 0;
     double driving_acceleration = 0;  // m/s^2, towards -x; recirculating channels
     double contact_force = 0;         // N, vertical force of contact on bed and obstacles
-    double max_displacement = 0;      // m, of a particle of the solver in the step
+    double max_displacement = 0;      // m, the longest way of a particle in the step
 };
 
 class FluidWorld {
  public:
     // Builds the fluid of the scene at t = 0.
     explicit FluidWorld(const Scene& scene);
+
+    // Gives every particle the velocity, m/s, of a field at its place; before the first step.
+    void set_velocity(const std::function<std::array<double, 3>(const std::array<double, 3>& place)>& field);
 
     // Advances by at most `remaining` seconds; the time step is a whole fraction of it, so that repeated calls end
     // exactly on the frame. Throws RunError (numerical_failure) if a velocity runs away or is no longer finite.
@@ -52,6 +57,9 @@ class FluidWorld {
     [[nodiscard]] std::uint64_t layers_missed() const { return emitter_ ? emitter_->layers_missed() : 0; }
     // Vertical pressure force on the bed in the last step, N; costs a sweep, valid until the next step.
     [[nodiscard]] double bed_pressure_force() const;
+    // Force of the water on the faces of an obstacle in the last step, N: pressure, viscosity, contact. Costs a sweep,
+    // valid until the next step.
+    [[nodiscard]] std::array<double, 3> obstacle_force(std::size_t obstacle) const;
     [[nodiscard]] std::uint64_t position_clamps() const { return position_clamps_; }
 
  private:
@@ -64,7 +72,7 @@ class FluidWorld {
     float support_radius_;
     float volume_;
     float particle_mass_;
-    CubicSpline kernel_;
+    Kernel kernel_;
     Particles particles_;
     CellGrid grid_;
     NeighbourLists lists_;
@@ -72,6 +80,7 @@ class FluidWorld {
     Solids solids_;
     PressureSolver solver_;
     std::optional<Emitter> emitter_;
+    double initial_speed_ = 0;  // of the fastest particle, m/s
     float outflow_x_;  // particles that are not beyond it have left
     std::uint64_t position_clamps_ = 0;
     double time_ = 0;
@@ -86,6 +95,9 @@ class FluidWorld {
     BlockSums<Extremes> extremes_;
     BlockSums<double> sums_;
     BlockSums<Guards> guards_;
+    // Momentum that contact with each obstacle took in the last step, divided by dt, N.
+    BlockSums<std::vector<std::array<double, 3>>> contact_sums_;
+    std::vector<std::array<double, 3>> contact_forces_;
 };
 
 }  // namespace wade::fluid

@@ -13,16 +13,17 @@ void apply_viscosity(Particles& p, const NeighbourLists& lists, ParticleFields& 
         for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
             const std::uint32_t* j = block.j.data();
             const float* factor = block.gradient_factor.data();
-            const float vxi = vx[i];
-            const float vyi = vy[i];
-            const float vzi = vz[i];
+            const PlaneMap m = mirror.viscous.map;
+            const float vxi = vx[i] - mirror.viscous.shift[0];
+            const float vyi = vy[i] - mirror.viscous.shift[1];
+            const float vzi = vz[i] - mirror.viscous.shift[2];
             for (std::size_t k = first; k < last; k += lanes) {
 #pragma omp simd
                 for (std::size_t l = 0; l < lanes; ++l) {
                     const std::uint32_t jl = j[k + l];
-                    ax.lane[l] += (vxi - mirror.rx * vx[jl]) * factor[k + l];
-                    ay.lane[l] += (vyi - mirror.ry * vy[jl]) * factor[k + l];
-                    az.lane[l] += (vzi - mirror.rz * vz[jl]) * factor[k + l];
+                    ax.lane[l] += (vxi - (m.xx * vx[jl] + m.xy * vy[jl])) * factor[k + l];
+                    ay.lane[l] += (vyi - (m.xy * vx[jl] + m.yy * vy[jl])) * factor[k + l];
+                    az.lane[l] += (vzi - m.zz * vz[jl]) * factor[k + l];
                 }
             }
         });

@@ -8,9 +8,9 @@
 namespace wade::fluid {
 
 // Viscous acceleration of laminar flow (Morris et al. 1997):
-//   a_i = 2 nu sum_j (v_i - R v_j) V (dW/dr) / r
-// nu: kinematic viscosity, m^2/s; R v_j: the velocity of an image, so that solids are free-slip. The velocities are
-// changed by dt * a.
+//   a_i = 2 nu sum_j (v_i - v_j) V (dW/dr) / r
+// nu: kinematic viscosity, m^2/s. The velocity of an image (ImageVelocity) makes its face free-slip or no-slip. The
+// velocities are changed by dt * a.
 void apply_viscosity(Particles& particles, const NeighbourLists& lists, ParticleFields& fields, float viscosity,
                      float dt);
 

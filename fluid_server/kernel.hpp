@@ -1,17 +1,29 @@
 #pragma once
-// The cubic spline kernel (Monaghan 1992) with compact support radius h, in three dimensions:
+// Kernels with compact support radius h, in three dimensions, and how dense they see a lattice of spacing d.
+//
+// The cubic spline (Monaghan 1992):
 //
 //   W(r, h) = 8 / (pi h^3) * { 6 (q^3 - q^2) + 1   for 0 <= q <= 1/2
 //                            { 2 (1 - q)^3         for 1/2 < q <= 1,     q = r / h
 //
 // With h = 2 d a cubic lattice of spacing d has exactly its rest density: d^3 sum W = 1.000.
+//
+// Wendland's C2 function (Wendland 1995, Dehnen and Aly 2012):
+//
+//   W(r, h) = 21 / (2 pi h^3) * (1 - q)^4 (1 + 4 q)
+//
+// With h = 3 d the lattice sum is 1.003; W is divided by it, so that the lattice has its rest density here too.
 
+#include <cmath>
 #include <numbers>
 
 namespace wade::fluid {
 
 class CubicSpline {
  public:
+    // A flat free surface of the lattice has 0.85 of rest density.
+    static constexpr float open_surface_density = 0.8F;
+
     explicit CubicSpline(float support_radius)
         : inverse_h_(1.0F / support_radius),
           norm_(8.0F * inverse_h_ * inverse_h_ * inverse_h_ / std::numbers::pi_v<float>) {}
@@ -37,6 +49,49 @@ class CubicSpline {
     }
 
  private:
+    float inverse_h_;
+    float norm_;
+};
+
+class WendlandC2 {
+ public:
+    // A flat free surface of the lattice has 0.77 of rest density.
+    static constexpr float open_surface_density = 0.72F;
+    static constexpr int spacings = 3;  // h / d
+
+    explicit WendlandC2(float support_radius)
+        : inverse_h_(1.0F / support_radius),
+          norm_(static_cast<float>(1 / lattice_sum()) * inverse_h_ * inverse_h_ * inverse_h_) {}
+
+    // W(r) in 1/m^3; r in m, r >= 0.
+    [[nodiscard]] float value(float r) const {
+        const float q = r * inverse_h_;
+        const float u = 1.0F - q;
+        return q < 1.0F ? norm_ * (u * u) * (u * u) * (1.0F + 4.0F * q) : 0.0F;
+    }
+
+    // (dW/dr) / r in 1/m^5, so that grad W = (x_i - x_j) * gradient_factor(r).
+    [[nodiscard]] float gradient_factor(float r) const {
+        const float q = r * inverse_h_;
+        const float u = 1.0F - q;
+        return q < 1.0F ? -20.0F * norm_ * inverse_h_ * inverse_h_ * (u * u * u) : 0.0F;
+    }
+
+ private:
+    // d^3 sum W / norm over the cubic lattice, so that norm = 1 / it makes the sum 1: 1.003 * 2 pi / 21.
+    static double lattice_sum() {
+        double sum = 0;
+        for (int i = -spacings; i <= spacings; ++i) {
+            for (int j = -spacings; j <= spacings; ++j) {
+                for (int k = -spacings; k <= spacings; ++k) {
+                    const double q = std::sqrt(static_cast<double>(i * i + j * j + k * k)) / spacings;
+                    sum += q < 1 ? std::pow(1 - q, 4) * (1 + 4 * q) : 0;
+                }
+            }
+        }
+        return sum / (spacings * spacings * spacings);
+    }
+
     float inverse_h_;
     float norm_;
 };

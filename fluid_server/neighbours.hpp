@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <variant>
 #include <vector>
 
 #include "fluid_server/cell_grid.hpp"
@@ -15,6 +16,10 @@
 
 namespace wade::fluid {
 
+// The kernel of a scene, of its support radius.
+using Kernel = std::variant<CubicSpline, WendlandC2>;
+[[nodiscard]] Kernel make_kernel(const Fluid& fluid);
+
 // Sweeps over pairs work on this many at a time.
 inline constexpr std::size_t lanes = 8;
 
@@ -24,8 +29,11 @@ inline constexpr std::size_t lanes = 8;
 // identity. A segment is filled up to a multiple of `lanes` with pairs of i and itself whose gradient is zero.
 struct NeighbourBlock {
     struct Segment {
-        std::uint32_t end = 0;         // one past the last pair; the first is the end of the segment before
-        float rx = 1, ry = 1, rz = 1;  // the diagonal of R, +1 or -1
+        std::uint32_t end = 0;       // one past the last pair; the first is the end of the segment before
+        std::int16_t obstacle = -1;  // in whose face the images are seen, or -1
+        std::int16_t obstacle_axis = 0;
+        PlaneMap reflection;    // R
+        ImageVelocity viscous;  // for viscosity
     };
     std::array<std::uint32_t, block_size + 1> first_segment{};
     std::vector<Segment> segments;
@@ -78,7 +86,7 @@ struct LaneSum {
 };
 
 // Fills the lists for sorted particles: all j != i nearer than the support radius, and all images, of i as well.
-void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& particles, const CubicSpline& kernel,
+void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& particles, const Kernel& kernel,
                      float support_radius, float volume, NeighbourLists& lists);
 
 }  // namespace wade::fluid

@@ -39,14 +39,14 @@ struct Particles {
     [[nodiscard]] std::size_t capacity() const { return x.size(); }
 
     // Adds a particle without pressure. Throws std::length_error if there is no room.
-    void add(float px, float py, float pz, float pvx, Kind k) {
+    void add(const std::array<float, 3>& position, const std::array<float, 3>& velocity, Kind k) {
         if (count == capacity()) {
             throw std::length_error("no room for one more fluid particle: fluid.max_particles is " +
                                     std::to_string(capacity()));
         }
         const std::size_t i = count++;
-        x[i] = px, y[i] = py, z[i] = pz;
-        vx[i] = pvx, vy[i] = 0, vz[i] = 0;
+        x[i] = position[0], y[i] = position[1], z[i] = position[2];
+        vx[i] = velocity[0], vy[i] = velocity[1], vz[i] = velocity[2];
         density_pressure[i] = 0, divergence_pressure[i] = 0;
         kind[i] = k;
     }

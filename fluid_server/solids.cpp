@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "configs/scene_capacity.hpp"
+
 namespace wade::fluid {
 
 namespace {
@@ -14,7 +16,8 @@ constexpr float contact_fraction = 0.4F;
 
 Box interior_of(const Channel& channel) {
     Box box;
-    box.lo[1] = 0;
+    box.lo[1] = channel.top == Top::periodic || !channel.bed_points.empty() ? -Box::inf : 0;
+    box.hi[1] = channel.top == Top::wall ? static_cast<float>(channel.height) : Box::inf;
     if (channel.flow == Flow::closed) {
         box.lo[0] = static_cast<float>(channel.x.lo);
         box.hi[0] = static_cast<float>(channel.x.hi);
@@ -31,6 +34,7 @@ Box box_of(const Obstacle& obstacle, const Box& interior) {
     box.lo = {static_cast<float>(obstacle.x.lo), 0, static_cast<float>(obstacle.z.lo)};
     box.hi = {static_cast<float>(obstacle.x.hi), static_cast<float>(obstacle.height),
               static_cast<float>(obstacle.z.hi)};
+    box.lo[1] = -Box::inf;  // obstacles stand on the bed
     for (std::size_t k = 0; k < 3; ++k) {
         box.lo[k] = box.lo[k] <= interior.lo[k] ? -Box::inf : box.lo[k];
         box.hi[k] = box.hi[k] >= interior.hi[k] ? Box::inf : box.hi[k];
@@ -38,14 +42,53 @@ Box box_of(const Obstacle& obstacle, const Box& interior) {
     return box;
 }
 
+// Adds the reflection across a plane of which R and the velocity, if water sticks to it, are given.
+void reflect_velocities(Mirror& mirror, const PlaneMap& reflection, const std::optional<Vec3>& sticks) {
+    mirror.reflection = product(reflection, mirror.reflection);
+    ImageVelocity& image = mirror.viscous;
+    if (!sticks) {
+        image.map = product(reflection, image.map);
+        image.shift = reflection(image.shift);
+        return;
+    }
+    // u -> 2 U - u. In the corner of two such planes the image of the image moves like the particle.
+    const bool twice = image.shift != Vec3{};
+    image.map = product({-1, 0, -1, -1}, image.map);
+    for (std::size_t k = 0; k < 3; ++k) {
+        image.shift[k] = twice ? 0 : 2 * (*sticks)[k] - image.shift[k];
+    }
+}
+
+void add_plane(Mirror& mirror, std::size_t axis, float plane, const std::optional<Vec3>& sticks) {
+    mirror.axis[axis] = true;
+    mirror.plane[axis] = plane;
+    PlaneMap reflection;
+    (axis == 0 ? reflection.xx : axis == 1 ? reflection.yy : reflection.zz) = -1;
+    reflect_velocities(mirror, reflection, sticks);
+}
+
 }  // namespace
 
 Solids::Solids(const Scene& scene)
     : interior_(interior_of(scene.channel)),
-      support_radius_(static_cast<float>(2 * scene.fluid.particle_spacing)),
+      bed_(bed_facets(scene.channel)),
+      support_radius_(static_cast<float>(support_radius_of(scene.fluid))),
       contact_distance_(contact_fraction * static_cast<float>(scene.fluid.particle_spacing)) {
     for (const Obstacle& obstacle : scene.obstacles) {
         obstacles_.push_back(box_of(obstacle, interior_));
+    }
+    for (const NoSlip& wall : scene.channel.no_slip) {
+        const Vec3 velocity{static_cast<float>(wall.velocity[0]), static_cast<float>(wall.velocity[1]),
+                            static_cast<float>(wall.velocity[2])};
+        switch (wall.plane) {
+            case Plane::bed: sticks_[1][0] = velocity; break;
+            case Plane::top: sticks_[1][1] = velocity; break;
+            case Plane::x_min: sticks_[0][0] = velocity; break;
+            case Plane::x_max: sticks_[0][1] = velocity; break;
+            case Plane::z_min: sticks_[2][0] = velocity; break;
+            case Plane::z_max: sticks_[2][1] = velocity; break;
+            case Plane::obstacles: obstacles_stick_ = velocity; break;
+        }
     }
 }
 
@@ -63,21 +106,57 @@ void Solids::mirrors_near(const Vec3& x, std::vector<Mirror>& mirrors) const {
     mirrors.push_back({});  // no reflection; each axis then adds its own to all that are there
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t before = mirrors.size();
-        for (const float plane : {interior_.lo[k], interior_.hi[k]}) {
+        for (const bool upper : {false, true}) {
+            const float plane = upper ? interior_.hi[k] : interior_.lo[k];
             if (std::abs(x[k] - plane) < support_radius_) {
                 for (std::size_t m = 0; m < before; ++m) {
                     Mirror mirror = mirrors[m];
-                    mirror.axis[k] = true;
-                    mirror.plane[k] = plane;
+                    add_plane(mirror, k, plane, sticks_[k][upper ? 1 : 0]);
                     mirrors.push_back(mirror);
                 }
             }
+        }
+        if (k == 1) {
+            add_facet_mirrors(x, before, mirrors);
         }
     }
     if (!obstacles_.empty()) {
         add_obstacle_mirrors(x, mirrors);
     }
     mirrors.erase(mirrors.begin());
+}
+
+void Solids::add_facet_mirrors(const Vec3& x, std::size_t before, std::vector<Mirror>& mirrors) const {
+    for (std::size_t f = 0; f < bed_.size(); ++f) {
+        const BedFacet& facet = bed_[f];
+        if (x[0] <= facet.x_lo - support_radius_ || x[0] >= facet.x_hi + support_radius_ ||
+            std::abs(facet.distance(x[0], x[1])) >= support_radius_) {
+            continue;
+        }
+        for (std::size_t m = 0; m < before; ++m) {
+            Mirror mirror = mirrors[m];
+            if (facet.level()) {
+                add_plane(mirror, 1, facet.py, sticks_[1][0]);
+            } else if (mirror.axis[0]) {
+                continue;  // the corner of an inclined bed and an end wall has no image of an image
+            } else {
+                mirror.inclined = true;
+                mirror.nx = facet.nx, mirror.ny = facet.ny, mirror.px = facet.px, mirror.py = facet.py;
+                reflect_velocities(mirror,
+                                   {1 - 2 * facet.nx * facet.nx, -2 * facet.nx * facet.ny, 1 - 2 * facet.ny * facet.ny, 1},
+                                   sticks_[1][0]);
+            }
+            mirror.facet = static_cast<int>(f);
+            mirrors.push_back(mirror);
+        }
+    }
+}
+
+bool Solids::sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) const {
+    const BedFacet& facet = bed_[static_cast<std::size_t>(mirror.facet)];
+    const float middle = 0.5F * (x[0] + y[0]);
+    return middle >= facet.x_lo && middle < facet.x_hi &&
+           facet.distance(x[0], x[1]) + facet.distance(y[0], y[1]) > 0;
 }
 
 void Solids::add_obstacle_mirrors(const Vec3& x, std::vector<Mirror>& mirrors) const {
@@ -91,9 +170,8 @@ void Solids::add_obstacle_mirrors(const Vec3& x, std::vector<Mirror>& mirrors) c
             }
             for (std::size_t m = 0; m < walls; ++m) {
                 Mirror mirror = mirrors[m];
-                if (!mirror.axis[k]) {
-                    mirror.axis[k] = true;
-                    mirror.plane[k] = beyond ? box.hi[k] : box.lo[k];
+                if (!mirror.axis[k] && (k == 2 || !mirror.inclined)) {
+                    add_plane(mirror, k, beyond ? box.hi[k] : box.lo[k], obstacles_stick_);
                     mirror.obstacle = static_cast<int>(o);
                     mirror.obstacle_axis = k;
                     mirrors.push_back(mirror);
@@ -151,7 +229,7 @@ bool Solids::sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) cons
     return true;
 }
 
-Vec3 Solids::apply_contact(const Vec3& x, float dt, Vec3& v) const {
+Vec3 Solids::apply_border_contact(const Vec3& x, float dt, Vec3& v) const {
     const Vec3 before = v;
     for (std::size_t k = 0; k < 3; ++k) {
         const float to_lo = interior_.lo[k] + contact_distance_ - x[k];  // negative while free
@@ -159,32 +237,46 @@ Vec3 Solids::apply_contact(const Vec3& x, float dt, Vec3& v) const {
         v[k] = std::max(v[k], std::min(to_lo, 0.0F) / dt);
         v[k] = std::min(v[k], std::max(to_hi, 0.0F) / dt);
     }
-    for (const Box& box : obstacles_) {
-        // The axis along which the particle is farthest outside of the box decides which face it meets.
-        std::size_t axis = 0;
-        float gap = -Box::inf;
-        float side = 0;
-        bool would_enter = true;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const float lo = box.lo[k] - contact_distance_;
-            const float hi = box.hi[k] + contact_distance_;
-            const float next = x[k] + dt * v[k];
-            would_enter = would_enter && next > lo && next < hi;
-            const float below = lo - x[k];
-            const float above = x[k] - hi;
-            const float outside = std::max(below, above);
-            if (outside > gap) {
-                gap = outside;
-                axis = k;
-                side = below > above ? -1.0F : 1.0F;
+    if (!bed_.empty()) {
+        // The facet where the particle is, and the one where it goes.
+        for (const float place : {x[0], x[0] + dt * v[0]}) {
+            const BedFacet& facet = facet_at(bed_, place);
+            const float to_bed = contact_distance_ - facet.distance(x[0], x[1]);
+            const float approach = facet.nx * v[0] + facet.ny * v[1] - std::min(to_bed, 0.0F) / dt;
+            if (approach < 0) {
+                v[0] -= approach * facet.nx;
+                v[1] -= approach * facet.ny;
             }
-        }
-        if (would_enter) {
-            const float room = std::max(gap, 0.0F) / dt;
-            v[axis] = side < 0 ? std::min(v[axis], room) : std::max(v[axis], -room);
         }
     }
     return {before[0] - v[0], before[1] - v[1], before[2] - v[2]};
+}
+
+bool Solids::apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const {
+    // The axis along which the particle is farthest outside of the box decides which face it meets.
+    std::size_t axis = 0;
+    float gap = -Box::inf;
+    float side = 0;
+    bool would_enter = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const float lo = box.lo[k] - contact_distance_;
+        const float hi = box.hi[k] + contact_distance_;
+        const float next = x[k] + dt * v[k];
+        would_enter = would_enter && next > lo && next < hi;
+        const float below = lo - x[k];
+        const float above = x[k] - hi;
+        const float outside = std::max(below, above);
+        if (outside > gap) {
+            gap = outside;
+            axis = k;
+            side = below > above ? -1.0F : 1.0F;
+        }
+    }
+    if (would_enter) {
+        const float room = std::max(gap, 0.0F) / dt;
+        v[axis] = side < 0 ? std::min(v[axis], room) : std::max(v[axis], -room);
+    }
+    return would_enter;
 }
 
 bool Solids::clamp(Vec3& x) const {
@@ -193,6 +285,10 @@ bool Solids::clamp(Vec3& x) const {
         const float inside = std::max(interior_.lo[k], std::min(interior_.hi[k], x[k]));
         moved = moved || inside != x[k];
         x[k] = inside;
+    }
+    if (!bed_.empty() && x[1] < bed_height(bed_, x[0])) {
+        x[1] = bed_height(bed_, x[0]);
+        moved = true;
     }
     for (const Box& box : obstacles_) {
         std::size_t axis = 0;

@@ -16,6 +16,12 @@
 //
 // Images of images between two obstacles, or an obstacle and a bank, that are nearer than two support radii are left out.
 //
+// A bed with bed_points consists of facets (bed_profile.hpp). A particle sees another in the facet over which the point
+// halfway between them lies: pairs stay symmetric, and gentle changes of slope leave neither gap nor overlap that matters.
+//
+// Where water sticks to a face (channel.no_slip) viscosity sees images with another velocity, see ImageVelocity; for
+// pressure every face is smooth.
+//
 // Contact is for what pressure cannot carry: single particles and sheets thinner than the spacing have less than rest
 // density and so no pressure. Their centres stay a contact distance away from every face.
 
@@ -23,13 +29,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "configs/scene.hpp"
+#include "fluid_server/bed_profile.hpp"
+#include "fluid_server/mirror.hpp"
 
 namespace wade::fluid {
-
-using Vec3 = std::array<float, 3>;
 
 // A box with faces normal to the axes; a bound may be infinite.
 struct Box {
@@ -38,28 +45,9 @@ struct Box {
     Vec3 hi{inf, inf, inf};
 };
 
-// A reflection across one, two or three faces normal to different axes: x_k -> 2 plane_k - x_k for the mirrored axes.
-struct Mirror {
-    std::array<bool, 3> axis{};
-    Vec3 plane{};
-    int obstacle = -1;  // whose face is one of them, or -1
-    std::size_t obstacle_axis = 0;
-
-    [[nodiscard]] Vec3 reflect(const Vec3& x) const {
-        Vec3 image = x;
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (axis[k]) {
-                image[k] = 2 * plane[k] - x[k];
-            }
-        }
-        return image;
-    }
-    [[nodiscard]] Vec3 sign() const { return {axis[0] ? -1.0F : 1.0F, axis[1] ? -1.0F : 1.0F, axis[2] ? -1.0F : 1.0F}; }
-};
-
 class Solids {
  public:
-    // Bed, banks unless the sides are periodic, end walls if the channel is closed, and all obstacles of the scene.
+    // Bed, lid if there is one, banks unless the sides are periodic, end walls if the channel is closed, and all obstacles.
     explicit Solids(const Scene& scene);
 
     // Replaces `mirrors` by those in which a particle at x may see images nearer than the support radius.
@@ -75,9 +63,23 @@ class Solids {
     // the image passes through the face.
     [[nodiscard]] bool sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
 
+    // Whether two particles see one another in a facet of the bed: whether the point halfway between them lies over it.
+    [[nodiscard]] bool sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
+
     // Unilateral, inelastic contact: reduces the velocity v of a particle at x so that after x + dt v its centre is no
-    // nearer than the contact distance to any face. Returns the velocity taken away (v before minus v after), m/s.
-    Vec3 apply_contact(const Vec3& x, float dt, Vec3& v) const;
+    // nearer than the contact distance to any face. Returns the velocity that bed, lid, banks and ends took away (v
+    // before minus v after), m/s; then calls on_obstacle(its index, the velocity it took away).
+    template <typename OnObstacle>
+    Vec3 apply_contact(const Vec3& x, float dt, Vec3& v, OnObstacle&& on_obstacle) const {
+        const Vec3 removed = apply_border_contact(x, dt, v);
+        for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+            const Vec3 before = v;
+            if (apply_obstacle_contact(obstacles_[o], x, dt, v)) {
+                on_obstacle(o, Vec3{before[0] - v[0], before[1] - v[1], before[2] - v[2]});
+            }
+        }
+        return removed;
+    }
 
     // Moves a point that is inside a solid to the nearest free point; true if it had to. A last guard.
     bool clamp(Vec3& x) const;
@@ -87,9 +89,16 @@ class Solids {
 
  private:
     [[nodiscard]] bool near(const Box& box, const Vec3& x) const;
+    void add_facet_mirrors(const Vec3& x, std::size_t before, std::vector<Mirror>& mirrors) const;
     void add_obstacle_mirrors(const Vec3& x, std::vector<Mirror>& mirrors) const;
+    Vec3 apply_border_contact(const Vec3& x, float dt, Vec3& v) const;
+    bool apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const;
 
     Box interior_;
+    std::vector<BedFacet> bed_;  // empty: the plane y = 0, part of the interior
+    // Velocity of the planes to which water sticks: at the lower and the upper end of each axis, and of the obstacles.
+    std::array<std::array<std::optional<Vec3>, 2>, 3> sticks_;
+    std::optional<Vec3> obstacles_stick_;
     std::vector<Box> obstacles_;  // reach down through the bed, and through a wall that they touch
     float support_radius_;
     float contact_distance_;

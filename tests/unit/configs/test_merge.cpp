@@ -98,7 +98,7 @@ TEST_CASE("--set reaches into arrays and appends to them") {
 
 TEST_CASE("--set is refused with the option, the pointer and what is wrong") {
     CHECK_THAT(refusal("{}", {"/fluid/cfl=3"}),
-               Equals("--set /fluid/cfl=3: /fluid/cfl: 3 is out of range; allowed: > 0 and <= 1."));
+               Equals("--set /fluid/cfl=3: /fluid/cfl: 3 is out of range; allowed: > 0 and <= 2."));
     CHECK_THAT(refusal("{}", {"/fluid/clf=1"}),
                Equals("--set /fluid/clf=1: /fluid/clf: unknown key \"clf\"; the nearest known key is \"cfl\"."));
     CHECK_THAT(refusal("{}", {"/fluid/cfl=quick"}),

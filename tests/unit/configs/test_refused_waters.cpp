@@ -131,7 +131,7 @@ TEST_CASE("flows that cannot be are refused") {
     CHECK_THAT(refusal("{}", {"/channel/velocity_m_s=1"}),
                Contains("1 m/s has no effect in a closed channel; allowed: 0 m/s."));
     CHECK_THAT(refusal(emitter, {"/channel/water_blocks/0=" + box(5, 7, 11, 13, "depth_m")}),
-               Contains("/channel/water_blocks: blocks of water need flow \"closed\""));
+               Contains("/channel/water_blocks: blocks of water need flow \"closed\" or \"periodic\""));
 }
 
 TEST_CASE("iteration limits that contradict one another are refused") {
@@ -145,9 +145,9 @@ TEST_CASE("iteration limits that contradict one another are refused") {
 
 TEST_CASE("a kinematic stream in a closed channel or round an obstacle is refused") {
     const std::string kinematic = R"({"fluid": {"model": "kinematic"}, "channel": )";
-    CHECK_THAT(refusal(kinematic + R"({}})"),
-               Equals("scene.json: /fluid/model: \"kinematic\" is a stream, and /channel/flow is \"closed\"; allowed: "
-                      "\"emitter\" and \"recirculating\"."));
+    CHECK_THAT(refusal(kinematic + R"({}})"), Equals("scene.json: /fluid/model: \"kinematic\" is a stream of given "
+                                                     "velocity, and /channel/flow is \"closed\"; allowed: "
+                                                     "\"emitter\" and \"recirculating\"."));
     const std::string flow = kinematic + R"({"flow": "emitter", "velocity_m_s": 1})";
     CHECK_NOTHROW(load_patched(flow + "}"));
     CHECK_THAT(refusal(flow + R"(, "obstacles": [)" + box(5, 6, 12, 13, "height_m") + "]}"),

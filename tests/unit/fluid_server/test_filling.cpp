@@ -13,7 +13,7 @@ using namespace wade::fluid;
 TEST_CASE("a block is filled with the mass of its water to within half a particle", "[fluid][filling]") {
     for (const double spacing : {0.4642, 0.5, 0.25, 0.3137}) {
         Particles particles(400000);
-        fill_block(particles, {{0, 100}, {11.5, 38.5}, 1}, spacing, -1.5F);
+        fill_block(particles, {{0, 100}, {11.5, 38.5}, 1, 0, {-1.5, 0, 0}}, spacing);
         const double volume = static_cast<double>(particles.count) * std::pow(spacing, 3);
         CHECK(std::abs(volume - 2700) <= 0.5 * std::pow(spacing, 3) + 1e-9);
     }
@@ -26,7 +26,7 @@ TEST_CASE("narrow, tall and tiny blocks get their mass as well", "[fluid][fillin
     for (const Case& c : {Case{10, 10, 0.75, 0.5}, Case{20, 1, 0.25, 0.1}, Case{1.5, 1.5, 1.5, 1},
                           Case{0.15, 1, 0.25, 0.1}, Case{1, 8, 1, 0.3}, Case{100, 5, 0.7, 0.4642}}) {
         Particles particles(100000);
-        fill_block(particles, {{0, c.length}, {0, c.width}, c.depth}, c.spacing, 0);
+        fill_block(particles, {{0, c.length}, {0, c.width}, c.depth}, c.spacing);
         CHECK(particles.count ==
               static_cast<std::size_t>(std::llround(c.length * c.depth * c.width / std::pow(c.spacing, 3))));
     }
@@ -34,13 +34,13 @@ TEST_CASE("narrow, tall and tiny blocks get their mass as well", "[fluid][fillin
 
 TEST_CASE("more particles than the capacity are refused", "[fluid][filling]") {
     Particles particles(10);
-    CHECK_THROWS_AS(fill_block(particles, {{0, 10}, {0, 1}, 1}, 0.25, 0), std::length_error);
+    CHECK_THROWS_AS(fill_block(particles, {{0, 10}, {0, 1}, 1}, 0.25), std::length_error);
     CHECK(particles.count == 10);
 }
 
 TEST_CASE("a filled block keeps within its bounds and moves as asked", "[fluid][filling]") {
     Particles particles(5000);
-    fill_block(particles, {{2, 5}, {-1, 1}, 1}, 0.23, -2.5F);
+    fill_block(particles, {{2, 5}, {-1, 1}, 1, 0, {-2.5, 0, 0}}, 0.23);
     REQUIRE(particles.count > 0);
     bool inside = true;
     for (std::size_t i = 0; i < particles.count; ++i) {

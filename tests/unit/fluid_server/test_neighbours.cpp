@@ -18,8 +18,8 @@ Particles random_particles(const Scene& scene, std::size_t n) {
         return static_cast<float>(std::uniform_real_distribution<double>(lo, hi)(random));
     };
     for (std::size_t i = 0; i < n; ++i) {
-        particles.add(in(scene.channel.x.lo, scene.channel.x.hi), in(0, 2), in(scene.channel.z.lo, scene.channel.z.hi),
-                      static_cast<float>(i), Kind::fluid);
+        particles.add({in(scene.channel.x.lo, scene.channel.x.hi), in(0, 2), in(scene.channel.z.lo, scene.channel.z.hi)},
+                      {static_cast<float>(i), 0, 0}, Kind::fluid);
     }
     return particles;
 }
@@ -36,6 +36,8 @@ TEST_CASE("the search finds exactly the pairs that a double loop finds", "[fluid
     if (periodic) {
         scene.channel.flow = Flow::recirculating;
         scene.channel.sides = Sides::periodic;
+        scene.channel.top = Top::periodic;
+        scene.channel.height = 2;
     }
     const float h = 0.6F;
     Particles p = random_particles(scene, 2000);
@@ -46,13 +48,14 @@ TEST_CASE("the search finds exactly the pairs that a double loop finds", "[fluid
     find_neighbours(grid, solids, p, CubicSpline(h), h, 1, lists);
 
     const float px = periodic ? 6.0F : 0.0F;
+    const float py = periodic ? 2.0F : 0.0F;
     const float pz = periodic ? 5.0F : 0.0F;
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < p.count; ++i) {
         std::vector<std::uint32_t> expected;
         for (std::size_t j = 0; j < p.count; ++j) {
             const float dx = nearest_image(p.x[i] - p.x[j], px);
-            const float dy = p.y[i] - p.y[j];
+            const float dy = nearest_image(p.y[i] - p.y[j], py);
             const float dz = nearest_image(p.z[i] - p.z[j], pz);
             if (j != i && dx * dx + dy * dy + dz * dz < h * h) {
                 expected.push_back(static_cast<std::uint32_t>(j));

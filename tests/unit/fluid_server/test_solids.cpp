@@ -33,7 +33,7 @@ Densities densities_of_lattice(const Scene& scene, int nx, int ny, int nz) {
                     return o.x.contains(x) && o.z.contains(z) && y < o.height;
                 });
                 if (!solid) {
-                    result.particles.add(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), 0,
+                    result.particles.add({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}, {},
                                          Kind::fluid);
                 }
             }
@@ -130,11 +130,13 @@ TEST_CASE("contact stops a particle before every face and takes only the velocit
                           Case{{1, 1, 5.8F}, {0, 0.1F, 9}, 2, 6 - c}, Case{{1.85F, 0.5F, 3}, {3, 0.1F, 0.2F}, 0, 2 - c},
                           Case{{3, 1.2F, 3}, {0.1F, -4, 0.2F}, 1, 1 + c}}) {
         Vec3 v = k.v;
-        const Vec3 removed = solids.apply_contact(k.x, dt, v);
+        Vec3 taken{};
+        const auto by_obstacle = [&](std::size_t, const Vec3& removed) { taken = removed; };
+        const Vec3 by_border = solids.apply_contact(k.x, dt, v, by_obstacle);
         const float next = k.x[k.axis] + dt * v[k.axis];
         CHECK(next == Approx(k.limit).margin(1e-5));
         for (std::size_t m = 0; m < 3; ++m) {
-            CHECK(v[m] + removed[m] == Approx(k.v[m]).margin(1e-5));
+            CHECK(v[m] + by_border[m] + taken[m] == Approx(k.v[m]).margin(1e-5));
             if (m != k.axis) {
                 CHECK(v[m] == k.v[m]);
             }

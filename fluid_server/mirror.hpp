@@ -1,0 +1,62 @@
+#pragma once
+// A mirror: what turns a particle into the image that its neighbours see behind the face of a solid.
+
+#include <array>
+#include <cstddef>
+
+namespace wade::fluid {
+
+using Vec3 = std::array<float, 3>;
+
+// A symmetric linear map that acts in the x-y plane and along z: (xx u_x + xy u_y, xy u_x + yy u_y, zz u_z).
+struct PlaneMap {
+    float xx = 1, xy = 0, yy = 1, zz = 1;
+
+    [[nodiscard]] Vec3 operator()(const Vec3& u) const {
+        return {xx * u[0] + xy * u[1], xy * u[0] + yy * u[1], zz * u[2]};
+    }
+};
+
+// The product a b of two maps that commute, so that it is symmetric as well.
+inline PlaneMap product(const PlaneMap& a, const PlaneMap& b) {
+    return {a.xx * b.xx + a.xy * b.xy, a.xx * b.xy + a.xy * b.yy, a.xy * b.xy + a.yy * b.yy, a.zz * b.zz};
+}
+
+// The velocity of an image as viscosity sees it, M u + shift: mirrored at a face along which water slips, and such that
+// the mean of particle and image is the velocity of the face where water sticks (Morris et al. 1997).
+struct ImageVelocity {
+    PlaneMap map;
+    Vec3 shift{};
+};
+
+// A reflection across one, two or three faces. Those normal to the axes: x_k -> 2 plane_k - x_k. One of them may be a
+// facet of the bed instead, a plane of normal (nx, ny, 0).
+struct Mirror {
+    std::array<bool, 3> axis{};
+    Vec3 plane{};
+    int obstacle = -1;  // whose face is one of them, or -1
+    std::size_t obstacle_axis = 0;
+    int facet = -1;          // of the bed, or -1
+    bool inclined = false;   // the facet is not level: it stands for axis 1, and these hold
+    float nx = 0, ny = 1;    // its unit normal, up
+    float px = 0, py = 0;    // a point of it, m
+    PlaneMap reflection;     // R, of vectors
+    ImageVelocity viscous;
+
+    [[nodiscard]] Vec3 reflect(const Vec3& x) const {
+        Vec3 image = x;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (axis[k]) {
+                image[k] = 2 * plane[k] - x[k];
+            }
+        }
+        if (inclined) {
+            const float distance = nx * (x[0] - px) + ny * (x[1] - py);
+            image[0] -= 2 * distance * nx;
+            image[1] -= 2 * distance * ny;
+        }
+        return image;
+    }
+};
+
+}  // namespace wade::fluid
