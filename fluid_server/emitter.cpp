@@ -3,18 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene_capacity.hpp"
+#include "fluid_server/inflow.hpp"
+#include "fluid_server/parallel.hpp"
+
 namespace wade::fluid {
 
 namespace {
 
-// Layers that wait behind the opening: the kernel reaches two spacings, and a row must not be missing behind the first.
-constexpr int waiting_layers = 3;
+// Layers that wait behind the opening: as many as the kernel reaches, and one for the way of the lattice between two.
+int layers_within_reach(const Fluid& fluid) {
+    return static_cast<int>(std::lround(support_radius_of(fluid) / fluid.particle_spacing)) + 1;
+}
 
 }  // namespace
 
 Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
     : opening_x_(scene.channel.x.hi),
-      velocity_(scene.channel.velocity),
+      velocity_(velocity_at(scene.channel, 0)),
+      waiting_layers_(layers_within_reach(scene.fluid)),
       z_lo_(scene.channel.z.lo),
       layer_(lattice_over(0, scene.channel.depth, scene.channel.z.length(), scene.fluid.particle_spacing, 0)),
       pitch_(),
@@ -23,6 +30,15 @@ Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
     const double d = scene.fluid.particle_spacing;
     pitch_ = static_cast<double>(layer_.sites()) * d * d * d / (scene.channel.depth * scene.channel.z.length());
     last_layer_x_ = opening_x_ - 0.5 * pitch_;
+}
+
+void Emitter::set_velocity(Particles& p, double velocity) {
+    velocity_ = velocity;
+    for_each_particle(p.count, [&](std::size_t i) {
+        if (p.kind[i] == Kind::inflow) {
+            p.vx[i] = static_cast<float>(-velocity);
+        }
+    });
 }
 
 void Emitter::restore(const EmitterState& state) {
@@ -40,7 +56,7 @@ void Emitter::emit(Particles& p, float dt) {
             p.kind[i] = Kind::fluid;
         }
     }
-    while (last_layer_x_ + pitch_ <= opening_x_ + waiting_layers * pitch_) {
+    while (last_layer_x_ + pitch_ <= opening_x_ + waiting_layers_ * pitch_) {
         last_layer_x_ += pitch_;
         if (stock_ < layer_.sites()) {
             ++layers_missed_;

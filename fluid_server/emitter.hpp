@@ -5,6 +5,9 @@
 //   ~~~~|. . . . . .|        Layers of particles wait behind the opening x.hi as a lattice that moves with the velocity
 //   <-- |. . . . . .| v_F    of the emitter. A particle that passes the opening becomes fluid; a new layer joins at the
 //   ~~~~|. . . . . .|        back whenever the lattice has moved by one pitch, as long as the stock lasts.
+//
+// The lattice reaches further back than the support radius, so that no row is missing behind the opening. With v_F = 0 it
+// stands still and closes the opening.
 
 #include <cstdint>
 
@@ -30,6 +33,10 @@ class Emitter {
     // Call it at t = 0 and after each advance by dt; dt = 0 at the start.
     void emit(Particles& particles, float dt);
 
+    // v_F from now on, m/s >= 0, for the whole lattice: a step's mean, so that the way of the lattice, and with it the mass
+    // that passes the opening, is the integral of v_F.
+    void set_velocity(Particles& particles, double velocity);
+
     // Particles that left through the outflow go back to the stock.
     void recycle(std::uint64_t particles) {
         stock_ += particles;
@@ -48,6 +55,7 @@ class Emitter {
  private:
     double opening_x_;
     double velocity_;
+    int waiting_layers_;
     double z_lo_;
     Lattice layer_;        // the sites of one layer
     double pitch_;         // distance of layers, so that the mass flow is exactly rho v_F depth width

@@ -11,6 +11,7 @@
 #include "configs/scene_checks.hpp"
 #include "fluid_server/filling.hpp"
 #include "fluid_server/forces.hpp"
+#include "fluid_server/inflow.hpp"
 #include "fluid_server/stabler_settings.hpp"
 
 namespace wade::fluid {
@@ -69,14 +70,29 @@ FluidWorld::FluidWorld(const Scene& scene)
       fields_(particles_.capacity()),
       solids_(scene),
       solver_(std::visit([](const auto& kernel) { return kernel.open_surface_density; }, kernel_)),
+      gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
+      gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
       outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
                                                      : -std::numeric_limits<float>::infinity()) {
     fill_scene(particles_, scene);
     initial_speed_ = fastest_particle(particles_);
+    if (scene.channel.manning_n > 0) {
+        friction_.emplace(scene);
+    }
     if (scene.channel.flow == Flow::emitter) {
         emitter_.emplace(scene, particles_.count);
         emitter_->emit(particles_, 0);
     }
+}
+
+void FluidWorld::set_velocity(const std::function<std::array<double, 3>(const std::array<double, 3>& place)>& field) {
+    Particles& p = particles_;
+    for (std::size_t i = 0; i < p.count; ++i) {
+        const std::array<double, 3> v =
+            field({static_cast<double>(p.x[i]), static_cast<double>(p.y[i]), static_cast<double>(p.z[i])});
+        p.vx[i] = static_cast<float>(v[0]), p.vy[i] = static_cast<float>(v[1]), p.vz[i] = static_cast<float>(v[2]);
+    }
+    initial_speed_ = fastest_particle(p);
 }
 
 void FluidWorld::capture(FluidState& state) const {
@@ -105,16 +121,6 @@ void FluidWorld::restore(const FluidState& state, const std::string& source) {
     }
 }
 
-void FluidWorld::set_velocity(const std::function<std::array<double, 3>(const std::array<double, 3>& place)>& field) {
-    Particles& p = particles_;
-    for (std::size_t i = 0; i < p.count; ++i) {
-        const std::array<double, 3> v =
-            field({static_cast<double>(p.x[i]), static_cast<double>(p.y[i]), static_cast<double>(p.z[i])});
-        p.vx[i] = static_cast<float>(v[0]), p.vy[i] = static_cast<float>(v[1]), p.vz[i] = static_cast<float>(v[2]);
-    }
-    initial_speed_ = fastest_particle(p);
-}
-
 StepReport FluidWorld::step(double remaining) {
     StepReport report;
     report.dt = time_step(remaining);
@@ -124,6 +130,9 @@ StepReport FluidWorld::step(double remaining) {
     const std::size_t left = grid_.sort(particles_, outflow_x_);
     if (emitter_) {
         emitter_->recycle(left);
+        if (!scene_.channel.velocity_history.empty()) {
+            emitter_->set_velocity(particles_, mean_velocity(scene_.channel, time_, time_ + report.dt));
+        }
     }
     find_neighbours(grid_, solids_, particles_, kernel_, support_radius_, volume_, lists_);
     compute_density_and_diagonal(particles_, lists_, fields_);
@@ -136,10 +145,14 @@ StepReport FluidWorld::step(double remaining) {
         apply_viscosity(particles_, lists_, fields_, static_cast<float>(fluid.kinematic_viscosity), dt);
     }
     if (scene_.channel.flow == Flow::recirculating) {
-        report.driving_acceleration = -driving_acceleration(particles_, scene_.channel.velocity, dt);
+        report.driving_acceleration =
+            -driving_acceleration(particles_, velocity_at(scene_.channel, time_ + report.dt), dt);
     }
-    apply_body_force(particles_, static_cast<float>(-report.driving_acceleration),
-                     static_cast<float>(-scene_.world.gravity), dt);
+    apply_body_force(particles_, static_cast<float>(gravity_x_ - report.driving_acceleration),
+                     static_cast<float>(gravity_y_), dt);
+    if (friction_) {
+        friction_->apply(particles_, dt);
+    }
     report.density = solver_.solve_density(particles_, lists_, fields_, dt, fluid.density_solve);
 
     apply_contact(dt, report);
@@ -167,9 +180,13 @@ double FluidWorld::time_step(double remaining) {
     // v: what moves particles. sqrt(g H): the speed at which pressure can set them in motion; a step that outruns it
     // extrapolates the density too far and injects energy.
     const double d = scene_.fluid.particle_spacing;
-    const double v = std::max(std::sqrt(all.max), fastest_plane(scene_.channel));
+    double v = std::max(std::sqrt(all.max), fastest_plane(scene_.channel));
+    if (!scene_.channel.velocity_history.empty()) {
+        v = std::max(v, largest_velocity(scene_.channel, time_, time_ + remaining));  // what comes in within the step
+    }
     const double wave = std::sqrt(scene_.world.gravity * deepest_water(scene_));
-    const double expected = std::max({wave, scene_.channel.velocity, fastest_plane(scene_.channel), initial_speed_});
+    const double expected =
+        std::max({wave, largest_velocity(scene_.channel), fastest_plane(scene_.channel), initial_speed_});
     if (expected > 0 && v > runaway * expected) {
         fail("a fluid particle moves at " + short_number(v) + " m/s, more than " + std::to_string(runaway) +
                  " times the " + short_number(expected) + " m/s of the scene's depth and velocity",
@@ -248,9 +265,8 @@ void FluidWorld::apply_contact(float dt, StepReport& report) {
 }
 
 std::array<double, 3> FluidWorld::obstacle_force(std::size_t obstacle) const {
-    std::array<double, 3> force =
-        fluid::obstacle_force(particles_, lists_, static_cast<double>(particle_mass_), scene_.fluid.kinematic_viscosity,
-                              static_cast<int>(obstacle));
+    std::array<double, 3> force = fluid::obstacle_force(particles_, lists_, static_cast<double>(particle_mass_),
+                                                        scene_.fluid.kinematic_viscosity, static_cast<int>(obstacle));
     for (std::size_t k = 0; k < 3 && obstacle < contact_forces_.size(); ++k) {
         force[k] += contact_forces_[obstacle][k];
     }

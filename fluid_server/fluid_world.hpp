@@ -8,6 +8,7 @@
 #include <string>
 
 #include "configs/scene.hpp"
+#include "fluid_server/bed_friction.hpp"
 #include "fluid_server/dfsph.hpp"
 #include "fluid_server/emitter.hpp"
 #include "fluid_server/fluid_state.hpp"
@@ -80,8 +81,10 @@ class FluidWorld {
     Solids solids_;
     PressureSolver solver_;
     std::optional<Emitter> emitter_;
-    double initial_speed_ = 0;  // of the fastest particle, m/s
-    float outflow_x_;  // particles that are not beyond it have left
+    std::optional<BedFriction> friction_;
+    double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed
+    double initial_speed_ = 0;      // of the fastest particle, m/s
+    float outflow_x_;               // particles that are not beyond it have left
     std::uint64_t position_clamps_ = 0;
     double time_ = 0;
 
