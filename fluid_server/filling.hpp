@@ -24,8 +24,8 @@ struct Surroundings {
     double spacing = 0;             // d, m
     double gravity = 0;             // m/s2; water that stands on the bed starts with the pressure of water at rest
     bool lid = false;               // nothing may stand out above a block
-    std::vector<BedFacet> bed;      // empty: the plane y = 0
-    std::vector<Obstacle> obstacles;
+    std::vector<BedFacet> bed{};    // empty: the plane y = 0
+    std::vector<Obstacle> obstacles{};
 };
 
 // Fills a block of water with exactly round(volume / d^3) particles moving at its velocity, so that the mass is that of

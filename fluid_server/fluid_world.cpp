@@ -118,7 +118,6 @@ void FluidWorld::restore(const FluidState& state, const std::string& source) {
     copy_particles(state.particles, particles_);
     time_ = state.time;
     position_clamps_ = state.position_clamps;
-    initial_speed_ = std::max(initial_speed_, fastest_particle(particles_));
     if (emitter_) {
         EmitterState emitter = *state.emitter;
         // The stock takes up a change of max_particles.
@@ -278,7 +277,7 @@ void FluidWorld::apply_contact(float dt, StepReport& report) {
             }
         }
     }
-    report.contact_force = mass * -sums_.total([](double& sum, double a) { sum += a; });
+    report.contact_force = mass * sums_.total([](double& sum, double a) { sum += a; });
     for (const std::array<double, 3>& force : contact_forces_) {
         report.contact_force -= force[1];
     }

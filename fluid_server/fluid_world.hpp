@@ -26,7 +26,7 @@ struct StepReport {
     double max_density_error = 0;
     double driving_acceleration = 0;  // m/s^2, towards -x; recirculating channels
     double contact_force = 0;         // N, vertical force of contact on bed and obstacles
-    double max_displacement = 0;      // m, of a particle of the solver in the step
+    double max_displacement = 0;      // m, the longest way of a particle in the step
 };
 
 class FluidWorld {

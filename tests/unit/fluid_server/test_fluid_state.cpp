@@ -189,10 +189,10 @@ TEST_CASE("a particle that leaps over its neighbours in one step is a numerical 
     p.count = 0;
     for (int i = 0; i < 10; ++i) {
         for (int k = 0; k < 10; ++k) {
-            p.add(0.5F + static_cast<float>(i), 0.5F, 0.5F + static_cast<float>(k), 0, Kind::fluid);
+            p.add({0.5F + static_cast<float>(i), 0.5F, 0.5F + static_cast<float>(k)}, {}, Kind::fluid);
         }
     }
-    for (int n = 0; n < 5; ++n) p.add(0.5F + 1e-5F * static_cast<float>(n), 0.5F, 0.5F, 0, Kind::fluid);
+    for (int n = 0; n < 5; ++n) p.add({0.5F + 1e-5F * static_cast<float>(n), 0.5F, 0.5F}, {}, Kind::fluid);
     world.restore(state, "test");
     CHECK_THROWS_WITH(world.step(0.1), Contains("in one step, further than the support radius of 0.5 m") &&
                                            Contains("change /fluid/cfl from 0.4 to 0.2"));
