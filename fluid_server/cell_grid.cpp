@@ -78,7 +78,7 @@ std::size_t CellGrid::sort(Particles& p, float outflow_x) {
         }
     }
     for (auto array : {&Particles::x, &Particles::y, &Particles::z, &Particles::vx, &Particles::vy, &Particles::vz,
-                       &Particles::density_pressure, &Particles::divergence_pressure}) {
+                       &Particles::shift_pressure, &Particles::pressure}) {
         gather(scratch_.*array, p.*array, source_, kept);
         std::swap(scratch_.*array, p.*array);
     }

@@ -6,9 +6,13 @@ namespace wade::fluid {
 
 namespace {
 
-// Share of the last step's pressure that a solve starts from. A full warm start (1) makes pressure answer to density
-// like a spring without friction and a column at rest never stops ringing; half of it takes almost four times the iterations.
-constexpr float warm_start = 0.95F;
+// Share of the last step's pressure that a solve starts from.
+// The divergence solve answers to rates, so that it can keep all of its pressure: deep water at rest needs no iteration.
+// Without a free surface the constant part of its pressure would live for ever; a twentieth is forgotten every step.
+constexpr float warm_start_divergence = 1;
+constexpr float warm_start_confined = 0.95F;
+// The density solve answers to a displacement, like a spring: with all of its pressure it would ring.
+constexpr float warm_start_density = 0.95F;
 
 // a_i(p); particles inside the emitter keep their velocity.
 void pressure_acceleration(const std::vector<float>& pressure, const Particles& p, const NeighbourLists& lists,
@@ -114,7 +118,7 @@ double bed_pressure_force(const Particles& p, const NeighbourLists& lists, doubl
     BlockSums<double> forces;
     forces.begin(p.count);
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        const float pi = p.density_pressure[i] + p.divergence_pressure[i];
+        const float pi = p.pressure[i];
         for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
             const PlaneMap r = mirror.reflection;
             if (r.yy > 0 || p.kind[i] == Kind::inflow) {
@@ -124,7 +128,7 @@ double bed_pressure_force(const Particles& p, const NeighbourLists& lists, doubl
             for (std::size_t k = first; k < last; ++k) {
                 const std::uint32_t j = block.j[k];
                 const float gy = r.xy * block.gx[k] + r.yy * block.gy[k];
-                push -= static_cast<double>((pi + p.density_pressure[j] + p.divergence_pressure[j]) * gy);
+                push -= static_cast<double>((pi + p.pressure[j]) * gy);
             }
             forces[i / block_size] += push * particle_mass;
         });
@@ -137,7 +141,7 @@ std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& l
     BlockSums<std::array<double, 3>> forces;
     forces.begin(p.count);
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        const float pi = p.density_pressure[i] + p.divergence_pressure[i];
+        const float pi = p.pressure[i];
         const Vec3 vi{p.vx[i], p.vy[i], p.vz[i]};
         for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
             if (mirror.obstacle != obstacle || p.kind[i] == Kind::inflow) {
@@ -149,7 +153,7 @@ std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& l
             for (std::size_t k = first; k < last; ++k) {
                 const std::uint32_t j = block.j[k];
                 const Vec3 g = mirror.reflection({block.gx[k], block.gy[k], block.gz[k]});
-                push[normal] += static_cast<double>((pi + p.density_pressure[j] + p.divergence_pressure[j]) * g[normal]);
+                push[normal] += static_cast<double>((pi + p.pressure[j]) * g[normal]);
                 const Vec3 image = mirror.viscous.map({p.vx[j], p.vy[j], p.vz[j]});
                 for (std::size_t a = 0; a < 3; ++a) {
                     const float slip = vi[a] - (image[a] + mirror.viscous.shift[a]);
@@ -168,8 +172,9 @@ std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& l
     });
 }
 
-SolveResult PressureSolver::iterate(std::vector<float>& pressure, Particles& p, const NeighbourLists& lists,
-                                    ParticleFields& f, float dt, const PressureSolve& settings) {
+SolveResult PressureSolver::iterate(std::vector<float>& pressure, float warm_start, Particles& p,
+                                    const NeighbourLists& lists, ParticleFields& f, float dt,
+                                    const PressureSolve& settings) {
     SolveResult result;
     const float dt2 = dt * dt;
     for_each_particle(p.count, [&](std::size_t i) { pressure[i] *= warm_start; });
@@ -224,18 +229,18 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
     if (confined_) {
         subtract_mean(f.source, p.count);
     }
-    return iterate(p.divergence_pressure, p, lists, f, dt, settings);
+    return iterate(p.pressure, confined_ ? warm_start_confined : warm_start_divergence, p, lists, f, dt, settings);
 }
 
-SolveResult PressureSolver::solve_density(Particles& p, const NeighbourLists& lists, ParticleFields& f, float dt,
-                                          const PressureSolve& settings) {
+SolveResult PressureSolver::solve_density(std::vector<float>& pressure, Particles& p, const NeighbourLists& lists,
+                                          ParticleFields& f, float dt, const PressureSolve& settings) {
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
         f.source[i] = f.density[i] - 1 + dt * density_rate(p.vx, p.vy, p.vz, i, block, place, f);
     });
     if (confined_) {
         subtract_mean(f.source, p.count);
     }
-    return iterate(p.density_pressure, p, lists, f, dt, settings);
+    return iterate(pressure, warm_start_density, p, lists, f, dt, settings);
 }
 
 }  // namespace wade::fluid

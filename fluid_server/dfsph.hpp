@@ -1,6 +1,8 @@
 #pragma once
-// Divergence-free SPH (Bender and Koschier 2015, 2017): two pressure solves a step, one keeps the velocity field free
-// of divergence, the other the density at rest density.
+// Divergence-free SPH (Bender and Koschier 2015, 2017) with the split of Cornelis et al. (2019): two pressure solves a
+// step. The first keeps the velocity field free of divergence against all forces; its pressure is that of the water. The
+// second keeps the density at rest density and moves positions only, so that correcting the packing of the particles
+// neither drives nor brakes the flow. Without the first, the second moves both.
 //
 // Both solve the same linear system for pressures p >= 0 (divided by rest density, m^2/s^2) by relaxed Jacobi
 // iterations; they differ in the source term only. With g_ij = V grad W_ij, sums over neighbours and images:
@@ -37,7 +39,7 @@ struct SolveResult {
     double error = 0;  // mean predicted compression left: fraction of rest density
 };
 
-// Takes back what the density solve gave to the velocities, which then has moved positions only (Cornelis et al. 2019).
+// Takes back from the velocities what the last solve gave them, once it has moved the particles.
 void withdraw_acceleration(Particles& particles, const ParticleFields& fields, float dt);
 
 // Density, sum of gradients and diagonal of each particle.
@@ -68,12 +70,14 @@ class PressureSolver {
                                  const PressureSolve& settings);
 
     // Corrects the velocities until the densities after dt do not exceed rest density.
-    SolveResult solve_density(Particles& particles, const NeighbourLists& lists, ParticleFields& fields, float dt,
-                              const PressureSolve& settings);
+    // pressure: particles.shift_pressure if the velocities get their correction back after the particles have moved, else
+    // particles.pressure.
+    SolveResult solve_density(std::vector<float>& pressure, Particles& particles, const NeighbourLists& lists,
+                              ParticleFields& fields, float dt, const PressureSolve& settings);
 
  private:
-    SolveResult iterate(std::vector<float>& pressure, Particles& particles, const NeighbourLists& lists,
-                        ParticleFields& fields, float dt, const PressureSolve& settings);
+    SolveResult iterate(std::vector<float>& pressure, float warm_start, Particles& particles,
+                        const NeighbourLists& lists, ParticleFields& fields, float dt, const PressureSolve& settings);
     void subtract_mean(std::vector<float>& source, std::size_t n);
 
     float open_surface_density_;

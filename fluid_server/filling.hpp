@@ -30,7 +30,8 @@ struct Surroundings {
 
 // Fills a block of water with exactly round(volume / d^3) particles moving at its velocity, so that the mass is that of
 // the water to within half a particle; over an uneven bed in slabs one spacing long, and to within one particle. Every
-// site has the volume d^3, so that nothing starts compressed: layers from below, the uppermost with sites left out evenly.
+// site has the volume d^3, so that nothing starts compressed: layers from below, the uppermost with sites left out evenly;
+// without a lid it may stand out by half a spacing.
 // Sites inside or too near to an obstacle are left out as well and are not made up for. Throws std::length_error if there
 // is no room.
 void fill_block(Particles& particles, const WaterBlock& block, const Surroundings& surroundings);

@@ -144,9 +144,26 @@ StepReport FluidWorld::step(double remaining) {
     compute_density_and_diagonal(particles_, lists_, fields_);
     measure_density_error(report);
 
-    if (!confined_) {
-        solve_divergence(dt, report);
+    apply_forces(dt, report);
+    const bool split = fluid.divergence_solve.max_iterations > 0;
+    if (split) {
+        report.divergence = solver_.solve_divergence(particles_, lists_, fields_, dt, fluid.divergence_solve);
     }
+    report.density = solver_.solve_density(split ? particles_.shift_pressure : particles_.pressure, particles_, lists_,
+                                           fields_, dt, fluid.density_solve);
+    apply_contact(dt, report);
+    advance(dt, report);
+    if (split) {
+        withdraw_acceleration(particles_, fields_, dt);
+    }
+    if (emitter_) {
+        emitter_->emit(particles_, dt);
+    }
+    time_ += report.dt;
+    return report;
+}
+
+void FluidWorld::apply_forces(float dt, StepReport& report) {
     if (viscosity_ > 0) {
         apply_viscosity(particles_, lists_, fields_, static_cast<float>(viscosity_), dt);
     }
@@ -158,28 +175,6 @@ StepReport FluidWorld::step(double remaining) {
                      static_cast<float>(gravity_y_), dt);
     if (friction_) {
         friction_->apply(particles_, dt);
-    }
-    if (confined_) {
-        solve_divergence(dt, report);  // without a free surface it carries all forces
-    }
-    report.density = solver_.solve_density(particles_, lists_, fields_, dt, fluid.density_solve);
-
-    apply_contact(dt, report);
-    advance(dt, report);
-    if (confined_) {
-        withdraw_acceleration(particles_, fields_, dt);
-    }
-    if (emitter_) {
-        emitter_->emit(particles_, dt);
-    }
-    time_ += report.dt;
-    return report;
-}
-
-void FluidWorld::solve_divergence(float dt, StepReport& report) {
-    const PressureSolve& settings = scene_.fluid.divergence_solve;
-    if (settings.max_iterations > 0) {
-        report.divergence = solver_.solve_divergence(particles_, lists_, fields_, dt, settings);
     }
 }
 

@@ -64,7 +64,7 @@ class FluidWorld {
     [[nodiscard]] std::uint64_t position_clamps() const { return position_clamps_; }
 
  private:
-    void solve_divergence(float dt, StepReport& report);
+    void apply_forces(float dt, StepReport& report);
     [[nodiscard]] double time_step(double remaining);
     void measure_density_error(StepReport& report);
     void apply_contact(float dt, StepReport& report);

@@ -21,8 +21,8 @@ struct Particles {
     std::vector<float> x, y, z;     // m
     std::vector<float> vx, vy, vz;  // m/s
     // Pressures over rest density, m^2/s^2, kept from step to step as first guess of the next solve.
-    std::vector<float> density_pressure;     // of the constant-density solve
-    std::vector<float> divergence_pressure;  // of the divergence-free solve
+    std::vector<float> pressure;        // that of the water: of the divergence-free solve, which carries all forces
+    std::vector<float> shift_pressure;  // of the constant-density solve, which moves positions only
     std::vector<Kind> kind;
 
     explicit Particles(std::size_t capacity)
@@ -32,15 +32,15 @@ struct Particles {
           vx(capacity),
           vy(capacity),
           vz(capacity),
-          density_pressure(capacity),
-          divergence_pressure(capacity),
+          pressure(capacity),
+          shift_pressure(capacity),
           kind(capacity, Kind::fluid) {}
 
     [[nodiscard]] std::size_t capacity() const { return x.size(); }
 
     // Adds a particle; its pressure over rest density, m^2/s^2, is a first guess. Throws std::length_error if there is no room.
     void add(const std::array<float, 3>& position, const std::array<float, 3>& velocity, Kind k,
-             float pressure = 0) {
+             float first_pressure = 0) {
         if (count == capacity()) {
             throw std::length_error("no room for one more fluid particle: fluid.max_particles is " +
                                     std::to_string(capacity()));
@@ -48,7 +48,7 @@ struct Particles {
         const std::size_t i = count++;
         x[i] = position[0], y[i] = position[1], z[i] = position[2];
         vx[i] = velocity[0], vy[i] = velocity[1], vz[i] = velocity[2];
-        density_pressure[i] = pressure, divergence_pressure[i] = 0;
+        pressure[i] = first_pressure, shift_pressure[i] = 0;
         kind[i] = k;
     }
 };
@@ -65,7 +65,7 @@ inline constexpr std::array<ParticleArray, 8> particle_arrays{
      {"vx", &Particles::vx},
      {"vy", &Particles::vy},
      {"vz", &Particles::vz},
-     {"density_pressure", &Particles::density_pressure},
-     {"divergence_pressure", &Particles::divergence_pressure}}};
+     {"shift_pressure", &Particles::shift_pressure},
+     {"pressure", &Particles::pressure}}};
 
 }  // namespace wade::fluid

@@ -18,7 +18,7 @@
 //       96  u64      particles recycled
 //      104  u64      layers missed
 //      112  u64[2]   0
-//      128  f32[n]   x, y, z, vx, vy, vz, density_pressure, divergence_pressure (particle_arrays), one after another
+//      128  f32[n]   x, y, z, vx, vy, vz, shift_pressure, pressure (particle_arrays), one after another
 //           u8[n]    kind
 //           char[]   the scene as canonical JSON, with every default
 

@@ -30,7 +30,7 @@ void sample_layers(const fluid::Particles& p, double density, double frames, Res
     for (std::size_t k = 0; k < p.count; ++k) {
         const std::size_t layer = k * layers / p.count;
         const std::size_t i = order[k];
-        rest.pressure[layer] += density * static_cast<double>(p.density_pressure[i] + p.divergence_pressure[i]) * share;
+        rest.pressure[layer] += density * static_cast<double>(p.pressure[i]) * share;
         rest.height[layer] += static_cast<double>(p.y[i]) * share;
     }
 }

@@ -25,7 +25,7 @@ double wall_pressure(const fluid::Particles& p, const std::array<double, 3>& poi
         const float dz = p.z[i] - pz;
         const auto weight = static_cast<double>(kernel.value(std::sqrt(dx * dx + dy * dy + dz * dz)));
         weights += weight;
-        sum += weight * static_cast<double>(p.density_pressure[i] + p.divergence_pressure[i]);
+        sum += weight * static_cast<double>(p.pressure[i]);
     }
     const double volume = spacing * spacing * spacing;
     return rest_density * volume * sum / std::max(volume * weights, 0.25);

@@ -13,15 +13,14 @@ constexpr double d = 0.1;     // m, spacing
 constexpr int layers = 8;     // of the water, in a tank of 1 m x 1 m with a wall at x = 0
 constexpr double rho = 1000;  // kg/m^3
 
-// A lattice at rest with hydrostatic pressure, split between both solves as a run would have it.
+// A lattice at rest with hydrostatic pressure.
 fluid::Particles still_water() {
     fluid::Particles p(1000);
     for (int i = 0; i < 10 * layers * 10; ++i) {
         const auto along = [](int k) { return static_cast<float>((k + 0.5) * d); };
         p.add({along(i % 10), along(i / 10 % layers), along(i / 10 / layers)}, {0, 0, 0}, fluid::Kind::fluid);
         const float pressure = 9.81F * (static_cast<float>(layers * d) - p.y[p.count - 1]);
-        p.density_pressure[p.count - 1] = 0.75F * pressure;
-        p.divergence_pressure[p.count - 1] = 0.25F * pressure;
+        p.pressure[p.count - 1] = pressure;
     }
     return p;
 }
