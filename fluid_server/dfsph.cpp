@@ -14,6 +14,11 @@ constexpr float warm_start_confined = 0.95F;
 // The density solve answers to a displacement, like a spring: with all of its pressure it would ring.
 constexpr float warm_start_density = 0.95F;
 
+// Share of the gap to rest density that a particle may close in one step: the divergence solve lets it be compressed by so
+// much. Without it water that has once been loosened could not fall back; with all of it the fall has no resistance
+// and water at rest trembles.
+constexpr float gap_closing = 0.1F;
+
 // a_i(p); particles inside the emitter keep their velocity.
 void pressure_acceleration(const std::vector<float>& pressure, const Particles& p, const NeighbourLists& lists,
                            ParticleFields& f) {
@@ -224,7 +229,8 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
         const float rate = density_rate(p.vx, p.vy, p.vz, i, block, place, f);
         // With a source of -1 the pressure of a particle with an open side stays at zero.
-        f.source[i] = f.density[i] < open_surface_density_ ? -1 : dt * rate;
+        const float gap = confined_ ? 0 : std::min(0.0F, f.density[i] - 1);
+        f.source[i] = f.density[i] < open_surface_density_ ? -1 : dt * rate + gap_closing * gap;
     });
     if (confined_) {
         subtract_mean(f.source, p.count);

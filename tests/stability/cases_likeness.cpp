@@ -95,8 +95,8 @@ Result scale_large(const Request& request) {
     return scaled_by(request, 1e3);
 }
 
-// Between two steps the centre of mass moves by what the velocities say, at frame borders too, and a run that is cut
-// into other frames ends alike.
+// Between two steps the centre of mass moves by what the velocities say and by the little that the density solve moves the
+// particles away from a wall, at frame borders too, and a run that is cut into other frames ends alike.
 Result frame_borders(const Request& request) {
     Scene scene = scene_for(request, "dam");
     const double d = scene.fluid.particle_spacing;
@@ -122,8 +122,9 @@ Result frame_borders(const Request& request) {
     scene.frame_rate *= 4;
     const Result other = run_to_likeness(scene, fine);
     if (result.failure.empty()) result.failure = other.failure;
-    // Float positions of this tank are rounded to 2e-6 of a spacing.
-    check_at_most(result, "jump_over_spacing", worst, 1e-5);
+    // The density solve holds the mean density to 5e-4, here over 20 spacings along x: it cannot move the centre by more
+    // than 5e-4 * 20 / 2 spacings.
+    check_at_most(result, "jump_over_spacing", worst, 5e-3);
     compare(result, coarse, fine, d / scene.channel.water_blocks.at(0).depth);
     return result;
 }
