@@ -1,6 +1,7 @@
 // The shape of the bed: points in order, room for the water, level where it must be.
 
 #include <algorithm>
+#include <cmath>
 
 #include "configs/scene_capacity.hpp"
 #include "configs/scene_checks.hpp"
@@ -44,6 +45,16 @@ void check_points(const Scene& scene, const std::string& source) {
                    short_number(points[i].x) + " m is not larger than that of the point before; allowed: > " +
                        short_number(points[i - 1].x) + " m.");
         }
+        // Particles see each other in the facet below the middle between them, which is right for gentle changes of slope.
+        constexpr double steepest = 0.5;
+        const double rise = i > 0 ? std::abs(points[i].y - points[i - 1].y) : 0;
+        if (i > 0 && rise > steepest * (points[i].x - points[i - 1].x) + rounding) {
+            refuse(source, pointer + "/y_m",
+                   short_number(points[i].y) + " m is " + short_number(rise) + " m from that of the point before, steeper than 1 : 2; allowed: " +
+                       short_number(std::max(0.0, points[i - 1].y - steepest * (points[i].x - points[i - 1].x))) + " to " +
+                       short_number(points[i - 1].y + steepest * (points[i].x - points[i - 1].x)) +
+                       " m. A step is an obstacle.");
+        }
         const auto check_room = [&](double height, const std::string& what) {
             if (points[i].y <= height - d + rounding) return;
             refuse(source, pointer + "/y_m",
@@ -70,8 +81,8 @@ void check_ends(const Scene& scene, const std::string& source) {
     };
     if (channel.flow == Flow::recirculating || channel.flow == Flow::periodic) {
         const double y = bed_height_at(points, channel.x.lo);
-        check_level({channel.x.lo, channel.x.lo + reach}, y, "next to the periodic joint");
-        check_level({channel.x.hi - reach, channel.x.hi}, y, "next to the periodic joint");
+        check_level({std::min(points.front().x, channel.x.lo), channel.x.lo + reach}, y, "next to the periodic joint");
+        check_level({channel.x.hi - reach, std::max(points.back().x, channel.x.hi)}, y, "next to the periodic joint");
     }
     if (channel.flow == Flow::emitter) {
         check_level({channel.x.hi - reach, std::max(points.back().x, channel.x.hi)}, 0, "at the emitter");

@@ -11,12 +11,12 @@ namespace {
 // Without a free surface the constant part of its pressure would live for ever; a twentieth is forgotten every step.
 constexpr float warm_start_divergence = 1;
 constexpr float warm_start_confined = 0.95F;
-// The density solve answers to a displacement, like a spring: with all of its pressure it would ring.
+// The density solve corrects what is left of each step; what it needed last time is a good guess and no more.
 constexpr float warm_start_density = 0.95F;
 
-// Share of the gap to rest density that a particle may close in one step: the divergence solve lets it be compressed by so
-// much. Without it water that has once been loosened could not fall back; with all of it the fall has no resistance
-// and water at rest trembles.
+// Share of the gap to rest density that a particle may close in a step of CFL 0.5: the divergence solve lets it be compressed
+// by so much. Without it water that has once been loosened could not fall back; with all of it the fall has no
+// resistance and water at rest trembles.
 constexpr float gap_closing = 0.1F;
 
 // a_i(p); particles inside the emitter keep their velocity.
@@ -200,11 +200,6 @@ SolveResult PressureSolver::iterate(std::vector<float>& pressure, float warm_sta
             break;
         }
     }
-    for_each_particle(p.count, [&](std::size_t i) {
-        p.vx[i] += dt * f.ax[i];
-        p.vy[i] += dt * f.ay[i];
-        p.vz[i] += dt * f.az[i];
-    });
     return result;
 }
 
@@ -216,26 +211,32 @@ void PressureSolver::subtract_mean(std::vector<float>& source, std::size_t n) {
     for_each_particle(n, [&](std::size_t i) { source[i] -= mean; });
 }
 
-void withdraw_acceleration(Particles& p, const ParticleFields& f, float dt) {
+void apply_acceleration(Particles& p, const ParticleFields& f, float dt) {
     for_each_particle(p.count, [&](std::size_t i) {
-        p.vx[i] -= dt * f.ax[i];
-        p.vy[i] -= dt * f.ay[i];
-        p.vz[i] -= dt * f.az[i];
+        p.vx[i] += dt * f.ax[i];
+        p.vy[i] += dt * f.ay[i];
+        p.vz[i] += dt * f.az[i];
     });
 }
 
 SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists& lists, ParticleFields& f, float dt,
-                                             const PressureSolve& settings) {
+                                             float step_share, const PressureSolve& settings) {
+    const float closing = confined_ ? 0 : gap_closing * step_share;
     for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
         const float rate = density_rate(p.vx, p.vy, p.vz, i, block, place, f);
         // With a source of -1 the pressure of a particle with an open side stays at zero.
-        const float gap = confined_ ? 0 : std::min(0.0F, f.density[i] - 1);
-        f.source[i] = f.density[i] < open_surface_density_ ? -1 : dt * rate + gap_closing * gap;
+        const float gap = std::min(0.0F, f.density[i] - 1);
+        f.source[i] = f.density[i] < open_surface_density_ ? -1 : dt * rate + closing * gap;
     });
     if (confined_) {
         subtract_mean(f.source, p.count);
     }
-    return iterate(p.pressure, confined_ ? warm_start_confined : warm_start_divergence, p, lists, f, dt, settings);
+    PressureSolve of_this_step = settings;
+    of_this_step.tolerance *= static_cast<double>(step_share);
+    const float warm_start = confined_ ? warm_start_confined : warm_start_divergence;
+    const SolveResult result = iterate(p.pressure, warm_start, p, lists, f, dt, of_this_step);
+    apply_acceleration(p, f, dt);
+    return result;
 }
 
 SolveResult PressureSolver::solve_density(std::vector<float>& pressure, Particles& p, const NeighbourLists& lists,

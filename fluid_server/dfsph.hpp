@@ -9,7 +9,10 @@
 //
 //   acceleration   a_i(p) = - sum_j (p_i + p_j) g_ij
 //   density rate   D_i(u) =   sum_j (u_i - R u_j) . g_ij      R u_j: the mirrored velocity of an image
-//   system         -dt^2 D_i(a(p)) = dt D_i(u) + c_i,   c_i = rho_i/rho_0 - 1 (density solve) or 0 (divergence solve)
+//   system         -dt^2 D_i(a(p)) = dt D_i(u) + c_i
+//   density solve      c_i = rho_i/rho_0 - 1
+//   divergence solve   c_i = s min(0, rho_i/rho_0 - 1): water that was loosened may fall back, the share s of its gap in a
+//                      step; particles with an open side are left alone
 //   diagonal       A_ii = dt^2 ( |sum_j g_ij|^2 + sum_j |g_ij|^2 )
 //
 // The lists hold R g_ij (neighbours.hpp), so that (R u_j) . g_ij = u_j . (R g_ij).
@@ -39,8 +42,8 @@ struct SolveResult {
     double error = 0;  // mean predicted compression left: fraction of rest density
 };
 
-// Takes back from the velocities what the last solve gave them, once it has moved the particles.
-void withdraw_acceleration(Particles& particles, const ParticleFields& fields, float dt);
+// Gives dt times the accelerations of the last solve to the velocities.
+void apply_acceleration(Particles& particles, const ParticleFields& fields, float dt);
 
 // Density, sum of gradients and diagonal of each particle.
 void compute_density_and_diagonal(const Particles& particles, const NeighbourLists& lists, ParticleFields& fields);
@@ -66,12 +69,13 @@ class PressureSolver {
         : open_surface_density_(confined ? 0 : open_surface_density), relaxation_(relaxation), confined_(confined) {}
 
     // Corrects the velocities until no particle that is near rest density is being compressed.
+    // step_share: dt over a step of CFL 0.5, at most 1. The tolerance, a change of density, is meant for such a step, and
+    // so is the gap that may be closed, so that shorter steps are not less exact.
     SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists, ParticleFields& fields, float dt,
-                                 const PressureSolve& settings);
+                                 float step_share, const PressureSolve& settings);
 
-    // Corrects the velocities until the densities after dt do not exceed rest density.
-    // pressure: particles.shift_pressure if the velocities get their correction back after the particles have moved, else
-    // particles.pressure.
+    // Finds the accelerations fields.ax, ay, az by which the densities after dt do not exceed rest density, and leaves
+    // the velocities as they are.
     SolveResult solve_density(std::vector<float>& pressure, Particles& particles, const NeighbourLists& lists,
                               ParticleFields& fields, float dt, const PressureSolve& settings);
 

@@ -8,7 +8,7 @@ namespace wade::fluid {
 
 class DfsphModel final : public FluidModel {
  public:
-    explicit DfsphModel(const Scene& scene) : world_(scene) {}
+    explicit DfsphModel(const Scene& scene) : world_(scene), bed_(bed_facets(scene.channel)) {}
 
     [[nodiscard]] std::string_view name() const override { return "dfsph"; }
     [[nodiscard]] std::uint32_t capacity() const override;
@@ -26,6 +26,7 @@ class DfsphModel final : public FluidModel {
     void keep_state();
 
     FluidWorld world_;
+    std::vector<BedFacet> bed_;
     // The state at the begin of the frame, and the last such state before it from which the water could go on well. One
     // copy a frame, 33 bytes a particle, 0.1 % of the CPU time of a frame; the second costs a swap.
     FluidState kept_;

@@ -12,8 +12,8 @@ namespace wade::fluid {
 namespace {
 
 // Layers that wait behind the opening: as many as the kernel reaches, and one for the way of the lattice between two.
-int layers_within_reach(const Fluid& fluid) {
-    return static_cast<int>(std::lround(support_radius_of(fluid) / fluid.particle_spacing)) + 1;
+int layers_within_reach(const Fluid& fluid, double pitch) {
+    return static_cast<int>(std::ceil(support_radius_of(fluid) / pitch - 1e-6)) + 1;
 }
 
 }  // namespace
@@ -21,7 +21,7 @@ int layers_within_reach(const Fluid& fluid) {
 Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
     : opening_x_(scene.channel.x.hi),
       velocity_(velocity_at(scene.channel, 0)),
-      waiting_layers_(layers_within_reach(scene.fluid)),
+      waiting_layers_(0),
       z_lo_(scene.channel.z.lo),
       layer_(lattice_over(0, scene.channel.depth, scene.channel.z.length(), scene.fluid.particle_spacing)),
       pitch_(),
@@ -29,6 +29,7 @@ Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
       stock_(static_cast<std::uint64_t>(scene.fluid.max_particles) - particles_in_use) {
     const double d = scene.fluid.particle_spacing;
     pitch_ = static_cast<double>(layer_.sites()) * d * d * d / (scene.channel.depth * scene.channel.z.length());
+    waiting_layers_ = layers_within_reach(scene.fluid, pitch_);
     last_layer_x_ = opening_x_ - 0.5 * pitch_;
 }
 
@@ -73,13 +74,8 @@ void Emitter::emit(Particles& p, float dt) {
     }
 }
 
-void Emitter::apply_contact(Particles& p, float dt) const {
-    const auto opening = static_cast<float>(opening_x_);
-    for (std::size_t i = 0; i < p.count; ++i) {
-        if (p.kind[i] == Kind::fluid) {
-            p.vx[i] = std::min(p.vx[i], std::max(opening - p.x[i], 0.0F) / dt);
-        }
-    }
+float Emitter::limit(float x, float vx, float dt) const {
+    return std::min(vx, std::max(static_cast<float>(opening_x_) - x, 0.0F) / dt);
 }
 
 }  // namespace wade::fluid

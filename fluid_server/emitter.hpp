@@ -43,8 +43,9 @@ class Emitter {
         recycled_ += particles;
     }
 
-    // The opening is closed to water from inside: limits the velocity so that a fluid particle does not pass it.
-    void apply_contact(Particles& particles, float dt) const;
+    // The opening is closed to water from inside: the velocity along x, at most vx, with which a fluid particle at x does
+    // not pass it within dt.
+    [[nodiscard]] float limit(float x, float vx, float dt) const;
 
     [[nodiscard]] std::uint64_t stock() const { return stock_; }
     [[nodiscard]] std::uint64_t recycled() const { return recycled_; }

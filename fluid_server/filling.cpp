@@ -41,12 +41,14 @@ void fill_layers(Particles& particles, const WaterBlock& block, const Surroundin
     const std::uint64_t layers = (wanted + layer - 1) / layer;
     double dy = in.spacing * in.spacing * in.spacing / (dx * dz);
     if (in.lid) {
-        dy = std::min(dy, block.depth / static_cast<double>(layers));
+        dy = block.depth / static_cast<double>(layers);
     }
     const std::array<float, 3> v{static_cast<float>(block.velocity[0]), static_cast<float>(block.velocity[1]),
                                  static_cast<float>(block.velocity[2])};
     for (std::uint64_t j = 0; j < layers; ++j) {
-        const std::uint64_t here = std::min(layer, wanted - j * layer);
+        // Under a lid all layers leave out as many sites.
+        const std::uint64_t here =
+            in.lid ? wanted * (j + 1) / layers - wanted * j / layers : std::min(layer, wanted - j * layer);
         const double y = block.y_min + (static_cast<double>(j) + 0.5) * dy;
         const double pressure = std::max(0.0, gravity * (block.y_min + block.depth - y));
         std::uint64_t site = 0;

@@ -48,6 +48,29 @@ double fastest_particle(const Particles& p) {
     return fastest;
 }
 
+// The CFL number of the step that the tolerance of the divergence solve is meant for.
+constexpr double usual_cfl = 0.5;
+
+// Whether water of a volume, m^3, leaves no free surface: under a lid, or between top and bottom that are one, to 5 %.
+bool fills_channel(const Scene& scene, double volume) {
+    const Channel& channel = scene.channel;
+    if (channel.top == Top::open || channel.flow == Flow::emitter) {
+        return false;
+    }
+    double space = channel.x.length() * channel.z.length() * channel.height;
+    for (const Obstacle& o : scene.obstacles) {
+        space -= o.x.length() * o.z.length() * std::min(o.height, channel.height);
+    }
+    const std::vector<BedFacet> bed = bed_facets(channel);
+    constexpr int slabs = 1000;
+    for (int k = 0; k < slabs && !bed.empty(); ++k) {
+        const double x = channel.x.lo + (k + 0.5) / slabs * channel.x.length();
+        space -= channel.x.length() / slabs * channel.z.length() *
+                 static_cast<double>(bed_height(bed, static_cast<float>(x)));
+    }
+    return volume > 0.95 * space;
+}
+
 // A mean compression beyond this is no water any more.
 constexpr double collapse = 0.1;
 
@@ -67,20 +90,21 @@ FluidWorld::FluidWorld(const Scene& scene)
       viscosity_(scene.fluid.kinematic_viscosity / std::visit([&](const auto& kernel) {
                      return lattice_second_moment(kernel, scene.fluid.particle_spacing);
                  }, kernel_)),
-      confined_(scene.channel.top != Top::open),
+      confined_(false),
       particles_(static_cast<std::size_t>(scene.fluid.max_particles)),
       grid_(scene, support_radius_),
       lists_(particles_.capacity()),
       fields_(particles_.capacity()),
       solids_(scene),
-      solver_(std::visit([&](const auto& kernel) {
-          return PressureSolver(kernel.open_surface_density, kernel.relaxation, confined_);
-      }, kernel_)),
       gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
       gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
       outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
                                                      : -std::numeric_limits<float>::infinity()) {
     fill_scene(particles_, scene);
+    confined_ = fills_channel(scene, static_cast<double>(particles_.count) * std::pow(scene.fluid.particle_spacing, 3));
+    std::visit([&](const auto& kernel) {
+        solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_);
+    }, kernel_);
     initial_speed_ = fastest_particle(particles_);
     if (scene.channel.manning_n > 0) {
         friction_.emplace(scene);
@@ -124,6 +148,7 @@ void FluidWorld::restore(const FluidState& state, const std::string& source) {
         emitter.stock += static_cast<std::uint64_t>(scene_.fluid.max_particles);
         emitter.stock -= static_cast<std::uint64_t>(state.scene.fluid.max_particles);
         emitter_->restore(emitter);
+        emitter_->set_velocity(particles_, velocity_at(scene_.channel, time_));
     }
 }
 
@@ -147,14 +172,18 @@ StepReport FluidWorld::step(double remaining) {
     apply_forces(dt, report);
     const bool split = fluid.divergence_solve.max_iterations > 0;
     if (split) {
-        report.divergence = solver_.solve_divergence(particles_, lists_, fields_, dt, fluid.divergence_solve);
-    }
-    report.density = solver_.solve_density(split ? particles_.shift_pressure : particles_.pressure, particles_, lists_,
-                                           fields_, dt, fluid.density_solve);
-    apply_contact(dt, report);
-    advance(dt, report);
-    if (split) {
-        withdraw_acceleration(particles_, fields_, dt);
+        report.divergence =
+            solver_->solve_divergence(particles_, lists_, fields_, dt, step_share_, fluid.divergence_solve);
+        apply_contact(dt, report);
+        report.density =
+            solver_->solve_density(particles_.shift_pressure, particles_, lists_, fields_, dt, fluid.density_solve);
+        advance(dt, dt, report);
+    } else {
+        report.density =
+            solver_->solve_density(particles_.pressure, particles_, lists_, fields_, dt, fluid.density_solve);
+        apply_acceleration(particles_, fields_, dt);
+        apply_contact(dt, report);
+        advance(dt, 0, report);
     }
     if (emitter_) {
         emitter_->emit(particles_, dt);
@@ -208,10 +237,13 @@ double FluidWorld::time_step(double remaining) {
     }
     const double speed = v + wave;
     double dt = speed > 0 ? scene_.fluid.cfl * d / speed : remaining;
+    const double usual = speed > 0 ? usual_cfl * d / speed : remaining;
     if (scene_.fluid.kinematic_viscosity > 0) {
         dt = std::min(dt, viscous_limit * d * d / scene_.fluid.kinematic_viscosity);
     }
-    return remaining / std::ceil(remaining / dt);
+    dt = remaining / std::ceil(remaining / dt);
+    step_share_ = static_cast<float>(std::min(1.0, dt / usual));
+    return dt;
 }
 
 void FluidWorld::measure_density_error(StepReport& report) {
@@ -256,13 +288,11 @@ void FluidWorld::apply_contact(float dt, StepReport& report) {
             };
             const Vec3 removed =
                 solids_.apply_contact({particles_.x[i], particles_.y[i], particles_.z[i]}, dt, v, on_obstacle);
-            particles_.vx[i] = v[0], particles_.vy[i] = v[1], particles_.vz[i] = v[2];
+            particles_.vx[i] = emitter_ ? emitter_->limit(particles_.x[i], v[0], dt) : v[0];
+            particles_.vy[i] = v[1], particles_.vz[i] = v[2];
             sums_[b] -= static_cast<double>(removed[1] / dt);
         }
     });
-    if (emitter_) {
-        emitter_->apply_contact(particles_, dt);
-    }
     const auto mass = static_cast<double>(particle_mass_);
     contact_forces_.assign(obstacles, {});
     for (std::size_t b = 0; b < block_count(particles_.count); ++b) {
@@ -291,15 +321,22 @@ double FluidWorld::bed_pressure_force() const {
     return fluid::bed_pressure_force(particles_, lists_, static_cast<double>(particle_mass_));
 }
 
-void FluidWorld::advance(float dt, StepReport& report) {
+void FluidWorld::advance(float dt, float shift_time, StepReport& report) {
+    const auto nothing = [](std::size_t, const Vec3&) {};
     guards_.begin(particles_.count);
     for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
         for (std::size_t i = begin; i < end; ++i) {
-            Vec3 x{grid_.wrap(0, particles_.x[i] + dt * particles_.vx[i]),
-                   grid_.wrap(1, particles_.y[i] + dt * particles_.vy[i]),
-                   grid_.wrap(2, particles_.z[i] + dt * particles_.vz[i])};
-            const float v2 = particles_.vx[i] * particles_.vx[i] + particles_.vy[i] * particles_.vy[i] +
-                             particles_.vz[i] * particles_.vz[i];
+            const Vec3 from{particles_.x[i], particles_.y[i], particles_.z[i]};
+            Vec3 v{particles_.vx[i], particles_.vy[i], particles_.vz[i]};
+            if (shift_time > 0 && particles_.kind[i] == Kind::fluid) {
+                v = {v[0] + shift_time * fields_.ax[i], v[1] + shift_time * fields_.ay[i],
+                     v[2] + shift_time * fields_.az[i]};
+                solids_.apply_contact(from, dt, v, nothing);
+                v[0] = emitter_ ? emitter_->limit(from[0], v[0], dt) : v[0];
+            }
+            Vec3 x{grid_.wrap(0, from[0] + dt * v[0]), grid_.wrap(1, from[1] + dt * v[1]),
+                   grid_.wrap(2, from[2] + dt * v[2])};
+            const float v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
             guards_[b].longest_squared = std::max(guards_[b].longest_squared, dt * dt * v2);
             guards_[b].not_finite += std::isfinite(x[0] + x[1] + x[2]) ? 0U : 1U;
             guards_[b].clamps += solids_.clamp(x) ? 1U : 0U;

@@ -68,7 +68,8 @@ class FluidWorld {
     [[nodiscard]] double time_step(double remaining);
     void measure_density_error(StepReport& report);
     void apply_contact(float dt, StepReport& report);
-    void advance(float dt, StepReport& report);
+    // Moves the particles by dt (v + shift_time a), a the accelerations of the last solve.
+    void advance(float dt, float shift_time, StepReport& report);
 
     Scene scene_;
     float support_radius_;
@@ -76,13 +77,14 @@ class FluidWorld {
     float particle_mass_;
     Kernel kernel_;
     double viscosity_;  // nu over the kernel's second moment on the lattice, m^2/s
-    bool confined_;     // the water fills a channel with a lid or without top and bed
+    bool confined_;     // the water has no free surface
+    float step_share_ = 1;  // of the step at hand, see solve_divergence
     Particles particles_;
     CellGrid grid_;
     NeighbourLists lists_;
     ParticleFields fields_;
     Solids solids_;
-    PressureSolver solver_;
+    std::optional<PressureSolver> solver_;
     std::optional<Emitter> emitter_;
     std::optional<BedFriction> friction_;
     double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed

@@ -27,6 +27,7 @@ inline PlaneMap product(const PlaneMap& a, const PlaneMap& b) {
 struct ImageVelocity {
     PlaneMap map;
     Vec3 shift{};
+    bool sticks = false;  // one of the faces so far is one where water sticks
 };
 
 // A reflection across one, two or three faces. Those normal to the axes: x_k -> 2 plane_k - x_k. One of them may be a

@@ -1,7 +1,10 @@
 #pragma once
 // Measures of the whole river, for diagnostics.
 
+#include <vector>
+
 #include "configs/scene.hpp"
+#include "fluid_server/bed_profile.hpp"
 #include "fluid_server/particles.hpp"
 
 namespace wade::fluid {
@@ -9,12 +12,13 @@ namespace wade::fluid {
 // Of all fluid particles; those still inside the emitter do not count. Depth and speed are
 // shm::Diagnostics::not_given if there is none.
 struct RiverMeasures {
-    double mean_depth = 0;        // m, twice the mean height of the mass
+    double mean_depth = 0;        // m, twice the mean height of the mass above the bed
     double mean_speed = 0;        // m/s, towards -x
     double kinetic_energy = 0;    // J
-    double potential_energy = 0;  // J, above the bed
+    double potential_energy = 0;  // J, above y = 0
 };
 
-RiverMeasures measure_river(const Particles& particles, double particle_mass, double gravity);
+RiverMeasures measure_river(const Particles& particles, double particle_mass, double gravity,
+                            const std::vector<BedFacet>& bed = {});
 
 }  // namespace wade::fluid

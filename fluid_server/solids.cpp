@@ -52,7 +52,8 @@ void reflect_velocities(Mirror& mirror, const PlaneMap& reflection, const std::o
         return;
     }
     // u -> 2 U - u. In the corner of two such planes the image of the image moves like the particle.
-    const bool twice = image.shift != Vec3{};
+    const bool twice = image.sticks;
+    image.sticks = true;
     image.map = product({-1, 0, -1, -1}, image.map);
     for (std::size_t k = 0; k < 3; ++k) {
         image.shift[k] = twice ? 0 : 2 * (*sticks)[k] - image.shift[k];

@@ -94,7 +94,7 @@ TEST_CASE("points of the bed ascend and leave room for the water") {
     CHECK_THAT(refusal(scene(periodic + bed(point(10, 0) + "," + point(10, 0.5)))),
                Equals("scene.json: /channel/bed_points/1/x_m: 10 m is not larger than that of the point before; "
                       "allowed: > 10 m."));
-    CHECK_THAT(refusal(scene(periodic + bed(point(10, 0) + "," + point(12, 1.6)))),
+    CHECK_THAT(refusal(scene(periodic + bed(point(10, 0) + "," + point(14, 1.6)))),
                Equals("scene.json: /channel/bed_points/1/y_m: 1.6 m leaves less than a particle spacing below the "
                       "water's surface at /channel/depth_m = 2 m; allowed: <= 1.5 m."));
     CHECK_THAT(refusal(scene(R"("top": "wall", "height_m": 1)" + bed(point(10, 0.6)))),
@@ -103,6 +103,9 @@ TEST_CASE("points of the bed ascend and leave room for the water") {
                Contains("/channel/bed_points/0/x_m: -1.0 is out of range"));
     CHECK_THAT(refusal(scene(periodic + bed(point(1, -1)))),
                Contains("/channel/bed_points/0/y_m: -1.0 is out of range"));
+    CHECK_THAT(refusal(scene(periodic + bed(point(10, 0) + "," + point(12, 1.2)))),
+               Contains("/channel/bed_points/1/y_m: 1.2 m is 1.2 m from that of the point before, steeper than 1 : 2; "
+                        "allowed: 0 to 1 m. A step is an obstacle."));
 }
 
 TEST_CASE("the bed is level at a periodic joint and at the emitter") {
