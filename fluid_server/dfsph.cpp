@@ -1,18 +1,24 @@
 #include "fluid_server/dfsph.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace wade::fluid {
 
 namespace {
 
 // Share of the last step's pressure that a solve starts from.
-// The divergence solve answers to rates, so that it can keep all of its pressure: deep water at rest needs no iteration.
-// Without a free surface the constant part of its pressure would live for ever; a twentieth is forgotten every step.
-constexpr float warm_start_divergence = 1;
-constexpr float warm_start_confined = 0.95F;
+// The divergence solve answers to rates, so that it can keep nearly all of its pressure. What it forgets in a step keeps
+// deep water, where a wrong pressure takes many iterations to find, from being lifted by what it was a moment ago.
+constexpr double forgotten_per_layer = 2e-4;
+constexpr double forgotten_at_most = 0.01;
+// Without a free surface the constant part of its pressure would live for ever.
+constexpr double forgotten_confined = 0.05;
 // The density solve corrects what is left of each step; what it needed last time is a good guess and no more.
 constexpr float warm_start_density = 0.95F;
+
+// Layers of particles in the water that the tolerance of the divergence solve is meant for.
+constexpr double usual_layers = 10;
 
 // Share of the gap to rest density that a particle may close in a step of CFL 0.5: the divergence solve lets it be compressed
 // by so much. Without it water that has once been loosened could not fall back; with all of it the fall has no
@@ -232,9 +238,9 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
         subtract_mean(f.source, p.count);
     }
     PressureSolve of_this_step = settings;
-    of_this_step.tolerance *= static_cast<double>(step_share);
-    const float warm_start = confined_ ? warm_start_confined : warm_start_divergence;
-    const SolveResult result = iterate(p.pressure, warm_start, p, lists, f, dt, of_this_step);
+    of_this_step.tolerance *= static_cast<double>(step_share) * std::min(1.0, std::pow(usual_layers / layers_, 2));
+    const double forgotten = confined_ ? forgotten_confined : std::min(forgotten_at_most, forgotten_per_layer * layers_);
+    const SolveResult result = iterate(p.pressure, static_cast<float>(1 - forgotten), p, lists, f, dt, of_this_step);
     apply_acceleration(p, f, dt);
     return result;
 }

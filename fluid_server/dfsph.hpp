@@ -65,12 +65,19 @@ class PressureSolver {
     // confined: the water fills its space and has no open side. The pressure is then known up to a constant and the system
     //     can only be solved for sources whose mean is zero; the mean, that of an SPH density over disordered particles,
     //     is subtracted.
-    PressureSolver(float open_surface_density, float relaxation, bool confined)
-        : open_surface_density_(confined ? 0 : open_surface_density), relaxation_(relaxation), confined_(confined) {}
+    // layers: of particles in the deepest water. What each of n layers yields adds up to an error n d tolerance / dt of the
+    //     velocity above; held against g dt, what weight gives in a step of a fixed CFL number, it grows with n squared.
+    //     So beyond ten layers the tolerance of the divergence solve shrinks with their square; under a lid weight
+    //     moves nothing.
+    PressureSolver(float open_surface_density, float relaxation, bool confined, double layers)
+        : open_surface_density_(confined ? 0 : open_surface_density),
+          relaxation_(relaxation),
+          confined_(confined),
+          layers_(confined ? 1 : layers) {}
 
     // Corrects the velocities until no particle that is near rest density is being compressed.
     // step_share: dt over a step of CFL 0.5, at most 1. The tolerance, a change of density, is meant for such a step, and
-    // so is the gap that may be closed, so that shorter steps are not less exact.
+    //     so is the gap that may be closed, so that shorter steps are not less exact.
     SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists, ParticleFields& fields, float dt,
                                  float step_share, const PressureSolve& settings);
 
@@ -87,6 +94,7 @@ class PressureSolver {
     float open_surface_density_;
     float relaxation_;
     bool confined_;
+    double layers_;
     BlockSums<double> errors_;
 };
 

@@ -102,8 +102,9 @@ FluidWorld::FluidWorld(const Scene& scene)
                                                      : -std::numeric_limits<float>::infinity()) {
     fill_scene(particles_, scene);
     confined_ = fills_channel(scene, static_cast<double>(particles_.count) * std::pow(scene.fluid.particle_spacing, 3));
+    const double layers = std::max(1.0, deepest_water(scene) / scene.fluid.particle_spacing);
     std::visit([&](const auto& kernel) {
-        solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_);
+        solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_, layers);
     }, kernel_);
     initial_speed_ = fastest_particle(particles_);
     if (scene.channel.manning_n > 0) {

@@ -15,7 +15,8 @@ Runs each hard case (configs/stability) with each solver setting, and sweeps the
 density solve in three of them. Writes DIR/stability.csv, DIR/report.md with plots, and DIR/runs/ with the numbers of
 each run.
 
-  --quick         small forms, at the default settings and at CFL 1, no sweeps; a minute or two
+  --quick         small forms, at the default settings and at CFL 1, no sweeps; a minute or two. Its runs lie beside
+                  those of the full form (DIR/runs/quick, DIR/runs/full); table and report are of the last form asked for
   --out DIR       [runs/stability in the project]
   --cases A,B     only these; patterns such as 'tank*' may stand for several
   --settings S,T  only these, for example default,cfl_1
@@ -23,8 +24,11 @@ each run.
   --jobs N        runs side by side, one thread each [number of processors]
   --again         repeats runs that are complete
   --list          lists the cases and the settings, and ends
-A run that is complete and whose program and scenes are still the same is not repeated. Exit code 1: a run failed, or a
-rule is broken at the default settings that is not among the known failures.
+A run that is complete and whose program (apart from the commit it names) and scenes are still the same is not repeated.
+Exit code 1: a run left no result, or a run at one of the settings (default, cfl_1, ...) breaks a rule and is not a known
+failure (tests/stability/known_failures.csv). Runs of the sweeps do not count: they look for what breaks. A step longer than
+half a spacing, if that alone is broken, counts at the default settings only. Exit code 2: wrong options; 130, 143:
+interrupted; the same command then goes on.
 HELP
       exit 0
       ;;

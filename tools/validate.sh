@@ -15,16 +15,23 @@ Runs each validation case at its coarse, medium and fine resolution and compares
 solutions, published experiments and tables. Writes DIR/validation.csv, DIR/report.md with a plot a case and the
 observed order of convergence, and DIR/runs/ with the numbers of each run.
 
-  --quick       only the quick cases, at one resolution each, as the tests run them; a few minutes
+  --quick       only the quick cases, at one resolution each, as the tests run them; a few minutes. The tests (ctest) run
+                uniform_river at medium too, in a third of the width
   --out DIR     [runs/validation in the project]
   --cases A,B   only these; patterns such as 'wet_bed*' may stand for several
   --levels L,M  only these of coarse, medium and fine
-  --long        also what takes hours: finest resolutions and rivers of 600 s
+  --long        also what takes hours and is left out without it: uniform_river_600s and manning_river_600s (600 s, all
+                resolutions), and the fine resolution of spheric2 (a million particles), bump_subcritical, bump_jump,
+                cavity_100, cavity_400 and cavity_1000
   --jobs N      runs side by side, one thread each [number of processors]
   --again       repeats runs that are complete
   --list        lists the cases and ends
-A run that is complete and whose program and scenes are still the same is not repeated, so that the command goes on where it
-was stopped. Exit code 1: a run failed, or a value is above its threshold and not among the known failures.
+A run that is complete and whose program (apart from the commit it names) and scenes are still the same is not repeated, so
+that the command goes on where it was stopped. Exit code 1: a run failed, or a value is above its threshold and not among
+the known failures. Exit code 2: wrong options; 130, 143: interrupted.
+
+Environment: WADE_SPHERIC2_DATA names a folder with spheric_test2_50Hz_boxavg.csv, the measured series of SPHERIC test 2;
+the case spheric2 then compares with the whole series instead of a short table. Its runs are repeated when it changes.
 HELP
       exit 0
       ;;

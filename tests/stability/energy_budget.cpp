@@ -1,7 +1,9 @@
 #include "energy_budget.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace wade::stability {
 
@@ -9,12 +11,79 @@ using fluid::FluidWorld;
 using fluid::Kind;
 using fluid::Particles;
 
+namespace {
+
+double solid_height(const Scene& scene, double x, double z) {
+    double height = bed_height(scene.channel, x);
+    for (const Obstacle& o : scene.obstacles) {
+        if (x > o.x.lo && x < o.x.hi && z > o.z.lo && z < o.z.hi) height = std::max(height, o.height);
+    }
+    return height;
+}
+
+double gravity_across(const Scene& scene) {
+    return scene.world.gravity * std::cos(std::atan(scene.channel.slope));
+}
+
+}  // namespace
+
+double bed_height(const Channel& channel, double x) {
+    const std::vector<BedPoint>& bed = channel.bed_points;
+    if (bed.empty()) return 0;
+    if (x <= bed.front().x) return bed.front().y;
+    for (std::size_t k = 1; k < bed.size(); ++k) {
+        if (x > bed[k].x) continue;
+        const double share = (x - bed[k - 1].x) / (bed[k].x - bed[k - 1].x);
+        return bed[k - 1].y + share * (bed[k].y - bed[k - 1].y);
+    }
+    return bed.back().y;
+}
+
+double level_pool_energy(const Scene& scene, double volume) {
+    const Interval& x = scene.channel.x;
+    const Interval& z = scene.channel.z;
+    const double cell = 0.5 * scene.fluid.particle_spacing;
+    const auto nx = static_cast<std::size_t>(std::max(1.0, std::ceil(x.length() / cell)));
+    const auto nz = static_cast<std::size_t>(std::max(1.0, std::ceil(z.length() / cell)));
+    std::vector<double> ground;
+    ground.reserve(nx * nz);
+    for (std::size_t i = 0; i < nx; ++i) {
+        for (std::size_t k = 0; k < nz; ++k) {
+            ground.push_back(
+                solid_height(scene, x.lo + (static_cast<double>(i) + 0.5) / static_cast<double>(nx) * x.length(),
+                             z.lo + (static_cast<double>(k) + 0.5) / static_cast<double>(nz) * z.length()));
+        }
+    }
+    std::sort(ground.begin(), ground.end());
+    const double area = x.length() * z.length() / static_cast<double>(ground.size());
+    // The level L over the n lowest places: n L - sum of their heights = volume / area, L not above the next place.
+    double sum = 0;
+    double squares = 0;
+    double level = 0;
+    std::size_t n = 0;
+    do {
+        sum += ground[n];
+        squares += ground[n] * ground[n];
+        ++n;
+        level = (volume / area + sum) / static_cast<double>(n);
+    } while (n < ground.size() && level > ground[n]);
+    return scene.fluid.rest_density * gravity_across(scene) * area *
+           (static_cast<double>(n) * level * level - squares) / 2;
+}
+
 EnergyBudget::EnergyBudget(const FluidWorld& world)
-    : gravity_across_(world.scene().world.gravity * std::cos(std::atan(world.scene().channel.slope))),
+    : gravity_across_(gravity_across(world.scene())),
       gravity_along_(world.scene().world.gravity * std::sin(std::atan(world.scene().channel.slope))),
       mass_(static_cast<double>(world.particle_mass())),
       last_(sum(world)),
-      put_in_(last_.kinetic + last_.potential) {}
+      put_in_(last_.kinetic + last_.potential) {
+    const Scene& scene = world.scene();
+    if (scene.channel.flow != Flow::closed) return;
+    resting_ = level_pool_energy(scene, last_.count * mass_ / scene.fluid.rest_density);
+    const double area = scene.channel.x.length() * scene.channel.z.length();
+    const double d = scene.fluid.particle_spacing;
+    surface_energy_ = scene.fluid.rest_density * gravity_across_ * area * d * d / 8;
+}
 
 EnergyBudget::Sums EnergyBudget::sum(const FluidWorld& world) const {
     const Particles& p = world.particles();
@@ -75,8 +144,12 @@ double EnergyBudget::ratio() const {
     return energy > 0 ? std::numeric_limits<double>::infinity() : 0;
 }
 
+double EnergyBudget::convertible() const {
+    return std::max(put_in_ - resting_, surface_energy_);
+}
+
 double EnergyBudget::kinetic_ratio() const {
-    if (put_in_ > 0) return last_.kinetic / put_in_;
+    if (convertible() > 0) return last_.kinetic / convertible();
     return last_.kinetic > 0 ? std::numeric_limits<double>::infinity() : 0;
 }
 

@@ -36,6 +36,7 @@ std::vector<Check> all_checks(const Result& r) {
         {"lost_particles", static_cast<double>(r.lost_particles), Check::Rule::at_most, 0},
         {"mean_density_error", r.mean_density_error, Check::Rule::at_most, Rules::mean_compression},
         {"energy_ratio", r.energy_ratio, Check::Rule::at_most, Rules::energy_ratio},
+        {"kinetic_ratio", r.kinetic_ratio, Check::Rule::at_most, Rules::kinetic_ratio},
         {"displacement", r.max_displacement, Check::Rule::less_than, Rules::displacement},
     };
     checks.insert(checks.end(), r.checks.begin(), r.checks.end());

@@ -40,18 +40,6 @@ std::size_t step_limit(const Scene& scene) {
     return static_cast<std::size_t>(std::max(steps, viscous) + 10 * scene.duration * scene.frame_rate + 1000);
 }
 
-double bed_height(const Channel& channel, double x) {
-    const std::vector<BedPoint>& bed = channel.bed_points;
-    if (bed.empty()) return 0;
-    if (x <= bed.front().x) return bed.front().y;
-    for (std::size_t k = 1; k < bed.size(); ++k) {
-        if (x > bed[k].x) continue;
-        const double share = (x - bed[k - 1].x) / (bed[k].x - bed[k - 1].x);
-        return bed[k - 1].y + share * (bed[k].y - bed[k - 1].y);
-    }
-    return bed.back().y;
-}
-
 // Whether a place is where water can be; `slack` covers the rounding of float positions.
 bool is_inside(const Scene& scene, double x, double y, double z, double slack) {
     const Channel& channel = scene.channel;
@@ -80,7 +68,10 @@ class Watch {
         result.simulated_time += step.dt;
         const Particles& p = world.particles();
         result.particles = std::max(result.particles, p.count);
-        look_at_each(world, step.dt, result);
+        look_at_each(world, result);
+        // Of the report, not |v| dt: the density solve moves positions without changing velocities.
+        result.max_displacement =
+            std::max(result.max_displacement, step.max_displacement / world.scene().fluid.particle_spacing);
         const std::uint64_t present = p.count + world.stock();
         const std::uint64_t missing = present > complete_ ? present - complete_ : complete_ - present;
         result.lost_particles = std::max(result.lost_particles, missing + outside_ + world.position_clamps());
@@ -95,11 +86,10 @@ class Watch {
     }
 
  private:
-    void look_at_each(const FluidWorld& world, double dt, Result& result) {
+    void look_at_each(const FluidWorld& world, Result& result) {
         const Particles& p = world.particles();
         const Scene& scene = world.scene();
         const double slack = 1e-6 * (scene.channel.x.hi + scene.channel.z.hi);
-        float fastest = 0;
         std::uint64_t bad = 0;
         for (std::size_t i = 0; i < p.count; ++i) {
             const float v2 = p.vx[i] * p.vx[i] + p.vy[i] * p.vy[i] + p.vz[i] * p.vz[i];
@@ -107,15 +97,12 @@ class Watch {
                 ++bad;
                 continue;
             }
-            fastest = std::max(fastest, v2);
             if (!is_inside(scene, static_cast<double>(p.x[i]), static_cast<double>(p.y[i]), static_cast<double>(p.z[i]),
                            slack)) {
                 ++outside_;
             }
         }
         result.nonfinite = std::max(result.nonfinite, bad);
-        result.max_displacement = std::max(result.max_displacement,
-                                           std::sqrt(static_cast<double>(fastest)) * dt / scene.fluid.particle_spacing);
     }
 
     const Hooks& hooks_;

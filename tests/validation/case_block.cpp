@@ -69,8 +69,7 @@ Case block_case() {
     c.truth =
         "Momentum: what the driving force gives to the water and the water does not keep is the force on the block, "
         "F = M a - dP/dt, each integrated over 10 s; bed and sides are frictionless. The drag coefficient, for the "
-        "bulk "
-        "speed and the wet front of the block, is reported.";
+        "bulk speed and the wet front of the block, is reported.";
     c.reference = "momentum budget";
     c.spacings = {0.2, 0.1, 1.0 / 15};
     c.run = run;

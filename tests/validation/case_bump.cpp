@@ -13,6 +13,7 @@
 #include "cases.hpp"
 #include "channel_run.hpp"
 #include "open_channel.hpp"
+#include "slice.hpp"
 
 namespace wade::validation {
 
@@ -77,7 +78,7 @@ Result run_subcritical(const Request& request) {
     for (int i = 0; i < points; ++i) {
         mean_depth_exact += flow.depth((i + 0.5) * origin / points) / points;
     }
-    std::vector<std::string> sizes = slice_width(request.spacing);
+    std::vector<std::string> sizes = channel_slice(request);
     sizes.push_back(assign("/channel/depth_m", mean_surface(flow, 0, origin)));
     sizes.push_back(assign("/channel/velocity_m_s", q / mean_depth_exact));
     const Scene scene = scene_for(request, "validation/bump_subcritical.json", sizes);
@@ -98,7 +99,7 @@ Result run_transcritical(const Request& request) {
         16;  // m: the channel is 12 m of SWASHES' 25 m, s from 4 to 16 m; the rest is uniform flow
     constexpr double q = 1.53;
     const BumpFlow flow = transcritical_bump_flow(q, g);
-    std::vector<std::string> sizes = slice_width(request.spacing);
+    std::vector<std::string> sizes = channel_slice(request);
     sizes.push_back(assign("/channel/depth_m", flow.depth(0)));
     sizes.push_back(assign("/channel/velocity_m_s", q / flow.depth(0)));
     const Scene scene = scene_for(request, "validation/bump_transcritical.json", sizes);
@@ -144,10 +145,10 @@ Result run_with_jump(const Request& request) {
     constexpr double depth_downstream = 0.33;
     const Interval plateau{2, 4};  // x where the depth downstream is measured, m: s 13 to 15, the sill begins at s 15.9
     const BumpFlow nominal = bump_flow_with_jump(q, depth_downstream, g);
-    std::vector<std::string> sizes = slice_width(request.spacing);
+    std::vector<std::string> sizes = channel_slice(request);
     sizes.push_back(assign("/channel/depth_m", nominal.depth(0)));
     sizes.push_back(assign("/channel/velocity_m_s", q / nominal.depth(0)));
-    sizes.push_back(assign("/obstacles/0/z_max_m", 6 * request.spacing));
+    sizes.push_back(assign("/obstacles/0/z_max_m", slice_width(request)));
     // A broad-crested sill carries critical flow: its height is E - 3/2 h_c.
     sizes.push_back(assign("/obstacles/0/height_m", nominal.energy_downstream - 1.5 * critical_depth(q, g)));
     const Scene scene = scene_for(request, "validation/bump_jump.json", sizes);

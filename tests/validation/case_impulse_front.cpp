@@ -10,8 +10,7 @@ Case impulse_front_case() {
     c.name = "impulse_front";
     c.truth =
         "our own finest run (tests/validation/data/impulse_front_*.csv): the front of a dam break, 1 m of water 5 m "
-        "long, "
-        "meets 16 people who stand and 9 who walk on a dry bed.";
+        "long, meets 16 people who stand and 9 who walk on a dry bed.";
     c.reference = "finest run";
     c.spacings = {0.4642, 0.2321, 0.1161};
     c.quick = true;

@@ -20,9 +20,10 @@ crowd::Vector2d uniform_stream(const Scene& scene) {
 Result run(const Request& request) {
     const std::string name = "impulse_river";
     const Scene scene = scene_for(request, "validation/" + name + ".json");
+    const ImpulseRun reference = read_reference(request, name);
     Result result;
     const ImpulseRun people = run_impulse(scene, result);
-    compare_impulse(people, read_reference(name), result);
+    compare_impulse(people, reference, result);
     compare_with_uniform_stream(people, uniform_stream(scene), result);
     return result;
 }
@@ -34,8 +35,7 @@ Case impulse_river_case() {
     c.name = "impulse_river";
     c.truth =
         "our own finest run (tests/validation/data/impulse_river_*.csv): 16 people stand and 12 walk in a "
-        "recirculating "
-        "river of 12 m x 6 m, 1 m deep, 1.5 m/s; and rho pi r^2 h v T of a uniform stream.";
+        "recirculating river of 12 m x 6 m, 1 m deep, 1.5 m/s; and rho pi r^2 h v T of a uniform stream.";
     c.reference = "finest run";
     c.spacings = {0.4642, 0.2321, 0.1161};
     c.quick = true;

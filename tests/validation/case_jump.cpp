@@ -11,6 +11,7 @@
 #include "cases.hpp"
 #include "channel_run.hpp"
 #include "open_channel.hpp"
+#include "slice.hpp"
 
 namespace wade::validation {
 
@@ -72,13 +73,14 @@ Result run(const Request& request, double froude) {
     const double h2 = bore.depth_2();
     // The stream is read half a jump ahead of the front; another h_2 keeps the front away from the emitter.
     const double length = wall + (travel + 0.5 * jump_length + 1) * h2;
-    std::vector<std::string> sizes = slice_width(request.spacing);
+    std::vector<std::string> sizes = channel_slice(request);
     sizes.push_back(assign("/channel/x_max_m", length));
     sizes.push_back(assign("/world/length_m", length));
     sizes.push_back(assign("/channel/velocity_m_s", bore.velocity));
-    sizes.push_back(assign("/obstacles/0/z_max_m", 6 * request.spacing));
+    sizes.push_back(assign("/obstacles/0/z_max_m", slice_width(request)));
     // At the end the channel is full of deep water.
-    sizes.push_back(assign("/fluid/max_particles", std::ceil(6 * length * 1.3 * h2 / std::pow(request.spacing, 2))));
+    const double room = slice_width(request) * length * 1.3 * h2;  // m^3
+    sizes.push_back(assign("/fluid/max_particles", std::ceil(room / std::pow(request.spacing, 3))));
     const Scene scene = scene_for(request, "validation/jump.json", sizes);
     const double d = scene.fluid.particle_spacing;
     fluid::FluidWorld world(scene);

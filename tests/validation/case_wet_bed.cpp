@@ -11,6 +11,8 @@ namespace wade::validation {
 
 namespace {
 
+constexpr double first_shock = 6;  // t sqrt(g/H) from which the place of the shock is compared
+
 // Where the depth, seen from downstream, first exceeds the mean of the depths before and behind the shock, between
 // columns linearly; NaN if nowhere. m downstream of the dam
 double shock_place(const Columns& columns, double dam_x, double threshold) {
@@ -33,6 +35,7 @@ Result run(const Request& request, const char* name) {
     const WaterBlock& tail = scene.channel.water_blocks.at(1);
     const WetDamBreak exact = solve_wet_dam_break(reservoir.depth, tail.depth, scene.world.gravity);
     const DamBreak dam{scene, reservoir.x.lo, reservoir.depth, [&](double s, double t) { return stoker(exact, s, t); }};
+    check_duration(dam, first_shock);
     Result result;
     Cost cost;
     Curve profile;
@@ -43,7 +46,7 @@ Result run(const Request& request, const char* name) {
             const double place = shock_place(c, dam.dam_x, (exact.h_middle + exact.h_right) / 2);
             const double truth = exact.shock_speed * t;
             shock.rows.push_back({t, place, truth});
-            if (scaled >= 6) {
+            if (scaled >= first_shock) {
                 const double error = std::abs(place / truth - 1);
                 worst_shock = std::isnan(error) ? error : std::max(worst_shock, error);
             }

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "slice.hpp"
+
 namespace wade::validation {
 
-std::vector<std::string> slice_width(double spacing) {
-    const double width = 6 * spacing;
+std::vector<std::string> channel_slice(const Request& request) {
+    const double width = slice_width(request);
     return {assign("/channel/z_min_m", 0), assign("/channel/z_max_m", width), assign("/world/width_m", width)};
 }
 

@@ -11,9 +11,8 @@
 
 namespace wade::validation {
 
-// Overrides of a scene that is a slice of a wide channel: three support radii wide, the least that periodic sides allow.
-// spacing: m
-std::vector<std::string> slice_width(double spacing);
+// Overrides of a scene that is a slice of a wide channel, from z = 0 on; see slice_width() for how wide.
+std::vector<std::string> channel_slice(const Request& request);
 
 // Advances to the time `from`, then to `to`, and averages over all frames of the second part in columns about `column` long.
 // Times in s; column: m

@@ -2,16 +2,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
+
+#include "configs/exit_code.hpp"
 
 namespace wade::validation {
 
 namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-constexpr double shallowest = 0.15;  // of H: below it the sheet is thinner than the particles can show
+constexpr double first_compared = 4;  // t sqrt(g/H)
+constexpr double shallowest = 0.15;   // of H: below it the sheet is thinner than the particles can show
 
 }  // namespace
+
+void check_duration(const DamBreak& dam, double first) {
+    const Scene& scene = dam.scene;
+    const double seconds = first * std::sqrt(dam.depth / scene.world.gravity);
+    const double needed = std::ceil(seconds * scene.frame_rate - 1e-9) / scene.frame_rate;
+    if (frames_in(scene, scene.duration) >= needed * scene.frame_rate) return;
+    char text[120];
+    std::snprintf(text, sizeof text, ": nothing was compared: /duration_s is %g, at least %.4g is needed",
+                  scene.duration, needed);
+    throw ConfigurationError(scene.name + text);
+}
 
 DamBreakErrors run_dam_break(const DamBreak& dam, fluid::FluidWorld& world, Cost& cost, Curve& last,
                              const OnFrame& on_frame) {
@@ -19,13 +34,14 @@ DamBreakErrors run_dam_break(const DamBreak& dam, fluid::FluidWorld& world, Cost
     const double g = scene.world.gravity;
     const double wave = std::sqrt(g * dam.depth);
     const int frames = frames_in(scene, scene.duration);
+    check_duration(dam, first_compared);
     DamBreakErrors errors;
     last = {"profile", {"s_m", "depth_m", "exact_depth_m", "velocity_m_s", "exact_velocity_m_s"}, {}};
     for (int f = 1; f <= frames; ++f) {
         advance_frame(world, cost);
         const double t = f / scene.frame_rate;
         const double scaled = t * std::sqrt(g / dam.depth);
-        if (scaled < 4 || scaled > 8) {
+        if (scaled < first_compared || scaled > 8) {
             continue;
         }
         Columns columns = make_columns(scene.channel.x, scene.channel.z.length(), dam.depth / 5);

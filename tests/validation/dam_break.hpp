@@ -26,6 +26,10 @@ struct DamBreak {
     ExactFlow exact;
 };
 
+// Throws ConfigurationError, naming the duration that is needed, if the scene ends before its first frame with
+// t sqrt(g/H) >= first, so that nothing would be compared.
+void check_duration(const DamBreak& dam, double first);
+
 // Calls on_frame(t, scaled time, columns) for each frame between t sqrt(g/H) = 4 and 8.
 using OnFrame = std::function<void(double t, double scaled, const Columns& columns)>;
 

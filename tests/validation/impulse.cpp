@@ -204,9 +204,10 @@ void compare_with_uniform_stream(const ImpulseRun& run, const Vector2d& impulse,
 }
 
 Result run_impulse_case(const Request& request, const std::string& name) {
+    const ImpulseRun reference = read_reference(request, name);
     Result result;
     const ImpulseRun run = run_impulse(scene_for(request, "validation/" + name + ".json"), result);
-    compare_impulse(run, read_reference(name), result);
+    compare_impulse(run, reference, result);
     return result;
 }
 

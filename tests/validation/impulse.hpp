@@ -45,9 +45,10 @@ struct ImpulseRun {
 // Runs the scene with any model of the water; notes cost and model in `result`.
 [[nodiscard]] ImpulseRun run_impulse(const Scene& scene, Result& result);
 
-// The finest run of a case, from data/<name>_standing.csv and data/<name>_walking.csv beside this file. Empty if there
-// are no such files. Throws std::runtime_error, naming file and line, if one cannot be read.
-[[nodiscard]] ImpulseRun read_reference(const std::string& name);
+// The finest run of a case, from data/<name>_standing.csv and data/<name>_walking.csv beside this file. Empty if
+// the request asks for no comparison. Throws ConfigurationError if a file is missing, and std::runtime_error, naming file
+// and line, if one cannot be read.
+[[nodiscard]] ImpulseRun read_reference(const Request& request, const std::string& name);
 
 // Adds to `result` the curves of the run and, unless the reference is empty, its errors against it:
 //   impulse_median, impulse_p95  |I_a - I_a,ref| / L_a,ref over the standing agents with L_a,ref > 0. The load in the

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "configs/exit_code.hpp"
 #include "impulse.hpp"
 
 namespace wade::validation {
@@ -50,12 +51,18 @@ std::vector<std::vector<double>> read_rows(const std::filesystem::path& file, st
 
 }  // namespace
 
-ImpulseRun read_reference(const std::string& name) {
+ImpulseRun read_reference(const Request& request, const std::string& name) {
+    ImpulseRun run;
+    if (!request.compares_with_finest_run) return run;
     const std::filesystem::path folder = std::filesystem::path(WADE_VALIDATION) / "data";
     const std::filesystem::path standing = folder / (name + "_standing.csv");
     const std::filesystem::path walking = folder / (name + "_walking.csv");
-    ImpulseRun run;
-    if (!std::filesystem::exists(standing) || !std::filesystem::exists(walking)) return run;
+    for (const std::filesystem::path& file : {standing, walking}) {
+        if (std::filesystem::exists(file)) continue;
+        throw ConfigurationError("the reference " + file.string() + " of the case " + name +
+                                 " is missing: make it with tools/speed_vs_error/impulse_reference.py, or give "
+                                 "--no-reference to run without a comparison");
+    }
     for (const std::vector<double>& row : read_rows(standing, 4)) {
         run.standing.push_back({static_cast<std::uint32_t>(row[0]), {row[1], row[2]}, row[3]});
     }

@@ -8,9 +8,10 @@
 
 namespace wade::validation {
 
-// Three support radii, m: 6 spacings, or 9 with the wider kernel.
-inline double slice_width(const Request& request) {
-    bool wide = false;
+// Three support radii, m, the least that the loader allows between periodic sides: 6 spacings, or 9 with the wider
+// kernel. kernel: that of the scene's file; an override of the request can ask for the wider one.
+inline double slice_width(const Request& request, KernelKind kernel = KernelKind::cubic_spline) {
+    bool wide = kernel == KernelKind::wendland_c2;
     for (const std::string& text : request.overrides) {
         wide = wide || text.find("wendland") != std::string::npos;
     }

@@ -2,9 +2,11 @@
 
 import csv
 import json
+import os
 import sys
 import tempfile
 import unittest
+from unittest import mock
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -14,6 +16,7 @@ sys.path.insert(0, str(ROOT / "tools" / "validation"))
 import convergence  # noqa: E402
 import report  # noqa: E402
 import results  # noqa: E402
+import run_folder  # noqa: E402
 import runs  # noqa: E402
 
 HEADER = "case,model,spacing_m,particles,metric,value,unit,threshold,pass,wall_s,cpu_s,reference"
@@ -49,6 +52,48 @@ class Planning(unittest.TestCase):
         for patterns, levels, word in (("wafe", "", "wafe"), ("", "rough", "rough"), ("river", "medium", "nothing to run")):
             with self.assertRaisesRegex(ValueError, word):
                 runs.plan(CASES, patterns, levels, False, False)
+
+
+class Fingerprint(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def of(self, text, case="wave"):
+        program = self.folder / "program"
+        program.write_bytes(text)
+        return runs.Fingerprints(program, self.folder)(case)
+
+    def test_a_commit_alone_changes_nothing(self):
+        note = b"\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0"
+        first = self.of(note + 20 * b"a" + b"code\x000123456789ab\0")
+        self.assertEqual(first, self.of(note + 20 * b"b" + b"code\x00ba9876543210\0"))
+        self.assertNotEqual(first, self.of(note + 20 * b"a" + b"Code\x000123456789ab\0"))
+
+    def test_the_series_of_spheric2_matters_to_it_only(self):
+        (self.folder / "series.csv").write_text("1")
+        with mock.patch.dict(os.environ, WADE_SPHERIC2_DATA=""):
+            wave, tank = self.of(b"x"), self.of(b"x", "spheric2")
+        with mock.patch.dict(os.environ, WADE_SPHERIC2_DATA=str(self.folder)):
+            self.assertEqual(self.of(b"x"), wave)
+            with_series = self.of(b"x", "spheric2")
+            self.assertNotEqual(with_series, tank)
+            (self.folder / "series.csv").write_text("12")
+            self.assertNotEqual(self.of(b"x", "spheric2"), with_series)
+
+
+class Running(unittest.TestCase):
+    def test_an_old_run_stays_until_its_repeat_starts(self):
+        with tempfile.TemporaryDirectory() as name:
+            old, log = Path(name) / "old.json", Path(name) / "log"
+            old.write_text("{}")
+            children = run_folder.Children()
+            children.stop()
+            self.assertIsNone(children.run(["true"], log, {}, old))
+            self.assertTrue(old.exists())
+            self.assertEqual(run_folder.Children().run(["false"], log, {}, old), 1)
+            self.assertFalse(old.exists())
 
 
 class Order(unittest.TestCase):
@@ -90,6 +135,12 @@ class Reporting(unittest.TestCase):
         self.assertEqual(verdict("fine", 0.06), "no")
         self.assertEqual(verdict("fine", None), "no")
 
+    def test_a_known_failure_that_passes_is_listed(self):
+        runs_found = [run_of("wave", "coarse", 0.1, 0.1), run_of("wave", "fine", 0.1, 0.01)]
+        lines = list(self.judge.now_pass(runs_found))
+        self.assertEqual(lines, ["known failure that now passes: wave fine: height = 0.01, threshold 0.02"])
+        self.assertEqual(list(self.judge.now_pass([run_of("wave", "fine", 0.1, 0.04)])), [])
+
     def test_table_and_report_hold_every_run(self):
         for level, spacing, error in (("coarse", 0.1, 0.3), ("medium", 0.05, 0.1), ("fine", 0.025, 0.04)):
             self.put(run_of("wave", level, spacing, error, "now" if level != "fine" else "before"))
@@ -99,7 +150,7 @@ class Reporting(unittest.TestCase):
         found = results.read_runs(self.out / "runs", CASES)
         self.assertEqual(len(found), 4)
         results.write_csv(found, self.judge, self.out / "validation.csv")
-        report.write(found, CASES, self.judge, "now", self.out)
+        report.write(found, CASES, self.judge, lambda case: "now", self.out)
 
         lines = (self.out / "validation.csv").read_text().splitlines()
         self.assertEqual(lines[0], HEADER)

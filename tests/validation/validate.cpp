@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,7 @@ Runs one validation case: a simulation whose truth is known. tools/validate.sh r
   --case NAME        Which case
   --level LEVEL      coarse (default), medium or fine
   --spacing D        Another spacing of the particles, m; the thresholds are those of the next coarser level
+  --no-reference     Without the comparison with a stored run of our own (impulse_*): to make that run anew
   --set /PTR=VALUE   Sets a value of each scene that the case loads; may be given several times
   --threads N        Threads, 1 to 1024 (default: as many as there are processors)
   --out DIR          Folder in which runs/NAME-LEVEL.json and its curves are written (default: nothing is written)
@@ -43,6 +45,7 @@ Exit codes: 0 ok, 1 above a threshold or unexpected, 2 bad usage or scene, 9 num
 struct Options {
     bool list = false;
     bool check = false;
+    bool no_reference = false;
     std::string case_name;
     std::string level;
     std::optional<double> spacing;
@@ -80,6 +83,8 @@ Options read_options(const std::vector<std::string>& arguments) {
             options.list = true;
         } else if (option == "--check") {
             options.check = true;
+        } else if (option == "--no-reference") {
+            options.no_reference = true;
         } else if (option == "--case") {
             options.case_name = value();
         } else if (option == "--level") {
@@ -138,6 +143,7 @@ Record make_record(const Options& options) {
     const Case& what = case_named(options.case_name);
     Record record{.what = what, .level = options.level.empty() ? "coarse" : options.level, .level_index = 0};
     record.request.overrides = options.overrides;
+    record.request.compares_with_finest_run = !options.no_reference;
     record.fingerprint = options.fingerprint;
     if (options.spacing) {
         char text[40];
@@ -161,6 +167,20 @@ Record make_record(const Options& options) {
     }
     record.request.spacing = what.spacings[record.level_index];
     return record;
+}
+
+// A threshold whose metric the run does not have judges nothing: the metric is added as one that could not be measured,
+// so that the check and the report fail, and named.
+void add_missing_metrics(const std::vector<Threshold>& thresholds, Record& record) {
+    for (const Threshold& row : thresholds) {
+        if (row.case_name != record.what.name || !row.levels.at(record.level_index)) continue;
+        std::vector<Metric>& metrics = record.result.metrics;
+        if (std::any_of(metrics.begin(), metrics.end(), [&](const Metric& m) { return m.name == row.metric; }))
+            continue;
+        std::cerr << "validate: " << row.case_name << ": thresholds.csv judges the metric " << row.metric
+                  << ", which this run did not measure\n";
+        metrics.push_back({row.metric, std::numeric_limits<double>::quiet_NaN(), "1"});
+    }
 }
 
 // Prints the metrics; false if one is above its threshold and, if it is known to be, above its guard.
@@ -213,6 +233,7 @@ int run(const Options& options) {
     }
     record.whole_cpu_time = process_cpu_time();
     record.whole_wall_time = wall_time() - wall;
+    if (record.error.empty()) add_missing_metrics(thresholds, record);
     const bool passed = print_verdict(record, thresholds, known);
     if (!options.out.empty()) {
         std::cout << "  " << write_record(std::filesystem::path(options.out) / "runs", record, thresholds).string()

@@ -33,6 +33,7 @@ struct Curve {
 struct Request {
     double spacing = 0;
     std::vector<std::string> overrides;
+    bool compares_with_finest_run = true;  // false: a case whose truth is a stored run of our own makes a new one
 };
 
 struct Result {

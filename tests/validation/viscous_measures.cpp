@@ -5,10 +5,12 @@
 #include <limits>
 #include <utility>
 
+#include "slice.hpp"
+
 namespace wade::validation {
 
 double slice_thickness(const Request& request) {
-    return 9 * request.spacing;
+    return slice_width(request, KernelKind::wendland_c2);
 }
 
 std::vector<std::string> slice_overrides(const Request& request, bool along_x) {

@@ -15,6 +15,7 @@ from settings import FACTORS, QUICK_FACTORS, ROOT, Setting, default_setting
 from settings import combinations, near_front, one_at_a_time, probes
 from splishsplash import measure_all
 from table import ERRORS, error_names, error_of, groups_of, write_table
+from run_folder import end_children_on_signals, exit_code, say, write_whole
 
 # River with agents, dam break, box in a tank, bump, obstacle; each at the three spacings of its case.
 CASES = ("impulse_river", "impulse_front", "impulse_lee", "dam_break", "spheric2", "bump_subcritical",
@@ -26,7 +27,7 @@ KINEMATIC = ("impulse_river",)  # the cases to which a stream of given velocity 
 
 def arguments():
     parser = argparse.ArgumentParser(prog="speed_vs_error.sh", description="Speed against error.")
-    parser.add_argument("--validate", required=True, type=Path, help="the program `validate`")
+    parser.add_argument("--validate", required=True, type=lambda name: Path(name).resolve(), help="the program `validate`")
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "speed_vs_error")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--repeats", type=int)
@@ -90,6 +91,16 @@ def machine_of():
 
 def main():
     options = arguments()
+    end_children_on_signals()
+    try:
+        sweep_all(options)
+    except KeyboardInterrupt as interrupt:  # what was measured is in the table but for the spacing it was at
+        say("interrupted; the same command goes on from here", sys.stderr)
+        return exit_code(interrupt)
+    return 0
+
+
+def sweep_all(options):
     there = listed_cases(options.validate)
     factors = QUICK_FACTORS if options.quick else FACTORS
     wanted = options.cases.split(",") if options.cases else list(QUICK_CASES if options.quick else CASES)
@@ -122,7 +133,7 @@ def main():
         measured += points
         remarks += more
     write_results(options, measured, remarks)
-    print(options.out / "report.md")
+    say(options.out / "report.md")
 
 
 def write_results(options, measured, remarks):
@@ -135,10 +146,8 @@ def write_results(options, measured, remarks):
     for group in filter(has_plot, groups):
         plot(group, options.out / plot_name(group))
     text = report_text(groups, machine_of(), remarks, options.quick)
-    part = options.out / "report.md.part"
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, options.out / "report.md")
+    write_whole(options.out / "report.md", text)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

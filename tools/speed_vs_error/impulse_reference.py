@@ -53,7 +53,7 @@ def main():
         runs = options.runs
         if runs is None:
             command = [options.validate, "--case", options.case, "--spacing", options.spacing]
-            command += ["--threads", options.threads]
+            command += ["--no-reference", "--threads", options.threads]
             for value in options.set:
                 command += ["--set", value]
             subprocess.run([*command, "--out", scratch], check=True)

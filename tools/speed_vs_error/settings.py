@@ -2,10 +2,12 @@
 
 import itertools
 import json
+import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "tools" / "validation"))  # for run_folder
 
 # Factors in the order in which the table shows them. They reach from careless to careful on both sides of the default:
 # tolerances 1, 0.1 and 0.01 %, CFL 0.25, 0.5 and 1, both kernels, the divergence solve at three tolerances and off.

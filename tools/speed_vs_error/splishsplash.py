@@ -16,6 +16,7 @@ from pathlib import Path
 
 from measure import Measured
 from settings import ROOT, Setting
+from run_folder import say
 
 CASE = "impulse_front"
 REMARK = (
@@ -119,11 +120,15 @@ def measure(producer, crowd_client, spacing, folder):
             [producer, scene, "--frames", str(frames), "--session", session, "--log-dir", folder / "log"],
             stdout=log, stderr=subprocess.STDOUT, env=environment,
         )
-        crowd = subprocess.run(
-            [crowd_client, ROOT / "configs" / "validation" / f"{CASE}.json", "--session", session, "--threads", "1",
-             "--attach-timeout-s", "60", "--out", folder / "run"],
-            stdout=crowd_log, stderr=subprocess.STDOUT, check=False,
-        )
+        try:
+            crowd = subprocess.run(
+                [crowd_client, ROOT / "configs" / "validation" / f"{CASE}.json", "--session", session, "--threads", "1",
+                 "--attach-timeout-s", "60", "--out", folder / "run"],
+                stdout=crowd_log, stderr=subprocess.STDOUT, check=False,
+            )
+        except BaseException:
+            water.terminate()
+            raise
         if crowd.returncode != 0:
             water.terminate()
         _, status, usage = os.wait4(water.pid, 0)
@@ -155,7 +160,7 @@ def measure_all(producer, crowd_client, spacings, repeats, folder):
         try:
             runs = []
             for k in range(1, repeats + 1):
-                print(f"  {CASE}_d{spacing:g}_splishsplash ({k} of {repeats})", file=sys.stderr, flush=True)
+                say(f"  {CASE}_d{spacing:g}_splishsplash ({k} of {repeats})", sys.stderr)
                 place = folder / f"{spacing:g}" / f"repeat-{k}"
                 runs.append(measure(Path(producer), Path(crowd_client), spacing, place))
         except (RuntimeError, OSError, KeyError, ValueError) as error:

@@ -1,11 +1,12 @@
 """speed_vs_error.csv: a line a point and error metric."""
 
 import csv
-import os
+import io
 from dataclasses import dataclass
 
 from front import front
 from settings import default_setting
+from run_folder import write_whole
 
 HEADER = (
     "case,model,spacing_m,tolerance,cfl,threads,particles,cpu_s_per_sim_s,wall_s_per_sim_s,particle_steps_per_s,"
@@ -106,11 +107,10 @@ def row(point, metric, error, on_front):
 
 def write_table(file, groups):
     """Writes the table whole or not at all."""
-    part = file.with_suffix(".part")
-    with open(part, "w", newline="", encoding="utf-8") as out:
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(HEADER)
-        for group in groups:
-            for point, error, flag in zip(group.points, group.errors, group.flags):
-                writer.writerow(row(point, group.metric.rstrip("_*"), error, flag))
-    os.replace(part, file)
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(HEADER)
+    for group in groups:
+        for point, error, flag in zip(group.points, group.errors, group.flags):
+            writer.writerow(row(point, group.metric.rstrip("_*"), error, flag))
+    write_whole(file, out.getvalue())

@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from front import cheapest_below, distance_to_front, front
-from measure import Measured
-from settings import FACTORS, combinations, default_setting, near_front, one_at_a_time, probes
+from measure import Measured, Runner
+from settings import FACTORS, ROOT, combinations, default_setting, near_front, one_at_a_time, probes
 from splishsplash import filled_block
 from table import HEADER, error_of, groups_of, write_table
 
@@ -92,6 +92,30 @@ class Table(unittest.TestCase):
         self.assertEqual([r["on_front"] for r in rows], ["no", "yes", "no", "yes", "yes", "no"])
         self.assertEqual(rows[0]["is_default"], "yes")
         self.assertEqual((rows[2]["error"], rows[2]["failure"]), ("", "a particle, too fast"))
+
+
+class Running(unittest.TestCase):
+    def point(self, script, time_limit):
+        program = Path(self.folder.name) / "validate"
+        program.write_text("#!/bin/sh\n" + script)
+        program.chmod(0o755)
+        runner = Runner(program, Path(self.folder.name) / "points", 1, time_limit)
+        return runner.run(default_setting("dam_break", 0.1), ROOT)
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def test_a_crash_is_noted(self):
+        self.assertIn("exit code 3", self.point("exit 3\n", 10).failure)
+        self.assertEqual(list(Path(self.folder.name).glob("points/*/*/result.json")), [])
+
+    def test_a_larger_time_limit_tries_again(self):
+        marker = Path(self.folder.name) / "started"
+        script = f"echo >> {marker}\nexec sleep 10\n"
+        for limit, starts in ((0.3, 1), (0.3, 1), (0.2, 1), (0.4, 2)):
+            self.assertIn("--time-limit", self.point(script, limit).failure)
+            self.assertEqual(len(marker.read_text()), starts)
 
 
 class SplishSplash(unittest.TestCase):

@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 import results
 import settings
+from run_folder import write_whole
 
 COLOURS = {"pass": "#2a7f3f", "known": "#d9a400", "long_steps": "#7fb6d6", "fail": "#c0392b", None: "#dddddd"}
 LABELS = {
@@ -24,7 +25,7 @@ def save(figure, file):
     data = io.BytesIO()
     figure.savefig(data, format="png", dpi=90)
     plt.close(figure)
-    results.write_whole(file, data.getvalue())
+    write_whole(file, data.getvalue())
 
 
 def draw_map(cases, found, file):

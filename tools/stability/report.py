@@ -5,12 +5,13 @@ import platform
 import plots
 import results
 import settings
+from run_folder import write_whole
 
 RULES = """Rules: no particle is lost (outside the solids, or missing from the count, recycling included), all numbers are
 finite, compression <= 1 % as mean over the particles at every step, kinetic and potential energy <= 1.05 of what was there at
 the start or was put in since (emitter, drive, slope), no particle moves half a spacing in a step, the same bits in one
 thread and two (at the default settings; below 3072 particles the solver works in one thread anyway). Some cases have rules of
-their own. Single particles may be compressed more; where it is over 1 % the table says so.
+their own. Single particles may be compressed more than their mean.
 """
 
 
@@ -74,13 +75,15 @@ def sweep_table(found, sweep, what):
         yield f"| {case} | {largest or 'none'} | {cell(text)} |"
 
 
-def write(cases, found, form, fingerprint, folder):
+def write(cases, found, known, form, fingerprint, folder):
     plots.draw_map(cases, found, folder / "verdicts.png")
     lines = ["# Stability", "", RULES]
     lines += [f"Form: {form}. Program and scenes: {fingerprint}. Machine: {machine()}.", ""]
     lines += ["![Verdicts](verdicts.png)", "", "## Cases at the default settings", "", *case_table(cases, found), ""]
     lines += ["Rules of single cases:", "", *own_rules(cases, found), ""]
     lines += ["## What is broken", "", *broken_table(found), ""]
+    passing = [f"* {line}" for line in results.now_pass(found, known)]
+    lines += [*passing, ""] if passing else []
     for sweep, what, label in (("cfl", "CFL factor", "fluid.cfl"), ("tolerance", "tolerance", "density tolerance")):
         if not any(key[1].startswith(f"sweep_{sweep}_") for key in found):
             continue
@@ -89,4 +92,4 @@ def write(cases, found, form, fingerprint, folder):
         lines += ["Stable: the rules of all cases hold, but that on the way in a step, which the factor itself sets.", ""]
         lines += [*sweep_table(found, sweep, what), "", f"![Sweep](sweep_{sweep}.png)", ""]
         lines += ["A cross marks a run that breaks a rule; dotted: the rules.", ""]
-    results.write_whole(folder / "report.md", "\n".join(lines))
+    write_whole(folder / "report.md", "\n".join(lines))

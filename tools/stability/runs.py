@@ -3,12 +3,10 @@
 import fnmatch
 import hashlib
 import json
-import os
 import subprocess
-import threading
-from concurrent.futures import ThreadPoolExecutor
 
 import settings
+from run_folder import program_bytes, run_side_by_side, say
 
 
 class Case:
@@ -53,10 +51,9 @@ def plan(cases, names, quick):
 
 def fingerprint(program, root, form):
     """Of the program and all that it reads: a run with the same one would give the same numbers."""
-    digest = hashlib.sha256(program.read_bytes() + form.encode())
+    digest = hashlib.sha256(program_bytes(program) + form.encode())
     files = sorted((root / "configs" / "stability").glob("*.json"))
-    files += [root / "configs" / "scene.schema.json", root / "tests" / "stability" / "known_failures.csv"]
-    for file in files:
+    for file in [*files, root / "configs" / "scene.schema.json"]:
         digest.update(str(file.relative_to(root)).encode() + b"\0" + file.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -70,13 +67,14 @@ def read_run(file):
 
 
 class Runner:
-    """Starts the runs and ends them together when one is interrupted."""
+    """Starts the runs of one form, several at a time. Each form has a folder of its own, so that none replaces another."""
 
-    def __init__(self, program, folder, print_of_now, form):
-        self.program, self.folder, self.fingerprint, self.form = program, folder, print_of_now, form
-        self.lock = threading.Lock()
-        self.running = set()
-        self.stopped = False
+    def __init__(self, program, folder, print_of_now, form, children):
+        self.program, self.folder, self.fingerprint, self.form = program, folder / form, print_of_now, form
+        self.children = children
+
+    def result_file(self, case, name):
+        return self.folder / f"{case.name}-{name}.json"
 
     def command(self, case, name):
         command = [self.program, "--case", case.name, "--setting", name, "--threads", "1"]
@@ -91,48 +89,23 @@ class Runner:
     def run(self, case, name):
         """One run; returns a line about it."""
         log = self.folder / f"{case.name}-{name}.log"
-        with open(log, "w", encoding="utf-8") as output:
-            with self.lock:
-                if self.stopped:
-                    return f"{case.name} {name}: not started"
-                environment = {**os.environ, "OMP_NUM_THREADS": "1", "GOMP_SPINCOUNT": "2000"}
-                process = subprocess.Popen(
-                    self.command(case, name), stdout=output, stderr=subprocess.STDOUT, env=environment
-                )
-                self.running.add(process)
-            code = process.wait()
-            with self.lock:
-                self.running.discard(process)
+        environment = {"OMP_NUM_THREADS": "1", "GOMP_SPINCOUNT": "2000"}
+        code = self.children.run(self.command(case, name), log, environment, self.result_file(case, name))
+        if code is None:
+            return f"{case.name} ({name}): not started"
         lines = log.read_text(encoding="utf-8").splitlines()
         if code in (0, 1) and lines:
             return lines[0]
         return f"{case.name} ({name}): exit code {code}; {(lines or ['no message'])[-1]}"
 
-    def stop(self):
-        with self.lock:
-            self.stopped = True
-            for process in self.running:
-                process.terminate()
-
 
 def run_all(plan_of_runs, runner, jobs, again):
-    """Does what is not up to date; true if it was interrupted."""
+    """Does what is not up to date; 0, or the exit code of the signal that interrupted it."""
     runner.folder.mkdir(parents=True, exist_ok=True)
     due = []
     for case, name in plan_of_runs:
-        file = runner.folder / f"{case.name}-{name}.json"
-        run = None if again else read_run(file)
+        run = None if again else read_run(runner.result_file(case, name))
         if run is None or run["fingerprint"] != runner.fingerprint:
-            file.unlink(missing_ok=True)  # a run that dies leaves none, instead of an old one
             due.append((case, name))
-    print(f"{len(plan_of_runs)} runs, {len(plan_of_runs) - len(due)} of them complete, {jobs} at a time", flush=True)
-    with ThreadPoolExecutor(jobs) as pool:
-        futures = [pool.submit(runner.run, *run) for run in due]
-        try:
-            for future in futures:
-                print(future.result(), flush=True)
-        except KeyboardInterrupt:
-            runner.stop()
-            print("interrupted; the same command goes on from here", flush=True)
-            return True
-    return False
+    say(f"{len(plan_of_runs)} runs, {len(plan_of_runs) - len(due)} of them complete, {jobs} at a time")
+    return run_side_by_side(runner.run, due, runner.children, jobs)

@@ -6,17 +6,19 @@ import os
 import sys
 from pathlib import Path
 
-import report
-import results
-import runs
-import settings
-
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "tools" / "validation"))  # for run_folder
+
+import report  # noqa: E402
+import results  # noqa: E402
+import run_folder  # noqa: E402
+import runs  # noqa: E402
+import settings  # noqa: E402
 
 
 def read_arguments():
     parser = argparse.ArgumentParser(prog="tools/stability.sh", add_help=False)
-    parser.add_argument("--program", type=Path, required=True)
+    parser.add_argument("--program", type=lambda name: Path(name).resolve(), required=True)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--long", action="store_true")
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "stability")
@@ -35,11 +37,12 @@ def read_arguments():
 
 def main():
     arguments = read_arguments()
+    run_folder.end_children_on_signals()
     cases = runs.list_cases(arguments.program)
     if arguments.list:
         for case in cases:
-            print(f"{case.name}: {case.trouble}{'' if case.varied else '; at the default settings only'}")
-        print("settings:", ", ".join(settings.SETTINGS))
+            run_folder.say(f"{case.name}: {case.trouble}{'' if case.varied else '; at the default settings only'}")
+        run_folder.say("settings: " + ", ".join(settings.SETTINGS))
         return 0
     try:
         chosen = runs.choose(cases, arguments.cases)
@@ -49,14 +52,14 @@ def main():
         return 2
     form = "quick" if arguments.quick else "long" if arguments.long else "full"
     fingerprint = runs.fingerprint(arguments.program, ROOT, form)
-    folder = arguments.out / "runs"
-    runner = runs.Runner(arguments.program, folder, fingerprint, form)
+    runner = runs.Runner(arguments.program, arguments.out / "runs", fingerprint, form, run_folder.Children())
     interrupted = runs.run_all(plan, runner, arguments.jobs, arguments.again)
-    found = results.read_runs(folder, plan)
+    known = results.read_known_failures(ROOT / "tests" / "stability" / "known_failures.csv")
+    found = results.read_runs(runner, plan, known)
     results.write_csv(found, arguments.out / "stability.csv")
-    report.write(chosen, found, form, fingerprint, arguments.out)
-    print(f"report: {arguments.out / 'report.md'}, table: {arguments.out / 'stability.csv'}")
-    return 130 if interrupted else results.print_summary(plan, found)
+    report.write(chosen, found, known, form, fingerprint, arguments.out)
+    run_folder.say(f"report: {arguments.out / 'report.md'}, table: {arguments.out / 'stability.csv'}")
+    return interrupted or results.print_summary(plan, found, known)
 
 
 if __name__ == "__main__":

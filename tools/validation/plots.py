@@ -46,11 +46,30 @@ def panels_of(runs):
     return panels
 
 
-def draw_truth(axes, x, columns, column):
-    pairs = {"exact_": ("k-", "exact"), "measured_": ("ko", "measured"), "reference_": ("k--", "reference")}
-    for prefix, (style, name) in pairs.items():
-        if prefix + column in columns:
-            axes.plot(x, columns[prefix + column], style, label=name, linewidth=1, markersize=3, zorder=3, fillstyle="none")
+# Truths that are a formula of somebody, not points that were measured.
+FORMULAS = {
+    ("crowd_rimea_04", "measured_"): ("k-", "Weidmann 1993"),
+    ("crowd_rimea_12", "measured_"): ("k-", "1.9 b, Seyfried et al. 2009"),
+    ("crowd_rimea_12", "reference_"): ("k--", "1.3 b, SFPE handbook"),
+}
+
+
+def truths_of(columns, column):
+    """(prefix, name of the column) of each truth beside a simulated column: measured_height_m beside height_m; one of
+    another name, such as measured_ghia, where the curve holds but one simulated column."""
+    simulated = [name for name in list(columns)[1:] if not name.startswith(TRUTHS)]
+    for prefix in TRUTHS:
+        for name in columns:
+            rest = name[len(prefix) :]
+            if name.startswith(prefix) and (rest == column or (len(simulated) == 1 and rest not in columns)):
+                yield prefix, name
+
+
+def draw_truth(axes, case, x, columns, column):
+    styles = {"exact_": ("k-", "exact"), "measured_": ("ko", "measured"), "reference_": ("k--", "reference")}
+    for prefix, name in truths_of(columns, column):
+        style, words = FORMULAS.get((case, prefix), styles[prefix])
+        axes.plot(x, columns[name], style, label=words, linewidth=1, markersize=3, zorder=3, fillstyle="none")
 
 
 def draw_panel(axes, runs, name, column):
@@ -66,7 +85,7 @@ def draw_panel(axes, runs, name, column):
                 axes.plot(*zip(*shown) if shown else ([], []), marker=marker, color=COLOURS[run["level"]], linewidth=1.2, label=what)
                 finest = (x, columns, abscissa)
     if finest:
-        draw_truth(axes, finest[0], finest[1], column)
+        draw_truth(axes, runs[-1]["case"], finest[0], finest[1], column)
         axes.set_xlabel(label(finest[2]), fontsize=8)
     axes.set_ylabel(label(column), fontsize=8)
     axes.tick_params(labelsize=7)

@@ -2,7 +2,8 @@
 
 import convergence
 import plots
-from results import exact, write_whole
+from results import exact
+from run_folder import write_whole
 
 WORDS = {"yes": "pass", "no": "**FAIL**", "known": "**FAIL** (known)", "": ""}
 
@@ -22,7 +23,7 @@ def spacing(run):
     return f"{run['spacing_m']:g} m" if run["spacing_m"] else "-"
 
 
-def verdict_table(runs, cases, judge, fingerprint):
+def verdict_table(runs, cases, judge, fingerprint_of):
     yield "| case | resolution | spacing | particles | thresholds kept | missed |"
     yield "|---|---|---|---|---|---|"
     for case, of_case in by_case(runs, cases):
@@ -38,7 +39,7 @@ def verdict_table(runs, cases, judge, fingerprint):
                     missed.append(f"**{metric['name']}** {short(metric['value'])} (limit {limit}{known})")
             if run["status"] != "completed":
                 missed = [f"**did not complete**: {run['error']}"]
-            mark = "" if run["fingerprint"] == fingerprint else " \\*"
+            mark = "" if run["fingerprint"] == fingerprint_of(run["case"]) else " \\*"
             yield (
                 f"| [{case.name}](#{case.name}) | {run['level']}{mark} | {spacing(run)} | {run['particles']} | "
                 f"{kept} of {judged} | {'; '.join(missed)} |"
@@ -80,7 +81,7 @@ def cost_table(runs):
         yield f"| {run['level']} | {run['particles']} | {run['steps']} | {time:g} s | {rate} | {work} |"
 
 
-def case_section(case, runs, judge, fingerprint, picture):
+def case_section(case, runs, judge, fingerprint_of, picture):
     yield f"### {case.name}"
     yield ""
     yield runs[-1]["truth"]
@@ -101,7 +102,7 @@ def case_section(case, runs, judge, fingerprint, picture):
             yield ""
     yield from cost_table(runs)
     yield ""
-    old = [run for run in runs if run["fingerprint"] != fingerprint]
+    old = [run for run in runs if run["fingerprint"] != fingerprint_of(run["case"])]
     if old:
         yield "\\* by another version of the program: " + ", ".join(f"{run['level']} {run['git']}" for run in old) + "."
         yield ""
@@ -130,19 +131,21 @@ def machine_lines(runs):
     yield "CPU times are of the solver, one thread, without set-up and measurement; runs beside one another slow each other down."
 
 
-def write(runs, cases, judge, fingerprint, folder):
+def write(runs, cases, judge, fingerprint_of, folder):
     figures = folder / "figures"
     figures.mkdir(exist_ok=True)
     lines = [HEAD, "## Verdicts", ""]
-    lines += verdict_table(runs, cases, judge, fingerprint)
-    if any(run["fingerprint"] != fingerprint for run in runs):
+    lines += verdict_table(runs, cases, judge, fingerprint_of)
+    if any(run["fingerprint"] != fingerprint_of(run["case"]) for run in runs):
         lines += ["", "\\* by another version of the program."]
+    now_pass = [f"* {line}" for line in judge.now_pass(runs)]
+    lines += ["", *now_pass] if now_pass else []
     lines += ["", "## Cases", ""]
     for case, of_case in by_case(runs, cases):
         png = plots.draw(of_case)
         if png:
             write_whole(figures / f"{case.name}.png", png)
-        lines += case_section(case, of_case, judge, fingerprint, png is not None)
+        lines += case_section(case, of_case, judge, fingerprint_of, png is not None)
     lines += ["## Machine", ""]
     lines += machine_lines(runs)
     write_whole(folder / "report.md", "\n".join(lines) + "\n")

@@ -3,11 +3,10 @@
 import fnmatch
 import hashlib
 import json
-import os
 import subprocess
-import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
+
+from run_folder import program_bytes, run_side_by_side, say, spheric2_data
 
 LEVELS = ("coarse", "medium", "fine")
 
@@ -62,13 +61,20 @@ def plan(cases, patterns, levels, quick, long):
     return runs
 
 
-def fingerprint(program, root):
-    """Of the program and all that it reads: a run with the same one would give the same numbers."""
-    digest = hashlib.sha256(program.read_bytes())
-    data = sorted((root / "tests" / "validation" / "data").glob("**/*"))
-    for file in sorted((root / "configs").glob("**/*.json")) + [file for file in data if file.is_file()]:
-        digest.update(str(file.relative_to(root)).encode() + b"\0" + file.read_bytes())
-    return digest.hexdigest()[:16]
+class Fingerprints:
+    """Of the program and all that a case reads: a run with the same one would give the same numbers."""
+
+    def __init__(self, program, root):
+        self.digest = hashlib.sha256(program_bytes(program))
+        data = sorted((root / "tests" / "validation" / "data").glob("**/*"))
+        for file in sorted((root / "configs").glob("**/*.json")) + [file for file in data if file.is_file()]:
+            self.digest.update(str(file.relative_to(root)).encode() + b"\0" + file.read_bytes())
+
+    def __call__(self, case_name):
+        digest = self.digest.copy()
+        if case_name == "spheric2":
+            digest.update(spheric2_data())
+        return digest.hexdigest()[:16]
 
 
 def up_to_date(file, print_of_now):
@@ -79,60 +85,36 @@ def up_to_date(file, print_of_now):
 
 
 class Runner:
-    """Starts the runs and ends them together when one is interrupted."""
+    """Starts the runs, several at a time."""
 
-    def __init__(self, program, folder, print_of_now):
-        self.program, self.folder, self.fingerprint = program, folder, print_of_now
-        self.lock = threading.Lock()
-        self.running = set()
-        self.stopped = False
+    def __init__(self, program, folder, fingerprint_of, children):
+        self.program, self.folder, self.fingerprint_of, self.children = program, folder, fingerprint_of, children
+
+    def result_file(self, case, level):
+        return self.folder / "runs" / f"{case.name}-{level}.json"
 
     def run(self, case, level):
         """One run; returns a line about it."""
         log = self.folder / "runs" / f"{case.name}-{level}.log"
         command = [self.program, "--case", case.name, "--level", level, "--threads", "1"]
-        command += ["--out", self.folder, "--fingerprint", self.fingerprint]
+        command += ["--out", self.folder, "--fingerprint", self.fingerprint_of(case.name)]
         started = time.monotonic()
-        with open(log, "w", encoding="utf-8") as output:
-            with self.lock:
-                if self.stopped:
-                    return f"{case.name} {level}: not started"
-                process = subprocess.Popen(
-                    command, stdout=output, stderr=subprocess.STDOUT, env={**os.environ, "OMP_NUM_THREADS": "1"}
-                )
-                self.running.add(process)
-            code = process.wait()
-            with self.lock:
-                self.running.discard(process)
+        code = self.children.run(command, log, {"OMP_NUM_THREADS": "1"}, self.result_file(case, level))
+        if code is None:
+            return f"{case.name} {level}: not started"
         if code == 0:
             return f"{case.name} {level}: done in {time.monotonic() - started:.1f} s"
         lines = log.read_text(encoding="utf-8").splitlines()
         messages = [line for line in lines if line.startswith("validate: ")]
         return f"{case.name} {level}: exit code {code}; {(messages or lines or ['no message'])[-1]}"
 
-    def stop(self):
-        with self.lock:
-            self.stopped = True
-            for process in self.running:
-                process.terminate()
 
-
-def run_all(plan_of_runs, program, folder, print_of_now, jobs, again):
-    """Does what is not up to date; true if it was interrupted."""
-    (folder / "runs").mkdir(parents=True, exist_ok=True)
-    files = {run: folder / "runs" / f"{run[0].name}-{run[1]}.json" for run in plan_of_runs}
-    due = [run for run in plan_of_runs if again or not up_to_date(files[run], print_of_now)]
-    print(f"{len(plan_of_runs)} runs, {len(plan_of_runs) - len(due)} of them complete, {jobs} at a time", flush=True)
-    for run in due:
-        files[run].unlink(missing_ok=True)  # a run that dies leaves none, instead of an old one
-    runner = Runner(program, folder, print_of_now)
-    with ThreadPoolExecutor(jobs) as pool:
-        futures = [pool.submit(runner.run, *run) for run in due]
-        try:
-            for future in futures:
-                print(future.result(), flush=True)
-        except KeyboardInterrupt:
-            runner.stop()
-            print("interrupted; the same command goes on from here", flush=True)
-            return True
-    return False
+def run_all(plan_of_runs, runner, jobs, again):
+    """Does what is not up to date; 0, or the exit code of the signal that interrupted it."""
+    (runner.folder / "runs").mkdir(parents=True, exist_ok=True)
+    due = [
+        run for run in plan_of_runs
+        if again or not up_to_date(runner.result_file(*run), runner.fingerprint_of(run[0].name))
+    ]
+    say(f"{len(plan_of_runs)} runs, {len(plan_of_runs) - len(due)} of them complete, {jobs} at a time")
+    return run_side_by_side(runner.run, due, runner.children, jobs)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import report
 import results
+import run_folder
 import runs
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -15,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def read_arguments():
     parser = argparse.ArgumentParser(prog="tools/validate.sh", add_help=False)
-    parser.add_argument("--program", type=Path, required=True)
+    parser.add_argument("--program", type=lambda name: Path(name).resolve(), required=True)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "validation")
     parser.add_argument("--cases", default="")
@@ -32,29 +33,31 @@ def read_arguments():
 
 def main():
     arguments = read_arguments()
+    run_folder.end_children_on_signals()
     try:
         cases = runs.list_cases(arguments.program)
         if arguments.list:
             for case in cases:
-                print(case.describe())
+                run_folder.say(case.describe())
             return 0
         plan = runs.plan(cases, arguments.cases, arguments.levels, arguments.quick, arguments.long)
     except ValueError as error:
         print(f"validate.sh: {error}", file=sys.stderr)
         return 2
-    fingerprint = runs.fingerprint(arguments.program, ROOT)
+    fingerprint_of = runs.Fingerprints(arguments.program, ROOT)
     arguments.out.mkdir(parents=True, exist_ok=True)
-    interrupted = runs.run_all(plan, arguments.program, arguments.out, fingerprint, arguments.jobs, arguments.again)
+    runner = runs.Runner(arguments.program, arguments.out, fingerprint_of, run_folder.Children())
+    interrupted = runs.run_all(plan, runner, arguments.jobs, arguments.again)
 
     tables = ROOT / "tests" / "validation"
     judge = results.Judge(tables / "thresholds.csv", tables / "known_failures.csv")
     # What older programs found stays in the report, marked, until it is repeated.
     found = results.read_runs(arguments.out / "runs", cases)
     results.write_csv(found, judge, arguments.out / "validation.csv")
-    report.write(found, cases, judge, fingerprint, arguments.out)
-    print(f"report: {arguments.out / 'report.md'}, table: {arguments.out / 'validation.csv'}")
+    report.write(found, cases, judge, fingerprint_of, arguments.out)
+    run_folder.say(f"report: {arguments.out / 'report.md'}, table: {arguments.out / 'validation.csv'}")
     if interrupted:
-        return 130
+        return interrupted
     return results.print_summary(plan, found, judge)
 
 

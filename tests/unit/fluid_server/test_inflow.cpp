@@ -103,7 +103,7 @@ TEST_CASE("an emitter delivers the integral of v_F, layer by layer", "[fluid][in
         const std::size_t fluid = count_kind(p, Kind::fluid);
         REQUIRE(fluid <= passed * layer);
         REQUIRE(fluid >= passed_at_least * layer);
-        REQUIRE(p.count == fluid + 3 * layer);
+        REQUIRE(p.count == fluid + 4 * layer);
     }
     CHECK(emitter.layers_missed() == 0);
 }
