@@ -47,7 +47,7 @@ def draw_map(cases, found, file):
     for spine in axes.spines.values():
         spine.set_visible(False)
     handles = [plt.Rectangle((0, 0), 1, 1, color=COLOURS[v], label=LABELS[v]) for v in COLOURS if v in used]
-    axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1.0), ncols=2, fontsize=8, frameon=False)
+    axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1.0), fontsize=8, frameon=False)
     save(figure, file)
 
 

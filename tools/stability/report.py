@@ -9,7 +9,8 @@ from run_folder import write_whole
 
 RULES = """Rules: no particle is lost (outside the solids, or missing from the count, recycling included), all numbers are
 finite, compression <= 1 % as mean over the particles at every step, kinetic and potential energy <= 1.05 of what was there at
-the start or was put in since (emitter, drive, slope), no particle moves half a spacing in a step, the same bits in one
+the start or was put in since (emitter, drive, slope), kinetic energy <= 1.05 of what of it can become motion (at least that of
+waves half a spacing high), no particle moves half a spacing in a step, the same bits in one
 thread and two (at the default settings; below 3072 particles the solver works in one thread anyway). Some cases have rules of
 their own. Single particles may be compressed more than their mean.
 """
