@@ -143,6 +143,17 @@ struct AgentGroup {
     double tau = 0;  // endurance in [0, 1]: 0 is not moved by the water
 };
 
+enum class RagdollCondition { off, paper, local_speed, depth_speed };
+
+// When the water tumbles an animator's character, see the schema.
+struct RagdollRule {
+    RagdollCondition condition = RagdollCondition::off;
+    double tau_min = 0.8;
+    double speed = 2;           // m/s, to be exceeded
+    double depth_speed = 0.75;  // m2/s, to be reached
+    bool random_sign = false;
+};
+
 struct Crowd {
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second
@@ -150,6 +161,7 @@ struct Crowd {
     double marker_min_distance = 0.1;
     double perception_radius = 1.0;  // R, markers within it are perceived
     double goal_radius = 3.0;        // an agent within it has arrived
+    RagdollRule ragdoll;
     std::vector<AgentGroup> groups;
 };
 

@@ -11,7 +11,7 @@ namespace wade {
 //   geometry    intervals, the channel in the world, obstacles and water blocks in the channel and apart from one another
 //   boundaries  bed points, top, planes without slip, slope, friction, an inflow that changes
 //   water       a flow that can be, spacing against the channel, periodic lengths, capacity, iteration limits
-//   crowd       groups, start places, goals, markers, events
+//   crowd       groups, start places, goals, markers, ragdoll, events
 void check_scene(const Scene& scene, const std::string& source);
 
 // The four parts.

@@ -136,6 +136,16 @@ void check_ends(const Scene& scene, const std::vector<Place>& places, const std:
                " m with flow \"recirculating\" or \"periodic\", or a dry one: flow \"closed\" without water_blocks.");
 }
 
+void check_ragdoll(const Scene& scene, const std::string& source) {
+    const bool v_f_is_set = scene.channel.flow == Flow::emitter || scene.channel.flow == Flow::recirculating;
+    if (scene.crowd.ragdoll.condition != RagdollCondition::paper || v_f_is_set) return;
+    refuse(
+        source, "/crowd/ragdoll/condition",
+        std::string("\"paper\" asks for v_F, and nothing sets the speed of a ") +
+            (scene.channel.flow == Flow::closed ? "closed" : "periodic") +
+            " channel; allowed: \"off\", \"local_speed\", \"depth_speed\", or flow \"emitter\" or \"recirculating\".");
+}
+
 void check_events(const Scene& scene, std::size_t agents, const std::string& source) {
     for (std::size_t i = 0; i < scene.events.size(); ++i) {
         const TauEvent& event = scene.events[i];
@@ -175,6 +185,7 @@ void check_crowd(const Scene& scene, const std::string& source) {
     check_distances(places, source);
     check_ends(scene, places, source);
     check_markers(scene.crowd, source);
+    check_ragdoll(scene, source);
     check_events(scene, places.size(), source);
 }
 

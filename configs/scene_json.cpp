@@ -45,6 +45,9 @@ constexpr std::array profiles{std::pair{"uniform", VelocityProfile::uniform},
                               std::pair{"logarithmic", VelocityProfile::logarithmic}};
 constexpr std::array speed_rules{std::pair{"pi", SpeedRule::pi}, std::pair{"per_frame", SpeedRule::per_frame},
                                  std::pair{"per_second", SpeedRule::per_second}};
+constexpr std::array ragdoll_conditions{
+    std::pair{"off", RagdollCondition::off}, std::pair{"paper", RagdollCondition::paper},
+    std::pair{"local_speed", RagdollCondition::local_speed}, std::pair{"depth_speed", RagdollCondition::depth_speed}};
 constexpr std::array contact_rules{std::pair{"difference", ContactRule::difference},
                                    std::pair{"sum", ContactRule::sum}};
 constexpr std::array coupling_rules{std::pair{"per_frame", CouplingRule::per_frame}};
@@ -133,6 +136,11 @@ AgentGroup group_from(const json& j) {
     return group;
 }
 
+RagdollRule ragdoll_from(const json& j) {
+    return {choice_of(j.at("condition"), ragdoll_conditions), j.at("tau_min"), j.at("speed_m_s"),
+            j.at("depth_speed_m2_s"), j.at("random_sign")};
+}
+
 Crowd crowd_from(const json& j) {
     Crowd crowd;
     crowd.speed_rule = choice_of(j.at("speed_rule"), speed_rules);
@@ -141,6 +149,7 @@ Crowd crowd_from(const json& j) {
     crowd.marker_min_distance = j.at("marker_min_distance_m");
     crowd.perception_radius = j.at("perception_radius_m");
     crowd.goal_radius = j.at("goal_radius_m");
+    crowd.ragdoll = ragdoll_from(j.at("ragdoll"));
     for (const json& group : j.at("groups")) crowd.groups.push_back(group_from(group));
     return crowd;
 }

@@ -175,6 +175,7 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water.grid = crowd.markers.grid;
     crowd.water.period = scene.world.period();
+    crowd.water.with_heights = has_ragdolls(scene);
     return crowd;
 }
 
@@ -185,6 +186,9 @@ void step(CrowdWorld& crowd, const WaterView& water) {
     bin_water(crowd.water, water, crowd.positions);
     find_contacts(crowd);  // Eq. 5
     note_water_met(crowd);
+    if (has_ragdolls(crowd.scene)) {
+        find_ragdolls(crowd.ragdolls, crowd.scene, crowd.agents, crowd.active, crowd.positions, crowd.water, this_step);
+    }
     claim_markers(crowd.claims, crowd.markers, crowd.positions, crowd.scene.crowd.perception_radius,
                   crowd.scene.world.period());
     choose_walking_velocities(crowd);  // Eq. 1-4

@@ -8,6 +8,7 @@
 #include "crowd_client/agents.hpp"
 #include "crowd_client/biocrowds.hpp"
 #include "crowd_client/obstacles.hpp"
+#include "crowd_client/ragdoll.hpp"
 #include "crowd_client/water_bins.hpp"
 
 namespace wade::crowd {
@@ -35,6 +36,7 @@ struct CrowdWorld {
     std::vector<Vector2d> walking;    // v_B, m/s
     std::vector<Vector2d> velocity;   // v^{t+1}, m/s
     std::vector<WaterParticle> touching;
+    std::vector<Ragdoll> ragdolls;  // empty where the scene has no condition for them
 };
 
 // Sets up markers, agents and walls. Throws ConfigurationError for what the crowd cannot work with.

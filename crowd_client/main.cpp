@@ -167,7 +167,7 @@ int run_scene(const ProgramStart& start, Console& console) {
     }
     RunControl control(start.options.word("--commands"));
     RunFolder folder(start.options.out.value_or(default_run_folder(run.crowd.scene.name)), run.crowd, run.labels,
-                     start.options.extra("--water-every-s"));
+                     start.options.extra("--water-every-s"), start.options.extra("--danger-every-s"));
     run.clock = Stopwatch();
     int code = static_cast<int>(ExitCode::ok);
     try {
@@ -204,6 +204,11 @@ ProgramDescription description() {
           .help = "Simulated time between two stored pictures of the water, s; 0: none",
           .number = NumberRange{0, 1e6},
           .preset = 5},
+         {.name = "--danger-every-s",
+          .help = "Simulated time over which the water is averaged for the danger levels of the paper's Table 2, s: a "
+                  "map in danger.csv, more columns in agents.csv; 0: none",
+          .number = NumberRange{0, 1e6},
+          .preset = 0},
          {.name = "--mode",
           .help = "lockstep: every frame, and the producer waits for the crowd. latest: the newest frame, and the "
                   "producer never waits; frames may be dropped, so that two runs differ",

@@ -1,10 +1,10 @@
 #include "crowd_client/report.hpp"
 
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "configs/scene_loader.hpp"
 #include "configs/version.hpp"
+#include "crowd_client/csv_text.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -48,12 +48,6 @@ Json fluid_json(const RunSummary& summary, const RunLabels& labels) {
     json["recycled_particles"] = counter(fluid.recycled_particles, has_solver);
     json["resident_bytes"] = counter(fluid.resident_bytes, fluid.resident_bytes > 0 && !labels.reproducible);
     return json;
-}
-
-std::string number(double v) {
-    char buffer[32];
-    const auto end = std::to_chars(std::begin(buffer), std::end(buffer), v).ptr;
-    return {buffer, end};
 }
 
 // RFC 4180.
@@ -100,9 +94,11 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     return text_of(json);
 }
 
-std::string agents_csv(const CrowdWorld& crowd) {
+std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     const Agents& agents = crowd.agents;
-    std::string csv = "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s\n";
+    std::string csv = "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s";
+    if (danger != nullptr) csv += std::string(",danger_level,") + exposure_columns;
+    csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
         const bool active = agents.outcome[id] == Outcome::active;
         csv += std::to_string(id) + ',' + csv_field(crowd.scene.crowd.groups[agents.group[id]].name) + ',';
@@ -110,7 +106,11 @@ std::string agents_csv(const CrowdWorld& crowd) {
         const double time = time_of(crowd, active ? crowd.steps : agents.end_step[id]);
         for (const double v : {time, agents.position[id].x(), agents.position[id].y(), agents.tau[id], agents.mass[id],
                                agents.path_length[id], agents.max_depth[id], agents.max_dv[id]}) {
-            csv += ',' + number(v);
+            csv += ',' + csv_number(v);
+        }
+        if (danger != nullptr) {
+            const Exposure& met = danger->agents()[id];
+            csv += ',' + std::string(danger_name(met.largest)) + ',' + exposure_times(met, crowd.dt);
         }
         csv += '\n';
     }

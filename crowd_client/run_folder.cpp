@@ -12,17 +12,21 @@
 namespace wade::crowd {
 
 RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels,
-                     double water_interval)
+                     double water_interval, double danger_window)
     : folder_(std::move(folder)), canonical_scene_(labels.canonical_scene) {
     make_run_folder(folder_);
     std::error_code ignored;
-    for (const char* old : {"agents.csv", "water.bin", "figure.png", "events.jsonl", "scene_as_played.json"}) {
+    for (const char* old : {"agents.csv", "water.bin", "figure.png", "events.jsonl", "scene_as_played.json",
+                            "ragdoll.csv", "danger.csv", "danger.png"}) {
         std::filesystem::remove(folder_ / old, ignored);
     }
     write_whole_file(folder_ / "manifest.json", manifest_json(crowd, RunSummary{}, labels));
     write_whole_file(folder_ / "outcome.json", outcome_json(crowd, RunSummary{}, labels));
-    // Twice the length of a line of agents.csv, twice the other files and their blocks.
-    reserve_.emplace(folder_ / ".reserve", 400 * crowd.agents.size() + 2 * labels.canonical_scene.size() + 65536);
+    if (danger_window > 0) danger_.emplace(crowd.scene, crowd.agents.size(), danger_window);
+    // Twice the length of a line of agents.csv and of danger.csv, twice the other files and their blocks.
+    const std::size_t lines = crowd.agents.size() + (danger_ ? danger_->cells().size() : 0);
+    reserve_.emplace(folder_ / ".reserve", 400 * lines + 2 * labels.canonical_scene.size() + 65536);
+    if (has_ragdolls(crowd.scene)) ragdolls_.emplace(folder_ / "ragdoll.csv");
     trajectories_.emplace(folder_ / "trajectories.sqlite", crowd.scene);
     trajectories_->write(0, crowd.agents, crowd.active);
     if (water_interval > 0) {
@@ -33,6 +37,8 @@ RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, cons
 
 void RunFolder::record(const CrowdWorld& crowd, const WaterView& water) {
     trajectories_->write(crowd.steps, crowd.agents, crowd.active);
+    if (ragdolls_) ragdolls_->write(crowd.steps, crowd.ragdolls, crowd.agents);
+    if (danger_) danger_->add(crowd.agents, crowd.active, water);
     if (!water_) return;
     // After the first and the last step, too, so that any time of the run has a picture at most one interval away.
     const bool due = crowd.steps == 1 || crowd.steps % steps_per_snapshot_ == 0;
@@ -61,7 +67,9 @@ void RunFolder::finish(const CrowdWorld& crowd, const RunSummary& summary, const
     const bool disk_full = summary.status == "disk_full";
     if (!disk_full) attempt([&] { trajectories_->close(); });
     reserve_.reset();
-    attempt([&] { write_whole_file(folder_ / "agents.csv", agents_csv(crowd)); });
+    if (danger_) danger_->close();
+    attempt([&] { write_whole_file(folder_ / "agents.csv", agents_csv(crowd, danger_ ? &*danger_ : nullptr)); });
+    if (danger_) attempt([&] { write_whole_file(folder_ / "danger.csv", danger_csv(*danger_)); });
     attempt([&] { write_whole_file(folder_ / "manifest.json", manifest_json(crowd, summary, labels)); });
     attempt([&] { write_whole_file(folder_ / "outcome.json", outcome_json(crowd, summary, labels)); });
     if (disk_full) attempt([&] { trajectories_->close(); });

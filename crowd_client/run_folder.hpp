@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "crowd_client/danger.hpp"
 #include "crowd_client/output_file.hpp"
+#include "crowd_client/ragdoll_file.hpp"
 #include "crowd_client/report.hpp"
 #include "crowd_client/trajectory_file.hpp"
 #include "crowd_client/water_snapshots.hpp"
@@ -14,17 +16,21 @@
 namespace wade::crowd {
 
 //   trajectories.sqlite, water.bin   grow step by step
+//   ragdoll.csv                      grows step by step, absent unless the scene asks for ragdolls
 //   events.jsonl                     grows with each tau command, absent if there was none
 //   scene_as_played.json             the scene with these as events, rewritten as a whole with each
 //   outcome.json, manifest.json      say "running" from the start, rewritten as a whole at the end
 //   agents.csv                       written at the end, be it good or bad
-//   .reserve                         space for the last three, so that a disk that fills up keeps none of them out
+//   danger.csv                       the same, absent unless levels of danger are recorded
+//   .reserve                         space for the last four, so that a disk that fills up keeps none of them out
 class RunFolder {
  public:
     // Creates the folder and its first files; results of an earlier run in it are replaced.
     // water_interval: simulated seconds between two snapshots of the water, 0 = none.
+    // danger_window: simulated seconds over which the water is averaged for levels of danger, 0 = none are recorded.
     // Throws ConfigurationError if the folder cannot be made or written to, OutputError for a file in it.
-    RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, double water_interval);
+    RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, double water_interval,
+              double danger_window = 0);
 
     // Logs the state after a step. Throws OutputError.
     void record(const CrowdWorld& crowd, const WaterView& water);
@@ -42,6 +48,8 @@ class RunFolder {
     std::optional<ReservedSpace> reserve_;
     std::optional<TrajectoryFile> trajectories_;
     std::optional<WaterSnapshots> water_;
+    std::optional<RagdollFile> ragdolls_;
+    std::optional<DangerRecord> danger_;
     std::optional<AppendFile> events_;
     std::string canonical_scene_;
     std::vector<TauEvent> played_;  // that were recorded

@@ -1,6 +1,7 @@
 #include "crowd_client/water_bins.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace wade::crowd {
@@ -76,6 +77,27 @@ double gap_to_interval(double v, double lo, double hi) {
     return std::max({lo - v, v - hi, 0.0});
 }
 
+// Calls visit(k) for each particle k of the bins that is closer than `distance` in the ground plane.
+template <typename Visit>
+void for_each_touching(const WaterBins& bins, const Vector2d& agent, double distance, Visit&& visit) {
+    const int column = GroundGrid::line_of(agent.x());
+    const int row = GroundGrid::line_of(agent.y());
+    const double limit = distance * distance;
+    for (int r = row - 1; r <= row + 1; ++r) {
+        const double gap_z = gap_to_interval(agent.y(), GroundGrid::line_start(r), GroundGrid::line_start(r + 1));
+        for (int c = column - 1; c <= column + 1; ++c) {
+            const double gap_x = gap_to_interval(agent.x(), GroundGrid::line_start(c), GroundGrid::line_start(c + 1));
+            if (gap_x * gap_x + gap_z * gap_z >= limit) continue;  // no particle of this cell can be close enough
+            const std::size_t cell = bins.grid.index(c, r);
+            for (std::size_t k = bins.cell_start[cell]; k < bins.cell_start[cell + 1]; ++k) {
+                const double dx = bins.x[k] - agent.x();
+                const double dz = bins.z[k] - agent.y();
+                if (dx * dx + dz * dz < limit) visit(k);
+            }
+        }
+    }
+}
+
 }  // namespace
 
 void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions) {
@@ -93,6 +115,7 @@ void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d
     }
     const std::size_t kept = bins.kept_particle.size();
     for (std::vector<double>* v : {&bins.x, &bins.z, &bins.mass, &bins.vx, &bins.vz}) v->resize(kept);
+    for (std::vector<double>* v : {&bins.y, &bins.vy}) v->resize(bins.with_heights ? kept : 0);
     for (std::size_t k = 0; k < kept; ++k) {
         const std::size_t i = bins.kept_particle[k];
         const std::size_t to = bins.cell_start[bins.kept_cell[k] + std::size_t{1}]++;
@@ -102,6 +125,9 @@ void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d
         bins.mass[to] = static_cast<double>(water.mass[i]);
         bins.vx[to] = water.scale_x * static_cast<double>(water.vx[i]);
         bins.vz[to] = water.scale_z * static_cast<double>(water.vz[i]);
+        if (!bins.with_heights) continue;
+        bins.y[to] = water.origin_y + water.scale_y * static_cast<double>(water.py[i]);
+        bins.vy[to] = water.scale_y * static_cast<double>(water.vy[i]);
     }
 }
 
@@ -113,23 +139,27 @@ double contact_distance(const Coupling& coupling) {
 Contact find_contact(const WaterBins& bins, const Vector2d& agent, double distance,
                      std::vector<WaterParticle>& touching) {
     touching.clear();
-    const int column = GroundGrid::line_of(agent.x());
-    const int row = GroundGrid::line_of(agent.y());
-    const double limit = distance * distance;
-    for (int r = row - 1; r <= row + 1; ++r) {
-        const double gap_z = gap_to_interval(agent.y(), GroundGrid::line_start(r), GroundGrid::line_start(r + 1));
-        for (int c = column - 1; c <= column + 1; ++c) {
-            const double gap_x = gap_to_interval(agent.x(), GroundGrid::line_start(c), GroundGrid::line_start(c + 1));
-            if (gap_x * gap_x + gap_z * gap_z >= limit) continue;  // no particle of this cell can be close enough
-            const std::size_t cell = bins.grid.index(c, r);
-            for (std::size_t k = bins.cell_start[cell]; k < bins.cell_start[cell + 1]; ++k) {
-                const double dx = bins.x[k] - agent.x();
-                const double dz = bins.z[k] - agent.y();
-                if (dx * dx + dz * dz < limit) touching.push_back({bins.mass[k], {bins.vx[k], bins.vz[k]}});
-            }
-        }
-    }
+    for_each_touching(bins, agent, distance, [&](std::size_t k) {
+        touching.push_back({bins.mass[k], {bins.vx[k], bins.vz[k]}});
+    });
     return contact_momentum(touching);
+}
+
+TouchingMean mean_of_touching(const WaterBins& bins, const Vector2d& agent, double distance) {
+    assert(bins.with_heights);
+    TouchingMean mean;
+    for_each_touching(bins, agent, distance, [&](std::size_t k) {
+        ++mean.count;
+        mean.height += bins.y[k];
+        mean.velocity[0] += bins.vx[k];
+        mean.velocity[1] += bins.vy[k];
+        mean.velocity[2] += bins.vz[k];
+    });
+    if (mean.count == 0) return mean;
+    const double n = static_cast<double>(mean.count);
+    mean.height /= n;
+    for (double& v : mean.velocity) v /= n;
+    return mean;
 }
 
 CellWater water_at(const WaterBins& bins, const Vector2d& agent, double rest_density) {

@@ -1,6 +1,7 @@
 #pragma once
 // The water near the agents, sorted into the 2 x 2 m cells of the ground, and what an agent feels of it.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -20,6 +21,8 @@ struct WaterBins {
     std::vector<double> x, z;               // m
     std::vector<double> mass;               // kg
     std::vector<double> vx, vz;             // m/s
+    bool with_heights = false;              // whether y and vy are filled, too
+    std::vector<double> y, vy;              // m, m/s
     std::vector<std::uint32_t> cell_start;  // particles of cell c: [cell_start[c], cell_start[c + 1])
 
     std::vector<std::uint8_t> near_agent;  // by cell
@@ -44,6 +47,16 @@ void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d
 // Needs distance <= 2 m. `touching` is working memory.
 [[nodiscard]] Contact find_contact(const WaterBins& bins, const Vector2d& agent, double distance,
                                    std::vector<WaterParticle>& touching);
+
+// Means over the particles that find_contact takes; each particle counts once, whatever its mass.
+struct TouchingMean {
+    std::size_t count = 0;             // of the particles; the rest is 0 where this is
+    double height = 0;                 // y, m
+    std::array<double, 3> velocity{};  // x, y, z, m/s
+};
+
+// As find_contact; needs bins with heights.
+[[nodiscard]] TouchingMean mean_of_touching(const WaterBins& bins, const Vector2d& agent, double distance);
 
 // The water in the agent's own cell.
 [[nodiscard]] CellWater water_at(const WaterBins& bins, const Vector2d& agent, double rest_density);

@@ -17,12 +17,16 @@ WaterView ground_view(const shm::Frame& frame, const shm::StreamInfo& info) {
     WaterView view;
     view.mass = frame.mass;
     view.px = position[stored_axis(0)];
+    view.py = position[stored_axis(1)];
     view.pz = position[stored_axis(2)];
     view.vx = velocity[stored_axis(0)];
+    view.vy = velocity[stored_axis(1)];
     view.vz = velocity[stored_axis(2)];
     view.scale_x = scale(0);
+    view.scale_y = scale(1);
     view.scale_z = scale(2);
     view.origin_x = info.origin[0];
+    view.origin_y = info.origin[1];
     view.origin_z = info.origin[2];
     return view;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// A frame of the water as the crowd looks at it: in the ground plane, in the coordinates of the scene.
+// A frame of the water as the crowd looks at it: in the coordinates of the scene, the ground plane and, for those who
+// ask, the heights.
 
 #include <cstddef>
 #include <span>
@@ -12,15 +13,16 @@ namespace wade::crowd {
 // value.
 struct WaterView {
     std::span<const float> mass;        // kg
-    std::span<const float> px, pz;      // stored units
-    std::span<const float> vx, vz;      // stored units per second
-    double scale_x = 1, scale_z = 1;    // m per stored unit, negative for a mirrored axis
-    double origin_x = 0, origin_z = 0;  // m
+    std::span<const float> px, py, pz;  // stored units
+    std::span<const float> vx, vy, vz;  // stored units per second
+    // m per stored unit, negative for a mirrored axis
+    double scale_x = 1, scale_y = 1, scale_z = 1;
+    double origin_x = 0, origin_y = 0, origin_z = 0;  // m
 
     [[nodiscard]] std::size_t size() const { return mass.size(); }
 };
 
-// Picks the stored axes that are the world's x and z. The axes of `info` must be a permutation of 1, 2, 3 with signs.
+// Picks the stored axes that are the world's x, y and z. The axes of `info` must be a permutation of 1, 2, 3 with signs.
 [[nodiscard]] WaterView ground_view(const shm::Frame& frame, const shm::StreamInfo& info);
 
 }  // namespace wade::crowd

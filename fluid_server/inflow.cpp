@@ -1,7 +1,8 @@
 #include "fluid_server/inflow.hpp"
 
 #include <algorithm>
-#include <iterator>
+
+#include "configs/channel_velocity.hpp"
 
 namespace wade::fluid {
 
@@ -20,15 +21,7 @@ double on_line(double t, const VelocityPoint& a, const VelocityPoint& b) {
 }  // namespace
 
 double velocity_at(const Channel& channel, double t) {
-    const std::vector<VelocityPoint>& history = channel.velocity_history;
-    if (history.empty()) {
-        return channel.velocity;
-    }
-    const auto after = point_after(history, t);
-    if (after == history.begin() || after == history.end()) {
-        return (after == history.begin() ? history.front() : history.back()).velocity;
-    }
-    return on_line(t, *std::prev(after), *after);
+    return channel_velocity(channel, t);
 }
 
 double mean_velocity(const Channel& channel, double t0, double t1) {

@@ -59,6 +59,12 @@ TEST_CASE("a scene that states only its channel has the defaults of the schema")
     CHECK(scene.crowd.marker_min_distance == preset("/crowd/marker_min_distance_m"));
     CHECK(scene.crowd.perception_radius == preset("/crowd/perception_radius_m"));
     CHECK(scene.crowd.goal_radius == preset("/crowd/goal_radius_m"));
+    const wade::RagdollRule& ragdoll = scene.crowd.ragdoll;
+    CHECK((ragdoll.condition == wade::RagdollCondition::off && preset("/crowd/ragdoll/condition") == "off"));
+    CHECK(ragdoll.tau_min == preset("/crowd/ragdoll/tau_min"));
+    CHECK(ragdoll.speed == preset("/crowd/ragdoll/speed_m_s"));
+    CHECK(ragdoll.depth_speed == preset("/crowd/ragdoll/depth_speed_m2_s"));
+    CHECK(ragdoll.random_sign == preset("/crowd/ragdoll/random_sign"));
     CHECK(scene.crowd.groups.empty());
     CHECK((scene.coupling.contact_rule == wade::ContactRule::difference &&
            preset("/coupling/contact_rule") == "difference"));

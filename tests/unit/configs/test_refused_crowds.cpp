@@ -166,3 +166,13 @@ TEST_CASE("events keep their order and whom they name") {
     CHECK((events[1].agent == 0 && !events[1].group && events[1].tau == 0.2));
     CHECK((!events[2].agent && events[2].group == "a" && events[2].tau == 0.3));
 }
+
+TEST_CASE("a ragdoll by v_F needs a channel whose velocity the scene sets") {
+    const std::string closed = R"({"channel": {"flow": "closed"}})";
+    CHECK_THAT(refusal(closed, {"/crowd/ragdoll/condition=paper"}),
+               Contains("/crowd/ragdoll/condition: \"paper\" asks for v_F, and nothing sets the speed of a closed "
+                        "channel; allowed: \"off\", \"local_speed\", \"depth_speed\", or flow"));
+    const LoadedScene loaded = load_patched(closed, {"/crowd/ragdoll/condition=depth_speed"});
+    CHECK(loaded.scene.crowd.ragdoll.condition == wade::RagdollCondition::depth_speed);
+    CHECK_THAT(refusal("{}", {"/crowd/ragdoll/tau_min=1.5"}), Contains("/crowd/ragdoll/tau_min"));
+}

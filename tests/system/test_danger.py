@@ -1,0 +1,110 @@
+"""ragdoll.csv, danger.csv and the columns of danger in agents.csv, from runs of both programs."""
+
+import csv
+import signal
+import subprocess
+import unittest
+
+from harness import ENDLESS, ROOT, SystemTest
+
+# Six agents in a uniform stream of 2.5 m/s, in which nothing is solved.
+FAST = ["--set", "/fluid/model=kinematic", "--set", "/channel/velocity_m_s=2.5"]
+WEAK = ["--set", "/crowd/tau=0.9"]
+RAGDOLL = ["--set", "/crowd/ragdoll/condition=paper"]
+DANGER = ["--danger-every-s", "1"]
+RAGDOLL_HEADER = "frame,id,hip_height_m,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s"
+LEVELS = ["none", "low", "moderate", "high", "very_high"]
+TIMES = [f"{level}_s" for level in LEVELS]
+
+
+def table(run, name):
+    with open(run.folder / name, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+class Ragdoll(SystemTest):
+    def test_rows_belong_to_paths_and_follow_the_water(self):
+        run = self.pair(*FAST, *WEAK, *RAGDOLL)
+        self.assertEqual(run.bytes_of("ragdoll.csv").decode().splitlines()[0], RAGDOLL_HEADER)
+        rows = table(run, "ragdoll.csv")
+        keys = [(int(row["frame"]), int(row["id"])) for row in rows]
+        self.assertGreater(len(keys), 0)
+        self.assertEqual(keys, sorted(set(keys)), "a row for each frame and agent, in this order")
+        self.assertLessEqual(set(keys), set(run.query("SELECT frame, id FROM trajectory_data")))
+        for row in rows:
+            self.assertTrue(0 < float(row["hip_height_m"]) < 1, row)  # the water is 1 m deep
+            # The mean velocity is (-2.5, 0, 0) m/s up to its storage as a 32-bit number.
+            for axis, velocity in (("x", -2.5), ("y", 0), ("z", 0)):
+                increase = float(row[f"rate_{axis}_rad_s"]) - velocity
+                self.assertTrue(0.1 - 1e-6 <= increase < 0.5 + 1e-6, row)
+
+    def test_it_changes_no_path_and_is_the_same_again(self):
+        plain, first, second = (self.pair(*FAST, *WEAK, *more) for more in ((), RAGDOLL, RAGDOLL))
+        self.assertFalse((plain.folder / "ragdoll.csv").exists())
+        self.assertEqual(plain.bytes_of("agents.csv"), first.bytes_of("agents.csv"))
+        self.assertEqual(plain.rows(), first.rows())
+        self.assertEqual(first.bytes_of("ragdoll.csv"), second.bytes_of("ragdoll.csv"))
+
+    def test_condition_that_never_holds_leaves_the_header(self):
+        run = self.pair(*FAST, *RAGDOLL)
+        self.assertEqual(run.bytes_of("ragdoll.csv").decode(), RAGDOLL_HEADER + "\n")
+
+    def test_tau_that_changes_ends_the_ragdoll(self):
+        event = ["--set", '/events=[{"frame": 31, "tau": 0.1}]']
+        run = self.pair(*FAST, *WEAK, *RAGDOLL, *event)
+        frames = {int(row["frame"]) for row in table(run, "ragdoll.csv")}
+        self.assertGreater(len(frames), 0)
+        self.assertLessEqual(max(frames), 30)
+
+    def test_rows_are_whole_when_the_crowd_is_killed(self):
+        arguments = [*FAST, *WEAK, *RAGDOLL, *ENDLESS]
+        server, client = self.server(*arguments), self.client(*arguments)
+        self.wait_for_frame(40, server, client)
+        client.send(signal.SIGKILL)
+        client.wait()
+        self.assertEqual(server.wait(), 4)
+        text = client.run.bytes_of("ragdoll.csv").decode()
+        self.assertTrue(text.endswith("\n"))
+        self.assertEqual({line.count(",") for line in text.splitlines()}, {5})
+
+    def test_v_f_that_nothing_sets_is_refused(self):
+        client = self.client(*RAGDOLL, "--set", "/channel/flow=periodic")
+        self.assert_ends(client, 2, "/crowd/ragdoll/condition", "nothing sets the speed", "local_speed")
+
+
+class Danger(SystemTest):
+    def test_agents_and_map_have_the_levels_of_the_water(self):
+        plain, run = self.pair(*FAST), self.pair(*FAST, *DANGER)
+        self.assertFalse((plain.folder / "danger.csv").exists())
+        for before, after in zip(plain.agents(), run.agents(), strict=True):
+            self.assertEqual(before, {name: after[name] for name in before})
+            self.assertEqual(list(after)[len(before):], ["danger_level", *TIMES])
+            met = [level for level in LEVELS if float(after[f"{level}_s"]) > 0]
+            self.assertEqual(after["danger_level"], met[-1])
+        self.assertIn("very_high", {agent["danger_level"] for agent in run.agents()})
+        # The time of an agent: all steps but the one with which it ends.
+        for agent in run.agents():
+            steps = round(float(agent["time_s"]) * 30) - (agent["outcome"] != "active")
+            self.assertAlmostEqual(sum(float(agent[name]) for name in TIMES) * 30, steps, places=6)
+
+        cells = table(run, "danger.csv")
+        self.assertEqual(len(cells), 10 * 2)  # 20 x 4 m
+        for cell in cells:
+            self.assertEqual(cell["danger_level"], "very_high", "1 m at 2.5 m/s")
+            # Half a metre between particles in a cell of 2 m: a lattice of 4 that moves on; a second evens it out.
+            self.assertAlmostEqual(float(cell["max_dv_m2_s"]), 2.5, delta=0.25)
+            self.assertAlmostEqual(float(cell["max_speed_m_s"]), 2.5, delta=1e-6)
+
+    def test_picture_is_drawn_from_a_run_folder(self):
+        run = self.pair(*FAST, *DANGER)
+        tool = ["/usr/bin/python3", ROOT / "tools" / "danger_map.py"]
+        subprocess.run([*tool, run.folder], check=True, capture_output=True)
+        self.assertEqual(run.bytes_of("danger.png")[:8], b"\x89PNG\r\n\x1a\n")
+        (run.folder / "danger.csv").unlink()
+        refused = subprocess.run([*tool, run.folder], capture_output=True, text=True)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("--danger-every-s", refused.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

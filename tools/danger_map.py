@@ -1,0 +1,158 @@
+#!/usr/bin/python3
+"""Draws the largest danger level of each cell of the water, and over it the paths of the people and how they ended.
+
+    tools/danger_map.py RUN_DIR [--output PNG]
+
+Needs danger.csv, which crowd_client writes with --danger-every-s 1. Levels: Table 2 of Schaffer et al. (2020), after
+Viseu (2006), by depth times speed: low below 0.5 m2/s, moderate below 0.75, high below 1, very high from there on.
+"""
+
+import argparse
+import csv
+import pathlib
+import sys
+
+import numpy as np
+
+import figure as top_view  # first, as it picks matplotlib's backend
+import matplotlib.pyplot as plt
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+# Light to dark, so that the order is seen without colours, too; blue and black marks stand out from all of them.
+LEVELS = {
+    "low": ("#ffffcc", "low, < 0.5 m²/s"),
+    "moderate": ("#fed976", "moderate, < 0.75"),
+    "high": ("#fd8d3c", "high, < 1"),
+    "very_high": ("#b10026", "very high, ≥ 1"),
+}
+PATH = "#3a3a40"
+ENDS = {
+    "arrived": {"marker": "o", "markerfacecolor": "#0072b2", "markeredgecolor": "white", "markersize": 6.5},
+    "dead": {"marker": "X", "markerfacecolor": "black", "markeredgecolor": "white", "markersize": 9},
+    "active": {"marker": "s", "markerfacecolor": "white", "markeredgecolor": "black", "markersize": 5.5},
+}
+
+
+def read_cells(path):
+    if not path.exists():
+        raise top_view.RunError(f"'{path}' does not exist; run crowd_client with --danger-every-s 1")
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def draw_levels(axes, cells):
+    wet = [cell for cell in cells if cell["danger_level"] in LEVELS]
+    corners = [[float(cell[f"{axis}_{end}_m"]) for axis, end in (("x", "min"), ("x", "max"), ("z", "min"), ("z", "max"))]
+               for cell in wet]
+    squares = [[(x0, z0), (x1, z0), (x1, z1), (x0, z1)] for x0, x1, z0, z1 in corners]
+    colours = [LEVELS[cell["danger_level"]][0] for cell in wet]
+    axes.add_collection(PolyCollection(squares, facecolors=colours, edgecolors=colours, linewidths=0.3, zorder=3))
+    return wet
+
+
+def draw_people(axes, agents, paths):
+    _, lines = top_view.people_at(agents, paths, np.inf, True)
+    ways = [top_view.thinned(points) for points in lines.values()]
+    # With a light rim, so that they can be seen on the dark levels, too.
+    for colour, line_width in (("white", 1.7), (PATH, 0.8)):
+        axes.add_collection(LineCollection(ways, colors=colour, linewidths=line_width, zorder=6))
+    for outcome, style in ENDS.items():
+        points = [(float(a["x_m"]), float(a["z_m"])) for a in agents if a["outcome"] == outcome]
+        if points:
+            axes.plot(*np.array(points).T, linestyle="none", zorder=10, clip_on=False, markeredgewidth=0.8, **style)
+
+
+def legend_handles(wet, cells, agents, scene):
+    present = {cell["danger_level"] for cell in wet}
+    share = {level: sum(cell["danger_level"] == level for cell in wet) / max(1, len(cells)) for level in LEVELS}
+    levels = [Patch(facecolor=colour, edgecolor="#8d8d93", linewidth=0.6, label=f"{label} ({100 * share[level]:.0f} %)")
+              for level, (colour, label) in LEVELS.items() if level in present]
+    people = [Line2D([], [], color=PATH, linewidth=1.2, label="path")] if agents else []
+    for outcome, style in ENDS.items():
+        count = sum(a["outcome"] == outcome for a in agents)
+        if count:
+            people.append(Line2D([], [], linestyle="none", markeredgewidth=0.8, label=f"{outcome} ({count})", **style))
+    if agents:
+        people.append(Line2D([], [], linestyle="none", marker="*", markersize=11, markerfacecolor=top_view.STAR,
+                             markeredgecolor=top_view.INK, markeredgewidth=0.6, label="goal"))
+    if scene.get("obstacles"):
+        people.append(Patch(facecolor="#8d8d93", edgecolor=top_view.INK, hatch="////", label="obstacle"))
+    return levels, people
+
+
+def met_text(agents):
+    """How those who ended one way met the levels, worst first."""
+    parts = []
+    for outcome in ENDS:
+        levels = [a["danger_level"] for a in agents if a["outcome"] == outcome]
+        if levels:
+            counts = [f"{levels.count(level)} {level.replace('_', ' ')}"
+                      for level in ("very_high", "high", "moderate", "low", "none") if level in levels]
+            parts.append(f"{outcome} met at most: " + ", ".join(counts))
+    return "   \u00b7   ".join(parts)
+
+
+def draw(run, output):
+    manifest = top_view.read_json(run / "manifest.json")
+    outcome = top_view.read_json(run / "outcome.json")
+    cells = read_cells(run / "danger.csv")
+    scene = manifest["resolved_scene"]
+    agents = top_view.read_agents(run / "agents.csv")
+    paths = top_view.read_paths(run / "trajectories.sqlite", 2**53)
+
+    length, width = scene["world"]["length_m"], scene["world"]["width_m"]
+    map_wide, left, right, above, below = 10.0, 0.75, 0.25, 1.05, 1.1
+    map_high = float(np.clip(map_wide * width / length, 2.2, 11.0))
+    wide, high = left + map_wide + right, above + map_high + below
+    figure, axes = plt.subplots(figsize=(wide, high), dpi=160)
+    figure.subplots_adjust(left=left / wide, right=1 - right / wide, bottom=below / high, top=1 - above / high)
+    top_view.draw_ground(axes, scene)
+    wet = draw_levels(axes, cells)
+    top_view.draw_obstacles(axes, scene)
+    draw_people(axes, agents, paths)
+    top_view.draw_goals(axes, scene)
+    axes.set_xlim(-0.01 * length, 1.01 * length)
+    axes.set_ylim(-0.02 * width, 1.02 * width)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x, m", fontsize=9, color=top_view.INK)
+    axes.set_ylabel("z, m", fontsize=9, color=top_view.INK)
+    axes.tick_params(labelsize=8, colors=top_view.INK, length=3)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+
+    ends = {name: [a for a in agents if a["outcome"] == name] for name in ENDS}
+    arrivals = [float(a["time_s"]) for a in ends["arrived"]]
+    subtitle = top_view.subtitle_of(outcome, outcome["sim_time_s"], None, True)
+    figure.text(0.5, 1 - 0.25 / high, top_view.title_of(scene, agents, ends, arrivals), ha="center", va="center",
+                fontsize=14, color=top_view.INK)
+    figure.text(0.5, 1 - 0.53 / high, f"largest danger level of each cell  \u00b7  {subtitle}", ha="center",
+                va="center", fontsize=8, color="#6b6b72")
+    figure.text(0.5, 1 - 0.74 / high, met_text(agents), ha="center", va="center", fontsize=8, color="#6b6b72")
+    levels, people = legend_handles(wet, cells, agents, scene)
+    for handles, y in ((levels, 0.3), (people, 0.06)):
+        if handles:
+            figure.legend(handles=handles, loc="lower center", ncol=len(handles), frameon=False, fontsize=8.5,
+                          handletextpad=0.5, columnspacing=1.6, bbox_to_anchor=(0.5, y / high))
+    figure.savefig(output, metadata={"Software": None})
+    plt.close(figure)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
+    parser.add_argument("run", type=pathlib.Path, metavar="RUN_DIR", help="run folder of crowd_client")
+    parser.add_argument("--output", type=pathlib.Path, metavar="PNG", help="picture to write [RUN_DIR/danger.png]")
+    options = parser.parse_args()
+    output = options.output or options.run / "danger.png"
+    try:
+        draw(options.run, output)
+    except (top_view.RunError, OSError) as error:
+        print(f"danger_map.py: {error}", file=sys.stderr)
+        return 1
+    print(output)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
