@@ -32,6 +32,9 @@ struct RunLabels {
 // its columns follow: the largest level that the agent met, and the time in each.
 [[nodiscard]] std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger = nullptr);
 
+// A row of crowds.csv behind the crowd's name: seed,status,agents,arrived,dead,active,last_arrival_s.
+[[nodiscard]] std::string crowds_csv_row(const CrowdWorld& crowd, const RunSummary& summary);
+
 // manifest.json: which program, scene, seed and command made the folder; holds the resolved scene.
 [[nodiscard]] std::string manifest_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);
 

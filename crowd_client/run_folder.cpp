@@ -11,8 +11,7 @@
 
 namespace wade::crowd {
 
-RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels,
-                     double water_interval, double danger_window)
+RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, const Record& kept)
     : folder_(std::move(folder)), canonical_scene_(labels.canonical_scene) {
     make_run_folder(folder_);
     std::error_code ignored;
@@ -22,21 +21,25 @@ RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, cons
     }
     write_whole_file(folder_ / "manifest.json", manifest_json(crowd, RunSummary{}, labels));
     write_whole_file(folder_ / "outcome.json", outcome_json(crowd, RunSummary{}, labels));
-    if (danger_window > 0) danger_.emplace(crowd.scene, crowd.agents.size(), danger_window);
+    if (kept.danger_window > 0) danger_.emplace(crowd.scene, crowd.agents.size(), kept.danger_window);
     // Twice the length of a line of agents.csv and of danger.csv, twice the other files and their blocks.
     const std::size_t lines = crowd.agents.size() + (danger_ ? danger_->cells().size() : 0);
     reserve_.emplace(folder_ / ".reserve", 400 * lines + 2 * labels.canonical_scene.size() + 65536);
     if (has_ragdolls(crowd.scene)) ragdolls_.emplace(folder_ / "ragdoll.csv");
-    trajectories_.emplace(folder_ / "trajectories.sqlite", crowd.scene);
-    trajectories_->write(0, crowd.agents, crowd.active);
-    if (water_interval > 0) {
+    if (kept.trajectories) {
+        trajectories_.emplace(folder_ / "trajectories.sqlite", crowd.scene);
+        trajectories_->write(0, crowd.agents, crowd.active);
+    } else {
+        std::filesystem::remove(folder_ / "trajectories.sqlite", ignored);
+    }
+    if (kept.water_interval > 0) {
         water_.emplace(folder_ / "water.bin", crowd.scene);
-        steps_per_snapshot_ = static_cast<std::uint64_t>(std::max(1LL, std::llround(water_interval / crowd.dt)));
+        steps_per_snapshot_ = static_cast<std::uint64_t>(std::max(1LL, std::llround(kept.water_interval / crowd.dt)));
     }
 }
 
 void RunFolder::record(const CrowdWorld& crowd, const WaterView& water) {
-    trajectories_->write(crowd.steps, crowd.agents, crowd.active);
+    if (trajectories_) trajectories_->write(crowd.steps, crowd.agents, crowd.active);
     if (ragdolls_) ragdolls_->write(crowd.steps, crowd.ragdolls, crowd.agents);
     if (danger_) danger_->add(crowd.agents, crowd.active, water);
     if (!water_) return;
@@ -65,14 +68,14 @@ void RunFolder::finish(const CrowdWorld& crowd, const RunSummary& summary, const
     };
     // Closing the database needs space, too; on a full disk the texts come first.
     const bool disk_full = summary.status == "disk_full";
-    if (!disk_full) attempt([&] { trajectories_->close(); });
+    if (trajectories_ && !disk_full) attempt([&] { trajectories_->close(); });
     reserve_.reset();
     if (danger_) danger_->close();
     attempt([&] { write_whole_file(folder_ / "agents.csv", agents_csv(crowd, danger_ ? &*danger_ : nullptr)); });
     if (danger_) attempt([&] { write_whole_file(folder_ / "danger.csv", danger_csv(*danger_)); });
     attempt([&] { write_whole_file(folder_ / "manifest.json", manifest_json(crowd, summary, labels)); });
     attempt([&] { write_whole_file(folder_ / "outcome.json", outcome_json(crowd, summary, labels)); });
-    if (disk_full) attempt([&] { trajectories_->close(); });
+    if (trajectories_ && disk_full) attempt([&] { trajectories_->close(); });
     if (first) std::rethrow_exception(first);
 }
 

@@ -15,6 +15,13 @@
 
 namespace wade::crowd {
 
+// What of a run is stored step by step.
+struct Record {
+    double water_interval = 0;  // simulated seconds between two snapshots of the water, 0 = none
+    double danger_window = 0;   // over which the water is averaged for levels of danger, s; 0 = none are recorded
+    bool trajectories = true;   // trajectories.sqlite
+};
+
 //   trajectories.sqlite, water.bin   grow step by step
 //   ragdoll.csv                      grows step by step, absent unless the scene asks for ragdolls
 //   events.jsonl                     grows with each tau command, absent if there was none
@@ -26,11 +33,8 @@ namespace wade::crowd {
 class RunFolder {
  public:
     // Creates the folder and its first files; results of an earlier run in it are replaced.
-    // water_interval: simulated seconds between two snapshots of the water, 0 = none.
-    // danger_window: simulated seconds over which the water is averaged for levels of danger, 0 = none are recorded.
     // Throws ConfigurationError if the folder cannot be made or written to, OutputError for a file in it.
-    RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, double water_interval,
-              double danger_window = 0);
+    RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, const Record& kept);
 
     // Logs the state after a step. Throws OutputError.
     void record(const CrowdWorld& crowd, const WaterView& water);

@@ -98,10 +98,7 @@ void for_each_touching(const WaterBins& bins, const Vector2d& agent, double dist
     }
 }
 
-}  // namespace
-
-void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions) {
-    mark_cells_near(bins, positions);
+void sort_marked(WaterBins& bins, const WaterView& water) {
     keep_near(bins, water);
 
     // cell_start[c + 1] serves as the next free place of cell c while the particles are dealt out; once all are, it is
@@ -129,6 +126,18 @@ void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d
         bins.y[to] = water.origin_y + water.scale_y * static_cast<double>(water.py[i]);
         bins.vy[to] = water.scale_y * static_cast<double>(water.vy[i]);
     }
+}
+
+}  // namespace
+
+void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions) {
+    mark_cells_near(bins, positions);
+    sort_marked(bins, water);
+}
+
+void bin_all_water(WaterBins& bins, const WaterView& water) {
+    bins.near_agent.assign(bins.grid.cells(), 1);
+    sort_marked(bins, water);
 }
 
 double contact_distance(const Coupling& coupling) {

@@ -3,6 +3,7 @@
 #include <sqlite3.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <filesystem>
@@ -164,7 +165,7 @@ TEST_CASE("A run folder that cannot be made is a usage error that names it") {
     const fs::path impossible = folder.path / "file" / "run";
     const CrowdWorld crowd = make_crowd(one_agent_scene(10, 25, 75, 50, 0.2));
     try {
-        RunFolder run(impossible, crowd, RunLabels{}, 5);
+        RunFolder run(impossible, crowd, RunLabels{}, {.water_interval = 5});
         FAIL("the folder was made");
     } catch (const RunError& error) {
         CHECK(error.code() == ExitCode::bad_configuration);
@@ -225,7 +226,7 @@ TEST_CASE("A run folder is complete at the end, and says 'running' until then") 
     CrowdWorld crowd = make_crowd(scene);
     RunLabels labels;
     labels.canonical_scene = "{}";
-    RunFolder run(folder.path / "deep" / "run", crowd, labels, 0.5);
+    RunFolder run(folder.path / "deep" / "run", crowd, labels, {.water_interval = 0.5});
     CHECK_THAT(content_of(run.path() / "outcome.json"), Catch::Contains("\"status\": \"running\""));
     testing::MadeUpSource source(1000, [](std::uint64_t) { return testing::MadeUpWater{}; });
     RunSummary summary;
@@ -250,7 +251,7 @@ TEST_CASE("Events of a run are on the disk at once, as lines and as a scene") {
     const CrowdWorld crowd = make_crowd(one_agent_scene(10, 25, 75, 50, 0.2));
     RunLabels labels;
     labels.canonical_scene = R"({"events": [{"frame": 3, "tau": 0.5}], "name": "x"})";
-    RunFolder run(folder.path, crowd, labels, 0);
+    RunFolder run(folder.path, crowd, labels, Record{});
     CHECK_FALSE(fs::exists(folder.path / "events.jsonl"));
     CHECK_FALSE(fs::exists(folder.path / "scene_as_played.json"));
     run.record_event({7, std::nullopt, "walkers", 0.25});
@@ -263,4 +264,36 @@ TEST_CASE("Events of a run are on the disk at once, as lines and as a scene") {
     const std::string scene = content_of(folder.path / "scene_as_played.json");
     CHECK(scene.find("\"frame\": 3") < scene.find("\"group\": \"walkers\""));
     CHECK(scene.find("\"group\": \"walkers\"") < scene.find("\"agent\": 0"));
+}
+
+TEST_CASE("Ragdolls and levels of danger have files of their own, if they are asked for") {
+    TemporaryFolder folder;
+    Scene scene = one_agent_scene(50, 25, 75, 50, 0.9);
+    scene.channel.velocity = 2.5;
+    scene.channel.z = {12, 38};  // whole cells of 2 m
+    scene.crowd.ragdoll.condition = RagdollCondition::paper;
+    scene.duration = 1;
+    CrowdWorld crowd = make_crowd(scene);
+    const testing::MadeUpWater water = testing::uniform_water(30, 70, 15, 35, 1, 0.25, -2.5, 0);
+    RunFolder run(folder.path, crowd, RunLabels{}, {.danger_window = 0.5});
+    for (int i = 0; i < 30; ++i) {
+        step(crowd, water.view());
+        run.record(crowd, water.view());
+    }
+    run.finish(crowd, RunSummary{}, RunLabels{});
+    const std::string ragdolls = content_of(folder.path / "ragdoll.csv");
+    CHECK(std::count(ragdolls.begin(), ragdolls.end(), '\n') == 31);
+    CHECK_THAT(ragdolls, Catch::StartsWith("frame,id,hip_height_m,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s\n1,0,0.5,"));
+    CHECK_THAT(content_of(folder.path / "agents.csv"),
+               Catch::Contains(",max_dv_m2_s,danger_level,none_s,low_s,moderate_s,high_s,very_high_s\n") &&
+                   Catch::Contains(",very_high,0,0,0,0,1\n"));
+    CHECK_THAT(content_of(folder.path / "danger.csv"), Catch::Contains(",very_high,1,2.5,2.5,0,0,0,0,1\n"));
+
+    // A run without them in the same folder leaves none of an earlier one.
+    scene.crowd.ragdoll.condition = RagdollCondition::off;
+    crowd = make_crowd(scene);
+    RunFolder again(folder.path, crowd, RunLabels{}, Record{});
+    again.finish(crowd, RunSummary{}, RunLabels{});
+    CHECK_FALSE(fs::exists(folder.path / "ragdoll.csv"));
+    CHECK_FALSE(fs::exists(folder.path / "danger.csv"));
 }

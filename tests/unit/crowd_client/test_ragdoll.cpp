@@ -136,8 +136,8 @@ TEST_CASE("The random part is uniform in [0.1, 0.5), with a sign only if asked f
     for (const bool random_sign : {false, true}) {
         double sum = 0, least = 1, most = 0;
         int negative = 0;
-        for (int i = 0; i < draws / 3; ++i) {
-            for (const double rate : hip_rate({0, 0, 0}, random_sign, 7, static_cast<std::uint32_t>(i % 50), i / 50u)) {
+        for (std::uint32_t i = 0; i < draws / 3; ++i) {
+            for (const double rate : hip_rate({0, 0, 0}, random_sign, 7, i % 50, i / 50)) {
                 sum += std::abs(rate);
                 least = std::min(least, std::abs(rate));
                 most = std::max(most, std::abs(rate));
