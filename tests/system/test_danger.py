@@ -1,6 +1,7 @@
 """ragdoll.csv, danger.csv and the columns of danger in agents.csv, from runs of both programs."""
 
 import csv
+import json
 import signal
 import subprocess
 import unittest
@@ -73,8 +74,14 @@ class Ragdoll(SystemTest):
 
 
 class Danger(SystemTest):
+    def run_with_danger(self, *more):
+        """A run whose crowd records danger, which is nothing that the water's program knows of."""
+        server, client = self.server(*FAST), self.client(*FAST, *DANGER, *more)
+        self.assert_ended_well(server, client)
+        return client.run
+
     def test_agents_and_map_have_the_levels_of_the_water(self):
-        plain, run = self.pair(*FAST), self.pair(*FAST, *DANGER)
+        plain, run = self.pair(*FAST), self.run_with_danger()
         self.assertFalse((plain.folder / "danger.csv").exists())
         for before, after in zip(plain.agents(), run.agents(), strict=True):
             self.assertEqual(before, {name: after[name] for name in before})
@@ -95,8 +102,21 @@ class Danger(SystemTest):
             self.assertAlmostEqual(float(cell["max_dv_m2_s"]), 2.5, delta=0.25)
             self.assertAlmostEqual(float(cell["max_speed_m_s"]), 2.5, delta=1e-6)
 
+    def test_crowds_in_one_water_have_the_files_of_single_runs(self):
+        listed = self.folder / "crowds.json"
+        ragdoll = {"/crowd/tau": 0.9, "/crowd/ragdoll/condition": "depth_speed"}
+        listed.write_text(json.dumps([{"name": "plain"}, {"name": "ragdoll", "set": ragdoll}]))
+        together = self.run_with_danger("--crowds", listed).folder
+        self.assertFalse((together / "plain" / "ragdoll.csv").exists())
+        alone = self.run_with_danger()
+        settings = [word for key, value in ragdoll.items() for word in ("--set", f"{key}={value}")]
+        tumbled = self.pair(*FAST, *settings)
+        for name in ("danger.csv", "agents.csv"):
+            self.assertEqual((together / "plain" / name).read_bytes(), alone.bytes_of(name))
+        self.assertEqual((together / "ragdoll" / "ragdoll.csv").read_bytes(), tumbled.bytes_of("ragdoll.csv"))
+
     def test_picture_is_drawn_from_a_run_folder(self):
-        run = self.pair(*FAST, *DANGER)
+        run = self.run_with_danger()
         tool = ["/usr/bin/python3", ROOT / "tools" / "danger_map.py"]
         subprocess.run([*tool, run.folder], check=True, capture_output=True)
         self.assertEqual(run.bytes_of("danger.png")[:8], b"\x89PNG\r\n\x1a\n")
