@@ -105,6 +105,8 @@ def draw(run, output):
     length, width = scene["world"]["length_m"], scene["world"]["width_m"]
     map_wide, left, right, above, below = 10.0, 0.75, 0.25, 1.05, 1.1
     map_high = float(np.clip(map_wide * width / length, 2.2, 11.0))
+    tops = [group["goal"]["z_m"] + scene["crowd"]["goal_radius_m"] for group in scene["crowd"]["groups"]]
+    above += max(0, max(tops, default=0) - 1.06 * width) * map_high / width  # a goal's circle over the edge
     wide, high = left + map_wide + right, above + map_high + below
     figure, axes = plt.subplots(figsize=(wide, high), dpi=160)
     figure.subplots_adjust(left=left / wide, right=1 - right / wide, bottom=below / high, top=1 - above / high)
