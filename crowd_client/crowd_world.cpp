@@ -177,13 +177,6 @@ void advance(CrowdWorld& crowd, const WaterBins& water) {
 
 }  // namespace
 
-WaterBins empty_bins(const Scene& scene) {
-    WaterBins bins;
-    bins.grid = GroundGrid::over(scene.world);
-    bins.period = scene.world.period();
-    return bins;
-}
-
 CrowdWorld make_crowd(const Scene& scene) {
     check_coupling(scene);
     CrowdWorld crowd;

@@ -86,9 +86,9 @@ inline constexpr double exchange_time = 1.0 / 30;
 //
 //   v(t + dt) = v_inf + (v(t) - v_inf) exp(-dt / T_a)
 //
-// So the steady state is that of Eq. 9 for every length of the step; an agent has inertia, and what lasts shorter than T_a,
-// at most a frame of the source, is averaged before it acts. Eq. 9 itself has no memory: it answers to each sample of the
-// water in full, so that its result depends on how many samples of a fluctuating contact there are in a second.
+// So the steady state is that of Eq. 9 for every length of the step; an agent has inertia, and what lasts shorter than
+// T_a, at most a frame of the source, is averaged before it acts. Eq. 9 itself has no memory: it answers to each sample of
+// the water in full, so that its result depends on how many samples of a fluctuating contact there are in a second.
 //
 // velocity: v(t), m/s; the others as in Eq. 9; dt: s. Without water or with tau = 0 the velocity tends to v_B.
 [[nodiscard]] Vector2d relaxed_velocity(double agent_mass, const Vector2d& velocity, const Vector2d& walking,

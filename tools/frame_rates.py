@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """How much the outcome depends on the frame rate, with each coupling rule. tools/frame_rates.sh calls it.
 
-For each scene and rate one server sends the water to all crowds: both rules and the walk without water (tau 0), each with
-N seeds of the markers. The water is the same at all rates, sampled more or less often.
+For each scene and rate one server sends the water to all crowds: both rules and the walk without water (tau 0), each
+with N seeds of the markers. The water is the same at all rates, sampled more or less often.
 """
 
 import argparse
@@ -22,8 +22,10 @@ RULES = {
     "continuous": {"/coupling/rule": "continuous"},
     "no water": {"/crowd/tau": 0},
 }
-COLUMNS = ("scene", "rule", "frame_rate_hz", "seeds", "agents", "arrived_mean", "arrived_lo", "arrived_hi", "time_s_mean",
-           "time_s_lo", "time_s_hi", "agent_time_s_mean", "agent_time_s_lo", "agent_time_s_hi")
+MEASURES = ("arrived", "time_s", "agent_time_s")
+COLUMNS = ("scene", "rule", "frame_rate_hz", "seeds", "agents") + tuple(
+    f"{measure}_{end}" for measure in MEASURES for end in ("mean", "lo", "hi")
+)
 RESAMPLES = 10000
 
 
@@ -46,7 +48,8 @@ def run(scene, rate, options):
     """Runs all crowds of a scene at one rate; returns {(rule, seed): run folder}, or None if the run failed."""
     out = options.out / "runs" / f"{label(scene)}-{rate}hz"
     out.mkdir(parents=True, exist_ok=True)
-    crowds = {(rule, seed): f"{rule.replace(' ', '_')}-seed{seed}" for rule in RULES for seed in range(1, options.seeds + 1)}
+    seeds = range(1, options.seeds + 1)
+    crowds = {(rule, seed): f"{rule.replace(' ', '_')}-seed{seed}" for rule in RULES for seed in seeds}
     crowd_list = [{"name": name, "set": {"/seed": seed, **RULES[rule]}} for (rule, seed), name in crowds.items()]
     (out / "crowds.json").write_text(json.dumps(crowd_list, indent=1))
     command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", options.programs, scene, "--out", out,
@@ -92,30 +95,31 @@ def shown(row, key, digits=1):
     return "{:.{d}f} ({:.{d}f} .. {:.{d}f})".format(*(row[f"{key}{end}"] for end in ("_mean", "_lo", "_hi")), d=digits)
 
 
+HEADER = """# Outcomes at several frame rates
+
+`{command}`: frames of the water and steps of the crowd at {rates} Hz, {seeds} seeds of the markers in one water;
+means with 95 % intervals (bootstrap over the seeds). A rule passes where the intervals of all rates share a value.
+"no water" is the walk alone (tau 0): what varies there is due to the walking rule and the markers. Time: of the last
+arrival; agents' time: mean over all who arrive.
+"""
+
+
 def report(rows, options):
     rates = sorted({row["frame_rate_hz"] for row in rows})
-    lines = [
-        "# Outcomes at several frame rates",
-        "",
-        f"`{options.command}`: frames of the water and steps of the crowd at {', '.join(map(str, rates))} Hz, "
-        f"{options.seeds} seeds of the markers in one water; means with 95 % intervals (bootstrap over the seeds). A rule "
-        "passes where the four intervals share a value. \"no water\" is the walk alone (tau 0): what varies there is due to "
-        "the walking rule and the markers. Time: of the last arrival; agents' time: mean over all who arrive.",
-    ]
+    lines = [HEADER.format(command=options.command, rates=", ".join(map(str, rates)), seeds=options.seeds)]
     for scene in dict.fromkeys(row["scene"] for row in rows):
-        lines += ["", f"## {scene}", "", "| rule | rate | arrived | time, s | agents' time, s |", "|---|---|---|---|---|"]
         of_scene = [row for row in rows if row["scene"] == scene]
+        lines += [f"## {scene}", "", "| rule | rate | arrived | time, s | agents' time, s |", "|---|---|---|---|---|"]
         for row in of_scene:
-            lines.append(f"| {row['rule']} | {row['frame_rate_hz']} | {shown(row, 'arrived')} | {shown(row, 'time_s')} | "
-                         f"{shown(row, 'agent_time_s', 2)} |")
-        lines += ["", "| rule | arrived: range of the means | time | agents' time |", "|---|---|---|---|"]
+            cells = shown(row, "arrived"), shown(row, "time_s"), shown(row, "agent_time_s", 2)
+            lines.append(f"| {row['rule']} | {row['frame_rate_hz']} | {' | '.join(cells)} |")
+        lines += ["", "| rule | arrived: range of the means | time, s | agents' time, s |", "|---|---|---|---|"]
         for rule in RULES:
-            cells = []
-            for key in ("arrived", "time_s", "agent_time_s"):
-                answer = verdict([row for row in of_scene if row["rule"] == rule], key)
-                cells.append("-" if answer is None else f"{answer[0]:.2f}, {'pass' if answer[1] else 'FAIL'}")
+            answers = [verdict([row for row in of_scene if row["rule"] == rule], key) for key in MEASURES]
+            cells = ["-" if a is None else f"{a[0]:.2f}, {'pass' if a[1] else 'FAIL'}" for a in answers]
             lines.append(f"| {rule} | {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+        lines.append("")
+    return "\n".join(lines).rstrip("\n") + "\n"
 
 
 def main():

@@ -32,14 +32,15 @@ class Crowds(SystemTest):
 
     def test_each_crowd_leaves_what_a_run_of_its_own_leaves(self):
         server = self.server()
-        client = self.client("--crowds", self.list_of(CROWDS), "--reproducible", "--threads", "2", out=self.folder / "many")
+        many = "--crowds", self.list_of(CROWDS), "--reproducible", "--threads", "2"
+        client = self.client(*many, out=self.folder / "many")
         self.assert_ended_well(server, client)
         rows = self.crowds_csv(self.folder / "many")
         self.assertEqual(list(rows), list(CROWDS))
         for name, values in CROWDS.items():
             with self.subTest(crowd=name):
-                sets = [word for pointer, value in values.items() for word in ("--set", f"{pointer}={json.dumps(value)}")]
-                alone = self.pair(*sets, "--reproducible")
+                changes = [f"{pointer}={json.dumps(value)}" for pointer, value in values.items()]
+                alone = self.pair(*(word for change in changes for word in ("--set", change)), "--reproducible")
                 run = Run(self.folder / "many" / name)
                 self.assertEqual(run.outcome(), alone.outcome())
                 self.assertEqual(run.bytes_of("agents.csv"), alone.bytes_of("agents.csv"))
@@ -98,7 +99,8 @@ class Crowds(SystemTest):
         self.assertFalse((self.folder / "many").exists())
 
     def test_check_counts_the_crowds(self):
-        answer = subprocess.run([CLIENT, SMALL, "--crowds", self.list_of(CROWDS), "--check"], capture_output=True, text=True)
+        command = [CLIENT, SMALL, "--crowds", self.list_of(CROWDS), "--check"]
+        answer = subprocess.run(command, capture_output=True, text=True)
         self.assertEqual(answer.returncode, 0, answer.stderr)
         self.assertIn("crowds.json: valid; 5 crowds", answer.stdout)
 

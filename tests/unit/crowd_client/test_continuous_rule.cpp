@@ -21,7 +21,7 @@ Contact contact_of(double its_mass, const Vector2d& velocity) {
     return {its_mass, its_mass * velocity};
 }
 
-// Contact mass that comes and goes, as particles do: 196 kg on average, three periods that are no multiples of one another.
+// Contact mass that comes and goes, as particles do: 196 kg on average, three periods, none a multiple of another.
 Contact fluctuating(double t) {
     constexpr double two_pi = 2 * std::numbers::pi;
     const double wave = std::sin(two_pi * 1.3 * t) + std::sin(two_pi * 3.1 * t) + std::sin(two_pi * 7.7 * t);
