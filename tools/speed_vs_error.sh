@@ -4,11 +4,7 @@ set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
-for argument in "$@"; do
-  case "$argument" in
-    -h | --help)
-      # Needs neither packages nor a build, so that help is always at hand.
-      cat <<'HELP'
+help_if_asked "$@" <<'HELP'
 Usage: tools/speed_vs_error.sh [--quick] [--out DIR] [--cases A,B] [--spacings N] [--repeats N] [--time-limit S]
                                [--splishsplash PROGRAM]
 
@@ -27,16 +23,7 @@ repeated.
   --splishsplash PROGRAM  measures the front of the impulse case with SPlisHSPlasH too: the program that
                           tools/splishsplash/build.sh makes
 HELP
-      exit 0
-      ;;
-  esac
-done
 
 "$root/tools/install_dependencies.sh" || exit 1
-lock_build_folder
-if ! grep -qs '^WADE_BUILD_TESTS:BOOL=ON' "$build/CMakeCache.txt"; then
-  configure_release -DWADE_BUILD_TESTS=ON || exit 1
-fi
-ninja -C "$build" validate crowd_client >&2 || { echo "speed_vs_error.sh: the build failed" >&2; exit 1; }
-unlock_build_folder
+build_with_tests validate crowd_client || { echo "speed_vs_error.sh: the build failed" >&2; exit 1; }
 exec /usr/bin/python3 "$root/tools/speed_vs_error" --validate "$build/validate" "$@"

@@ -4,11 +4,7 @@ set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
-for argument in "$@"; do
-  case "$argument" in
-    -h | --help)
-      # Needs neither packages nor a build, so that help is always at hand.
-      cat <<'HELP'
+help_if_asked "$@" <<'HELP'
 Usage: tools/validate.sh [--quick] [--out DIR] [--cases A,B] [--levels L,M] [--long] [--jobs N] [--again]
 
 Runs each validation case at its coarse, medium and fine resolution and compares it with what is known: analytic
@@ -26,23 +22,15 @@ observed order of convergence, and DIR/runs/ with the numbers of each run.
   --jobs N      runs side by side, one thread each [number of processors]
   --again       repeats runs that are complete
   --list        lists the cases and ends
-A run that is complete and whose program (apart from the commit it names) and scenes are still the same is not repeated, so
-that the command goes on where it was stopped. Exit code 1: a run failed, or a value is above its threshold and not among
+A run that is complete and whose program and scenes are still the same is not repeated, so that the command goes on where
+it was stopped. The program counts by its bytes without the commit that it names: a commit, or changes not yet committed,
+repeat runs only if they change what is computed. Exit code 1: a run failed, or a value is above its threshold and not among
 the known failures. Exit code 2: wrong options; 130, 143: interrupted.
 
 Environment: WADE_SPHERIC2_DATA names a folder with spheric_test2_50Hz_boxavg.csv, the measured series of SPHERIC test 2;
 the case spheric2 then compares with the whole series instead of a short table. Its runs are repeated when it changes.
 HELP
-      exit 0
-      ;;
-  esac
-done
 
 "$root/tools/install_dependencies.sh" || exit 1
-lock_build_folder
-if ! grep -q '^WADE_BUILD_TESTS:BOOL=ON' "$build/CMakeCache.txt" 2>/dev/null; then
-  configure_release -DWADE_BUILD_TESTS=ON
-fi
-unlock_build_folder
-build_programs validate || { echo "validate.sh: the build failed" >&2; exit 1; }
+build_with_tests validate || { echo "validate.sh: the build failed" >&2; exit 1; }
 exec /usr/bin/python3 "$root/tools/validation/validate.py" --program "$build/validate" "$@"
