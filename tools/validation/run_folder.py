@@ -8,8 +8,8 @@ import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
-# A commit as the programs keep it, and the build number that the linker computes over it.
-COMMIT = re.compile(rb"(?<=\0)[0-9a-f]{12}(?:-dirty)?(?=\0)")
+# The commit as the programs keep it (configs/version.cpp), and the build number that the linker computes over it.
+COMMIT = re.compile(rb"wade-commit=[\0-\xff]{52}")
 BUILD_ID = re.compile(rb"(?<=\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0)[\0-\xff]{20}")
 
 
@@ -57,7 +57,8 @@ def write_whole(file, data):
 
 
 def program_bytes(program):
-    """The program without the commit that it names, so that a commit alone makes no run out of date."""
+    """The program without the commit that it names: what is computed depends on the code, not on its name. So neither a
+    commit nor uncommitted changes ("-dirty") make a run out of date, unless they change the program."""
     data = program.read_bytes()
     return BUILD_ID.sub(bytes(20), COMMIT.sub(b"", data))
 
