@@ -93,8 +93,8 @@ class States(SystemTest):
         file = self.folder / "water.state"
         self.assert_ended_well(self.alone(SMALL, "--until-s", "0.1", "--save-state", file))
         for setting, text in (
-            ("/fluid/particle_spacing_m=0.4", "/fluid/particle_spacing_m is 0.4 in the scene; allowed: 0.5"),
-            ("/channel/x_max_m=19", "/channel/x_max_m is 19 in the scene; allowed: 20"),
+            ("/fluid/particle_spacing_m=0.4", "/fluid/particle_spacing_m is 0.5 in this file and 0.4 in the scene"),
+            ("/channel/x_max_m=19", "20 in this file and 19 in the scene; allowed in the scene: 20"),
             ("/fluid/rest_density_kg_m3=900", "/fluid/rest_density_kg_m3"),
             ("/fluid/model=kinematic", "/fluid/model is kinematic; allowed: dfsph"),
         ):
