@@ -115,7 +115,9 @@ Result narrow_channel(const Request& request) {
     };
     double wide_way = 0;
     Result all = run(12, wide_way);
-    for (int across = 1; across <= 3; ++across) {
+    // The loader refuses Wendland's wide kernel between banks one particle apart; these scenes do not come from it.
+    const int narrowest = scene.fluid.kernel == KernelKind::wendland_c2 ? 2 : 1;
+    for (int across = narrowest; across <= 3; ++across) {
         double way = 0;
         const Result narrow = run(across, way);
         all.steps += narrow.steps;
