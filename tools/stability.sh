@@ -22,6 +22,13 @@ each run.
   --list          lists the cases and the settings, and ends
 A run that is complete and whose program and scenes are still the same is not repeated. The program counts by its bytes
 without the commit that it names: a commit, or changes not yet committed, repeat runs only if they change what is computed.
+
+Columns of stability.csv: case, setting, model; steps of the solver; max_density_error, the compression max(0, rho/rho_0 - 1)
+of the worst single particle in any step; energy_ratio, energy over what was there or put in, the largest of all steps;
+lost_particles; nonfinite; max_displacement_over_spacing, the longest way of a particle in a step; pass, yes or no; remark, what
+is broken; mean_density_error, the compression as mean over the particles, the largest of all steps. The rule on compression
+(1 %) is about the mean: single particles at edges and in splashes may have more.
+
 Exit code 1: a run left no result, or a run at one of the settings (default, cfl_1, ...) breaks a rule and is not a known
 failure (tests/stability/known_failures.csv). Runs of the sweeps do not count: they look for what breaks. A step longer than
 half a spacing, if that alone is broken, counts at the default settings only. Exit code 2: wrong options; 130, 143:
