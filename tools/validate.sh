@@ -28,6 +28,10 @@ it was stopped. The program counts by its bytes without the commit that it names
 repeat runs only if they change what is computed. Exit code 1: a run failed, or a value is above its threshold and not among
 the known failures. Exit code 2: wrong options; 130, 143: interrupted.
 
+Columns of validation.csv, a line a metric: case, model; spacing_m; particles; metric, value, unit; threshold; pass, yes or no
+(also of a known failure), empty if the metric is only reported; wall_s and cpu_s of the solver; reference, what it is
+compared with.
+
 Environment: WADE_SPHERIC2_DATA names a folder with spheric_test2_50Hz_boxavg.csv, the measured series of SPHERIC test 2;
 the case spheric2 then compares with the whole series instead of a short table. Its runs are repeated when it changes.
 HELP
