@@ -32,9 +32,15 @@ struct CellWater {
     double speed = 0;  // |sum m v| / sum m, m/s
 };
 
+// Bins over the ground of the scene, without water.
+[[nodiscard]] WaterBins empty_bins(const Scene& scene);
+
 // Sorts the particles that can matter to agents at `positions`; one pass over all particles, one over those kept.
 // Particles outside the grid and such with a NaN position are left out.
 void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions);
+
+// The same for agents anywhere in the grid.
+void bin_all_water(WaterBins& bins, const WaterView& water);
 
 // Distance within which a particle touches an agent: |r_a - r_p| (`difference`, as the authors' program does) or
 // r_a + r_p (`sum`, as their text says), m.
