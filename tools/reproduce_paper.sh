@@ -4,11 +4,7 @@ set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
-for argument in "$@"; do
-  case "$argument" in
-    -h | --help)
-      # Needs neither packages nor a build, so that help is always at hand.
-      cat <<'HELP'
+help_if_asked "$@" <<'HELP'
 Usage: tools/reproduce_paper.sh [--out DIR] [--seeds N] [--quick] [--set-of-scenes paper|river|observed|both]
                                 [--threads N] [--until-s T]
 
@@ -25,10 +21,6 @@ below it, whether the results are those of the paper where these can be told apa
 A run in DIR that is complete and whose scene is still the same is not repeated. Scenes that were not run, as with
 --quick, have no part in the verdict. Exit code 1: a run failed, or the verdict has a no.
 HELP
-      exit 0
-      ;;
-  esac
-done
 
 "$root/tools/install_dependencies.sh" || exit 1
 build_programs || { echo "reproduce_paper.sh: the build failed" >&2; exit 1; }
