@@ -52,9 +52,9 @@ def draw_levels(axes, cells):
     return wet
 
 
-def draw_people(axes, agents, paths):
+def draw_people(axes, agents, paths, period):
     _, lines = top_view.people_at(agents, paths, np.inf, True)
-    ways = [top_view.thinned(points) for points in lines.values()]
+    ways = [top_view.thinned(part) for points in lines.values() for part in top_view.laps_apart(points, period)]
     # With a light rim, so that they can be seen on the dark levels, too.
     for colour, line_width in (("white", 1.7), (PATH, 0.8)):
         axes.add_collection(LineCollection(ways, colors=colour, linewidths=line_width, zorder=6))
@@ -105,15 +105,13 @@ def draw(run, output):
     length, width = scene["world"]["length_m"], scene["world"]["width_m"]
     map_wide, left, right, above, below = 10.0, 0.75, 0.25, 1.05, 1.1
     map_high = float(np.clip(map_wide * width / length, 2.2, 11.0))
-    tops = [group["goal"]["z_m"] + scene["crowd"]["goal_radius_m"] for group in scene["crowd"]["groups"]]
-    above += max(0, max(tops, default=0) - 1.06 * width) * map_high / width  # a goal's circle over the edge
     wide, high = left + map_wide + right, above + map_high + below
     figure, axes = plt.subplots(figsize=(wide, high), dpi=160)
     figure.subplots_adjust(left=left / wide, right=1 - right / wide, bottom=below / high, top=1 - above / high)
     top_view.draw_ground(axes, scene)
     wet = draw_levels(axes, cells)
     top_view.draw_obstacles(axes, scene)
-    draw_people(axes, agents, paths)
+    draw_people(axes, agents, paths, top_view.period_of(scene))
     top_view.draw_goals(axes, scene)
     axes.set_xlim(-0.01 * length, 1.01 * length)
     axes.set_ylim(-0.02 * width, 1.02 * width)

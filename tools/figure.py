@@ -219,6 +219,7 @@ def draw_goals(axes, scene):
             markeredgecolor=INK, markeredgewidth=0.8, zorder=12, clip_on=False,
         )
     for goal in sorted({(g["goal"]["x_m"], g["goal"]["z_m"]) for g in crowd["groups"]} - set(far_goals(scene))):
+        # Cut off at the edge of the world, where nobody walks and the picture has its title.
         reach = axes.add_patch(
             Circle(goal, crowd["goal_radius_m"], fill=False, edgecolor="#9a7400", linewidth=0.9, linestyle=(0, (3, 2)),
                    zorder=7)
@@ -272,9 +273,14 @@ def short_name(name):
     return f"S{match.group(1)}" if match else name
 
 
+def range_of(value):
+    """(lowest, highest) of a value that all agents of a group share, or of a range from which each draws its own."""
+    return (value["min"], value["max"]) if isinstance(value, dict) else (value, value)
+
+
 def tau_text(scene):
-    taus = sorted({g["tau"] for g in scene["crowd"]["groups"]})
-    text = "/".join(f"{tau:g}" for tau in taus)
+    taus = sorted({range_of(g["tau"]) for g in scene["crowd"]["groups"]})
+    text = "/".join(f"{low:g}" if low == high else f"{low:g}\u2013{high:g}" for low, high in taus)
     for event in scene.get("events", []):
         text += f"\u2192{event['tau']:g}"
     return text

@@ -2,7 +2,7 @@
 """How much the outcome depends on the frame rate, with each coupling rule. tools/frame_rates.sh calls it.
 
 For each scene and rate one server sends the water to all crowds: both rules and the walk without water (tau 0), each
-with N seeds of the markers. The water is the same at all rates, sampled more or less often.
+with N seeds of the markers. Kinematic water is the same at all rates, sampled more or less often.
 """
 
 import argparse
@@ -14,19 +14,25 @@ from pathlib import Path
 
 import numpy as np
 
+from frame_rates_report import COLUMNS, MEASURES, RULES, interval, report
 from pair_arguments import ROOT, find_scene
 
 RATES = (15, 30, 60, 120)  # Hz
-RULES = {
-    "per_frame": {"/coupling/rule": "per_frame"},
-    "continuous": {"/coupling/rule": "continuous"},
-    "no water": {"/crowd/tau": 0},
-}
-MEASURES = ("arrived", "time_s", "agent_time_s")
-COLUMNS = ("scene", "rule", "frame_rate_hz", "seeds", "agents") + tuple(
-    f"{measure}_{end}" for measure in MEASURES for end in ("mean", "lo", "hi")
-)
-RESAMPLES = 10000
+ALLOWED_RATES = (0.01, 1000)  # /frame_rate_hz
+
+
+def rates_of(text):
+    """The rates of "15,30", Hz, ascending; at least two, as one agrees with itself."""
+    try:
+        rates = sorted(float(word) for word in text.split(","))
+    except ValueError:
+        rates = []
+    low, high = ALLOWED_RATES
+    if len(set(rates)) < max(2, len(rates)) or not all(low <= rate <= high for rate in rates):
+        raise argparse.ArgumentTypeError(
+            f'"{text}" is not allowed; allowed: at least two different rates, {low:g} to {high:g} Hz each, as in 15,30'
+        )
+    return [int(rate) if rate == int(rate) else rate for rate in rates]
 
 
 def label(scene):
@@ -35,31 +41,59 @@ def label(scene):
     return f"{path.parent.name}-{path.stem}"
 
 
-def interval(values):
-    """(mean, lower, upper) of the mean with 95 %, bootstrap with a fixed start."""
-    values = np.asarray([v for v in values if v is not None], dtype=float)
-    if values.size == 0:
-        return (None, None, None)
-    draws = np.random.default_rng(1).choice(values, (RESAMPLES, values.size)).mean(axis=1)
-    return (values.mean(), *np.percentile(draws, (2.5, 97.5)))
+def at_rate(rate):
+    """Options for frames and steps at one rate, also of a scene whose crowd has a rate of its own."""
+    return ["--set", f"/frame_rate_hz={rate}", "--set", f"/crowd/step_rate_hz={rate}"]
 
 
-def run(scene, rate, options):
-    """Runs all crowds of a scene at one rate; returns {(rule, seed): run folder}, or None if the run failed."""
-    out = options.out / "runs" / f"{label(scene)}-{rate}hz"
+def resolve(scene, rates, options):
+    """The resolved scene at each rate, {rate: scene}; ends the program if there is none or they are not comparable."""
+    scenes = {}
+    for rate in rates:
+        command = [options.programs / "crowd_client", scene, *at_rate(rate), "--print-config"]
+        answer = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+        if answer.returncode != 0:
+            sys.exit(answer.returncode)  # the program has said why
+        scenes[rate] = json.loads(answer.stdout)
+    if moves_events(scenes):
+        print(f"frame_rates.sh: {scene}: /events: an event that is given by its frame is at another time at each rate; "
+              "allowed here: time_s", file=sys.stderr)
+        sys.exit(2)
+    return scenes
+
+
+def moves_events(scenes):
+    """Whether an event is at times that differ by more than a frame, of scenes {rate: scene}."""
+    times = [[event["frame"] / rate for event in scene["events"]] for rate, scene in scenes.items()]
+    return any(max(of_event) - min(of_event) > 1 / min(scenes) + 1e-9 for of_event in zip(*times))
+
+
+def changes_of(rule, scene):
+    """What a crowd with this rule sets in a resolved scene: {JSON pointer: value}."""
+    if rule != "no water":
+        return {"/coupling/rule": rule}
+    # Groups may have a tau of their own, and an event may change any.
+    groups = [{**group, "tau": 0} for group in scene["crowd"]["groups"]]
+    return {"/crowd": {**scene["crowd"], "groups": groups}, "/events": []}
+
+
+def run(name, rate, scene, options):
+    """Runs all crowds of a scene file at one rate; returns {(rule, seed): run folder}, or None if the run failed."""
+    out = options.out / "runs" / f"{label(name)}-{rate}hz"
     out.mkdir(parents=True, exist_ok=True)
     seeds = range(1, options.seeds + 1)
     crowds = {(rule, seed): f"{rule.replace(' ', '_')}-seed{seed}" for rule in RULES for seed in seeds}
-    crowd_list = [{"name": name, "set": {"/seed": seed, **RULES[rule]}} for (rule, seed), name in crowds.items()]
+    crowd_list = [{"name": folder, "set": {"/seed": seed, **changes_of(rule, scene)}}
+                  for (rule, seed), folder in crowds.items()]
     (out / "crowds.json").write_text(json.dumps(crowd_list, indent=1))
-    command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", options.programs, scene, "--out", out,
-               "--crowds", out / "crowds.json", "--set", f"/frame_rate_hz={rate}", "--no-trajectories",
-               "--water-every-s", "0", "--reproducible", "--threads", str(options.threads)]
+    command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", options.programs, name, "--out", out,
+               "--crowds", out / "crowds.json", *at_rate(rate), "--no-trajectories", "--water-every-s", "0",
+               "--reproducible", "--threads", str(options.threads)]
     with open(out / "run.log", "w", encoding="utf-8") as log:
         if subprocess.run(command, stdout=log, stderr=log).returncode != 0:
-            print(f"frame_rates.sh: {scene} at {rate} Hz failed, see {out / 'run.log'}", file=sys.stderr)
+            print(f"frame_rates.sh: {name} at {rate} Hz failed, see {out / 'run.log'}", file=sys.stderr)
             return None
-    return {key: out / name for key, name in crowds.items()}
+    return {key: out / folder for key, folder in crowds.items()}
 
 
 def figures_of(folder):
@@ -70,56 +104,18 @@ def figures_of(folder):
     return outcome["arrived"], outcome["last_arrival_s"], float(np.mean(times)) if times else None
 
 
-def rows_of(scene, rate, folders, seeds):
+def rows_of(name, rate, scene, folders, seeds):
+    """A row of the table for each rule. folders: {(rule, seed): run folder}, None if the run failed."""
     for rule in RULES:
-        figures = [figures_of(folders[rule, seed]) for seed in range(1, seeds + 1)]
-        with open(folders[rule, 1] / "agents.csv", encoding="utf-8") as file:
-            agents = len(file.readlines()) - 1
-        row = [label(scene), rule, rate, seeds, agents]
-        for values in zip(*figures):
-            row += interval(values)
-        yield dict(zip(COLUMNS, row))
-
-
-def verdict(rows, key):
-    """(spread of the means over the rates, whether all intervals share a value); None if somewhere nobody arrived."""
-    if any(row[f"{key}_mean"] is None for row in rows):
-        return None
-    means = [row[f"{key}_mean"] for row in rows]
-    return max(means) - min(means), max(row[f"{key}_lo"] for row in rows) <= min(row[f"{key}_hi"] for row in rows)
-
-
-def shown(row, key, digits=1):
-    if row[f"{key}_mean"] is None:
-        return "-"
-    return "{:.{d}f} ({:.{d}f} .. {:.{d}f})".format(*(row[f"{key}{end}"] for end in ("_mean", "_lo", "_hi")), d=digits)
-
-
-HEADER = """# Outcomes at several frame rates
-
-`{command}`: frames of the water and steps of the crowd at {rates} Hz, {seeds} seeds of the markers in one water;
-means with 95 % intervals (bootstrap over the seeds). A rule passes where the intervals of all rates share a value.
-"no water" is the walk alone (tau 0): what varies there is due to the walking rule and the markers. Time: of the last
-arrival; agents' time: mean over all who arrive.
-"""
-
-
-def report(rows, options):
-    rates = sorted({row["frame_rate_hz"] for row in rows})
-    lines = [HEADER.format(command=options.command, rates=", ".join(map(str, rates)), seeds=options.seeds)]
-    for scene in dict.fromkeys(row["scene"] for row in rows):
-        of_scene = [row for row in rows if row["scene"] == scene]
-        lines += [f"## {scene}", "", "| rule | rate | arrived | time, s | agents' time, s |", "|---|---|---|---|---|"]
-        for row in of_scene:
-            cells = shown(row, "arrived"), shown(row, "time_s"), shown(row, "agent_time_s", 2)
-            lines.append(f"| {row['rule']} | {row['frame_rate_hz']} | {' | '.join(cells)} |")
-        lines += ["", "| rule | arrived: range of the means | time, s | agents' time, s |", "|---|---|---|---|"]
-        for rule in RULES:
-            answers = [verdict([row for row in of_scene if row["rule"] == rule], key) for key in MEASURES]
-            cells = ["-" if a is None else f"{a[0]:.2f}, {'pass' if a[1] else 'FAIL'}" for a in answers]
-            lines.append(f"| {rule} | {' | '.join(cells)} |")
-        lines.append("")
-    return "\n".join(lines).rstrip("\n") + "\n"
+        row = dict.fromkeys(COLUMNS)
+        row.update(scene=label(name), model=scene["fluid"]["model"], rule=rule, frame_rate_hz=rate, seeds=seeds,
+                   agents=sum(group["count"] for group in scene["crowd"]["groups"]),
+                   status="completed" if folders else "failed")
+        if folders:
+            figures = [figures_of(folders[rule, seed]) for seed in range(1, seeds + 1)]
+            for measure, values in zip(MEASURES, zip(*figures)):
+                row.update(zip((f"{measure}_{end}" for end in ("mean", "lo", "hi")), interval(values)))
+        yield row
 
 
 def main():
@@ -129,22 +125,24 @@ def main():
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "frame_rates")
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--threads", type=int, default=0)
-    parser.add_argument("--rates", default=",".join(map(str, RATES)))
+    parser.add_argument("--rates", type=rates_of, default=list(RATES))
     options = parser.parse_args()
     if not 1 <= options.seeds <= 1000:
         parser.error(f"--seeds: {options.seeds} is not allowed; allowed: 1 to 1000")
-    rates = [float(rate) if "." in rate else int(rate) for rate in options.rates.split(",")]
     scenes = options.scenes or [f"configs/observed/s{n:02}.json" for n in (5, 7, 10)]
-    options.command = " ".join(["tools/frame_rates.sh", *options.scenes, "--seeds", str(options.seeds)])
+    rates = ",".join(map(str, options.rates))
+    options.command = " ".join(
+        ["tools/frame_rates.sh", *options.scenes, "--seeds", str(options.seeds), "--rates", rates]
+    )
     rows, failed = [], False
+    resolved = {name: resolve(find_scene(name), options.rates, options) for name in scenes}
     for name in scenes:
-        for rate in rates:
-            scene = find_scene(name)
-            folders = run(scene, rate, options)
+        for rate, scene in resolved[name].items():
+            folders = run(find_scene(name), rate, scene, options)
             failed = failed or folders is None
-            rows += rows_of(scene, rate, folders, options.seeds) if folders else []
+            rows += rows_of(find_scene(name), rate, scene, folders, options.seeds)
     order = [label(find_scene(name)) for name in scenes]
-    rows.sort(key=lambda row: (order.index(row["scene"]), list(RULES).index(row["rule"]), row["frame_rate_hz"]))
+    rows.sort(key=lambda row: (order.index(row["scene"]), RULES.index(row["rule"]), row["frame_rate_hz"]))
     with open(options.out / "frame_rates.csv", "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()

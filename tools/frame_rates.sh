@@ -11,14 +11,18 @@ for argument in "$@"; do
       cat <<'HELP'
 Usage: tools/frame_rates.sh [SCENE...] [--out DIR] [--seeds N] [--rates A,B] [--threads N]
 
-Runs each scene (default: S5, S7 and S10 of configs/observed) at 15, 30, 60 and 120 frames/s with the coupling rules
-per_frame and continuous, and without water (tau 0). Prints arrivals and times with 95 % intervals; writes
-DIR/frame_rates.csv, DIR/report.md and DIR/runs/.
+Runs each scene (default: S5, S7 and S10 of configs/observed) at 15, 30, 60 and 120 frames/s, with as many steps of the
+crowd, with the coupling rules per_frame and continuous, and without water (tau 0). Prints arrivals and times with 95 %
+intervals; writes DIR/frame_rates.csv, DIR/report.md and DIR/runs/. Kinematic water is the same at all rates; the solved
+models make other water at each, and the report says so. Events must be given by time_s.
 
   --out DIR      [runs/frame_rates in the project]
   --seeds N      seeds of the markers, 1 to 1000 [10]
-  --rates A,B    frame rates, Hz [15,30,60,120]
+  --rates A,B    at least two frame rates, 0.01 to 1000 Hz [15,30,60,120]
   --threads N    of the crowds and the water [number of processors]
+
+Exit code: 0 if all runs ended well, whether the rates agree or not; 1 if one failed, which makes its scene incomplete;
+2 bad usage or scene.
 HELP
       exit 0
       ;;

@@ -15,7 +15,7 @@ import sys
 import time
 from pathlib import Path
 
-from pair_arguments import ROOT, find_scene
+from pair_arguments import ROOT, find_scene, is_given
 from pair_processes import Pair, exit_code
 
 COLUMNS = (
@@ -104,6 +104,9 @@ def parse(arguments):
     for name in ("--out", "--session", "--record", "--commands"):
         if any(word.split("=")[0] == name for word in common):
             parser.error(f"{name} is not allowed behind --: the runs would share what each needs for itself")
+    if is_given(common, "--crowds"):
+        parser.error("--crowds is not allowed behind --: a run of many crowds has an outcome for each, and no line in "
+                     "this table; tools/run.sh runs it, and a crowd can have a seed of its own")
     options.common = common
     return options
 

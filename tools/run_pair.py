@@ -5,7 +5,6 @@ The producer is fluid_server, shm_replay with --replay, or any command with --pr
 tools/run.sh calls it once the programs are built. Standard library only.
 """
 
-import csv
 import json
 import os
 import secrets
@@ -17,6 +16,7 @@ import time
 from pathlib import Path
 
 from pair_arguments import ROOT, UsageError, find_scene, is_given, options_of, split_arguments
+from pair_outcome import crowd_folders, crowds_summary, forget_earlier, has_frames, left_from_earlier, summary
 from pair_processes import Pair, meaning, wait_for_own_segment, wait_until_joined
 
 ANSWERS = ("--check", "--print-config", "--version")  # one program answers and nothing is run
@@ -76,52 +76,6 @@ def stdin_of_client(arguments):
     """The terminal, or whatever the user says the commands come from; None = that of this process."""
     from_stdin = "--commands=-" in arguments or ("--commands", "-") in zip(arguments, arguments[1:])
     return None if sys.stdin.isatty() or from_stdin else subprocess.DEVNULL
-
-
-def summary(folder):
-    """The outcome in words, from outcome.json; empty if there is none."""
-    try:
-        outcome = json.loads((folder / "outcome.json").read_text())
-    except (OSError, ValueError):
-        return []
-    last = outcome["last_arrival_s"]
-    arrival = f", the last after {last:.1f} s" if last is not None else ""
-    lines = [
-        f"{outcome['scene']}: {outcome['status']}; {outcome['arrived']} of {outcome['agents']} arrived{arrival}; "
-        f"{outcome['dead']} dead, {outcome['active']} active"
-    ]
-    wall, memory = outcome["wall_time_s"], outcome["fluid"].get("resident_bytes")
-    if wall:
-        simulated = outcome["sim_time_s"]
-        speed = f"{simulated:.1f} s simulated in {wall:.1f} s ({simulated / wall:.2f} s per second)"
-        lines.append(speed + (f", server memory {memory / 1e6:.0f} MB" if memory else ""))
-    return lines
-
-
-def crowds_of(folder):
-    """The rows of crowds.csv; empty if there is none."""
-    try:
-        with open(folder / "crowds.csv", newline="", encoding="utf-8") as file:
-            return list(csv.DictReader(file))
-    except OSError:
-        return []
-
-
-def crowds_summary(folder):
-    """The outcome of many crowds in words, a line each."""
-    for row in crowds_of(folder):
-        last = f", the last after {float(row['last_arrival_s']):.1f} s" if row["last_arrival_s"] else ""
-        yield (
-            f"{row['name']}: {row['status']}; {row['arrived']} of {row['agents']} arrived{last}; "
-            f"{row['dead']} dead, {row['active']} active"
-        )
-
-
-def has_frames(folder):
-    try:
-        return json.loads((folder / "outcome.json").read_text())["frames"] > 0
-    except (OSError, ValueError, KeyError):
-        return False
 
 
 def draw(folder, pair):
@@ -194,6 +148,8 @@ def carry_out(run):
     pair = Pair()
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        forget_earlier(folder)
+        earlier = crowd_folders(folder)
         started = start_all(run, pair, folder, session)
     except OSError as error:
         raise UsageError(f"--out: cannot write to {folder}: {error.strerror}") from error
@@ -212,6 +168,9 @@ def carry_out(run):
     many = is_given(run.arguments["crowd_client"], "--crowds")
     for line in crowds_summary(folder) if many else summary(folder):
         print(line)
+    left = left_from_earlier(folder, earlier) if many else []
+    if left:
+        print(f"of an earlier run, not of this one: {', '.join(left)}")
     print(f"run folder{'s below' if many else ''}: {folder}")
     if "--record" in own:
         print(f"recording: {own['--record']}")

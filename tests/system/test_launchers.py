@@ -88,6 +88,32 @@ class RunScript(Launcher):
         run_sh = self.run_sh("run", "--producer", "sh -c 'echo no water today; exit 9'")
         self.assert_ends(run_sh, 9, "exit code 9", "no water today")
 
+    def list_of_crowds(self, *names):
+        file = self.folder / "crowds.json"
+        file.write_text(json.dumps([{"name": name} for name in names]))
+        return ["--crowds", file]
+
+    def test_outcome_of_an_earlier_run_is_not_shown_as_that_of_a_failed_one(self):
+        no_producer = ["--producer", "sh -c 'exit 9'"]
+        self.assert_ended_well(self.run_sh("run", *SHORT))
+        again = self.run_sh("run", *SHORT, *no_producer)
+        self.assert_ends(again, 9)
+        self.assertEqual(self.output_of(again), f"run folder: {self.folder / 'run'}\n")
+        self.assertFalse((self.folder / "run" / "outcome.json").exists())
+
+    def test_crowds_of_an_earlier_list_are_named_as_such(self):
+        no_producer = ["--producer", "sh -c 'exit 9'"]
+        first = self.run_sh("run", *SHORT, *self.list_of_crowds("a", "b"))
+        self.assert_ended_well(first)
+        self.assertNotIn("earlier", self.output_of(first))
+        second = self.run_sh("run", *SHORT, *self.list_of_crowds("b", "c"))
+        self.assert_ended_well(second)
+        self.assertIn("of an earlier run, not of this one: a\n", self.output_of(second))
+        third = self.run_sh("run", *SHORT, *self.list_of_crowds("b", "c"), *no_producer)
+        self.assert_ends(third, 9)
+        self.assertIn("of an earlier run, not of this one: a, b, c\n", self.output_of(third))
+        self.assertNotIn("completed", self.output_of(third))
+
     def test_killed_recorder_is_reported(self):
         run_sh = self.run_sh("run", *ENDLESS, "--record", self.folder / "run.wrec")
         self.wait_for_frame(5, run_sh)
@@ -183,6 +209,8 @@ class RunMany(Launcher):
             (["--jobs", "0", SMALL], "--jobs", "whole numbers from 1"),
             ([], "scenes"),
             ([SMALL, "--", "--out", "x"], "--out"),
+            ([SMALL, "--", "--crowds", "list.json"], "--crowds is not allowed", "tools/run.sh"),
+            ([SMALL, "--", "--crowds=list.json"], "--crowds is not allowed"),
         ):
             with self.subTest(arguments):
                 self.assert_ends(self.many(*arguments), 2, *texts)

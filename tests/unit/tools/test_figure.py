@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "tools"))
 import figure  # noqa: E402
 
 
-def scene(velocity=1.5, history=(), ends="open", goals=((5.0, 9.0),)):
+def scene(velocity=1.5, history=(), ends="open", goals=((5.0, 9.0),), taus=(0.2,)):
     return {
         "name": "river_s05",
         "world": {"length_m": 20.0, "width_m": 10.0, "ends": ends},
@@ -21,7 +21,10 @@ def scene(velocity=1.5, history=(), ends="open", goals=((5.0, 9.0),)):
             "velocity_m_s": velocity,
             "velocity_history": [{"time_s": t, "velocity_m_s": v} for t, v in history],
         },
-        "crowd": {"groups": [{"tau": 0.2, "goal": {"x_m": x, "z_m": z}} for x, z in goals]},
+        "crowd": {
+            "goal_radius_m": 3.0,
+            "groups": [{"tau": tau, "goal": {"x_m": x, "z_m": z}} for x, z in goals for tau in taus],
+        },
     }
 
 
@@ -35,6 +38,30 @@ class Title(unittest.TestCase):
     def test_a_history_is_named_by_its_range_and_not_by_the_speed_that_it_replaces(self):
         self.assertEqual(self.of(scene(1, [(0, 0), (2, 2.5), (3, 1)])), "S5: $v_F$ 0 to 2.5 m/s")
         self.assertEqual(self.of(scene(1, [(0, 2), (9, 2)])), "S5: $v_F$ 2 m/s")
+
+    def test_a_drawn_tau_is_named_by_its_range(self):
+        drawn = {"min": 0.4, "max": 0.8}
+        for taus, text in (
+            ((0.2,), "0.2"),
+            ((0.8, 0.2, 0.8), "0.2/0.8"),
+            ((drawn,), "0.4\u20130.8"),
+            ((drawn, 0.5, drawn), "0.4\u20130.8/0.5"),
+            (({"min": 0.3, "max": 0.3},), "0.3"),
+        ):
+            with self.subTest(taus=taus):
+                title = figure.title_of(scene(taus=taus), ["one agent"], {"arrived": [], "dead": []}, [])
+                self.assertEqual(title, f"S5: \u03c4 {text}, $v_F$ 1.5 m/s \u2013 0 of 1 arrived")
+
+
+class Goals(unittest.TestCase):
+    def test_the_circle_of_a_goal_at_the_edge_ends_at_the_edge(self):
+        drawing, axes = figure.plt.subplots()
+        self.addCleanup(figure.plt.close, drawing)
+        figure.draw_goals(axes, scene(goals=((5.0, 10.0), (19.0, 9.0))))
+        self.assertEqual(len(axes.patches), 2)
+        for circle in axes.patches:
+            seen = circle.get_clip_box().transformed(axes.transData.inverted())
+            np.testing.assert_allclose(seen.extents, [0, 0, 20, 10], atol=1e-9)
 
 
 class Paths(unittest.TestCase):

@@ -1,0 +1,72 @@
+"""Table and report of tools/frame_rates.py: means, intervals, and whether the rates agree."""
+
+import numpy as np
+
+RULES = ("per_frame", "continuous", "no water")
+MEASURES = ("arrived", "time_s", "agent_time_s")
+COLUMNS = ("scene", "model", "rule", "frame_rate_hz", "status", "seeds", "agents") + tuple(
+    f"{measure}_{end}" for measure in MEASURES for end in ("mean", "lo", "hi")
+)
+RESAMPLES = 10000
+
+
+def interval(values):
+    """(mean, lower, upper) of the mean with 95 %, bootstrap with a fixed start."""
+    values = np.asarray([v for v in values if v is not None], dtype=float)
+    if values.size == 0:
+        return (None, None, None)
+    draws = np.random.default_rng(1).choice(values, (RESAMPLES, values.size)).mean(axis=1)
+    return (values.mean(), *np.percentile(draws, (2.5, 97.5)))
+
+
+def verdict(rows, key):
+    """What the rates say of a measure: the spread of its means and whether all intervals share a value, in words."""
+    if any(row["status"] != "completed" for row in rows):
+        return "incomplete"
+    if any(row[f"{key}_mean"] is None for row in rows):
+        return "-"  # somewhere nobody arrived
+    means = [row[f"{key}_mean"] for row in rows]
+    agree = max(row[f"{key}_lo"] for row in rows) <= min(row[f"{key}_hi"] for row in rows)
+    return f"{max(means) - min(means):.2f}, {'pass' if agree else 'FAIL'}"
+
+
+def shown(row, key, digits=1):
+    if row["status"] != "completed":
+        return row["status"]
+    if row[f"{key}_mean"] is None:
+        return "-"
+    return "{:.{d}f} ({:.{d}f} .. {:.{d}f})".format(*(row[f"{key}{end}"] for end in ("_mean", "_lo", "_hi")), d=digits)
+
+
+HEADER = """# Outcomes at several frame rates
+
+`{command}`: frames of the water and steps of the crowd at {rates} Hz, {seeds} seeds of the markers in one water;
+means with 95 % intervals (bootstrap over the seeds). A rule passes where the intervals of all rates share a value; it
+is incomplete where the run at a rate failed.
+"no water" is the walk alone (tau 0): what varies there is due to the walking rule and the markers. Time: of the last
+arrival; agents' time: mean over all who arrive.
+"""
+OTHER_WATER = """\
+The water of the model {model} is not the same at all rates, as its time steps end where frames do, so what varies
+here is due to the water, too.
+"""
+
+
+def report(rows, options):
+    rates = sorted({row["frame_rate_hz"] for row in rows})
+    lines = [HEADER.format(command=options.command, rates=", ".join(map(str, rates)), seeds=options.seeds)]
+    for scene in dict.fromkeys(row["scene"] for row in rows):
+        of_scene = [row for row in rows if row["scene"] == scene]
+        model = of_scene[0]["model"]
+        lines += [f"## {scene} ({model})", ""]
+        lines += [] if model == "kinematic" else [OTHER_WATER.format(model=model)]
+        lines += ["| rule | rate | arrived | time, s | agents' time, s |", "|---|---|---|---|---|"]
+        for row in of_scene:
+            cells = shown(row, "arrived"), shown(row, "time_s"), shown(row, "agent_time_s", 2)
+            lines.append(f"| {row['rule']} | {row['frame_rate_hz']} | {' | '.join(cells)} |")
+        lines += ["", "| rule | arrived: range of the means | time, s | agents' time, s |", "|---|---|---|---|"]
+        for rule in RULES:
+            answers = [verdict([row for row in of_scene if row["rule"] == rule], key) for key in MEASURES]
+            lines.append(f"| {rule} | {' | '.join(answers)} |")
+        lines.append("")
+    return "\n".join(lines).rstrip("\n") + "\n"

@@ -1,0 +1,71 @@
+"""What a run, or many crowds in one water, came to: read from the run folder and put in words."""
+
+import csv
+import json
+
+
+def forget_earlier(folder):
+    """Removes the outcomes of an earlier run, so that they cannot pass for those of the next one."""
+    for name in ("crowds.csv", "outcome.json"):
+        (folder / name).unlink(missing_ok=True)
+
+
+def crowd_folders(folder):
+    """The run folders of crowds, {name: what tells this outcome from a later one of that name}."""
+    found = {}
+    for outcome in folder.glob("*/outcome.json"):
+        status = outcome.stat()
+        found[outcome.parent.name] = (status.st_ino, status.st_mtime_ns)
+    return found
+
+
+def left_from_earlier(folder, before):
+    """The names of crowds whose outcome is not of this run. before: crowd_folders() when it began."""
+    now = crowd_folders(folder)
+    return sorted(name for name, outcome in before.items() if now.get(name) == outcome)
+
+
+def summary(folder):
+    """The outcome in words, from outcome.json; empty if there is none."""
+    try:
+        outcome = json.loads((folder / "outcome.json").read_text())
+    except (OSError, ValueError):
+        return []
+    last = outcome["last_arrival_s"]
+    arrival = f", the last after {last:.1f} s" if last is not None else ""
+    lines = [
+        f"{outcome['scene']}: {outcome['status']}; {outcome['arrived']} of {outcome['agents']} arrived{arrival}; "
+        f"{outcome['dead']} dead, {outcome['active']} active"
+    ]
+    wall, memory = outcome["wall_time_s"], outcome["fluid"].get("resident_bytes")
+    if wall:
+        simulated = outcome["sim_time_s"]
+        speed = f"{simulated:.1f} s simulated in {wall:.1f} s ({simulated / wall:.2f} s per second)"
+        lines.append(speed + (f", server memory {memory / 1e6:.0f} MB" if memory else ""))
+    return lines
+
+
+def crowds_of(folder):
+    """The rows of crowds.csv; empty if there is none."""
+    try:
+        with open(folder / "crowds.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+    except OSError:
+        return []
+
+
+def crowds_summary(folder):
+    """The outcome of many crowds in words, a line each."""
+    for row in crowds_of(folder):
+        last = f", the last after {float(row['last_arrival_s']):.1f} s" if row["last_arrival_s"] else ""
+        yield (
+            f"{row['name']}: {row['status']}; {row['arrived']} of {row['agents']} arrived{last}; "
+            f"{row['dead']} dead, {row['active']} active"
+        )
+
+
+def has_frames(folder):
+    try:
+        return json.loads((folder / "outcome.json").read_text())["frames"] > 0
+    except (OSError, ValueError, KeyError):
+        return False
