@@ -32,4 +32,4 @@ done
 
 "$root/tools/install_dependencies.sh" || exit 1
 build_programs || { echo "reproduce_paper.sh: the build failed" >&2; exit 1; }
-exec /usr/bin/python3 "$root/tools/reproduce_paper.py" --programs "$build" "$@"
+exec /usr/bin/python3 "$root/tools/paper/reproduce.py" --programs "$build" "$@"

@@ -1,0 +1,222 @@
+"""What each part of the report needs: waters, and the crowds that walk through each of them.
+
+One run of the fluid serves every crowd of its water: scenarios that differ in tau, groups, events, contact rule or seed.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
+SETS = ("observed", "paper", "river")
+KINEMATIC = ("observed",)  # sets whose water is not solved
+SCENARIOS = tuple(f"S{i}" for i in range(1, 13))
+QUICK = ("S1", "S4", "S5", "S8")
+PUSHED = ("S4", "S5", "S6", "S7", "S8", "S10")  # scenarios in which a reading can be told from another
+V_F = {0: 0.5, 1: 1.5, 2: 2.5}  # m/s, S1, S2, S3, then again
+OTHERS = ("two_groups", "no_obstacle", "obstacle", "tau_switch")
+VARIATIONS = ("agents_500", "agents_5000", "goals_and_groups", "village")
+PHASE_TAU = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
+PHASE_V_F = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0)  # m/s
+GOAL_RADII = (0.5, 1, 2, 3, 4, 5)  # m; 3 is the scenes'
+DEPTHS = (0.6, 0.8, 1.2, 1.4, 1.6)  # m, beside 1
+SPACINGS = (0.5, 0.25)  # m, beside 0.4642
+FRAME_RATES = (15, 60)  # 1/s, beside 30
+OBSTACLE_PLACES = (40, 50)  # m, x_min beside 60
+
+
+@dataclass(frozen=True)
+class Water:
+    """One run of the fluid: a scene with some values changed."""
+
+    set: str
+    name: str  # folder in that of the set
+    scene: Path
+    changes: tuple = ()  # of (JSON pointer, value)
+
+    @property
+    def key(self):
+        return f"{self.set}/{self.name}"
+
+
+@dataclass(frozen=True)
+class Case:
+    """One crowd in a water, to be run with several seeds."""
+
+    water: Water
+    name: str
+    scene: Path  # whose crowd, coupling and events it has
+    changes: tuple = ()  # of (JSON pointer, value), of crowd, coupling and events
+
+    @property
+    def key(self):
+        return f"{self.water.key}/{self.name}"
+
+
+def scene_of(scene_set, scenario):
+    name = f"s{int(scenario[1:]):02d}" if scenario in SCENARIOS else scenario
+    return CONFIGS / scene_set / f"{name}.json"
+
+
+def velocity_of(scenario):
+    """v_F of a scenario of Table 1, m/s."""
+    return V_F[(int(scenario[1:]) - 1) % 3]
+
+
+def stream(scene_set, velocity, suffix="", changes=()):
+    """The water of Table 1 with v_F; a suffix names what else is changed."""
+    scenario = {0.5: "S1", 1.5: "S2", 2.5: "S3"}.get(velocity)
+    name = f"v{velocity:g}" + (f"-{suffix}" if suffix else "")
+    if scenario:
+        return Water(scene_set, name, scene_of(scene_set, scenario), changes)
+    return Water(scene_set, name, scene_of(scene_set, "S2"), (("/channel/velocity_m_s", velocity), *changes))
+
+
+def scenario_case(scene_set, scenario, suffix="", water_changes=(), crowd_suffix="", crowd_changes=()):
+    """A scenario of Table 1, as it is or with a changed water or crowd."""
+    water = stream(scene_set, velocity_of(scenario), suffix, water_changes)
+    name = scenario.lower() + (f"-{crowd_suffix}" if crowd_suffix else "")
+    return Case(water, name, scene_of(scene_set, scenario), crowd_changes)
+
+
+def other_case(scene_set, scenario, suffix="", water_changes=()):
+    """A scenario beside Table 1; those without solids and with the river in its place share its waters."""
+    scene = scene_of(scene_set, scenario)
+    if scenario in ("obstacle", "village", "agents_5000", "fine"):
+        return Case(Water(scene_set, scenario + suffix, scene, water_changes), scenario, scene)
+    velocity = 2.5 if scenario == "tau_switch" else 1.5
+    return Case(stream(scene_set, velocity, suffix.lstrip("-"), water_changes), scenario, scene)
+
+
+def table1_cases(scene_set, quick=False):
+    return [scenario_case(scene_set, name) for name in SCENARIOS if not quick or name in QUICK]
+
+
+def has_scene(scene_set, name):
+    """The kinematic water does not flow round obstacles."""
+    return scene_set not in KINEMATIC or name not in ("obstacle", "village")
+
+
+def others_cases(scene_set):
+    cases = [other_case(scene_set, name) for name in OTHERS if has_scene(scene_set, name)]
+    return cases + [obstacle_at(scene_set, x) for x in OBSTACLE_PLACES if has_scene(scene_set, "obstacle")]
+
+
+def obstacle_at(scene_set, x):
+    return other_case(
+        scene_set, "obstacle", f"-x{x:g}", (("/obstacles/0/x_min_m", x), ("/obstacles/0/x_max_m", x + 7))
+    )
+
+
+def contact_cases(scene_set):
+    sums = (("/coupling/contact_rule", "sum"),)
+    return [scenario_case(scene_set, name, crowd_suffix="sum", crowd_changes=sums) for name in PUSHED]
+
+
+def continuous_cases(scene_set):
+    rule = (("/coupling/rule", "continuous"),)
+    return [scenario_case(scene_set, name, crowd_suffix="continuous", crowd_changes=rule) for name in PUSHED]
+
+
+def water_readings(scene_set):
+    """{what: (suffix, changes of the water)} of the readings that need waters of their own."""
+    readings = {}
+    for spacing in SPACINGS:
+        readings[f"spacing {spacing:g} m"] = f"d{spacing:g}", (("/fluid/particle_spacing_m", spacing),)
+    for rate in FRAME_RATES:
+        readings[f"{rate} frames/s"] = f"{rate}hz", (("/frame_rate_hz", rate),)
+    if scene_set == "observed":
+        readings["transported at v_F"] = "carried1", (("/fluid/kinematic/transport_factor", 1),)
+        filled = (("/channel/initial_river", "filled"), ("/fluid/kinematic/transport_factor", 1))
+        readings["filled at the start, transported at v_F"] = "filled", filled
+    if scene_set == "paper":
+        readings["gravity 9.81 m/s2"] = "g9.81", (("/world/gravity_m_s2", 9.81),)
+        readings["filled at the start"] = "filled", (("/channel/initial_river", "filled"),)
+    return readings
+
+
+def reading_cases(scene_set):
+    cases = contact_cases(scene_set)
+    for suffix, changes in water_readings(scene_set).values():
+        if scene_set in KINEMATIC or suffix in ("g9.81", "filled", "d0.5"):
+            cases += [scenario_case(scene_set, name, suffix, changes) for name in PUSHED]
+    return cases
+
+
+def phase_case(tau, velocity):
+    return Case(stream("observed", velocity), f"tau{tau:g}", scene_of("observed", "S5"), (("/crowd/tau", tau),))
+
+
+def phase_cases():
+    return [phase_case(tau, velocity) for velocity in PHASE_V_F for tau in PHASE_TAU]
+
+
+def goal_case(radius):
+    changes = (("/crowd/goal_radius_m", radius),)
+    return scenario_case("observed", "S1", crowd_suffix=f"goal{radius:g}", crowd_changes=changes)
+
+
+def depth_case(scenario, depth):
+    """A scenario of the observed set in a stream of another depth."""
+    changes = (("/channel/depth_m", depth),)
+    suffix = f"h{depth:g}"
+    if depth == 1:
+        return scenario_case("observed", scenario) if scenario in SCENARIOS else other_case("observed", scenario)
+    if scenario in SCENARIOS:
+        return scenario_case("observed", scenario, suffix, changes)
+    return other_case("observed", scenario, f"-{suffix}", changes)
+
+
+DEPTH_SCENARIOS = (*PUSHED, "S11", "two_groups", "no_obstacle", "tau_switch")
+
+
+def depth_cases():
+    return [depth_case(scenario, depth) for depth in sorted((*DEPTHS, 1)) for scenario in DEPTH_SCENARIOS]
+
+
+PARTS = {
+    "table1": "S1 to S12 beside the paper's Table 1, with the bands",
+    "others": "two groups, obstacle in several places, switch of tau",
+    "readings": "contact rules, spacings, frame rates, starts, gravity",
+    "particles": "ten times the particles",
+    "phase": "who arrives over the plane of tau and v_F (set observed)",
+    "goal": "time of S1 over the goal radius, the one number fitted (set observed)",
+    "depth": "outcomes over the depth of the water (set observed)",
+    "variations": "500 and 5,000 agents, several goals and groups, a village",
+    "figures": "pictures in the paper's style",
+}
+
+
+def cases_of(part, sets, quick=False):
+    """The cases of a part in these sets of scenes."""
+    if part == "table1":
+        return [case for scene_set in sets for case in table1_cases(scene_set, quick)]
+    if part == "others":
+        return [case for scene_set in sets for case in others_cases(scene_set)]
+    if part == "readings":
+        return [case for scene_set in sets for case in reading_cases(scene_set)]
+    if part == "particles":
+        return [case for scene_set in sets for case in particles_cases(scene_set)]
+    if part == "variations":
+        return [other_case(scene_set, name) for scene_set in sets for name in VARIATIONS if has_scene(scene_set, name)]
+    if "observed" not in sets:
+        return []
+    return {"phase": phase_cases, "depth": depth_cases, "figures": list,
+            "goal": lambda: [goal_case(radius) for radius in GOAL_RADII]}[part]()
+
+
+FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
+
+
+def coarse_cases(scene_set):
+    """The same crowds as fine_cases() through the usual particles."""
+    return [scenario_case(scene_set, name) if name in SCENARIOS else other_case(scene_set, name) for name in FINE]
+
+
+def particles_cases(scene_set):
+    return coarse_cases(scene_set) + fine_cases(scene_set)
+
+
+def fine_cases(scene_set):
+    """Crowds through ten times the particles."""
+    water = other_case(scene_set, "fine").water
+    return [Case(water, name.lower(), scene_of(scene_set, name)) for name in FINE]
