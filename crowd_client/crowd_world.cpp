@@ -65,17 +65,17 @@ void freeze_positions(CrowdWorld& crowd) {
     for (std::size_t k = 0; k < crowd.active.size(); ++k) crowd.positions[k] = crowd.agents.position[crowd.active[k]];
 }
 
-void find_contacts(CrowdWorld& crowd) {
+void find_contacts(CrowdWorld& crowd, const WaterBins& water) {
     const double distance = contact_distance(crowd.scene.coupling);
     crowd.contacts.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
-        crowd.contacts[k] = find_contact(crowd.water, crowd.positions[k], distance, crowd.touching);
+        crowd.contacts[k] = find_contact(water, crowd.positions[k], distance, crowd.touching);
     }
 }
 
-void note_water_met(CrowdWorld& crowd) {
+void note_water_met(CrowdWorld& crowd, const WaterBins& water) {
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
-        const CellWater met = water_at(crowd.water, crowd.positions[k], crowd.scene.fluid.rest_density);
+        const CellWater met = water_at(water, crowd.positions[k], crowd.scene.fluid.rest_density);
         double& depth = crowd.agents.max_depth[crowd.active[k]];
         double& dv = crowd.agents.max_dv[crowd.active[k]];
         depth = std::max(depth, met.depth);
@@ -156,7 +156,29 @@ void judge_outcomes(CrowdWorld& crowd, std::uint64_t step) {
     std::erase_if(crowd.active, [&](std::uint32_t id) { return crowd.agents.outcome[id] != Outcome::active; });
 }
 
+// The step, once the positions are frozen and the water round them is sorted.
+void advance(CrowdWorld& crowd, const WaterBins& water) {
+    const std::uint64_t this_step = crowd.steps + 1;
+    apply_events_due(crowd, this_step);
+    find_contacts(crowd, water);  // Eq. 5
+    note_water_met(crowd, water);
+    claim_markers(crowd.claims, crowd.markers, crowd.positions, crowd.scene.crowd.perception_radius,
+                  crowd.scene.world.period());
+    choose_walking_velocities(crowd);  // Eq. 1-4
+    couple_with_water(crowd);          // Eq. 6-9
+    move_agents(crowd);
+    judge_outcomes(crowd, this_step);
+    crowd.steps = this_step;
+}
+
 }  // namespace
+
+WaterBins empty_bins(const Scene& scene) {
+    WaterBins bins;
+    bins.grid = GroundGrid::over(scene.world);
+    bins.period = scene.world.period();
+    return bins;
+}
 
 CrowdWorld make_crowd(const Scene& scene) {
     check_coupling(scene);
@@ -173,25 +195,19 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.markers = crowd.agents.size() == 0 ? Markers{} : place_markers(scene);
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
-    crowd.water.grid = crowd.markers.grid;
-    crowd.water.period = scene.world.period();
+    crowd.water = empty_bins(scene);
     return crowd;
 }
 
 void step(CrowdWorld& crowd, const WaterView& water) {
-    const std::uint64_t this_step = crowd.steps + 1;
-    apply_events_due(crowd, this_step);
     freeze_positions(crowd);
     bin_water(crowd.water, water, crowd.positions);
-    find_contacts(crowd);  // Eq. 5
-    note_water_met(crowd);
-    claim_markers(crowd.claims, crowd.markers, crowd.positions, crowd.scene.crowd.perception_radius,
-                  crowd.scene.world.period());
-    choose_walking_velocities(crowd);  // Eq. 1-4
-    couple_with_water(crowd);          // Eq. 6-9
-    move_agents(crowd);
-    judge_outcomes(crowd, this_step);
-    crowd.steps = this_step;
+    advance(crowd, crowd.water);
+}
+
+void step_through(CrowdWorld& crowd, const WaterBins& water) {
+    freeze_positions(crowd);
+    advance(crowd, water);
 }
 
 }  // namespace wade::crowd

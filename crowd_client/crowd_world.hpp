@@ -28,7 +28,7 @@ struct CrowdWorld {
     Walls walls;
 
     // Of the step at hand; place k belongs to active[k]. Kept for their memory.
-    WaterBins water;
+    WaterBins water;  // unused where the water is sorted for several crowds
     MarkerClaims claims;
     std::vector<Vector2d> positions;  // frozen at the beginning of the step
     std::vector<Contact> contacts;    // Eq. 5
@@ -43,5 +43,12 @@ struct CrowdWorld {
 // Takes the next step, through the water as it is: Eq. 1-9 once, whatever the rate of the water's frames.
 // The new state of each agent is computed from the frozen old state of all, so the order of the agents does not matter.
 void step(CrowdWorld& crowd, const WaterView& water);
+
+// The same step, to the bit, through water that was sorted before, perhaps for several crowds: the bins hold at least the
+// water within a cell of each active agent.
+void step_through(CrowdWorld& crowd, const WaterBins& water);
+
+// Bins over the ground of the scene, without water.
+[[nodiscard]] WaterBins empty_bins(const Scene& scene);
 
 }  // namespace wade::crowd

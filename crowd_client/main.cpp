@@ -1,6 +1,5 @@
 // crowd_client SCENE.json: walks the crowd of a scene through the water that a fluid server sends.
 
-#include <chrono>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -14,33 +13,20 @@
 #include "configs/program.hpp"
 #include "configs/run_control.hpp"
 #include "crowd_client/agents_stream.hpp"
+#include "crowd_client/crowds_program.hpp"
 #include "crowd_client/frame_time.hpp"
 #include "crowd_client/played_events.hpp"
 #include "crowd_client/progress.hpp"
 #include "crowd_client/run_client.hpp"
 #include "crowd_client/run_folder.hpp"
 #include "crowd_client/run_labels.hpp"
+#include "crowd_client/stopwatch.hpp"
 #include "shm_protocol/segment.hpp"
 
 namespace {
 
 using namespace wade;
 using namespace wade::crowd;
-
-class Stopwatch {
- public:
-    [[nodiscard]] double seconds() const {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
-
- private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-std::string status_for(const std::exception& error) {
-    const auto* output = dynamic_cast<const OutputError*>(&error);
-    return output != nullptr && output->disk_full() ? "disk_full" : status_of(exit_code_of<shm::Error>(error));
-}
 
 struct Run {
     CrowdWorld crowd;
@@ -167,7 +153,7 @@ int run_scene(const ProgramStart& start, Console& console) {
     }
     RunControl control(start.options.word("--commands"));
     RunFolder folder(start.options.out.value_or(default_run_folder(run.crowd.scene.name)), run.crowd, run.labels,
-                     start.options.extra("--water-every-s"));
+                     record_of(start.options));
     run.clock = Stopwatch();
     int code = static_cast<int>(ExitCode::ok);
     try {
@@ -179,7 +165,7 @@ int run_scene(const ProgramStart& start, Console& console) {
         }
     } catch (const std::exception& error) {
         code = exit_code_of<shm::Error>(error);
-        run.summary.status = status_for(error);
+        run.summary.status = status_of(error);
         run.summary.message = error.what();
         console.line(error.what());
     }
@@ -204,6 +190,13 @@ ProgramDescription description() {
           .help = "Simulated time between two stored pictures of the water, s; 0: none",
           .number = NumberRange{0, 1e6},
           .preset = 5},
+         {.name = "--no-trajectories",
+          .help = "Write no trajectories.sqlite, for many runs of which only the end counts"},
+         {.name = "--crowds",
+          .help =
+              "Many crowds in the water of one server: a JSON list of { \"name\": ..., \"set\": { pointer: value } }; "
+              "each walks as if alone, into DIR/<name>/, and DIR/crowds.csv sums up (see configs/README.md)",
+          .word = Word{"FILE"}},
          {.name = "--mode",
           .help = "lockstep: every frame, and the producer waits for the crowd. latest: the newest frame, and the "
                   "producer never waits; frames may be dropped, so that two runs differ",
@@ -227,11 +220,15 @@ int main(int argc, char** argv) {
     Console console("crowd_client");
     try {
         const ProgramStart start = start_program(description(), argc, argv);
+        const bool many = !start.loaded.canonical_json.empty() && !start.options.word("--crowds").empty();
         if (start.answer) {
-            std::cout << *start.answer;
+            const std::string crowds = many ? check_of_crowds(start) : "";
+            std::cout << *start.answer << (start.options.check ? crowds : "");
             return 0;
         }
+        if (many) let_threads_spin_briefly(argv);
         catch_signals();
+        if (many) return run_list_of_crowds(start, console);
         return run_scene(start, console);
     } catch (const std::exception& error) {
         console.line(error.what());

@@ -54,6 +54,14 @@ std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, doub
     return line;
 }
 
+std::string progress_line(const CrowdsProgress& crowds, const shm::Frame& frame, double wall_time) {
+    std::string line = print("t %.1f s  %zu of %zu crowds walk, %zu agents  ", crowds.time, crowds.walking,
+                             crowds.crowds, crowds.active);
+    line += water_text(frame);
+    if (wall_time > 0) line += print("  %.2f x real time", crowds.time / wall_time);
+    return line;
+}
+
 std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, double wall_time) {
     const double time = static_cast<double>(crowd.steps) * crowd.dt;
     std::string text = print("%s: %zu of %zu arrived", summary.status.c_str(), crowd.arrived, crowd.agents.size());

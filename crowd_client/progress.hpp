@@ -12,6 +12,13 @@ namespace wade::crowd {
 // wall_time: s since the first frame was asked for.
 [[nodiscard]] std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, double wall_time);
 
+// The same of many crowds: how many still walk, with how many agents.
+struct CrowdsProgress {
+    std::size_t crowds = 0, walking = 0, active = 0;
+    double time = 0;  // s
+};
+[[nodiscard]] std::string progress_line(const CrowdsProgress& crowds, const shm::Frame& frame, double wall_time);
+
 // Two lines at the end of a run, the second without a line end.
 [[nodiscard]] std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, double wall_time);
 

@@ -117,6 +117,14 @@ std::string agents_csv(const CrowdWorld& crowd) {
     return csv;
 }
 
+std::string crowds_csv_row(const CrowdWorld& crowd, const RunSummary& summary) {
+    std::string row = std::to_string(crowd.scene.seed) + ',' + summary.status;
+    for (const std::size_t n : {crowd.agents.size(), crowd.arrived, crowd.dead, crowd.active.size()}) {
+        row += ',' + std::to_string(n);
+    }
+    return row + ',' + (crowd.arrived > 0 ? number(time_of(crowd, crowd.last_arrival_step)) : "");
+}
+
 std::string manifest_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {
     Json json;
     json["program"] = "crowd_client";

@@ -30,6 +30,9 @@ struct RunLabels {
 // digits as it takes to read back the same bits. time_s: of arrival, of death or of the last step.
 [[nodiscard]] std::string agents_csv(const CrowdWorld& crowd);
 
+// A row of crowds.csv behind the crowd's name: seed,status,agents,arrived,dead,active,last_arrival_s.
+[[nodiscard]] std::string crowds_csv_row(const CrowdWorld& crowd, const RunSummary& summary);
+
 // manifest.json: which program, scene, seed and command made the folder; holds the resolved scene.
 [[nodiscard]] std::string manifest_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);
 

@@ -3,18 +3,15 @@
 #include <csignal>
 
 #include "configs/exit_code.hpp"
+#include "configs/peer_support.hpp"
 #include "crowd_client/frame_time.hpp"
+#include "crowd_client/output_file.hpp"
 
 namespace wade::crowd {
 namespace {
 
-void stop_if_interrupted(const ClientHooks& hooks, std::uint64_t frame) {
-    const int signal = hooks.interrupted ? hooks.interrupted() : 0;
-    if (signal == 0) return;
-    const bool terminated = signal == SIGTERM;
-    throw RunError(
-        terminated ? ExitCode::terminated : ExitCode::interrupted,
-        std::string("interrupted by ") + (terminated ? "SIGTERM" : "SIGINT") + " after frame " + std::to_string(frame));
+int signal_of(const ClientHooks& hooks) {
+    return hooks.interrupted ? hooks.interrupted() : 0;
 }
 
 // One way through the stream: the frames that came and where they led.
@@ -27,7 +24,7 @@ class Journey {
     void take_frames() {
         if (agents_ != nullptr) beside_water([&] { agents_->start(crowd_); });
         while (const std::optional<shm::Frame> frame = next_frame()) {
-            check_order(*frame);
+            check_order(source_, *frame, summary_.last_frame);
             walk_through(*frame);
             const bool stream_ends = frame->final;
             const bool last = stream_ends || run_is_over(crowd_);
@@ -39,15 +36,15 @@ class Journey {
             break;
         }
         if (agents_ != nullptr) beside_water([&] { agents_->close(); });
-        summary_.status = run_is_over(crowd_) || duration_is_over() ? "completed" : "stream_ended";
+        summary_.status = status_at_end(crowd_, summary_);
     }
 
  private:
     std::optional<shm::Frame> next_frame() {
-        stop_if_interrupted(hooks_, last_frame_);
+        stop_at_signal(signal_of(hooks_), summary_.last_frame);
         if (hooks_.before_frame) {
             hooks_.before_frame();
-            stop_if_interrupted(hooks_, last_frame_);
+            stop_at_signal(signal_of(hooks_), summary_.last_frame);
         }
         if (hooks_.quit && hooks_.quit()) quit();
         std::optional<shm::Frame> frame = source_.acquire();
@@ -62,7 +59,7 @@ class Journey {
         try {
             work();
         } catch (const shm::Error& error) {
-            const bool by_signal = hooks_.interrupted && hooks_.interrupted() != 0;
+            const bool by_signal = signal_of(hooks_) != 0;
             if (error.failure() != shm::Failure::interrupted || by_signal) throw;
             if (holds_frame_) source_.release();
             while (source_.acquire()) source_.release();
@@ -74,32 +71,18 @@ class Journey {
     [[noreturn]] void quit() {
         source_.leave();
         if (agents_ != nullptr) agents_->close();
-        throw RunError(ExitCode::interrupted, "told to quit after frame " + std::to_string(last_frame_));
-    }
-
-    void check_order(const shm::Frame& frame) const {
-        const std::uint64_t due = last_frame_ + 1;
-        if (source_.in_lockstep() ? frame.frame == due : frame.frame >= due) return;
-        throw RunError(ExitCode::protocol_violation, "got frame " + std::to_string(frame.frame) +
-                                                         " of the water where frame " + std::to_string(due) +
-                                                         " was due");
+        throw RunError(ExitCode::interrupted, "told to quit after frame " + std::to_string(summary_.last_frame));
     }
 
     void walk_through(const shm::Frame& frame) {
         const WaterView water = ground_view(frame, source_.info());
         const std::uint64_t due = steps_due_at(crowd_.scene, source_.info(), frame.tick);
         while (crowd_.steps < due && !run_is_over(crowd_)) {
-            stop_if_interrupted(hooks_, last_frame_);
+            stop_at_signal(signal_of(hooks_), summary_.last_frame);
             step(crowd_, water);
             if (hooks_.on_step) hooks_.on_step(crowd_, water);
         }
-        const double time = time_of_tick(source_.info(), frame.tick);
-        add_frame(summary_.fluid, frame, time, time - time_);
-        time_ = time;
-        last_frame_ = frame.frame;
-        ++summary_.frames;
-        summary_.dropped_frames = source_.dropped_frames();
-        if (source_.in_lockstep()) summary_.frame_hash = frame.hash;
+        note_frame(summary_, source_, frame);
         if (hooks_.on_frame) hooks_.on_frame(crowd_, frame);
     }
 
@@ -109,19 +92,12 @@ class Journey {
         summary_.agents_hash = agents_->hash();
     }
 
-    // With rates that do not fit the duration, the last step may be due after the last frame.
-    [[nodiscard]] bool duration_is_over() const {
-        return time_ >= crowd_.scene.duration - 0.5 / crowd_.scene.frame_rate;
-    }
-
     CrowdWorld& crowd_;
     FrameSource& source_;
     RunSummary& summary_;
     const ClientHooks& hooks_;
     AgentsPublisher* agents_;
     bool holds_frame_ = false;
-    std::uint64_t last_frame_ = 0;
-    double time_ = 0;  // s, of the last frame
 };
 
 }  // namespace
@@ -149,6 +125,42 @@ void run_client(CrowdWorld& crowd, FrameSource& source, RunSummary& summary, con
         give_up(static_cast<int>(ExitCode::unexpected), error.what());
         throw;
     }
+}
+
+void stop_at_signal(int signal, std::uint64_t last_frame) {
+    if (signal == 0) return;
+    const bool terminated = signal == SIGTERM;
+    throw RunError(terminated ? ExitCode::terminated : ExitCode::interrupted,
+                   std::string("interrupted by ") + (terminated ? "SIGTERM" : "SIGINT") + " after frame " +
+                       std::to_string(last_frame));
+}
+
+void check_order(const FrameSource& source, const shm::Frame& frame, std::uint64_t last_frame) {
+    const std::uint64_t due = last_frame + 1;
+    if (source.in_lockstep() ? frame.frame == due : frame.frame >= due) return;
+    throw RunError(ExitCode::protocol_violation, "got frame " + std::to_string(frame.frame) +
+                                                     " of the water where frame " + std::to_string(due) + " was due");
+}
+
+void note_frame(RunSummary& summary, const FrameSource& source, const shm::Frame& frame) {
+    const double time = time_of_tick(source.info(), frame.tick);
+    add_frame(summary.fluid, frame, time, time - summary.time);
+    summary.time = time;
+    summary.last_frame = frame.frame;
+    ++summary.frames;
+    summary.dropped_frames = source.dropped_frames();
+    if (source.in_lockstep()) summary.frame_hash = frame.hash;
+}
+
+std::string status_at_end(const CrowdWorld& crowd, const RunSummary& summary) {
+    // With rates that do not fit the duration, the last step may be due after the last frame.
+    const bool duration_is_over = summary.time >= crowd.scene.duration - 0.5 / crowd.scene.frame_rate;
+    return run_is_over(crowd) || duration_is_over ? "completed" : "stream_ended";
+}
+
+std::string status_of(const std::exception& error) {
+    const auto* output = dynamic_cast<const OutputError*>(&error);
+    return output != nullptr && output->disk_full() ? "disk_full" : status_of(exit_code_of<shm::Error>(error));
 }
 
 std::string status_of(int exit_code) {

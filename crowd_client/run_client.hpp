@@ -2,6 +2,7 @@
 // The loop of the crowd: a frame of water, the steps that are due with it, one entry in the log for each.
 
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <string>
 
@@ -18,6 +19,8 @@ struct RunSummary {
     std::string status = "running";
     std::string message;               // why the run ended badly, a full sentence
     std::uint64_t frames = 0;          // of the water, taken
+    std::uint64_t last_frame = 0;      // number of the last of them
+    double time = 0;                   // s, of the last of them
     std::uint64_t dropped_frames = 0;  // not seen, outside lockstep only
     std::uint64_t frame_hash = 0;      // chain over them; 0 = unknown, as it is outside lockstep
     std::uint64_t agents_hash = 0;     // chain over the frames of agents, 0 = none were made
@@ -49,5 +52,22 @@ void run_client(CrowdWorld& crowd, FrameSource& source, RunSummary& summary, con
 
 // "interrupted", "peer_dead", ...: the status that goes with an exit code.
 [[nodiscard]] std::string status_of(int exit_code);
+
+// The status of a run that an error ends: that of its exit code, or "disk_full".
+[[nodiscard]] std::string status_of(const std::exception& error);
+
+// What the loops of one crowd (run_client) and of many (run_crowds) share.
+
+// Throws RunError for a signal other than 0.
+void stop_at_signal(int signal, std::uint64_t last_frame);
+
+// Throws RunError if the frame is not one that may follow the last.
+void check_order(const FrameSource& source, const shm::Frame& frame, std::uint64_t last_frame);
+
+// Takes a frame into the summary once the crowd has walked through it.
+void note_frame(RunSummary& summary, const FrameSource& source, const shm::Frame& frame);
+
+// The status of a run without errors, after its last frame: "completed" or "stream_ended".
+[[nodiscard]] std::string status_at_end(const CrowdWorld& crowd, const RunSummary& summary);
 
 }  // namespace wade::crowd

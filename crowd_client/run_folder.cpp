@@ -11,8 +11,7 @@
 
 namespace wade::crowd {
 
-RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels,
-                     double water_interval)
+RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, const Record& kept)
     : folder_(std::move(folder)), canonical_scene_(labels.canonical_scene) {
     make_run_folder(folder_);
     std::error_code ignored;
@@ -23,16 +22,20 @@ RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, cons
     write_whole_file(folder_ / "outcome.json", outcome_json(crowd, RunSummary{}, labels));
     // Twice the length of a line of agents.csv, twice the other files and their blocks.
     reserve_.emplace(folder_ / ".reserve", 400 * crowd.agents.size() + 2 * labels.canonical_scene.size() + 65536);
-    trajectories_.emplace(folder_ / "trajectories.sqlite", crowd.scene);
-    trajectories_->write(0, crowd.agents, crowd.active);
-    if (water_interval > 0) {
+    if (kept.trajectories) {
+        trajectories_.emplace(folder_ / "trajectories.sqlite", crowd.scene);
+        trajectories_->write(0, crowd.agents, crowd.active);
+    } else {
+        std::filesystem::remove(folder_ / "trajectories.sqlite", ignored);
+    }
+    if (kept.water_interval > 0) {
         water_.emplace(folder_ / "water.bin", crowd.scene);
-        steps_per_snapshot_ = static_cast<std::uint64_t>(std::max(1LL, std::llround(water_interval / crowd.dt)));
+        steps_per_snapshot_ = static_cast<std::uint64_t>(std::max(1LL, std::llround(kept.water_interval / crowd.dt)));
     }
 }
 
 void RunFolder::record(const CrowdWorld& crowd, const WaterView& water) {
-    trajectories_->write(crowd.steps, crowd.agents, crowd.active);
+    if (trajectories_) trajectories_->write(crowd.steps, crowd.agents, crowd.active);
     if (!water_) return;
     // After the first and the last step, too, so that any time of the run has a picture at most one interval away.
     const bool due = crowd.steps == 1 || crowd.steps % steps_per_snapshot_ == 0;
@@ -59,12 +62,12 @@ void RunFolder::finish(const CrowdWorld& crowd, const RunSummary& summary, const
     };
     // Closing the database needs space, too; on a full disk the texts come first.
     const bool disk_full = summary.status == "disk_full";
-    if (!disk_full) attempt([&] { trajectories_->close(); });
+    if (trajectories_ && !disk_full) attempt([&] { trajectories_->close(); });
     reserve_.reset();
     attempt([&] { write_whole_file(folder_ / "agents.csv", agents_csv(crowd)); });
     attempt([&] { write_whole_file(folder_ / "manifest.json", manifest_json(crowd, summary, labels)); });
     attempt([&] { write_whole_file(folder_ / "outcome.json", outcome_json(crowd, summary, labels)); });
-    if (disk_full) attempt([&] { trajectories_->close(); });
+    if (trajectories_ && disk_full) attempt([&] { trajectories_->close(); });
     if (first) std::rethrow_exception(first);
 }
 

@@ -13,6 +13,12 @@
 
 namespace wade::crowd {
 
+// What of a run is stored step by step.
+struct Record {
+    double water_interval = 0;  // simulated seconds between two snapshots of the water, 0 = none
+    bool trajectories = true;   // trajectories.sqlite
+};
+
 //   trajectories.sqlite, water.bin   grow step by step
 //   events.jsonl                     grows with each tau command, absent if there was none
 //   scene_as_played.json             the scene with these as events, rewritten as a whole with each
@@ -22,9 +28,8 @@ namespace wade::crowd {
 class RunFolder {
  public:
     // Creates the folder and its first files; results of an earlier run in it are replaced.
-    // water_interval: simulated seconds between two snapshots of the water, 0 = none.
     // Throws ConfigurationError if the folder cannot be made or written to, OutputError for a file in it.
-    RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, double water_interval);
+    RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, const Record& kept);
 
     // Logs the state after a step. Throws OutputError.
     void record(const CrowdWorld& crowd, const WaterView& water);

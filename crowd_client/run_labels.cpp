@@ -49,6 +49,10 @@ std::vector<std::string> portable_command(const std::vector<std::string>& argume
     return portable;
 }
 
+Record record_of(const RunOptions& options) {
+    return {.water_interval = options.extra("--water-every-s"), .trajectories = !options.has("--no-trajectories")};
+}
+
 RunLabels labels_of(const ProgramStart& start) {
     RunLabels labels;
     labels.canonical_scene = start.loaded.canonical_json;

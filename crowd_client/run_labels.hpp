@@ -6,11 +6,15 @@
 
 #include "configs/command_line.hpp"
 #include "crowd_client/report.hpp"
+#include "crowd_client/run_folder.hpp"
 
 namespace wade::crowd {
 
 // The labels of a run that starts now, its fluid model not yet known.
 [[nodiscard]] RunLabels labels_of(const ProgramStart& start);
+
+// What the options say about the files that grow step by step.
+[[nodiscard]] Record record_of(const RunOptions& options);
 
 // The command without what differs between two runs of the same thing: the folder of the program, the options --out,
 // --session and --commands.

@@ -76,10 +76,7 @@ double gap_to_interval(double v, double lo, double hi) {
     return std::max({lo - v, v - hi, 0.0});
 }
 
-}  // namespace
-
-void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions) {
-    mark_cells_near(bins, positions);
+void sort_marked(WaterBins& bins, const WaterView& water) {
     keep_near(bins, water);
 
     // cell_start[c + 1] serves as the next free place of cell c while the particles are dealt out; once all are, it is
@@ -103,6 +100,18 @@ void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d
         bins.vx[to] = water.scale_x * static_cast<double>(water.vx[i]);
         bins.vz[to] = water.scale_z * static_cast<double>(water.vz[i]);
     }
+}
+
+}  // namespace
+
+void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions) {
+    mark_cells_near(bins, positions);
+    sort_marked(bins, water);
+}
+
+void bin_all_water(WaterBins& bins, const WaterView& water) {
+    bins.near_agent.assign(bins.grid.cells(), 1);
+    sort_marked(bins, water);
 }
 
 double contact_distance(const Coupling& coupling) {

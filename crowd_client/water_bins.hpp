@@ -36,6 +36,9 @@ struct CellWater {
 // Particles outside the grid and such with a NaN position are left out.
 void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions);
 
+// The same for agents anywhere in the grid.
+void bin_all_water(WaterBins& bins, const WaterView& water);
+
 // Distance within which a particle touches an agent: |r_a - r_p| (`difference`, as the authors' program does) or
 // r_a + r_p (`sum`, as their text says), m.
 [[nodiscard]] double contact_distance(const Coupling& coupling);

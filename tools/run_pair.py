@@ -5,6 +5,7 @@ The producer is fluid_server, shm_replay with --replay, or any command with --pr
 tools/run.sh calls it once the programs are built. Standard library only.
 """
 
+import csv
 import json
 import os
 import secrets
@@ -95,6 +96,25 @@ def summary(folder):
         speed = f"{simulated:.1f} s simulated in {wall:.1f} s ({simulated / wall:.2f} s per second)"
         lines.append(speed + (f", server memory {memory / 1e6:.0f} MB" if memory else ""))
     return lines
+
+
+def crowds_of(folder):
+    """The rows of crowds.csv; empty if there is none."""
+    try:
+        with open(folder / "crowds.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+    except OSError:
+        return []
+
+
+def crowds_summary(folder):
+    """The outcome of many crowds in words, a line each."""
+    for row in crowds_of(folder):
+        last = f", the last after {float(row['last_arrival_s']):.1f} s" if row["last_arrival_s"] else ""
+        yield (
+            f"{row['name']}: {row['status']}; {row['arrived']} of {row['agents']} arrived{last}; "
+            f"{row['dead']} dead, {row['active']} active"
+        )
 
 
 def has_frames(folder):
@@ -189,12 +209,13 @@ def carry_out(run):
             print(f"run.sh: {name} ended with exit code {ended}; the end of its log:", file=sys.stderr)
             for line in log.read_text(errors="replace").splitlines()[-SHOWN_OF_LOG:]:
                 print("  " + line, file=sys.stderr)
-    for line in summary(folder):
+    many = is_given(run.arguments["crowd_client"], "--crowds")
+    for line in crowds_summary(folder) if many else summary(folder):
         print(line)
-    print(f"run folder: {folder}")
+    print(f"run folder{'s below' if many else ''}: {folder}")
     if "--record" in own:
         print(f"recording: {own['--record']}")
-    if "--no-figure" not in own and not pair.signal and has_frames(folder):
+    if "--no-figure" not in own and not many and not pair.signal and has_frames(folder):
         if draw(folder, pair):
             print(f"picture: {folder / 'figure.png'}")
         else:

@@ -164,7 +164,7 @@ TEST_CASE("A run folder that cannot be made is a usage error that names it") {
     const fs::path impossible = folder.path / "file" / "run";
     const CrowdWorld crowd = make_crowd(one_agent_scene(10, 25, 75, 50, 0.2));
     try {
-        RunFolder run(impossible, crowd, RunLabels{}, 5);
+        RunFolder run(impossible, crowd, RunLabels{}, {.water_interval = 5});
         FAIL("the folder was made");
     } catch (const RunError& error) {
         CHECK(error.code() == ExitCode::bad_configuration);
@@ -225,7 +225,7 @@ TEST_CASE("A run folder is complete at the end, and says 'running' until then") 
     CrowdWorld crowd = make_crowd(scene);
     RunLabels labels;
     labels.canonical_scene = "{}";
-    RunFolder run(folder.path / "deep" / "run", crowd, labels, 0.5);
+    RunFolder run(folder.path / "deep" / "run", crowd, labels, {.water_interval = 0.5});
     CHECK_THAT(content_of(run.path() / "outcome.json"), Catch::Contains("\"status\": \"running\""));
     testing::MadeUpSource source(1000, [](std::uint64_t) { return testing::MadeUpWater{}; });
     RunSummary summary;
@@ -250,7 +250,7 @@ TEST_CASE("Events of a run are on the disk at once, as lines and as a scene") {
     const CrowdWorld crowd = make_crowd(one_agent_scene(10, 25, 75, 50, 0.2));
     RunLabels labels;
     labels.canonical_scene = R"({"events": [{"frame": 3, "tau": 0.5}], "name": "x"})";
-    RunFolder run(folder.path, crowd, labels, 0);
+    RunFolder run(folder.path, crowd, labels, Record{});
     CHECK_FALSE(fs::exists(folder.path / "events.jsonl"));
     CHECK_FALSE(fs::exists(folder.path / "scene_as_played.json"));
     run.record_event({7, std::nullopt, "walkers", 0.25});

@@ -1,0 +1,189 @@
+#include "crowd_client/crowds_program.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "configs/peer_support.hpp"
+#include "configs/run_control.hpp"
+#include "crowd_client/crowd_list.hpp"
+#include "crowd_client/frame_time.hpp"
+#include "crowd_client/progress.hpp"
+#include "crowd_client/run_crowds.hpp"
+#include "crowd_client/run_folder.hpp"
+#include "crowd_client/run_labels.hpp"
+#include "crowd_client/stopwatch.hpp"
+
+namespace wade::crowd {
+namespace {
+
+// A crowd beside its CrowdRun of the same place.
+struct Member {
+    std::string name;
+    RunLabels labels;
+    std::unique_ptr<RunFolder> folder;  // none once it is finished
+};
+
+struct Ensemble {
+    std::filesystem::path out;
+    std::vector<CrowdRun> runs;
+    std::vector<Member> members;
+    Stopwatch clock;
+};
+
+// Each crowd keeps about five files open; the usual limit of 1024 would end at some 200 crowds.
+void allow_many_files() {
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+std::vector<ListedCrowd> listed(const ProgramStart& start) {
+    return load_crowds(start.options.word("--crowds"), start.options.scene_file, start.options.overrides, start.loaded);
+}
+
+Ensemble make_ensemble(const ProgramStart& start) {
+    Ensemble all;
+    std::vector<ListedCrowd> crowds = listed(start);
+    all.out = start.options.out.value_or(default_run_folder(start.loaded.scene.name));
+    for (ListedCrowd& listed_crowd : crowds) {
+        all.runs.push_back({.crowd = make_crowd(listed_crowd.loaded.scene), .summary = {}});
+        RunLabels labels = labels_of(start);
+        labels.canonical_scene = std::move(listed_crowd.loaded.canonical_json);
+        all.members.push_back({std::move(listed_crowd.name), std::move(labels), nullptr});
+    }
+    return all;
+}
+
+void open_folders(Ensemble& all, const ProgramStart& start) {
+    allow_many_files();
+    make_run_folder(all.out);
+    std::error_code ignored;
+    std::filesystem::remove(all.out / "crowds.csv", ignored);
+    for (std::size_t k = 0; k < all.runs.size(); ++k) {
+        Member& member = all.members[k];
+        member.folder = std::make_unique<RunFolder>(all.out / member.name, all.runs[k].crowd, member.labels,
+                                                    record_of(start.options));
+    }
+}
+
+void finish(Ensemble& all, std::size_t k) {
+    Member& member = all.members[k];
+    if (!member.folder) return;
+    const std::unique_ptr<RunFolder> folder = std::move(member.folder);
+    member.labels.wall_time = all.clock.seconds();
+    folder->finish(all.runs[k].crowd, all.runs[k].summary, member.labels);
+}
+
+CrowdsProgress progress_of(const Ensemble& all) {
+    CrowdsProgress totals{.crowds = all.runs.size()};
+    for (const CrowdRun& run : all.runs) {
+        totals.time = std::max(totals.time, static_cast<double>(run.crowd.steps) * run.crowd.dt);
+        if (run.over) continue;
+        ++totals.walking;
+        totals.active += run.crowd.active.size();
+    }
+    return totals;
+}
+
+void take_part(Ensemble& all, const ProgramStart& start, RunControl& control, Console& console) {
+    const RunOptions& options = start.options;
+    const FrameMode mode = options.word("--mode") == "latest" ? FrameMode::latest : FrameMode::lockstep;
+    const auto waiting = waiting_of<shm::Waiting>(options, console);
+    const std::unique_ptr<FrameSource> source = join_session(options.session, start.loaded.scene.hash, mode, waiting);
+    for (Member& member : all.members) member.labels.model = source->info().producer_name;
+    console.line("joined session '" + options.session + "' of '" + source->info().producer_name + "' with " +
+                 std::to_string(all.runs.size()) + " crowds");
+    if (const std::string note = rate_note(start.loaded.scene, source->info()); !note.empty()) console.line(note);
+    all.clock = Stopwatch();
+
+    RunControl::Hooks control_hooks;
+    control_hooks.paused = [&](bool paused) { source->set_paused(paused); };
+    control_hooks.interrupted = [&] { return received_signal() != 0 || !source->producer_is_there(); };
+    control_hooks.message = [&](const std::string& text) { console.line(text); };
+
+    CrowdsHooks hooks;
+    hooks.interrupted = [] { return received_signal(); };
+    hooks.quit = [&] { return control.quit_asked(); };
+    hooks.before_frame = [&] {
+        control.wait_while_paused(control_hooks);
+        if (!control.take_tau_commands().empty()) {
+            console.line("tau of many crowds cannot be changed by a command; give them events in the list of crowds");
+        }
+    };
+    hooks.on_step = [&](std::size_t k, const WaterView& water) {
+        all.members[k].folder->record(all.runs[k].crowd, water);
+    };
+    hooks.on_over = [&](std::size_t k) { finish(all, k); };
+    hooks.on_frame = [&](const shm::Frame& frame) {
+        const CrowdsProgress now = progress_of(all);
+        if (console.progress_due(now.time)) console.progress(progress_line(now, frame, all.clock.seconds()));
+    };
+    const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    run_crowds(all.runs, *source, hooks, options.threads > 0 ? options.threads : processors);
+}
+
+// Crowds that are not over when the run ends badly get its reason, and their files.
+void give_up(Ensemble& all, const std::exception& error) {
+    for (CrowdRun& run : all.runs) {
+        if (run.over) continue;
+        run.summary.status = status_of(error);
+        run.summary.message = error.what();
+    }
+}
+
+std::string csv_of(const Ensemble& all) {
+    std::string csv = "name,seed,status,agents,arrived,dead,active,last_arrival_s\n";
+    for (std::size_t k = 0; k < all.runs.size(); ++k) {
+        csv += all.members[k].name + ',' + crowds_csv_row(all.runs[k].crowd, all.runs[k].summary) + '\n';
+    }
+    return csv;
+}
+
+}  // namespace
+
+std::string check_of_crowds(const ProgramStart& start) {
+    return start.options.word("--crowds") + ": valid; " + std::to_string(listed(start).size()) +
+           " crowds\n";
+}
+
+int run_list_of_crowds(const ProgramStart& start, Console& console) {
+    Ensemble all = make_ensemble(start);
+    RunControl control(start.options.word("--commands"));
+    int code = static_cast<int>(ExitCode::ok);
+    const auto note = [&](const std::exception& error) {
+        console.line(error.what());
+        if (code == static_cast<int>(ExitCode::ok)) code = exit_code_of<shm::Error>(error);
+    };
+    try {
+        open_folders(all, start);
+        take_part(all, start, control, console);
+    } catch (const std::exception& error) {
+        note(error);
+        give_up(all, error);
+    }
+    for (std::size_t k = 0; k < all.runs.size(); ++k) {
+        try {
+            finish(all, k);
+        } catch (const std::exception& error) {
+            note(error);
+        }
+    }
+    try {
+        write_whole_file(all.out / "crowds.csv", csv_of(all));
+    } catch (const std::exception& error) {
+        note(error);
+    }
+    std::size_t ended_well = 0;
+    for (const CrowdRun& run : all.runs) ended_well += run.over ? 1 : 0;
+    console.line(std::to_string(ended_well) + " of " + std::to_string(all.runs.size()) + " crowds are over");
+    std::cout << (all.out / "crowds.csv").string() << std::endl;
+    return code;
+}
+
+}  // namespace wade::crowd
