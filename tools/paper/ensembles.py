@@ -149,17 +149,23 @@ class Ensembles:
         launcher = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", self.programs.folder]
         command = [*launcher, water.scene, "--crowds", folder / "crowds.json", "--out", folder, "--no-figure", *words]
         command += [*self.programs.until(), "--threads", str(self.threads)]
+        if not any(self.keeps_pictures(*run) for run in missing):
+            command += ["--no-trajectories", "--water-every-s", "0"]
         print(f"{water.key}: {len(missing)} crowds", file=sys.stderr, flush=True)
         with open(self.log(water), "w", encoding="utf-8") as log:
             return self.pair.start(command, stdout=log, stderr=None if sys.stderr.isatty() else log).wait()
 
+    def keeps_pictures(self, case, seed):
+        """Whether a run keeps its paths and pictures of its water: the first seed of scenes as they are."""
+        return self.keep_all or (seed == 1 and not case.changes and not case.water.changes)
+
     def take(self, case, seed, how):
-        """Takes a complete run into the results; only the first seed keeps what pictures need."""
+        """Takes a complete run into the results."""
         folder = self.folder(case, seed)
         if not self.has(case, seed) or any(run.seed == seed for run in self.runs.get(case.key, [])):
             return
         run = Run(case.water.set, scenario_name(case), seed, folder)
-        if seed > 1 and not self.keep_all:
+        if not self.keeps_pictures(case, seed):
             for name in PICTURE_FILES:
                 (folder / name).unlink(missing_ok=True)
         self.runs.setdefault(case.key, []).append(run)
