@@ -44,6 +44,26 @@ def first_run(results, case):
     return runs[0] if runs else None
 
 
+def draw(run, file, time, pair):
+    at = [] if time is None else ["--time", str(time)]
+    command = ["/usr/bin/python3", TOOLS / "figure.py", run.folder, "--output", file, *at]
+    return pair.start(command, stdout=subprocess.DEVNULL).wait() == 0
+
+
+def is_older(file, other):
+    """Whether a file is older than another one, or is not there."""
+    return not file.exists() or file.stat().st_mtime_ns < other.stat().st_mtime_ns
+
+
+def draw_runs(results, sets, pair):
+    """figure.png of S1 to S12, in their run folders."""
+    for scene_set in sets:
+        for case in plan.table1_cases(scene_set):
+            run = first_run(results, case)
+            if run is not None and is_older(run.folder / "figure.png", run.folder / "outcome.json"):
+                draw(run, run.folder / "figure.png", None, pair)
+
+
 def draw_figures(results, sets, out, pair):
     """Draws what can be drawn; returns [(set, file's name, words)]."""
     drawn = []
@@ -54,9 +74,7 @@ def draw_figures(results, sets, out, pair):
                 continue
             file = out / "figures" / f"{scene_set}_{stem}.png"
             file.parent.mkdir(exist_ok=True)
-            at = [] if time is None else ["--time", str(time)]
-            command = ["/usr/bin/python3", TOOLS / "figure.py", run.folder, "--output", file, *at]
-            if pair.start(command, stdout=subprocess.DEVNULL).wait() == 0:
+            if draw(run, file, time, pair):
                 drawn.append((scene_set, f"figures/{file.name}", words))
     return drawn
 

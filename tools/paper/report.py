@@ -60,7 +60,7 @@ def bands_section(context):
         lines.append(cells)
     text = (
         "## Bands\n\nFixed before any result was known (`tools/paper/bands.py`), one set of parameters for all rows, contact rule"
-        " `difference`.\nThe one number fitted is the goal radius, 3 m, on S1 alone. Times are those of the last arrival.\n"
+        " `difference`.\nThe one number fitted is the goal radius, 1.4 m, on S1 alone. Times are those of the last arrival.\n"
         "Intervals are of 95 %: bootstrap over seeds for times; Wilson, with the design effect of runs, for numbers of"
         " agents.\n\n"
     )

@@ -20,7 +20,7 @@ import report  # noqa: E402
 import studies  # noqa: E402
 from ensembles import Ensembles, PlanError, Programs  # noqa: E402
 from pair_processes import Pair  # noqa: E402
-from pictures import case_of, draw_figures, first_run, lee_length  # noqa: E402
+from pictures import case_of, draw_figures, draw_runs, first_run, lee_length  # noqa: E402
 from table1 import Result, read_paper, table_row, write_table  # noqa: E402
 from verdict import checks_of, verdict_text  # noqa: E402
 from words import SET_UPS  # noqa: E402
@@ -157,9 +157,10 @@ def main():
         return error.code
     if ensembles.interrupted:
         return ensembles.interrupted
-    drawn = []
+    drawn, results = [], {key: Result(runs) for key, runs in ensembles.runs.items()}
+    if "table1" in options.parts:
+        draw_runs(results, options.sets, pair)
     if "figures" in options.parts and options.until_s is None:
-        results = {key: Result(runs) for key, runs in ensembles.runs.items()}
         drawn = draw_figures(results, options.sets, options.out, pair)
     return write_report(options, ensembles, paper, drawn)
 
