@@ -10,7 +10,8 @@ for argument in "$@"; do
       # Needs neither packages nor a build, so that help is always at hand.
       cat <<'HELP'
 Usage: tools/reproduce_paper.sh [--out DIR] [--seeds N] [--max-seeds N] [--quick] [--parts LIST]
-                                [--set-of-scenes observed|paper|river|both|all] [--threads N] [--until-s T] [--keep-all]
+                                [--set-of-scenes observed|paper|river|both|all] [--threads N] [--until-s T]
+                                [--keep-all] [--report-only]
 
 Runs the scenarios of the paper with many seeds, in three set-ups: configs/observed (the water of the authors' logs,
 kinematic, cheap), configs/paper (as they ran it) and configs/river (as the paper describes it). One run of the fluid
@@ -38,6 +39,7 @@ prints the report.
   --threads N           threads of each program [2]
   --until-s T           simulated time at which each run ends, s [the scene's, 400]; such runs are not judged
   --keep-all            keep paths and pictures of the water of all runs, not only those of seed 1 of unchanged scenes
+  --report-only         run nothing: the report of what is complete in DIR, with all seeds that are there
 A crowd in DIR that is complete and whose scene is still the same is not run again. What was not run has no part in
 the report. Exit code 1: a run failed, or what must hold whatever the water does (the verdict) does not.
 HELP

@@ -46,7 +46,7 @@ class Programs:
 
     def scene_of(self, case, seed):
         """The resolved scene of a case: its own crowd in the water that it shares."""
-        own = self.resolved(case.scene, case.changes)
+        own = self.resolved(case.scene, case.water.changes + case.changes)  # the crowd's steps follow the frame rate
         water = self.resolved(case.water.scene, case.water.changes)
         return {**water, **{key: own[key] for key in CROWDS_OWN if key in own}, "seed": seed}
 
@@ -103,6 +103,14 @@ class Ensembles:
                     break
             if self.interrupted:
                 return
+
+    def collect(self, cases):
+        """Takes what is complete, and runs nothing."""
+        for case in cases:
+            folder = self.out / case.water.key
+            seeds = [path.name.rpartition("-seed")[2] for path in folder.glob(f"{case.name}-seed*")]
+            for seed in sorted(int(seed) for seed in seeds if seed.isdigit()):
+                self.take(case, seed, "done before")
 
     def next_round(self, cases, wanted, done):
         """The (case, seed) that come next; counts them in `done`."""

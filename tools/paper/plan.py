@@ -3,16 +3,13 @@
 One run of the fluid serves every crowd of its water: scenarios that differ in tau, groups, events, contact rule or seed.
 """
 
-from dataclasses import dataclass
-from pathlib import Path
+from waters import (  # noqa: F401
+    KINEMATIC, SCENARIOS, Case, changed_crowd, has_scene, other_case, scenario_case, scene_of, stream, velocity_of,
+)
 
-CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 SETS = ("observed", "paper", "river")
-KINEMATIC = ("observed",)  # sets whose water is not solved
-SCENARIOS = tuple(f"S{i}" for i in range(1, 13))
 QUICK = ("S1", "S4", "S5", "S8")
 PUSHED = ("S4", "S5", "S6", "S7", "S8", "S10")  # scenarios in which a reading can be told from another
-V_F = {0: 0.5, 1: 1.5, 2: 2.5}  # m/s, S1, S2, S3, then again
 OTHERS = ("two_groups", "no_obstacle", "obstacle", "tau_switch")
 VARIATIONS = ("agents_500", "agents_5000", "goals_and_groups", "village")
 PHASE_TAU = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
@@ -22,78 +19,12 @@ DEPTHS = (0.6, 0.8, 1.2, 1.4, 1.6)  # m, beside 1
 SPACINGS = (0.5, 0.25)  # m, beside 0.4642
 FRAME_RATES = (15, 60)  # 1/s, beside 30
 OBSTACLE_PLACES = (40, 50)  # m, x_min beside 60
-
-
-@dataclass(frozen=True)
-class Water:
-    """One run of the fluid: a scene with some values changed."""
-
-    set: str
-    name: str  # folder in that of the set
-    scene: Path
-    changes: tuple = ()  # of (JSON pointer, value)
-
-    @property
-    def key(self):
-        return f"{self.set}/{self.name}"
-
-
-@dataclass(frozen=True)
-class Case:
-    """One crowd in a water, to be run with several seeds."""
-
-    water: Water
-    name: str
-    scene: Path  # whose crowd, coupling and events it has
-    changes: tuple = ()  # of (JSON pointer, value), of crowd, coupling and events
-
-    @property
-    def key(self):
-        return f"{self.water.key}/{self.name}"
-
-
-def scene_of(scene_set, scenario):
-    name = f"s{int(scenario[1:]):02d}" if scenario in SCENARIOS else scenario
-    return CONFIGS / scene_set / f"{name}.json"
-
-
-def velocity_of(scenario):
-    """v_F of a scenario of Table 1, m/s."""
-    return V_F[(int(scenario[1:]) - 1) % 3]
-
-
-def stream(scene_set, velocity, suffix="", changes=()):
-    """The water of Table 1 with v_F; a suffix names what else is changed."""
-    scenario = {0.5: "S1", 1.5: "S2", 2.5: "S3"}.get(velocity)
-    name = f"v{velocity:g}" + (f"-{suffix}" if suffix else "")
-    if scenario:
-        return Water(scene_set, name, scene_of(scene_set, scenario), changes)
-    return Water(scene_set, name, scene_of(scene_set, "S2"), (("/channel/velocity_m_s", velocity), *changes))
-
-
-def scenario_case(scene_set, scenario, suffix="", water_changes=(), crowd_suffix="", crowd_changes=()):
-    """A scenario of Table 1, as it is or with a changed water or crowd."""
-    water = stream(scene_set, velocity_of(scenario), suffix, water_changes)
-    name = scenario.lower() + (f"-{crowd_suffix}" if crowd_suffix else "")
-    return Case(water, name, scene_of(scene_set, scenario), crowd_changes)
-
-
-def other_case(scene_set, scenario, suffix="", water_changes=()):
-    """A scenario beside Table 1; those without solids and with the river in its place share its waters."""
-    scene = scene_of(scene_set, scenario)
-    if scenario in ("obstacle", "village", "agents_5000", "fine"):
-        return Case(Water(scene_set, scenario + suffix, scene, water_changes), scenario, scene)
-    velocity = 2.5 if scenario == "tau_switch" else 1.5
-    return Case(stream(scene_set, velocity, suffix.lstrip("-"), water_changes), scenario, scene)
+DEPTH_SCENARIOS = (*PUSHED, "S11", "two_groups", "no_obstacle", "tau_switch")
+FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
 
 
 def table1_cases(scene_set, quick=False):
     return [scenario_case(scene_set, name) for name in SCENARIOS if not quick or name in QUICK]
-
-
-def has_scene(scene_set, name):
-    """The kinematic water does not flow round obstacles."""
-    return scene_set not in KINEMATIC or name not in ("obstacle", "village")
 
 
 def others_cases(scene_set):
@@ -108,13 +39,15 @@ def obstacle_at(scene_set, x):
 
 
 def contact_cases(scene_set):
+    """The contact rule of the paper's text."""
     sums = (("/coupling/contact_rule", "sum"),)
-    return [scenario_case(scene_set, name, crowd_suffix="sum", crowd_changes=sums) for name in PUSHED]
+    return [changed_crowd(scene_set, name, "sum", sums) for name in (*PUSHED, "two_groups")]
 
 
 def continuous_cases(scene_set):
+    """The coupling that does not depend on the frame rate."""
     rule = (("/coupling/rule", "continuous"),)
-    return [scenario_case(scene_set, name, crowd_suffix="continuous", crowd_changes=rule) for name in PUSHED]
+    return [changed_crowd(scene_set, name, "continuous", rule) for name in (*PUSHED, "two_groups")]
 
 
 def water_readings(scene_set):
@@ -134,11 +67,17 @@ def water_readings(scene_set):
     return readings
 
 
+def reading_of(scene_set, suffix, changes):
+    """The scenarios that the water pushes, and two groups, in a changed water."""
+    cases = [scenario_case(scene_set, name, suffix, changes) for name in PUSHED]
+    return [*cases, other_case(scene_set, "two_groups", f"-{suffix}" if suffix else "", changes)]
+
+
 def reading_cases(scene_set):
     cases = contact_cases(scene_set)
     for suffix, changes in water_readings(scene_set).values():
         if scene_set in KINEMATIC or suffix in ("g9.81", "filled", "d0.5"):
-            cases += [scenario_case(scene_set, name, suffix, changes) for name in PUSHED]
+            cases += reading_of(scene_set, suffix, changes)
     return cases
 
 
@@ -152,7 +91,7 @@ def phase_cases():
 
 def goal_case(radius):
     changes = (("/crowd/goal_radius_m", radius),)
-    return scenario_case("observed", "S1", crowd_suffix=f"goal{radius:g}", crowd_changes=changes)
+    return changed_crowd("observed", "S1", f"goal{radius:g}", changes)
 
 
 def depth_case(scenario, depth):
@@ -166,11 +105,23 @@ def depth_case(scenario, depth):
     return other_case("observed", scenario, f"-{suffix}", changes)
 
 
-DEPTH_SCENARIOS = (*PUSHED, "S11", "two_groups", "no_obstacle", "tau_switch")
-
-
 def depth_cases():
     return [depth_case(scenario, depth) for depth in sorted((*DEPTHS, 1)) for scenario in DEPTH_SCENARIOS]
+
+
+def coarse_cases(scene_set):
+    """The same crowds as fine_cases() through the usual particles."""
+    return [scenario_case(scene_set, name) if name in SCENARIOS else other_case(scene_set, name) for name in FINE]
+
+
+def fine_cases(scene_set):
+    """Crowds through ten times the particles."""
+    water = other_case(scene_set, "fine").water
+    return [Case(water, name.lower(), scene_of(scene_set, name)) for name in FINE]
+
+
+def particles_cases(scene_set):
+    return coarse_cases(scene_set) + fine_cases(scene_set)
 
 
 PARTS = {
@@ -202,21 +153,3 @@ def cases_of(part, sets, quick=False):
         return []
     return {"phase": phase_cases, "depth": depth_cases, "figures": list,
             "goal": lambda: [goal_case(radius) for radius in GOAL_RADII]}[part]()
-
-
-FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
-
-
-def coarse_cases(scene_set):
-    """The same crowds as fine_cases() through the usual particles."""
-    return [scenario_case(scene_set, name) if name in SCENARIOS else other_case(scene_set, name) for name in FINE]
-
-
-def particles_cases(scene_set):
-    return coarse_cases(scene_set) + fine_cases(scene_set)
-
-
-def fine_cases(scene_set):
-    """Crowds through ten times the particles."""
-    water = other_case(scene_set, "fine").water
-    return [Case(water, name.lower(), scene_of(scene_set, name)) for name in FINE]

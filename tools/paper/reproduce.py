@@ -55,6 +55,7 @@ def parse(arguments):
     parser.add_argument("--threads", type=positive, default=2)
     parser.add_argument("--until-s", type=float)
     parser.add_argument("--keep-all", action="store_true")
+    parser.add_argument("--report-only", action="store_true")
     options = parser.parse_args(arguments)
     options.seeds = options.seeds or (1 if options.quick else 10)
     options.parts = options.parts or (["table1"] if options.quick else list(plan.PARTS))
@@ -131,8 +132,8 @@ def write_report(options, ensembles, paper, drawn):
         sections += [report.limit_section(context), report.others_section(context), studies.s6_section(context, options.out)]
         sections += [studies.readings_section(context), studies.particles_section(context)]
         sections += [studies.phase_section(context, options.out), studies.goal_section(context, options.out)]
-        sections += [studies.depth_section(context, options.out), studies.variations_section(context)]
-        sections.append(causes.disagreement_section(context))
+        sections += [studies.depth_section(context, options.out), studies.losses_section(context)]
+        sections += [studies.variations_section(context), causes.disagreement_section(context)]
     sections += [frame.figures_section(drawn), verdict_text(checks, judged, cut_short)]
     sections.append(frame.runs_section(all_runs, ensembles.failures))
     text = frame.head_text(options, all_runs) + "\n".join(section for section in sections if section)
@@ -152,7 +153,8 @@ def main():
     pair = Pair()
     ensembles = Ensembles(Programs(options.programs, options.until_s), options.out, pair, options.threads, options.keep_all)
     try:
-        ensembles.run(wanted_cases(options))
+        wanted = wanted_cases(options)
+        ensembles.collect(wanted) if options.report_only else ensembles.run(wanted)
     except PlanError as error:
         return error.code
     if ensembles.interrupted:

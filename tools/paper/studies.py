@@ -2,6 +2,7 @@
 
 import plan
 import plots
+from bands import in_words
 from limits import of_limit
 from words import SET_UPS, arrived_of, markdown_table, met_of, shown, time_of
 
@@ -16,28 +17,33 @@ def outcome(result):
     return time_of(result) + (f"; {arrived_of(result)} arrive" if result.arrived[0] < result.agents else "")
 
 
+def crossing(result):
+    """Arrivals of those who cross the river where two groups walk, of 50."""
+    return "-" if result is None else in_words(result.arrived_of("walkers"))
+
+
 def readings_section(context):
     text = ""
     for scene_set in context.sets:
-        rows = {"the scenes as they are": [plan.scenario_case(scene_set, name) for name in plan.PUSHED]}
+        rows = {"the scenes as they are": plan.reading_of(scene_set, "", ())}
         rows["contact rule `sum`"] = plan.contact_cases(scene_set)
         rows["coupling rule `continuous`"] = plan.continuous_cases(scene_set)
         for words, (suffix, changes) in plan.water_readings(scene_set).items():
-            rows[words] = [plan.scenario_case(scene_set, name, suffix, changes) for name in plan.PUSHED]
+            rows[words] = plan.reading_of(scene_set, suffix, changes)
         lines = []
         for words, cases in rows.items():
             results = [context.get(case) for case in cases]
             if any(results):
-                lines.append([words, *map(outcome, results), met_of(results[1])])
+                lines.append([words, *map(outcome, results[:-1]), crossing(results[-1]), met_of(results[1])])
         if len(lines) > 1:
-            head = ["reading", *plan.PUSHED, "water met in S5"]
+            head = ["reading", *plan.PUSHED, "two groups: cross", "water met in S5"]
             text += f"### {SET_UPS[scene_set]}\n\n" + markdown_table(head, lines) + "\n"
     if not text:
         return ""
     return (
         "## Readings\n\nTime of the last arrival, s, and how many of 50 arrive where not all do. `sum` is the paper's text"
         " (contact within 0.75 m, 1767 kg a metre of depth), `difference` its\nauthors' program (0.25 m, 196 kg). Paper: S4 54 s,"
-        " S5 93 s, S6 160 s with 35, S7 97 s, S8 nobody, S10 140 s.\n\n"
+        " S5 93 s, S6 160 s with 35, S7 97 s, S8 nobody, S10 140 s,\ntwo groups 8 in all.\n\n"
     ) + text
 
 
@@ -144,6 +150,45 @@ def s6_section(context, out):
         return ""
     plots.arrivals_plot(out / "s6.png", curves, [(160, 35, "paper: 35 after 160 s")])
     return "## S6: 35 of 50\n\nNumber that has arrived over time, in the sets and in deeper water.\n\n![S6](s6.png)\n"
+
+
+def value_at(points, target):
+    """Where a curve of (x, y) first passes a height, linear between its points; None if it does not."""
+    for (x0, y0), (x1, y1) in zip(points, points[1:]):
+        if (y0 - target) * (y1 - target) <= 0 and y0 != y1:
+            return x0 + (x1 - x0) * (target - y0) / (y1 - y0)
+    return None
+
+
+def losses_section(context):
+    """What it would take to lose as many as the paper: depth, speed, and the other group."""
+    depths = sorted((*plan.DEPTHS, 1))
+    lines = []
+    for words, name, tau, count, group in (
+        ("S6", "S6", 0.2, 35, None), ("two groups, crossing", "two_groups", 0.6, 8, "walkers"), ("no obstacle", "no_obstacle", 0.6, 8, None),
+    ):
+        by_depth = [(depth, context.get(plan.depth_case(name, depth))) for depth in depths]
+        by_speed = [(v, context.get(plan.phase_case(tau, v))) for v in plan.PHASE_V_F]
+        cells = [words, str(count)]
+        for points, of in ((by_depth, group), (by_speed, None)):
+            known = [(x, (r.arrived_of(of) if of else r.arrived)[0]) for x, r in points if r is not None]
+            at = value_at(known, count)
+            cells.append("-" if at is None else f"{at:.2f}")
+        lines.append(cells)
+    both, alone = context.other("observed", "two_groups"), context.get(plan.phase_case(0.6, 1.5))
+    if all(line[2] == "-" and line[3] == "-" for line in lines):
+        return ""
+    text = (
+        "## What it would take to lose as many as the paper\n\nSet as observed. Depth at v_F as asked, or v_F at 1 m (start grid of"
+        " Table 1), at which as many arrive as in the paper; linear between the\nvalues that were run; `-`: at none of them.\n\n"
+    )
+    text += markdown_table(["scenario", "arrive in the paper", "at a depth of, m", "at v_F, m/s"], lines)
+    if both and alone:
+        text += (
+            f"\nThe other group is not what stops them: {crossing(both)} of 50 cross with it, {arrived_of(alone)} without it (same tau"
+            " and water).\n"
+        )
+    return text
 
 
 def variations_section(context):
