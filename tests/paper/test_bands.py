@@ -12,9 +12,8 @@ from limits import contact_mass, limit_velocity, of_limit  # noqa: E402
 
 
 def result(arrived, time=None, agents=50):
-    return SimpleNamespace(
-        arrived=(arrived, arrived - 1, arrived + 1), time=None if time is None else (time, time - 1, time + 1), agents=agents
-    )
+    times = None if time is None else (time, time - 1, time + 1)
+    return SimpleNamespace(arrived=(arrived, arrived - 1, arrived + 1), time=times, agents=agents)
 
 
 def scene(tau, velocity, rule="difference"):
@@ -54,7 +53,8 @@ class Bands(unittest.TestCase):
 
     def test_ten_times_the_particles_change_no_number_by_more_than_a_tenth(self):
         self.assertTrue(bands.judge_particles({"S5": (result(50, 70), result(45, 70))}).holds)
-        self.assertFalse(bands.judge_particles({"S5": (result(50, 70), result(50, 70)), "S8": (result(13, 70), result(0))}).holds)
+        pairs = {"S5": (result(50, 70), result(50, 70)), "S8": (result(13, 70), result(0))}
+        self.assertFalse(bands.judge_particles(pairs).holds)
 
     def test_the_switch_of_tau(self):
         self.assertTrue(bands.judge_switch(result(50, 73.7)).holds)
@@ -68,8 +68,8 @@ class ClosedForm(unittest.TestCase):
         self.assertAlmostEqual(contact_mass(scene(0.2, 1.5, "sum")), 1767.15, places=2)
 
     def test_order_of_the_scenarios(self):
-        known = {(0.2, 0.5): 0.23, (0.2, 1.5): 0.70, (0.8, 0.5): 0.94, (1, 0.5): 1.17, (0.2, 2.5): 1.17, (0.8, 1.5): 2.8,
-                 (1, 1.5): 3.5, (0.8, 2.5): 4.7, (1, 2.5): 5.9}
+        known = {(0.2, 0.5): 0.23, (0.2, 1.5): 0.70, (0.8, 0.5): 0.94, (1, 0.5): 1.17, (0.2, 2.5): 1.17}
+        known |= {(0.8, 1.5): 2.8, (1, 1.5): 3.5, (0.8, 2.5): 4.7, (1, 2.5): 5.9}
         for (tau, velocity), share in known.items():
             self.assertAlmostEqual(of_limit(scene(tau, velocity)), share, delta=0.055)
 

@@ -111,8 +111,10 @@ def judge_particles(pairs):
     judgement = Judgement("ten times the particles", "each number of arrivals within 10 % of the coarse result")
     known = {name: pair for name, pair in pairs.items() if None not in pair}
     if known:
-        found = [f"{name} {in_words(fine.arrived)} against {in_words(coarse.arrived)}" for name, (coarse, fine) in known.items()]
-        judgement.found = "; ".join(found)
+        judgement.found = "; ".join(
+            f"{name} {in_words(fine.arrived)} against {in_words(coarse.arrived)}"
+            for name, (coarse, fine) in known.items()
+        )
         judgement.holds = all(
             abs(fine.arrived[0] - coarse.arrived[0]) <= max(PARTICLES_SHARE * coarse.arrived[0], SLACK)
             for coarse, fine in known.values()

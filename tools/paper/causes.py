@@ -12,8 +12,10 @@ def disagreement_section(context):
     for scene_set in context.sets:
         for judgement in judgements_of(context, scene_set):
             if judgement.holds is False:
-                cause = CAUSES.get((scene_set, judgement.name)) or CAUSES.get(("", judgement.name)) or "No cause is known."
-                lines.append(f"* {SET_UPS[scene_set]}, {judgement.name}: {judgement.found}; asked for: {judgement.asked}. {cause}")
+                general = CAUSES.get(("", judgement.name), "No cause is known.")
+                cause = CAUSES.get((scene_set, judgement.name), general)
+                words = f"* {SET_UPS[scene_set]}, {judgement.name}: {judgement.found}; asked for: {judgement.asked}."
+                lines.append(f"{words} {cause}")
     if not lines:
         return ""
     return "## What does not agree, and why\n\n" + "\n".join(lines) + "\n"

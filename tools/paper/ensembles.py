@@ -1,4 +1,4 @@
-"""Runs the cases of the plan: one run of the fluid for all crowds of a water, further seeds only where they are needed."""
+"""Runs the cases of the plan: one run of the fluid for all crowds of a water, more seeds only where needed."""
 
 import json
 import subprocess

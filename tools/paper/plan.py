@@ -1,6 +1,7 @@
 """What each part of the report needs: waters, and the crowds that walk through each of them.
 
-One run of the fluid serves every crowd of its water: scenarios that differ in tau, groups, events, contact rule or seed.
+One run of the fluid serves every crowd of its water: scenarios that differ in tau, groups, events, contact rule
+or seed.
 """
 
 from waters import (  # noqa: F401

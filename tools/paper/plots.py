@@ -40,20 +40,21 @@ def table1_plot(file, paper, results, names):
     places = np.arange(len(scenarios))
     for axes, column in ((above, "time_s"), (below, "arrived")):
         known = [(i, float(paper[name][column])) for i, name in enumerate(scenarios) if paper[name][column] != ""]
-        axes.plot(*zip(*known), linestyle="none", marker="_", markersize=24, markeredgewidth=2.2, color="black", label="paper")
+        bar = {"linestyle": "none", "marker": "_", "markersize": 24, "markeredgewidth": 2.2, "color": "black"}
+        axes.plot(*zip(*known), label="paper", **bar)
     for index, (scene_set, of_set) in enumerate(results.items()):
         at = [place + 0.16 * (index - (len(results) - 1) / 2) for place in places]
         for axes, what in ((above, "time"), (below, "arrived")):
             values = [getattr(of_set[name], what) if name in of_set else None for name in scenarios]
             error_bars(axes, at, values, names[scene_set], index)
-            axes.lines[-1].set_linestyle("none") if axes.lines else None
     for axes in (above, below):
         for line in axes.lines:
             line.set_linestyle("none")
     above.set_ylabel("last arrival, s")
     below.set_ylabel("arrived, of 50")
     below.set_ylim(-2, 53)
-    below.set_xticks(places, [f"{name}\n\u03c4 {float(paper[name]['tau']):g}\n{paper[name]['v_f_m_s']} m/s" for name in scenarios])
+    words = [f"{name}\n\u03c4 {float(row['tau']):g}\n{row['v_f_m_s']} m/s" for name, row in paper.items()]
+    below.set_xticks(places, words)
     figure.legend(*above.get_legend_handles_labels(), loc="upper center", ncol=4)
     save(figure, file)
 
@@ -95,7 +96,7 @@ def phase_plot(file, results, scenarios, scene):
 
 
 def curves_plot(file, panels, x_label):
-    """Panels side by side. panels: [(y label, {label: [(x, interval)]}, [(height, words)] of lines that are aimed at)]."""
+    """Panels side by side. panels: [(y label, {label: [(x, interval)]}, [(height, words)] of what is aimed at)]."""
     figure, all_axes = pyplot.subplots(1, len(panels), figsize=(4.9 * len(panels), 3.9), squeeze=False)
     for axes, (y_label, curves, aims) in zip(all_axes[0], panels):
         for index, (label, points) in enumerate(curves.items()):
@@ -113,7 +114,7 @@ def curves_plot(file, panels, x_label):
 
 
 def arrivals_plot(file, curves, marks):
-    """Number that has arrived over time. curves: {label: (times of all runs, number of runs)}; marks: [(t, n, words)]."""
+    """Number that has arrived over time. curves: {label: (times of all runs, runs)}; marks: [(t, n, words)]."""
     figure, axes = pyplot.subplots(figsize=(7, 4.2))
     for index, (label, (times, runs)) in enumerate(curves.items()):
         axes.step([0, *times], np.arange(len(times) + 1) / runs, where="post", label=label,

@@ -14,6 +14,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 import bands  # noqa: E402
 import causes  # noqa: E402
 import frame  # noqa: E402
+import losses  # noqa: E402
 import plan  # noqa: E402
 import plots  # noqa: E402
 import report  # noqa: E402
@@ -64,7 +65,7 @@ def parse(arguments):
 
 
 def most_seeds(options, case):
-    """Up to three times the seeds where the water costs little; elsewhere one run of the fluid unless more are asked for."""
+    """Up to three times the seeds where the water costs little; else one run of the fluid unless more are asked for."""
     if options.max_seeds:
         return max(options.max_seeds, options.seeds)
     rounds = 3 if case.water.set in plan.KINEMATIC and options.seeds > 1 else 1
@@ -72,7 +73,7 @@ def most_seeds(options, case):
 
 
 def wanted_cases(options):
-    """{case: (seeds of a round, most seeds)} of all parts, the cheap set first; a case that several parts need is run once."""
+    """{case: (seeds of a round, most seeds)} of all parts, the cheap set first; what several parts need is run once."""
     wanted = {}
     for scene_set in sorted(options.sets, key=plan.SETS.index):
         for part in options.parts:
@@ -129,10 +130,11 @@ def write_report(options, ensembles, paper, drawn):
     sections = [report.table1_section(context)]
     if not cut_short:
         sections.insert(0, report.bands_section(context))
-        sections += [report.limit_section(context), report.others_section(context), studies.s6_section(context, options.out)]
+        sections += [report.limit_section(context), losses.others_section(context)]
+        sections += [losses.s6_section(context, options.out)]
         sections += [studies.readings_section(context), studies.particles_section(context)]
         sections += [studies.phase_section(context, options.out), studies.goal_section(context, options.out)]
-        sections += [studies.depth_section(context, options.out), studies.losses_section(context)]
+        sections += [studies.depth_section(context, options.out), losses.losses_section(context)]
         sections += [studies.variations_section(context), causes.disagreement_section(context)]
     sections += [frame.figures_section(drawn), verdict_text(checks, judged, cut_short)]
     sections.append(frame.runs_section(all_runs, ensembles.failures))
@@ -151,7 +153,8 @@ def main():
     except OSError as error:
         sys.exit(f"reproduce_paper.sh: --out: cannot write to {options.out}: {error.strerror}")
     pair = Pair()
-    ensembles = Ensembles(Programs(options.programs, options.until_s), options.out, pair, options.threads, options.keep_all)
+    programs = Programs(options.programs, options.until_s)
+    ensembles = Ensembles(programs, options.out, pair, options.threads, options.keep_all)
     try:
         wanted = wanted_cases(options)
         ensembles.collect(wanted) if options.report_only else ensembles.run(wanted)

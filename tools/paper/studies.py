@@ -1,4 +1,4 @@
-"""Sections of report.md on what decides the outcome: readings, particles, phase diagram, goal radius, depth, variations."""
+"""Sections of report.md on readings, particles, phase diagram, goal radius, depth of the water and variations."""
 
 import plan
 import plots
@@ -6,7 +6,8 @@ from bands import in_words
 from limits import of_limit
 from words import SET_UPS, arrived_of, markdown_table, met_of, shown, time_of
 
-TABLE = {name: (tau, plan.velocity_of(name)) for name, tau in zip(plan.SCENARIOS, [t for t in (0, 0.2, 0.8, 1) for _ in range(3)])}
+TAUS = (0, 0.2, 0.8, 1)  # of S1 to S3, S4 to S6 and so on
+TABLE = {name: (TAUS[i // 3], plan.velocity_of(name)) for i, name in enumerate(plan.SCENARIOS)}
 
 
 def outcome(result):
@@ -41,8 +42,10 @@ def readings_section(context):
     if not text:
         return ""
     return (
-        "## Readings\n\nTime of the last arrival, s, and how many of 50 arrive where not all do. `sum` is the paper's text"
-        " (contact within 0.75 m, 1767 kg a metre of depth), `difference` its\nauthors' program (0.25 m, 196 kg). Paper: S4 54 s,"
+        "## Readings\n\nTime of the last arrival, s, and how many of 50 arrive where not all do. `sum` is the"
+        " paper's text"
+        " (contact within 0.75 m, 1767 kg a metre of depth), `difference` its\nauthors' program (0.25 m, 196 kg)."
+        " Paper: S4 54 s,"
         " S5 93 s, S6 160 s with 35, S7 97 s, S8 nobody, S10 140 s,\ntwo groups 8 in all.\n\n"
     ) + text
 
@@ -53,13 +56,16 @@ def particles_section(context):
         for coarse, fine in zip(plan.coarse_cases(scene_set), plan.fine_cases(scene_set)):
             results = context.get(coarse), context.get(fine)
             if all(results):
-                lines.append([SET_UPS[scene_set], fine.name.replace("_", " "), *map(outcome, results), *map(met_of, results)])
+                cells = [SET_UPS[scene_set], fine.name.replace("_", " ")]
+                lines.append([*cells, *map(outcome, results), *map(met_of, results)])
     if not lines:
         return ""
     head = ["set", "scenario", "27,000 particles", "270,000 particles", "water met", "water met"]
     return (
-        "## Ten times the particles\n\nThe mean contact mass does not depend on the particles' size, its scatter does, and Eq. 9 is"
-        " concave in it: with fewer, heavier particles\nan agent is often untouched and walks freely for a frame, so that it gets"
+        "## Ten times the particles\n\nThe mean contact mass does not depend on the particles' size, its scatter"
+        " does, and Eq. 9 is"
+        " concave in it: with fewer, heavier particles\nan agent is often untouched and walks freely for a frame, so"
+        " that it gets"
         " further than its mean contact mass would allow.\n\n"
     ) + markdown_table(head, lines)
 
@@ -86,8 +92,10 @@ def phase_section(context, out):
     across = [row for row in above if row[3] >= 0.5 * some.agents]
     far = max((row[-1] for row in across), default=None)
     text = (
-        f"## Who crosses, over tau and v_F\n\n{len(results)} points of {rows[0][2]} seeds or more, set as observed, simulated with"
-        " the pair (`phase.csv`). The closed form says where an agent that walks straight against the\nstream stands still; these"
+        f"## Who crosses, over tau and v_F\n\n{len(results)} points of {rows[0][2]} seeds or more, set as observed,"
+        f" simulated with"
+        " the pair (`phase.csv`). The closed form says where an agent that walks straight against the\nstream stands"
+        " still; these"
         " agents cross it, so that many arrive above it, carried downstream on their way.\n"
     )
     if far:
@@ -104,7 +112,8 @@ def goal_section(context, out, paper_time=46):
     plots.curves_plot(out / "goal.png", [("last arrival of S1, s", curve, [(paper_time, "paper")])], "goal radius, m")
     lines = [[f"{radius:g}", time_of(result), arrived_of(result)] for radius, result in points]
     return (
-        "## The fitted number: the goal radius\n\nWhen an agent has arrived is not published. The scenes take 1.4 m, fitted on S1 alone.\n\n"
+        "## The fitted number: the goal radius\n\nWhen an agent has arrived is not published. The scenes take 1.4 m,"
+        " fitted on S1 alone.\n\n"
     ) + markdown_table(["goal radius, m", "S1: last arrival, s", "arrived"], lines) + "\n![goal radius](goal.png)\n"
 
 
@@ -129,66 +138,10 @@ def depth_section(context, out):
     panels = [("agents that arrive (of those that cross)", arrived, []), ("last arrival, s", times, [])]
     plots.curves_plot(out / "depth.png", panels, "depth of the water, m")
     return (
-        "## The depth decides\n\nThe contact mass is proportional to the depth of the water at the agents, which the paper does not"
+        "## The depth decides\n\nThe contact mass is proportional to the depth of the water at the agents, which the"
+        " paper does not"
         " give for its runs (1 m is the opening of its emitter).\nSet as observed, all else unchanged.\n\n"
     ) + markdown_table(["", *(f"{depth:g} m" for depth in depths)], lines) + "\n![depth](depth.png)\n"
-
-
-def s6_section(context, out):
-    curves = {}
-    for scene_set in context.sets:
-        result = context.scenario(scene_set, "S6")
-        if result is not None:
-            times = sorted(time for run in result.runs for time in run.arrival_times())
-            curves[f"S6 {SET_UPS[scene_set]}"] = times, len(result.runs)
-    for depth in (1.2, 1.4, 1.6):
-        result = context.get(plan.depth_case("S6", depth))
-        if result is not None:
-            times = sorted(time for run in result.runs for time in run.arrival_times())
-            curves[f"S6 as observed, {depth:g} m deep"] = times, len(result.runs)
-    if not curves:
-        return ""
-    plots.arrivals_plot(out / "s6.png", curves, [(160, 35, "paper: 35 after 160 s")])
-    return "## S6: 35 of 50\n\nNumber that has arrived over time, in the sets and in deeper water.\n\n![S6](s6.png)\n"
-
-
-def value_at(points, target):
-    """Where a curve of (x, y) first passes a height, linear between its points; None if it does not."""
-    for (x0, y0), (x1, y1) in zip(points, points[1:]):
-        if (y0 - target) * (y1 - target) <= 0 and y0 != y1:
-            return x0 + (x1 - x0) * (target - y0) / (y1 - y0)
-    return None
-
-
-def losses_section(context):
-    """What it would take to lose as many as the paper: depth, speed, and the other group."""
-    depths = sorted((*plan.DEPTHS, 1))
-    lines = []
-    for words, name, tau, count, group in (
-        ("S6", "S6", 0.2, 35, None), ("two groups, crossing", "two_groups", 0.6, 8, "walkers"), ("no obstacle", "no_obstacle", 0.6, 8, None),
-    ):
-        by_depth = [(depth, context.get(plan.depth_case(name, depth))) for depth in depths]
-        by_speed = [(v, context.get(plan.phase_case(tau, v))) for v in plan.PHASE_V_F]
-        cells = [words, str(count)]
-        for points, of in ((by_depth, group), (by_speed, None)):
-            known = [(x, (r.arrived_of(of) if of else r.arrived)[0]) for x, r in points if r is not None]
-            at = value_at(known, count)
-            cells.append("-" if at is None else f"{at:.2f}")
-        lines.append(cells)
-    both, alone = context.other("observed", "two_groups"), context.get(plan.phase_case(0.6, 1.5))
-    if all(line[2] == "-" and line[3] == "-" for line in lines):
-        return ""
-    text = (
-        "## What it would take to lose as many as the paper\n\nSet as observed. Depth at v_F as asked, or v_F at 1 m (start grid of"
-        " Table 1), at which as many arrive as in the paper; linear between the\nvalues that were run; `-`: at none of them.\n\n"
-    )
-    text += markdown_table(["scenario", "arrive in the paper", "at a depth of, m", "at v_F, m/s"], lines)
-    if both and alone:
-        text += (
-            f"\nThe other group is not what stops them: {crossing(both)} of 50 cross with it, {arrived_of(alone)} without it (same tau"
-            " and water).\n"
-        )
-    return text
 
 
 def variations_section(context):
@@ -199,10 +152,11 @@ def variations_section(context):
             if result is None:
                 continue
             groups = [group["name"] for group in result.scene["crowd"]["groups"]]
-            each = "; ".join(f"{group} {result.arrived_of(group)[0]:.1f}" for group in groups) if len(groups) > 1 else "-"
-            cells = [name.replace("_", " "), SET_UPS[scene_set], str(result.agents), time_of(result), arrived_of(result)]
-            lines.append([*cells, shown(result.dead, 1), each])
+            each = "; ".join(f"{group} {result.arrived_of(group)[0]:.1f}" for group in groups)
+            cells = [name.replace("_", " "), SET_UPS[scene_set], str(result.agents), time_of(result)]
+            lines.append([*cells, arrived_of(result), shown(result.dead, 1), each if len(groups) > 1 else "-"])
     if not lines:
         return ""
     head = ["scene", "set", "agents", "last arrival, s", "arrived", "dead", "arrived by group"]
-    return "## Variations\n\nWhat the paper's conclusions call for; it gives no numbers.\n\n" + markdown_table(head, lines)
+    text = "## Variations\n\nWhat the paper's conclusions call for; it gives no numbers.\n\n"
+    return text + markdown_table(head, lines)
