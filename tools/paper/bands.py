@@ -71,6 +71,12 @@ def judge_scenario(scenario, result):
     return judgement
 
 
+def count_in_words(judgements):
+    """"5 of 7", of those that could be judged."""
+    judged = [judgement.holds for judgement in judgements if judgement.holds is not None]
+    return f"{sum(judged)} of {len(judged)}" if judged else "-"
+
+
 def judge_two_groups(result):
     judgement = Judgement("two groups", "nobody of the upstream group arrives (8 in all in the paper)")
     if result is not None:

@@ -73,7 +73,7 @@ def s6_section(context, out):
         if result is not None:
             times = sorted(time for run in result.runs for time in run.arrival_times())
             curves[f"S6 {SET_UPS[scene_set]}"] = times, len(result.runs)
-    for depth in (1.2, 1.4, 1.6):
+    for depth in (1.2, 1.5, 2.0):
         result = context.get(plan.depth_case("S6", depth))
         if result is not None:
             times = sorted(time for run in result.runs for time in run.arrival_times())

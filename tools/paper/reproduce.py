@@ -22,6 +22,7 @@ import studies  # noqa: E402
 from ensembles import Ensembles, PlanError, Programs  # noqa: E402
 from pair_processes import Pair  # noqa: E402
 from pictures import case_of, draw_figures, draw_runs, first_run, lee_length  # noqa: E402
+from scatter import scatter_section  # noqa: E402
 from table1 import Result, read_paper, table_row, write_table  # noqa: E402
 from verdict import checks_of, verdict_text  # noqa: E402
 from words import SET_UPS  # noqa: E402
@@ -132,6 +133,7 @@ def write_report(options, ensembles, paper, drawn):
         sections.insert(0, report.bands_section(context))
         sections += [report.limit_section(context), losses.others_section(context)]
         sections += [losses.s6_section(context, options.out)]
+        sections.append("" if options.quick else scatter_section())
         sections += [studies.readings_section(context), studies.particles_section(context)]
         sections += [studies.phase_section(context, options.out), studies.goal_section(context, options.out)]
         sections += [studies.depth_section(context, options.out), losses.losses_section(context)]

@@ -2,7 +2,7 @@
 
 import plan
 import plots
-from bands import in_words
+from bands import count_in_words, in_words, judge_scenario
 from limits import of_limit
 from words import SET_UPS, arrived_of, markdown_table, met_of, shown, time_of
 
@@ -35,9 +35,11 @@ def readings_section(context):
         for words, cases in rows.items():
             results = [context.get(case) for case in cases]
             if any(results):
-                lines.append([words, *map(outcome, results[:-1]), crossing(results[-1]), met_of(results[1])])
+                cells = [words, *map(outcome, results[:-1]), crossing(results[-1]), met_of(results[1])]
+                judged = map(judge_scenario, plan.PUSHED, results)
+                lines.append([*cells, count_in_words(judged)])
         if len(lines) > 1:
-            head = ["reading", *plan.PUSHED, "two groups: cross", "water met in S5"]
+            head = ["reading", *plan.PUSHED, "two groups: cross", "water met in S5", "bands of S4 to S10 met"]
             text += f"### {SET_UPS[scene_set]}\n\n" + markdown_table(head, lines) + "\n"
     if not text:
         return ""
@@ -135,6 +137,11 @@ def depth_section(context, out):
         lines.append([label, *(outcome(known.get(depth)) for depth in depths)])
     if not lines:
         return ""
+    bands_met = []
+    for depth in depths:
+        cases = [plan.depth_case(name, depth) for name in plan.PUSHED]
+        bands_met.append(count_in_words(map(judge_scenario, plan.PUSHED, map(context.get, cases))))
+    lines.append(["bands of S4 to S10 met", *bands_met])
     panels = [("agents that arrive (of those that cross)", arrived, []), ("last arrival, s", times, [])]
     plots.curves_plot(out / "depth.png", panels, "depth of the water, m")
     return (
