@@ -55,7 +55,7 @@ def table1_plot(file, paper, results, names):
     below.set_ylim(-2, 53)
     words = [f"{name}\n\u03c4 {float(row['tau']):g}\n{row['v_f_m_s']} m/s" for name, row in paper.items()]
     below.set_xticks(places, words)
-    figure.legend(*above.get_legend_handles_labels(), loc="upper center", ncol=4)
+    figure.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, 0.95), ncol=4)
     save(figure, file)
 
 
@@ -121,7 +121,7 @@ def arrivals_plot(file, curves, marks):
                   color=COLOURS[index % len(COLOURS)], linewidth=1.4)
     for time, number, words in marks:
         axes.plot(time, number, marker="x", color="black", markersize=8, markeredgewidth=2)
-        axes.annotate(words, (time, number), xytext=(6, -12), textcoords="offset points", fontsize=8)
+        axes.annotate(words, (time, number), xytext=(0, -14), textcoords="offset points", fontsize=8, ha="center")
     axes.set_xlabel("time, s")
     axes.set_ylabel("agents that have arrived (mean over seeds)")
     axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))

@@ -34,4 +34,4 @@ def error_percent(result, paper_time):
     """Of the mean time, to the paper's, "-18"."""
     if result is None or result.time is None or paper_time in ("", None):
         return "-"
-    return f"{100 * (result.time[0] / float(paper_time) - 1):+.0f}"
+    return f"{round(100 * (result.time[0] / float(paper_time) - 1)):+d}"
