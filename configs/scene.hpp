@@ -132,6 +132,20 @@ struct Fluid {
 
 enum class SpeedRule { pi, per_frame, per_second };
 
+// A value of all agents of a group, or limits in which each agent's own is drawn uniformly.
+struct Spread {
+    double lo = 0;
+    double hi = 0;
+
+    Spread() = default;
+    Spread(double value) : lo(value), hi(value) {}  // NOLINT(google-explicit-constructor): a number is one, too
+    Spread(double its_lo, double its_hi) : lo(its_lo), hi(its_hi) {}
+
+    // The value for a random number u in [0, 1).
+    [[nodiscard]] double at(double u) const { return lo < hi ? lo + (hi - lo) * u : lo; }
+    friend bool operator==(const Spread& spread, double value) { return spread.lo == value && spread.hi == value; }
+};
+
 struct AgentGroup {
     std::string name;
     int columns = 1, rows = 1;  // start grid, columns along x, rows along z
@@ -139,8 +153,9 @@ struct AgentGroup {
     double start_x = 0, start_z = 0, pitch_x = 1, pitch_z = 1;
     double goal_x = 0, goal_z = 0;  // in a periodic world x counts on, lap by lap
     double desired_speed = 1.3;
-    double mass = 65;
-    double tau = 0;  // endurance in [0, 1]: 0 is not moved by the water
+    double start_jitter = 0;  // largest distance of a start from its place on the grid, along x and along z
+    Spread mass = 65;
+    Spread tau = 0;  // endurance in [0, 1]: 0 is not moved by the water
 };
 
 struct Crowd {
@@ -154,7 +169,10 @@ struct Crowd {
 };
 
 enum class ContactRule { difference, sum };
-enum class CouplingRule { per_frame };
+enum class CouplingRule {
+    per_frame,  // Eq. 9 in each step
+    continuous  // Eq. 9 as a balance of forces, in continuous time
+};
 enum class AgentsStream { off, serial, parallel };  // the way back, coupling lag 0 or 1
 
 struct Coupling {

@@ -82,6 +82,12 @@ double goal_in_world(const Scene& scene, double x) {
     return period > 0 ? x - period * std::floor(x / period) : x;
 }
 
+void check_spread(const Spread& spread, const std::string& source, const std::string& pointer) {
+    if (spread.lo <= spread.hi) return;
+    refuse(source, pointer,
+           "min " + short_number(spread.lo) + " is above max " + short_number(spread.hi) + "; allowed: min <= max.");
+}
+
 void check_groups(const Scene& scene, const std::string& source) {
     std::set<std::string> names;
     for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
@@ -91,6 +97,8 @@ void check_groups(const Scene& scene, const std::string& source) {
             refuse(source, pointer + "/name",
                    "\"" + group.name + "\" is the name of an earlier group; allowed: any other.");
         }
+        check_spread(group.tau, source, pointer + "/tau");
+        check_spread(group.mass, source, pointer + "/mass_kg");
         check_place(goal_in_world(scene, group.goal_x), group.goal_z, scene, "the goal of group \"" + group.name + "\"",
                     source, pointer + "/goal");
     }

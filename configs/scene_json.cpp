@@ -47,7 +47,8 @@ constexpr std::array speed_rules{std::pair{"pi", SpeedRule::pi}, std::pair{"per_
                                  std::pair{"per_second", SpeedRule::per_second}};
 constexpr std::array contact_rules{std::pair{"difference", ContactRule::difference},
                                    std::pair{"sum", ContactRule::sum}};
-constexpr std::array coupling_rules{std::pair{"per_frame", CouplingRule::per_frame}};
+constexpr std::array coupling_rules{std::pair{"per_frame", CouplingRule::per_frame},
+                                    std::pair{"continuous", CouplingRule::continuous}};
 constexpr std::array agents_streams{std::pair{"off", AgentsStream::off}, std::pair{"serial", AgentsStream::serial},
                                     std::pair{"parallel", AgentsStream::parallel}};
 
@@ -115,6 +116,11 @@ Fluid fluid_from(const json& j) {
     return fluid;
 }
 
+Spread spread_of(const json& j) {
+    if (j.is_object()) return {j.at("min").get<double>(), j.at("max").get<double>()};
+    return j.get<double>();
+}
+
 AgentGroup group_from(const json& j) {
     AgentGroup group;
     group.name = j.at("name");
@@ -125,11 +131,12 @@ AgentGroup group_from(const json& j) {
     group.start_z = j.at("start").at("z_m");
     group.pitch_x = j.at("start").at("pitch_x_m");
     group.pitch_z = j.at("start").at("pitch_z_m");
+    group.start_jitter = j.at("start").at("jitter_m");
     group.goal_x = j.at("goal").at("x_m");
     group.goal_z = j.at("goal").at("z_m");
     group.desired_speed = j.at("desired_speed_m_s");
-    group.mass = j.at("mass_kg");
-    group.tau = j.at("tau");
+    group.mass = spread_of(j.at("mass_kg"));
+    group.tau = spread_of(j.at("tau"));
     return group;
 }
 

@@ -94,7 +94,7 @@ void apply_override(json& document, const SceneOverride& change) {
     json* place = &document;
     std::string pointer;
     for (const std::string& key : keys_of(change)) {
-        const auto& type = (*schema)["type"].get_ref<const std::string&>();
+        const std::string type = type_for(*place, *schema);
         if (type == "array") {
             const std::size_t index = index_of(key, *place, pointer, change);
             schema = &(*schema)["items"];

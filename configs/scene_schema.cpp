@@ -46,6 +46,13 @@ bool has_type(const json& value, const std::string& type) {
     return value.is_object();
 }
 
+std::string types_with_article(const json& type) {
+    if (type.is_string()) return with_article(type.get<std::string>());
+    std::string text;
+    for (const json& one : type) text += (text.empty() ? "" : " or ") + with_article(one.get<std::string>());
+    return text;
+}
+
 std::string location(const std::string& source, const std::string& pointer) {
     return source + ": " + (pointer.empty() ? "the scene" : pointer);
 }
@@ -106,6 +113,15 @@ const json& scene_schema() {
     return schema;
 }
 
+std::string type_for(const json& value, const json& schema) {
+    const json& type = schema["type"];
+    if (type.is_string()) return type.get<std::string>();
+    for (const json& one : type) {
+        if (has_type(value, one.get<std::string>())) return one.get<std::string>();
+    }
+    return type.front().get<std::string>();
+}
+
 std::string pointer_to(const std::string& pointer, const std::string& key) {
     std::string escaped = pointer + "/";
     for (const char c : key) {
@@ -149,10 +165,10 @@ void throw_unknown_key(const json& object_schema, const std::string& key, const 
 
 void check_against_schema(const json& value, const json& schema, const std::string& pointer,
                           const std::string& source) {
-    const auto& type = schema["type"].get_ref<const std::string&>();
+    const std::string type = type_for(value, schema);
     if (!has_type(value, type)) {
-        throw ConfigurationError(location(source, pointer) + ": expected " + with_article(type) + ", found " +
-                                 shown(value) + " (" + value.type_name() + ").");
+        throw ConfigurationError(location(source, pointer) + ": expected " + types_with_article(schema["type"]) +
+                                 ", found " + shown(value) + " (" + value.type_name() + ").");
     }
     if (type == "object") {
         for (const auto& [key, member] : value.items()) {
@@ -172,16 +188,15 @@ void check_against_schema(const json& value, const json& schema, const std::stri
 }
 
 void complete_with_defaults(json& value, const json& schema, const std::string& pointer, const std::string& source) {
-    const auto& type = schema["type"].get_ref<const std::string&>();
+    const std::string type = type_for(value, schema);
     if (type == "object") {
         for (const json& key : schema.value("required", json::array())) {
             const auto name = key.get<std::string>();
             if (value.contains(name)) continue;
             const json& missing = schema["properties"][name];
             throw ConfigurationError(source + ": " + pointer_to(pointer, name) + ": required key \"" + name +
-                                     "\" is missing (" + with_article(missing["type"].get<std::string>()) +
-                                     "; allowed: " + allowed_values(missing) + "). " +
-                                     missing["description"].get<std::string>());
+                                     "\" is missing (" + types_with_article(missing["type"]) + "; allowed: " +
+                                     allowed_values(missing) + "). " + missing["description"].get<std::string>());
         }
         for (const auto& [key, member_schema] : schema["properties"].items()) {
             if (!value.contains(key)) {

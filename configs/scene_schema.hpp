@@ -1,7 +1,8 @@
 #pragma once
 // Checks JSON values against scene.schema.json and completes them with its defaults.
 //
-// The schema uses these keywords of JSON Schema 2020-12, and this file no others: type, properties, required,
+// The schema uses these keywords of JSON Schema 2020-12, and this file no others: type (one, or a list of those that a
+// value may have), properties, required,
 // additionalProperties (false), items, enum, minimum, maximum, exclusiveMinimum, exclusiveMaximum, minLength,
 // maxLength, pattern, default.
 
@@ -23,6 +24,9 @@ void check_against_schema(const nlohmann::json& value, const nlohmann::json& sch
 // missing.
 void complete_with_defaults(nlohmann::json& value, const nlohmann::json& schema, const std::string& pointer,
                             const std::string& source);
+
+// The type that `value` is to have: the schema's, or the one of several that fits, else the first.
+[[nodiscard]] std::string type_for(const nlohmann::json& value, const nlohmann::json& schema);
 
 // `pointer` extended by one key, escaped as RFC 6901 demands.
 [[nodiscard]] std::string pointer_to(const std::string& pointer, const std::string& key);

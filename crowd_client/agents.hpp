@@ -43,7 +43,9 @@ struct Agents {
 }
 
 // All agents on their start grids, ids counted through the groups in order, row by row within a group.
-// Throws ConfigurationError for a start outside the world.
+// What is drawn at random (tau, mass, the deviation of the start) depends on the seed, the agent's id and the purpose
+// alone.
+// Throws ConfigurationError for a place of the grid outside the world.
 [[nodiscard]] Agents make_agents(const Scene& scene);
 
 }  // namespace wade::crowd

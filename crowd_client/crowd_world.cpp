@@ -96,10 +96,14 @@ void choose_walking_velocities(CrowdWorld& crowd) {
 
 void couple_with_water(CrowdWorld& crowd) {
     crowd.velocity.resize(crowd.active.size());
+    const Agents& agents = crowd.agents;
+    const bool continuous = crowd.scene.coupling.rule == CouplingRule::continuous;
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
         crowd.velocity[k] =
-            coupled_velocity(crowd.agents.mass[id], crowd.walking[k], crowd.agents.tau[id], crowd.contacts[k]);
+            continuous ? relaxed_velocity(agents.mass[id], agents.velocity[id], crowd.walking[k], agents.tau[id],
+                                          crowd.contacts[k], crowd.dt)
+                       : coupled_velocity(agents.mass[id], crowd.walking[k], agents.tau[id], crowd.contacts[k]);
     }
 }
 
@@ -172,13 +176,6 @@ void advance(CrowdWorld& crowd, const WaterBins& water) {
 }
 
 }  // namespace
-
-WaterBins empty_bins(const Scene& scene) {
-    WaterBins bins;
-    bins.grid = GroundGrid::over(scene.world);
-    bins.period = scene.world.period();
-    return bins;
-}
 
 CrowdWorld make_crowd(const Scene& scene) {
     check_coupling(scene);

@@ -48,7 +48,4 @@ void step(CrowdWorld& crowd, const WaterView& water);
 // water within a cell of each active agent.
 void step_through(CrowdWorld& crowd, const WaterBins& water);
 
-// Bins over the ground of the scene, without water.
-[[nodiscard]] WaterBins empty_bins(const Scene& scene);
-
 }  // namespace wade::crowd

@@ -148,8 +148,7 @@ std::string csv_of(const Ensemble& all) {
 }  // namespace
 
 std::string check_of_crowds(const ProgramStart& start) {
-    return start.options.word("--crowds") + ": valid; " + std::to_string(listed(start).size()) +
-           " crowds\n";
+    return start.options.word("--crowds") + ": valid; " + std::to_string(listed(start).size()) + " crowds\n";
 }
 
 int run_list_of_crowds(const ProgramStart& start, Console& console) {

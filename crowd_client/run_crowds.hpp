@@ -34,8 +34,8 @@ struct CrowdsHooks {
     std::function<bool()> quit = {};
 };
 
-// Runs until each crowd is over, as run_client says for one, or until the stream ends. Each crowd ends up, to the bit, as
-// if it had been alone. All must have the world of the first; threads >= 1.
+// Runs until each crowd is over, as run_client says for one, or until the stream ends. Each crowd ends up, to the bit,
+// as if it had been alone. All must have the world of the first; threads >= 1.
 // Errors pass through: shm::Error, RunError; the producer is told why, and crowds that were not over stay so.
 void run_crowds(std::span<CrowdRun> crowds, FrameSource& source, const CrowdsHooks& hooks, int threads);
 

@@ -104,6 +104,13 @@ void sort_marked(WaterBins& bins, const WaterView& water) {
 
 }  // namespace
 
+WaterBins empty_bins(const Scene& scene) {
+    WaterBins bins;
+    bins.grid = GroundGrid::over(scene.world);
+    bins.period = scene.world.period();
+    return bins;
+}
+
 void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions) {
     mark_cells_near(bins, positions);
     sort_marked(bins, water);

@@ -32,6 +32,9 @@ struct CellWater {
     double speed = 0;  // |sum m v| / sum m, m/s
 };
 
+// Bins over the ground of the scene, without water.
+[[nodiscard]] WaterBins empty_bins(const Scene& scene);
+
 // Sorts the particles that can matter to agents at `positions`; one pass over all particles, one over those kept.
 // Particles outside the grid and such with a NaN position are left out.
 void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions);

@@ -18,11 +18,14 @@ def range_of(schema):
     """The allowed values as mathematics: an interval, a list of choices, or the type."""
     if "enum" in schema:
         return ", ".join(f"`{name}`" for name in schema["enum"])
-    kind = schema["type"]
+    kind, alternative = schema["type"], ""
+    if isinstance(kind, list):  # a number, or an object with limits between which it is drawn
+        kind = kind[0]
+        alternative = ", or " + " and ".join(f"`{name}`" for name in schema["properties"])
     if kind in ("integer", "number"):
         left = f"({schema['exclusiveMinimum']}" if "exclusiveMinimum" in schema else f"[{schema.get('minimum', '-inf')}"
         right = f"{schema['exclusiveMaximum']})" if "exclusiveMaximum" in schema else f"{schema.get('maximum', 'inf')}]"
-        return f"{'whole, ' if kind == 'integer' else ''}{left}, {right}"
+        return f"{'whole, ' if kind == 'integer' else ''}{left}, {right}{alternative}"
     return {"boolean": "`true`, `false`", "string": "text", "array": "list", "object": "object"}[kind]
 
 

@@ -166,3 +166,37 @@ TEST_CASE("events keep their order and whom they name") {
     CHECK((events[1].agent == 0 && !events[1].group && events[1].tau == 0.2));
     CHECK((!events[2].agent && events[2].group == "a" && events[2].tau == 0.3));
 }
+
+TEST_CASE("tau and mass are numbers or limits, of the crowd or of a group") {
+    const std::string two = crowd(group("a", 1, 1) + "," + group("b", 2, 2, R"(, "tau": {"min": 0.1, "max": 0.2})"));
+    const auto load = [&](const std::string& last) {
+        return load_patched(two,
+                            {R"(/crowd/tau={"min":0.4,"max":0.8})", R"(/crowd/mass_kg={"min":40,"max":100})", last});
+    };
+    const LoadedScene loaded = load("/seed=1");
+    const auto& groups = loaded.scene.crowd.groups;
+    CHECK((groups.at(0).tau.lo == 0.4 && groups.at(0).tau.hi == 0.8));
+    CHECK((groups.at(1).tau.lo == 0.1 && groups.at(1).tau.hi == 0.2));
+    CHECK((groups.at(1).mass.lo == 40 && groups.at(1).mass.hi == 100));
+    CHECK(load("/crowd/tau=0.5").scene.crowd.groups.at(0).tau == 0.5);
+    CHECK(load("/crowd/tau/max=0.9").scene.crowd.groups.at(0).tau.hi == 0.9);
+    CHECK(wade::load_scene_text(loaded.canonical_json, "again.json").canonical_json == loaded.canonical_json);
+}
+
+TEST_CASE("limits that are out of range, incomplete or the wrong way round are refused") {
+    const std::string one = crowd(group("a", 1, 1));
+    CHECK_THAT(refusal(one, {R"(/crowd/tau={"min":0.8,"max":0.4})"}),
+               Contains("/crowd/groups/0/tau: min 0.8 is above max 0.4; allowed: min <= max."));
+    CHECK_THAT(refusal(one, {R"(/crowd/mass_kg={"min":90,"max":40})"}), Contains("/crowd/groups/0/mass_kg: min 90"));
+    CHECK_THAT(refusal(one, {R"(/crowd/tau={"min":0.8,"max":1.4})"}),
+               Contains("/crowd/tau/max: 1.4 is out of range; allowed: >= 0 and <= 1"));
+    CHECK_THAT(refusal(one, {R"(/crowd/mass_kg={"min":0,"max":1})"}),
+               Contains("/crowd/mass_kg/min: 0 is out of range"));
+    CHECK_THAT(refusal(one, {R"(/crowd/tau={"min":0.8})"}),
+               Contains("/crowd/tau/max: required key \"max\" is missing"));
+    CHECK_THAT(refusal(one, {R"(/crowd/tau={"min":0.1,"mox":0.8})"}),
+               Contains("/crowd/tau/mox: unknown key \"mox\"; the nearest known key is \"max\""));
+    CHECK_THAT(refusal(one, {R"(/crowd/tau="much")"}), Contains("/crowd/tau: expected a number or an object, found"));
+    CHECK_THAT(refusal(one, {"/crowd/tau/max=0.5"}), Contains("/crowd/tau"));
+    CHECK_THAT(refusal(one, {"/crowd/groups/0/start/jitter_m=-1"}), Contains("/crowd/groups/0/start/jitter_m: -1"));
+}

@@ -127,7 +127,7 @@ void check_keywords(const nlohmann::json& schema, const std::string& place) {
     INFO(place);
     for (const auto& [keyword, value] : schema.items()) CHECK_THAT(known, Catch::Matchers::VectorContains(keyword));
     CHECK((place.find("[]") == place.size() - 2 || schema.contains("description")));
-    if (schema["type"] == "object") {
+    if (schema.contains("properties")) {
         CHECK(schema.value("additionalProperties", true) == false);
         for (const auto& [key, member] : schema["properties"].items()) check_keywords(member, place + "/" + key);
     }

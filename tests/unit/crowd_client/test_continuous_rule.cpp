@@ -1,0 +1,120 @@
+// The rule `continuous`: Eq. 9 as a balance of forces, the same for any rate.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "crowd_client/crowd_world.hpp"
+#include "made_up_water.hpp"
+
+using namespace wade;
+using namespace wade::crowd;
+using wade::crowd::testing::MadeUpWater;
+using wade::crowd::testing::one_agent_scene;
+
+namespace {
+
+constexpr double mass = 65;
+const Vector2d walking(0.2, 1.25);
+
+Contact contact_of(double its_mass, const Vector2d& velocity) {
+    return {its_mass, its_mass * velocity};
+}
+
+// Contact mass that comes and goes, as particles do: 196 kg on average, three periods, none a multiple of another.
+Contact fluctuating(double t) {
+    constexpr double two_pi = 2 * std::numbers::pi;
+    const double wave = std::sin(two_pi * 1.3 * t) + std::sin(two_pi * 3.1 * t) + std::sin(two_pi * 7.7 * t);
+    return contact_of(196 * (1 + 0.3 * wave), {-1.5 + 0.2 * std::cos(two_pi * 2.1 * t), 0.1});
+}
+
+// Where an agent is after 4 s that walks steadily through the fluctuating water.
+Vector2d place_after_4_s(double rate) {
+    Vector2d x = Vector2d::Zero(), v = Vector2d::Zero();
+    const int steps = static_cast<int>(std::lround(4 * rate));
+    for (int k = 1; k <= steps; ++k) {
+        v = relaxed_velocity(mass, v, walking, 0.8, fluctuating(k / rate), 1 / rate);
+        x += v / rate;
+    }
+    return x;
+}
+
+}  // namespace
+
+TEST_CASE("In constant water the steady state is that of Eq. 9 at any rate", "[eq9]") {
+    for (const double tau : {0.0, 0.2, 1.0}) {
+        for (const double contact : {0.0, 100.0, 196.0, 1767.0}) {
+            const Contact water = contact_of(contact, {-2.5, 0.3});
+            const Vector2d expected = coupled_velocity(mass, walking, tau, water);
+            for (const double rate : {1.0, 15.0, 30.0, 60.0, 120.0, 1000.0}) {
+                Vector2d v(3, -3);
+                // Two seconds are at least 60 T_a: what is left of the start is below 1e-25 of it.
+                for (int k = 0; k < 2 * rate; ++k) v = relaxed_velocity(mass, v, walking, tau, water, 1 / rate);
+                CHECK(v.x() == Approx(expected.x()).margin(1e-12));
+                CHECK(v.y() == Approx(expected.y()).margin(1e-12));
+            }
+        }
+    }
+}
+
+TEST_CASE("In constant water the way to the steady state is the same for steps of any length", "[eq9]") {
+    const Contact water = contact_of(150, {-1.5, 0});
+    const Vector2d once = relaxed_velocity(mass, {1, 1}, walking, 0.3, water, 1.0 / 15);
+    Vector2d often(1, 1);
+    for (int k = 0; k < 8; ++k) often = relaxed_velocity(mass, often, walking, 0.3, water, 1.0 / 120);
+    CHECK(often.x() == Approx(once.x()).epsilon(1e-12));
+    CHECK(often.y() == Approx(once.y()).epsilon(1e-12));
+}
+
+TEST_CASE("The velocity changes as the two forces say", "[eq9]") {
+    const Contact water = contact_of(150, {-1.5, 0.4});
+    const Vector2d v(0.5, 0.5);
+    const double tau = 0.3, dt = 1e-6;
+    const Vector2d force = (mass * (walking - v) + tau * (water.momentum - water.mass * v)) / exchange_time;
+    const Vector2d slope = (relaxed_velocity(mass, v, walking, tau, water, dt) - v) / dt;
+    // First order in dt / T_a, which is 5e-5.
+    CHECK(slope.x() == Approx(force.x() / mass).epsilon(1e-4));
+    CHECK(slope.y() == Approx(force.y() / mass).epsilon(1e-4));
+}
+
+TEST_CASE("Without water or with tau 0 the velocity tends to that of walking, without overshoot", "[eq9]") {
+    for (const auto& [tau, contact] : {std::pair{0.0, 500.0}, std::pair{1.0, 0.0}}) {
+        Vector2d v = Vector2d::Zero();
+        for (int k = 0; k < 20; ++k) {
+            const Vector2d next = relaxed_velocity(mass, v, walking, tau, contact_of(contact, {-9, 0}), 1.0 / 30);
+            CHECK(next.y() > v.y());
+            CHECK(next.y() <= walking.y());
+            v = next;
+        }
+        CHECK(v.y() == Approx(walking.y()).epsilon(1e-8));  // exp(-20)
+    }
+}
+
+TEST_CASE("In water that fluctuates, paths converge as the steps get shorter", "[eq9]") {
+    const Vector2d best = place_after_4_s(15 * 1024);
+    double before = 0;
+    for (const double rate : {60.0, 120.0, 240.0, 480.0}) {
+        const double error = (place_after_4_s(rate) - best).norm();
+        INFO(rate << " steps a second: " << error << " m");
+        // First order: half the step, half the error, up to terms of second order.
+        if (before > 0) CHECK(before / error == Approx(2).margin(0.4));
+        before = error;
+    }
+    CHECK(before < 0.005);  // of some 4 m
+}
+
+TEST_CASE("A crowd with the rule drifts in a uniform stream as Eq. 9 says, at any rate") {
+    for (const double rate : {15.0, 30.0, 120.0}) {
+        Scene scene = one_agent_scene(50, 25, 50.001, 49, 0.4);
+        scene.coupling.rule = CouplingRule::continuous;
+        scene.frame_rate = scene.crowd.step_rate = rate;
+        CrowdWorld crowd = make_crowd(scene);
+        // Particles so dense that the contact mass hardly changes along the way.
+        const MadeUpWater water = testing::uniform_water(44, 54, 20, 35, 1, 0.05, -0.5, 0);
+        for (int k = 0; k < rate; ++k) step(crowd, water.view());
+        const Vector2d expected = coupled_velocity(mass, crowd.walking[0], 0.4, crowd.contacts[0]);
+        // The contact mass jitters by about 1 % between two steps.
+        CHECK((crowd.agents.velocity[0] - expected).norm() < 0.01);
+        CHECK(crowd.agents.position[0].x() < 50);
+    }
+}

@@ -1,0 +1,110 @@
+// What is drawn for each agent: tau, mass, the deviation of the start.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+#include "crowd_client/crowd_world.hpp"
+#include "made_up_water.hpp"
+
+using namespace wade;
+using namespace wade::crowd;
+using wade::crowd::testing::one_agent_scene;
+
+namespace {
+
+// `columns` agents in a row of pitch 0.05 m.
+Scene row_of(int columns) {
+    Scene scene = one_agent_scene(10, 25, 75, 50, 0);
+    AgentGroup& group = scene.crowd.groups[0];
+    group.columns = group.count = columns;
+    group.pitch_x = 0.05;
+    return scene;
+}
+
+}  // namespace
+
+TEST_CASE("tau and mass fill their limits uniformly") {
+    constexpr int n = 1000;
+    Scene scene = row_of(n);
+    scene.crowd.groups[0].tau = {0.4, 0.8};
+    scene.crowd.groups[0].mass = {40, 100};
+    const Agents agents = make_agents(scene);
+    double tau = 0, mass = 0, product = 0;
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        REQUIRE((agents.tau[id] >= 0.4 && agents.tau[id] < 0.8));
+        REQUIRE((agents.mass[id] >= 40 && agents.mass[id] < 100));
+        const double u = (agents.tau[id] - 0.4) / 0.4, w = (agents.mass[id] - 40) / 60;
+        tau += u / n;
+        mass += w / n;
+        product += (u - 0.5) * (w - 0.5) / n;
+    }
+    // Four standard deviations of the mean of n uniform numbers, and of the mean product of two independent ones.
+    const double tolerance = 4 * std::sqrt(1.0 / 12 / n);
+    CHECK(tau == Approx(0.5).margin(tolerance));
+    CHECK(mass == Approx(0.5).margin(tolerance));
+    CHECK(product == Approx(0).margin(4 * (1.0 / 12) / std::sqrt(static_cast<double>(n))));
+}
+
+TEST_CASE("A draw depends on the seed and the agent alone") {
+    Scene scene = row_of(5);
+    scene.crowd.groups[0].tau = {0, 1};
+    scene.crowd.groups[0].start_jitter = 0.3;
+    const Agents few = make_agents(scene);
+    scene.crowd.groups[0].columns = scene.crowd.groups[0].count = 9;
+    scene.crowd.groups[0].mass = {40, 100};
+    const Agents more = make_agents(scene);
+    for (std::size_t id = 0; id < few.size(); ++id) {
+        CHECK(more.tau[id] == few.tau[id]);
+        CHECK(more.position[id] == few.position[id]);
+    }
+    scene.seed = 2;
+    CHECK(make_agents(scene).tau[0] != few.tau[0]);
+}
+
+TEST_CASE("A value without limits is that value, for every agent") {
+    Scene scene = row_of(5);
+    scene.crowd.groups[0].tau = {0.3, 0.3};
+    const Agents agents = make_agents(scene);
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        CHECK(agents.tau[id] == 0.3);
+        CHECK(agents.mass[id] == 65);
+        CHECK(agents.position[id] == Vector2d(10 + static_cast<double>(id) * 0.05, 25));
+    }
+}
+
+TEST_CASE("Starts are spread over a square, inside the world and outside obstacles") {
+    Scene scene = one_agent_scene(10, 0, 75, 50, 0);
+    AgentGroup& group = scene.crowd.groups[0];
+    group.columns = group.count = 300;
+    group.pitch_x = 0;
+    group.start_jitter = 2;
+    scene.obstacles.push_back({{11, 14}, {0, 5}, 1});
+    const Agents agents = make_agents(scene);
+    std::set<std::pair<double, double>> places;
+    bool left = false, far = false;
+    for (const Vector2d& p : agents.position) {
+        CHECK((p.x() >= 8 && p.x() < 11));  // the obstacle begins at 11
+        CHECK((p.y() >= 0 && p.y() <= 2));  // mirrored at the edge z = 0
+        left = left || p.x() < 8.5;
+        far = far || p.y() > 1.8;
+        places.insert({p.x(), p.y()});
+    }
+    CHECK((left && far));
+    CHECK(places.size() == agents.size());
+}
+
+TEST_CASE("Starts near the joint of a periodic world stay in it") {
+    Scene scene = one_agent_scene(0, 25, 75, 25, 0);
+    scene.world.ends = Ends::periodic;
+    scene.crowd.groups[0].columns = scene.crowd.groups[0].count = 100;
+    scene.crowd.groups[0].pitch_x = 0;
+    scene.crowd.groups[0].start_jitter = 1;
+    bool behind = false, before = false;
+    for (const Vector2d& p : make_agents(scene).position) {
+        CHECK((p.x() >= 0 && p.x() < scene.world.length));
+        behind = behind || p.x() > scene.world.length - 1;
+        before = before || (p.x() > 0 && p.x() < 1);
+    }
+    CHECK((behind && before));
+}

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# How much the outcome depends on the frame rate, with each coupling rule.
+set -euo pipefail
+# shellcheck source=tools/build.bash
+. "$(dirname "${BASH_SOURCE[0]}")/build.bash"
+
+for argument in "$@"; do
+  case "$argument" in
+    -h | --help)
+      # Needs neither packages nor a build, so that help is always at hand.
+      cat <<'HELP'
+Usage: tools/frame_rates.sh [SCENE...] [--out DIR] [--seeds N] [--rates A,B] [--threads N]
+
+Runs each scene (default: S5, S7 and S10 of configs/observed) at 15, 30, 60 and 120 frames/s with the coupling rules
+per_frame and continuous, and without water (tau 0). Prints arrivals and times with 95 % intervals; writes
+DIR/frame_rates.csv, DIR/report.md and DIR/runs/.
+
+  --out DIR      [runs/frame_rates in the project]
+  --seeds N      seeds of the markers, 1 to 1000 [10]
+  --rates A,B    frame rates, Hz [15,30,60,120]
+  --threads N    of the crowds and the water [number of processors]
+HELP
+      exit 0
+      ;;
+  esac
+done
+
+"$root/tools/install_dependencies.sh" || exit 1
+build_programs || { echo "frame_rates.sh: the build failed" >&2; exit 1; }
+exec /usr/bin/python3 "$root/tools/frame_rates.py" --programs "$build" "$@"
