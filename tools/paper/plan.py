@@ -75,7 +75,7 @@ def reading_of(scene_set, suffix, changes):
 
 
 def reading_cases(scene_set):
-    cases = contact_cases(scene_set)
+    cases = contact_cases(scene_set) + continuous_cases(scene_set)
     for suffix, changes in water_readings(scene_set).values():
         if scene_set in KINEMATIC or suffix in ("g9.81", "filled", "d0.5"):
             cases += reading_of(scene_set, suffix, changes)
