@@ -19,8 +19,8 @@ serves all crowds of a water. Writes DIR/report.md, DIR/table1.csv, DIR/readings
 prints the report.
 
   --out DIR             [runs/reproduce_paper in the project]
-  --seeds N             crowds of each scenario, with the seeds 1 to N; the parts phase, depth, readings and variations
-                        take half as many [10, with --quick 1]
+  --seeds N             crowds of each scenario, with the seeds 1 to N; the parts phase, depth, push, readings
+                        and variations take half as many [10, with --quick 1]
   --max-seeds N         more seeds, N at most, where an interval of 95 % is still wider than a tenth of the agents or of
                         the mean time; each round is a further run of the fluid [3 times --seeds in the set observed,
                         --seeds in the others]
@@ -33,6 +33,7 @@ prints the report.
                           phase       who arrives over the plane of tau and v_F (set observed)
                           goal        time of S1 over the goal radius, the one number fitted (set observed)
                           depth       outcomes over the depth of the water (set observed)
+                          push        outcomes over the speed with which the water pushes (set observed)
                           variations  500 and 5,000 agents, several goals and groups, a village
                           figures     pictures in the paper's style, at its times
   --set-of-scenes SET   observed, paper, river, both (paper and river) or all [all]

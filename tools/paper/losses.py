@@ -94,31 +94,29 @@ def value_at(points, target):
 
 def losses_section(context):
     """What it would take to lose as many as the paper: depth, speed, and the other group."""
-    depths = sorted((*plan.DEPTHS, 1))
     lines = []
-    for words, name, tau, count, group in (
-        ("S6", "S6", 0.2, 35, None),
-        ("two groups, crossing", "two_groups", 0.6, 8, "walkers"),
-        ("no obstacle", "no_obstacle", 0.6, 8, None),
+    for words, name, count, group in (
+        ("S6", "S6", 35, None),
+        ("two groups, crossing", "two_groups", 8, "walkers"),
+        ("no obstacle", "no_obstacle", 8, None),
     ):
-        by_depth = [(depth, context.get(plan.depth_case(name, depth))) for depth in depths]
-        by_speed = [(v, context.get(plan.phase_case(tau, v))) for v in plan.PHASE_V_F]
         cells = [words, str(count)]
-        for points, of in ((by_depth, group), (by_speed, None)):
-            known = [(x, (r.arrived_of(of) if of else r.arrived)[0]) for x, r in points if r is not None]
-            at = value_at(known, count)
+        for case_of, values in ((plan.depth_case, plan.DEPTHS), (plan.push_case, plan.PUSHES)):
+            known = [(v, context.get(case_of(name, v))) for v in sorted((*values, 1))]
+            means = [(v, (r.arrived_of(group) if group else r.arrived)[0]) for v, r in known if r is not None]
+            at = value_at(means, count)
             cells.append("-" if at is None else f"{at:.2f}")
         lines.append(cells)
     both, alone = context.other("observed", "two_groups"), context.get(plan.phase_case(0.6, 1.5))
     if all(line[2] == "-" and line[3] == "-" for line in lines):
         return ""
     text = (
-        "## What it would take to lose as many as the paper\n\nSet as observed. Depth at v_F as asked, or v_F at 1 m"
-        " (start grid of"
-        " Table 1), at which as many arrive as in the paper; linear between the\nvalues that were run; `-`: at none"
-        " of them.\n\n"
+        "## What it would take to lose as many as the paper\n\nSet as observed. Depth of the water, or speed with"
+        " which it"
+        " pushes, at which as many arrive as in the paper; linear between the\nvalues that were run; `-`: at none of"
+        " them.\n\n"
     )
-    text += markdown_table(["scenario", "arrive in the paper", "at a depth of, m", "at v_F, m/s"], lines)
+    text += markdown_table(["scenario", "arrive in the paper", "at a depth of, m", "at a speed of, v_F"], lines)
     if both and alone:
         crossing = in_words(both.arrived_of("walkers"))
         text += (

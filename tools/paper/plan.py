@@ -5,7 +5,17 @@ or seed.
 """
 
 from waters import (  # noqa: F401
-    KINEMATIC, SCENARIOS, Case, changed_crowd, has_scene, other_case, scenario_case, scene_of, stream, velocity_of,
+    KINEMATIC,
+    OTHERS_V_F,
+    SCENARIOS,
+    Case,
+    changed_crowd,
+    has_scene,
+    other_case,
+    scenario_case,
+    scene_of,
+    stream,
+    velocity_of,
 )
 
 SETS = ("observed", "paper", "river")
@@ -17,10 +27,11 @@ PHASE_TAU = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 PHASE_V_F = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0)  # m/s
 GOAL_RADII = (0.5, 1, 1.4, 2, 3, 5)  # m; 1.4 is the scenes', the one number fitted
 DEPTHS = (0.8, 1.2, 1.5, 2.0)  # m, beside 1
+PUSHES = (1.4, 1.8, 2.2, 2.6)  # speed with which the water pushes, over v_F, beside 1
 SPACINGS = (0.5, 0.25)  # m, beside 0.4642
 FRAME_RATES = (15, 60)  # 1/s, beside 30
 OBSTACLE_PLACES = (40, 50)  # m, x_min beside 60
-DEPTH_SCENARIOS = (*PUSHED, "S11", "two_groups", "no_obstacle", "tau_switch")
+SWEPT = (*PUSHED, "two_groups", "no_obstacle", "tau_switch")
 FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
 
 
@@ -95,19 +106,29 @@ def goal_case(radius):
     return changed_crowd("observed", "S1", f"goal{radius:g}", changes)
 
 
-def depth_case(scenario, depth):
-    """A scenario of the observed set in a stream of another depth."""
-    changes = (("/channel/depth_m", depth),)
-    suffix = f"h{depth:g}"
-    if depth == 1:
-        return scenario_case("observed", scenario) if scenario in SCENARIOS else other_case("observed", scenario)
+def observed_case(scenario, suffix, changes):
+    """A scenario of the observed set, in changed water if a suffix names the change."""
     if scenario in SCENARIOS:
         return scenario_case("observed", scenario, suffix, changes)
-    return other_case("observed", scenario, f"-{suffix}", changes)
+    return other_case("observed", scenario, f"-{suffix}" if suffix else "", changes)
 
 
-def depth_cases():
-    return [depth_case(scenario, depth) for depth in sorted((*DEPTHS, 1)) for scenario in DEPTH_SCENARIOS]
+def depth_case(scenario, depth):
+    """A scenario of the observed set in a stream of another depth."""
+    return observed_case(scenario, *(("", ()) if depth == 1 else (f"h{depth:g}", (("/channel/depth_m", depth),))))
+
+
+def push_case(scenario, factor):
+    """A scenario of the observed set whose water pushes with `factor` v_F; its front runs at 2.6 v_F as before."""
+    if factor == 1:
+        return observed_case(scenario, "", ())
+    velocity = velocity_of(scenario) if scenario in SCENARIOS else OTHERS_V_F[scenario]
+    speed = ("/channel/velocity_m_s", round(factor * velocity, 6))
+    return observed_case(scenario, f"push{factor:g}", (speed, ("/fluid/kinematic/transport_factor", 2.6 / factor)))
+
+
+def sweep_cases(case_of, values):
+    return [case_of(scenario, value) for value in sorted((*values, 1)) for scenario in SWEPT]
 
 
 def coarse_cases(scene_set):
@@ -133,6 +154,7 @@ PARTS = {
     "phase": "who arrives over the plane of tau and v_F (set observed)",
     "goal": "time of S1 over the goal radius, the one number fitted (set observed)",
     "depth": "outcomes over the depth of the water (set observed)",
+    "push": "outcomes over the speed with which the water pushes (set observed)",
     "variations": "500 and 5,000 agents, several goals and groups, a village",
     "figures": "pictures in the paper's style",
 }
@@ -152,5 +174,6 @@ def cases_of(part, sets, quick=False):
         return [other_case(scene_set, name) for scene_set in sets for name in VARIATIONS if has_scene(scene_set, name)]
     if "observed" not in sets:
         return []
-    return {"phase": phase_cases, "depth": depth_cases, "figures": list,
+    return {"phase": phase_cases, "figures": list,
+            "depth": lambda: sweep_cases(depth_case, DEPTHS), "push": lambda: sweep_cases(push_case, PUSHES),
             "goal": lambda: [goal_case(radius) for radius in GOAL_RADII]}[part]()

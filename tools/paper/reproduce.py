@@ -28,7 +28,7 @@ from verdict import checks_of, verdict_text  # noqa: E402
 from words import SET_UPS  # noqa: E402
 
 SETS_OF = {"both": ("paper", "river"), "all": plan.SETS, **{name: (name,) for name in plan.SETS}}
-WIDE_PARTS = ("phase", "depth", "readings", "variations")  # many cases: half of the seeds each
+WIDE_PARTS = ("phase", "depth", "push", "readings", "variations")  # many cases: half of the seeds each
 
 
 def part_list(text):
@@ -136,7 +136,8 @@ def write_report(options, ensembles, paper, drawn):
         sections.append("" if options.quick else scatter_section())
         sections += [studies.readings_section(context), studies.particles_section(context)]
         sections += [studies.phase_section(context, options.out), studies.goal_section(context, options.out)]
-        sections += [studies.depth_section(context, options.out), losses.losses_section(context)]
+        sections += [studies.depth_section(context, options.out), studies.push_section(context, options.out)]
+        sections += [losses.losses_section(context)]
         sections += [studies.variations_section(context), causes.disagreement_section(context)]
     sections += [frame.figures_section(drawn), verdict_text(checks, judged, cut_short)]
     sections.append(frame.runs_section(all_runs, ensembles.failures))

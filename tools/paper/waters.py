@@ -7,6 +7,7 @@ CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 KINEMATIC = ("observed",)  # sets whose water is not solved
 SCENARIOS = tuple(f"S{i}" for i in range(1, 13))
 V_F = {0: 0.5, 1: 1.5, 2: 2.5}  # m/s, S1, S2, S3, then again
+OTHERS_V_F = {"two_groups": 1.5, "no_obstacle": 1.5, "tau_switch": 2.5}  # m/s
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def other_case(scene_set, scenario, suffix="", water_changes=()):
     scene = scene_of(scene_set, scenario)
     if scenario in ("obstacle", "village", "agents_5000", "fine"):
         return Case(Water(scene_set, scenario + suffix, scene, water_changes), scenario, scene)
-    velocity = 2.5 if scenario == "tau_switch" else 1.5
+    velocity = OTHERS_V_F.get(scenario, 1.5)
     return Case(stream(scene_set, velocity, suffix.lstrip("-"), water_changes), scenario, scene)
 
 
