@@ -11,6 +11,7 @@ from table1 import Run
 ROOT = Path(__file__).resolve().parents[2]
 # Where the crowds of one water may differ; all else belongs to the water.
 CROWDS_OWN = ("crowd", "coupling", "events", "name", "description")
+PATIENCE_S = "300"  # a hundred crowds take a while to set out their markers, and for a frame
 PICTURE_FILES = ("trajectories.sqlite", "water.bin")  # what only pictures need
 
 
@@ -157,6 +158,7 @@ class Ensembles:
         launcher = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", self.programs.folder]
         command = [*launcher, water.scene, "--crowds", folder / "crowds.json", "--out", folder, "--no-figure", *words]
         command += [*self.programs.until(), "--threads", str(self.threads)]
+        command += ["--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
         if not any(self.keeps_pictures(*run) for run in missing):
             command += ["--no-trajectories", "--water-every-s", "0"]
         print(f"{water.key}: {len(missing)} crowds", file=sys.stderr, flush=True)

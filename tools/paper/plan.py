@@ -29,6 +29,7 @@ GOAL_RADII = (0.5, 1, 1.4, 2, 3, 5)  # m; 1.4 is the scenes', the one number fit
 DEPTHS = (0.8, 1.2, 1.5, 2.0)  # m, beside 1
 PUSHES = (1.4, 1.8, 2.2, 2.6)  # speed with which the water pushes, over v_F, beside 1
 SPACINGS = (0.5, 0.25)  # m, beside 0.4642
+MAX_PARTICLES = 300000  # enough for the smallest of them
 FRAME_RATES = (15, 60)  # 1/s, beside 30
 OBSTACLE_PLACES = (40, 50)  # m, x_min beside 60
 SWEPT = (*PUSHED, "two_groups", "no_obstacle", "tau_switch")
@@ -66,7 +67,8 @@ def water_readings(scene_set):
     """{what: (suffix, changes of the water)} of the readings that need waters of their own."""
     readings = {}
     for spacing in SPACINGS:
-        readings[f"spacing {spacing:g} m"] = f"d{spacing:g}", (("/fluid/particle_spacing_m", spacing),)
+        changes = ("/fluid/particle_spacing_m", spacing), ("/fluid/max_particles", MAX_PARTICLES)
+        readings[f"spacing {spacing:g} m"] = f"d{spacing:g}", changes
     for rate in FRAME_RATES:
         readings[f"{rate} frames/s"] = f"{rate}hz", (("/frame_rate_hz", rate),)
     if scene_set == "observed":
