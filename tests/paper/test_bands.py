@@ -56,6 +56,13 @@ class Bands(unittest.TestCase):
         pairs = {"S5": (result(50, 70), result(50, 70)), "S8": (result(13, 70), result(0))}
         self.assertFalse(bands.judge_particles(pairs).holds)
 
+    def test_the_error_of_the_times_is_a_mean_factor(self):
+        paper = {name: {"time_s": "100"} for name in ("S4", "S5", "S6", "S7", "S10")}
+        times = {"S4": 100, "S5": 200, "S6": 50, "S7": 100, "S10": 100}
+        factor = bands.time_error(paper, lambda name: result(50, times[name]))
+        self.assertAlmostEqual(factor, 2 ** (2 / 5))
+        self.assertIsNone(bands.time_error(paper, lambda name: result(0)))
+
     def test_the_switch_of_tau(self):
         self.assertTrue(bands.judge_switch(result(50, 73.7)).holds)
         self.assertFalse(bands.judge_switch(result(49, 73.7)).holds)

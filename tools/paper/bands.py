@@ -3,6 +3,8 @@
 Each is judged for each set. What the paper gives: Table 1, and the text for S6, two groups, obstacle, switch of tau.
 """
 
+import math
+import statistics
 from dataclasses import dataclass
 
 # Scenario: (lowest, highest mean time of the last arrival, s; lowest, highest mean number that arrive).
@@ -75,6 +77,20 @@ def count_in_words(judgements):
     """"5 of 7", of those that could be judged."""
     judged = [judgement.holds for judgement in judgements if judgement.holds is not None]
     return f"{sum(judged)} of {len(judged)}" if judged else "-"
+
+
+def time_error(paper, result_of):
+    """Mean factor between our times and the paper's in the scenarios that water slows down; None if one has no time.
+
+    paper: its table by scenario; result_of: Result or None of a scenario.
+    """
+    errors = []
+    for name in ("S4", "S5", "S6", "S7", "S10"):
+        result = result_of(name)
+        if result is None or result.time is None:
+            return None
+        errors.append(abs(math.log(result.time[0] / float(paper[name]["time_s"]))))
+    return math.exp(statistics.fmean(errors))
 
 
 def judge_two_groups(result):

@@ -9,7 +9,7 @@ from matplotlib import pyplot  # noqa: E402
 from limits import contact_mass, limit_velocity, FREE_SHARE  # noqa: E402
 
 INK = "#2a2a2e"
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f", "#f0e442", "#8c564b")
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f", "#8c564b", "#332288")
 MARKS = "osD^vPX*<>"
 pyplot.rcParams.update({"font.size": 9, "axes.edgecolor": INK, "axes.labelcolor": INK, "axes.grid": True,
                         "grid.color": "#e4e4e8", "axes.axisbelow": True, "legend.frameon": False})
@@ -108,7 +108,7 @@ def curves_plot(file, panels, x_label):
         axes.set_ylabel(y_label)
     handles, labels = all_axes[0][0].get_legend_handles_labels()
     if len(labels) > 1:
-        figure.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, 1.08), ncol=min(len(labels), 6))
+        all_axes[0][-1].legend(handles, labels, loc="center left", bbox_to_anchor=(1.01, 0.5))
     figure.tight_layout()
     save(figure, file)
 

@@ -1,8 +1,5 @@
 """report.md: sections on what was run, each from the results of its cases; what was not run is left out."""
 
-import math
-import statistics
-
 import bands
 import plan
 from limits import contact_mass, limit_velocity, of_limit, FREE_SHARE
@@ -69,24 +66,13 @@ def bands_section(context):
     return text + markdown_table(head, lines) + "\n" + closest(context, by_set)
 
 
-def log_error(context, scene_set):
-    """Mean of |ln(our time / paper's)| over the scenarios that the water slows down; None if one is missing."""
-    errors = []
-    for name in ("S4", "S5", "S6", "S7", "S10"):
-        result = context.scenario(scene_set, name)
-        if result is None or result.time is None:
-            return None
-        errors.append(abs(math.log(result.time[0] / float(context.paper[name]["time_s"]))))
-    return statistics.fmean(errors)
-
-
 def closest(context, by_set):
     lines, scores = [], {}
     for scene_set, judgements in by_set.items():
         judged = [judgement for judgement in judgements if judgement.holds is not None]
         met = sum(judgement.holds for judgement in judged)
-        error = log_error(context, scene_set)
-        words = f", times of S4 to S7 and S10 wrong by a factor of {math.exp(error):.2f} on average" if error else ""
+        error = bands.time_error(context.paper, lambda name: context.scenario(scene_set, name))
+        words = f", times of S4 to S7 and S10 wrong by a factor of {error:.2f} on average" if error else ""
         lines.append(f"* {SET_UPS[scene_set]}: {met} of {len(judged)} bands{words}")
         if judged:
             scores[scene_set] = met / len(judged)

@@ -2,7 +2,7 @@
 
 import plan
 import plots
-from bands import count_in_words, in_words, judge_scenario
+from bands import count_in_words, in_words, judge_scenario, time_error
 from limits import of_limit
 from words import SET_UPS, arrived_of, markdown_table, met_of, shown, time_of
 
@@ -37,9 +37,11 @@ def readings_section(context):
             if any(results):
                 cells = [words, *map(outcome, results[:-1]), crossing(results[-1]), met_of(results[1])]
                 judged = map(judge_scenario, plan.PUSHED, results)
-                lines.append([*cells, count_in_words(judged)])
+                error = time_error(context.paper, dict(zip(plan.PUSHED, results)).get)
+                lines.append([*cells, count_in_words(judged), "-" if error is None else f"{error:.2f}"])
         if len(lines) > 1:
             head = ["reading", *plan.PUSHED, "two groups: cross", "water met in S5", "bands of S4 to S10 met"]
+            head.append("times wrong by a factor of")
             text += f"### {SET_UPS[scene_set]}\n\n" + markdown_table(head, lines) + "\n"
     if not text:
         return ""
@@ -139,6 +141,8 @@ def sweep_table(context, case_of, values, unit):
         results = [context.get(case_of(name, value)) for name in plan.PUSHED]
         bands_met.append(count_in_words(map(judge_scenario, plan.PUSHED, results)))
     lines.append(["bands of S4 to S10 met", *bands_met])
+    errors = [time_error(context.paper, lambda name, v=value: context.get(case_of(name, v))) for value in values]
+    lines.append(["times wrong by a factor of", *("-" if error is None else f"{error:.2f}" for error in errors)])
     panels = [("agents that arrive (of those that cross)", arrived, []), ("last arrival, s", times, [])]
     return markdown_table(["", *(f"{value:g}{unit}" for value in values)], lines), panels
 
