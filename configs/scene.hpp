@@ -171,7 +171,7 @@ struct Crowd {
 enum class ContactRule { difference, sum };
 enum class CouplingRule {
     per_frame,  // Eq. 9 in each step
-    continuous  // Eq. 9 as a balance of forces, in continuous time
+    continuous  // agents tend to the velocity of Eq. 9, in continuous time
 };
 enum class AgentsStream { off, serial, parallel };  // the way back, coupling lag 0 or 1
 

@@ -74,8 +74,7 @@ Vector2d coupled_velocity(double agent_mass, const Vector2d& walking, double tau
 Vector2d relaxed_velocity(double agent_mass, const Vector2d& velocity, const Vector2d& walking, double tau,
                           const Contact& water, double dt) {
     const Vector2d steady = coupled_velocity(agent_mass, walking, tau, water);
-    const double relaxation_time = exchange_time * agent_mass / mass_after(agent_mass, yielded_water(tau, water));
-    return steady + (velocity - steady) * std::exp(-dt / relaxation_time);
+    return steady + (velocity - steady) * std::exp(-dt / response_time);
 }
 
 }  // namespace wade::crowd

@@ -67,28 +67,27 @@ struct Contact {
 [[nodiscard]] Vector2d coupled_velocity(double agent_mass, const Vector2d& walking, double tau, const Contact& water);
 
 // T of the rule `continuous`: the length of a frame of the source, s.
-inline constexpr double exchange_time = 1.0 / 30;
+inline constexpr double response_time = 1.0 / 30;
 
 // Eq. 9 in continuous time, for steps of any length; the rule `continuous`.
 //
-// Eq. 9 is a balance of two pushes, that of the legs towards v_B and that of the water towards its own velocity:
+// Eq. 9 gives the velocity at which the pushes of legs and water balance,
 //
-//   m_a (v_B - v) + tau sum m_i (v_i - v) = 0
+//   m_a (v_B - v) + tau sum m_i (v_i - v) = 0   <=>   v = v_inf = (m_a v_B + tau sum m_i v_i) / (m_a + tau sum m_i),
 //
-// The source gives both one frame, T = 1/30 s, to act in. As forces that act all the time:
+// and sets the agent to it at once, in each frame of the source, T = 1/30 s. Here the agent tends to it within T:
 //
-//   m_a dv/dt = m_a (v_B - v) / T + tau sum m_i (v_i - v) / T
+//   dv/dt = -(v - v_inf) / T
 //
-//   <=>  dv/dt = -(v - v_inf) / T_a,     v_inf = (m_a v_B + tau sum m_i v_i) / (m_a + tau sum m_i)    (Eq. 9)
-//                                        T_a   = T m_a / (m_a + tau sum m_i)                          (<= T)
+// With v_B and the water held over a step dt this is solved exactly, for any dt:
 //
-// With v_B and the water held over a step dt, which is exact for any dt:
+//   v(t + dt) = v_inf + (v(t) - v_inf) exp(-dt / T)
 //
-//   v(t + dt) = v_inf + (v(t) - v_inf) exp(-dt / T_a)
-//
-// So the steady state is that of Eq. 9 for every length of the step; an agent has inertia, and what lasts shorter than
-// T_a, at most a frame of the source, is averaged before it acts. Eq. 9 itself has no memory: it answers to each sample of
-// the water in full, so that its result depends on how many samples of a fluctuating contact there are in a second.
+// Steady state: that of Eq. 9 for every dt, without error. Fluctuating water: the equation is linear in v_inf with a
+// constant T, so that the velocity on average over time is the average of v_inf, as with Eq. 9, for every dt. (It would
+// not be so with legs and water as forces m_a (v_B - v)/T and tau sum m_i (v_i - v)/T, which answer faster the more
+// water touches, in T m_a / (m_a + tau sum m_i): then the average depends on whether dt resolves this time.)
+// The rate at which the water and the markers are sampled remains.
 //
 // velocity: v(t), m/s; the others as in Eq. 9; dt: s. Without water or with tau = 0 the velocity tends to v_B.
 [[nodiscard]] Vector2d relaxed_velocity(double agent_mass, const Vector2d& velocity, const Vector2d& walking,

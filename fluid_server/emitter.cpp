@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "configs/scene_capacity.hpp"
+#include "fluid_server/filling.hpp"
 #include "fluid_server/inflow.hpp"
 #include "fluid_server/parallel.hpp"
 
@@ -18,12 +19,19 @@ int layers_within_reach(const Fluid& fluid, double pitch) {
 
 }  // namespace
 
+InflowLayer layer_over(double depth, double width, double spacing) {
+    InflowLayer layer{count_along(depth, spacing), count_along(width, spacing)};
+    layer.dy = static_cast<float>(depth / layer.ny);
+    layer.dz = static_cast<float>(width / layer.nz);
+    return layer;
+}
+
 Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
     : opening_x_(scene.channel.x.hi),
       velocity_(velocity_at(scene.channel, 0)),
       waiting_layers_(0),
       z_lo_(scene.channel.z.lo),
-      layer_(lattice_over(0, scene.channel.depth, scene.channel.z.length(), scene.fluid.particle_spacing)),
+      layer_(layer_over(scene.channel.depth, scene.channel.z.length(), scene.fluid.particle_spacing)),
       pitch_(),
       last_layer_x_(),
       stock_(static_cast<std::uint64_t>(scene.fluid.max_particles) - particles_in_use) {

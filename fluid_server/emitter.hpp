@@ -12,10 +12,19 @@
 #include <cstdint>
 
 #include "configs/scene.hpp"
-#include "fluid_server/filling.hpp"
 #include "fluid_server/particles.hpp"
 
 namespace wade::fluid {
+
+// The sites of one layer: rows and columns over the opening, as near to square as it allows.
+struct InflowLayer {
+    int ny = 0, nz = 0;
+    float dy = 0, dz = 0;  // m
+    [[nodiscard]] std::uint64_t sites() const {
+        return static_cast<std::uint64_t>(ny) * static_cast<std::uint64_t>(nz);
+    }
+};
+InflowLayer layer_over(double depth, double width, double spacing);
 
 // What an emitter remembers from step to step.
 struct EmitterState {
@@ -58,7 +67,7 @@ class Emitter {
     double velocity_;
     int waiting_layers_;
     double z_lo_;
-    Lattice layer_;        // the sites of one layer
+    InflowLayer layer_;
     double pitch_;         // distance of layers, so that the mass flow is exactly rho v_F depth width
     double last_layer_x_;  // where the rearmost layer is
     std::uint64_t stock_;

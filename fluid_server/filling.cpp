@@ -25,10 +25,6 @@ std::uint64_t particles_in(double volume, double spacing) {
     return static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
 }
 
-int count_along(double extent, double spacing) {
-    return std::max(1, static_cast<int>(std::lround(extent / spacing)));
-}
-
 // `wanted` particles over a block, layer by layer from below, as far apart as it takes for each site to have the volume
 // d^3, whatever the rounding along the other two axes.
 void fill_layers(Particles& particles, const WaterBlock& block, const Surroundings& in, double gravity,
@@ -88,16 +84,8 @@ void fill_slabs(Particles& particles, const WaterBlock& block, const Surrounding
 
 }  // namespace
 
-std::uint64_t Lattice::sites() const {
-    return static_cast<std::uint64_t>(nx) * static_cast<std::uint64_t>(ny) * static_cast<std::uint64_t>(nz);
-}
-
-Lattice lattice_over(double length, double depth, double width, double spacing) {
-    Lattice lattice{count_along(length, spacing), count_along(depth, spacing), count_along(width, spacing)};
-    lattice.dx = static_cast<float>(length / lattice.nx);
-    lattice.dy = static_cast<float>(depth / lattice.ny);
-    lattice.dz = static_cast<float>(width / lattice.nz);
-    return lattice;
+int count_along(double extent, double spacing) {
+    return std::max(1, static_cast<int>(std::lround(extent / spacing)));
 }
 
 void fill_block(Particles& particles, const WaterBlock& block, const Surroundings& in) {
@@ -112,7 +100,8 @@ void fill_block(Particles& particles, const WaterBlock& block, const Surrounding
 
 void fill_scene(Particles& particles, const Scene& scene) {
     const Channel& channel = scene.channel;
-    const Surroundings surroundings{scene.fluid.particle_spacing, scene.world.gravity, channel.top != Top::open,
+    const double gravity = scene.world.gravity * std::cos(std::atan(channel.slope));
+    const Surroundings surroundings{scene.fluid.particle_spacing, gravity, channel.top != Top::open,
                                     bed_facets(channel), scene.obstacles};
     if (channel.flow != Flow::closed && channel.initial_river == InitialRiver::filled) {
         fill_block(particles, {channel.x, channel.z, channel.depth, 0, {-channel.velocity, 0, 0}}, surroundings);

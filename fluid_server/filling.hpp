@@ -11,20 +11,15 @@
 
 namespace wade::fluid {
 
-// Sites of a lattice over a box, as near to cubic as the box allows: the counts are the extents over the spacing, rounded.
-struct Lattice {
-    int nx = 0, ny = 0, nz = 0;
-    float dx = 0, dy = 0, dz = 0;  // m
-    [[nodiscard]] std::uint64_t sites() const;
-};
-Lattice lattice_over(double length, double depth, double width, double spacing);
+// Particles that fill an extent, m: it over the spacing, rounded, and at least one.
+int count_along(double extent, double spacing);
 
 // What blocks of water are filled into.
 struct Surroundings {
-    double spacing = 0;             // d, m
-    double gravity = 0;             // m/s2; water that stands on the bed starts with the pressure of water at rest
-    bool lid = false;               // nothing may stand out above a block
-    std::vector<BedFacet> bed{};    // empty: the plane y = 0
+    double spacing = 0;  // d, m
+    double gravity = 0;  // across the bed, m/s2; water that stands on the bed starts with the pressure of water at rest
+    bool lid = false;    // nothing may stand out above a block
+    std::vector<BedFacet> bed{};  // empty: the plane y = 0
     std::vector<Obstacle> obstacles{};
 };
 

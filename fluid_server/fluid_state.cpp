@@ -52,15 +52,15 @@ std::string text_of(KernelKind kernel) {
     return kernel == KernelKind::cubic_spline ? "cubic_spline" : "wendland_c2";
 }
 
-// Compares one value of the scene with that of the state's run.
+// Compares one value of the scene with that of the run that wrote the state; source names its file.
 struct Comparison {
     const std::string& source;
 
     template <typename T>
     void same(const std::string& pointer, const T& here, const T& there) const {
         if (here == there) return;
-        throw ConfigurationError(source + ": " + pointer + " is " + text_of(here) +
-                                 " in the scene; allowed: " + text_of(there) + ", as in the run that wrote the state");
+        throw ConfigurationError(source + ": " + pointer + " is " + text_of(there) + " in this file and " +
+                                 text_of(here) + " in the scene; allowed in the scene: " + text_of(there));
     }
     void same(const std::string& pointer, const Interval& here, const Interval& there) const {
         same(pointer + "_min_m", here.lo, there.lo);
@@ -68,9 +68,9 @@ struct Comparison {
     }
     void same_number(const std::string& pointer, std::size_t here, std::size_t there) const {
         if (here == there) return;
-        throw ConfigurationError(source + ": " + pointer + " has " + std::to_string(here) +
-                                 " entries in the scene; allowed: " + std::to_string(there) +
-                                 ", as in the run that wrote the state");
+        throw ConfigurationError(source + ": " + pointer + " has " + std::to_string(there) +
+                                 " entries in this file and " + std::to_string(here) +
+                                 " in the scene; allowed in the scene: " + std::to_string(there));
     }
 };
 
@@ -105,9 +105,11 @@ void check_room(const FluidState& state, const Scene& scene, const std::string& 
     // Of the room of the state's run, what neither particles nor stock of an emitter used may go.
     const auto old_room = static_cast<std::uint64_t>(state.scene.fluid.max_particles);
     const std::uint64_t least = state.emitter ? old_room - state.emitter->stock : state.particles.count;
-    if (room >= std::max<std::uint64_t>(least, state.particles.count)) return;
-    throw ConfigurationError(source + ": /fluid/max_particles is " + std::to_string(room) + "; allowed: at least " +
-                             std::to_string(least) + ", which the water of the state needs");
+    const std::uint64_t needed = std::max<std::uint64_t>(least, state.particles.count);
+    if (room >= needed) return;
+    throw ConfigurationError(source + ": /fluid/max_particles is " + std::to_string(old_room) + " in this file and " +
+                             std::to_string(room) + " in the scene; allowed in the scene: at least " +
+                             std::to_string(needed) + ", which the water of the file needs");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "configs/scene_checks.hpp"
 #include "fluid_server/filling.hpp"
 #include "fluid_server/forces.hpp"
+#include "fluid_server/gradient_correction.hpp"
 #include "fluid_server/inflow.hpp"
 #include "fluid_server/stabler_settings.hpp"
 
@@ -167,6 +168,9 @@ StepReport FluidWorld::step(double remaining) {
         }
     }
     find_neighbours(grid_, solids_, particles_, kernel_, support_radius_, volume_, lists_);
+    if (confined_) {
+        correct_gradients(particles_, lists_, corrections_);
+    }
     compute_density_and_diagonal(particles_, lists_, fields_);
     measure_density_error(report);
 

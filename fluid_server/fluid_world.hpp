@@ -1,11 +1,13 @@
 #pragma once
 // The whole state of the fluid and the step that advances it.
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "configs/scene.hpp"
 #include "fluid_server/bed_friction.hpp"
@@ -83,6 +85,7 @@ class FluidWorld {
     CellGrid grid_;
     NeighbourLists lists_;
     ParticleFields fields_;
+    std::vector<Eigen::Matrix3f> corrections_;  // of the gradients of confined water
     Solids solids_;
     std::optional<PressureSolver> solver_;
     std::optional<Emitter> emitter_;

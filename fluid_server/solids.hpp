@@ -14,7 +14,7 @@
 //                                            if the line to the image passes through the mirror's face. So every place
 //                                            round a particle is filled exactly once.
 //
-// Images of images between two obstacles, or an obstacle and a bank, that are nearer than two support radii are left out.
+// Images of images are left out: of obstacles and banks nearer than two support radii, and of opposite walls.
 //
 // A bed with bed_points consists of facets (bed_profile.hpp). A particle sees another in the facet over which the point
 // halfway between them lies: pairs stay symmetric, and gentle changes of slope leave neither gap nor overlap that matters.

@@ -3,6 +3,18 @@
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=${WADE_BUILD:-$root/build/release}  # another build folder may be named, for example one with sanitizers
 
+# help_if_asked "$@" < TEXT: prints the text and ends the script if -h or --help is among its arguments, up to "--". Needs
+# neither packages nor a build, so that help is always at hand.
+help_if_asked() {
+  local argument
+  for argument in "$@"; do
+    case "$argument" in
+      --) return ;;
+      -h | --help) cat && exit ;;
+    esac
+  done
+}
+
 # Two scripts that start at the same time build one after the other.
 lock_build_folder() {
   check_build_folder || exit
@@ -48,4 +60,14 @@ build_programs() {
     ninja --quiet -C "$build" "$@" >&2 || return
   fi
   unlock_build_folder
+}
+
+# build_with_tests TARGET...: the same for programs that are only built together with the tests.
+build_with_tests() {
+  lock_build_folder
+  if ! grep -qs '^WADE_BUILD_TESTS:BOOL=ON' "$build/CMakeCache.txt"; then
+    configure_release -DWADE_BUILD_TESTS=ON || return
+  fi
+  unlock_build_folder
+  build_programs "$@"
 }

@@ -105,21 +105,51 @@ def thinned(points):
     return kept if len(points) == 0 or np.array_equal(kept[-1], points[-1]) else np.vstack([kept, points[-1]])
 
 
+def period_of(scene):
+    """Length after which the world repeats along x, m; 0 if it has ends."""
+    return scene["world"]["length_m"] if scene["world"]["ends"] == "periodic" else 0
+
+
+def laps_apart(points, period):
+    """The parts of a path (rows of x, z) between the ends of a periodic world, each drawn up to the end that it crosses."""
+    if not period or len(points) < 2:
+        return [points]
+    # A step is far shorter than half the world: a longer one has gone round.
+    crossings = np.flatnonzero(np.abs(np.diff(points[:, 0])) > period / 2) + 1
+    parts = [part.copy() for part in np.split(points, crossings)]
+    for before, after in enumerate(range(1, len(parts))):
+        (x0, z0), (x1, z1) = parts[before][-1], parts[after][0]
+        leaves, enters = (period, 0.0) if x0 > x1 else (0.0, period)
+        way = period - abs(x0 - x1)
+        z = z0 + (abs(leaves - x0) / way if way > 0 else 0) * (z1 - z0)
+        parts[before] = np.vstack([parts[before], [leaves, z]])
+        parts[after] = np.vstack([[enters, z], parts[after]])
+    return parts
+
+
+def speeds_of(scene):
+    """Lowest and highest v_F of the run, m/s."""
+    channel = scene["channel"]
+    speeds = [point["velocity_m_s"] for point in channel["velocity_history"]] or [channel["velocity_m_s"]]
+    return min(speeds), max(speeds)
+
+
 def draw_ground(axes, scene):
     world, channel = scene["world"], scene["channel"]
     length, width = world["length_m"], world["width_m"]
     axes.add_patch(Rectangle((0, 0), length, width, facecolor=GROUND, edgecolor="none", zorder=0))
     x0, x1 = channel["x_min_m"], channel["x_max_m"]
     z0, z1 = channel["z_min_m"], channel["z_max_m"]
-    axes.add_patch(Rectangle((x0, z0), x1 - x0, z1 - z0, facecolor=BED, edgecolor="none", zorder=1))
-    for z in (z0, z1):
-        axes.plot([x0, x1], [z, z], color=BANK, linewidth=1.1, zorder=2)
+    if channel["flow"] != "closed" or channel["water_blocks"]:
+        axes.add_patch(Rectangle((x0, z0), x1 - x0, z1 - z0, facecolor=BED, edgecolor="none", zorder=1))
+        for z in (z0, z1):
+            axes.plot([x0, x1], [z, z], color=BANK, linewidth=1.1, zorder=2)
     axes.add_patch(Rectangle((0, 0), length, width, fill=False, edgecolor=INK, linewidth=0.9, zorder=9))
-    if channel["flow"] != "closed":
+    if channel["flow"] != "closed" and not period_of(scene):
         axes.plot([0, 0], [z0, z1], color=DEAD, linewidth=3.2, solid_capstyle="butt", zorder=9)
         axes.annotate(
-            "fall", (0, (z0 + z1) / 2), xytext=(-5, 0), textcoords="offset points",
-            rotation=90, ha="right", va="center", fontsize=8, color=INK, annotation_clip=False,
+            "fall", (0, (z0 + z1) / 2), xytext=(5, 0), textcoords="offset points",
+            rotation=90, ha="left", va="center", fontsize=8, color=INK, zorder=9,
         )
 
 
@@ -149,8 +179,7 @@ def draw_water(axes, water):
 def draw_flow(axes, scene):
     """Arrows that show where the stream runs."""
     channel = scene["channel"]
-    speed = channel["velocity_m_s"]
-    if channel["flow"] == "closed" or speed == 0:
+    if channel["flow"] == "closed" or speeds_of(scene)[1] == 0:
         return
     length = channel["x_max_m"] - channel["x_min_m"]
     width = channel["z_max_m"] - channel["z_min_m"]
@@ -176,13 +205,25 @@ def draw_obstacles(axes, scene):
         )
 
 
+def far_goals(scene):
+    """Goals that lie laps away in a periodic world, and so are a direction to walk in."""
+    goals = {(g["goal"]["x_m"], g["goal"]["z_m"]) for g in scene["crowd"]["groups"]}
+    return sorted(goal for goal in goals if period_of(scene) and not 0 <= goal[0] <= period_of(scene))
+
+
 def draw_goals(axes, scene):
-    crowd = scene["crowd"]
-    for goal in sorted({(g["goal"]["x_m"], g["goal"]["z_m"]) for g in crowd["groups"]}):
-        axes.add_patch(
-            Circle(goal, crowd["goal_radius_m"], fill=False, edgecolor="#9a7400", linewidth=0.9, linestyle=(0, (3, 2)),
-                   zorder=7, clip_on=False)
+    crowd, length = scene["crowd"], scene["world"]["length_m"]
+    for x, z in far_goals(scene):
+        axes.plot(
+            length if x > length else 0, z, marker=">" if x > length else "<", markersize=13, markerfacecolor=STAR,
+            markeredgecolor=INK, markeredgewidth=0.8, zorder=12, clip_on=False,
         )
+    for goal in sorted({(g["goal"]["x_m"], g["goal"]["z_m"]) for g in crowd["groups"]} - set(far_goals(scene))):
+        reach = axes.add_patch(
+            Circle(goal, crowd["goal_radius_m"], fill=False, edgecolor="#9a7400", linewidth=0.9, linestyle=(0, (3, 2)),
+                   zorder=7)
+        )
+        reach.set_clip_path(Rectangle((0, 0), length, scene["world"]["width_m"], transform=axes.transData))
         axes.plot(
             *goal, marker="*", markersize=19, markerfacecolor=STAR, markeredgecolor=INK, markeredgewidth=0.8, zorder=12,
             clip_on=False,
@@ -207,9 +248,10 @@ def people_at(agents, paths, end_time, whole_run):
     return ends, lines
 
 
-def draw_people(axes, ends, lines):
+def draw_people(axes, ends, lines, period):
+    parts = [part for points in lines.values() for part in laps_apart(points, period)]
     axes.add_collection(
-        LineCollection([thinned(points) for points in lines.values()], colors=PATH, linewidths=0.9, alpha=0.78, zorder=6,
+        LineCollection([thinned(part) for part in parts], colors=PATH, linewidths=0.9, alpha=0.78, zorder=6,
                        capstyle="round", joinstyle="round")
     )
     if lines:
@@ -243,7 +285,8 @@ def title_of(scene, agents, ends, arrivals):
     if agents:
         parts.append(f"\u03c4 {tau_text(scene)}")
     if scene["channel"]["flow"] != "closed":
-        parts.append(f"$v_F$ {scene['channel']['velocity_m_s']:g} m/s")
+        low, high = speeds_of(scene)
+        parts.append(f"$v_F$ {low:g} m/s" if low == high else f"$v_F$ {low:g} to {high:g} m/s")
     title = f"{short_name(scene['name'])}: " + ", ".join(parts) if parts else short_name(scene["name"])
     if not agents:
         return title
@@ -270,7 +313,7 @@ def subtitle_of(outcome, time, water, whole_run):
 
 def add_legend(figure, ends, scene, water):
     handles = []
-    if water:
+    if water and np.any(water[4] > 0):
         handles.append(Patch(facecolor=(*WATER, 0.6), label="water"))
     if scene["crowd"]["groups"]:
         handles.append(Line2D([], [], color=PATH, linewidth=1.4, label="path"))
@@ -284,7 +327,11 @@ def add_legend(figure, ends, scene, water):
     for outcome, style in marks.items():
         if ends[outcome]:
             handles.append(Line2D([], [], linestyle="none", label=f"{outcome} ({len(ends[outcome])})", **style))
-    if scene["crowd"]["groups"]:
+    far = len(far_goals(scene))
+    if far:
+        handles.append(Line2D([], [], linestyle="none", marker=">", markersize=9, markerfacecolor=STAR,
+                              markeredgecolor=INK, markeredgewidth=0.6, label="goal, laps away"))
+    if len({(g["goal"]["x_m"], g["goal"]["z_m"]) for g in scene["crowd"]["groups"]}) > far:
         handles.append(Line2D([], [], linestyle="none", marker="*", markersize=11, markerfacecolor=STAR,
                               markeredgecolor=INK, markeredgewidth=0.6, label="goal"))
     if scene.get("obstacles"):
@@ -325,7 +372,7 @@ def draw(run, time, output):
         draw_water(axes, water)
     draw_flow(axes, scene)
     draw_obstacles(axes, scene)
-    draw_people(axes, ends, lines)
+    draw_people(axes, ends, lines, period_of(scene))
     draw_goals(axes, scene)
 
     axes.set_xlim(-0.01 * length, 1.01 * length)

@@ -4,11 +4,7 @@ set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
-for argument in "$@"; do
-  case "$argument" in
-    -h | --help)
-      # Needs neither packages nor a build, so that help is always at hand.
-      cat <<'HELP'
+help_if_asked "$@" <<'HELP'
 Usage: tools/reproduce_paper.sh [--out DIR] [--seeds N] [--max-seeds N] [--quick] [--parts LIST]
                                 [--set-of-scenes observed|paper|river|both|all] [--threads N] [--until-s T]
                                 [--keep-all] [--report-only]
@@ -42,12 +38,8 @@ prints the report.
   --keep-all            keep paths and pictures of the water of all runs, not only those of seed 1 of unchanged scenes
   --report-only         run nothing: the report of what is complete in DIR, with all seeds that are there
 A crowd in DIR that is complete and whose scene is still the same is not run again. What was not run has no part in
-the report. Exit code 1: a run failed, or what must hold whatever the water does (the verdict) does not.
+the report. Exit code 1: a run failed, or the verdict has a no (the bands are reported, they do not count).
 HELP
-      exit 0
-      ;;
-  esac
-done
 
 "$root/tools/install_dependencies.sh" || exit 1
 build_programs || { echo "reproduce_paper.sh: the build failed" >&2; exit 1; }

@@ -4,12 +4,7 @@ set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
-programs=(fluid_server crowd_client)
-for argument in "$@"; do
-  case "$argument" in
-    -h | --help)
-      # Needs neither packages nor a build, so that help is always at hand.
-      cat <<'HELP'
+help_if_asked "$@" <<'HELP'
 Usage: tools/run.sh [SCENE] [--out DIR] [--no-figure] [--record FILE | --replay FILE | --producer COMMAND]
                     [any option of the programs]
 
@@ -36,8 +31,10 @@ Exit code: 0 if all programs ended well and the picture is drawn, else that of t
 1 unexpected, 2 bad configuration or usage, 3 attach time-out, 4 peer dead, 5 peer aborted, 6 protocol violation,
 7 step time-out, 8 name in use, 9 numerical failure, 130/143 interrupted.
 HELP
-      exit 0
-      ;;
+
+programs=(fluid_server crowd_client)
+for argument in "$@"; do
+  case "$argument" in
     --record | --record=*) programs+=(shm_record) ;;
     --replay | --replay=*) programs+=(shm_replay) ;;
   esac

@@ -4,12 +4,7 @@ set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
-for argument in "$@"; do
-  case "$argument" in
-    --) break ;;
-    -h | --help)
-      # Needs neither packages nor a build, so that help is always at hand.
-      cat <<'HELP'
+help_if_asked "$@" <<'HELP'
 Usage: tools/run_many.sh [--jobs N] [--out DIR] [--seeds A-B] [--figures] SCENE... [-- options of every run]
 
 Runs each SCENE, or each with each of the seeds A to B, N pairs of fluid_server and crowd_client at once, each pair in a
@@ -26,10 +21,6 @@ all of them.
 
 Exit code: 0 if all runs ended well, 1 if one did not, 2 bad usage, 130/143 interrupted.
 HELP
-      exit 0
-      ;;
-  esac
-done
 
 "$root/tools/install_dependencies.sh" || exit 1
 build_programs || { echo "run_many.sh: the build failed" >&2; exit 1; }

@@ -4,11 +4,7 @@ set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
-for argument in "$@"; do
-  case "$argument" in
-    -h | --help)
-      # Needs neither packages nor a build, so that help is always at hand.
-      cat <<'HELP'
+help_if_asked "$@" <<'HELP'
 Usage: tools/speed_vs_error.sh [--quick] [--out DIR] [--cases A,B] [--spacings N] [--repeats N] [--time-limit S]
                                [--splishsplash PROGRAM]
 
@@ -17,6 +13,11 @@ tolerances, CFL numbers, kernels and numbers of threads: one at a time around th
 lies near the front. Writes DIR/speed_vs_error.csv, DIR/report.md ("for an error below x choose this") and a plot of
 error over CPU time for each error. Takes hours; a run that is there already, of the same program and scenes, is not
 repeated.
+
+Columns of speed_vs_error.csv, a line a point and error: case, model; spacing_m; tolerance of the density solve; cfl; threads;
+particles; cpu_s_per_sim_s and wall_s_per_sim_s of the solver, medians of the repeats; particle_steps_per_s of wall time;
+error_metric, error; on_front, yes if nothing cheaper is as exact; divergence_tolerance ("off" without that solve); kernel;
+repeats; is_default, yes for the default settings at this spacing; failure, why a run has no result.
 
   --quick                 two spacings, few settings, one run each: two minutes
   --out DIR               [runs/speed_vs_error in the project]
@@ -27,16 +28,7 @@ repeated.
   --splishsplash PROGRAM  measures the front of the impulse case with SPlisHSPlasH too: the program that
                           tools/splishsplash/build.sh makes
 HELP
-      exit 0
-      ;;
-  esac
-done
 
 "$root/tools/install_dependencies.sh" || exit 1
-lock_build_folder
-if ! grep -qs '^WADE_BUILD_TESTS:BOOL=ON' "$build/CMakeCache.txt"; then
-  configure_release -DWADE_BUILD_TESTS=ON || exit 1
-fi
-ninja -C "$build" validate crowd_client >&2 || { echo "speed_vs_error.sh: the build failed" >&2; exit 1; }
-unlock_build_folder
+build_with_tests validate crowd_client || { echo "speed_vs_error.sh: the build failed" >&2; exit 1; }
 exec /usr/bin/python3 "$root/tools/speed_vs_error" --validate "$build/validate" "$@"

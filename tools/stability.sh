@@ -4,11 +4,7 @@ set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
-for argument in "$@"; do
-  case "$argument" in
-    -h | --help)
-      # Needs neither packages nor a build, so that help is always at hand.
-      cat <<'HELP'
+help_if_asked "$@" <<'HELP'
 Usage: tools/stability.sh [--quick] [--out DIR] [--cases A,B] [--settings S,T] [--long] [--jobs N] [--again]
 
 Runs each hard case (configs/stability) with each solver setting, and sweeps the CFL factor and the tolerance of the
@@ -24,22 +20,21 @@ each run.
   --jobs N        runs side by side, one thread each [number of processors]
   --again         repeats runs that are complete
   --list          lists the cases and the settings, and ends
-A run that is complete and whose program (apart from the commit it names) and scenes are still the same is not repeated.
+A run that is complete and whose program and scenes are still the same is not repeated. The program counts by its bytes
+without the commit that it names: a commit, or changes not yet committed, repeat runs only if they change what is computed.
+
+Columns of stability.csv: case, setting, model; steps of the solver; max_density_error, the compression max(0, rho/rho_0 - 1)
+of the worst single particle in any step; energy_ratio, energy over what was there or put in, the largest of all steps;
+lost_particles; nonfinite; max_displacement_over_spacing, the longest way of a particle in a step; pass, yes or no; remark, what
+is broken; mean_density_error, the compression as mean over the particles, the largest of all steps. The rule on compression
+(1 %) is about the mean: single particles at edges and in splashes may have more.
+
 Exit code 1: a run left no result, or a run at one of the settings (default, cfl_1, ...) breaks a rule and is not a known
 failure (tests/stability/known_failures.csv). Runs of the sweeps do not count: they look for what breaks. A step longer than
 half a spacing, if that alone is broken, counts at the default settings only. Exit code 2: wrong options; 130, 143:
 interrupted; the same command then goes on.
 HELP
-      exit 0
-      ;;
-  esac
-done
 
 "$root/tools/install_dependencies.sh" || exit 1
-lock_build_folder
-if ! grep -q '^WADE_BUILD_TESTS:BOOL=ON' "$build/CMakeCache.txt" 2>/dev/null; then
-  configure_release -DWADE_BUILD_TESTS=ON
-fi
-unlock_build_folder
-build_programs stability || { echo "stability.sh: the build failed" >&2; exit 1; }
+build_with_tests stability || { echo "stability.sh: the build failed" >&2; exit 1; }
 exec /usr/bin/python3 "$root/tools/stability/stability.py" --program "$build/stability" "$@"

@@ -5,7 +5,8 @@
 
 namespace wade::stability {
 
-std::vector<Case> water_cases();     // still and sloshing water, jets, sheets
+std::vector<Case> water_cases();     // still water, jets, sheets
+std::vector<Case> sloshing_cases();  // waves in a tank
 std::vector<Case> inflow_cases();    // emitter, outlet, recirculation
 std::vector<Case> particle_cases();  // none, one, two in one place, long runs
 std::vector<Case> likeness_cases();  // the same flow in another scale, or cut into other frames

@@ -115,7 +115,9 @@ Result narrow_channel(const Request& request) {
     };
     double wide_way = 0;
     Result all = run(12, wide_way);
-    for (int across = 1; across <= 3; ++across) {
+    // The loader refuses Wendland's wide kernel between banks one particle apart; these scenes do not come from it.
+    const int narrowest = scene.fluid.kernel == KernelKind::wendland_c2 ? 2 : 1;
+    for (int across = narrowest; across <= 3; ++across) {
         double way = 0;
         const Result narrow = run(across, way);
         all.steps += narrow.steps;
@@ -141,10 +143,6 @@ Result thin_sheet(const Request& request) {
     return run_water(scene_for(request, "thin_sheet", {"/duration_s=2"}));
 }
 
-Result sloshing(const Request& request) {
-    return run_water(scene_for(request, "sloshing", {"/duration_s=4"}));
-}
-
 }  // namespace
 
 std::vector<Case> water_cases() {
@@ -162,7 +160,6 @@ std::vector<Case> water_cases() {
         {"narrow_channel", "water sticks in a channel of one to three particles (SPlisHSPlasH #98)", narrow_channel},
         {"jet", "a jet of 20 m/s into a pool and a wall", jet},
         {"thin_sheet", "a sheet that spreads until it is thinner than a particle", thin_sheet},
-        {"sloshing", "water that sloshes in its first mode for long", sloshing},
     };
 }
 

@@ -42,7 +42,8 @@ class EnergyBudget {
     // known to half a spacing only, so it is never less than the energy of waves that high, rho g' A d^2 / 8.
     [[nodiscard]] double convertible() const;
 
-    // Adds to what was put in, J: energy that a case has stored at the start and that is not kinetic or potential.
+    // Adds to what was put in, J: energy that a case has stored at the start and that is not kinetic or potential, or the
+    // work of a force of its own.
     void add(double energy) { put_in_ += energy; }
 
  private:

@@ -1,35 +1,16 @@
 #include "known_failures.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
-#include "configs/exit_code.hpp"
+#include "tests/reasoned_table.hpp"
 
 namespace wade::stability {
 
 std::vector<KnownFailure> read_known_failures(const std::filesystem::path& file) {
-    std::ifstream in(file);
-    if (!in) throw ConfigurationError("cannot read the known failures " + file.string());
     std::vector<KnownFailure> all;
-    std::string line;
-    std::getline(in, line);  // names of the columns
-    for (int number = 2; std::getline(in, line); ++number) {
-        if (line.empty()) continue;
-        std::istringstream fields(line);
-        KnownFailure row;
-        std::string guard;
-        std::getline(fields, row.name, ',');
-        std::getline(fields, row.setting, ',');
-        std::getline(fields, row.rule, ',');
-        std::getline(fields, guard, ',');
-        std::getline(fields, row.reason);
-        std::istringstream value(guard);
-        if (!(value >> row.guard) || row.reason.empty()) {
-            throw ConfigurationError(file.string() + " line " + std::to_string(number) + ": '" + line +
-                                     "' is not case,setting,rule,guard,reason with a number as guard");
-        }
-        all.push_back(row);
+    for (const tables::Row& row : tables::read(file, "case,setting,rule,guard,reason")) {
+        const double guard = tables::number(row.fields[3], row.place, "a guard, a number >= 0");
+        all.push_back({row.fields[0], row.fields[1], row.fields[2], guard, row.reason});
     }
     return all;
 }

@@ -17,7 +17,7 @@ struct KnownFailure {
     std::string reason;
 };
 
-// Columns case,setting,rule,guard,reason; the reason may hold commas. Throws ConfigurationError.
+// Columns case,setting,rule,guard,reason; the reason may hold commas. Throws ConfigurationError with file, line and value.
 [[nodiscard]] std::vector<KnownFailure> read_known_failures(const std::filesystem::path& file);
 
 // Whether a check that does not pass is a known failure within its guard.

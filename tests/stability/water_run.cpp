@@ -63,6 +63,8 @@ class Watch {
         energy_.add(hooks.extra_energy);
     }
 
+    void add_energy(double energy) { energy_.add(energy); }
+
     void note_step(const FluidWorld& world, const StepReport& step, Result& result) {
         ++result.steps;
         result.simulated_time += step.dt;
@@ -117,6 +119,7 @@ void run_frames(FluidWorld& world, Watch& watch, const Hooks& hooks, Result& res
     const std::size_t limit = hooks.steps > 0 ? hooks.steps : step_limit(scene);
     const auto frames = static_cast<std::size_t>(std::llround(scene.duration * scene.frame_rate));
     for (std::size_t f = 1; f <= frames; ++f) {
+        if (hooks.before_frame) watch.add_energy(hooks.before_frame(world, static_cast<double>(f - 1) * frame));
         double remaining = frame;
         while (remaining > 1e-9 * frame) {
             const StepReport step = world.step(remaining);

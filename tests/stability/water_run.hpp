@@ -14,6 +14,8 @@ namespace wade::stability {
 struct Hooks {
     // Before the first step, for a start that no scene file can describe.
     std::function<void(fluid::FluidWorld&)> start;
+    // Before each frame, at the time of its begin: may change the water; returns the energy that this put in, J.
+    std::function<double(fluid::FluidWorld&, double)> before_frame;
     // After each step; changes nothing of the water.
     std::function<void(const fluid::FluidWorld&, const fluid::StepReport&, Result&)> after_step;
     // After each frame, at the time given.

@@ -10,6 +10,7 @@ import unittest
 from harness import ENDLESS, PROGRAMS, ROOT, SCENES, SERVER, SMALL, SystemTest
 
 COLLAPSE = SCENES / "collapse.json"
+DEEP_COLUMN = ROOT / "configs" / "stability" / "deep_column.json"
 EMITTER = ROOT / "configs" / "paper" / "s05.json"
 RUN = ROOT / "tools" / "run.sh"
 HEADER_BYTES, PARTICLE_BYTES = 128, 33  # fluid_server/state_file.hpp
@@ -44,6 +45,29 @@ class States(SystemTest):
             again, folder = self.failed_run(state, "--from-state", out / state, scene=out / "numerical_failure.json")
             self.assertEqual(again.frame, server.frame)
             self.assertEqual((folder / "numerical_failure.state").read_bytes(), dump)
+
+    def test_a_hard_case_with_settings_that_cannot_hold_says_what_to_change_and_fails_from_its_state_again(self):
+        """A case of the stability suite, spoilt on purpose: steps four times too long, pressure solves cut short."""
+        settings = {
+            "/fluid/cfl": "2",
+            "/fluid/density_solve": '{"tolerance": 0.1, "min_iterations": 1, "max_iterations": 1}',
+            "/fluid/divergence_solve/max_iterations": "1",
+        }
+        options = [text for key, value in settings.items() for text in ("--set", f"{key}={value}")]
+        server, out = self.failed_run("hard", *options, scene=DEEP_COLUMN)
+        for advice in (
+            "/fluid/cfl from 2 to 0.5",
+            "/fluid/density_solve/max_iterations from 1 to 100",
+            "/fluid/divergence_solve/max_iterations from 1 to 100",
+        ):
+            self.assertIn(advice, server.messages())
+        failure = re.search(r"the water failed in frame.*?;", server.messages())[0]
+        again, folder = self.failed_run(
+            "again", "--from-state", out / "numerical_failure.state", scene=out / "numerical_failure.json"
+        )
+        self.assertIn(failure, again.messages())
+        state = "numerical_failure.state"
+        self.assertEqual((folder / state).read_bytes(), (out / state).read_bytes())
 
     def test_command_that_a_failure_prints_runs_through(self):
         server, _ = self.failed_run()
@@ -93,8 +117,8 @@ class States(SystemTest):
         file = self.folder / "water.state"
         self.assert_ended_well(self.alone(SMALL, "--until-s", "0.1", "--save-state", file))
         for setting, text in (
-            ("/fluid/particle_spacing_m=0.4", "/fluid/particle_spacing_m is 0.4 in the scene; allowed: 0.5"),
-            ("/channel/x_max_m=19", "/channel/x_max_m is 19 in the scene; allowed: 20"),
+            ("/fluid/particle_spacing_m=0.4", "/fluid/particle_spacing_m is 0.5 in this file and 0.4 in the scene"),
+            ("/channel/x_max_m=19", "20 in this file and 19 in the scene; allowed in the scene: 20"),
             ("/fluid/rest_density_kg_m3=900", "/fluid/rest_density_kg_m3"),
             ("/fluid/model=kinematic", "/fluid/model is kinematic; allowed: dfsph"),
         ):

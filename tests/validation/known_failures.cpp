@@ -1,39 +1,21 @@
 #include "known_failures.hpp"
 
 #include <algorithm>
-#include <fstream>
 
-#include "csv_line.hpp"
+#include "configs/exit_code.hpp"
+#include "tests/reasoned_table.hpp"
 
 namespace wade::validation {
 
 std::vector<KnownFailure> read_known_failures(const std::filesystem::path& file) {
-    std::ifstream in(file);
-    if (!in) {
-        throw ConfigurationError("cannot read the known failures " + file.string() + ".");
-    }
     std::vector<KnownFailure> all;
-    std::string line;
-    std::getline(in, line);  // header
-    for (int number = 2; std::getline(in, line); ++number) {
-        if (line.empty()) {
-            continue;
+    for (const tables::Row& row : tables::read(file, "case,metric,level,guard,reason")) {
+        const std::string& level = row.fields[2];
+        if (std::find(level_names.begin(), level_names.end(), level) == level_names.end()) {
+            throw ConfigurationError(row.place + ": level \"" + level + "\"; allowed: coarse, medium, fine.");
         }
-        const std::string place = file.string() + ", line " + std::to_string(number);
-        KnownFailure row;
-        row.case_name = next_field(line);
-        row.metric = next_field(line);
-        row.level = next_field(line);
-        if (std::find(level_names.begin(), level_names.end(), row.level) == level_names.end()) {
-            throw ConfigurationError(place + ": level \"" + row.level + "\"; allowed: coarse, medium, fine.");
-        }
-        row.guard = number_field(next_field(line), place, "a guard, a number >= 0");
-        row.reason = line;
-        if (row.reason.empty()) {
-            throw ConfigurationError(place + ": " + row.case_name + "," + row.metric +
-                                     " has no reason; each needs one.");
-        }
-        all.push_back(row);
+        const double guard = tables::number(row.fields[3], row.place, "a guard, a number >= 0");
+        all.push_back({row.fields[0], row.fields[1], level, guard, row.reason});
     }
     return all;
 }

@@ -65,11 +65,16 @@ class Fingerprint(unittest.TestCase):
         program.write_bytes(text)
         return runs.Fingerprints(program, self.folder)(case)
 
-    def test_a_commit_alone_changes_nothing(self):
+    def test_the_name_of_the_commit_changes_nothing(self):
         note = b"\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0"
-        first = self.of(note + 20 * b"a" + b"code\x000123456789ab\0")
-        self.assertEqual(first, self.of(note + 20 * b"b" + b"code\x00ba9876543210\0"))
-        self.assertNotEqual(first, self.of(note + 20 * b"a" + b"Code\x000123456789ab\0"))
+
+        def program(build_id, code, commit):
+            return self.of(note + 20 * build_id + code + b"wade-commit=" + commit.ljust(52, b"\0"))
+
+        first = program(b"a", b"code", b"0123456789ab")
+        self.assertEqual(first, program(b"b", b"code", b"ba9876543210"))
+        self.assertEqual(first, program(b"b", b"code", b"ba9876543210-dirty"))
+        self.assertNotEqual(first, program(b"a", b"Code", b"0123456789ab"))
 
     def test_the_series_of_spheric2_matters_to_it_only(self):
         (self.folder / "series.csv").write_text("1")

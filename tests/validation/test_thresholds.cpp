@@ -36,7 +36,7 @@ bool is_case(const std::string& name) {
 }  // namespace
 
 TEST_CASE("a threshold holds for the finer levels until another is given", "[thresholds]") {
-    const TemporaryFile file("header\na,x,0.1,,0.05,one, two\nb,y,-,2,,why\n");
+    const TemporaryFile file("case,metric,coarse,medium,fine,reason\na,x,0.1,,0.05,one, two\nb,y,-,2,,why\n");
     const auto all = read_thresholds(file.path);
     REQUIRE(all.size() == 2);
     CHECK(all[0].reason == "one, two");
@@ -49,12 +49,15 @@ TEST_CASE("a threshold holds for the finer levels until another is given", "[thr
 }
 
 TEST_CASE("a wrong table is refused with file and line", "[thresholds]") {
-    for (const char* text : {"h\na,x,0.1,,,\n", "h\na,x,-1,,,why\n", "h\na,x,,,,why\n", "h\na,x,1z,,,why\n"}) {
-        const TemporaryFile file(text);
+    const std::string names = "case,metric,coarse,medium,fine,reason\n";
+    for (const char* row : {"a,x,0.1,,,\n", "a,x,0.1\n", "a,x,-1,,,why\n", "a,x,,,,why\n", "a,x,1z,,,why\n"}) {
+        const TemporaryFile file(names + row);
         CHECK_THROWS_WITH(read_thresholds(file.path), Catch::Contains(file.path.string() + ", line 2"));
     }
-    const TemporaryFile file("h\na,x,rough,1,why\n");
+    const TemporaryFile file("case,metric,level,guard,reason\na,x,rough,1,why\n");
     CHECK_THROWS_WITH(read_known_failures(file.path), Catch::Contains("line 2: level \"rough\""));
+    const TemporaryFile of_another_suite("case,setting,rule,guard,reason\na,default,x,1,why\n");
+    CHECK_THROWS_WITH(read_thresholds(of_another_suite.path), Catch::Contains("line 1: \"case,setting"));
     CHECK_THROWS_AS(read_thresholds("/nowhere"), ConfigurationError);
 }
 

@@ -1,9 +1,8 @@
 #include "thresholds.hpp"
 
 #include <algorithm>
-#include <fstream>
 
-#include "csv_line.hpp"
+#include "tests/reasoned_table.hpp"
 
 namespace wade::validation {
 
@@ -13,38 +12,21 @@ std::optional<double> threshold_field(const std::string& text, const std::string
     if (text == "-") {
         return std::nullopt;
     }
-    return number_field(text, place, "a threshold, a number >= 0, \"-\" or, for medium and fine, nothing");
+    return tables::number(text, place, "a threshold, a number >= 0, \"-\" or, for medium and fine, nothing");
 }
 
 }  // namespace
 
 std::vector<Threshold> read_thresholds(const std::filesystem::path& file) {
-    std::ifstream in(file);
-    if (!in) {
-        throw ConfigurationError("cannot read the thresholds " + file.string());
-    }
     std::vector<Threshold> all;
-    std::string line;
-    std::getline(in, line);  // header
-    for (int number = 2; std::getline(in, line); ++number) {
-        if (line.empty()) {
-            continue;
+    for (const tables::Row& row : tables::read(file, "case,metric,coarse,medium,fine,reason")) {
+        Threshold threshold{row.fields[0], row.fields[1], {}, row.reason};
+        for (std::size_t level = 0; level < 3; ++level) {
+            const std::string& text = row.fields[2 + level];
+            const bool as_coarser = level > 0 && text.empty();
+            threshold.levels[level] = as_coarser ? threshold.levels[level - 1] : threshold_field(text, row.place);
         }
-        const std::string place = file.string() + ", line " + std::to_string(number);
-        Threshold row;
-        row.case_name = next_field(line);
-        row.metric = next_field(line);
-        row.levels[0] = threshold_field(next_field(line), place);
-        for (std::size_t level = 1; level < 3; ++level) {
-            const std::string text = next_field(line);
-            row.levels[level] = text.empty() ? row.levels[level - 1] : threshold_field(text, place);
-        }
-        row.reason = line;
-        if (row.reason.empty()) {
-            throw ConfigurationError(place + ": " + row.case_name + "," + row.metric +
-                                     " has no reason; each threshold needs one.");
-        }
-        all.push_back(row);
+        all.push_back(threshold);
     }
     return all;
 }

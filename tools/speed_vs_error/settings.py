@@ -58,7 +58,6 @@ class Setting:
             f"/fluid/cfl={self.cfl:g}",
         ]
         if self.divergence_tolerance == "off":
-            values.append("/fluid/divergence_solve/min_iterations=0")
             values.append("/fluid/divergence_solve/max_iterations=0")
         else:
             values.append(f"/fluid/divergence_solve/tolerance={self.divergence_tolerance:g}")

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Runs hard cases side by side and writes their table and report; tools/stability.sh calls it."""
 
-import argparse
-import os
 import sys
 from pathlib import Path
 
@@ -17,19 +15,8 @@ import settings  # noqa: E402
 
 
 def read_arguments():
-    parser = argparse.ArgumentParser(prog="tools/stability.sh", add_help=False)
-    parser.add_argument("--program", type=lambda name: Path(name).resolve(), required=True)
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--long", action="store_true")
-    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "stability")
-    parser.add_argument("--cases", default="")
-    parser.add_argument("--settings", default="")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
-    parser.add_argument("--again", action="store_true")
-    parser.add_argument("--list", action="store_true")
+    parser = run_folder.suite_arguments("stability.sh", "stability", "--cases", "--settings")
     arguments = parser.parse_args()
-    if not 1 <= arguments.jobs <= 1024:
-        parser.error(f"--jobs {arguments.jobs}: allowed: 1 to 1024")
     if arguments.quick and arguments.long:
         parser.error("--quick and --long: allowed: one of them")
     return arguments

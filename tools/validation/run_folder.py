@@ -1,5 +1,6 @@
 """What validate.sh, stability.sh and speed_vs_error.sh share: a folder of runs that is filled, interrupted and continued."""
 
+import argparse
 import os
 import re
 import signal
@@ -7,10 +8,34 @@ import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
-# A commit as the programs keep it, and the build number that the linker computes over it.
-COMMIT = re.compile(rb"(?<=\0)[0-9a-f]{12}(?:-dirty)?(?=\0)")
+ROOT = Path(__file__).resolve().parents[2]
+
+# The commit as the programs keep it (configs/version.cpp), and the build number that the linker computes over it.
+COMMIT = re.compile(rb"wade-commit=[\0-\xff]{52}")
 BUILD_ID = re.compile(rb"(?<=\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0)[\0-\xff]{20}")
+
+
+def suite_arguments(script, folder, *selections):
+    """The parser of a suite: the options that all have, those that select runs, and where results go. Its --help is in the
+    script."""
+    parser = argparse.ArgumentParser(prog=f"tools/{script}", add_help=False)
+    parser.add_argument("--program", type=lambda file: Path(file).resolve(), required=True)
+    parser.add_argument("--out", type=Path, default=ROOT / "runs" / folder)
+    parser.add_argument("--jobs", type=jobs, default=os.cpu_count() or 1)
+    for switch in ("--quick", "--long", "--again", "--list"):
+        parser.add_argument(switch, action="store_true")
+    for selection in selections:
+        parser.add_argument(selection, default="")
+    return parser
+
+
+def jobs(text):
+    number = int(text) if text.isdecimal() else 0
+    if not 1 <= number <= 1024:
+        raise argparse.ArgumentTypeError(f"{text}: allowed: 1 to 1024")
+    return number
 
 
 class Ended(KeyboardInterrupt):
@@ -57,7 +82,8 @@ def write_whole(file, data):
 
 
 def program_bytes(program):
-    """The program without the commit that it names, so that a commit alone makes no run out of date."""
+    """The program without the commit that it names: what is computed depends on the code, not on its name. So neither a
+    commit nor uncommitted changes ("-dirty") make a run out of date, unless they change the program."""
     data = program.read_bytes()
     return BUILD_ID.sub(bytes(20), COMMIT.sub(b"", data))
 

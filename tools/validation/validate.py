@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Runs validation cases side by side and writes their table and report; tools/validate.sh calls it."""
 
-import argparse
-import os
 import sys
 from pathlib import Path
 
@@ -14,25 +12,8 @@ import runs
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def read_arguments():
-    parser = argparse.ArgumentParser(prog="tools/validate.sh", add_help=False)
-    parser.add_argument("--program", type=lambda name: Path(name).resolve(), required=True)
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "validation")
-    parser.add_argument("--cases", default="")
-    parser.add_argument("--levels", default="")
-    parser.add_argument("--long", action="store_true")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
-    parser.add_argument("--again", action="store_true")
-    parser.add_argument("--list", action="store_true")
-    arguments = parser.parse_args()
-    if not 1 <= arguments.jobs <= 1024:
-        parser.error(f"--jobs {arguments.jobs}: allowed: 1 to 1024")
-    return arguments
-
-
 def main():
-    arguments = read_arguments()
+    arguments = run_folder.suite_arguments("validate.sh", "validation", "--cases", "--levels").parse_args()
     run_folder.end_children_on_signals()
     try:
         cases = runs.list_cases(arguments.program)

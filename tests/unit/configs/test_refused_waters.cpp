@@ -111,6 +111,22 @@ TEST_CASE("a spacing larger than the water is refused") {
                Contains("0.4642 m is larger than the depth of /channel/water_blocks/0 of 0.3 m"));
 }
 
+TEST_CASE("walls too near for a wide kernel are refused") {
+    const std::string wide = "/fluid/kernel=wendland_c2";
+    CHECK_THAT(
+        refusal(emitter, {wide, "/channel/z_max_m=10.9"}),
+        Contains("/channel/z_max_m: the banks are 0.9 m apart, nearer than the kernel's support of 1.5 m allows; "
+                 "allowed: >= 2 fluid.particle_spacing_m = 1 m, or the kernel \"cubic_spline\"."));
+    CHECK(load_patched(emitter, {wide, "/channel/z_max_m=11"}).scene.channel.z.hi == 11);
+    CHECK(load_patched(emitter, {"/channel/z_max_m=10.5"}).scene.channel.z.hi == 10.5);
+    CHECK_THAT(refusal(emitter, {wide, "/channel/depth_m=0.5", "/channel/top=wall", "/channel/height_m=0.7"}),
+               Contains("/channel/height_m: bed and lid are 0.7 m apart"));
+    CHECK_THAT(refusal(blocks(box(5, 7, 11, 13, "depth_m")),
+                       {wide, "/channel/x_min_m=5", "/channel/x_max_m=7", "/fluid/particle_spacing_m=1.2",
+                        "/channel/water_blocks/0/depth_m=2"}),
+               Contains("/channel/x_max_m: the end walls are 2 m apart"));
+}
+
 TEST_CASE("periodic lengths below six spacings are refused") {
     CHECK_THAT(refusal(river, {"/channel/x_max_m=2.9"}),
                Contains("/channel/x_max_m: the recirculating channel's length is 2.9 m") &&
@@ -138,6 +154,10 @@ TEST_CASE("iteration limits that contradict one another are refused") {
     CHECK_THAT(
         refusal("{}", {"/fluid/density_solve/min_iterations=5", "/fluid/density_solve/max_iterations=4"}),
         Equals("scene.json: /fluid/density_solve/min_iterations: 5 is more than max_iterations = 4; allowed: <= 4."));
+    for (const char* solve : {"density", "divergence"}) {
+        const std::string pointer = std::string("/fluid/") + solve + "_solve/min_iterations";
+        CHECK_THAT(refusal("{}", {pointer + "=0"}), Contains(pointer) && Contains("allowed: >= 1"));
+    }
     CHECK(
         load_patched("{}", {"/fluid/divergence_solve/max_iterations=0"}).scene.fluid.divergence_solve.max_iterations ==
         0);

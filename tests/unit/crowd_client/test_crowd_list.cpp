@@ -61,11 +61,9 @@ TEST_CASE("A crowd cannot change the water, but may state it") {
     check_refusal(
         R"([{"name": "a", "set": {"/channel/velocity_m_s": 2}}])",
         {"list.json: crowd \"a\": /channel/velocity_m_s: 2.0 is not the scene's 1.5", "allowed to differ: /seed"});
-    for (const char* set :
-         {R"("/duration_s": 5)", R"("/frame_rate_hz": 60)", R"("/world/length_m": 120)",
-          R"("/fluid/particle_spacing_m": 0.4)", R"("/world/gravity_m_s2": 1)",
-          R"("/obstacles/0": {"x_min_m": 50, "x_max_m": 52, "z_min_m": 20, "z_max_m": 22, "height_m": 1})",
-          R"("/coupling/agents_stream": "serial")"}) {
+    for (const char* set : {R"("/duration_s": 5)", R"("/frame_rate_hz": 60)", R"("/world/length_m": 120)",
+                            R"("/fluid/particle_spacing_m": 0.4)", R"("/world/gravity_m_s2": 1)",
+                            R"("/channel/initial_river": "filled")", R"("/coupling/agents_stream": "serial")"}) {
         check_refusal(R"([{"name": "ok"}, {"name": "a", "set": {)" + std::string(set) + "}}]",
                       {"list.json: crowd \"a\": /", "all crowds share one water"});
     }

@@ -40,6 +40,15 @@ TEST_CASE("the emitter delivers the mass flow of its opening and speed", "[fluid
     CHECK(std::abs(emitted - expected) < 2 * 2 * 9 * d3);  // to within two layers of 2 x 9 particles
 }
 
+TEST_CASE("a layer of the inflow has rows and columns over the whole opening", "[fluid][emitter]") {
+    const InflowLayer layer = layer_over(1, 2.1, 0.25);
+    CHECK(layer.ny == 4);
+    CHECK(layer.nz == 8);
+    CHECK(layer.sites() == 32);
+    CHECK(layer.dy == 0.25F);
+    CHECK(layer.dz == 0.2625F);
+}
+
 TEST_CASE("particles are neither lost nor made through ten thousand recyclings", "[fluid][emitter]") {
     const Scene scene = test::emitter_channel(2.5, 0.98, 1500);
     FluidWorld world(scene);

@@ -51,11 +51,27 @@ TEST_CASE("a filled block keeps within its bounds and moves as asked", "[fluid][
 }
 
 TEST_CASE("a block whose sides are multiples of the spacing becomes a perfect cubic lattice", "[fluid][filling]") {
-    const Lattice lattice = lattice_over(10, 1, 2, 0.25);
-    CHECK(lattice.nx == 40);
-    CHECK(lattice.ny == 4);
-    CHECK(lattice.nz == 8);
-    CHECK(lattice.dx == 0.25F);
+    Particles particles(400);
+    fill_block(particles, {{0, 2}, {0, 1}, 0.75}, {0.25});
+    REQUIRE(particles.count == 8 * 3 * 4);
+    for (std::size_t i = 0; i < particles.count; ++i) {
+        for (const float x : {particles.x[i], particles.y[i], particles.z[i]}) {
+            CHECK(std::fmod(x, 0.25F) == 0.125F);
+        }
+    }
+}
+
+TEST_CASE("water on a slope starts with the pressure of the gravity across the bed", "[fluid][filling]") {
+    Scene scene = test::tank(4, 1, 1, 0.25);
+    scene.channel.flow = Flow::periodic;
+    scene.channel.slope = 0.75;  // gravity across the bed is 4/5 of g
+    Particles particles(1000);
+    fill_scene(particles, scene);
+    REQUIRE(particles.count == 16 * 4 * 4);
+    for (std::size_t i = 0; i < particles.count; ++i) {
+        const double rest = 0.8 * scene.world.gravity * (1 - static_cast<double>(particles.y[i]));
+        CHECK(static_cast<double>(particles.pressure[i]) == Approx(rest));
+    }
 }
 
 TEST_CASE("water is filled round an obstacle and starts without a jolt", "[fluid][filling]") {

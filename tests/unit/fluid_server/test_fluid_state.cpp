@@ -98,23 +98,31 @@ TEST_CASE("a state is refused where its water cannot go on, with key and both va
         CHECK_THROWS_AS(world.restore(state, "test"), ConfigurationError);
         CHECK_THROWS_WITH(world.restore(state, "test"), Contains(text));
     };
-    refused([](Scene& s) { s.fluid.particle_spacing = 0.5; },
-            "test: /fluid/particle_spacing_m is 0.5 in the scene; allowed: 0.4642");
-    refused([](Scene& s) { s.fluid.rest_density = 900; }, "/fluid/rest_density_kg_m3 is 900");
-    refused([](Scene& s) { s.fluid.kernel = KernelKind::wendland_c2; },
-            "/fluid/kernel is wendland_c2 in the scene; allowed: cubic_spline");
-    refused([](Scene& s) { s.channel.x.lo = -1; }, "/channel/x_min_m is -1 in the scene; allowed: 0");
-    refused([](Scene& s) { s.channel.z.hi = 5; }, "/channel/z_max_m is 5 in the scene; allowed: 4");
-    refused([](Scene& s) { s.channel.flow = Flow::closed; }, "/channel/flow is closed in the scene; allowed: emitter");
-    refused([](Scene& s) { s.channel.depth = 0.5; }, "/channel/depth_m is 0.5");
-    refused([](Scene& s) { s.obstacles.clear(); }, "/obstacles has 0 entries in the scene; allowed: 1");
-    refused([](Scene& s) { s.obstacles[0].x.hi = 7; }, "/obstacles/0/x_max_m is 7 in the scene; allowed: 6");
+    refused(
+        [](Scene& s) { s.fluid.particle_spacing = 0.5; },
+        "test: /fluid/particle_spacing_m is 0.4642 in this file and 0.5 in the scene; allowed in the scene: 0.4642");
+    refused([](Scene& s) { s.fluid.rest_density = 900; }, "/fluid/rest_density_kg_m3 is 1000 in this file and 900");
+    refused(
+        [](Scene& s) { s.fluid.kernel = KernelKind::wendland_c2; },
+        "/fluid/kernel is cubic_spline in this file and wendland_c2 in the scene; allowed in the scene: cubic_spline");
+    refused([](Scene& s) { s.channel.x.lo = -1; },
+            "/channel/x_min_m is 0 in this file and -1 in the scene; allowed in the scene: 0");
+    refused([](Scene& s) { s.channel.z.hi = 5; },
+            "/channel/z_max_m is 4 in this file and 5 in the scene; allowed in the scene: 4");
+    refused([](Scene& s) { s.channel.flow = Flow::closed; },
+            "/channel/flow is emitter in this file and closed in the scene; allowed in the scene: emitter");
+    refused([](Scene& s) { s.channel.depth = 0.5; }, "/channel/depth_m is 1 in this file and 0.5");
+    refused([](Scene& s) { s.obstacles.clear(); },
+            "/obstacles has 1 entries in this file and 0 in the scene; allowed in the scene: 1");
+    refused([](Scene& s) { s.obstacles[0].x.hi = 7; },
+            "/obstacles/0/x_max_m is 6 in this file and 7 in the scene; allowed in the scene: 6");
 
     Scene small = scene;
     small.fluid.max_particles = static_cast<int>(state.particles.count) - 1;
-    CHECK_THROWS_WITH(check_state_fits(state, small, "test"),
-                      Contains("/fluid/max_particles is " + std::to_string(small.fluid.max_particles)) &&
-                          Contains("at least " + std::to_string(state.particles.count)));
+    CHECK_THROWS_WITH(
+        check_state_fits(state, small, "test"),
+        Contains("/fluid/max_particles is 2000 in this file and " + std::to_string(small.fluid.max_particles)) &&
+            Contains("at least " + std::to_string(state.particles.count)));
 }
 
 TEST_CASE("solver settings, viscosity and length of the run may differ from those of the state", "[fluid][state]") {

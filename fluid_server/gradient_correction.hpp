@@ -1,0 +1,29 @@
+#pragma once
+// Kernel gradients that are exact for velocities that change linearly in space.
+//
+// Sum_j (u_i - u_j) . g_ij over a packing that is not a lattice sees a divergence in water that only shears, so that
+// the divergence solve holds the shear up as if the water were a soft solid. Bonet and Lok (1999) correct it by
+//
+//   L_i = ( - sum_j (x_i - x_j) (x) g_ij )^-1
+//
+// With the mean of both ends, h_ij = (L_i + L_j) g_ij / 2, the gradient of a pair is opposite for its two particles as
+// before: the pressure forces keep momentum and stay the adjoint of the divergence, so that they cannot do work on
+// water that is free of it. Exact for the linear field where L varies little from particle to particle.
+//
+// For water without a free surface only. Under weight a packing rests where its density has a minimum of potential energy;
+// these gradients are not those of a density, and no such place exists: still water would tremble (a tank ten layers deep
+// at 8 % of sqrt(g H)).
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fluid_server/neighbours.hpp"
+#include "fluid_server/particles.hpp"
+
+namespace wade::fluid {
+
+// Replaces the gradients g_ij of the lists by h_ij. corrections: L_i, kept by the caller for its memory; the identity for
+// a particle beside a gap.
+void correct_gradients(const Particles& particles, NeighbourLists& lists, std::vector<Eigen::Matrix3f>& corrections);
+
+}  // namespace wade::fluid

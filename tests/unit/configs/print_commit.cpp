@@ -1,0 +1,9 @@
+// Prints the commit that the build names; a build with another greeting has other code.
+
+#include <iostream>
+
+#include "configs/version.hpp"
+
+int main() {
+    std::cout << GREETING << wade::git_hash() << '\n';
+}

@@ -1,0 +1,63 @@
+"""The picture of a run: what its title says and how paths are drawn in a world without ends."""
+
+import sys
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "tools"))
+
+import figure  # noqa: E402
+
+
+def scene(velocity=1.5, history=(), ends="open", goals=((5.0, 9.0),)):
+    return {
+        "name": "river_s05",
+        "world": {"length_m": 20.0, "width_m": 10.0, "ends": ends},
+        "channel": {
+            "flow": "emitter",
+            "velocity_m_s": velocity,
+            "velocity_history": [{"time_s": t, "velocity_m_s": v} for t, v in history],
+        },
+        "crowd": {"groups": [{"tau": 0.2, "goal": {"x_m": x, "z_m": z}} for x, z in goals]},
+    }
+
+
+class Title(unittest.TestCase):
+    def of(self, described):
+        return figure.title_of(described, [], {}, [])
+
+    def test_it_names_the_speed_of_the_river(self):
+        self.assertEqual(self.of(scene()), "S5: $v_F$ 1.5 m/s")
+
+    def test_a_history_is_named_by_its_range_and_not_by_the_speed_that_it_replaces(self):
+        self.assertEqual(self.of(scene(1, [(0, 0), (2, 2.5), (3, 1)])), "S5: $v_F$ 0 to 2.5 m/s")
+        self.assertEqual(self.of(scene(1, [(0, 2), (9, 2)])), "S5: $v_F$ 2 m/s")
+
+
+class Paths(unittest.TestCase):
+    def parts(self, points, period=20.0):
+        return [part.tolist() for part in figure.laps_apart(np.array(points), period)]
+
+    def test_a_world_with_ends_leaves_them_whole(self):
+        self.assertEqual(self.parts([[1.0, 1], [19, 1]], 0), [[[1, 1], [19, 1]]])
+
+    def test_a_path_that_goes_round_ends_at_one_end_and_goes_on_at_the_other(self):
+        walked = self.parts([[18.0, 2], [19, 2], [1, 4], [2, 4]])
+        self.assertEqual(walked, [[[18, 2], [19, 2], [20, 3]], [[0, 3], [1, 4], [2, 4]]])
+        back = self.parts([[1.0, 4], [19, 2]])
+        self.assertEqual(back, [[[1, 4], [0, 3]], [[20, 3], [19, 2]]])
+
+    def test_each_lap_is_a_part_of_its_own(self):
+        self.assertEqual(len(self.parts([[19.5, 1], [0.5, 1], [10, 1], [19.5, 1], [0.5, 1]])), 3)
+
+    def test_a_goal_laps_away_is_a_direction(self):
+        goals = ((5.0, 9.0), (100000.0, 8.0))
+        self.assertEqual(figure.far_goals(scene(ends="periodic", goals=goals)), [(100000.0, 8.0)])
+        self.assertEqual(figure.far_goals(scene(goals=goals)), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
