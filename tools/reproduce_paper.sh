@@ -15,16 +15,18 @@ serves all crowds of a water. Writes DIR/report.md, DIR/table1.csv, DIR/readings
 prints the report.
 
   --out DIR             [runs/reproduce_paper in the project]
-  --seeds N             crowds of each scenario, with the seeds 1 to N; the parts phase, depth, push, readings
-                        and variations take half as many [10, with --quick 1]
+  --seeds N             crowds of each scenario, with the seeds 1 to N; the parts phase, depth, push, rules,
+                        readings and variations take half as many [10, with --quick 1]
   --max-seeds N         more seeds, N at most, where an interval of 95 % is still wider than a tenth of the agents or of
                         the mean time; each round is a further run of the fluid [3 times --seeds in the set observed,
                         --seeds in the others]
   --quick               only S1, S4, S5 and S8 of Table 1
   --parts LIST          separated by commas [all]:
                           table1      S1 to S12 beside the paper's Table 1
-                          others      two groups, obstacle in several places, switch of tau
-                          readings    contact rules, spacings, frame rates, starts, gravity
+                          others      two groups, obstacle, switch of tau
+                          places      the obstacle in other places
+                          rules       contact rule of the text, continuous coupling
+                          readings    spacings, frame rates, starts, gravity
                           particles   ten times the particles
                           phase       who arrives over the plane of tau and v_F (set observed)
                           goal        time of S1 over the goal radius, the one number fitted (set observed)

@@ -12,7 +12,7 @@ def others_section(context):
     head = ["scenario", "set", "time of the last arrival, s", "arrived", "dead", "water met"]
     lines = []
     for scene_set in context.sets:
-        for case in plan.others_cases(scene_set):
+        for case in plan.others_cases(scene_set) + plan.places_cases(scene_set):
             result = context.get(case)
             if result is None:
                 continue

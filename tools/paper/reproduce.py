@@ -28,7 +28,7 @@ from verdict import checks_of, verdict_text  # noqa: E402
 from words import SET_UPS  # noqa: E402
 
 SETS_OF = {"both": ("paper", "river"), "all": plan.SETS, **{name: (name,) for name in plan.SETS}}
-WIDE_PARTS = ("phase", "depth", "push", "readings", "variations")  # many cases: half of the seeds each
+WIDE_PARTS = ("phase", "depth", "push", "rules", "readings", "variations")  # many cases: half of the seeds each
 
 
 def part_list(text):
@@ -118,8 +118,9 @@ def write_report(options, ensembles, paper, drawn):
     for row in rows if cut_short else ():
         row["in_band"] = ""
     write_table(options.out / "table1.csv", rows)
-    if "readings" in options.parts:
-        write_table(options.out / "readings.csv", rows_of(context, plan.cases_of("readings", options.sets)))
+    readings = [case for part in ("rules", "readings") for case in plan.cases_of(part, options.sets)]
+    if any(context.get(case) for case in readings):
+        write_table(options.out / "readings.csv", rows_of(context, readings))
 
     by_set = {s: {n: r for n in plan.SCENARIOS if (r := context.scenario(s, n))} for s in options.sets}
     if any(by_set.values()):
