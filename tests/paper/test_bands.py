@@ -8,7 +8,7 @@ from types import SimpleNamespace
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools" / "paper"))
 
 import bands  # noqa: E402
-from limits import contact_mass, limit_velocity, of_limit  # noqa: E402
+from limits import contact_mass, limit_velocity, loss_velocity, of_limit  # noqa: E402
 
 
 def result(arrived, time=None, agents=50):
@@ -79,6 +79,15 @@ class ClosedForm(unittest.TestCase):
         known |= {(0.8, 1.5): 2.8, (1, 1.5): 3.5, (0.8, 2.5): 4.7, (1, 2.5): 5.9}
         for (tau, velocity), share in known.items():
             self.assertAlmostEqual(of_limit(scene(tau, velocity)), share, delta=0.055)
+
+    def test_who_heads_across_is_lost_at_the_limit_times_way_over_width(self):
+        of_paper = scene(0.8, 1.5)
+        of_paper["channel"].update(x_min_m=0, z_min_m=11.5, z_max_m=38.5)
+        of_paper["crowd"]["groups"][0].update(columns=10, start={"x_m": 65, "pitch_x_m": 2.5})
+        speed = loss_velocity(of_paper, 0.8)
+        self.assertAlmostEqual(of_limit(of_paper, velocity=speed), 76.25 / 27)
+        k = 0.8 * contact_mass(of_paper) / (65 + 0.8 * contact_mass(of_paper))
+        self.assertAlmostEqual(27 / ((1 - k) * 0.989 * 1.3) * k * speed, 76.25)
 
     def test_nothing_moves_an_agent_of_tau_0(self):
         self.assertEqual(limit_velocity(65, 1.3, 0, 196), float("inf"))

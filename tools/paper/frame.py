@@ -8,12 +8,11 @@ def head_text(options, runs):
     seeds = sorted({run.seed for run in runs})
     text = "# The paper, reproduced\n\n"
     text += (
-        "Schaffer, Antonitsch, Neto, Musse: Towards Animating Virtual Humans in Flooded Environments, MIG 2020,"
-        " doi 10.1145/3424636.3426900.\nSet-ups: as observed (`configs/observed`: 1 m of water that pushes with v_F,"
-        " front and"
-        " particles carried at 2.6 v_F as in the authors' logs; kinematic);\nas run (`configs/paper`: emitter, dry"
-        " start, gravity"
-        " 0.98 m/s2); as described (`configs/river`: a river 1 m deep that flows at v_F, gravity 9.81 m/s2).\n\n"
+        "Schaffer, Antonitsch, Neto, Musse: Towards Animating Virtual Humans in Flooded Environments, MIG 2020, doi"
+        " 10.1145/3424636.3426900.\nSet-ups: as observed (`configs/observed`: 1 m of water that pushes with v_F, front"
+        " and particles carried at 2.6 v_F as in the authors' logs; kinematic);\nas run (`configs/paper`: emitter, dry"
+        " start, gravity 0.98 m/s2); as described (`configs/river`: a river 1 m deep that flows at v_F, gravity 9.81"
+        " m/s2).\n\n"
     )
     words = {"--parts": ",".join(options.parts), "--seeds": options.seeds}
     words["--set-of-scenes"] = "all" if len(options.sets) == 3 else " ".join(options.sets)
@@ -36,10 +35,9 @@ def figures_section(drawn):
     if not drawn:
         return ""
     text = (
-        "## Figures in the paper's style\n\nSeed 1. Water blue, paths red, goals as stars. The paper's times are"
-        " known for figures 2"
-        " and 8; which scenarios its figures 3, 5 and 6\nshow is not known to us: scenarios of Table 1 stand for"
-        " them.\n\n"
+        "## Figures in the paper's style\n\nSeed 1. Water blue, paths red, goals as stars. The paper's times are known"
+        " for figures 2 and 8; which scenarios its figures 3, 5 and 6\nshow is not known to us: scenarios of Table 1"
+        " stand for them.\n\n"
     )
     for scene_set in dict.fromkeys(entry[0] for entry in drawn):
         text += f"### {SET_UPS[scene_set]}\n\n"

@@ -27,6 +27,21 @@ def limit_velocity(mass, walking, tau, contact):
     return math.inf if tau == 0 else walking * mass / (tau * contact)
 
 
+def loss_velocity(scene, tau):
+    """v_F at which the first group, on average, drifts as far as the fall while it heads straight across, m/s.
+
+    With k = tau m_c / (m_a + tau m_c) an agent moves at (1 - k) v_B across the channel and drifts at k v_F.
+    """
+    if tau == 0:
+        return math.inf
+    group, channel = scene["crowd"]["groups"][0], scene["channel"]
+    start = group["start"]
+    way = start["x_m"] + (group["columns"] - 1) / 2 * start["pitch_x_m"] - channel["x_min_m"]
+    width = channel["z_max_m"] - channel["z_min_m"]
+    walking = FREE_SHARE * group["desired_speed_m_s"]
+    return way / width * walking * group["mass_kg"] / (tau * contact_mass(scene))
+
+
 def of_limit(scene, tau=None, velocity=None, depth=None):
     """v_F over the limit for the first group of a scene: above 1 an agent cannot walk against the stream."""
     group = scene["crowd"]["groups"][0]

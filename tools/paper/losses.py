@@ -29,9 +29,8 @@ def others_section(context):
     if not lines:
         return ""
     text = (
-        "## Two groups, obstacle, switch of tau\n\nPaper: 8 of 100 arrive with two groups; 26 of 52 with the"
-        " obstacle (x 60 to 67 m,"
-        " an assumption) and 8 without; all after the switch of tau.\n\n"
+        "## Two groups, obstacle, switch of tau\n\nPaper: 8 of 100 arrive with two groups; 26 of 52 with the obstacle"
+        " (x 60 to 67 m, an assumption) and 8 without; all after the switch of tau.\n\n"
     )
     return text + markdown_table(head, lines) + "\n" + when_paper_counts(context)
 
@@ -112,9 +111,8 @@ def losses_section(context):
         return ""
     text = (
         "## What it would take to lose as many as the paper\n\nSet as observed. Depth of the water, or speed with"
-        " which it"
-        " pushes, at which as many arrive as in the paper; linear between the\nvalues that were run; `-`: at none of"
-        " them.\n\n"
+        " which it pushes, at which as many arrive as in the paper; linear between the\nvalues that were run; `-`: at"
+        " none of them.\n\n"
     )
     text += markdown_table(["scenario", "arrive in the paper", "at a depth of, m", "at a speed of, v_F"], lines)
     if both and alone:

@@ -6,7 +6,7 @@ matplotlib.use("Agg")
 import numpy as np  # noqa: E402
 from matplotlib import pyplot  # noqa: E402
 
-from limits import contact_mass, limit_velocity, FREE_SHARE  # noqa: E402
+from limits import contact_mass, limit_velocity, loss_velocity, FREE_SHARE  # noqa: E402
 
 INK = "#2a2a2e"
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f", "#8c564b", "#332288")
@@ -72,15 +72,20 @@ def phase_plot(file, results, scenarios, scene):
         i, j = taus.index(tau), velocities.index(velocity)
         mean, low, high = (100 * value / result.agents for value in result.arrived)
         bright = shares[i, j] > 0.55
-        axes.text(j, i, f"{mean:.0f}\n({low:.0f}\u2013{high:.0f})", ha="center", va="center", fontsize=7,
+        axes.text(j, i, f"{mean:.0f}\n({low:.0f}\u2013{high:.0f})", ha="center", va="center", fontsize=7, zorder=5,
                   color="black" if bright else "white")
-    fine = np.linspace(velocities[0], velocities[-1], 400)
-    places = np.interp(fine, velocities, np.arange(len(velocities)))
     group = scene["crowd"]["groups"][0]
     walking = FREE_SHARE * group["desired_speed_m_s"]
-    limit = [limit_velocity(group["mass_kg"], walking, 1, contact_mass(scene)) / velocity for velocity in fine]
-    heights = np.interp(limit, taus, np.arange(len(taus)), left=np.nan, right=np.nan)
-    axes.plot(places, heights, color="#d55e00", linewidth=2, label="closed form: v_F = v_B m_a / (\u03c4 m_c)")
+    fine = np.linspace(taus[0], taus[-1], 400)
+    held = [limit_velocity(group["mass_kg"], walking, tau, contact_mass(scene)) for tau in fine]
+    lost = [loss_velocity(scene, tau) for tau in fine]
+    heights = np.interp(fine, taus, np.arange(len(taus)))
+    for speeds, style, words in (
+        (held, "-", "holds against the stream: v_F = v_B m_a / (\u03c4 m_c)"),
+        (lost, "--", "heading straight across, drifts as far as the fall"),
+    ):
+        places = np.interp(speeds, velocities, np.arange(len(velocities)), left=np.nan, right=np.nan)
+        axes.plot(places, heights, color="#e8825a", linestyle=style, linewidth=2, alpha=0.8, label=words)
     for name, (tau, velocity) in scenarios.items():
         if tau in taus and velocity in velocities:
             axes.text(velocities.index(velocity) + 0.47, taus.index(tau) + 0.45, name, ha="right", va="top", fontsize=7,
@@ -90,7 +95,7 @@ def phase_plot(file, results, scenarios, scene):
     axes.grid(False)
     axes.set_xlabel("v_F, m/s")
     axes.set_ylabel("endurance \u03c4")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.09))
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.14))
     figure.colorbar(image, label="share that arrives within 400 s (numbers: %, with 95 % interval)")
     save(figure, file)
 

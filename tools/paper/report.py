@@ -57,11 +57,9 @@ def bands_section(context):
         lines.append(cells)
     text = (
         "## Bands\n\nFixed before any result was known (`tools/paper/bands.py`), one set of parameters for all rows,"
-        " contact rule"
-        " `difference`.\nThe one number fitted is the goal radius, 1.4 m, on S1 alone. Times are those of the last"
-        " arrival.\n"
-        "Intervals are of 95 %: bootstrap over seeds for times; Wilson, with the design effect of runs, for numbers of"
-        " agents.\n\n"
+        " contact rule `difference`.\nThe one number fitted is the goal radius, 1.4 m, on S1 alone. Times are those of"
+        " the last arrival.\nIntervals are of 95 %: bootstrap over seeds for times; Wilson, with the design effect of"
+        " runs, for numbers of agents.\n\n"
     )
     return text + markdown_table(head, lines) + "\n" + closest(context, by_set)
 
@@ -108,11 +106,9 @@ def table1_section(context):
             cells.append("-" if result is None else shown(result.dead, 1))
         lines.append(cells)
     text = (
-        "## Table 1\n\nTime: arrival of the last agent that arrives, s, `-`: nobody; error: to the paper's time;"
-        " diff: to S1 in"
-        " the same columns.\nThe paper has one run a scenario and gives the number that arrives for S6 only; the"
-        " others are read"
-        " from its text.\n\n"
+        "## Table 1\n\nTime: arrival of the last agent that arrives, s, `-`: nobody; error: to the paper's time; diff:"
+        " to S1 in the same columns.\nThe paper has one run a scenario and gives the number that arrives for S6 only;"
+        " the others are read from its text.\n\n"
     )
     return text + markdown_table(head, lines) + "\n![Table 1](table1.png)\n"
 
@@ -141,12 +137,9 @@ def limit_section(context):
         lines.append(cells)
     text = (
         "## The closed form\n\nAn agent that walks straight against a uniform stream holds its ground if and only if"
-        " v_F < v_B m_a / (tau m_c), with v_B = 0.989 x 1.3 m/s,\nm_a = 65 kg and the mean contact mass m_c = rho h"
-        " pi r_c^2,"
-        " 196 kg in 1 m of water. Above the limit an agent drifts downstream while it crosses,\nand arrives only if"
-        " it is across"
-        " before the fall. Water met: mean over agents of the largest depth in their 2 x 2 m cell (with 0.46 m"
-        " between particles a"
-        " stream\nof 1 m reads up to 1.25 m) and of the speed that goes with it.\n\n"
+        " v_F < v_B m_a / (tau m_c), with v_B = 0.989 x 1.3 m/s,\nm_a = 65 kg and the mean contact mass m_c = rho h pi"
+        " r_c^2, 196 kg in 1 m of water. Above the limit an agent drifts downstream while it crosses,\nand arrives"
+        " only if it is across before the fall. Water met: mean over agents of the largest depth in their 2 x 2 m cell"
+        " (with 0.46 m between particles a stream\nof 1 m reads up to 1.25 m) and of the speed that goes with it.\n\n"
     )
     return text + markdown_table(head, lines)

@@ -66,10 +66,8 @@ def scatter_section():
     head = ["particles", "scatter of the contact mass, kg", "untouched frames, %"]
     head += [f"{name}: drift, m" for name in SCENARIOS]
     return (
-        "## How far the stream carries those who cross\n\nWay downstream of an agent that heads straight across 27 m of"
-        " water, 1 m deep, from Eq. 9 and the arrangement of the\nparticles alone (sampled). The fall is 65 to 87.5"
-        " m away"
-        " from where the agents start. The kinematic stream has its particles at random\nin their cells; those of a"
-        " solved"
-        " river keep their distances and lie between both rows.\n\n"
+        "## How far the stream carries those who cross\n\nWay downstream of an agent that heads straight across 27 m"
+        " of water, 1 m deep, from Eq. 9 and the arrangement of the\nparticles alone (sampled). The fall is 65 to 87.5"
+        " m away from where the agents start. The kinematic stream has its particles at random\nin their cells; those"
+        " of a solved river keep their distances and lie between both rows.\n\n"
     ) + markdown_table(head, lines)

@@ -3,7 +3,7 @@
 import plan
 import plots
 from bands import count_in_words, in_words, judge_scenario, time_error
-from limits import of_limit
+from limits import loss_velocity, of_limit
 from words import SET_UPS, arrived_of, markdown_table, met_of, shown, time_of
 
 TAUS = (0, 0.2, 0.8, 1)  # of S1 to S3, S4 to S6 and so on
@@ -46,11 +46,9 @@ def readings_section(context):
     if not text:
         return ""
     return (
-        "## Readings\n\nTime of the last arrival, s, and how many of 50 arrive where not all do. `sum` is the"
-        " paper's text"
-        " (contact within 0.75 m, 1767 kg a metre of depth), `difference` its\nauthors' program (0.25 m, 196 kg)."
-        " Paper: S4 54 s,"
-        " S5 93 s, S6 160 s with 35, S7 97 s, S8 nobody, S10 140 s,\ntwo groups 8 in all.\n\n"
+        "## Readings\n\nTime of the last arrival, s, and how many of 50 arrive where not all do. `sum` is the paper's"
+        " text (contact within 0.75 m, 1767 kg a metre of depth), `difference` its\nauthors' program (0.25 m, 196 kg)."
+        " Paper: S4 54 s, S5 93 s, S6 160 s with 35, S7 97 s, S8 nobody, S10 140 s,\ntwo groups 8 in all.\n\n"
     ) + text
 
 
@@ -66,11 +64,9 @@ def particles_section(context):
         return ""
     head = ["set", "scenario", "27,000 particles", "270,000 particles", "water met", "water met"]
     return (
-        "## Ten times the particles\n\nThe mean contact mass does not depend on the particles' size, its scatter"
-        " does, and Eq. 9 is"
-        " concave in it: with fewer, heavier particles\nan agent is often untouched and walks freely for a frame, so"
-        " that it gets"
-        " further than its mean contact mass would allow.\n\n"
+        "## Ten times the particles\n\nThe mean contact mass does not depend on the particles' size, its scatter does,"
+        " and Eq. 9 is concave in it: with fewer, heavier particles\nan agent is often untouched and walks freely for"
+        " a frame, so that it gets further than its mean contact mass would allow.\n\n"
     ) + markdown_table(head, lines)
 
 
@@ -95,15 +91,17 @@ def phase_section(context, out):
     above = [row for row in rows if row[-1] > 1]
     across = [row for row in above if row[3] >= 0.5 * some.agents]
     far = max((row[-1] for row in across), default=None)
+    lost = of_limit(some.scene, tau=1, velocity=loss_velocity(some.scene, 1))
     text = (
         f"## Who crosses, over tau and v_F\n\n{len(results)} points of {rows[0][2]} seeds or more, set as observed,"
-        f" simulated with"
-        " the pair (`phase.csv`). The closed form says where an agent that walks straight against the\nstream stands"
-        " still; these"
-        " agents cross it, so that many arrive above it, carried downstream on their way.\n"
+        " simulated with the pair (`phase.csv`).\nThe closed form says where an agent that walks straight against the"
+        " stream stands still. These agents cross it: heading straight across, they are\nlost where they drift as far"
+        " as"
+        f" the fall before they are over, at v_F = {lost:.2f} of that limit (way to the fall over width of the"
+        f" river).\n"
     )
     if far:
-        text += f"Most still arrive up to v_F = {far:.2f} of the limit.\n"
+        text += f"Simulated, most still arrive up to {far:.2f} of the limit.\n"
     return text + "\n![phase diagram](phase.png)\n"
 
 
@@ -153,9 +151,8 @@ def depth_section(context, out):
         return ""
     plots.curves_plot(out / "depth.png", panels, "depth of the water, m")
     return (
-        "## The depth of the water\n\nThe contact mass is proportional to the depth of the water at the agents,"
-        " which the"
-        " paper does not give for its runs (1 m is the\nopening of its emitter). Set as observed, all else"
+        "## The depth of the water\n\nThe contact mass is proportional to the depth of the water at the agents, which"
+        " the paper does not give for its runs (1 m is the\nopening of its emitter). Set as observed, all else"
         " unchanged.\n\n"
     ) + table + "\n![depth](depth.png)\n"
 
@@ -166,11 +163,9 @@ def push_section(context, out):
         return ""
     plots.curves_plot(out / "push.png", panels, "speed with which the water pushes, over v_F")
     return (
-        "## The speed of the water at the agents\n\nThe authors' logs of the run with v_F 1.5 m/s have 2.9 to 3.9"
-        " m/s at the"
-        " agents near the front, 1.9 to 2.6 times v_F. The set as\nobserved moves front and particles at 2.6 v_F and"
-        " pushes"
-        " with v_F; here it pushes faster, all else unchanged.\n\n"
+        "## The speed of the water at the agents\n\nThe authors' logs of the run with v_F 1.5 m/s have 2.9 to 3.9 m/s"
+        " at the agents near the front, 1.9 to 2.6 times v_F. The set as\nobserved moves front and particles at 2.6"
+        " v_F and pushes with v_F; here it pushes faster, all else unchanged.\n\n"
     ) + table + "\n![speed](push.png)\n"
 
 
