@@ -9,8 +9,7 @@ from intervals import arrival_interval, bootstrap_mean
 COLUMNS = (
     "set,scenario,tau,v_f_m_s,contact_rule,initial_river,frame_rate_hz,gravity_m_s2,spacing_m,particle_mass_kg,"
     "paper_time_s,paper_diff_percent,paper_arrived,seeds,time_s_mean,time_s_lo,time_s_hi,arrived_mean,arrived_lo,"
-    "arrived_hi,dead_mean,diff_percent,agent_depth_m,agent_speed_m_s,in_ban"
-    "d"
+    "arrived_hi,dead_mean,diff_percent,agent_depth_m,agent_speed_m_s,in_band"
 ).split(",")
 
 
