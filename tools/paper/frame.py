@@ -39,10 +39,7 @@ def figures_section(drawn):
         " for figures 2 and 8; which scenarios its figures 3, 5 and 6\nshow is not known to us: scenarios of Table 1"
         " stand for them.\n\n"
     )
-    for scene_set in dict.fromkeys(entry[0] for entry in drawn):
-        text += f"### {SET_UPS[scene_set]}\n\n"
-        text += "".join(f"* [{words}]({file})\n" for set_, file, words in drawn if set_ == scene_set) + "\n"
-    return text
+    return text + "".join(f"{words} (set-up {SET_UPS[set_]}):\n\n![{words}]({file})\n\n" for set_, file, words in drawn)
 
 
 def runs_section(runs, failures):

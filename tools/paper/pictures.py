@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from PIL import Image
+
 import plan
 from bands import LEE_AT_S
 
@@ -28,6 +30,7 @@ FIGURES = {
     "figure8_obstacle_30s": ("obstacle", 30, "Figure 8: the lee at 30 s"),
     "figure8_no_obstacle_30s": ("no_obstacle", 30, "without the obstacle"),
 }
+PICTURE_WIDTH, PICTURE_COLOURS = 1100, 48
 DRY_M = 0.05  # a cell with less water counts as dry
 
 
@@ -64,18 +67,28 @@ def draw_runs(results, sets, pair):
                 draw(run, run.folder / "figure.png", None, pair)
 
 
+def shrink(file):
+    """Fewer pixels and colours, so that a report with its pictures stays small."""
+    picture = Image.open(file).convert("RGB")
+    high = round(picture.height * PICTURE_WIDTH / picture.width)
+    picture = picture.resize((PICTURE_WIDTH, high), Image.LANCZOS)
+    picture.quantize(PICTURE_COLOURS, dither=Image.Dither.NONE).save(file, format="png", optimize=True)
+
+
 def draw_figures(results, sets, out, pair):
-    """Draws what can be drawn; returns [(set, file's name, words)]."""
+    """Draws each picture from the first set that has its run; returns [(set, file's name, words)]."""
     drawn = []
-    for scene_set in sets:
-        for stem, (name, time, words) in FIGURES.items():
+    for stem, (name, time, words) in FIGURES.items():
+        for scene_set in sets:
             run = first_run(results, case_of(scene_set, name))
             if run is None:
                 continue
-            file = out / "figures" / f"{scene_set}_{stem}.png"
+            file = out / "figures" / f"{stem}.png"
             file.parent.mkdir(exist_ok=True)
             if draw(run, file, time, pair):
+                shrink(file)
                 drawn.append((scene_set, f"figures/{file.name}", words))
+            break
     return drawn
 
 

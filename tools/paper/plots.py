@@ -1,10 +1,13 @@
 """Curves of the report. Colours of Okabe and Ito (2008), which the colour-blind can tell apart; each with a mark."""
 
+import io
+
 import matplotlib
 
 matplotlib.use("Agg")
 import numpy as np  # noqa: E402
 from matplotlib import pyplot  # noqa: E402
+from PIL import Image  # noqa: E402
 
 from limits import contact_mass, limit_velocity, loss_velocity, FREE_SHARE  # noqa: E402
 
@@ -17,8 +20,11 @@ pyplot.rcParams.update({"font.size": 9, "axes.edgecolor": INK, "axes.labelcolor"
 
 def save(figure, file):
     """No date or version in the file, so that the same numbers give the same bytes."""
-    figure.savefig(file, dpi=130, metadata={"Software": None}, bbox_inches="tight")
+    raw = io.BytesIO()
+    figure.savefig(raw, dpi=130, format="png", metadata={"Software": None}, bbox_inches="tight")
     pyplot.close(figure)
+    small = Image.open(raw).convert("RGB").quantize(64, dither=Image.Dither.NONE)
+    small.save(file, format="png", optimize=True)
 
 
 def error_bars(axes, xs, intervals, label, index):
