@@ -23,8 +23,9 @@ def save(figure, file):
     raw = io.BytesIO()
     figure.savefig(raw, dpi=130, format="png", metadata={"Software": None}, bbox_inches="tight")
     pyplot.close(figure)
-    small = Image.open(raw).convert("RGB").quantize(64, dither=Image.Dither.NONE)
-    small.save(file, format="png", optimize=True)
+    picture = Image.open(raw).convert("RGB")
+    few = picture.quantize(128, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    few.save(file, format="png", optimize=True)
 
 
 def error_bars(axes, xs, intervals, label, index):
