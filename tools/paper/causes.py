@@ -13,8 +13,10 @@ SCATTER = (
     " the drift above, and the smaller particles under Readings, with which almost nobody arrives)."
 )
 THIN = (
-    "The water of the emitter accelerates and thins (see the depth that the agents met and the mean depth of the"
-    " fluid), so that an agent touches less of it than in 1 m."
+    "The front of the emitter's water is slower than the 2.6 v_F of the authors' logs, so that more people are across"
+    " before it comes (the set as observed does the same if its water is transported at v_F, see Readings), and the"
+    " water thins as it accelerates (see the depth met and the mean depth of the fluid), so that an agent touches less"
+    " of it."
 )
 ESTABLISHED = (
     "The river is there from the start, so that the agents are in it on their whole way; in a dry start, as in the"
@@ -23,7 +25,7 @@ ESTABLISHED = (
 # By set and band; a band without words of its own set takes those of "".
 CAUSES = {
     ("observed", "S8"): SCATTER,
-    **{("paper", name): THIN for name in ("S4", "S5", "S6", "S7", "S8", "S10", "S11")},
+    **{("paper", name): THIN for name in ("S4", "S5", "S6", "S7", "S8", "S9", "S10", "S11")},
     **{("river", name): ESTABLISHED for name in ("S4", "S5", "S6", "S7", "S10")},
     ("", "ten times the particles"): (
         "Eq. 9 is not linear in the contact mass, whose scatter falls with the mass of a particle: finer water pushes"
