@@ -1,27 +1,48 @@
 #!/usr/bin/env bash
-# Runs the scenarios S1 to S12 of the paper and sets the results beside its Table 1.
+# Runs the scenarios of the paper with many seeds and writes a report beside it.
 set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
 help_if_asked "$@" <<'HELP'
-Usage: tools/reproduce_paper.sh [--out DIR] [--seeds N] [--quick] [--set-of-scenes paper|river|observed|both]
-                                [--threads N] [--until-s T]
+Usage: tools/reproduce_paper.sh [--out DIR] [--seeds N] [--max-seeds N] [--quick] [--parts LIST]
+                                [--set-of-scenes observed|paper|river|both|all] [--threads N] [--until-s T]
+                                [--keep-all] [--report-only]
 
-Runs S1 to S12 of configs/paper (as the authors ran it) and configs/river (as the paper describes it), one after
-another; writes DIR/table1.csv, DIR/report.md and a run folder with a picture for each run; prints the table and,
-below it, whether the results are those of the paper where these can be told apart.
+Runs the scenarios of the paper with many seeds, in three set-ups: configs/observed (the water of the authors' logs,
+kinematic, cheap), configs/paper (as they ran it) and configs/river (as the paper describes it). One run of the fluid
+serves all crowds of a water. Writes DIR/report.md, DIR/table1.csv, DIR/readings.csv, DIR/phase.csv and pictures, and
+prints the report.
 
   --out DIR             [runs/reproduce_paper in the project]
-  --seeds N             runs of each scene, with the seeds 1 to N [1]
-  --quick               only S1, S4, S5 and S8
-  --set-of-scenes SET   paper, river, observed or both (paper and river) [both]
-  --threads N           threads of the fluid server [2]
+  --seeds N             crowds of each scenario, with the seeds 1 to N; the parts phase, depth, push, rules,
+                        readings and variations take half as many [10, with --quick 1]
+  --max-seeds N         more seeds, N at most, where an interval of 95 % is still wider than a tenth of the agents or of
+                        the mean time; each round is a further run of the fluid [3 times --seeds in the set observed,
+                        --seeds in the others]
+  --quick               only S1, S4, S5 and S8 of Table 1
+  --parts LIST          separated by commas [all]:
+                          table1      S1 to S12 beside the paper's Table 1
+                          others      two groups, obstacle, switch of tau
+                          places      the obstacle in other places
+                          rules       contact rule of the text, continuous coupling
+                          readings    spacings, frame rates, starts, gravity
+                          particles   ten times the particles
+                          phase       who arrives over the plane of tau and v_F (set observed)
+                          goal        time of S1 over the goal radius, the one number fitted (set observed)
+                          depth       outcomes over the depth of the water (set observed)
+                          push        outcomes over the speed with which the water pushes (set observed)
+                          variations  500 and 5,000 agents, several goals and groups, a village
+                          figures     pictures in the paper's style, at its times
+  --set-of-scenes SET   observed, paper, river, both (paper and river) or all [all]
+  --threads N           threads of each program [2]
   --until-s T           simulated time at which each run ends, s [the scene's, 400]; such runs are not judged
-A run in DIR that is complete and whose scene is still the same is not repeated. Scenes that were not run, as with
---quick, have no part in the verdict. Exit code 1: a run failed, or the verdict has a no.
+  --keep-all            keep paths and pictures of the water of all runs, not only those of seed 1 of unchanged scenes
+  --report-only         run nothing: the report of what is complete in DIR, with all seeds that are there
+A crowd in DIR that is complete and whose scene is still the same is not run again. What was not run has no part in
+the report. Exit code 1: a run failed, or the verdict has a no (the bands are reported, they do not count).
 HELP
 
 "$root/tools/install_dependencies.sh" || exit 1
 build_programs || { echo "reproduce_paper.sh: the build failed" >&2; exit 1; }
-exec /usr/bin/python3 "$root/tools/reproduce_paper.py" --programs "$build" "$@"
+exec /usr/bin/python3 "$root/tools/paper/reproduce.py" --programs "$build" "$@"

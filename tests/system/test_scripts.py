@@ -134,11 +134,12 @@ class Scripts(SystemTest):
         self.assertEqual((fifth["arrived_mean"], fifth["time_s_mean"], fifth["in_band"]), ("0", "", ""))
         self.assertIn("| S8", self.output_of(first))
         self.assertEqual(self.output_of(first).split("\n## ")[0], (out / "report.md").read_text().split("\n## ")[0])
-        written = (out / "paper" / "s05-seed1" / "outcome.json").stat().st_mtime_ns
+        outcome = out / "paper" / "v1.5" / "s5-seed1" / "outcome.json"
+        written = outcome.stat().st_mtime_ns
         again = self.script(*command)
         self.assert_ended_well(again)
         self.assertEqual(again.messages().count("(done before)"), 4)
-        self.assertEqual((out / "paper" / "s05-seed1" / "outcome.json").stat().st_mtime_ns, written)
+        self.assertEqual(outcome.stat().st_mtime_ns, written)
         other = self.script(*command, "--until-s", "0.5")
         self.assert_ended_well(other)
         self.assertEqual(other.messages().count("(run)"), 4, "another scene is run again")

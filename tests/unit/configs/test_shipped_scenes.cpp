@@ -128,6 +128,37 @@ TEST_CASE("the observed set is a given stream that is transported faster than it
     CHECK(scene.fluid.particle_spacing == paper.fluid.particle_spacing);
 }
 
+TEST_CASE("the paper's other scenarios are what its text says") {
+    const auto of_set = [](const std::string& set, const std::string& name) {
+        return wade::load_scene(scenes / set / (name + ".json")).scene;
+    };
+    for (const std::string set : {"paper", "river", "observed"}) {
+        INFO(set);
+        const Scene two = of_set(set, "two_groups");
+        REQUIRE(two.crowd.groups.size() == 2);
+        CHECK((two.crowd.groups[0].count == 50 && two.crowd.groups[1].count == 50));
+        CHECK((two.crowd.groups[0].tau == 0.6 && two.crowd.groups[1].tau == 0.6));
+        CHECK((two.channel.velocity == 1.5 && two.crowd.groups[1].start_x == 0 && two.crowd.groups[1].goal_x == 100));
+        const Scene change = of_set(set, "tau_switch");
+        REQUIRE(change.events.size() == 1);
+        CHECK((change.events[0].frame == 870 && change.events[0].tau == 0));
+        CHECK((change.crowd.groups[0].tau == 0.8 && change.channel.velocity == 2.5));
+        // Ten times the particles of 100 kg.
+        CHECK(1000 * std::pow(of_set(set, "fine").fluid.particle_spacing, 3) == Approx(10).epsilon(1e-3));
+        CHECK(of_set(set, "no_obstacle").crowd.groups[0].count == 52);
+    }
+    for (const std::string set : {"paper", "river"}) {
+        const Scene with = of_set(set, "obstacle");
+        const Scene without = of_set(set, "no_obstacle");
+        REQUIRE(with.obstacles.size() == 1);
+        CHECK((with.obstacles[0].x.length() == 7 && with.obstacles[0].z.length() == 7));
+        CHECK(with.obstacles[0].height == 1);
+        CHECK(without.obstacles.empty());
+        CHECK(with.crowd.groups[0].start_x == without.crowd.groups[0].start_x);
+        CHECK((with.crowd.groups[0].tau == 0.6 && with.channel.velocity == 1.5));
+    }
+}
+
 TEST_CASE("the validation scenes have the layers that their references assume") {
     const Scene column = wade::load_scene(scenes / "validation/column.json").scene;
     CHECK(wade::particles_needed(column) == 10 * 10 * 10);

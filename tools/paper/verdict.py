@@ -53,6 +53,8 @@ def same_paths(scene_set, runs):
     """Runs of the same seed have bit-identical paths; nothing to tell where no seed was run twice."""
     by_seed = {}
     for run in runs:
+        if not (run.folder / "trajectories.sqlite").exists():
+            continue  # further seeds keep no paths
         by_seed.setdefault(run.seed, []).append(run)
     compared = [group for group in by_seed.values() if len(group) > 1]
     if not compared:

@@ -7,9 +7,9 @@ import unittest
 from pathlib import Path
 from types import SimpleNamespace
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools" / "paper"))
 
-from paper_verdict import checks_of, verdict_text  # noqa: E402
+from verdict import checks_of, verdict_text  # noqa: E402
 
 PATH = [(0, 0, 75.0, 10.0, 0.0, 1.0), (1, 0, 75.0, 10.04, 0.0, 1.0)]
 RIVER = {"S1": 50, "S2": 50, "S3": 50, "S4": 50, "S5": 50, "S6": 12, "S7": 3, "S8": 2, "S9": 0, "S10": 7}

@@ -1,0 +1,110 @@
+"""What tools/paper/table1.py and pictures.py read from run folders, on folders that are made up."""
+
+import csv
+import json
+import struct
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools" / "paper"))
+
+from ensembles import is_done  # noqa: E402
+from pictures import lee_length  # noqa: E402
+from table1 import COLUMNS, Result, Run, read_paper, table_row, write_table  # noqa: E402
+
+SCENE = {
+    "name": "made_up",
+    "seed": 1,
+    "frame_rate_hz": 30,
+    "world": {"gravity_m_s2": 9.81},
+    "channel": {"velocity_m_s": 1.5, "depth_m": 1, "initial_river": "dry"},
+    "coupling": {"contact_rule": "difference"},
+    "crowd": {"groups": [{"name": "a", "tau": 0.2}, {"name": "b", "tau": 0.2}]},
+    "fluid": {"particle_spacing_m": 0.5, "rest_density_kg_m3": 1000},
+    "obstacles": [{"x_min_m": 60, "x_max_m": 67, "z_min_m": 21.5, "z_max_m": 28.5, "height_m": 1}],
+}
+# id, group, outcome, time, depth, depth times speed: two of each group
+AGENTS = (
+    (0, "a", "arrived", 40.0, 1.0, 1.5), (1, "a", "dead", 30.0, 2.0, 5.0), (2, "b", "arrived", 60.0, 0.0, 0.0),
+    (3, "b", "active", 90.0, 1.0, 1.5),
+)
+
+
+class Results(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory(prefix="wade-test-")
+        self.addCleanup(self.temporary.cleanup)
+
+    def run_folder(self, agents=AGENTS, status="completed"):
+        folder = Path(tempfile.mkdtemp(dir=self.temporary.name))
+        times = [agent[3] for agent in agents if agent[2] == "arrived"]
+        outcome = {name: sum(agent[2] == name for agent in agents) for name in ("arrived", "dead", "active")}
+        outcome.update(status=status, agents=len(agents), last_arrival_s=max(times, default=None))
+        (folder / "outcome.json").write_text(json.dumps(outcome))
+        (folder / "manifest.json").write_text(json.dumps({"resolved_scene": SCENE, "git_hash": "abc"}))
+        with open(folder / "agents.csv", "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(("id", "group", "outcome", "time_s", "max_depth_m", "max_dv_m2_s"))
+            writer.writerows(agents)
+        return folder
+
+    def run_of(self, **changed):
+        return Run("paper", "S5", 1, self.run_folder(**changed))
+
+    def test_means_over_runs_and_groups(self):
+        nobody = [(i, "ab"[i // 2], "dead", 10.0, 1.0, 1.5) for i in range(4)]
+        result = Result([self.run_of(), self.run_of(agents=nobody)])
+        self.assertEqual((result.arrived[0], result.dead, result.active), (1.0, 2.5, 0.5))
+        self.assertEqual(result.time, (60.0, None, None), "runs without arrivals have no time")
+        self.assertEqual(result.arrived_of("a")[0], 0.5)
+        self.assertEqual((result.arrived_by(50), result.arrived_by(60)), (0.5, 1.0))
+
+    def test_water_met_leaves_out_agents_that_stayed_dry(self):
+        result = Result([self.run_of()])
+        self.assertAlmostEqual(result.depth, 4 / 3)
+        self.assertAlmostEqual(result.speed, (1.5 + 2.5 + 1.5) / 3)
+
+    def test_a_row_has_all_columns_and_the_difference_to_s1(self):
+        paper = read_paper(Path(__file__).resolve().parents[2] / "tools" / "paper" / "table1.csv")["S5"]
+        row = table_row("paper", "S5", Result([self.run_of()]), paper, base=48.0, in_band=False)
+        self.assertEqual(tuple(row), tuple(COLUMNS))
+        self.assertEqual((row["diff_percent"], row["in_band"], row["paper_time_s"]), (25.0, "no", "93"))
+        self.assertEqual(row["particle_mass_kg"], 125.0)
+        file = Path(self.temporary.name) / "table1.csv"
+        write_table(file, [row])
+        self.assertEqual(file.read_text().splitlines()[0], ",".join(COLUMNS))
+
+    def test_a_run_is_done_only_if_complete_and_of_this_scene(self):
+        folder = self.run_folder()
+        self.assertTrue(is_done(folder, {**SCENE, "name": "other"}))
+        self.assertFalse(is_done(folder, {**SCENE, "seed": 2}))
+        self.assertFalse(is_done(self.run_folder(status="running"), SCENE))
+        self.assertFalse(is_done(folder / "nowhere", SCENE))
+
+    def water_file(self, run, depths):
+        """water.bin of one snapshot at 15 s, cells of 1 m from (0, 11.5); depths: rows of m."""
+        rows, columns = len(depths), len(depths[0])
+        data = b"WADEWAT1" + struct.pack("<IIdddd", columns, rows, 1.0, 0.0, 11.5, 0.0)
+        data = data.ljust(64, b"\0") + struct.pack("<Qd", 450, 15.0)
+        data += b"".join(struct.pack("<H", round(1000 * depth)) for row in depths for depth in row)
+        (run.folder / "water.bin").write_bytes(data)
+
+    def test_the_lee_is_dry_ground_behind_the_block_beside_a_stream(self):
+        run = self.run_of()
+        depths = [[1.0 if x >= 20 else 0.0 for x in range(100)] for _ in range(27)]
+        for row in range(10, 17):
+            for x in range(35, 60):
+                depths[row][x] = 0.0
+        self.water_file(run, depths)
+        self.assertEqual(lee_length(run), 25)
+        for row in range(27):
+            for x in range(50):
+                depths[row][x] = 0.0
+        self.water_file(run, depths)
+        self.assertEqual(lee_length(run), 10, "no lee where the front has not passed")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,191 @@
+"""Runs the cases of the plan: one run of the fluid for all crowds of a water, more seeds only where needed."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from intervals import precise_enough
+from table1 import Run
+
+ROOT = Path(__file__).resolve().parents[2]
+# Where the crowds of one water may differ; all else belongs to the water.
+CROWDS_OWN = ("crowd", "coupling", "events", "name", "description")
+PATIENCE_S = "300"  # a hundred crowds take a while to set out their markers, and for a frame
+PICTURE_FILES = ("trajectories.sqlite", "water.bin")  # what only pictures need
+
+
+class PlanError(Exception):
+    """A scene that the programs refuse; its text has been printed by them."""
+
+    def __init__(self, code):
+        super().__init__(f"exit code {code}")
+        self.code = code
+
+
+class Programs:
+    """The two programs, and the scenes as they read them."""
+
+    def __init__(self, folder, until_s=None):
+        self.folder, self.until_s = folder, until_s
+        self.known = {}
+
+    def resolved(self, scene, changes):
+        """The scene with these (pointer, value) changes as the programs will run it."""
+        key = (scene, repr(changes))
+        if key not in self.known:
+            words = [word for pointer, value in changes for word in ("--set", f"{pointer}={json.dumps(value)}")]
+            command = [self.folder / "crowd_client", scene, *words, *self.until(), "--print-config"]
+            answer = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+            if answer.returncode != 0:
+                raise PlanError(answer.returncode)
+            self.known[key] = json.loads(answer.stdout)
+        return self.known[key]
+
+    def until(self):
+        return [] if self.until_s is None else ["--until-s", str(self.until_s)]
+
+    def scene_of(self, case, seed):
+        """The resolved scene of a case: its own crowd in the water that it shares."""
+        own = self.resolved(case.scene, case.water.changes + case.changes)  # the crowd's steps follow the frame rate
+        water = self.resolved(case.water.scene, case.water.changes)
+        return {**water, **{key: own[key] for key in CROWDS_OWN if key in own}, "seed": seed}
+
+
+def what_counts(scene):
+    """The scene without the words that change no result."""
+    return {key: value for key, value in scene.items() if key not in ("name", "description")}
+
+
+def is_done(folder, scene):
+    """Whether the folder holds a complete run of this very scene."""
+    try:
+        outcome = json.loads((folder / "outcome.json").read_text())
+        manifest = json.loads((folder / "manifest.json").read_text())
+    except (OSError, ValueError):
+        return False
+    complete = outcome.get("status") == "completed" and (folder / "agents.csv").exists()
+    return complete and what_counts(manifest.get("resolved_scene") or {}) == what_counts(scene)
+
+
+def crowd_entry(name, scene, water):
+    """One element of the file of --crowds: what this crowd has otherwise than the water's scene."""
+    keys = [key for key in (*CROWDS_OWN, "seed") if scene.get(key) != water.get(key)]
+    return {"name": name, "set": {f"/{key}": scene.get(key) for key in keys}}
+
+
+class Ensembles:
+    """Results by case, and how they were obtained."""
+
+    def __init__(self, programs, out, pair, threads, keep_all=False):
+        self.programs, self.out, self.pair, self.threads, self.keep_all = programs, out, pair, threads, keep_all
+        self.runs = {}  # of a case's key: its runs in the order of their seeds
+        self.failures = []  # waters in words
+        self.interrupted = 0  # exit code after a signal
+
+    def folder(self, case, seed):
+        return self.out / case.water.key / f"{case.name}-seed{seed}"
+
+    def has(self, case, seed):
+        return is_done(self.folder(case, seed), self.programs.scene_of(case, seed))
+
+    def run(self, wanted):
+        """Runs cases with their first seeds, and those whose intervals are still wide with more.
+
+        wanted: {case: (seeds of a round, most seeds)}.
+        """
+        waters = {}
+        for case in wanted:
+            waters.setdefault(case.water, []).append(case)
+        for water, cases in waters.items():
+            done = dict.fromkeys(cases, 0)
+            while batch := self.next_round(cases, wanted, done):
+                if not self.run_water(water, batch):
+                    break
+            if self.interrupted:
+                return
+
+    def collect(self, cases):
+        """Takes what is complete, and runs nothing."""
+        for case in cases:
+            folder = self.out / case.water.key
+            seeds = [path.name.rpartition("-seed")[2] for path in folder.glob(f"{case.name}-seed*")]
+            for seed in sorted(int(seed) for seed in seeds if seed.isdigit()):
+                self.take(case, seed, "done before")
+
+    def next_round(self, cases, wanted, done):
+        """The (case, seed) that come next; counts them in `done`."""
+        batch = []
+        for case in cases:
+            seeds, most = wanted[case]
+            if done[case] < most and (done[case] == 0 or not self.settled(case)):
+                last = min(done[case] + seeds, most)
+                batch += [(case, seed) for seed in range(done[case] + 1, last + 1)]
+                done[case] = last
+        return batch
+
+    def settled(self, case):
+        runs = self.runs.get(case.key, [])
+        times = [run.outcome["last_arrival_s"] for run in runs if run.outcome["last_arrival_s"] is not None]
+        return bool(runs) and precise_enough([run.outcome["arrived"] for run in runs], runs[0].outcome["agents"], times)
+
+    def run_water(self, water, batch):
+        """One run of the fluid for what is missing of these cases and seeds; false if it failed."""
+        missing = [run for run in batch if not self.has(*run)]
+        code = self.run_crowds(water, missing) if missing else 0
+        if self.pair.signal:
+            self.interrupted = code or 130
+            return False
+        lost = [name_of(*run) for run in missing if not self.has(*run)]
+        if code != 0 or lost:
+            self.failures.append(f"{water.key} ({', '.join(lost[:5]) or 'all crowds complete'}; exit code {code})")
+            print(f"{water.key}: failed with exit code {code}, see {self.log(water)}", file=sys.stderr)
+        for run in batch:
+            self.take(*run, "run" if run in missing else "done before")
+        return code == 0 and not lost
+
+    def log(self, water):
+        return self.out / water.key / "run.log"
+
+    def run_crowds(self, water, missing):
+        """Runs one pair; on a terminal its progress is shown, else it goes to run.log. Returns its exit code."""
+        folder = self.out / water.key
+        folder.mkdir(parents=True, exist_ok=True)
+        base = self.programs.resolved(water.scene, water.changes)
+        entries = [crowd_entry(name_of(*run), self.programs.scene_of(*run), base) for run in missing]
+        (folder / "crowds.json").write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
+        words = [word for pointer, value in water.changes for word in ("--set", f"{pointer}={json.dumps(value)}")]
+        launcher = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", self.programs.folder]
+        command = [*launcher, water.scene, "--crowds", folder / "crowds.json", "--out", folder, "--no-figure", *words]
+        command += [*self.programs.until(), "--threads", str(self.threads)]
+        command += ["--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
+        if not any(self.keeps_pictures(*run) for run in missing):
+            command += ["--no-trajectories", "--water-every-s", "0"]
+        print(f"{water.key}: {len(missing)} crowds", file=sys.stderr, flush=True)
+        with open(self.log(water), "w", encoding="utf-8") as log:
+            return self.pair.start(command, stdout=log, stderr=None if sys.stderr.isatty() else log).wait()
+
+    def keeps_pictures(self, case, seed):
+        """Whether a run keeps its paths and pictures of its water: the first seed of scenes as they are."""
+        return self.keep_all or (seed == 1 and not case.changes and not case.water.changes)
+
+    def take(self, case, seed, how):
+        """Takes a complete run into the results."""
+        folder = self.folder(case, seed)
+        if not self.has(case, seed) or any(run.seed == seed for run in self.runs.get(case.key, [])):
+            return
+        run = Run(case.water.set, scenario_name(case), seed, folder)
+        if not self.keeps_pictures(case, seed):
+            for name in PICTURE_FILES:
+                (folder / name).unlink(missing_ok=True)
+        self.runs.setdefault(case.key, []).append(run)
+        print(f"{case.key} seed {seed}: {run.in_words()} ({how})", file=sys.stderr, flush=True)
+
+
+def name_of(case, seed):
+    return f"{case.name}-seed{seed}"
+
+
+def scenario_name(case):
+    """S5 for the crowd of s05.json, else the case's name."""
+    return case.name.upper() if case.name[0] == "s" and case.name[1:].isdigit() else case.name

@@ -1,0 +1,52 @@
+"""The closed form of who holds against the water.
+
+Eq. 9 in a uniform stream: an agent that walks with v_B straight against v_F moves at
+(m_a v_B - tau m_c v_F) / (m_a + tau m_c), which is positive if and only if v_F < v_B m_a / (tau m_c). The mean contact
+mass m_c = rho h pi r_c^2 does not depend on the particles' size; r_c is the contact distance and h the depth.
+"""
+
+import math
+
+FREE_SHARE = 0.989  # of the desired speed at which a free agent walks with the speed rule `pi`
+
+
+def contact_distance(coupling):
+    """m, as the contact rule says."""
+    agent, particle = coupling["agent_radius_m"], coupling["particle_radius_m"]
+    return agent + particle if coupling["contact_rule"] == "sum" else abs(agent - particle)
+
+
+def contact_mass(scene, depth=None):
+    """m_c in water of a depth, by default the scene's, kg."""
+    area = math.pi * contact_distance(scene["coupling"]) ** 2
+    return scene["fluid"]["rest_density_kg_m3"] * (depth or scene["channel"]["depth_m"]) * area
+
+
+def limit_velocity(mass, walking, tau, contact):
+    """v_F at which an agent just holds its ground, m/s; infinite for tau 0."""
+    return math.inf if tau == 0 else walking * mass / (tau * contact)
+
+
+def loss_velocity(scene, tau):
+    """v_F at which the first group, on average, drifts as far as the fall while it heads straight across, m/s.
+
+    With k = tau m_c / (m_a + tau m_c) an agent moves at (1 - k) v_B across the channel and drifts at k v_F.
+    """
+    if tau == 0:
+        return math.inf
+    group, channel = scene["crowd"]["groups"][0], scene["channel"]
+    start = group["start"]
+    way = start["x_m"] + (group["columns"] - 1) / 2 * start["pitch_x_m"] - channel["x_min_m"]
+    width = channel["z_max_m"] - channel["z_min_m"]
+    walking = FREE_SHARE * group["desired_speed_m_s"]
+    return way / width * walking * group["mass_kg"] / (tau * contact_mass(scene))
+
+
+def of_limit(scene, tau=None, velocity=None, depth=None):
+    """v_F over the limit for the first group of a scene: above 1 an agent cannot walk against the stream."""
+    group = scene["crowd"]["groups"][0]
+    tau = group["tau"] if tau is None else tau
+    velocity = scene["channel"]["velocity_m_s"] if velocity is None else velocity
+    walking = FREE_SHARE * group["desired_speed_m_s"]
+    limit = limit_velocity(group["mass_kg"], walking, tau, contact_mass(scene, depth))
+    return velocity / limit if limit > 0 else math.inf

@@ -1,0 +1,113 @@
+"""Pictures in the paper's style at its times, and the lee behind the obstacle, from the runs with the first seed."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+import plan
+from bands import LEE_AT_S
+
+TOOLS = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(TOOLS))
+from figure import read_water  # noqa: E402
+
+# File of the picture: (case of a set, time in s or None for the whole run, what it shows). Which scenarios the paper's
+# figures 3, 5 and 6 show is not known to us; they are S1 to S12 at some time.
+FIGURES = {
+    "figure2_switch_10s": ("tau_switch", 10, "Figure 2: tau 0.8, the stream carries everybody"),
+    "figure2_switch_29s": ("tau_switch", 29, "Figure 2: frame 870, tau becomes 0"),
+    "figure2_switch_70s": ("tau_switch", 70, "Figure 2: 70 s, near the goal"),
+    "figure3_s4": ("S4", 30, "Figure 3: S4, a weak stream"),
+    "figure5_s5": ("S5", 30, "Figure 5: S5, an effort"),
+    "figure5_s6": ("S6", 45, "Figure 5: S6, most drift"),
+    "figure6_s8": ("S8", 45, "Figure 6: S8, carried"),
+    "figure6_s9": ("S9", 30, "Figure 6: S9, carried away"),
+    "figure7_two_groups_30s": ("two_groups", 30, "Figure 7: two groups"),
+    "figure7_two_groups_60s": ("two_groups", 60, "Figure 7: two groups"),
+    "figure8_obstacle_15s": ("obstacle", 15, "Figure 8: the lee at 15 s"),
+    "figure8_obstacle_30s": ("obstacle", 30, "Figure 8: the lee at 30 s"),
+    "figure8_no_obstacle_30s": ("no_obstacle", 30, "without the obstacle"),
+}
+PICTURE_WIDTH, PICTURE_COLOURS = 1100, 128
+DRY_M = 0.05  # a cell with less water counts as dry
+
+
+def case_of(scene_set, name):
+    if name in plan.SCENARIOS:
+        return plan.scenario_case(scene_set, name)
+    return plan.other_case(scene_set, name) if plan.has_scene(scene_set, name) else None
+
+
+def first_run(results, case):
+    """The run with the first seed if it still holds what pictures need."""
+    result = results.get(case.key) if case is not None else None
+    runs = [run for run in result.runs if (run.folder / "trajectories.sqlite").exists()] if result else []
+    return runs[0] if runs else None
+
+
+def draw(run, file, time, pair):
+    at = [] if time is None else ["--time", str(time)]
+    command = ["/usr/bin/python3", TOOLS / "figure.py", run.folder, "--output", file, *at]
+    return pair.start(command, stdout=subprocess.DEVNULL).wait() == 0
+
+
+def is_older(file, other):
+    """Whether a file is older than another one, or is not there."""
+    return not file.exists() or file.stat().st_mtime_ns < other.stat().st_mtime_ns
+
+
+def draw_runs(results, sets, pair):
+    """figure.png of S1 to S12, in their run folders."""
+    for scene_set in sets:
+        for case in plan.table1_cases(scene_set):
+            run = first_run(results, case)
+            if run is not None and is_older(run.folder / "figure.png", run.folder / "outcome.json"):
+                draw(run, run.folder / "figure.png", None, pair)
+
+
+def shrink(file):
+    """Fewer pixels and colours, so that a report with its pictures stays small."""
+    picture = Image.open(file).convert("RGB")
+    high = round(picture.height * PICTURE_WIDTH / picture.width)
+    picture = picture.resize((PICTURE_WIDTH, high), Image.LANCZOS)
+    # An octree keeps the colours of small marks, which a median cut gives up.
+    few = picture.quantize(PICTURE_COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    few.save(file, format="png", optimize=True)
+
+
+def draw_figures(results, sets, out, pair):
+    """Draws each picture from the first set that has its run; returns [(set, file's name, words)]."""
+    drawn = []
+    for stem, (name, time, words) in FIGURES.items():
+        for scene_set in sets:
+            run = first_run(results, case_of(scene_set, name))
+            if run is None:
+                continue
+            file = out / "figures" / f"{stem}.png"
+            file.parent.mkdir(exist_ok=True)
+            if draw(run, file, time, pair):
+                shrink(file)
+                drawn.append((scene_set, f"figures/{file.name}", words))
+            break
+    return drawn
+
+
+def lee_length(run, time=LEE_AT_S):
+    """Length along x of the dry ground behind the first obstacle while water passes beside it, m."""
+    water = read_water(run.folder / "water.bin", time)
+    if water is None or not run.scene["obstacles"]:
+        return None
+    _, x0, z0, cell, depth = water
+    box = run.scene["obstacles"][0]
+    rows, columns = depth.shape
+    inside = [r for r in range(rows) if box["z_min_m"] + cell <= z0 + (r + 0.5) * cell <= box["z_max_m"] - cell]
+    beside = [r for r in range(rows) if box["z_max_m"] + cell <= z0 + (r + 0.5) * cell <= box["z_max_m"] + 4]
+    length = 0
+    for column in range(int((box["x_min_m"] - x0) / cell) - 1, -1, -1):
+        behind = depth[inside, column].mean()
+        if behind > DRY_M or depth[beside, column].mean() <= DRY_M:
+            break
+        length += cell
+    return length

@@ -1,0 +1,187 @@
+"""What each part of the report needs: waters, and the crowds that walk through each of them.
+
+One run of the fluid serves every crowd of its water: scenarios that differ in tau, groups, events, contact rule
+or seed.
+"""
+
+from waters import (  # noqa: F401
+    KINEMATIC,
+    OTHERS_V_F,
+    SCENARIOS,
+    Case,
+    changed_crowd,
+    has_scene,
+    other_case,
+    scenario_case,
+    scene_of,
+    stream,
+    velocity_of,
+)
+
+SETS = ("observed", "paper", "river")
+QUICK = ("S1", "S4", "S5", "S8")
+PUSHED = ("S4", "S5", "S6", "S7", "S8", "S10")  # scenarios in which a reading can be told from another
+OTHERS = ("two_groups", "no_obstacle", "obstacle", "tau_switch")
+VARIATIONS = ("agents_500", "agents_5000", "goals_and_groups", "village")
+PHASE_TAU = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
+PHASE_V_F = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0)  # m/s
+GOAL_RADII = (0.5, 1, 1.4, 2, 3, 5)  # m; 1.4 is the scenes', the one number fitted
+DEPTHS = (0.8, 1.2, 1.5, 2.0)  # m, beside 1
+PUSHES = (1.2, 1.4, 1.6, 1.8, 2.2)  # speed with which the water pushes, over v_F, beside 1
+SPACINGS = (0.5, 0.25)  # m, beside 0.4642
+MAX_PARTICLES = 300000  # enough for the smallest of them
+FRAME_RATES = (15, 60)  # 1/s, beside 30
+OBSTACLE_PLACES = (40, 50)  # m, x_min beside 60
+SWEPT = (*PUSHED, "two_groups", "no_obstacle", "tau_switch")
+FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
+
+
+def table1_cases(scene_set, quick=False):
+    return [scenario_case(scene_set, name) for name in SCENARIOS if not quick or name in QUICK]
+
+
+def others_cases(scene_set):
+    return [other_case(scene_set, name) for name in OTHERS if has_scene(scene_set, name)]
+
+
+def places_cases(scene_set):
+    """The obstacle elsewhere along the river: where it stood is not published."""
+    places = [(("/obstacles/0/x_min_m", x), ("/obstacles/0/x_max_m", x + 7)) for x in OBSTACLE_PLACES]
+    cases = [other_case(scene_set, "obstacle", f"-x{place[0][1]:g}", place) for place in places]
+    return cases if has_scene(scene_set, "obstacle") else []
+
+
+def contact_cases(scene_set):
+    """The contact rule of the paper's text."""
+    sums = (("/coupling/contact_rule", "sum"),)
+    return [changed_crowd(scene_set, name, "sum", sums) for name in (*PUSHED, "two_groups")]
+
+
+def continuous_cases(scene_set):
+    """The coupling that does not depend on the frame rate."""
+    rule = (("/coupling/rule", "continuous"),)
+    return [changed_crowd(scene_set, name, "continuous", rule) for name in (*PUSHED, "two_groups")]
+
+
+def water_readings(scene_set):
+    """{what: (suffix, changes of the water)} of the readings that need waters of their own."""
+    readings = {}
+    for spacing in SPACINGS:
+        changes = ("/fluid/particle_spacing_m", spacing), ("/fluid/max_particles", MAX_PARTICLES)
+        readings[f"spacing {spacing:g} m"] = f"d{spacing:g}", changes
+    for rate in FRAME_RATES:
+        readings[f"{rate} frames/s"] = f"{rate}hz", (("/frame_rate_hz", rate),)
+    if scene_set == "observed":
+        readings["transported at v_F"] = "carried1", (("/fluid/kinematic/transport_factor", 1),)
+        filled = (("/channel/initial_river", "filled"), ("/fluid/kinematic/transport_factor", 1))
+        readings["filled at the start, transported at v_F"] = "filled", filled
+    if scene_set == "paper":
+        readings["gravity 9.81 m/s2"] = "g9.81", (("/world/gravity_m_s2", 9.81),)
+        readings["filled at the start"] = "filled", (("/channel/initial_river", "filled"),)
+    return readings
+
+
+def reading_of(scene_set, suffix, changes):
+    """The scenarios that the water pushes, and two groups, in a changed water."""
+    cases = [scenario_case(scene_set, name, suffix, changes) for name in PUSHED]
+    return [*cases, other_case(scene_set, "two_groups", f"-{suffix}" if suffix else "", changes)]
+
+
+def reading_cases(scene_set):
+    cases = []
+    for suffix, changes in water_readings(scene_set).values():
+        if scene_set in KINEMATIC or suffix in ("g9.81", "filled", "d0.5"):
+            cases += reading_of(scene_set, suffix, changes)
+    return cases
+
+
+def phase_case(tau, velocity):
+    return Case(stream("observed", velocity), f"tau{tau:g}", scene_of("observed", "S5"), (("/crowd/tau", tau),))
+
+
+def phase_cases():
+    return [phase_case(tau, velocity) for velocity in PHASE_V_F for tau in PHASE_TAU]
+
+
+def goal_case(radius):
+    changes = (("/crowd/goal_radius_m", radius),)
+    return changed_crowd("observed", "S1", f"goal{radius:g}", changes)
+
+
+def observed_case(scenario, suffix, changes):
+    """A scenario of the observed set, in changed water if a suffix names the change."""
+    if scenario in SCENARIOS:
+        return scenario_case("observed", scenario, suffix, changes)
+    return other_case("observed", scenario, f"-{suffix}" if suffix else "", changes)
+
+
+def depth_case(scenario, depth):
+    """A scenario of the observed set in a stream of another depth."""
+    return observed_case(scenario, *(("", ()) if depth == 1 else (f"h{depth:g}", (("/channel/depth_m", depth),))))
+
+
+def push_case(scenario, factor):
+    """A scenario of the observed set whose water pushes with `factor` v_F; its front runs at 2.6 v_F as before."""
+    if factor == 1:
+        return observed_case(scenario, "", ())
+    velocity = velocity_of(scenario) if scenario in SCENARIOS else OTHERS_V_F[scenario]
+    speed = ("/channel/velocity_m_s", round(factor * velocity, 6))
+    return observed_case(scenario, f"push{factor:g}", (speed, ("/fluid/kinematic/transport_factor", 2.6 / factor)))
+
+
+def sweep_cases(case_of, values):
+    return [case_of(scenario, value) for value in sorted((*values, 1)) for scenario in SWEPT]
+
+
+def coarse_cases(scene_set):
+    """The same crowds as fine_cases() through the usual particles."""
+    return [scenario_case(scene_set, name) if name in SCENARIOS else other_case(scene_set, name) for name in FINE]
+
+
+def fine_cases(scene_set):
+    """Crowds through ten times the particles."""
+    water = other_case(scene_set, "fine").water
+    return [Case(water, name.lower(), scene_of(scene_set, name)) for name in FINE]
+
+
+def particles_cases(scene_set):
+    return coarse_cases(scene_set) + fine_cases(scene_set)
+
+
+PARTS = {
+    "table1": "S1 to S12 beside the paper's Table 1, with the bands",
+    "others": "two groups, obstacle, switch of tau",
+    "places": "the obstacle in other places",
+    "rules": "contact rule of the text, continuous coupling",
+    "readings": "spacings, frame rates, starts, gravity",
+    "particles": "ten times the particles",
+    "phase": "who arrives over the plane of tau and v_F (set observed)",
+    "goal": "time of S1 over the goal radius, the one number fitted (set observed)",
+    "depth": "outcomes over the depth of the water (set observed)",
+    "push": "outcomes over the speed with which the water pushes (set observed)",
+    "variations": "500 and 5,000 agents, several goals and groups, a village",
+    "figures": "pictures in the paper's style",
+}
+
+
+def cases_of(part, sets, quick=False):
+    """The cases of a part in these sets of scenes."""
+    if part == "table1":
+        return [case for scene_set in sets for case in table1_cases(scene_set, quick)]
+    if part == "others":
+        return [case for scene_set in sets for case in others_cases(scene_set)]
+    if part == "places":
+        return [case for scene_set in sets for case in places_cases(scene_set)]
+    if part == "rules":
+        return [case for scene_set in sets for case in contact_cases(scene_set) + continuous_cases(scene_set)]
+    if part == "readings":
+        return [case for scene_set in sets for case in reading_cases(scene_set)]
+    if part == "particles":
+        return [case for scene_set in sets for case in particles_cases(scene_set)]
+    if part == "variations":
+        return [other_case(scene_set, name) for scene_set in sets for name in VARIATIONS if has_scene(scene_set, name)]
+    if "observed" not in sets:
+        return []
+    return {"phase": phase_cases, "figures": list,
+            "depth": lambda: sweep_cases(depth_case, DEPTHS), "push": lambda: sweep_cases(push_case, PUSHES),
+            "goal": lambda: [goal_case(radius) for radius in GOAL_RADII]}[part]()

@@ -1,0 +1,126 @@
+"""What runs come to: one run, all runs of a case, and the rows of table1.csv."""
+
+import csv
+import json
+import statistics
+
+from intervals import arrival_interval, bootstrap_mean
+
+COLUMNS = (
+    "set,scenario,tau,v_f_m_s,contact_rule,initial_river,frame_rate_hz,gravity_m_s2,spacing_m,particle_mass_kg,"
+    "paper_time_s,paper_diff_percent,paper_arrived,seeds,time_s_mean,time_s_lo,time_s_hi,arrived_mean,arrived_lo,"
+    "arrived_hi,dead_mean,diff_percent,agent_depth_m,agent_speed_m_s,in_band"
+).split(",")
+
+
+class Run:
+    """What one complete run folder says."""
+
+    def __init__(self, scene_set, scenario, seed, folder):
+        self.set, self.scenario, self.seed, self.folder = scene_set, scenario, seed, folder
+        self.outcome = json.loads((folder / "outcome.json").read_text())
+        self.manifest = json.loads((folder / "manifest.json").read_text())
+        self.scene = self.manifest["resolved_scene"]
+        with open(folder / "agents.csv", newline="", encoding="utf-8") as file:
+            self.agents = list(csv.DictReader(file))
+
+    def in_words(self):
+        last = self.outcome["last_arrival_s"]
+        after = f", the last after {last:.1f} s" if last is not None else ""
+        return f"{self.outcome['arrived']} of {self.outcome['agents']} arrived{after}; {self.outcome['dead']} dead"
+
+    def speed(self):
+        """Simulated seconds in a second of wall time; None if the run kept no times."""
+        wall = self.outcome["wall_time_s"]
+        return self.outcome["sim_time_s"] / wall if wall else None
+
+    def arrival_times(self, group=None):
+        """Sorted times at which agents of a group, or all, arrived, s."""
+        rows = (agent for agent in self.agents if group in (None, agent["group"]))
+        return sorted(float(agent["time_s"]) for agent in rows if agent["outcome"] == "arrived")
+
+
+class Result:
+    """All runs of a case. Intervals are of 95 %; None where they cannot be told."""
+
+    def __init__(self, runs):
+        self.runs = runs
+        self.agents = runs[0].outcome["agents"]
+        self.scene = runs[0].scene
+        self.arrived = arrival_interval([run.outcome["arrived"] for run in runs], self.agents)
+        self.dead = statistics.fmean(run.outcome["dead"] for run in runs)
+        self.active = statistics.fmean(run.outcome["active"] for run in runs)
+        last = [run.outcome["last_arrival_s"] for run in runs if run.outcome["last_arrival_s"] is not None]
+        self.time = bootstrap_mean(last) if last else None
+        self.depth, self.speed = water_met(runs)
+
+    def arrived_of(self, group):
+        """(mean, low, high) of the arrivals of one group."""
+        size = sum(agent["group"] == group for agent in self.runs[0].agents)
+        return arrival_interval([len(run.arrival_times(group)) for run in self.runs], size)
+
+    def arrived_by(self, time):
+        """Mean number of agents that have arrived by a time, s."""
+        return statistics.fmean(sum(t <= time for t in run.arrival_times()) for run in self.runs)
+
+
+def water_met(runs):
+    """Means over all agents that met water: the greatest depth each met, m, and its greatest depth times speed over
+    that depth, m/s; (None, None) if none did."""
+    met = [(float(agent["max_depth_m"]), float(agent["max_dv_m2_s"])) for run in runs for agent in run.agents]
+    wet = [(depth, dv) for depth, dv in met if depth > 0]
+    if not wet:
+        return None, None
+    return statistics.fmean(depth for depth, _ in wet), statistics.fmean(dv / depth for depth, dv in wet)
+
+
+def read_paper(file):
+    """Table 1 of the paper by scenario, "" for what it does not give."""
+    with open(file, newline="", encoding="utf-8") as lines:
+        rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+        return {row["scenario"]: {key: "" if value == "NA" else value for key, value in row.items()} for row in rows}
+
+
+def blank(value):
+    return "" if value is None else value
+
+
+def table_row(scene_set, scenario, result, paper, base=None, in_band=None):
+    """One row of table1.csv. base: mean time of S1 in the same set, s; in_band: whether the bands hold."""
+    scene = result.scene
+    fluid = scene["fluid"]
+    row = dict.fromkeys(COLUMNS, "")
+    row.update(
+        set=scene_set,
+        scenario=scenario,
+        tau=scene["crowd"]["groups"][0]["tau"],
+        v_f_m_s=scene["channel"]["velocity_m_s"],
+        contact_rule=scene["coupling"]["contact_rule"],
+        initial_river=scene["channel"]["initial_river"],
+        frame_rate_hz=scene["frame_rate_hz"],
+        gravity_m_s2=scene["world"]["gravity_m_s2"],
+        spacing_m=fluid["particle_spacing_m"],
+        particle_mass_kg=fluid["rest_density_kg_m3"] * fluid["particle_spacing_m"] ** 3,
+        paper_time_s=paper["time_s"],
+        paper_diff_percent=paper["diff_percent"],
+        paper_arrived=paper["arrived"],
+        seeds=len(result.runs),
+        dead_mean=result.dead,
+        agent_depth_m=blank(result.depth),
+        agent_speed_m_s=blank(result.speed),
+        in_band="" if in_band is None else "yes" if in_band else "no",
+    )
+    row.update(zip(("arrived_mean", "arrived_lo", "arrived_hi"), result.arrived))
+    if result.time:
+        row.update(zip(("time_s_mean", "time_s_lo", "time_s_hi"), map(blank, result.time)))
+        if base:
+            row["diff_percent"] = 100 * (result.time[0] - base) / base
+    return row
+
+
+def write_table(file, rows, columns=COLUMNS):
+    with open(file, "w", newline="", encoding="utf-8") as out:
+        writer = csv.DictWriter(out, columns, lineterminator="\n")
+        writer.writeheader()
+        for row in rows:
+            writer.writerow({key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()})
