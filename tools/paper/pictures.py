@@ -97,8 +97,11 @@ def draw_figures(results, sets, out, pair):
 
 
 def lee_length(run, time=LEE_AT_S):
-    """Length of the lee behind the first obstacle, m: of all pieces of the river downstream of it whose middle, over half
-    the obstacle's width, has less than a quarter of the water that passes beside it."""
+    """Length of the lee behind the first obstacle, m.
+
+    It is that of all pieces of the river downstream of it whose middle, over half the obstacle's width, has less than a
+    quarter of the water that passes beside it.
+    """
     water = read_water(run.folder / "water.bin", time)
     if water is None or not run.scene["obstacles"]:
         return None
