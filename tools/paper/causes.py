@@ -27,6 +27,7 @@ CAUSES = {
     ("observed", "S8"): SCATTER,
     **{("paper", name): THIN for name in ("S4", "S5", "S6", "S7", "S8", "S9", "S10", "S11")},
     **{("river", name): ESTABLISHED for name in ("S4", "S5", "S6", "S7", "S10")},
+    ("paper", "obstacle"): "Without the block nearly all arrive in this set, so that it has nobody to save.",
     ("paper", "lee"): (
         "The front reaches the block after 17 s; in the authors' runs it moved at 2.6 v_F. The lee comes as much later."
     ),
