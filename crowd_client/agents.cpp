@@ -100,6 +100,7 @@ Agents make_agents(const Scene& scene) {
     const std::size_t n = agents.position.size();
     agents.laps.assign(n, 0);
     agents.velocity.assign(n, Vector2d::Zero());
+    agents.momentary.assign(n, Vector2d::Zero());
     agents.outcome.assign(n, Outcome::active);
     agents.end_step.assign(n, 0);
     agents.path_length.assign(n, 0.0);

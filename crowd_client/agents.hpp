@@ -20,6 +20,7 @@ struct Agents {
     std::vector<Vector2d> position;     // m
     std::vector<std::int32_t> laps;     // times round a periodic world, towards +x; 0 in an open one
     std::vector<Vector2d> velocity;     // displacement of the last step / dt, m/s
+    std::vector<Vector2d> momentary;    // v(t) of the rule `continuous`, at the end of the last step, m/s; else unused
     std::vector<Vector2d> heading;      // unit vector of the last motion; towards the goal before the first
     std::vector<Vector2d> goal;         // m; in a periodic world x counts on, lap by lap
     std::vector<double> desired_speed;  // s_max, m/s
