@@ -45,8 +45,8 @@ struct Agents {
 
 // All agents on their start grids, ids counted through the groups in order, row by row within a group.
 // What is drawn at random (tau, mass, the deviation of the start) depends on the seed, the agent's id and the purpose
-// alone.
-// Throws ConfigurationError for a place of the grid outside the world.
+// alone; only a start within a millimetre of another one, or in an obstacle, is drawn again.
+// Throws ConfigurationError for a place of the grid outside the world, and for starts that have no room.
 [[nodiscard]] Agents make_agents(const Scene& scene);
 
 }  // namespace wade::crowd
