@@ -45,6 +45,7 @@ class Bands(unittest.TestCase):
         self.assertIsNone(bands.judge_scenario("S5", None).holds)
         self.assertIsNone(bands.judge_obstacle(result(26), None).holds)
         self.assertIsNone(bands.judge_lee(None).holds)
+        self.assertFalse(bands.judge_lee((0.0, 26.0, 30)).holds, "judged at 15 s")
         self.assertIsNone(bands.judge_particles({"S5": (result(50), None)}).holds)
 
     def test_the_obstacle_must_help_beyond_the_intervals(self):

@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools" / "paper"))
 
 from ensembles import is_done  # noqa: E402
-from pictures import lee_length  # noqa: E402
+from pictures import lee_length, longest_lee  # noqa: E402
 from table1 import COLUMNS, Result, Run, read_paper, table_row, write_table  # noqa: E402
 
 SCENE = {
@@ -95,10 +95,11 @@ class Results(unittest.TestCase):
         run = self.run_of()
         depths = [[1.0 if x >= 20 else 0.0 for x in range(100)] for _ in range(27)]
         for row in range(10, 17):
-            for x in range(35, 60):
+            for x in range(36, 60):
                 depths[row][x] = 0.0
         self.water_file(run, depths)
-        self.assertEqual(lee_length(run), 25)
+        self.assertEqual(lee_length(run), 24)
+        self.assertEqual(longest_lee(run), (24, 15))
         for row in range(27):
             for x in range(50):
                 depths[row][x] = 0.0

@@ -120,11 +120,13 @@ def judge_obstacle(with_it, without):
     return judgement
 
 
-def judge_lee(length):
-    """length: of the lee at 15 s, m; None where the water knows no obstacle."""
+def judge_lee(lee):
+    """lee: (length at 15 s, m; greatest length, m; when, s); None where the water knows no obstacle."""
     judgement = Judgement("lee", f"at least {LEE_LENGTH_M} m long at {LEE_AT_S} s")
-    if length is not None:
-        judgement.found, judgement.holds = f"{length:.0f} m", length >= LEE_LENGTH_M
+    if lee is not None:
+        length, longest, time = lee
+        judgement.found = f"{length:.0f} m; {longest:.0f} m at {time} s"
+        judgement.holds = length >= LEE_LENGTH_M
     return judgement
 
 

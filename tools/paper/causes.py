@@ -27,6 +27,10 @@ CAUSES = {
     ("observed", "S8"): SCATTER,
     **{("paper", name): THIN for name in ("S4", "S5", "S6", "S7", "S8", "S9", "S10", "S11")},
     **{("river", name): ESTABLISHED for name in ("S4", "S5", "S6", "S7", "S10")},
+    ("paper", "lee"): (
+        "The front reaches the block after 17 s; in the authors' runs it moved at 2.6 v_F. The lee comes as much later."
+    ),
+    ("river", "lee"): "The river is filled from the start: there is no dry ground, water closes behind the block.",
     ("", "ten times the particles"): (
         "Eq. 9 is not linear in the contact mass, whose scatter falls with the mass of a particle: finer water pushes"
         " harder."

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 import plan
@@ -31,7 +32,8 @@ FIGURES = {
     "figure8_no_obstacle_30s": ("no_obstacle", 30, "without the obstacle"),
 }
 PICTURE_WIDTH, PICTURE_COLOURS = 1100, 128
-DRY_M = 0.05  # a cell with less water counts as dry
+DRY_M = 0.05  # on average less water than this is the front's spray
+LEE_PIECE_M, LEE_SHARE = 2, 0.25  # pieces of 2 m, as one particle fills a cell to 0.4 m
 
 
 def case_of(scene_set, name):
@@ -95,19 +97,31 @@ def draw_figures(results, sets, out, pair):
 
 
 def lee_length(run, time=LEE_AT_S):
-    """Length along x of the dry ground behind the first obstacle while water passes beside it, m."""
+    """Length of the lee behind the first obstacle, m.
+
+    It is that of all pieces of the river downstream of it whose middle, over half the obstacle's width, has less than a
+    quarter of the water that passes beside it.
+    """
     water = read_water(run.folder / "water.bin", time)
     if water is None or not run.scene["obstacles"]:
         return None
     _, x0, z0, cell, depth = water
     box = run.scene["obstacles"][0]
-    rows, columns = depth.shape
-    inside = [r for r in range(rows) if box["z_min_m"] + cell <= z0 + (r + 0.5) * cell <= box["z_max_m"] - cell]
-    beside = [r for r in range(rows) if box["z_max_m"] + cell <= z0 + (r + 0.5) * cell <= box["z_max_m"] + 4]
-    length = 0
-    for column in range(int((box["x_min_m"] - x0) / cell) - 1, -1, -1):
-        behind = depth[inside, column].mean()
-        if behind > DRY_M or depth[beside, column].mean() <= DRY_M:
-            break
-        length += cell
+    middle, half = (box["z_min_m"] + box["z_max_m"]) / 2, (box["z_max_m"] - box["z_min_m"]) / 2
+    away = np.abs(z0 + (np.arange(depth.shape[0]) + 0.5) * cell - middle)
+    inside, outside = away < half / 2, (away > half + cell) & (away < half + 4)
+    window, end = max(1, round(LEE_PIECE_M / cell)), int((box["x_min_m"] - x0) / cell)
+    length = 0.0
+    for last in range(end, window - 1, -window):
+        behind, beside = (depth[part, last - window : last].mean() for part in (inside, outside))
+        if beside > DRY_M and behind < LEE_SHARE * beside:
+            length += window * cell
     return length
+
+
+def longest_lee(run):
+    """(length, m; time, s) of the longest lee in the first two minutes."""
+    times = range(LEE_AT_S, 121, 5)  # the water is kept every 5 s
+    lengths = [(lee_length(run, time) or 0.0, -time) for time in times]
+    length, time = max(lengths)
+    return length, -time

@@ -21,7 +21,7 @@ import report  # noqa: E402
 import studies  # noqa: E402
 from ensembles import Ensembles, PlanError, Programs  # noqa: E402
 from pair_processes import Pair  # noqa: E402
-from pictures import case_of, draw_figures, draw_runs, first_run, lee_length  # noqa: E402
+from pictures import case_of, draw_figures, draw_runs, first_run, lee_length, longest_lee  # noqa: E402
 from scatter import scatter_section  # noqa: E402
 from table1 import Result, read_paper, table_row, write_table  # noqa: E402
 from verdict import checks_of, verdict_text  # noqa: E402
@@ -105,24 +105,25 @@ def rows_of(context, cases):
 
 def write_report(options, ensembles, paper, drawn):
     results = {key: Result(runs) for key, runs in ensembles.runs.items()}
+    sets = [scene_set for scene_set in options.sets if any(key.startswith(f"{scene_set}/") for key in results)]
     lee = {}
-    for scene_set in options.sets:
+    for scene_set in sets:
         run = first_run(results, case_of(scene_set, "obstacle"))
         if run is not None:
-            lee[scene_set] = lee_length(run)
-    context = report.Context(results, options.sets, paper, lee)
+            lee[scene_set] = lee_length(run), *longest_lee(run)
+    context = report.Context(results, sets, paper, lee)
     cut_short = options.until_s is not None
 
-    table = [case for scene_set in options.sets for case in plan.table1_cases(scene_set)]
+    table = [case for scene_set in sets for case in plan.table1_cases(scene_set)]
     rows = rows_of(context, table)
     for row in rows if cut_short else ():
         row["in_band"] = ""
     write_table(options.out / "table1.csv", rows)
-    readings = [case for part in ("rules", "readings") for case in plan.cases_of(part, options.sets)]
+    readings = [case for part in ("rules", "readings") for case in plan.cases_of(part, sets)]
     if any(context.get(case) for case in readings):
         write_table(options.out / "readings.csv", rows_of(context, readings))
 
-    by_set = {s: {n: r for n in plan.SCENARIOS if (r := context.scenario(s, n))} for s in options.sets}
+    by_set = {s: {n: r for n in plan.SCENARIOS if (r := context.scenario(s, n))} for s in sets}
     if any(by_set.values()):
         plots.table1_plot(options.out / "table1.png", paper, {s: v for s, v in by_set.items() if v}, SET_UPS)
 
