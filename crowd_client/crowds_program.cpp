@@ -1,7 +1,5 @@
 #include "crowd_client/crowds_program.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <exception>
 #include <iostream>
@@ -13,6 +11,7 @@
 #include "configs/run_control.hpp"
 #include "crowd_client/crowd_list.hpp"
 #include "crowd_client/frame_time.hpp"
+#include "crowd_client/open_files.hpp"
 #include "crowd_client/progress.hpp"
 #include "crowd_client/run_crowds.hpp"
 #include "crowd_client/run_folder.hpp"
@@ -35,29 +34,6 @@ struct Ensemble {
     std::vector<Member> members;
     Stopwatch clock;
 };
-
-// Each crowd keeps up to five files open; the usual limit of 1024 would end at some 200 crowds.
-// Throws ConfigurationError if even the largest limit that this process may have is too low.
-void allow_many_files(const Ensemble& all, const Record& kept) {
-    rlimit limit{};
-    if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-    constexpr rlim_t others = 48;  // the segment, streams, files that are written as a whole, and some to spare
-    rlim_t needed = others;
-    std::size_t fitting = 0;
-    for (const CrowdRun& run : all.runs) {
-        needed += files_kept_open(run.crowd.scene, kept);
-        if (needed <= limit.rlim_max) ++fitting;
-    }
-    if (needed > limit.rlim_max) {
-        throw ConfigurationError("--crowds: " + std::to_string(all.runs.size()) + " crowds keep up to " +
-                                 std::to_string(needed) + " files open, but this process may have " +
-                                 std::to_string(limit.rlim_max) + " (ulimit -Hn); allowed: the first " +
-                                 std::to_string(fitting) +
-                                 " crowds of the list, or fewer files with --no-trajectories and --water-every-s 0.");
-    }
-    limit.rlim_cur = std::max(limit.rlim_cur, needed);
-    ::setrlimit(RLIMIT_NOFILE, &limit);
-}
 
 std::vector<ListedCrowd> listed(const ProgramStart& start) {
     return load_crowds(start.options.word("--crowds"), start.options.scene_file, start.options.overrides, start.loaded);
@@ -184,7 +160,9 @@ std::string check_of_crowds(const ProgramStart& start) {
 
 int run_list_of_crowds(const ProgramStart& start, Console& console) {
     Ensemble all = make_ensemble(start);
-    allow_many_files(all, record_of(start.options));
+    std::vector<std::size_t> files;
+    for (const CrowdRun& run : all.runs) files.push_back(files_kept_open(run.crowd.scene, record_of(start.options)));
+    allow_open_files(files);
     RunControl control(start.options.word("--commands"));
     int code = static_cast<int>(ExitCode::ok);
     const auto note = [&](const std::exception& error) {
