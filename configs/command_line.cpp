@@ -68,7 +68,13 @@ void add_word(CLI::App& app, const ProgramOption& extra, std::map<std::string, s
     const std::string preset = word.preset.empty() ? "" : " [" + word.preset + "]";
     CLI::Option* const option =
         app.add_option(extra.name, words[extra.name], extra.help + preset)->option_text(word.placeholder);
-    if (word.choices.empty()) return;
+    if (word.choices.empty()) {
+        const auto demand_text = [placeholder = word.placeholder](const std::string& text) -> std::string {
+            return text.empty() ? "the value is empty; allowed: " + placeholder + ", or not to give the option" : "";
+        };
+        option->check(CLI::Validator(demand_text, "", ""));
+        return;
+    }
     const auto check = [choices = word.choices](const std::string& text) -> std::string {
         if (std::find(choices.begin(), choices.end(), text) != choices.end()) return "";
         std::string allowed;

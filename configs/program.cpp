@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -16,7 +17,9 @@ namespace wade {
 
 namespace {
 
-volatile std::sig_atomic_t signal_received = 0;
+// Read by threads other than the one that the signal interrupts.
+std::atomic<int> signal_received = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
 
 extern "C" void remember_signal(int signal) {
     signal_received = signal;

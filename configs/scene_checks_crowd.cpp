@@ -1,12 +1,11 @@
 // Whether the agents have places, goals and markers, and whether events name what exists.
 
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <set>
-#include <unordered_map>
 #include <vector>
 
+#include "configs/near_places.hpp"
 #include "configs/scene_checks.hpp"
 
 namespace wade {
@@ -52,27 +51,19 @@ void check_place(double x, double z, const Scene& scene, const std::string& who,
     }
 }
 
-// Agents are put into cells of the smallest distance, so that two that are too near lie in neighbouring cells.
-void check_distances(const std::vector<Place>& places, const std::string& source) {
-    constexpr double smallest = 0.001;  // m; at one place the direction in which two agents separate is undefined
-    constexpr std::int64_t stride = std::int64_t{1} << 31;  // more than the cells along z: 1e5 m / smallest
-    const auto cell = [&](double v) { return static_cast<std::int64_t>(std::floor(v / smallest)); };
-    std::unordered_map<std::int64_t, std::vector<std::size_t>> cells;
+// Starts that are drawn at random keep their distance by the draw.
+void check_distances(const std::vector<Place>& places, const Crowd& crowd, const std::string& source) {
+    NearPlaces starts;
     for (std::size_t i = 0; i < places.size(); ++i) {
-        const std::int64_t cx = cell(places[i].x), cz = cell(places[i].z);
-        for (std::int64_t key = (cx - 1) * stride; key <= (cx + 1) * stride; key += stride) {
-            for (std::int64_t z = cz - 1; z <= cz + 1; ++z) {
-                const auto found = cells.find(key + z);
-                if (found == cells.end()) continue;
-                for (const std::size_t other : found->second) {
-                    if (std::hypot(places[i].x - places[other].x, places[i].z - places[other].z) >= smallest) continue;
-                    refuse(source, "/crowd/groups/" + std::to_string(places[i].group) + "/start",
-                           "agents " + std::to_string(other) + " and " + std::to_string(i) + " start at one place, " +
-                               words(places[i].x, places[i].z) + "; allowed: a distance >= 0.001 m.");
-                }
-            }
+        const Place& place = places[i];
+        if (crowd.groups[place.group].start_jitter > 0) continue;
+        if (const auto other = starts.near(place.x, place.z)) {
+            refuse(source, "/crowd/groups/" + std::to_string(place.group) + "/start",
+                   "agents " + std::to_string(*other) + " and " + std::to_string(i) + " start at one place, " +
+                       words(place.x, place.z) + "; allowed: a distance >= " + short_number(smallest_start_distance) +
+                       " m.");
         }
-        cells[cx * stride + cz].push_back(i);
+        starts.add(place.x, place.z, i);
     }
 }
 
@@ -190,7 +181,7 @@ void check_crowd(const Scene& scene, const std::string& source) {
         check_place(places[i].x, places[i].z, scene, "agent " + std::to_string(i), source,
                     "/crowd/groups/" + std::to_string(places[i].group) + "/start");
     }
-    check_distances(places, source);
+    check_distances(places, scene.crowd, source);
     check_ends(scene, places, source);
     check_markers(scene.crowd, source);
     check_ragdoll(scene, source);

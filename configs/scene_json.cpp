@@ -178,6 +178,14 @@ std::uint64_t frame_at(double time, double frame_rate) {
 
 constexpr const char* count_schema = "/properties/crowd/properties/groups/items/properties/count";
 
+// Here, as groups that take the value do not know where it was written, and there may be none.
+void check_limits(const json& crowd, const char* key, const std::string& source) {
+    const json& limits = crowd[key];
+    if (!limits.is_object() || limits["min"] <= limits["max"]) return;
+    throw ConfigurationError(source + ": /crowd/" + key + ": min " + limits["min"].dump() + " is above max " +
+                             limits["max"].dump() + "; allowed: min <= max.");
+}
+
 // Gives the crowd's value of `key` to the groups that have none.
 void inherit(json& crowd, const char* key, bool was_set, const std::string& source) {
     bool used = crowd["groups"].empty();
@@ -212,6 +220,7 @@ void resolve_shorthands(json& document, const json& as_written, const std::strin
     json& crowd = document["crowd"];
     const json crowd_as_written = as_written.value("crowd", json::object());
     for (const char* key : {"tau", "mass_kg", "desired_speed_m_s"}) {
+        check_limits(crowd, key, source);
         inherit(crowd, key, crowd_as_written.contains(key), source);
         crowd.erase(key);
     }

@@ -76,6 +76,18 @@ json value_of(const SceneOverride& change, const json& schema) {
     return value;
 }
 
+// What to write for a value that may be an object and is none.
+std::string object_form(const json& schema, const std::string& pointer) {
+    if (!schema["type"].is_array() || !schema.contains("required")) return "";
+    std::string members;
+    for (const json& key : schema["required"]) {
+        if (!members.empty()) members += ',';
+        members += key.dump();
+        members += ":...";
+    }
+    return "; it may be an object: " + pointer + "={" + members + "}";
+}
+
 }  // namespace
 
 SceneOverride parse_override(const std::string& assignment) {
@@ -108,7 +120,8 @@ void apply_override(json& document, const SceneOverride& change) {
             if (place->is_null() && (*schema)["type"] == "array") *place = json::array();
         } else {
             throw ConfigurationError(change.source + ": " + pointer +
-                                     " is no object and no array, so that nothing lies below it.");
+                                     " is no object and no array, so that nothing lies below it" +
+                                     object_form(*schema, pointer) + ".");
         }
         pointer = pointer_to(pointer, key);
     }

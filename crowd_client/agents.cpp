@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "configs/exit_code.hpp"
+#include "configs/near_places.hpp"
 #include "crowd_client/counter_random.hpp"
 
 namespace wade::crowd {
@@ -24,11 +25,10 @@ double random_of(const Scene& scene, std::size_t id, std::uint64_t draw) {
     return counter_uniform(scene.seed, agents_streams + id, draw);
 }
 
-// A deviation past the edge is mirrored, so that starts near the edge stay spread.
-double mirrored_into(double v, double length) {
-    if (v < 0) v = -v;
-    if (v > length) v = 2 * length - v;
-    return std::clamp(v, 0.0, length);
+// A deviation past an edge is mirrored there, as often as it takes, so that starts stay spread.
+double folded_into(double v, double length) {
+    const double there_and_back = std::fmod(std::abs(v), 2 * length);
+    return there_and_back > length ? 2 * length - there_and_back : there_and_back;
 }
 
 bool in_an_obstacle(const Scene& scene, const Vector2d& p) {
@@ -36,22 +36,49 @@ bool in_an_obstacle(const Scene& scene, const Vector2d& p) {
                        [&](const Obstacle& o) { return o.x.contains(p.x()) && o.z.contains(p.y()); });
 }
 
-// The start of an agent whose place on the grid is `place`, which is free.
-Vector2d jittered(const Scene& scene, std::size_t id, const Vector2d& place, double jitter) {
-    if (!(jitter > 0)) return place;
+// The place on the grid with the deviation of a trial.
+Vector2d deviated(const Scene& scene, std::size_t id, const Vector2d& place, double jitter, std::uint64_t trial) {
     const double period = scene.world.period();
+    const double u = random_of(scene, id, draw_start + 2 * trial);
+    const double w = random_of(scene, id, draw_start + 2 * trial + 1);
+    Vector2d start = place + jitter * Vector2d(2 * u - 1, 2 * w - 1);
+    start.x() =
+        period > 0 ? start.x() - period * std::floor(start.x() / period) : folded_into(start.x(), scene.world.length);
+    if (period > 0 && start.x() >= period) start.x() = 0;
+    start.y() = folded_into(start.y(), scene.world.width);
+    return start;
+}
+
+// The first trial that is outside obstacles and not at the start of an agent in `taken`.
+Vector2d jittered(const Scene& scene, std::size_t id, const AgentGroup& group, std::size_t g, const Vector2d& place,
+                  const NearPlaces& taken) {
     constexpr std::uint64_t trials = 100;
     for (std::uint64_t trial = 0; trial < trials; ++trial) {
-        const double u = random_of(scene, id, draw_start + 2 * trial);
-        const double w = random_of(scene, id, draw_start + 2 * trial + 1);
-        Vector2d start = place + jitter * Vector2d(2 * u - 1, 2 * w - 1);
-        start.x() = period > 0 ? start.x() - period * std::floor(start.x() / period)
-                               : mirrored_into(start.x(), scene.world.length);
-        if (period > 0 && start.x() >= period) start.x() = 0;
-        start.y() = mirrored_into(start.y(), scene.world.width);
-        if (!in_an_obstacle(scene, start)) return start;
+        const Vector2d start = deviated(scene, id, place, group.start_jitter, trial);
+        if (!in_an_obstacle(scene, start) && !taken.near(start.x(), start.y())) return start;
     }
-    return place;
+    if (!taken.near(place.x(), place.y())) return place;
+    std::ostringstream message;
+    message << "/crowd/groups/" << g << "/start/jitter_m: " << group.start_jitter << " m leaves agent " << id
+            << " no start that is " << smallest_start_distance << " m away from the others; allowed: more, 0, or "
+            << "fewer agents at (" << place.x() << ", " << place.y() << ")";
+    throw ConfigurationError(message.str());
+}
+
+// Starts on the grid come first, as those that are drawn keep away from them.
+void draw_starts(const Scene& scene, Agents& agents) {
+    const auto group_of = [&](std::size_t id) -> const AgentGroup& { return scene.crowd.groups[agents.group[id]]; };
+    const auto is_drawn = [&](std::size_t id) { return group_of(id).start_jitter > 0; };
+    NearPlaces taken;
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        if (!is_drawn(id)) taken.add(agents.position[id].x(), agents.position[id].y(), id);
+    }
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        if (!is_drawn(id)) continue;
+        Vector2d& place = agents.position[id];
+        place = jittered(scene, id, group_of(id), agents.group[id], place, taken);
+        taken.add(place.x(), place.y(), id);
+    }
 }
 
 void check_start(const World& world, std::size_t group, int member, const Vector2d& p) {
@@ -86,20 +113,21 @@ Agents make_agents(const Scene& scene) {
             const Vector2d place(group.start_x + column * group.pitch_x, group.start_z + row * group.pitch_z);
             check_start(scene.world, g, k, place);
             const std::size_t id = agents.position.size();
-            const Vector2d start = jittered(scene, id, place, group.start_jitter);
-            const Vector2d goal(group.goal_x, group.goal_z);
-            agents.position.push_back(start);
-            agents.heading.push_back(unit_or_zero(goal - start));
-            agents.goal.push_back(goal);
+            agents.position.push_back(place);
+            agents.goal.push_back({group.goal_x, group.goal_z});
             agents.desired_speed.push_back(group.desired_speed);
             agents.mass.push_back(group.mass.at(random_of(scene, id, draw_mass)));
             agents.tau.push_back(group.tau.at(random_of(scene, id, draw_tau)));
             agents.group.push_back(static_cast<std::uint32_t>(g));
         }
     }
+    draw_starts(scene, agents);
     const std::size_t n = agents.position.size();
+    for (std::size_t id = 0; id < n; ++id)
+        agents.heading.push_back(unit_or_zero(agents.goal[id] - agents.position[id]));
     agents.laps.assign(n, 0);
     agents.velocity.assign(n, Vector2d::Zero());
+    agents.momentary.assign(n, Vector2d::Zero());
     agents.outcome.assign(n, Outcome::active);
     agents.end_step.assign(n, 0);
     agents.path_length.assign(n, 0.0);

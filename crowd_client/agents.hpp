@@ -20,6 +20,7 @@ struct Agents {
     std::vector<Vector2d> position;     // m
     std::vector<std::int32_t> laps;     // times round a periodic world, towards +x; 0 in an open one
     std::vector<Vector2d> velocity;     // displacement of the last step / dt, m/s
+    std::vector<Vector2d> momentary;    // v(t) of the rule `continuous`, at the end of the last step, m/s; else unused
     std::vector<Vector2d> heading;      // unit vector of the last motion; towards the goal before the first
     std::vector<Vector2d> goal;         // m; in a periodic world x counts on, lap by lap
     std::vector<double> desired_speed;  // s_max, m/s
@@ -44,8 +45,8 @@ struct Agents {
 
 // All agents on their start grids, ids counted through the groups in order, row by row within a group.
 // What is drawn at random (tau, mass, the deviation of the start) depends on the seed, the agent's id and the purpose
-// alone.
-// Throws ConfigurationError for a place of the grid outside the world.
+// alone; only a start within a millimetre of another one, or in an obstacle, is drawn again.
+// Throws ConfigurationError for a place of the grid outside the world, and for starts that have no room.
 [[nodiscard]] Agents make_agents(const Scene& scene);
 
 }  // namespace wade::crowd

@@ -18,18 +18,34 @@ constexpr std::size_t longest_name = 100;
 constexpr std::array<std::string_view, 6> own_keys{"/seed", "/name", "/description", "/crowd", "/coupling", "/events"};
 constexpr const char* allowed_keys = "/seed, /name, /description, /events and what lies below /crowd and /coupling";
 
-std::string shown(const json& value) {
+template <typename Json>
+std::string shown(const Json& value) {
     constexpr std::size_t longest = 60;
-    std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+    std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
     if (text.size() > longest) text = text.substr(0, longest) + "...";
     return text;
 }
 
-// Letters, digits, '_', '-' and '.', but no '.' in front: the name of a folder that is neither hidden nor elsewhere.
+// What the files beside the folders of the crowds end in: those of the programs, of scripts, and parts of them.
+constexpr std::array<std::string_view, 10> file_endings{".csv", ".json", ".jsonl", ".log",   ".part",
+                                                        ".png", ".bin",  ".wrec",  ".state", ".sqlite"};
+
+std::string lower_case(std::string text) {
+    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return text;
+}
+
+// Letters, digits, '_', '-' and '.', but neither '.' nor '-' in front: the name of a folder that is not hidden, not
+// elsewhere and no option.
 bool is_safe(const std::string& name) {
     constexpr const char* allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-";
-    return !name.empty() && name.size() <= longest_name && name.front() != '.' &&
+    return !name.empty() && name.size() <= longest_name && name.front() != '.' && name.front() != '-' &&
            name.find_first_not_of(allowed) == std::string::npos;
+}
+
+bool ends_like_a_file(const std::string& name) {
+    return std::any_of(file_endings.begin(), file_endings.end(),
+                       [low = lower_case(name)](std::string_view ending) { return low.ends_with(ending); });
 }
 
 void check_keys(const json& entry, const std::string& where) {
@@ -50,11 +66,18 @@ std::string name_of(const json& entry, const std::string& where, std::set<std::s
     if (!name.is_string() || !is_safe(name.get<std::string>())) {
         throw ConfigurationError(where + "/name: " + shown(name) + " is not allowed; allowed: 1 to " +
                                  std::to_string(longest_name) +
-                                 " letters, digits, '_', '-' and '.', the first of them no '.'.");
+                                 " letters, digits, '_', '-' and '.', the first of them a letter, a digit or '_'.");
     }
-    if (!taken.insert(name.get<std::string>()).second) {
+    if (ends_like_a_file(name.get<std::string>())) {
         throw ConfigurationError(where + "/name: " + shown(name) +
-                                 " is the name of an earlier crowd; allowed: any other.");
+                                 " could be a file beside the folders of the crowds; allowed: any that does not end "
+                                 "like one, such as .csv, .json, .log or .part.");
+    }
+    // Some file systems do not tell "A" from "a".
+    if (!taken.insert(lower_case(name.get<std::string>())).second) {
+        throw ConfigurationError(where + "/name: " + shown(name) +
+                                 " is the name of an earlier crowd, where 'A' and 'a' count as one; allowed: any "
+                                 "other.");
     }
     return name.get<std::string>();
 }
@@ -78,9 +101,11 @@ void demand_same_water(const json& water, const json& crowd, const std::string& 
     }
 }
 
-LoadedScene load_one(const json& entry, const std::string& who, const std::filesystem::path& scene_file,
-                     std::vector<SceneOverride> overrides) {
-    const json set = entry.value("set", json::object());
+// entry: in the order in which it is written, as a later key of "set" may need an earlier one: /events/1 that of
+// /events/0.
+LoadedScene load_one(const nlohmann::ordered_json& entry, const std::string& who,
+                     const std::filesystem::path& scene_file, std::vector<SceneOverride> overrides) {
+    const auto set = entry.value("set", nlohmann::ordered_json::object());
     if (!set.is_object()) {
         throw ConfigurationError(who + ": /set: expected an object of JSON pointers and values, found " + shown(set) +
                                  ".");
@@ -112,12 +137,13 @@ std::vector<ListedCrowd> load_crowds_text(std::string_view text, const std::file
                                  "allowed with --crowds: \"off\".");
     }
     const json water_document = json::parse(water.canonical_json);
+    const auto in_order = nlohmann::ordered_json::parse(text.begin(), text.end(), nullptr, true, true);
     std::vector<ListedCrowd> crowds;
     std::set<std::string> taken;
     for (std::size_t i = 0; i < document.size(); ++i) {
         const std::string name = name_of(document[i], source + ": /" + std::to_string(i), taken);
         const std::string who = source + ": crowd \"" + name + "\"";
-        crowds.push_back({name, load_one(document[i], who, scene_file, overrides)});
+        crowds.push_back({name, load_one(in_order[i], who, scene_file, overrides)});
         demand_same_water(water_document, json::parse(crowds.back().loaded.canonical_json), who);
     }
     return crowds;

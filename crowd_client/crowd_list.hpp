@@ -6,7 +6,8 @@
 //     { "name": "weak-seed3", "set": { "/seed": 3, "/crowd/tau": 0.5, "/coupling/contact_rule": "sum" } }
 //   ]
 //
-// Comments are allowed. A key of "set" is a JSON pointer, its value that of the scene there, as with --set.
+// Comments are allowed. A key of "set" is a JSON pointer, its value that of the scene there, as with --set; they are set in
+// the order in which they are written.
 
 #include <filesystem>
 #include <string>
@@ -18,7 +19,8 @@
 namespace wade::crowd {
 
 struct ListedCrowd {
-    std::string name;    // also of its run folder: letters, digits, '_', '-' and '.', one of its own for each crowd
+    std::string name;  // also of its run folder: letters, digits, '_', '-' and '.', not like an option ("-x") or a file
+                       // ("x.csv"), and one of its own for each crowd in any mixture of capital and small letters
     LoadedScene loaded;  // the scene with what this crowd sets
 };
 

@@ -94,17 +94,30 @@ void choose_walking_velocities(CrowdWorld& crowd) {
     }
 }
 
+bool is_continuous(const CrowdWorld& crowd) {
+    return crowd.scene.coupling.rule == CouplingRule::continuous;
+}
+
 void couple_with_water(CrowdWorld& crowd) {
     crowd.velocity.resize(crowd.active.size());
-    const Agents& agents = crowd.agents;
-    const bool continuous = crowd.scene.coupling.rule == CouplingRule::continuous;
+    Agents& agents = crowd.agents;
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
-        crowd.velocity[k] =
-            continuous ? relaxed_velocity(agents.mass[id], agents.velocity[id], crowd.walking[k], agents.tau[id],
-                                          crowd.contacts[k], crowd.dt)
-                       : coupled_velocity(agents.mass[id], crowd.walking[k], agents.tau[id], crowd.contacts[k]);
+        if (!is_continuous(crowd)) {
+            crowd.velocity[k] = coupled_velocity(agents.mass[id], crowd.walking[k], agents.tau[id], crowd.contacts[k]);
+            continue;
+        }
+        const RelaxedVelocity relaxed = relaxed_velocity(agents.mass[id], agents.momentary[id], crowd.walking[k],
+                                                         agents.tau[id], crowd.contacts[k], crowd.dt);
+        crowd.velocity[k] = relaxed.mean;
+        agents.momentary[id] = relaxed.at_end;
     }
+}
+
+// What is left of a velocity where walls kept `from` + `wanted` back at `to`: nothing along an axis that they cut.
+Vector2d stopped_at_walls(const Vector2d& velocity, const Vector2d& from, const Vector2d& wanted, const Vector2d& to) {
+    const Vector2d free = from + wanted;
+    return {to.x() == free.x() ? velocity.x() : 0, to.y() == free.y() ? velocity.y() : 0};
 }
 
 // Nobody walks over the fall at x = 0; water that pushes towards it may carry an agent over.
@@ -128,8 +141,11 @@ void move_agents(CrowdWorld& crowd) {
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
         const Vector2d& from = crowd.positions[k];
-        const Vector2d to = slide(crowd.walls, from, crowd.velocity[k] * crowd.dt,
-                                  pushed_over_the_fall(agents.tau[id], crowd.contacts[k]));
+        const Vector2d wanted = crowd.velocity[k] * crowd.dt;
+        const Vector2d to = slide(crowd.walls, from, wanted, pushed_over_the_fall(agents.tau[id], crowd.contacts[k]));
+        if (is_continuous(crowd)) {
+            agents.momentary[id] = stopped_at_walls(agents.momentary[id], from, wanted, to);
+        }
         const Vector2d way = to - from;
         const double length = std::sqrt(way.squaredNorm());
         agents.position[id] = to;

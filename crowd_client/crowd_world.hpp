@@ -34,7 +34,7 @@ struct CrowdWorld {
     std::vector<Vector2d> positions;  // frozen at the beginning of the step
     std::vector<Contact> contacts;    // Eq. 5
     std::vector<Vector2d> walking;    // v_B, m/s
-    std::vector<Vector2d> velocity;   // v^{t+1}, m/s
+    std::vector<Vector2d> velocity;   // v^{t+1}, m/s; with the rule `continuous` its mean over the step
     std::vector<WaterParticle> touching;
     std::vector<Ragdoll> ragdolls;  // empty where the scene has no condition for them
 };

@@ -1,8 +1,7 @@
 #include "crowd_client/crowds_program.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
+#include <exception>
 #include <iostream>
 #include <memory>
 #include <thread>
@@ -12,6 +11,7 @@
 #include "configs/run_control.hpp"
 #include "crowd_client/crowd_list.hpp"
 #include "crowd_client/frame_time.hpp"
+#include "crowd_client/open_files.hpp"
 #include "crowd_client/progress.hpp"
 #include "crowd_client/run_crowds.hpp"
 #include "crowd_client/run_folder.hpp"
@@ -35,14 +35,6 @@ struct Ensemble {
     Stopwatch clock;
 };
 
-// Each crowd keeps about five files open; the usual limit of 1024 would end at some 200 crowds.
-void allow_many_files() {
-    rlimit limit{};
-    if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-    limit.rlim_cur = limit.rlim_max;
-    ::setrlimit(RLIMIT_NOFILE, &limit);
-}
-
 std::vector<ListedCrowd> listed(const ProgramStart& start) {
     return load_crowds(start.options.word("--crowds"), start.options.scene_file, start.options.overrides, start.loaded);
 }
@@ -61,7 +53,6 @@ Ensemble make_ensemble(const ProgramStart& start) {
 }
 
 void open_folders(Ensemble& all, const ProgramStart& start) {
-    allow_many_files();
     make_run_folder(all.out);
     std::error_code ignored;
     std::filesystem::remove(all.out / "crowds.csv", ignored);
@@ -72,12 +63,21 @@ void open_folders(Ensemble& all, const ProgramStart& start) {
     }
 }
 
-void finish(Ensemble& all, std::size_t k) {
+// Writes the last files of crowd k, once; an error is its failure, if it had none before.
+void finish(Ensemble& all, std::size_t k, Console& console) {
     Member& member = all.members[k];
-    if (!member.folder) return;
+    CrowdRun& run = all.runs[k];
     const std::unique_ptr<RunFolder> folder = std::move(member.folder);
+    if (!folder) return;
+    const auto tell = [&](const std::string& text) { console.line("crowd \"" + member.name + "\": " + text); };
+    if (run.failure) tell(run.summary.message);
     member.labels.wall_time = all.clock.seconds();
-    folder->finish(all.runs[k].crowd, all.runs[k].summary, member.labels);
+    try {
+        folder->finish(run.crowd, run.summary, member.labels);
+    } catch (const std::exception& error) {
+        tell(error.what());
+        if (!run.failure) run.failure = std::current_exception();
+    }
 }
 
 CrowdsProgress progress_of(const Ensemble& all) {
@@ -119,7 +119,7 @@ void take_part(Ensemble& all, const ProgramStart& start, RunControl& control, Co
     hooks.on_step = [&](std::size_t k, const WaterView& water) {
         all.members[k].folder->record(all.runs[k].crowd, water);
     };
-    hooks.on_over = [&](std::size_t k) { finish(all, k); };
+    hooks.on_over = [&](std::size_t k) { finish(all, k, console); };
     hooks.on_frame = [&](const shm::Frame& frame) {
         const CrowdsProgress now = progress_of(all);
         if (console.progress_due(now.time)) console.progress(progress_line(now, frame, all.clock.seconds()));
@@ -128,17 +128,24 @@ void take_part(Ensemble& all, const ProgramStart& start, RunControl& control, Co
     run_crowds(all.runs, *source, hooks, options.threads > 0 ? options.threads : processors);
 }
 
-// Crowds that are not over when the run ends badly get its reason, and their files.
+// Crowds that are not over when the run ends badly get its reason.
 void give_up(Ensemble& all, const std::exception& error) {
     for (CrowdRun& run : all.runs) {
-        if (run.over) continue;
-        run.summary.status = status_of(error);
-        run.summary.message = error.what();
+        if (!run.over) fail_summary(run.summary, error);
     }
 }
 
+// The water ends for all at once, so that once is enough.
+void warn_of_early_end(const Ensemble& all, Console& console) {
+    const auto ended_early = [](const CrowdRun& run) { return run.summary.status == "stream_ended"; };
+    const auto first = std::find_if(all.runs.begin(), all.runs.end(), ended_early);
+    if (first == all.runs.end()) return;
+    console.warning(first->summary.message +
+                    "; crowds that it ended: " + std::to_string(std::count_if(first, all.runs.end(), ended_early)));
+}
+
 std::string csv_of(const Ensemble& all) {
-    std::string csv = "name,seed,status,agents,arrived,dead,active,last_arrival_s\n";
+    std::string csv = "name,seed,status,agents,arrived,dead,active,last_arrival_s,message\n";
     for (std::size_t k = 0; k < all.runs.size(); ++k) {
         csv += all.members[k].name + ',' + crowds_csv_row(all.runs[k].crowd, all.runs[k].summary) + '\n';
     }
@@ -153,6 +160,9 @@ std::string check_of_crowds(const ProgramStart& start) {
 
 int run_list_of_crowds(const ProgramStart& start, Console& console) {
     Ensemble all = make_ensemble(start);
+    std::vector<std::size_t> files;
+    for (const CrowdRun& run : all.runs) files.push_back(files_kept_open(run.crowd.scene, record_of(start.options)));
+    allow_open_files(files);
     RunControl control(start.options.word("--commands"));
     int code = static_cast<int>(ExitCode::ok);
     const auto note = [&](const std::exception& error) {
@@ -167,20 +177,20 @@ int run_list_of_crowds(const ProgramStart& start, Console& console) {
         give_up(all, error);
     }
     for (std::size_t k = 0; k < all.runs.size(); ++k) {
-        try {
-            finish(all, k);
-        } catch (const std::exception& error) {
-            note(error);
-        }
+        finish(all, k, console);
+        if (all.runs[k].failure && code == static_cast<int>(ExitCode::ok))
+            code = static_cast<int>(ExitCode::unexpected);
     }
+    warn_of_early_end(all, console);
     try {
         write_whole_file(all.out / "crowds.csv", csv_of(all));
     } catch (const std::exception& error) {
         note(error);
     }
-    std::size_t ended_well = 0;
-    for (const CrowdRun& run : all.runs) ended_well += run.over ? 1 : 0;
-    console.line(std::to_string(ended_well) + " of " + std::to_string(all.runs.size()) + " crowds are over");
+    const auto ended_well =
+        std::count_if(all.runs.begin(), all.runs.end(), [](const CrowdRun& run) { return run.over && !run.failure; });
+    console.line(std::to_string(ended_well) + " of " + std::to_string(all.runs.size()) +
+                 " crowds are over without error");
     std::cout << (all.out / "crowds.csv").string() << std::endl;
     return code;
 }

@@ -71,10 +71,12 @@ Vector2d coupled_velocity(double agent_mass, const Vector2d& walking, double tau
     return momentum_before(agent_mass, walking, yielded) / mass_after(agent_mass, yielded);
 }
 
-Vector2d relaxed_velocity(double agent_mass, const Vector2d& velocity, const Vector2d& walking, double tau,
-                          const Contact& water, double dt) {
+RelaxedVelocity relaxed_velocity(double agent_mass, const Vector2d& velocity, const Vector2d& walking, double tau,
+                                 const Contact& water, double dt) {
     const Vector2d steady = coupled_velocity(agent_mass, walking, tau, water);
-    return steady + (velocity - steady) * std::exp(-dt / response_time);
+    const Vector2d excess = velocity - steady;
+    const double faded = -std::expm1(-dt / response_time);  // 1 - q, exact for short steps, too
+    return {steady + excess * (faded * response_time / dt), steady + excess * (1 - faded)};
 }
 
 }  // namespace wade::crowd

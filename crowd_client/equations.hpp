@@ -81,7 +81,11 @@ inline constexpr double response_time = 1.0 / 30;
 //
 // With v_B and the water held over a step dt this is solved exactly, for any dt:
 //
-//   v(t + dt) = v_inf + (v(t) - v_inf) exp(-dt / T)
+//   v(t + dt)         = v_inf + (v(t) - v_inf) q,                          q = exp(-dt / T)
+//   x(t + dt) - x(t)  = v_inf dt + (v(t) - v_inf) T (1 - q)
+//
+// Both are used, so that velocity and path are the same for steps of any length; after a jump of v_inf by u the agent
+// ends up T u behind an agent of Eq. 9.
 //
 // Steady state: that of Eq. 9 for every dt, without error. Fluctuating water: the equation is linear in v_inf with a
 // constant T, so that the velocity on average over time is the average of v_inf, as with Eq. 9, for every dt. (It would
@@ -89,8 +93,12 @@ inline constexpr double response_time = 1.0 / 30;
 // water touches, in T m_a / (m_a + tau sum m_i): then the average depends on whether dt resolves this time.)
 // The rate at which the water and the markers are sampled remains.
 //
-// velocity: v(t), m/s; the others as in Eq. 9; dt: s. Without water or with tau = 0 the velocity tends to v_B.
-[[nodiscard]] Vector2d relaxed_velocity(double agent_mass, const Vector2d& velocity, const Vector2d& walking,
-                                        double tau, const Contact& water, double dt);
+// velocity: v(t), m/s; the others as in Eq. 9; dt > 0, s. Without water or with tau = 0 the velocity tends to v_B.
+struct RelaxedVelocity {
+    Vector2d mean;    // over the step, (x(t + dt) - x(t)) / dt, m/s
+    Vector2d at_end;  // v(t + dt), m/s
+};
+[[nodiscard]] RelaxedVelocity relaxed_velocity(double agent_mass, const Vector2d& velocity, const Vector2d& walking,
+                                               double tau, const Contact& water, double dt);
 
 }  // namespace wade::crowd

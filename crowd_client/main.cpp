@@ -158,15 +158,10 @@ int run_scene(const ProgramStart& start, Console& console) {
     int code = static_cast<int>(ExitCode::ok);
     try {
         take_part(run, folder, start.options, control, console);
-        if (run.summary.status == "stream_ended") {
-            run.summary.message = "the stream of water ended after frame " + std::to_string(run.summary.frames) +
-                                  ", before the scene's duration was over";
-            console.warning(run.summary.message);
-        }
+        if (run.summary.status == "stream_ended") console.warning(run.summary.message);
     } catch (const std::exception& error) {
         code = exit_code_of<shm::Error>(error);
-        run.summary.status = status_of(error);
-        run.summary.message = error.what();
+        fail_summary(run.summary, error);
         console.line(error.what());
     }
     const double wall_time = run.clock.seconds();

@@ -122,7 +122,8 @@ std::string crowds_csv_row(const CrowdWorld& crowd, const RunSummary& summary) {
     for (const std::size_t n : {crowd.agents.size(), crowd.arrived, crowd.dead, crowd.active.size()}) {
         row += ',' + std::to_string(n);
     }
-    return row + ',' + (crowd.arrived > 0 ? csv_number(time_of(crowd, crowd.last_arrival_step)) : "");
+    row += ',' + (crowd.arrived > 0 ? csv_number(time_of(crowd, crowd.last_arrival_step)) : "");
+    return row + ',' + csv_field(summary.message);
 }
 
 std::string manifest_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {

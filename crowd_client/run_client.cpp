@@ -36,7 +36,7 @@ class Journey {
             break;
         }
         if (agents_ != nullptr) beside_water([&] { agents_->close(); });
-        summary_.status = status_at_end(crowd_, summary_);
+        end_summary(summary_, crowd_);
     }
 
  private:
@@ -152,10 +152,22 @@ void note_frame(RunSummary& summary, const FrameSource& source, const shm::Frame
     if (source.in_lockstep()) summary.frame_hash = frame.hash;
 }
 
-std::string status_at_end(const CrowdWorld& crowd, const RunSummary& summary) {
+void end_summary(RunSummary& summary, const CrowdWorld& crowd) {
     // With rates that do not fit the duration, the last step may be due after the last frame.
     const bool duration_is_over = summary.time >= crowd.scene.duration - 0.5 / crowd.scene.frame_rate;
-    return run_is_over(crowd) || duration_is_over ? "completed" : "stream_ended";
+    const bool completed = run_is_over(crowd) || duration_is_over;
+    summary.status = completed ? "completed" : "stream_ended";
+    if (completed) return;
+    summary.message = "the stream of water ended after frame " + std::to_string(summary.last_frame) +
+                      ", before the scene's duration was over";
+}
+
+void fail_summary(RunSummary& summary, const std::exception& error) {
+    const bool was_well =
+        summary.status == "running" || summary.status == "completed" || summary.status == "stream_ended";
+    if (!was_well) return;
+    summary.status = status_of(error);
+    summary.message = error.what();
 }
 
 std::string status_of(const std::exception& error) {

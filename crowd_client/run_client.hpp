@@ -67,7 +67,11 @@ void check_order(const FrameSource& source, const shm::Frame& frame, std::uint64
 // Takes a frame into the summary once the crowd has walked through it.
 void note_frame(RunSummary& summary, const FrameSource& source, const shm::Frame& frame);
 
-// The status of a run without errors, after its last frame: "completed" or "stream_ended".
-[[nodiscard]] std::string status_at_end(const CrowdWorld& crowd, const RunSummary& summary);
+// Ends the summary of a run without errors, after its last frame: "completed", or "stream_ended" with a message.
+void end_summary(RunSummary& summary, const CrowdWorld& crowd);
+
+// Ends the summary of a run that an error ends. A run that had ended well and whose files cannot be written has failed,
+// too; one that had failed before keeps its first reason.
+void fail_summary(RunSummary& summary, const std::exception& error);
 
 }  // namespace wade::crowd

@@ -1,7 +1,10 @@
 #include "crowd_client/run_crowds.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <exception>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "configs/exit_code.hpp"
@@ -28,12 +31,16 @@ class CommonJourney {
             walk_through(*frame);
             last_frame_ = frame->frame;
             if (hooks_.on_frame) hooks_.on_frame(*frame);
-            end_crowds(frame->final);
-            last = frame->final || walking_.empty();
-            source_.release();
-            if (last && !frame->final) source_.leave();
+            const bool stream_ends = frame->final;
+            part_with_finished(stream_ends);
+            last = stream_ends || walking_.empty();
+            if (last) demand_a_survivor();
+            source_.release();  // the water goes on while the crowds write their files
+            if (last && !stream_ends) source_.leave();
+            tell_of_finished();
         }
-        end_crowds(true);
+        part_with_finished(true);
+        tell_of_finished();
     }
 
  private:
@@ -70,53 +77,76 @@ class CommonJourney {
         }
     }
 
+    // Without the error of the crowd, which is kept. A signal ends the walk early.
     void walk_one(std::size_t k, const WaterView& water, const shm::Frame& frame) {
-        CrowdWorld& crowd = crowds_[k].crowd;
-        const std::uint64_t due = steps_due_at(crowd.scene, source_.info(), frame.tick);
-        while (crowd.steps < due && !run_is_over(crowd)) {
-            step_through(crowd, bins_);
-            if (hooks_.on_step) hooks_.on_step(k, water);
+        CrowdRun& run = crowds_[k];
+        const std::uint64_t due = steps_due_at(run.crowd.scene, source_.info(), frame.tick);
+        try {
+            while (run.crowd.steps < due && !run_is_over(run.crowd)) {
+                if (const int number = signal(); number != 0) {
+                    signal_in_steps_ = number;
+                    return;
+                }
+                step_through(run.crowd, bins_);
+                if (hooks_.on_step) hooks_.on_step(k, water);
+            }
+        } catch (const std::exception& error) {
+            run.failure = std::current_exception();
+            fail_summary(run.summary, error);
         }
     }
 
     void walk_through(const shm::Frame& frame) {
         const WaterView water = ground_view(frame, source_.info());
         sort_water(water, frame);
-        failures_.assign(walking_.size(), nullptr);
 #pragma omp parallel for schedule(dynamic) num_threads(threads_) if (threads_ > 1)
-        for (std::size_t i = 0; i < walking_.size(); ++i) {
-            try {
-                walk_one(walking_[i], water, frame);
-            } catch (...) {
-                failures_[i] = std::current_exception();
-            }
+        for (std::size_t i = 0; i < walking_.size(); ++i) walk_one(walking_[i], water, frame);
+        stop_at_signal(signal_in_steps_, last_frame_);
+        for (const std::size_t k : walking_) {
+            if (!crowds_[k].failure) note_frame(crowds_[k].summary, source_, frame);
         }
-        for (const std::exception_ptr& failure : failures_) {
-            if (failure) std::rethrow_exception(failure);
-        }
-        for (const std::size_t k : walking_) note_frame(crowds_[k].summary, source_, frame);
     }
 
-    void end_crowds(bool stream_ends) {
+    // All that are over are marked before any of them is told, so that what happens then touches nobody else.
+    void part_with_finished(bool stream_ends) {
         std::erase_if(walking_, [&](std::size_t k) {
             CrowdRun& run = crowds_[k];
-            if (!stream_ends && !run_is_over(run.crowd)) return false;
-            run.summary.status = status_at_end(run.crowd, run.summary);
+            if (!run.failure && !stream_ends && !run_is_over(run.crowd)) return false;
+            if (!run.failure) end_summary(run.summary, run.crowd);
             run.over = true;
-            if (hooks_.on_over) hooks_.on_over(k);
+            finished_.push_back(k);
             return true;
         });
+    }
+
+    void demand_a_survivor() {
+        const auto failed = [](const CrowdRun& run) { return run.failure != nullptr; };
+        if (!std::all_of(crowds_.begin(), crowds_.end(), failed)) return;
+        tell_of_finished();
+        std::rethrow_exception(crowds_.front().failure);
+    }
+
+    void tell_of_finished() {
+        for (const std::size_t k : std::exchange(finished_, {})) {
+            try {
+                if (hooks_.on_over) hooks_.on_over(k);
+            } catch (const std::exception& error) {
+                if (!crowds_[k].failure) crowds_[k].failure = std::current_exception();
+                fail_summary(crowds_[k].summary, error);
+            }
+        }
     }
 
     std::span<CrowdRun> crowds_;
     FrameSource& source_;
     const CrowdsHooks& hooks_;
     int threads_;
-    std::vector<std::size_t> walking_;  // crowds that are not over, ascending
+    std::vector<std::size_t> walking_;   // crowds that are not over, ascending
+    std::vector<std::size_t> finished_;  // that are over, with on_over still to be called
+    std::atomic<int> signal_in_steps_ = 0;
     std::uint64_t last_frame_ = 0;
     WaterBins bins_;
     std::vector<Vector2d> positions_;
-    std::vector<std::exception_ptr> failures_;
 };
 
 }  // namespace

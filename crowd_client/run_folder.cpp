@@ -11,6 +11,11 @@
 
 namespace wade::crowd {
 
+std::size_t files_kept_open(const Scene& scene, const Record& kept) {
+    constexpr std::size_t of_a_database = 3;  // with its log and the index of that
+    return (kept.trajectories ? of_a_database : 0) + (kept.water_interval > 0 ? 1 : 0) + (has_ragdolls(scene) ? 1 : 0);
+}
+
 RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, const Record& kept)
     : folder_(std::move(folder)), canonical_scene_(labels.canonical_scene) {
     make_run_folder(folder_);
@@ -57,14 +62,19 @@ void RunFolder::record_event(const TauEvent& event) {
     write_whole_file(folder_ / "scene_as_played.json", scene_with_events(canonical_scene_, played_));
 }
 
-void RunFolder::finish(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {
+void RunFolder::finish(const CrowdWorld& crowd, RunSummary& summary, const RunLabels& labels) {
     std::exception_ptr first;
     const auto attempt = [&](const std::function<void()>& write) {
         try {
             write();
-        } catch (...) {
+        } catch (const std::exception& error) {
             if (!first) first = std::current_exception();
+            fail_summary(summary, error);
         }
+    };
+    const auto write_ends = [&] {
+        attempt([&] { write_whole_file(folder_ / "manifest.json", manifest_json(crowd, summary, labels)); });
+        attempt([&] { write_whole_file(folder_ / "outcome.json", outcome_json(crowd, summary, labels)); });
     };
     // Closing the database needs space, too; on a full disk the texts come first.
     const bool disk_full = summary.status == "disk_full";
@@ -73,9 +83,10 @@ void RunFolder::finish(const CrowdWorld& crowd, const RunSummary& summary, const
     if (danger_) danger_->close();
     attempt([&] { write_whole_file(folder_ / "agents.csv", agents_csv(crowd, danger_ ? &*danger_ : nullptr)); });
     if (danger_) attempt([&] { write_whole_file(folder_ / "danger.csv", danger_csv(*danger_)); });
-    attempt([&] { write_whole_file(folder_ / "manifest.json", manifest_json(crowd, summary, labels)); });
-    attempt([&] { write_whole_file(folder_ / "outcome.json", outcome_json(crowd, summary, labels)); });
+    const std::string status_before = summary.status;
+    write_ends();
     if (trajectories_ && disk_full) attempt([&] { trajectories_->close(); });
+    if (summary.status != status_before) write_ends();
     if (first) std::rethrow_exception(first);
 }
 

@@ -22,6 +22,9 @@ struct Record {
     bool trajectories = true;   // trajectories.sqlite
 };
 
+// How many files the folder of such a run keeps open until it is finished.
+[[nodiscard]] std::size_t files_kept_open(const Scene& scene, const Record& kept);
+
 //   trajectories.sqlite, water.bin   grow step by step
 //   ragdoll.csv                      grows step by step, absent unless the scene asks for ragdolls
 //   events.jsonl                     grows with each tau command, absent if there was none
@@ -42,8 +45,9 @@ class RunFolder {
     // Logs an event that was not in the scene, so that the scene as it was played repeats the run. Throws OutputError.
     void record_event(const TauEvent& event);
 
-    // Writes the final files. All are tried, the first error is thrown at the end.
-    void finish(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);
+    // Writes the final files. All are tried, the first error is thrown at the end and stands in the summary, and in
+    // those files that can be written.
+    void finish(const CrowdWorld& crowd, RunSummary& summary, const RunLabels& labels);
 
     [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
 

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import resource
 import signal
 import subprocess
 import unittest
@@ -65,6 +66,41 @@ class Crowds(SystemTest):
         self.assert_ended_well(server, client)
         names = {file.name for file in (self.folder / "many" / "a").iterdir()}
         self.assertEqual(names, {"agents.csv", "manifest.json", "outcome.json", "water.bin"})
+
+    def test_crowd_whose_files_cannot_be_written_fails_alone(self):
+        # "blocked" and "same" are over in one frame, "later" walks on.
+        blocked = self.folder / "many" / "blocked" / "agents.csv" / "not_empty"
+        blocked.mkdir(parents=True)
+        fast = {"/crowd/desired_speed_m_s": 3}
+        crowds = {"blocked": fast, "later": {}, "same": fast}
+        server = self.server()
+        client = self.client("--crowds", self.list_of(crowds), "--reproducible", out=self.folder / "many")
+        self.assert_ends(client, 1, 'crowd "blocked": cannot write', "agents.csv", "2 of 3 crowds are over without error")
+        self.assertEqual(server.wait(), 0, server.messages())
+        rows = self.crowds_csv(self.folder / "many")
+        self.assertEqual([row["status"] for row in rows.values()], ["failed", "completed", "completed"])
+        self.assertIn("agents.csv", rows["blocked"]["message"])
+        self.assertEqual([row["arrived"] for row in rows.values()], ["6", "3", "6"])
+        outcomes = {name: Run(self.folder / "many" / name).outcome() for name in crowds}
+        self.assertEqual(outcomes["blocked"]["status"], "failed")
+        self.assertIn("agents.csv", outcomes["blocked"]["message"])
+        alone = self.pair("--reproducible", "--set", "/crowd/desired_speed_m_s=3")
+        self.assertEqual(outcomes["same"], alone.outcome())
+        self.assertGreater(outcomes["later"]["frames"], outcomes["same"]["frames"])
+
+    def test_more_crowds_than_files_may_be_open_are_refused_before_anything_starts(self):
+        few = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))}
+        crowds = self.list_of({f"c{k}": {} for k in range(9)})
+        client = self.client("--crowds", crowds, out=self.folder / "many", **few)
+        # 48 for the program, 4 a crowd: (64 - 48) / 4.
+        self.assert_ends(client, 2, "--crowds: 9 crowds", "84 files", "64 (ulimit -Hn)", "the first 4 crowds")
+        self.assertFalse((self.folder / "many").exists())
+        server = self.server()
+        spare = "--no-trajectories", "--water-every-s", "0"
+        self.assert_ended_well(server, self.client("--crowds", crowds, *spare, out=self.folder / "many", **few))
+        server = self.server()
+        four = self.list_of({f"c{k}": {} for k in range(4)})
+        self.assert_ended_well(server, self.client("--crowds", four, out=self.folder / "four", **few))
 
     def test_death_of_the_server_leaves_complete_records_of_all_crowds(self):
         server = self.server(*ENDLESS)

@@ -8,7 +8,7 @@ import unittest
 
 import numpy as np
 import recording_file
-from harness import ENDLESS, PROGRAMS, SystemTest, wait_until
+from harness import ENDLESS, PROGRAMS, Run, SystemTest, wait_until
 
 RECORD, REPLAY = PROGRAMS / "shm_record", PROGRAMS / "shm_replay"
 SHORT = ["--until-s", "1"]  # 30 frames
@@ -200,6 +200,20 @@ class DamagedFiles(RecordingTest):
                 self.assertIn("cut off after frame 6", replay.messages())
                 outcome = client.run.outcome()
                 self.assertEqual((outcome["status"], outcome["frames"]), ("stream_ended", 6))
+                self.assertIn("ended after frame 6", outcome["message"])
+                self.assertIn(outcome["message"], client.messages())
+
+    def test_many_crowds_say_so_too_when_the_file_was_cut_off(self):
+        self.file.write_bytes(self.whole[: self.records[6].at])
+        crowds = self.folder / "crowds.json"
+        crowds.write_text('[{"name": "a"}, {"name": "b", "set": {"/seed": 2}}]')
+        replay, client = self.replay(), self.client(*SHORT, "--crowds", crowds, out=self.folder / "many")
+        self.assert_ended_well(replay, client)
+        outcome = Run(self.folder / "many" / "b").outcome()
+        self.assertEqual((outcome["status"], outcome["frames"]), ("stream_ended", 6))
+        self.assertIn("ended after frame 6", outcome["message"])
+        self.assertIn(outcome["message"] + "; crowds that it ended: 2", client.messages())
+        self.assertIn("b,2,stream_ended,6,0,0,6,,", (self.folder / "many" / "crowds.csv").read_text())
 
     def test_file_without_its_end_record_plays_whole(self):
         self.file.write_bytes(self.whole[: self.records[-1].at])

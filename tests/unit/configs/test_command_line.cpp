@@ -18,7 +18,8 @@ const wade::ProgramDescription program{
     "Simulates the crowd of a scene.",
     {{"--no-figure", "Do not draw figure.png"},
      {"--water-every-s", "Interval, s", wade::NumberRange{0.1, 100}, 5},
-     {.name = "--clock", .help = "Pace", .word = wade::Word{"MODE", "fast", {"fast", "real_time"}}}}};
+     {.name = "--clock", .help = "Pace", .word = wade::Word{"MODE", "fast", {"fast", "real_time"}}},
+     {.name = "--list", .help = "A list", .word = wade::Word{"FILE"}}}};
 
 const std::string s05 = std::string(WADE_SCENES) + "/paper/s05.json";
 
@@ -116,6 +117,13 @@ TEST_CASE("an option that takes one of several words refuses any other and names
     CHECK(start({s05, "--clock", "real_time"}).options.word("--clock") == "real_time");
     CHECK_THAT(usage_error({s05, "--clock", "slow"}),
                Contains("--clock: slow is not allowed; allowed: fast, real_time"));
+}
+
+TEST_CASE("an option that takes any word refuses an empty one, which would read as if it were not given") {
+    CHECK(start({s05}).options.word("--list").empty());
+    CHECK(start({s05, "--list", "a.json"}).options.word("--list") == "a.json");
+    CHECK_THAT(usage_error({s05, "--list", ""}), Contains("--list: the value is empty; allowed: FILE"));
+    CHECK_THAT(usage_error({s05, "--list="}), Contains("--list: "));
 }
 
 TEST_CASE("--help names every option with its default, and needs no scene") {

@@ -75,6 +75,16 @@ TEST_CASE("two agents within a millimetre are refused") {
     CHECK(load_patched(crowd(group("a", 1, 1) + "," + group("b", 1.0011, 1))).scene.crowd.groups.size() == 2);
 }
 
+TEST_CASE("starts that are drawn at random need no distance on the grid") {
+    const std::string heap = crowd(group("a", 1, 1, R"(, "columns": 9)") + "," + group("b", 1, 1));
+    CHECK_THAT(refusal(heap), Contains("agents 0 and 9 start at one place"));
+    CHECK(load_patched(heap, {"/crowd/groups/0/start/pitch_x_m=0", "/crowd/groups/0/start/jitter_m=2"})
+              .scene.crowd.groups.at(0)
+              .count == 9);
+    CHECK_THAT(refusal(heap, {"/crowd/groups/1/start/jitter_m=2", "/crowd/groups/0/start/pitch_x_m=0"}),
+               Contains("agents 0 and 1 start at one place"));
+}
+
 TEST_CASE("more agents than places are refused; fewer leave the last row incomplete") {
     CHECK_THAT(
         refusal(crowd(group("a", 1, 1, R"(, "columns": 3, "rows": 2, "count": 7)"))),
@@ -196,8 +206,12 @@ TEST_CASE("tau and mass are numbers or limits, of the crowd or of a group") {
 TEST_CASE("limits that are out of range, incomplete or the wrong way round are refused") {
     const std::string one = crowd(group("a", 1, 1));
     CHECK_THAT(refusal(one, {R"(/crowd/tau={"min":0.8,"max":0.4})"}),
-               Contains("/crowd/groups/0/tau: min 0.8 is above max 0.4; allowed: min <= max."));
-    CHECK_THAT(refusal(one, {R"(/crowd/mass_kg={"min":90,"max":40})"}), Contains("/crowd/groups/0/mass_kg: min 90"));
+               Contains("scene.json: /crowd/tau: min 0.8 is above max 0.4; allowed: min <= max."));
+    CHECK_THAT(refusal("{}", {R"(/crowd/tau={"min":0.9,"max":0.1})"}),
+               Contains("/crowd/tau: min 0.9 is above max 0.1"));
+    CHECK_THAT(refusal(one, {R"(/crowd/mass_kg={"min":90,"max":40})"}), Contains("/crowd/mass_kg: min 90"));
+    CHECK_THAT(refusal(one, {R"(/crowd/groups/0/tau={"min":0.8,"max":0.4})"}),
+               Contains("/crowd/groups/0/tau: min 0.8 is above max 0.4"));
     CHECK_THAT(refusal(one, {R"(/crowd/tau={"min":0.8,"max":1.4})"}),
                Contains("/crowd/tau/max: 1.4 is out of range; allowed: >= 0 and <= 1"));
     CHECK_THAT(refusal(one, {R"(/crowd/mass_kg={"min":0,"max":1})"}),
@@ -207,6 +221,9 @@ TEST_CASE("limits that are out of range, incomplete or the wrong way round are r
     CHECK_THAT(refusal(one, {R"(/crowd/tau={"min":0.1,"mox":0.8})"}),
                Contains("/crowd/tau/mox: unknown key \"mox\"; the nearest known key is \"max\""));
     CHECK_THAT(refusal(one, {R"(/crowd/tau="much")"}), Contains("/crowd/tau: expected a number or an object, found"));
-    CHECK_THAT(refusal(one, {"/crowd/tau/max=0.5"}), Contains("/crowd/tau"));
+    CHECK_THAT(refusal(one, {"/crowd/tau=0.2", "/crowd/tau/max=0.5"}),
+               Contains(R"(/crowd/tau is no object and no array)") &&
+                   Contains(R"(it may be an object: /crowd/tau={"min":...,"max":...}.)"));
+    CHECK_THAT(refusal(one, {"/seed/max=0.5"}), Contains("nothing lies below it."));
     CHECK_THAT(refusal(one, {"/crowd/groups/0/start/jitter_m=-1"}), Contains("/crowd/groups/0/start/jitter_m: -1"));
 }

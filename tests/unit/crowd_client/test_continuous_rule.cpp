@@ -33,8 +33,9 @@ Vector2d place_after_4_s(double rate) {
     Vector2d x = Vector2d::Zero(), v = Vector2d::Zero();
     const int steps = static_cast<int>(std::lround(4 * rate));
     for (int k = 1; k <= steps; ++k) {
-        v = relaxed_velocity(mass, v, walking, 0.8, fluctuating(k / rate), 1 / rate);
-        x += v / rate;
+        const RelaxedVelocity step = relaxed_velocity(mass, v, walking, 0.8, fluctuating(k / rate), 1 / rate);
+        v = step.at_end;
+        x += step.mean / rate;
     }
     return x;
 }
@@ -49,7 +50,7 @@ TEST_CASE("In constant water the steady state is that of Eq. 9 at any rate", "[e
             for (const double rate : {1.0, 15.0, 30.0, 60.0, 120.0, 1000.0}) {
                 Vector2d v(3, -3);
                 // Two seconds are 60 T: what is left of the start is below 1e-25 of it.
-                for (int k = 0; k < 2 * rate; ++k) v = relaxed_velocity(mass, v, walking, tau, water, 1 / rate);
+                for (int k = 0; k < 2 * rate; ++k) v = relaxed_velocity(mass, v, walking, tau, water, 1 / rate).at_end;
                 CHECK(v.x() == Approx(expected.x()).margin(1e-12));
                 CHECK(v.y() == Approx(expected.y()).margin(1e-12));
             }
@@ -57,13 +58,33 @@ TEST_CASE("In constant water the steady state is that of Eq. 9 at any rate", "[e
     }
 }
 
-TEST_CASE("In constant water the way to the steady state is the same for steps of any length", "[eq9]") {
+TEST_CASE("In constant water velocity and path after a jump are the same for steps of any length", "[eq9]") {
     const Contact water = contact_of(150, {-1.5, 0});
-    const Vector2d once = relaxed_velocity(mass, {1, 1}, walking, 0.3, water, 1.0 / 15);
-    Vector2d often(1, 1);
-    for (int k = 0; k < 8; ++k) often = relaxed_velocity(mass, often, walking, 0.3, water, 1.0 / 120);
-    CHECK(often.x() == Approx(once.x()).epsilon(1e-12));
-    CHECK(often.y() == Approx(once.y()).epsilon(1e-12));
+    const RelaxedVelocity once = relaxed_velocity(mass, {1, 1}, walking, 0.3, water, 1.0 / 15);
+    for (const int steps : {2, 4, 8, 1000}) {
+        const double dt = 1.0 / 15 / steps;
+        Vector2d v(1, 1), way = Vector2d::Zero();
+        for (int k = 0; k < steps; ++k) {
+            const RelaxedVelocity step = relaxed_velocity(mass, v, walking, 0.3, water, dt);
+            v = step.at_end;
+            way += step.mean * dt;
+        }
+        CHECK((v - once.at_end).norm() < 1e-12);
+        CHECK((way - once.mean / 15).norm() < 1e-12);
+    }
+}
+
+TEST_CASE("From rest the velocity tends to v_inf with a time of 1/30 s, and ends 1/30 s behind it", "[eq9]") {
+    const Contact water = contact_of(150, {-1.5, 0});
+    const Vector2d steady = coupled_velocity(mass, walking, 0.3, water);
+    const auto from_rest = [&](double dt) { return relaxed_velocity(mass, {0, 0}, walking, 0.3, water, dt); };
+    // 1 - 1/e, 1 - e^-0.25 and 1 - e^-2.
+    for (const auto& [dt, share] : {std::pair{1.0 / 30, 0.6321205588285577}, std::pair{1.0 / 120, 0.2211992169285951},
+                                    std::pair{1.0 / 15, 0.8646647167633873}}) {
+        CHECK((from_rest(dt).at_end - share * steady).norm() < 1e-12);
+    }
+    // Over 2 s, 60 of these times, an agent of Eq. 9 goes 2 s v_inf, this one 2 s - 1/30 s = 1.9666... s.
+    CHECK((2 * from_rest(2).mean - 1.9666666666666667 * steady).norm() < 1e-12);
 }
 
 TEST_CASE("In water that fluctuates the mean velocity is that of Eq. 9 for steps of any length", "[eq9]") {
@@ -73,8 +94,9 @@ TEST_CASE("In water that fluctuates the mean velocity is that of Eq. 9 for steps
         const int steps = static_cast<int>(1000 * rate);
         for (int k = 1; k <= steps; ++k) {
             const Contact water = fluctuating(k / rate);
-            v = relaxed_velocity(mass, v, walking, 0.8, water, 1 / rate);
-            mean += v / steps;
+            const RelaxedVelocity step = relaxed_velocity(mass, v, walking, 0.8, water, 1 / rate);
+            v = step.at_end;
+            mean += step.mean / steps;
             expected += coupled_velocity(mass, walking, 0.8, water) / steps;
         }
         CHECK((mean - expected).norm() < 2e-4);
@@ -85,7 +107,8 @@ TEST_CASE("Without water or with tau 0 the velocity tends to that of walking, wi
     for (const auto& [tau, contact] : {std::pair{0.0, 500.0}, std::pair{1.0, 0.0}}) {
         Vector2d v = Vector2d::Zero();
         for (int k = 0; k < 20; ++k) {
-            const Vector2d next = relaxed_velocity(mass, v, walking, tau, contact_of(contact, {-9, 0}), 1.0 / 30);
+            const Vector2d next =
+                relaxed_velocity(mass, v, walking, tau, contact_of(contact, {-9, 0}), 1.0 / 30).at_end;
             CHECK(next.y() > v.y());
             CHECK(next.y() <= walking.y());
             v = next;
@@ -115,13 +138,34 @@ TEST_CASE("A crowd with the rule takes its velocity from the one before, from it
         CrowdWorld crowd = make_crowd(scene);
         const MadeUpWater water = testing::uniform_water(44, 54, 20, 35, 1, 0.25, -0.5, 0);
         for (int k = 0; k < rate; ++k) {
-            const Vector2d before = crowd.agents.velocity[0];
+            const Vector2d before = crowd.agents.momentary[0];
             step(crowd, water.view());
-            const Vector2d expected =
+            const RelaxedVelocity expected =
                 relaxed_velocity(mass, before, crowd.walking[0], 0.4, crowd.contacts[0], 1 / rate);
+            REQUIRE(crowd.agents.momentary[0] == expected.at_end);
             // Up to the rounding of places of 50 m, from which the velocity is read.
-            REQUIRE((crowd.agents.velocity[0] - expected).norm() < 1e-11);
+            REQUIRE((crowd.agents.velocity[0] - expected.mean).norm() < 1e-11);
         }
         CHECK(crowd.agents.position[0].x() < 50);
     }
+}
+
+TEST_CASE("A velocity that meets a wall goes on along it") {
+    Scene scene = one_agent_scene(50, 25, 50.001, 49, 1);
+    scene.coupling.rule = CouplingRule::continuous;
+    scene.obstacles.push_back({{46, 49}, {10, 45}, 1});
+    CrowdWorld crowd = make_crowd(scene);
+    const MadeUpWater water = testing::uniform_water(44, 54, 20, 45, 1, 0.25, -2, 0.5);
+    bool met = false;
+    for (int k = 0; k < 60; ++k) {
+        const double x_before = crowd.agents.position[0].x();
+        step(crowd, water.view());
+        const Vector2d& v = crowd.agents.momentary[0];
+        const bool at_wall = crowd.agents.position[0].x() < 49.00001;
+        if (at_wall) CHECK(v.x() == 0);
+        if (at_wall && met) CHECK(crowd.agents.position[0].x() == x_before);
+        CHECK(v.y() > 0);
+        met = met || at_wall;
+    }
+    CHECK(met);
 }

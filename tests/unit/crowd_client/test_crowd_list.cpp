@@ -56,6 +56,20 @@ TEST_CASE("Events, name and description may differ between crowds") {
     CHECK(crowds[0].loaded.scene.events.size() == 1);
 }
 
+TEST_CASE("What a crowd sets is set in the order in which it is written") {
+    std::string set;
+    for (int i = 0; i < 11; ++i) {
+        const std::string number = std::to_string(i);
+        set += (i == 0 ? "\"/events/" : ", \"/events/") + number + R"(": {"frame": )" + number + R"(, "tau": 0.5})";
+    }
+    const auto crowds = crowds_of(R"([{"name": "a", "set": {)" + set + "}}]");
+    REQUIRE(crowds[0].loaded.scene.events.size() == 11);
+    CHECK(crowds[0].loaded.scene.events[10].frame == 10);
+    CHECK(crowds_of(R"([{"name": "a", "set": {"/crowd/tau": {"min": 0, "max": 1}, "/crowd/tau/max": 0.5}}])")[0]
+              .loaded.scene.crowd.groups[0]
+              .tau.hi == 0.5);
+}
+
 TEST_CASE("A crowd cannot change the water, but may state it") {
     CHECK_NOTHROW(crowds_of(R"([{"name": "a", "set": {"/channel/velocity_m_s": 1.5}}])"));
     check_refusal(
@@ -75,13 +89,22 @@ TEST_CASE("A water that the agents move cannot be shared") {
 }
 
 TEST_CASE("Names are those of folders, one for each crowd") {
-    for (const char* name : {R"("")", R"("a/b")", R"("..")", R"(".hidden")", R"("a b")", R"("ä")", "3", "null"}) {
+    for (const char* name :
+         {R"("")", R"("a/b")", R"("..")", R"(".hidden")", R"("a b")", R"("ä")", "3", "null", R"("-rf")"}) {
         check_refusal(std::string(R"([{"name": )") + name + "}]",
                       {"list.json: /0/name: ", "is not allowed; allowed: 1 to"});
     }
     check_refusal(R"([{"name": ")" + std::string(101, 'a') + R"("}])", {"allowed: 1 to 100"});
     check_refusal(R"([{"name": "a"}, {"name": "a"}])", {"list.json: /1/name: \"a\" is the name of an earlier crowd"});
+    check_refusal(R"([{"name": "a"}, {"name": "A"}])", {"list.json: /1/name: \"A\" is the name of an earlier crowd"});
     check_refusal(R"([{"set": {}}])", {"list.json: /0/name: required key"});
+    // Files that the programs or scripts leave beside the folders.
+    for (const char* name : {"crowds.csv", "Crowds.CSV", "crowds.csv.part", "outcome.json", "fluid_server.log",
+                             "figure.png", "water.bin", "trajectories.sqlite", "events.jsonl", "last_sound.state"}) {
+        check_refusal(R"([{"name": ")" + std::string(name) + R"("}])",
+                      {"list.json: /0/name: \"", "could be a file beside the folders", "allowed: "});
+    }
+    CHECK(crowds_of(R"([{"name": "tau-0.25"}, {"name": "_a"}, {"name": "csv"}])").size() == 3);
 }
 
 TEST_CASE("Errors in what a crowd sets name the list, the crowd, the key, the value and what is allowed") {

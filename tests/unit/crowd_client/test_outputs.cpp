@@ -246,6 +246,24 @@ TEST_CASE("A run folder is complete at the end, and says 'running' until then") 
           std::to_string(crowd.steps) + "\n");
 }
 
+TEST_CASE("A run whose files cannot all be written has failed, and those that can be say so") {
+    TemporaryFolder folder;
+    const CrowdWorld crowd = make_crowd(one_agent_scene(10, 25, 75, 50, 0.2));
+    for (const char* blocked : {"agents.csv", "manifest.json"}) {
+        RunFolder run(folder.path, crowd, RunLabels{}, Record{});
+        fs::remove(folder.path / blocked);
+        fs::create_directories(folder.path / blocked / "not_empty");
+        RunSummary summary;
+        summary.status = "completed";
+        CHECK_THROWS_AS(run.finish(crowd, summary, RunLabels{}), OutputError);
+        CHECK(summary.status == "failed");
+        CHECK_THAT(summary.message, Catch::Contains(blocked));
+        CHECK_THAT(content_of(folder.path / "outcome.json"), Catch::Contains("\"status\": \"failed\""));
+        CHECK_THAT(crowds_csv_row(crowd, summary), Catch::Contains(",failed,1,0,0,1,,cannot write '"));
+        fs::remove_all(folder.path / blocked);
+    }
+}
+
 TEST_CASE("Events of a run are on the disk at once, as lines and as a scene") {
     TemporaryFolder folder;
     const CrowdWorld crowd = make_crowd(one_agent_scene(10, 25, 75, 50, 0.2));
@@ -280,7 +298,8 @@ TEST_CASE("Ragdolls and levels of danger have files of their own, if they are as
         step(crowd, water.view());
         run.record(crowd, water.view());
     }
-    run.finish(crowd, RunSummary{}, RunLabels{});
+    RunSummary summary;
+    run.finish(crowd, summary, RunLabels{});
     const std::string ragdolls = content_of(folder.path / "ragdoll.csv");
     CHECK(std::count(ragdolls.begin(), ragdolls.end(), '\n') == 31);
     CHECK_THAT(ragdolls, Catch::StartsWith("frame,id,hip_height_m,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s\n1,0,0.5,"));
@@ -293,7 +312,7 @@ TEST_CASE("Ragdolls and levels of danger have files of their own, if they are as
     scene.crowd.ragdoll.condition = RagdollCondition::off;
     crowd = make_crowd(scene);
     RunFolder again(folder.path, crowd, RunLabels{}, Record{});
-    again.finish(crowd, RunSummary{}, RunLabels{});
+    again.finish(crowd, summary, RunLabels{});
     CHECK_FALSE(fs::exists(folder.path / "ragdoll.csv"));
     CHECK_FALSE(fs::exists(folder.path / "danger.csv"));
 }

@@ -1,7 +1,9 @@
 // Many crowds in one water.
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <memory>
 
 #include "configs/exit_code.hpp"
 #include "crowd_client/counter_random.hpp"
@@ -124,19 +126,91 @@ TEST_CASE("A stream that ends early ends all crowds that are not over") {
     run_crowds(runs, source, {}, 2);
     CHECK(runs[0].summary.status == "completed");
     CHECK(runs[1].summary.status == "stream_ended");
+    CHECK(runs[1].summary.message == "the stream of water ended after frame 12, before the scene's duration was over");
     CHECK_FALSE(source.left);
 }
 
-TEST_CASE("A failing log of one crowd ends the run and tells the producer why; the others are not over") {
-    std::vector<CrowdRun> runs = runs_of({one_agent_scene(10, 25, 75, 50, 0), one_agent_scene(10, 25, 75, 50, 0)});
+TEST_CASE("A failing log of one crowd ends this crowd; the others walk on as if nothing had happened") {
+    const std::vector<Scene> scenes(3, one_agent_scene(74, 45, 75, 50, 0));
     for (const int threads : {1, 2}) {
+        std::vector<CrowdRun> runs = runs_of(scenes), sound = runs_of(scenes);
         MadeUpSource source(1000, [](std::uint64_t) { return MadeUpWater{}; });
+        std::vector<std::size_t> over;
         CrowdsHooks hooks;
         hooks.on_step = [&](std::size_t k, const WaterView&) {
-            if (k == 1) throw RunError(ExitCode::unexpected, "no space left");
+            if (k == 1 && runs[k].crowd.steps == 5) throw RunError(ExitCode::unexpected, "no space left");
         };
-        CHECK_THROWS_WITH(run_crowds(runs, source, hooks, threads), "no space left");
-        CHECK(source.abort_text == "no space left");
+        hooks.on_over = [&](std::size_t k) { over.push_back(k); };
+        run_crowds(runs, source, hooks, threads);
+        MadeUpSource same(1000, [](std::uint64_t) { return MadeUpWater{}; });
+        run_crowds(sound, same, {}, 1);
+        CHECK(over == std::vector<std::size_t>{1, 0, 2});
+        CHECK(runs[1].failure != nullptr);
+        CHECK(runs[1].summary.status == "failed");
+        CHECK(runs[1].summary.message == "no space left");
+        CHECK(runs[1].summary.frames == 4);
+        CHECK(runs[1].crowd.steps == 5);
+        for (const std::size_t k : {0U, 2U}) {
+            CHECK(runs[k].failure == nullptr);
+            CHECK(outcome_json(runs[k].crowd, runs[k].summary, {}) ==
+                  outcome_json(sound[k].crowd, sound[k].summary, {}));
+        }
+        CHECK(source.left);
+        CHECK(source.abort_text.empty());
+    }
+}
+
+TEST_CASE("Where the logs of all crowds fail the run ends and the producer is told why") {
+    std::vector<CrowdRun> runs = runs_of({one_agent_scene(10, 25, 75, 50, 0), one_agent_scene(10, 25, 75, 50, 0)});
+    MadeUpSource source(1000, [](std::uint64_t) { return MadeUpWater{}; });
+    CrowdsHooks hooks;
+    int told = 0;
+    hooks.on_step = [](std::size_t, const WaterView&) { throw RunError(ExitCode::unexpected, "no space left"); };
+    hooks.on_over = [&](std::size_t) { ++told; };
+    CHECK_THROWS_WITH(run_crowds(runs, source, hooks, 1), "no space left");
+    CHECK(source.abort_text == "no space left");
+    CHECK(told == 2);
+}
+
+TEST_CASE("A crowd whose last files fail changes no other, not even one that is over with the same frame") {
+    std::vector<CrowdRun> runs = runs_of({one_agent_scene(74, 46.9, 75, 50, 0), one_agent_scene(10, 25, 75, 50, 0),
+                                          one_agent_scene(74, 46.9, 75, 50, 0)});
+    runs[1].crowd.scene.duration = 1;
+    MadeUpSource source(1000, [](std::uint64_t) { return MadeUpWater{}; });
+    CrowdsHooks hooks;
+    hooks.on_over = [&](std::size_t k) {
+        CHECK((runs[0].over && runs[2].over));
+        CHECK(source.released == runs[k].summary.frames);  // the water does not wait for files
+        if (k == 0) throw RunError(ExitCode::unexpected, "no agents.csv");
+    };
+    run_crowds(runs, source, hooks, 1);
+    CHECK(runs[0].summary.status == "failed");
+    CHECK(runs[0].summary.message == "no agents.csv");
+    CHECK(runs[0].failure != nullptr);
+    for (const std::size_t k : {1U, 2U}) {
+        CHECK(runs[k].summary.status == "completed");
+        CHECK(runs[k].failure == nullptr);
+    }
+    CHECK(source.left);
+}
+
+TEST_CASE("A signal is obeyed between two steps of a frame") {
+    Scene scene = one_agent_scene(10, 25, 75, 50, 0);
+    scene.crowd.step_rate = 3000;  // 100 steps a frame
+    for (const int threads : {1, 2}) {
+        std::vector<CrowdRun> runs = runs_of({scene, scene});
+        MadeUpSource source(1000, [](std::uint64_t) { return MadeUpWater{}; });
+        CrowdsHooks hooks;
+        hooks.interrupted = [&] { return runs[0].crowd.steps >= 150 ? SIGINT : 0; };
+        // Two threads would read this counter while the other one writes it.
+        if (threads == 2) {
+            hooks.interrupted = [n = std::make_shared<std::atomic<int>>(0)] { return ++*n > 250 ? SIGINT : 0; };
+        }
+        CHECK_THROWS_WITH(run_crowds(runs, source, hooks, threads),
+                          Catch::Contains("interrupted by SIGINT after frame 1"));
+        CHECK(runs[0].crowd.steps < 200);
+        CHECK(runs[1].crowd.steps < 200);
+        CHECK(runs[0].summary.frames == 1);
         CHECK_FALSE(runs[0].over);
     }
 }

@@ -94,6 +94,47 @@ TEST_CASE("Starts are spread over a square, inside the world and outside obstacl
     CHECK(places.size() == agents.size());
 }
 
+TEST_CASE("A deviation of many worlds is folded as often as it takes, so that no two agents start at one place") {
+    Scene scene = one_agent_scene(10, 6, 14, 12, 0);
+    scene.world.length = 20;
+    scene.world.width = 12;
+    AgentGroup& group = scene.crowd.groups[0];
+    group.columns = group.count = 400;
+    group.pitch_x = 0;
+    group.start_jitter = 1000;
+    const Agents agents = make_agents(scene);
+    Vector2d mean = Vector2d::Zero();
+    for (std::size_t i = 0; i < agents.size(); ++i) {
+        const Vector2d& p = agents.position[i];
+        REQUIRE((p.x() > 0 && p.x() < 20 && p.y() > 0 && p.y() < 12));
+        for (std::size_t k = 0; k < i; ++k) REQUIRE((agents.position[k] - p).norm() >= 0.001);
+        mean += p / 400;
+    }
+    // Four standard deviations of the mean of 400 uniform numbers: 4 L / sqrt(12 * 400).
+    CHECK(mean.x() == Approx(10).margin(20 * 0.0577));
+    CHECK(mean.y() == Approx(6).margin(12 * 0.0577));
+}
+
+TEST_CASE("Starts nearer than a millimetre are drawn again, and refused where there is no room") {
+    Scene scene = one_agent_scene(10, 25, 75, 50, 0);
+    scene.crowd.groups.push_back(scene.crowd.groups[0]);
+    AgentGroup& grid = scene.crowd.groups[1];
+    grid.columns = grid.count = 5;  // in the way of those that are drawn, and not moved by them
+    grid.pitch_x = 0.004;
+    grid.name = "grid";
+    AgentGroup& heap = scene.crowd.groups[0];
+    heap.columns = heap.count = 30;  // in 400 mm2; 30 discs of 1 mm cover 6 % of it
+    heap.pitch_x = 0;
+    heap.start_jitter = 0.01;
+    const Agents agents = make_agents(scene);
+    for (std::size_t i = 0; i < agents.size(); ++i) {
+        for (std::size_t k = 0; k < i; ++k) CHECK((agents.position[k] - agents.position[i]).norm() >= 0.001);
+    }
+    CHECK(agents.position[30] == Vector2d(10, 25));
+    scene.crowd.groups[0].start_jitter = 0.0002;
+    CHECK_THROWS_WITH(make_agents(scene), Catch::Contains("/crowd/groups/0/start/jitter_m: 0.0002 m leaves agent "));
+}
+
 TEST_CASE("Starts near the joint of a periodic world stay in it") {
     Scene scene = one_agent_scene(0, 25, 75, 25, 0);
     scene.world.ends = Ends::periodic;
