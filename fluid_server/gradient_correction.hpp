@@ -12,7 +12,7 @@
 //
 // For water without a free surface only. Under weight a packing rests where its density has a minimum of potential energy;
 // these gradients are not those of a density, and no such place exists: still water would tremble (a tank ten layers deep
-// at 8 % of sqrt(g H)).
+// at 8 % of sqrt(g H) in a trial).
 
 #include <Eigen/Core>
 #include <vector>
