@@ -160,6 +160,7 @@ StepReport FluidWorld::step(double remaining) {
     const auto dt = static_cast<float>(report.dt);
     const Fluid& fluid = scene_.fluid;
 
+    StageClock clock(report.stages);
     const std::size_t left = grid_.sort(particles_, outflow_x_);
     if (emitter_) {
         emitter_->recycle(left);
@@ -167,32 +168,42 @@ StepReport FluidWorld::step(double remaining) {
             emitter_->set_velocity(particles_, mean_velocity(scene_.channel, time_, time_ + report.dt));
         }
     }
+    clock.finished(Stage::sort);
     find_neighbours(grid_, solids_, particles_, kernel_, support_radius_, volume_, lists_);
+    clock.finished(Stage::neighbours);
     if (confined_) {
         correct_gradients(particles_, lists_, corrections_);
     }
     compute_density_and_diagonal(particles_, lists_, fields_);
     measure_density_error(report);
+    clock.finished(Stage::density);
 
     apply_forces(dt, report);
+    clock.finished(Stage::forces);
     const bool split = fluid.divergence_solve.max_iterations > 0;
     if (split) {
         report.divergence =
             solver_->solve_divergence(particles_, lists_, fields_, dt, step_share_, fluid.divergence_solve);
+        clock.finished(Stage::divergence_solve);
         apply_contact(dt, report);
+        clock.finished(Stage::contact);
         report.density =
             solver_->solve_density(particles_.shift_pressure, particles_, lists_, fields_, dt, fluid.density_solve);
+        clock.finished(Stage::density_solve);
         advance(dt, dt, report);
     } else {
         report.density =
             solver_->solve_density(particles_.pressure, particles_, lists_, fields_, dt, fluid.density_solve);
         apply_acceleration(particles_, fields_, dt);
+        clock.finished(Stage::density_solve);
         apply_contact(dt, report);
+        clock.finished(Stage::contact);
         advance(dt, 0, report);
     }
     if (emitter_) {
         emitter_->emit(particles_, dt);
     }
+    clock.finished(Stage::advance);
     time_ += report.dt;
     return report;
 }
@@ -324,6 +335,20 @@ std::array<double, 3> FluidWorld::obstacle_force(std::size_t obstacle) const {
 
 double FluidWorld::bed_pressure_force() const {
     return fluid::bed_pressure_force(particles_, lists_, static_cast<double>(particle_mass_));
+}
+
+std::uint64_t FluidWorld::pairs() const {
+    std::uint64_t n = 0;
+    for (const NeighbourBlock& block : lists_.blocks) {
+        for (const float g : block.gradient_factor) n += g != 0 ? 1 : 0;
+    }
+    return n;
+}
+
+std::uint64_t FluidWorld::list_bytes() const {
+    std::uint64_t bytes = 0;
+    for (const NeighbourBlock& block : lists_.blocks) bytes += block.j.capacity() * (4 + 4 * sizeof(float));
+    return bytes;
 }
 
 void FluidWorld::advance(float dt, float shift_time, StepReport& report) {

@@ -17,6 +17,7 @@
 #include "fluid_server/neighbours.hpp"
 #include "fluid_server/particles.hpp"
 #include "fluid_server/solids.hpp"
+#include "fluid_server/stages.hpp"
 
 namespace wade::fluid {
 
@@ -29,6 +30,8 @@ struct StepReport {
     double driving_acceleration = 0;  // m/s^2, towards -x; recirculating channels
     double contact_force = 0;         // N, vertical force of contact on bed and obstacles
     double max_displacement = 0;      // m, the longest way of a particle in the step
+    int sweeps = 0;                   // over all pairs
+    StageSeconds stages{};
 };
 
 class FluidWorld {
@@ -63,6 +66,10 @@ class FluidWorld {
     // Force of the water on the faces of an obstacle in the last step, N: pressure, viscosity, contact. Costs a sweep,
     // valid until the next step.
     [[nodiscard]] std::array<double, 3> obstacle_force(std::size_t obstacle) const;
+    // Pairs of a particle and a neighbour or image that the last step's lists hold, both directions counted, and the bytes
+    // of these lists. Cost a sweep.
+    [[nodiscard]] std::uint64_t pairs() const;
+    [[nodiscard]] std::uint64_t list_bytes() const;
     [[nodiscard]] std::uint64_t position_clamps() const { return position_clamps_; }
 
  private:
