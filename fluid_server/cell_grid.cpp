@@ -1,5 +1,6 @@
 #include "fluid_server/cell_grid.hpp"
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -14,6 +15,9 @@ constexpr std::uint32_t no_cell = std::numeric_limits<std::uint32_t>::max();
 
 // Cells above the water at rest, as a multiple of the depth: what is thrown higher counts to the topmost cell.
 constexpr double headroom = 3;
+
+// Along a row there are two cells to a spacing of the lattice, so that a run is hardly longer than the box that asks.
+constexpr double cells_per_radius_along_row = 4;
 
 template <typename T>
 void gather(std::vector<T>& target, const std::vector<T>& values, const std::vector<std::uint32_t>& source,
@@ -38,26 +42,22 @@ CellGrid::CellGrid(const Scene& scene, float support_radius)
     const std::array<double, 3> hi{channel.x.hi + behind, height, channel.z.hi};
     for (std::size_t k = 0; k < 3; ++k) {
         const double length = hi[k] - lo[k];
-        const int cells = std::max(1, static_cast<int>(length / static_cast<double>(support_radius)));
+        const double width = static_cast<double>(support_radius) / (k == 0 ? cells_per_radius_along_row : 1);
+        cells_[k] = static_cast<std::size_t>(std::max(1.0, std::floor(length / width)));
         origin_[k] = static_cast<float>(lo[k]);
         length_[k] = static_cast<float>(length);
-        cells_[k] = cells;
-        inverse_cell_[k] = static_cast<float>(cells / length);
+        last_cell_[k] = static_cast<float>(cells_[k] - 1);
+        inverse_cell_[k] = static_cast<float>(static_cast<double>(cells_[k]) / length);
     }
-    start_.resize(cell_index(0, 0, cells_[2]) + 1);
-}
-
-int CellGrid::cell_along(std::size_t axis, float v) const {
-    const float cell = (v - origin_[axis]) * inverse_cell_[axis];
-    return static_cast<int>(std::clamp(cell, 0.0F, static_cast<float>(cells_[axis] - 1)));
+    start_.resize(cells_[0] * cells_[1] * cells_[2] + 1);
 }
 
 std::size_t CellGrid::sort(Particles& p, float outflow_x) {
     const std::size_t n = p.count;
     for_each_particle(n, [&](std::size_t i) {
-        cell_of_[i] = p.x[i] > outflow_x ? static_cast<std::uint32_t>(cell_index(
-                                               cell_along(0, p.x[i]), cell_along(1, p.y[i]), cell_along(2, p.z[i])))
-                                         : no_cell;
+        const std::size_t row = row_of(cell_along(1, p.y[i]), cell_along(2, p.z[i]));
+        cell_of_[i] =
+            p.x[i] > outflow_x ? static_cast<std::uint32_t>(cell_in_row(row, cell_along(0, p.x[i]))) : no_cell;
     });
     std::fill(start_.begin(), start_.end(), 0U);
     std::size_t kept = 0;
@@ -77,10 +77,9 @@ std::size_t CellGrid::sort(Particles& p, float outflow_x) {
             source_[--start_[cell_of_[i]]] = static_cast<std::uint32_t>(i);
         }
     }
-    for (auto array : {&Particles::x, &Particles::y, &Particles::z, &Particles::vx, &Particles::vy, &Particles::vz,
-                       &Particles::shift_pressure, &Particles::pressure}) {
-        gather(scratch_.*array, p.*array, source_, kept);
-        std::swap(scratch_.*array, p.*array);
+    for (const ParticleArray& array : particle_arrays) {
+        gather(scratch_.*array.values, p.*array.values, source_, kept);
+        std::swap(scratch_.*array.values, p.*array.values);
     }
     gather(scratch_.kind, p.kind, source_, kept);
     std::swap(scratch_.kind, p.kind);

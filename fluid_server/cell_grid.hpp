@@ -1,5 +1,5 @@
 #pragma once
-// A grid of cells as wide as the support radius, and particles sorted by cell.
+// A grid of cells that finds the particles near a box, and particles sorted by cell.
 
 #include <algorithm>
 #include <array>
@@ -8,12 +8,18 @@
 #include <vector>
 
 #include "configs/scene.hpp"
+#include "fluid_server/mirror.hpp"
 #include "fluid_server/particles.hpp"
 
 namespace wade::fluid {
 
-// Cells over the channel, x fastest. Particles beyond the grid count to its outermost cells, which changes nothing for
-// the search: two points that are near one another stay in the same or in adjacent cells.
+// Rows of cells along x, as high and as wide as the support radius, cut into cells a quarter as long. The order of the cells
+// winds from row to row, so that a few particles in succession lie close together, at the end of a row as well:
+//
+//     z ^  <-----  y = 1            y = 1 ----->        Each arrow a row; the next begins where one ends, and the next
+//       |  ----->  y = 0   then     y = 0 <-----        layer of rows where one layer ends.
+//
+// Particles beyond the grid count to its outermost cells, which changes nothing for the search.
 class CellGrid {
  public:
     CellGrid(const Scene& scene, float support_radius);
@@ -22,10 +28,14 @@ class CellGrid {
     // Returns the number dropped.
     std::size_t sort(Particles& particles, float outflow_x);
 
-    // Calls body(begin, end, shift) for each contiguous run of sorted particles in the 27 cells round p; the shift is
-    // what to add to their positions across a periodic border.
+    // Calls body(begin, end) for each run of sorted particles that may have some between lo and hi.
     template <typename Body>
-    void for_each_run(float px, float py, float pz, Body&& body) const;
+    void for_each_run(const Vec3& lo, const Vec3& hi, Body&& body) const;
+
+    // Calls body(shift) for each period by which particles must be shifted so that some may come to lie between lo and hi;
+    // zero is the first.
+    template <typename Body>
+    void for_each_period(const Vec3& lo, const Vec3& hi, Body&& body) const;
 
     // Moves a coordinate that is less than one period outside back into the grid; others stay.
     [[nodiscard]] float wrap(std::size_t axis, float v) const {
@@ -37,17 +47,24 @@ class CellGrid {
     }
 
  private:
-    [[nodiscard]] int cell_along(std::size_t axis, float v) const;
-    [[nodiscard]] std::size_t cell_index(int i, int j, int k) const {
-        return (static_cast<std::size_t>(k) * static_cast<std::size_t>(cells_[1]) + static_cast<std::size_t>(j)) *
-                   static_cast<std::size_t>(cells_[0]) +
-               static_cast<std::size_t>(i);
+    [[nodiscard]] std::size_t cell_along(std::size_t axis, float v) const {
+        const float cell = (v - origin_[axis]) * inverse_cell_[axis];
+        return static_cast<std::size_t>(static_cast<int>(std::clamp(cell, 0.0F, last_cell_[axis])));
+    }
+    // The row of index j along y and k along z: its place in the order of rows.
+    [[nodiscard]] std::size_t row_of(std::size_t j, std::size_t k) const {
+        return k * cells_[1] + (k % 2 == 0 ? j : cells_[1] - 1 - j);
+    }
+    // The i-th cell of a row along x.
+    [[nodiscard]] std::size_t cell_in_row(std::size_t row, std::size_t i) const {
+        return row * cells_[0] + (row % 2 == 0 ? i : cells_[0] - 1 - i);
     }
 
     std::array<float, 3> origin_{};
     std::array<float, 3> length_{};
     std::array<float, 3> inverse_cell_{};
-    std::array<int, 3> cells_{};
+    std::array<float, 3> last_cell_{};  // its index
+    std::array<std::size_t, 3> cells_{};
     std::array<bool, 3> periodic_{};
     std::vector<std::uint32_t> start_;  // first particle of each cell, and the total behind the last
     std::vector<std::uint32_t> cell_of_;
@@ -56,37 +73,37 @@ class CellGrid {
 };
 
 template <typename Body>
-void CellGrid::for_each_run(float px, float py, float pz, Body&& body) const {
-    const int ci = cell_along(0, px);
-    const int cj = cell_along(1, py);
-    const int ck = cell_along(2, pz);
-    const int last_x = cells_[0] - 1;
-    // Calls visit(cell, shift) for the three cells along an axis, as far as they exist.
-    const auto along = [&](std::size_t axis, int centre, auto&& visit) {
-        const int cells = cells_[axis];
-        for (int c = centre - 1; c <= centre + 1; ++c) {
-            if (c >= 0 && c < cells) {
-                visit(c, 0.0F);
-            } else if (periodic_[axis]) {
-                visit(c < 0 ? cells - 1 : 0, c < 0 ? -length_[axis] : length_[axis]);
+void CellGrid::for_each_run(const Vec3& lo, const Vec3& hi, Body&& body) const {
+    const std::size_t i0 = cell_along(0, lo[0]);
+    const std::size_t i1 = cell_along(0, hi[0]);
+    const std::size_t j1 = cell_along(1, hi[1]);
+    const std::size_t k1 = cell_along(2, hi[2]);
+    for (std::size_t k = cell_along(2, lo[2]); k <= k1; ++k) {
+        for (std::size_t j = cell_along(1, lo[1]); j <= j1; ++j) {
+            const std::size_t row = row_of(j, k);
+            const std::size_t one = cell_in_row(row, i0);
+            const std::size_t other = cell_in_row(row, i1);
+            const std::uint32_t begin = start_[std::min(one, other)];
+            const std::uint32_t end = start_[std::max(one, other) + 1];
+            if (begin < end) {
+                body(begin, end);
             }
         }
+    }
+}
+
+template <typename Body>
+void CellGrid::for_each_period(const Vec3& lo, const Vec3& hi, Body&& body) const {
+    const auto along = [&](std::size_t axis, auto&& visit) {
+        visit(0.0F);
+        if (periodic_[axis] && lo[axis] < origin_[axis]) {
+            visit(-length_[axis]);
+        }
+        if (periodic_[axis] && hi[axis] >= origin_[axis] + length_[axis]) {
+            visit(length_[axis]);
+        }
     };
-    along(2, ck, [&](int k, float shift_z) {
-        along(1, cj, [&](int j, float shift_y) {
-            const auto run = [&](int from, int to, float shift_x) {
-                body(start_[cell_index(from, j, k)], start_[cell_index(to, j, k) + 1],
-                     std::array<float, 3>{shift_x, shift_y, shift_z});
-            };
-            if (periodic_[0] && ci == 0) {
-                run(last_x, last_x, -length_[0]);
-            }
-            run(std::max(ci - 1, 0), std::min(ci + 1, last_x), 0.0F);
-            if (periodic_[0] && ci == last_x) {
-                run(0, 0, length_[0]);
-            }
-        });
-    });
+    along(2, [&](float z) { along(1, [&](float y) { along(0, [&](float x) { body(Vec3{x, y, z}); }); }); });
 }
 
 }  // namespace wade::fluid

@@ -1,7 +1,10 @@
 #include "fluid_server/dfsph.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "fluid_server/sweeps.hpp"
 
 namespace wade::fluid {
 
@@ -27,121 +30,76 @@ constexpr float gap_closing = 0.1F;
 
 // a_i(p); particles inside the emitter keep their velocity.
 void pressure_acceleration(const std::vector<float>& pressure, const Particles& p, const NeighbourLists& lists,
-                           ParticleFields& f) {
-    const float* const pr = pressure.data();
-    for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        LaneSum x;
-        LaneSum y;
-        LaneSum z;
-        for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
-            const PlaneMap r = mirror.reflection;
-            const std::uint32_t* j = block.j.data();
-            const float* gx = block.gx.data();
-            const float* gy = block.gy.data();
-            const float* gz = block.gz.data();
-            for (std::size_t k = first; k < last; k += lanes) {
-#pragma omp simd
-                for (std::size_t l = 0; l < lanes; ++l) {
-                    const float pj = pr[j[k + l]];
-                    x.lane[l] += pj * (r.xx * gx[k + l] + r.xy * gy[k + l]);
-                    y.lane[l] += pj * (r.xy * gx[k + l] + r.yy * gy[k + l]);
-                    z.lane[l] += pj * (r.zz * gz[k + l]);
-                }
-            }
-        });
-        const float moves = p.kind[i] == Kind::inflow ? 0.0F : 1.0F;
-        f.ax[i] = -moves * (pr[i] * f.gx[i] + x.total());
-        f.ay[i] = -moves * (pr[i] * f.gy[i] + y.total());
-        f.az[i] = -moves * (pr[i] * f.gz[i] + z.total());
+                           const GradientCorrection* correction, ParticleFields& f) {
+    const VectorArrays a{f.ax.data(), f.ay.data(), f.az.data()};
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        if (correction != nullptr) {
+            sum_corrected_gradients(b, p, lists, correction->arrays(), pressure.data(), a);
+        } else {
+            sum_gradients(b, p, lists, pressure.data(), a);
+        }
+        for (std::size_t i = begin; i < end; ++i) {
+            const float moves = p.kind[i] == Kind::inflow ? 0.0F : 1.0F;
+            f.ax[i] = -moves * (pressure[i] * f.gx[i] + f.ax[i]);
+            f.ay[i] = -moves * (pressure[i] * f.gy[i] + f.ay[i]);
+            f.az[i] = -moves * (pressure[i] * f.gz[i] + f.az[i]);
+        }
     });
 }
 
-// D_i(u) for the particle i at a place of its block.
-float density_rate(const std::vector<float>& ux, const std::vector<float>& uy, const std::vector<float>& uz,
-                   std::size_t i, const NeighbourBlock& block, std::size_t place, const ParticleFields& f) {
-    const auto [first, last] = all_pairs(block, place);
-    const std::uint32_t* j = block.j.data();
-    const float* gx = block.gx.data();
-    const float* gy = block.gy.data();
-    const float* gz = block.gz.data();
-    const float* x = ux.data();
-    const float* y = uy.data();
-    const float* z = uz.data();
-    LaneSum sum;
-    for (std::size_t k = first; k < last; k += lanes) {
-#pragma omp simd
-        for (std::size_t l = 0; l < lanes; ++l) {
-            const std::uint32_t jl = j[k + l];
-            sum.lane[l] += x[jl] * gx[k + l] + y[jl] * gy[k + l] + z[jl] * gz[k + l];
+// One number for each particle of a block.
+using BlockOf = std::array<float, block_size>;
+
+// Calls body(i, D_i(u), block) for each particle.
+template <typename Body>
+void for_each_density_rate(const ConstVectorArrays& u, const Particles& p, const NeighbourLists& lists,
+                           const GradientCorrection* correction, const ParticleFields& f, Body&& body) {
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        BlockOf sums;
+        if (correction != nullptr) {
+            sum_corrected_divergence(b, p, lists, correction->arrays(), u, sums.data());
+        } else {
+            sum_divergence(b, p, lists, u, sums.data());
         }
-    }
-    return ux[i] * f.gx[i] + uy[i] * f.gy[i] + uz[i] * f.gz[i] - sum.total();
+        for (std::size_t i = begin; i < end; ++i) {
+            body(i, u.x[i] * f.gx[i] + u.y[i] * f.gy[i] + u.z[i] * f.gz[i] - sums[i - begin], b);
+        }
+    });
+}
+
+ConstVectorArrays velocities(const Particles& p) {
+    return {p.vx.data(), p.vy.data(), p.vz.data()};
+}
+
+ConstVectorArrays accelerations(const ParticleFields& f) {
+    return {f.ax.data(), f.ay.data(), f.az.data()};
 }
 
 }  // namespace
 
-ParticleFields::ParticleFields(std::size_t capacity)
-    : density(capacity),
-      gx(capacity),
-      gy(capacity),
-      gz(capacity),
-      inverse_diagonal(capacity),
-      source(capacity),
-      ax(capacity),
-      ay(capacity),
-      az(capacity) {}
-
-void compute_density_and_diagonal(const Particles& p, const NeighbourLists& lists, ParticleFields& f) {
-    for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        LaneSum x;
-        LaneSum y;
-        LaneSum z;
-        LaneSum squares;
-        for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
-            const PlaneMap r = mirror.reflection;
-            const float* gx = block.gx.data();
-            const float* gy = block.gy.data();
-            const float* gz = block.gz.data();
-            for (std::size_t k = first; k < last; k += lanes) {
-#pragma omp simd
-                for (std::size_t l = 0; l < lanes; ++l) {
-                    x.lane[l] += r.xx * gx[k + l] + r.xy * gy[k + l];
-                    y.lane[l] += r.xy * gx[k + l] + r.yy * gy[k + l];
-                    z.lane[l] += r.zz * gz[k + l];
-                    squares.lane[l] += gx[k + l] * gx[k + l] + gy[k + l] * gy[k + l] + gz[k + l] * gz[k + l];
-                }
-            }
-        });
-        const float sx = x.total();
-        const float sy = y.total();
-        const float sz = z.total();
-        const float sum_of_squares = squares.total();
-        const float diagonal = sx * sx + sy * sy + sz * sz + sum_of_squares;
-        f.density[i] = lists.density[i];
-        f.gx[i] = sx;
-        f.gy[i] = sy;
-        f.gz[i] = sz;
-        f.inverse_diagonal[i] = sum_of_squares > 0 ? 1 / diagonal : 0;  // a particle alone has no pressure
+void compute_density_and_diagonal(const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
+                                  ParticleFields& f) {
+    lists.factor_unit =
+        volume * std::visit([](const auto& k) { return k.gradient_factor(0); }, kernel) / largest_factor_units;
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        float* const squares = f.inverse_diagonal.data();
+        sum_kernel(b, p, kernel, volume, lists, {f.density.data(), {f.gx.data(), f.gy.data(), f.gz.data()}, squares});
+        for (std::size_t i = begin; i < end; ++i) {
+            f.inverse_diagonal[i] = inverse_of_diagonal(f.gx[i], f.gy[i], f.gz[i], squares[i]);
+        }
     });
 }
 
 double bed_pressure_force(const Particles& p, const NeighbourLists& lists, double particle_mass) {
     BlockSums<double> forces;
-    forces.begin(p.count);
-    for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        const float pi = p.pressure[i];
-        for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
-            const PlaneMap r = mirror.reflection;
-            if (r.yy > 0 || p.kind[i] == Kind::inflow) {
+    forces.begin(lists.count);
+    for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
+        for_each_pair(lists, b, [&](const ListedPair& pair) {
+            if (pair.segment.map.rotation.yy > 0 || p.kind[pair.i] == Kind::inflow) {
                 return;
             }
-            double push = 0;
-            for (std::size_t k = first; k < last; ++k) {
-                const std::uint32_t j = block.j[k];
-                const float gy = r.xy * block.gx[k] + r.yy * block.gy[k];
-                push -= static_cast<double>((pi + p.pressure[j]) * gy);
-            }
-            forces[i / block_size] += push * particle_mass;
+            const float gy = pair.segment.map.rotation(pair.gradient)[1];
+            forces[b] -= static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * gy) * particle_mass;
         });
     });
     return forces.total([](double& sum, double force) { sum += force; });
@@ -150,29 +108,23 @@ double bed_pressure_force(const Particles& p, const NeighbourLists& lists, doubl
 std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& lists, double particle_mass,
                                      double viscosity, int obstacle) {
     BlockSums<std::array<double, 3>> forces;
-    forces.begin(p.count);
-    for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        const float pi = p.pressure[i];
-        const Vec3 vi{p.vx[i], p.vy[i], p.vz[i]};
-        for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
-            if (mirror.obstacle != obstacle || p.kind[i] == Kind::inflow) {
+    forces.begin(lists.count);
+    for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
+        std::array<double, 3>& force = forces[b];
+        for_each_pair(lists, b, [&](const ListedPair& pair) {
+            const NeighbourBlock::Segment& face = pair.segment;
+            if (face.obstacle != obstacle || p.kind[pair.i] == Kind::inflow) {
                 return;
             }
             // The face pushes along its normal; along itself it holds only water that sticks to it.
-            const auto normal = static_cast<std::size_t>(mirror.obstacle_axis);
-            std::array<double, 3> push{};
-            for (std::size_t k = first; k < last; ++k) {
-                const std::uint32_t j = block.j[k];
-                const Vec3 g = mirror.reflection({block.gx[k], block.gy[k], block.gz[k]});
-                push[normal] += static_cast<double>((pi + p.pressure[j]) * g[normal]);
-                const Vec3 image = mirror.viscous.map({p.vx[j], p.vy[j], p.vz[j]});
-                for (std::size_t a = 0; a < 3; ++a) {
-                    const float slip = vi[a] - (image[a] + mirror.viscous.shift[a]);
-                    push[a] -= 2 * viscosity * static_cast<double>(slip * block.gradient_factor[k]);
-                }
-            }
+            const auto normal = static_cast<std::size_t>(face.obstacle_axis);
+            const float g = face.map.rotation(pair.gradient)[normal];
+            force[normal] += static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * g) * particle_mass;
+            const Vec3 own{p.vx[pair.i], p.vy[pair.i], p.vz[pair.i]};
+            const Vec3 image = face.viscous.map({p.vx[pair.j], p.vy[pair.j], p.vz[pair.j]});
             for (std::size_t a = 0; a < 3; ++a) {
-                forces[i / block_size][a] += push[a] * particle_mass;
+                const float slip = own[a] - (image[a] + face.viscous.shift[a]);
+                force[a] -= 2 * viscosity * static_cast<double>(slip * pair.factor) * particle_mass;
             }
         });
     });
@@ -183,22 +135,21 @@ std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& l
     });
 }
 
-SolveResult PressureSolver::iterate(std::vector<float>& pressure, float warm_start, Particles& p,
-                                    const NeighbourLists& lists, ParticleFields& f, float dt,
-                                    const PressureSolve& settings) {
+SolveResult PressureSolver::iterate(std::vector<float>& pressure, float warm_start, const Particles& p,
+                                    const NeighbourLists& lists, const GradientCorrection* correction,
+                                    ParticleFields& f, float dt, const PressureSolve& settings) {
     SolveResult result;
     const float dt2 = dt * dt;
     for_each_particle(p.count, [&](std::size_t i) { pressure[i] *= warm_start; });
-    pressure_acceleration(pressure, p, lists, f);
+    pressure_acceleration(pressure, p, lists, correction, f);
     while (result.iterations < settings.max_iterations) {
         errors_.begin(p.count);
-        for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-            // Compression that is left after the step.
-            const float error = f.source[i] + dt2 * density_rate(f.ax, f.ay, f.az, i, block, place, f);
-            errors_[i / block_size] += static_cast<double>(std::max(error, 0.0F));
+        for_each_density_rate(accelerations(f), p, lists, correction, f, [&](std::size_t i, float rate, std::size_t b) {
+            const float error = f.source[i] + dt2 * rate;  // compression that is left after the step
+            errors_[b] += static_cast<double>(std::max(error, 0.0F));
             pressure[i] = std::max(0.0F, pressure[i] + relaxation_ * error * f.inverse_diagonal[i] / dt2);
         });
-        pressure_acceleration(pressure, p, lists, f);
+        pressure_acceleration(pressure, p, lists, correction, f);
         ++result.iterations;
         const double total = errors_.total([](double& sum, double e) { sum += e; });
         result.error = p.count == 0 ? 0 : total / static_cast<double>(p.count);
@@ -206,6 +157,7 @@ SolveResult PressureSolver::iterate(std::vector<float>& pressure, float warm_sta
             break;
         }
     }
+    result.sweeps = 2 + 2 * result.iterations;  // with that of the source
     return result;
 }
 
@@ -225,11 +177,11 @@ void apply_acceleration(Particles& p, const ParticleFields& f, float dt) {
     });
 }
 
-SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists& lists, ParticleFields& f, float dt,
+SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists& lists,
+                                             const GradientCorrection* correction, ParticleFields& f, float dt,
                                              float step_share, const PressureSolve& settings) {
     const float closing = confined_ ? 0 : gap_closing * step_share;
-    for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        const float rate = density_rate(p.vx, p.vy, p.vz, i, block, place, f);
+    for_each_density_rate(velocities(p), p, lists, correction, f, [&](std::size_t i, float rate, std::size_t) {
         // With a source of -1 the pressure of a particle with an open side stays at zero.
         const float gap = std::min(0.0F, f.density[i] - 1);
         f.source[i] = f.density[i] < open_surface_density_ ? -1 : dt * rate + closing * gap;
@@ -240,20 +192,22 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
     PressureSolve of_this_step = settings;
     of_this_step.tolerance *= static_cast<double>(step_share) * std::min(1.0, std::pow(usual_layers / layers_, 2));
     const double forgotten = confined_ ? forgotten_confined : std::min(forgotten_at_most, forgotten_per_layer * layers_);
-    const SolveResult result = iterate(p.pressure, static_cast<float>(1 - forgotten), p, lists, f, dt, of_this_step);
+    const SolveResult result =
+        iterate(p.pressure, static_cast<float>(1 - forgotten), p, lists, correction, f, dt, of_this_step);
     apply_acceleration(p, f, dt);
     return result;
 }
 
 SolveResult PressureSolver::solve_density(std::vector<float>& pressure, Particles& p, const NeighbourLists& lists,
-                                          ParticleFields& f, float dt, const PressureSolve& settings) {
-    for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        f.source[i] = f.density[i] - 1 + dt * density_rate(p.vx, p.vy, p.vz, i, block, place, f);
+                                          const GradientCorrection* correction, ParticleFields& f, float dt,
+                                          const PressureSolve& settings) {
+    for_each_density_rate(velocities(p), p, lists, correction, f, [&](std::size_t i, float rate, std::size_t) {
+        f.source[i] = f.density[i] - 1 + dt * rate;
     });
     if (confined_) {
         subtract_mean(f.source, p.count);
     }
-    return iterate(pressure, warm_start_density, p, lists, f, dt, settings);
+    return iterate(pressure, warm_start_density, p, lists, correction, f, dt, settings);
 }
 
 }  // namespace wade::fluid

@@ -15,41 +15,36 @@
 //                      step; particles with an open side are left alone
 //   diagonal       A_ii = dt^2 ( |sum_j g_ij|^2 + sum_j |g_ij|^2 )
 //
-// The lists hold R g_ij (neighbours.hpp), so that (R u_j) . g_ij = u_j . (R g_ij).
+// A sweep finds sum_j p_j g_ij or sum_j u_j . (R g_ij) (sweeps.hpp; R is symmetric); the share of i itself follows from
+// sum_j g_ij, which is found once a step.
 
 #include <array>
 #include <vector>
 
 #include "configs/scene.hpp"
+#include "fluid_server/gradient_correction.hpp"
 #include "fluid_server/neighbours.hpp"
+#include "fluid_server/parallel.hpp"
+#include "fluid_server/particle_fields.hpp"
 #include "fluid_server/particles.hpp"
 
 namespace wade::fluid {
 
-// What a step knows of each particle besides its state; arrays as long as the capacity.
-struct ParticleFields {
-    std::vector<float> density;           // rho / rho_0
-    std::vector<float> gx, gy, gz;        // sum_j g_ij, 1/m
-    std::vector<float> inverse_diagonal;  // dt^2 / A_ii, m^2
-    std::vector<float> source;            // right-hand side of the running solve
-    std::vector<float> ax, ay, az;        // m/s^2
-
-    explicit ParticleFields(std::size_t capacity);
-};
-
 struct SolveResult {
     int iterations = 0;
+    int sweeps = 0;  // over all pairs
     double error = 0;  // mean predicted compression left: fraction of rest density
 };
 
 // Gives dt times the accelerations of the last solve to the velocities.
 void apply_acceleration(Particles& particles, const ParticleFields& fields, float dt);
 
-// Density, sum of gradients and diagonal of each particle.
-void compute_density_and_diagonal(const Particles& particles, const NeighbourLists& lists, ParticleFields& fields);
+// Density, sum of gradients and diagonal of each particle, and the factors of the lists. volume: V, m^3.
+void compute_density_and_diagonal(const Particles& particles, const Kernel& kernel, float volume, NeighbourLists& lists,
+                                  ParticleFields& fields);
 
-// Force on bed and obstacles, N, downwards, by the pressures of the last step: what the particles push against their
-// images. A lid's is subtracted.
+// Force on bed and obstacles, N, downwards, by the pressures of the last step, once it has moved the particles: what they
+// push against their images. A lid's is subtracted.
 double bed_pressure_force(const Particles& particles, const NeighbourLists& lists, double particle_mass);
 
 // Force on the faces of one obstacle, N, by the pressures of the last step and, if viscosity > 0, by viscosity at the
@@ -76,19 +71,22 @@ class PressureSolver {
           layers_(confined ? 1 : layers) {}
 
     // Corrects the velocities until no particle that is near rest density is being compressed.
+    // correction: of the gradients of confined water, or null.
     // step_share: dt over a step of CFL 0.5, at most 1. The tolerance, a change of density, is meant for such a step, and
     //     so is the gap that may be closed, so that shorter steps are not less exact.
-    SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists, ParticleFields& fields, float dt,
-                                 float step_share, const PressureSolve& settings);
+    SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists, const GradientCorrection* correction,
+                                 ParticleFields& fields, float dt, float step_share, const PressureSolve& settings);
 
     // Finds the accelerations fields.ax, ay, az by which the densities after dt do not exceed rest density, and leaves
     // the velocities as they are.
     SolveResult solve_density(std::vector<float>& pressure, Particles& particles, const NeighbourLists& lists,
-                              ParticleFields& fields, float dt, const PressureSolve& settings);
+                              const GradientCorrection* correction, ParticleFields& fields, float dt,
+                              const PressureSolve& settings);
 
  private:
-    SolveResult iterate(std::vector<float>& pressure, float warm_start, Particles& particles,
-                        const NeighbourLists& lists, ParticleFields& fields, float dt, const PressureSolve& settings);
+    SolveResult iterate(std::vector<float>& pressure, float warm_start, const Particles& particles,
+                        const NeighbourLists& lists, const GradientCorrection* correction, ParticleFields& fields,
+                        float dt, const PressureSolve& settings);
     void subtract_mean(std::vector<float>& source, std::size_t n);
 
     float open_surface_density_;

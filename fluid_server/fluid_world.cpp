@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "configs/exit_code.hpp"
@@ -169,12 +170,13 @@ StepReport FluidWorld::step(double remaining) {
         }
     }
     clock.finished(Stage::sort);
-    find_neighbours(grid_, solids_, particles_, kernel_, support_radius_, volume_, lists_);
+    find_neighbours(grid_, solids_, particles_, support_radius_, lists_);
     clock.finished(Stage::neighbours);
+    compute_density_and_diagonal(particles_, kernel_, volume_, lists_, fields_);
     if (confined_) {
-        correct_gradients(particles_, lists_, corrections_);
+        correct_gradients(particles_, lists_, correction_, fields_);
     }
-    compute_density_and_diagonal(particles_, lists_, fields_);
+    const GradientCorrection* const correction = confined_ ? &correction_ : nullptr;
     measure_density_error(report);
     clock.finished(Stage::density);
 
@@ -183,17 +185,17 @@ StepReport FluidWorld::step(double remaining) {
     const bool split = fluid.divergence_solve.max_iterations > 0;
     if (split) {
         report.divergence =
-            solver_->solve_divergence(particles_, lists_, fields_, dt, step_share_, fluid.divergence_solve);
+            solver_->solve_divergence(particles_, lists_, correction, fields_, dt, step_share_, fluid.divergence_solve);
         clock.finished(Stage::divergence_solve);
         apply_contact(dt, report);
         clock.finished(Stage::contact);
         report.density =
-            solver_->solve_density(particles_.shift_pressure, particles_, lists_, fields_, dt, fluid.density_solve);
+            solver_->solve_density(particles_.shift_pressure, particles_, lists_, correction, fields_, dt, fluid.density_solve);
         clock.finished(Stage::density_solve);
         advance(dt, dt, report);
     } else {
         report.density =
-            solver_->solve_density(particles_.pressure, particles_, lists_, fields_, dt, fluid.density_solve);
+            solver_->solve_density(particles_.pressure, particles_, lists_, correction, fields_, dt, fluid.density_solve);
         apply_acceleration(particles_, fields_, dt);
         clock.finished(Stage::density_solve);
         apply_contact(dt, report);
@@ -205,6 +207,7 @@ StepReport FluidWorld::step(double remaining) {
     }
     clock.finished(Stage::advance);
     time_ += report.dt;
+    report.sweeps = 1 + (viscosity_ > 0 ? 1 : 0) + report.divergence.sweeps + report.density.sweeps;
     return report;
 }
 
@@ -339,24 +342,32 @@ double FluidWorld::bed_pressure_force() const {
 
 std::uint64_t FluidWorld::pairs() const {
     std::uint64_t n = 0;
-    for (const NeighbourBlock& block : lists_.blocks) {
-        for (const float g : block.gradient_factor) n += g != 0 ? 1 : 0;
+    for (std::size_t b = 0; b < block_count(lists_.count); ++b) {
+        for_each_pair(lists_, b, [&](const ListedPair&) { ++n; });
     }
     return n;
 }
 
 std::uint64_t FluidWorld::list_bytes() const {
     std::uint64_t bytes = 0;
-    for (const NeighbourBlock& block : lists_.blocks) bytes += block.j.capacity() * (4 + 4 * sizeof(float));
+    for (const NeighbourBlock& block : lists_.blocks) {
+        bytes += block.j.capacity() * sizeof(std::uint32_t) + block.factor.capacity() * sizeof(std::uint16_t) +
+                 block.sight.capacity() * sizeof(std::uint16_t) +
+                 block.segments.capacity() * sizeof(NeighbourBlock::Segment);
+    }
     return bytes;
 }
 
 void FluidWorld::advance(float dt, float shift_time, StepReport& report) {
     const auto nothing = [](std::size_t, const Vec3&) {};
     guards_.begin(particles_.count);
+    // The lists keep the places that they were made for.
+    std::swap(particles_.x, lists_.x);
+    std::swap(particles_.y, lists_.y);
+    std::swap(particles_.z, lists_.z);
     for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3 from{particles_.x[i], particles_.y[i], particles_.z[i]};
+            const Vec3 from{lists_.x[i], lists_.y[i], lists_.z[i]};
             Vec3 v{particles_.vx[i], particles_.vy[i], particles_.vz[i]};
             if (shift_time > 0 && particles_.kind[i] == Kind::fluid) {
                 v = {v[0] + shift_time * fields_.ax[i], v[1] + shift_time * fields_.ay[i],

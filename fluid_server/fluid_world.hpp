@@ -1,7 +1,6 @@
 #pragma once
 // The whole state of the fluid and the step that advances it.
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -66,8 +65,8 @@ class FluidWorld {
     // Force of the water on the faces of an obstacle in the last step, N: pressure, viscosity, contact. Costs a sweep,
     // valid until the next step.
     [[nodiscard]] std::array<double, 3> obstacle_force(std::size_t obstacle) const;
-    // Pairs of a particle and a neighbour or image that the last step's lists hold, both directions counted, and the bytes
-    // of these lists. Cost a sweep.
+    // Pairs of a particle and a neighbour or image nearer than the support radius in the last step, both directions counted,
+    // and the bytes of its lists. Cost a sweep.
     [[nodiscard]] std::uint64_t pairs() const;
     [[nodiscard]] std::uint64_t list_bytes() const;
     [[nodiscard]] std::uint64_t position_clamps() const { return position_clamps_; }
@@ -92,7 +91,7 @@ class FluidWorld {
     CellGrid grid_;
     NeighbourLists lists_;
     ParticleFields fields_;
-    std::vector<Eigen::Matrix3f> corrections_;  // of the gradients of confined water
+    GradientCorrection correction_;  // of confined water
     Solids solids_;
     std::optional<PressureSolver> solver_;
     std::optional<Emitter> emitter_;

@@ -1,35 +1,17 @@
 #include "fluid_server/forces.hpp"
 
+#include "fluid_server/sweeps.hpp"
+
 namespace wade::fluid {
 
 void apply_viscosity(Particles& p, const NeighbourLists& lists, ParticleFields& f, float viscosity, float dt) {
-    const float* vx = p.vx.data();
-    const float* vy = p.vy.data();
-    const float* vz = p.vz.data();
-    for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        LaneSum ax;
-        LaneSum ay;
-        LaneSum az;
-        for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
-            const std::uint32_t* j = block.j.data();
-            const float* factor = block.gradient_factor.data();
-            const PlaneMap m = mirror.viscous.map;
-            const float vxi = vx[i] - mirror.viscous.shift[0];
-            const float vyi = vy[i] - mirror.viscous.shift[1];
-            const float vzi = vz[i] - mirror.viscous.shift[2];
-            for (std::size_t k = first; k < last; k += lanes) {
-#pragma omp simd
-                for (std::size_t l = 0; l < lanes; ++l) {
-                    const std::uint32_t jl = j[k + l];
-                    ax.lane[l] += (vxi - (m.xx * vx[jl] + m.xy * vy[jl])) * factor[k + l];
-                    ay.lane[l] += (vyi - (m.xy * vx[jl] + m.yy * vy[jl])) * factor[k + l];
-                    az.lane[l] += (vzi - m.zz * vz[jl]) * factor[k + l];
-                }
-            }
-        });
-        f.ax[i] = 2 * viscosity * ax.total();
-        f.ay[i] = 2 * viscosity * ay.total();
-        f.az[i] = 2 * viscosity * az.total();
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        sum_shear(b, p, lists, {p.vx.data(), p.vy.data(), p.vz.data()}, {f.ax.data(), f.ay.data(), f.az.data()});
+        for (std::size_t i = begin; i < end; ++i) {
+            f.ax[i] *= 2 * viscosity;
+            f.ay[i] *= 2 * viscosity;
+            f.az[i] *= 2 * viscosity;
+        }
     });
     for_each_particle(p.count, [&](std::size_t i) {
         if (p.kind[i] == Kind::fluid) {

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "fluid_server/parallel.hpp"
+
 namespace wade::fluid {
 namespace {
 
@@ -11,58 +13,39 @@ namespace {
 constexpr float beside_gap = 0.85F;
 constexpr float within_water = 0.95F;
 
-Eigen::Matrix3f matrix(const PlaneMap& r) {
-    Eigen::Matrix3f m;
-    m << r.xx, r.xy, 0, r.xy, r.yy, 0, 0, 0, r.zz;
-    return m;
-}
-
-Eigen::Vector3f gradient(const NeighbourBlock& block, std::size_t pair) {
-    return {block.gx[pair], block.gy[pair], block.gz[pair]};
-}
-
-// - sum_j (x_i - x_j) (x) g_ij; a gradient is (x_i - x_j) times its factor.
-Eigen::Matrix3f first_moment(const NeighbourBlock& block, std::size_t place) {
-    Eigen::Matrix3f moment = Eigen::Matrix3f::Zero();
-    for_each_segment(block, place, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
-        Eigen::Matrix3f reflected = Eigen::Matrix3f::Zero();
-        for (std::size_t k = first; k < last; ++k) {
-            if (block.gradient_factor[k] < 0) {
-                const Eigen::Vector3f g = gradient(block, k);
-                reflected -= g * g.transpose() / block.gradient_factor[k];
-            }
+// Turns the first moments of the particles of a block into their corrections.
+void invert(MatrixArrays& m, std::size_t begin, std::size_t end, const std::vector<float>& density) {
+    for (std::size_t i = begin; i < end; ++i) {
+        const float share = std::min(1.0F, (density[i] - beside_gap) / (within_water - beside_gap));
+        Eigen::Matrix3f l = Eigen::Matrix3f::Identity();
+        if (share > 0) {
+            Eigen::Matrix3f moment;
+            moment << m[0][i], m[3][i], m[4][i], m[3][i], m[1][i], m[5][i], m[4][i], m[5][i], m[2][i];
+            l += share * (moment.inverse() - l);
         }
-        const Eigen::Matrix3f r = matrix(mirror.reflection);
-        moment += r * reflected * r;
-    });
-    return moment;
+        m[0][i] = l(0, 0), m[1][i] = l(1, 1), m[2][i] = l(2, 2);
+        m[3][i] = l(0, 1), m[4][i] = l(0, 2), m[5][i] = l(1, 2);
+    }
 }
 
 }  // namespace
 
-void correct_gradients(const Particles& p, NeighbourLists& lists, std::vector<Eigen::Matrix3f>& corrections) {
-    corrections.resize(p.capacity());
-    for_each_list(p.count, lists, [&](std::size_t i, const NeighbourBlock& block, std::size_t place) {
-        const float share = std::min(1.0F, (lists.density[i] - beside_gap) / (within_water - beside_gap));
-        const Eigen::Matrix3f identity = Eigen::Matrix3f::Identity();
-        corrections[i] = identity;
-        if (share > 0) {
-            corrections[i] += share * (first_moment(block, place).inverse() - identity);
-        }
+void correct_gradients(const Particles& p, const NeighbourLists& lists, GradientCorrection& correction,
+                       ParticleFields& f) {
+    MatrixArrays entries{};
+    for (std::size_t e = 0; e < entries.size(); ++e) {
+        correction.entries[e].resize(f.density.size());
+        entries[e] = correction.entries[e].data();
+    }
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        sum_moments(b, p, lists, entries);
+        invert(entries, begin, end, f.density);
     });
     for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
-        NeighbourBlock& block = lists.blocks[b];
+        float* const squares = f.inverse_diagonal.data();
+        sum_corrected_kernel(b, p, lists, correction.arrays(), {f.gx.data(), f.gy.data(), f.gz.data()}, squares);
         for (std::size_t i = begin; i < end; ++i) {
-            for_each_segment(
-                block, i - begin, [&](const NeighbourBlock::Segment& mirror, std::size_t first, std::size_t last) {
-                    // The lists hold R g of an image, and its correction is R L_j R.
-                    const Eigen::Matrix3f r = matrix(mirror.reflection);
-                    const Eigen::Matrix3f own = r * corrections[i] * r;
-                    for (std::size_t k = first; k < last; ++k) {
-                        const Eigen::Vector3f h = 0.5F * (own + corrections[block.j[k]]) * gradient(block, k);
-                        block.gx[k] = h.x(), block.gy[k] = h.y(), block.gz[k] = h.z();
-                    }
-                });
+            f.inverse_diagonal[i] = inverse_of_diagonal(f.gx[i], f.gy[i], f.gz[i], squares[i]);
         }
     });
 }

@@ -14,16 +14,30 @@
 // these gradients are not those of a density, and no such place exists: still water would tremble (a tank ten layers deep
 // at 8 % of sqrt(g H) in a trial).
 
-#include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "fluid_server/neighbours.hpp"
+#include "fluid_server/particle_fields.hpp"
 #include "fluid_server/particles.hpp"
+#include "fluid_server/sweeps.hpp"
 
 namespace wade::fluid {
 
-// Replaces the gradients g_ij of the lists by h_ij. corrections: L_i, kept by the caller for its memory; the identity for
-// a particle beside a gap.
-void correct_gradients(const Particles& particles, NeighbourLists& lists, std::vector<Eigen::Matrix3f>& corrections);
+// L_i of each particle, symmetric: the arrays of its entries xx, yy, zz, xy, xz, yz. The identity for a particle beside a
+// gap.
+struct GradientCorrection {
+    std::array<std::vector<float>, 6> entries;
+
+    [[nodiscard]] ConstMatrixArrays arrays() const {
+        return {entries[0].data(), entries[1].data(), entries[2].data(),
+                entries[3].data(), entries[4].data(), entries[5].data()};
+    }
+};
+
+// Finds the correction from the factors of the lists, and with it the sum of gradients and the diagonal of each particle
+// anew: from then on they are those of h_ij.
+void correct_gradients(const Particles& particles, const NeighbourLists& lists, GradientCorrection& correction,
+                       ParticleFields& fields);
 
 }  // namespace wade::fluid

@@ -31,6 +31,8 @@ class CubicSpline {
         : inverse_h_(1.0F / support_radius),
           norm_(8.0F * inverse_h_ * inverse_h_ * inverse_h_ / std::numbers::pi_v<float>) {}
 
+    [[nodiscard]] float inverse_support_radius() const { return inverse_h_; }
+
     // W(r) in 1/m^3; r in m, r >= 0.
     [[nodiscard]] float value(float r) const {
         const float q = r * inverse_h_;
@@ -67,6 +69,8 @@ class WendlandC2 {
     explicit WendlandC2(float support_radius)
         : inverse_h_(1.0F / support_radius),
           norm_(static_cast<float>(1 / lattice_sum()) * inverse_h_ * inverse_h_ * inverse_h_) {}
+
+    [[nodiscard]] float inverse_support_radius() const { return inverse_h_; }
 
     // W(r) in 1/m^3; r in m, r >= 0.
     [[nodiscard]] float value(float r) const {

@@ -22,6 +22,17 @@ inline PlaneMap product(const PlaneMap& a, const PlaneMap& b) {
     return {a.xx * b.xx + a.xy * b.xy, a.xx * b.xy + a.xy * b.yy, a.xy * b.xy + a.yy * b.yy, a.zz * b.zz};
 }
 
+// A rigid map of places, R x + shift.
+struct RigidMap {
+    PlaneMap rotation;
+    Vec3 shift{};  // m
+
+    [[nodiscard]] Vec3 operator()(const Vec3& x) const {
+        const Vec3 r = rotation(x);
+        return {r[0] + shift[0], r[1] + shift[1], r[2] + shift[2]};
+    }
+};
+
 // The velocity of an image as viscosity sees it, M u + shift: mirrored at a face along which water slips, and such that
 // the mean of particle and image is the velocity of the face where water sticks (Morris et al. 1997).
 struct ImageVelocity {
@@ -58,6 +69,9 @@ struct Mirror {
         }
         return image;
     }
+
+    // The same as a map: its rotation is R, its shift the image of the origin.
+    [[nodiscard]] RigidMap map() const { return {reflection, reflect({0, 0, 0})}; }
 };
 
 }  // namespace wade::fluid

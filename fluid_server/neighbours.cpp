@@ -1,143 +1,170 @@
 #include "fluid_server/neighbours.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "configs/scene_capacity.hpp"
+#include "fluid_server/sweeps.hpp"
 
 namespace wade::fluid {
 
-void NeighbourBlock::reserve(std::size_t pairs) {
-    if (pairs <= j.size()) {
-        return;
-    }
-    pairs += pairs / 4;  // so that growing is rare and little is left over
-    j.resize(pairs);
-    gx.resize(pairs);
-    gy.resize(pairs);
-    gz.resize(pairs);
-    gradient_factor.resize(pairs);
-}
-
 namespace {
 
-constexpr std::size_t chunk_size = 64;  // candidates tested together
-
-// Appends to the block all candidates near the point x; accept(j, what to add to its position) may still refuse one.
-template <typename Accept>
-void append_near(const CellGrid& grid, const Particles& p, const Vec3& at, float h2, NeighbourBlock& block,
-                 std::size_t& n, Accept&& accept) {
-    std::array<float, chunk_size> r2{};
-    std::array<std::uint32_t, chunk_size> near{};
-    grid.for_each_run(at[0], at[1], at[2], [&](std::size_t from, std::size_t to, const Vec3& shift) {
-        const float sx = at[0] - shift[0];
-        const float sy = at[1] - shift[1];
-        const float sz = at[2] - shift[2];
-        for (std::size_t chunk = from; chunk < to; chunk += chunk_size) {
-            const std::size_t size = std::min(chunk_size, to - chunk);
-            const float* x = p.x.data() + chunk;
-            const float* y = p.y.data() + chunk;
-            const float* z = p.z.data() + chunk;
-#pragma omp simd
-            for (std::size_t c = 0; c < size; ++c) {
-                const float dx = sx - x[c];
-                const float dy = sy - y[c];
-                const float dz = sz - z[c];
-                r2[c] = dx * dx + dy * dy + dz * dz;
-            }
-            // Each candidate is written; only one that is near, and then only one that is accepted, moves the end.
-            std::size_t found = 0;
-            for (std::size_t c = 0; c < size; ++c) {
-                near[found] = static_cast<std::uint32_t>(c);
-                found += r2[c] < h2 ? 1U : 0U;
-            }
-            std::uint32_t* j = block.j.data();
-            float* dx = block.gx.data();
-            float* dy = block.gy.data();
-            float* dz = block.gz.data();
-            for (std::size_t c = 0; c < found; ++c) {
-                const std::size_t candidate = near[c];
-                j[n] = static_cast<std::uint32_t>(chunk + candidate);
-                dx[n] = sx - x[candidate];
-                dy[n] = sy - y[candidate];
-                dz[n] = sz - z[candidate];
-                n += accept(chunk + candidate, shift) ? 1U : 0U;
-            }
-            block.reserve(n + chunk_size + lanes);
-        }
-    });
-}
-
-// Ends a segment: fills it up to a multiple of the lanes with pairs that the kernel does not reach.
-void close_segment(NeighbourBlock& block, std::uint32_t i, float support_radius, const Mirror& mirror, std::size_t& n) {
-    for (; n % lanes != 0; ++n) {
-        block.j[n] = i;
-        block.gx[n] = support_radius;
-        block.gy[n] = 0;
-        block.gz[n] = 0;
+ClusterPlaces places_of(const Particles& p, std::size_t begin, std::size_t end) {
+    ClusterPlaces places;
+    for (std::size_t l = 0; l < cluster_size; ++l) {
+        const std::size_t i = std::min(begin + l, end - 1);
+        places.x[l] = p.x[i], places.y[l] = p.y[i], places.z[l] = p.z[i];
     }
-    block.segments.push_back({static_cast<std::uint32_t>(n), static_cast<std::int16_t>(mirror.obstacle),
-                              static_cast<std::int16_t>(mirror.obstacle_axis), mirror.reflection, mirror.viscous});
-    block.reserve(n + chunk_size + lanes);
+    return places;
 }
 
-template <typename AnyKernel>
-void fill_lists(const CellGrid& grid, const Solids& solids, const Particles& p, const AnyKernel& kernel,
-                float support_radius, float volume, NeighbourLists& lists) {
-    const float h2 = support_radius * support_radius;
-    const float self = volume * kernel.value(0);
-    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
-        NeighbourBlock& block = lists.blocks[b];
-        std::vector<Mirror>& mirrors = block.mirrors;
-        std::size_t n = 0;
-        block.segments.clear();
-        block.reserve(chunk_size + lanes);
-        block.first_segment[0] = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            const Vec3 x{p.x[i], p.y[i], p.z[i]};
-            const std::size_t first = n;
-            const bool by_obstacle = solids.obstacle_near(x);
-            const auto at = [&](std::size_t j, const Vec3& shift) {
-                return Vec3{p.x[j] + shift[0], p.y[j] + shift[1], p.z[j] + shift[2]};
-            };
-            append_near(grid, p, x, h2, block, n, [&](std::size_t j, const Vec3& shift) {
-                return j != i && (!by_obstacle || solids.visible(x, at(j, shift)));
-            });
-            close_segment(block, static_cast<std::uint32_t>(i), support_radius, {}, n);
-            solids.mirrors_near(x, mirrors);
-            for (const Mirror& mirror : mirrors) {
-                append_near(grid, p, mirror.reflect(x), h2, block, n, [&](std::size_t j, const Vec3& shift) {
-                    if (mirror.facet >= 0 && !solids.sees_in_facet(x, at(j, shift), mirror)) {
-                        return false;
-                    }
-                    return !by_obstacle || (mirror.obstacle < 0 ? solids.visible(x, mirror.reflect(at(j, shift)))
-                                                                : solids.sees_image(x, at(j, shift), mirror));
-                });
-                close_segment(block, static_cast<std::uint32_t>(i), support_radius, mirror, n);
-            }
-            block.first_segment[i - begin + 1] = static_cast<std::uint32_t>(block.segments.size());
+ClusterPlaces mapped(const ClusterPlaces& places, const RigidMap& map) {
+    ClusterPlaces image;
+    for (std::size_t l = 0; l < cluster_size; ++l) {
+        const Vec3 x = map({places.x[l], places.y[l], places.z[l]});
+        image.x[l] = x[0], image.y[l] = x[1], image.z[l] = x[2];
+    }
+    return image;
+}
 
-            float* gx = block.gx.data();
-            float* gy = block.gy.data();
-            float* gz = block.gz.data();
-            float* factor = block.gradient_factor.data();
-            LaneSum sum;
-            for (std::size_t k = first; k < n; k += lanes) {
-#pragma omp simd
-                for (std::size_t l = 0; l < lanes; ++l) {
-                    const float r = std::sqrt(gx[k + l] * gx[k + l] + gy[k + l] * gy[k + l] + gz[k + l] * gz[k + l]);
-                    const float g = volume * kernel.gradient_factor(r);
-                    sum.lane[l] += kernel.value(r);
-                    factor[k + l] = g;
-                    gx[k + l] *= g;
-                    gy[k + l] *= g;
-                    gz[k + l] *= g;
+Box box_round(const ClusterPlaces& places) {
+    Box box{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
+    const auto grow = [&](std::size_t axis, const std::array<float, cluster_size>& x) {
+        for (const float v : x) {
+            box.lo[axis] = std::min(box.lo[axis], v);
+            box.hi[axis] = std::max(box.hi[axis], v);
+        }
+    };
+    grow(0, places.x), grow(1, places.y), grow(2, places.z);
+    return box;
+}
+
+// Whether a particle at x sees one at y, or its image in a mirror.
+bool sees(const Solids& solids, const Vec3& x, const Vec3& y, const Mirror& mirror, bool by_obstacle) {
+    if (mirror.facet >= 0 && !solids.sees_in_facet(x, y, mirror)) {
+        return false;
+    }
+    return !by_obstacle || (mirror.obstacle < 0 ? solids.visible(x, mirror.reflect(y)) : solids.sees_image(x, y, mirror));
+}
+
+// Finds the lists of one block.
+class BlockSearch {
+ public:
+    BlockSearch(const CellGrid& grid, const Solids& solids, const Particles& particles, float support_radius,
+                NeighbourBlock& block)
+        : grid_(grid), solids_(solids), p_(particles), h_(support_radius), block_(block) {}
+
+    void find(std::size_t begin, std::size_t end) {
+        entries_ = 0;
+        block_.segments.clear();
+        block_.first_segment.fill(0);
+        for (std::size_t c = 0; c < clusters_per_block; ++c) {
+            const std::size_t first = begin + c * cluster_size;
+            if (first < end) {
+                add_cluster(first, std::min(first + cluster_size, end));
+            }
+            block_.first_segment[c + 1] = static_cast<std::uint32_t>(block_.segments.size());
+        }
+        if (block_.factor.size() < entries_ * cluster_size) {
+            block_.factor.resize((entries_ + entries_ / 4) * cluster_size);
+        }
+    }
+
+ private:
+    void add_cluster(std::size_t begin, std::size_t end) {
+        const ClusterPlaces places = places_of(p_, begin, end);
+        const Box box = box_round(places);
+        const bool by_obstacle = solids_.obstacle_near(box);
+        add_segments(places, {}, by_obstacle);
+        solids_.mirrors_near(box, block_.mirrors);
+        for (const Mirror& mirror : block_.mirrors) {
+            add_segments(places, mirror, by_obstacle);
+        }
+    }
+
+    // The segments of what is seen in a mirror: one, and one for each periodic border across which some of it lies.
+    void add_segments(const ClusterPlaces& places, const Mirror& mirror, bool by_obstacle) {
+        const RigidMap map = mirror.map();
+        const Box near = grown(box_round(mapped(places, map)));
+        grid_.for_each_period(near.lo, near.hi, [&](const Vec3& period) {
+            NeighbourBlock::Segment segment;
+            segment.obstacle = static_cast<std::int16_t>(mirror.obstacle);
+            segment.obstacle_axis = static_cast<std::int16_t>(mirror.obstacle_axis);
+            segment.by_sight = by_obstacle || mirror.facet >= 0;
+            segment.viscous = mirror.viscous;
+            segment.map = map;
+            for (std::size_t k = 0; k < 3; ++k) {
+                segment.map.shift[k] -= period[k];  // instead of shifting the particles
+            }
+            const std::size_t first = entries_;
+            const ClusterPlaces image = mapped(places, segment.map);
+            append(image);
+            if (segment.by_sight) {
+                keep_seen(places, image, mirror, period, by_obstacle, first);
+            }
+            if (entries_ > first) {
+                segment.end = static_cast<std::uint32_t>(entries_);
+                block_.segments.push_back(segment);
+            }
+        });
+    }
+
+    [[nodiscard]] Box grown(Box box) const {
+        for (std::size_t k = 0; k < 3; ++k) {
+            box.lo[k] -= h_;
+            box.hi[k] += h_;
+        }
+        return box;
+    }
+
+    // Appends the particles that are nearer than the support radius to one of these places.
+    void append(const ClusterPlaces& places) {
+        const Box box = box_round(places);
+        const Box near = grown(box);
+        block_.runs.clear();
+        std::size_t most = cluster_size;
+        grid_.for_each_run(near.lo, near.hi, [&](std::uint32_t begin, std::uint32_t end) {
+            block_.runs.push_back({begin, end});
+            most += end - begin;
+        });
+        if (block_.j.size() < entries_ + most) {
+            block_.j.resize(entries_ + entries_ / 4 + most);
+        }
+        entries_ += append_near(places, box, h_, p_, block_.runs, block_.j.data() + entries_);
+    }
+
+    // Keeps of the entries from `first` on those that some lane sees, and notes which do.
+    void keep_seen(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Vec3& period,
+                   bool by_obstacle, std::size_t first) {
+        block_.sight.resize(block_.j.size());
+        std::size_t kept = first;
+        for (std::size_t k = first; k < entries_; ++k) {
+            const std::uint32_t j = block_.j[k];
+            const Vec3 at{p_.x[j] + period[0], p_.y[j] + period[1], p_.z[j] + period[2]};
+            unsigned lanes = 0;
+            for (std::size_t l = 0; l < cluster_size; ++l) {
+                const float dx = image.x[l] - p_.x[j];
+                const float dy = image.y[l] - p_.y[j];
+                const float dz = image.z[l] - p_.z[j];
+                if (dx * dx + dy * dy + dz * dz < h_ * h_ &&
+                    sees(solids_, {places.x[l], places.y[l], places.z[l]}, at, mirror, by_obstacle)) {
+                    lanes |= 1U << l;
                 }
             }
-            lists.density[i] = self + volume * sum.total();
+            block_.j[kept] = j;
+            block_.sight[kept] = static_cast<std::uint16_t>(lanes);
+            kept += lanes != 0 ? 1U : 0U;
         }
-    });
-}
+        entries_ = kept;
+    }
+
+    const CellGrid& grid_;
+    const Solids& solids_;
+    const Particles& p_;
+    float h_;
+    NeighbourBlock& block_;
+    std::size_t entries_ = 0;
+};
 
 }  // namespace
 
@@ -146,9 +173,12 @@ Kernel make_kernel(const Fluid& fluid) {
     return fluid.kernel == KernelKind::wendland_c2 ? Kernel(WendlandC2(h)) : Kernel(CubicSpline(h));
 }
 
-void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& p, const Kernel& kernel,
-                     float support_radius, float volume, NeighbourLists& lists) {
-    std::visit([&](const auto& k) { fill_lists(grid, solids, p, k, support_radius, volume, lists); }, kernel);
+void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& p, float support_radius,
+                     NeighbourLists& lists) {
+    lists.count = p.count;
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        BlockSearch(grid, solids, p, support_radius, lists.blocks[b]).find(begin, end);
+    });
 }
 
 }  // namespace wade::fluid

@@ -1,7 +1,22 @@
 #pragma once
-// Neighbour lists: for each particle its neighbours and the images that it sees, with the kernel gradients that every
-// sweep of the solver uses.
+// Neighbour lists of clusters.
+//
+// A cluster is `cluster_size` particles that follow one another in the sorted arrays and so lie close together. It has one
+// list: the particles that at least one of its own may see. A sweep works on the whole cluster at once, one particle a
+// lane, and takes the particles of the list one after the other:
+//
+//                       lanes: the cluster's particles
+//   list    j = 17    [ g  g  0  g  g  g  .  .  0  g ]    g: a neighbour nearer than the support radius
+//           j = 18    [ g  g  g  g  0  g  .  .  g  g ]    0: too far away; the kernel is zero there
+//
+// so that nothing is gathered, and a particle costs the list 4 bytes a cluster. What every sweep needs, the factor of the
+// kernel gradient, is kept for each place of this table in 16 bits.
+//
+// A list has segments: the first holds neighbours, each further one the neighbours seen in a mirror (solids.hpp) or beyond
+// a periodic border. There it is the cluster that moves: its lanes are mapped, x -> R x + shift, and the list names
+// ordinary particles. With x~ the mapped place, V grad W at the image is R g~ where g~ = V grad W(x~_i - x_j).
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -20,73 +35,106 @@ namespace wade::fluid {
 using Kernel = std::variant<CubicSpline, WendlandC2>;
 [[nodiscard]] Kernel make_kernel(const Fluid& fluid);
 
-// Sweeps over pairs work on this many at a time.
-inline constexpr std::size_t lanes = 8;
+static_assert(block_size % cluster_size == 0, "a block holds whole clusters");
+inline constexpr std::size_t clusters_per_block = block_size / cluster_size;
 
-// Neighbours of one block of particles, in segments: the first segment of a particle holds its neighbours, each further
-// one the neighbours that it sees in one mirror (solids.hpp). The gradients of a segment are those of the image,
-// V grad W(x_i - R x_j), reflected: g = R V grad W, so that u . (V grad W) = (R u) . g. Without a mirror R is the
-// identity. A segment is filled up to a multiple of `lanes` with pairs of i and itself whose gradient is zero.
+// A stretch of sorted particles.
+struct Run {
+    std::uint32_t begin = 0, end = 0;
+};
+
+// The places of a cluster's particles, or of their images, m; where it has fewer, the last one is there again.
+struct ClusterPlaces {
+    std::array<float, cluster_size> x{}, y{}, z{};
+};
+
+// The lists of the clusters of one block.
 struct NeighbourBlock {
     struct Segment {
-        std::uint32_t end = 0;       // one past the last pair; the first is the end of the segment before
-        std::int16_t obstacle = -1;  // in whose face the images are seen, or -1
+        std::uint32_t end = 0;         // one past its last entry; the first is the end of the segment before
+        std::int16_t obstacle = -1;    // in whose face the images are seen, or -1
         std::int16_t obstacle_axis = 0;
-        PlaneMap reflection;    // R
-        ImageVelocity viscous;  // for viscosity
+        bool by_sight = false;         // not every lane sees every entry: `sight` says which
+        RigidMap map;                  // of the cluster's places
+        ImageVelocity viscous;         // for viscosity
     };
-    std::array<std::uint32_t, block_size + 1> first_segment{};
+    std::array<std::uint32_t, clusters_per_block + 1> first_segment{};
     std::vector<Segment> segments;
-    std::vector<std::uint32_t> j;
-    std::vector<float> gx, gy, gz;       // V = d^3; in 1/m
-    std::vector<float> gradient_factor;  // V (dW/dr) / r, 1/m^2: for viscosity
+    std::vector<std::uint32_t> j;        // entries: a particle each
+    std::vector<std::uint16_t> sight;    // of each entry, bit l: lane l sees it; only where a segment is by sight
+    std::vector<std::uint16_t> factor;   // of each entry, cluster_size lanes: (dW/dr) / r in NeighbourLists::factor_unit
     std::vector<Mirror> mirrors;         // room for the search
-    void reserve(std::size_t pairs);     // room for at least so many pairs
+    std::vector<Run> runs;
 };
 
+// A factor in units of NeighbourLists::factor_unit is at most this.
+inline constexpr float largest_factor_units = 65535;
+
+// The quantum of a factor is 1.5e-5 of its largest value, at r = 0: 2e-5 of the largest V grad W. A pair's two factors
+// are the same bits, so that the forces between the two stay opposite.
 struct NeighbourLists {
     std::vector<NeighbourBlock> blocks;
-    std::vector<float> density;  // V sum_j W_ij, neighbours, images and i itself: density over rest density
+    std::size_t count = 0;            // of particles that have lists
+    float factor_unit = 0;            // V (dW/dr) / r that one unit stands for, 1/m^2, negative
+    std::vector<float> x, y, z;       // places that the lists were made for, while the particles are elsewhere; m
 
-    explicit NeighbourLists(std::size_t capacity) : blocks(block_count(capacity)), density(capacity) {}
+    explicit NeighbourLists(std::size_t capacity)
+        : blocks(block_count(capacity)), x(padded(capacity)), y(padded(capacity)), z(padded(capacity)) {}
 };
 
-// Calls body(i, its block, its place in the block) for every particle, in parallel.
-template <typename Body>
-void for_each_list(std::size_t n, const NeighbourLists& lists, Body&& body) {
-    for_each_block(n, [&](std::size_t begin, std::size_t end, std::size_t b) {
-        for (std::size_t i = begin; i < end; ++i) {
-            body(i, lists.blocks[b], i - begin);
-        }
-    });
+// First entry of a cluster of a block.
+inline std::size_t first_entry(const NeighbourBlock& block, std::size_t cluster) {
+    const std::uint32_t s = block.first_segment[cluster];
+    return s == 0 ? 0 : block.segments[s - 1].end;
 }
 
-// First pair and one past the last pair of the particle at a place of its block, all segments together.
-inline std::array<std::size_t, 2> all_pairs(const NeighbourBlock& block, std::size_t place) {
-    const std::uint32_t first = block.first_segment[place];
-    return {first == 0 ? 0U : block.segments[first - 1].end, block.segments[block.first_segment[place + 1] - 1].end};
-}
-
-// Calls body(segment, first pair, last pair) for each segment of the particle at a place of its block.
+// Calls body(segment, first entry, one past its last) for each segment of a cluster of a block.
 template <typename Body>
-void for_each_segment(const NeighbourBlock& block, std::size_t place, Body&& body) {
-    std::size_t first = all_pairs(block, place)[0];
-    for (std::uint32_t s = block.first_segment[place]; s < block.first_segment[place + 1]; ++s) {
+void for_each_segment(const NeighbourBlock& block, std::size_t cluster, Body&& body) {
+    std::size_t first = first_entry(block, cluster);
+    for (std::uint32_t s = block.first_segment[cluster]; s < block.first_segment[cluster + 1]; ++s) {
         body(block.segments[s], first, static_cast<std::size_t>(block.segments[s].end));
         first = block.segments[s].end;
     }
 }
 
-// A sum whose terms are added lane by lane: the compiler keeps it in one vector register.
-struct LaneSum {
-    alignas(32) std::array<float, lanes> lane{};
-    [[nodiscard]] float total() const {
-        return ((lane[0] + lane[4]) + (lane[1] + lane[5])) + ((lane[2] + lane[6]) + (lane[3] + lane[7]));
-    }
+// A particle i and one that it sees, j.
+struct ListedPair {
+    std::size_t i, j;
+    const NeighbourBlock::Segment& segment;
+    float factor;   // V (dW/dr) / r, 1/m^2
+    Vec3 gradient;  // g~_ij, 1/m
 };
 
-// Fills the lists for sorted particles: all j != i nearer than the support radius, and all images, of i as well.
-void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& particles, const Kernel& kernel,
-                     float support_radius, float volume, NeighbourLists& lists);
+// Calls body(pair) for each pair of a block's particles i whose kernel is not zero: the slow way through the lists, for
+// diagnostics and tests. Uses the places that NeighbourLists keeps.
+template <typename Body>
+void for_each_pair(const NeighbourLists& lists, std::size_t b, Body&& body) {
+    const NeighbourBlock& block = lists.blocks[b];
+    for (std::size_t c = 0; c < clusters_per_block; ++c) {
+        const std::size_t begin = b * block_size + c * cluster_size;
+        const std::size_t end = std::min(begin + cluster_size, lists.count);
+        for_each_segment(block, c, [&](const NeighbourBlock::Segment& segment, std::size_t first, std::size_t last) {
+            for (std::size_t k = first; k < last; ++k) {
+                const std::size_t j = block.j[k];
+                for (std::size_t i = begin; i < end; ++i) {
+                    const std::uint16_t units = block.factor[k * cluster_size + i - begin];
+                    if (units > 0) {
+                        const float factor = lists.factor_unit * static_cast<float>(units);
+                        const Vec3 seen = segment.map({lists.x[i], lists.y[i], lists.z[i]});
+                        body(ListedPair{i, j, segment, factor,
+                                        {factor * (seen[0] - lists.x[j]), factor * (seen[1] - lists.y[j]),
+                                         factor * (seen[2] - lists.z[j])}});
+                    }
+                }
+            }
+        });
+    }
+}
+
+// Finds the lists of sorted particles: all that are nearer than the support radius, i itself among them, and all images.
+// Their factors are still to be computed (sweeps.hpp).
+void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& particles, float support_radius,
+                     NeighbourLists& lists);
 
 }  // namespace wade::fluid

@@ -15,6 +15,14 @@ enum class Kind : std::uint8_t {
     inflow  // still inside the emitter: moves with the emitter's velocity
 };
 
+// Sweeps work on clusters of this many particles that follow one another.
+inline constexpr std::size_t cluster_size = 16;
+
+// Length of an array of one number a particle, of which sweeps may touch whole clusters.
+inline std::size_t padded(std::size_t capacity) {
+    return (capacity / cluster_size + 2) * cluster_size;
+}
+
 // One entry a particle in every array; only the first `count` are alive. Sizes are fixed at construction.
 struct Particles {
     std::size_t count = 0;
@@ -26,17 +34,17 @@ struct Particles {
     std::vector<Kind> kind;
 
     explicit Particles(std::size_t capacity)
-        : x(capacity),
-          y(capacity),
-          z(capacity),
-          vx(capacity),
-          vy(capacity),
-          vz(capacity),
-          pressure(capacity),
-          shift_pressure(capacity),
+        : x(padded(capacity)),
+          y(padded(capacity)),
+          z(padded(capacity)),
+          vx(padded(capacity)),
+          vy(padded(capacity)),
+          vz(padded(capacity)),
+          pressure(padded(capacity)),
+          shift_pressure(padded(capacity)),
           kind(capacity, Kind::fluid) {}
 
-    [[nodiscard]] std::size_t capacity() const { return x.size(); }
+    [[nodiscard]] std::size_t capacity() const { return kind.size(); }
 
     // Adds a particle; its pressure over rest density, m^2/s^2, is a first guess. Throws std::length_error if there is no room.
     void add(const std::array<float, 3>& position, const std::array<float, 3>& velocity, Kind k,

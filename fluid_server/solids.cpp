@@ -93,23 +93,23 @@ Solids::Solids(const Scene& scene)
     }
 }
 
-bool Solids::near(const Box& box, const Vec3& x) const {
+bool Solids::near(const Box& a, const Box& b) const {
     for (std::size_t k = 0; k < 3; ++k) {
-        if (x[k] <= box.lo[k] - support_radius_ || x[k] >= box.hi[k] + support_radius_) {
+        if (a.hi[k] <= b.lo[k] - support_radius_ || a.lo[k] >= b.hi[k] + support_radius_) {
             return false;
         }
     }
     return true;
 }
 
-void Solids::mirrors_near(const Vec3& x, std::vector<Mirror>& mirrors) const {
+void Solids::mirrors_near(const Box& box, std::vector<Mirror>& mirrors) const {
     mirrors.clear();
     mirrors.push_back({});  // no reflection; each axis then adds its own to all that are there
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t before = mirrors.size();
         for (const bool upper : {false, true}) {
             const float plane = upper ? interior_.hi[k] : interior_.lo[k];
-            if (std::abs(x[k] - plane) < support_radius_) {
+            if (box.lo[k] - support_radius_ < plane && plane < box.hi[k] + support_radius_) {
                 for (std::size_t m = 0; m < before; ++m) {
                     Mirror mirror = mirrors[m];
                     add_plane(mirror, k, plane, sticks_[k][upper ? 1 : 0]);
@@ -118,20 +118,24 @@ void Solids::mirrors_near(const Vec3& x, std::vector<Mirror>& mirrors) const {
             }
         }
         if (k == 1) {
-            add_facet_mirrors(x, before, mirrors);
+            add_facet_mirrors(box, before, mirrors);
         }
     }
     if (!obstacles_.empty()) {
-        add_obstacle_mirrors(x, mirrors);
+        add_obstacle_mirrors(box, mirrors);
     }
     mirrors.erase(mirrors.begin());
 }
 
-void Solids::add_facet_mirrors(const Vec3& x, std::size_t before, std::vector<Mirror>& mirrors) const {
+void Solids::add_facet_mirrors(const Box& box, std::size_t before, std::vector<Mirror>& mirrors) const {
+    const float middle_x = 0.5F * (box.lo[0] + box.hi[0]);
+    const float middle_y = 0.5F * (box.lo[1] + box.hi[1]);
     for (std::size_t f = 0; f < bed_.size(); ++f) {
         const BedFacet& facet = bed_[f];
-        if (x[0] <= facet.x_lo - support_radius_ || x[0] >= facet.x_hi + support_radius_ ||
-            std::abs(facet.distance(x[0], x[1])) >= support_radius_) {
+        const float reach = support_radius_ + 0.5F * (std::abs(facet.nx) * (box.hi[0] - box.lo[0]) +
+                                                      std::abs(facet.ny) * (box.hi[1] - box.lo[1]));
+        if (box.hi[0] <= facet.x_lo - support_radius_ || box.lo[0] >= facet.x_hi + support_radius_ ||
+            std::abs(facet.distance(middle_x, middle_y)) >= reach) {
             continue;
         }
         for (std::size_t m = 0; m < before; ++m) {
@@ -160,30 +164,31 @@ bool Solids::sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) c
            facet.distance(x[0], x[1]) + facet.distance(y[0], y[1]) > 0;
 }
 
-void Solids::add_obstacle_mirrors(const Vec3& x, std::vector<Mirror>& mirrors) const {
+void Solids::add_obstacle_mirrors(const Box& box, std::vector<Mirror>& mirrors) const {
     const std::size_t walls = mirrors.size();
     for (std::size_t o = 0; o < obstacles_.size(); ++o) {
-        const Box& box = obstacles_[o];
-        for (std::size_t k = 0; k < 3 && near(box, x); ++k) {
-            const bool beyond = x[k] >= box.hi[k];
-            if (!beyond && x[k] > box.lo[k]) {
-                continue;  // this axis has no face that the particle can see
-            }
-            for (std::size_t m = 0; m < walls; ++m) {
-                Mirror mirror = mirrors[m];
-                if (!mirror.axis[k] && (k == 2 || !mirror.inclined)) {
-                    add_plane(mirror, k, beyond ? box.hi[k] : box.lo[k], obstacles_stick_);
-                    mirror.obstacle = static_cast<int>(o);
-                    mirror.obstacle_axis = k;
-                    mirrors.push_back(mirror);
+        const Box& obstacle = obstacles_[o];
+        for (std::size_t k = 0; k < 3 && near(obstacle, box); ++k) {
+            for (const bool upper : {false, true}) {
+                if (upper ? box.hi[k] < obstacle.hi[k] : box.lo[k] > obstacle.lo[k]) {
+                    continue;  // nobody is on this face's side
+                }
+                for (std::size_t m = 0; m < walls; ++m) {
+                    Mirror mirror = mirrors[m];
+                    if (!mirror.axis[k] && (k == 2 || !mirror.inclined)) {
+                        add_plane(mirror, k, upper ? obstacle.hi[k] : obstacle.lo[k], obstacles_stick_);
+                        mirror.obstacle = static_cast<int>(o);
+                        mirror.obstacle_axis = k;
+                        mirrors.push_back(mirror);
+                    }
                 }
             }
         }
     }
 }
 
-bool Solids::obstacle_near(const Vec3& x) const {
-    return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Box& box) { return near(box, x); });
+bool Solids::obstacle_near(const Box& box) const {
+    return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Box& obstacle) { return near(obstacle, box); });
 }
 
 bool Solids::visible(const Vec3& x, const Vec3& y) const {

@@ -50,11 +50,11 @@ class Solids {
     // Bed, lid if there is one, banks unless the sides are periodic, end walls if the channel is closed, and all obstacles.
     explicit Solids(const Scene& scene);
 
-    // Replaces `mirrors` by those in which a particle at x may see images nearer than the support radius.
-    void mirrors_near(const Vec3& x, std::vector<Mirror>& mirrors) const;
+    // Replaces `mirrors` by those in which a particle of a box may see images nearer than the support radius.
+    void mirrors_near(const Box& box, std::vector<Mirror>& mirrors) const;
 
-    // Whether an obstacle is nearer to x than the support radius, so that the two questions below arise.
-    [[nodiscard]] bool obstacle_near(const Vec3& x) const;
+    // Whether an obstacle is nearer to a box than the support radius, so that the two questions below arise.
+    [[nodiscard]] bool obstacle_near(const Box& box) const;
 
     // Whether the straight line from x to y passes through no obstacle.
     [[nodiscard]] bool visible(const Vec3& x, const Vec3& y) const;
@@ -88,9 +88,9 @@ class Solids {
     [[nodiscard]] const std::vector<Box>& obstacles() const { return obstacles_; }
 
  private:
-    [[nodiscard]] bool near(const Box& box, const Vec3& x) const;
-    void add_facet_mirrors(const Vec3& x, std::size_t before, std::vector<Mirror>& mirrors) const;
-    void add_obstacle_mirrors(const Vec3& x, std::vector<Mirror>& mirrors) const;
+    [[nodiscard]] bool near(const Box& a, const Box& b) const;
+    void add_facet_mirrors(const Box& box, std::size_t before, std::vector<Mirror>& mirrors) const;
+    void add_obstacle_mirrors(const Box& box, std::vector<Mirror>& mirrors) const;
     Vec3 apply_border_contact(const Vec3& x, float dt, Vec3& v) const;
     bool apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const;
 
