@@ -191,7 +191,8 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
     }
     PressureSolve of_this_step = settings;
     of_this_step.tolerance *= static_cast<double>(step_share) * std::min(1.0, std::pow(usual_layers / layers_, 2));
-    const double forgotten = confined_ ? forgotten_confined : std::min(forgotten_at_most, forgotten_per_layer * layers_);
+    const double forgotten =
+        confined_ ? forgotten_confined : std::min(forgotten_at_most, forgotten_per_layer * layers_);
     const SolveResult result =
         iterate(p.pressure, static_cast<float>(1 - forgotten), p, lists, correction, f, dt, of_this_step);
     apply_acceleration(p, f, dt);
@@ -201,9 +202,8 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
 SolveResult PressureSolver::solve_density(std::vector<float>& pressure, Particles& p, const NeighbourLists& lists,
                                           const GradientCorrection* correction, ParticleFields& f, float dt,
                                           const PressureSolve& settings) {
-    for_each_density_rate(velocities(p), p, lists, correction, f, [&](std::size_t i, float rate, std::size_t) {
-        f.source[i] = f.density[i] - 1 + dt * rate;
-    });
+    for_each_density_rate(velocities(p), p, lists, correction, f,
+                          [&](std::size_t i, float rate, std::size_t) { f.source[i] = f.density[i] - 1 + dt * rate; });
     if (confined_) {
         subtract_mean(f.source, p.count);
     }

@@ -32,7 +32,7 @@ namespace wade::fluid {
 
 struct SolveResult {
     int iterations = 0;
-    int sweeps = 0;  // over all pairs
+    int sweeps = 0;    // over all pairs
     double error = 0;  // mean predicted compression left: fraction of rest density
 };
 
@@ -74,8 +74,9 @@ class PressureSolver {
     // correction: of the gradients of confined water, or null.
     // step_share: dt over a step of CFL 0.5, at most 1. The tolerance, a change of density, is meant for such a step, and
     //     so is the gap that may be closed, so that shorter steps are not less exact.
-    SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists, const GradientCorrection* correction,
-                                 ParticleFields& fields, float dt, float step_share, const PressureSolve& settings);
+    SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists,
+                                 const GradientCorrection* correction, ParticleFields& fields, float dt,
+                                 float step_share, const PressureSolve& settings);
 
     // Finds the accelerations fields.ax, ay, az by which the densities after dt do not exceed rest density, and leaves
     // the velocities as they are.

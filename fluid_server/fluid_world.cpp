@@ -89,9 +89,10 @@ FluidWorld::FluidWorld(const Scene& scene)
       volume_(static_cast<float>(std::pow(scene.fluid.particle_spacing, 3))),
       particle_mass_(static_cast<float>(scene.fluid.rest_density * std::pow(scene.fluid.particle_spacing, 3))),
       kernel_(make_kernel(scene.fluid)),
-      viscosity_(scene.fluid.kinematic_viscosity / std::visit([&](const auto& kernel) {
-                     return lattice_second_moment(kernel, scene.fluid.particle_spacing);
-                 }, kernel_)),
+      viscosity_(
+          scene.fluid.kinematic_viscosity /
+          std::visit([&](const auto& kernel) { return lattice_second_moment(kernel, scene.fluid.particle_spacing); },
+                     kernel_)),
       confined_(false),
       particles_(static_cast<std::size_t>(scene.fluid.max_particles)),
       grid_(scene, support_radius_),
@@ -105,9 +106,9 @@ FluidWorld::FluidWorld(const Scene& scene)
     fill_scene(particles_, scene);
     confined_ = fills_channel(scene, static_cast<double>(particles_.count) * std::pow(scene.fluid.particle_spacing, 3));
     const double layers = std::max(1.0, deepest_water(scene) / scene.fluid.particle_spacing);
-    std::visit([&](const auto& kernel) {
-        solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_, layers);
-    }, kernel_);
+    std::visit(
+        [&](const auto& kernel) { solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_, layers); },
+        kernel_);
     initial_speed_ = fastest_particle(particles_);
     if (scene.channel.manning_n > 0) {
         friction_.emplace(scene);
@@ -189,13 +190,13 @@ StepReport FluidWorld::step(double remaining) {
         clock.finished(Stage::divergence_solve);
         apply_contact(dt, report);
         clock.finished(Stage::contact);
-        report.density =
-            solver_->solve_density(particles_.shift_pressure, particles_, lists_, correction, fields_, dt, fluid.density_solve);
+        report.density = solver_->solve_density(particles_.shift_pressure, particles_, lists_, correction, fields_, dt,
+                                                fluid.density_solve);
         clock.finished(Stage::density_solve);
         advance(dt, dt, report);
     } else {
-        report.density =
-            solver_->solve_density(particles_.pressure, particles_, lists_, correction, fields_, dt, fluid.density_solve);
+        report.density = solver_->solve_density(particles_.pressure, particles_, lists_, correction, fields_, dt,
+                                                fluid.density_solve);
         apply_acceleration(particles_, fields_, dt);
         clock.finished(Stage::density_solve);
         apply_contact(dt, report);

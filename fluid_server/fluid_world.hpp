@@ -84,9 +84,9 @@ class FluidWorld {
     float volume_;
     float particle_mass_;
     Kernel kernel_;
-    double viscosity_;  // nu over the kernel's second moment on the lattice, m^2/s
-    bool confined_;     // the water has no free surface
-    float step_share_ = 1;   // of the step at hand, see solve_divergence
+    double viscosity_;      // nu over the kernel's second moment on the lattice, m^2/s
+    bool confined_;         // the water has no free surface
+    float step_share_ = 1;  // of the step at hand, see solve_divergence
     Particles particles_;
     CellGrid grid_;
     NeighbourLists lists_;

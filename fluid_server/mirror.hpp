@@ -48,11 +48,11 @@ struct Mirror {
     Vec3 plane{};
     int obstacle = -1;  // whose face is one of them, or -1
     std::size_t obstacle_axis = 0;
-    int facet = -1;          // of the bed, or -1
-    bool inclined = false;   // the facet is not level: it stands for axis 1, and these hold
-    float nx = 0, ny = 1;    // its unit normal, up
-    float px = 0, py = 0;    // a point of it, m
-    PlaneMap reflection;     // R, of vectors
+    int facet = -1;         // of the bed, or -1
+    bool inclined = false;  // the facet is not level: it stands for axis 1, and these hold
+    float nx = 0, ny = 1;   // its unit normal, up
+    float px = 0, py = 0;   // a point of it, m
+    PlaneMap reflection;    // R, of vectors
     ImageVelocity viscous;
 
     [[nodiscard]] Vec3 reflect(const Vec3& x) const {

@@ -44,7 +44,8 @@ bool sees(const Solids& solids, const Vec3& x, const Vec3& y, const Mirror& mirr
     if (mirror.facet >= 0 && !solids.sees_in_facet(x, y, mirror)) {
         return false;
     }
-    return !by_obstacle || (mirror.obstacle < 0 ? solids.visible(x, mirror.reflect(y)) : solids.sees_image(x, y, mirror));
+    return !by_obstacle ||
+           (mirror.obstacle < 0 ? solids.visible(x, mirror.reflect(y)) : solids.sees_image(x, y, mirror));
 }
 
 // Finds the lists of one block.

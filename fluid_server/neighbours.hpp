@@ -51,19 +51,19 @@ struct ClusterPlaces {
 // The lists of the clusters of one block.
 struct NeighbourBlock {
     struct Segment {
-        std::uint32_t end = 0;         // one past its last entry; the first is the end of the segment before
-        std::int16_t obstacle = -1;    // in whose face the images are seen, or -1
+        std::uint32_t end = 0;       // one past its last entry; the first is the end of the segment before
+        std::int16_t obstacle = -1;  // in whose face the images are seen, or -1
         std::int16_t obstacle_axis = 0;
-        bool by_sight = false;         // not every lane sees every entry: `sight` says which
-        RigidMap map;                  // of the cluster's places
-        ImageVelocity viscous;         // for viscosity
+        bool by_sight = false;  // not every lane sees every entry: `sight` says which
+        RigidMap map;           // of the cluster's places
+        ImageVelocity viscous;  // for viscosity
     };
     std::array<std::uint32_t, clusters_per_block + 1> first_segment{};
     std::vector<Segment> segments;
-    std::vector<std::uint32_t> j;        // entries: a particle each
-    std::vector<std::uint16_t> sight;    // of each entry, bit l: lane l sees it; only where a segment is by sight
-    std::vector<std::uint16_t> factor;   // of each entry, cluster_size lanes: (dW/dr) / r in NeighbourLists::factor_unit
-    std::vector<Mirror> mirrors;         // room for the search
+    std::vector<std::uint32_t> j;       // entries: a particle each
+    std::vector<std::uint16_t> sight;   // of each entry, bit l: lane l sees it; only where a segment is by sight
+    std::vector<std::uint16_t> factor;  // of each entry, cluster_size lanes: (dW/dr) / r in NeighbourLists::factor_unit
+    std::vector<Mirror> mirrors;        // room for the search
     std::vector<Run> runs;
 };
 
@@ -74,9 +74,9 @@ inline constexpr float largest_factor_units = 65535;
 // are the same bits, so that the forces between the two stay opposite.
 struct NeighbourLists {
     std::vector<NeighbourBlock> blocks;
-    std::size_t count = 0;            // of particles that have lists
-    float factor_unit = 0;            // V (dW/dr) / r that one unit stands for, 1/m^2, negative
-    std::vector<float> x, y, z;       // places that the lists were made for, while the particles are elsewhere; m
+    std::size_t count = 0;       // of particles that have lists
+    float factor_unit = 0;       // V (dW/dr) / r that one unit stands for, 1/m^2, negative
+    std::vector<float> x, y, z;  // places that the lists were made for, while the particles are elsewhere; m
 
     explicit NeighbourLists(std::size_t capacity)
         : blocks(block_count(capacity)), x(padded(capacity)), y(padded(capacity)), z(padded(capacity)) {}
@@ -122,7 +122,10 @@ void for_each_pair(const NeighbourLists& lists, std::size_t b, Body&& body) {
                     if (units > 0) {
                         const float factor = lists.factor_unit * static_cast<float>(units);
                         const Vec3 seen = segment.map({lists.x[i], lists.y[i], lists.z[i]});
-                        body(ListedPair{i, j, segment, factor,
+                        body(ListedPair{i,
+                                        j,
+                                        segment,
+                                        factor,
                                         {factor * (seen[0] - lists.x[j]), factor * (seen[1] - lists.y[j]),
                                          factor * (seen[2] - lists.z[j])}});
                     }

@@ -66,14 +66,13 @@ struct ParticleArray {
     const char* name;
     std::vector<float> Particles::*values;
 };
-inline constexpr std::array<ParticleArray, 8> particle_arrays{
-    {{"x", &Particles::x},
-     {"y", &Particles::y},
-     {"z", &Particles::z},
-     {"vx", &Particles::vx},
-     {"vy", &Particles::vy},
-     {"vz", &Particles::vz},
-     {"shift_pressure", &Particles::shift_pressure},
-     {"pressure", &Particles::pressure}}};
+inline constexpr std::array<ParticleArray, 8> particle_arrays{{{"x", &Particles::x},
+                                                               {"y", &Particles::y},
+                                                               {"z", &Particles::z},
+                                                               {"vx", &Particles::vx},
+                                                               {"vy", &Particles::vy},
+                                                               {"vz", &Particles::vz},
+                                                               {"shift_pressure", &Particles::shift_pressure},
+                                                               {"pressure", &Particles::pressure}}};
 
 }  // namespace wade::fluid

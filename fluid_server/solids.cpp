@@ -82,13 +82,27 @@ Solids::Solids(const Scene& scene)
         const Vec3 velocity{static_cast<float>(wall.velocity[0]), static_cast<float>(wall.velocity[1]),
                             static_cast<float>(wall.velocity[2])};
         switch (wall.plane) {
-            case Plane::bed: sticks_[1][0] = velocity; break;
-            case Plane::top: sticks_[1][1] = velocity; break;
-            case Plane::x_min: sticks_[0][0] = velocity; break;
-            case Plane::x_max: sticks_[0][1] = velocity; break;
-            case Plane::z_min: sticks_[2][0] = velocity; break;
-            case Plane::z_max: sticks_[2][1] = velocity; break;
-            case Plane::obstacles: obstacles_stick_ = velocity; break;
+            case Plane::bed:
+                sticks_[1][0] = velocity;
+                break;
+            case Plane::top:
+                sticks_[1][1] = velocity;
+                break;
+            case Plane::x_min:
+                sticks_[0][0] = velocity;
+                break;
+            case Plane::x_max:
+                sticks_[0][1] = velocity;
+                break;
+            case Plane::z_min:
+                sticks_[2][0] = velocity;
+                break;
+            case Plane::z_max:
+                sticks_[2][1] = velocity;
+                break;
+            case Plane::obstacles:
+                obstacles_stick_ = velocity;
+                break;
         }
     }
 }
@@ -147,9 +161,9 @@ void Solids::add_facet_mirrors(const Box& box, std::size_t before, std::vector<M
             } else {
                 mirror.inclined = true;
                 mirror.nx = facet.nx, mirror.ny = facet.ny, mirror.px = facet.px, mirror.py = facet.py;
-                reflect_velocities(mirror,
-                                   {1 - 2 * facet.nx * facet.nx, -2 * facet.nx * facet.ny, 1 - 2 * facet.ny * facet.ny, 1},
-                                   sticks_[1][0]);
+                reflect_velocities(
+                    mirror, {1 - 2 * facet.nx * facet.nx, -2 * facet.nx * facet.ny, 1 - 2 * facet.ny * facet.ny, 1},
+                    sticks_[1][0]);
             }
             mirror.facet = static_cast<int>(f);
             mirrors.push_back(mirror);
@@ -160,8 +174,7 @@ void Solids::add_facet_mirrors(const Box& box, std::size_t before, std::vector<M
 bool Solids::sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) const {
     const BedFacet& facet = bed_[static_cast<std::size_t>(mirror.facet)];
     const float middle = 0.5F * (x[0] + y[0]);
-    return middle >= facet.x_lo && middle < facet.x_hi &&
-           facet.distance(x[0], x[1]) + facet.distance(y[0], y[1]) > 0;
+    return middle >= facet.x_lo && middle < facet.x_hi && facet.distance(x[0], x[1]) + facet.distance(y[0], y[1]) > 0;
 }
 
 void Solids::add_obstacle_mirrors(const Box& box, std::vector<Mirror>& mirrors) const {
@@ -237,11 +250,12 @@ bool Solids::sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) cons
 
 Vec3 Solids::apply_border_contact(const Vec3& x, float dt, Vec3& v) const {
     const Vec3 before = v;
+    const float rate = 1 / dt;
     for (std::size_t k = 0; k < 3; ++k) {
         const float to_lo = interior_.lo[k] + contact_distance_ - x[k];  // negative while free
         const float to_hi = interior_.hi[k] - contact_distance_ - x[k];  // positive while free
-        v[k] = std::max(v[k], std::min(to_lo, 0.0F) / dt);
-        v[k] = std::min(v[k], std::max(to_hi, 0.0F) / dt);
+        v[k] = std::max(v[k], std::min(to_lo, 0.0F) * rate);
+        v[k] = std::min(v[k], std::max(to_hi, 0.0F) * rate);
     }
     if (!bed_.empty()) {
         // The facet where the particle is, and the one where it goes.

@@ -90,7 +90,8 @@ HWY_INLINE Vec3V way_from(const Vec3V& x, const Particles& p, std::size_t j) {
 HWY_INLINE V factor_of(const NeighbourBlock& block, std::size_t entry, std::size_t lane) {
     const hn::Rebind<std::uint16_t, Lanes> stored;
     const hn::Rebind<std::int32_t, Lanes> whole;
-    return hn::ConvertTo(lanes, hn::PromoteTo(whole, hn::LoadU(stored, block.factor.data() + entry * cluster_size + lane)));
+    return hn::ConvertTo(lanes,
+                         hn::PromoteTo(whole, hn::LoadU(stored, block.factor.data() + entry * cluster_size + lane)));
 }
 
 // Calls body(first particle of the vector, cluster, its first lane in it) for all particles of a block.
@@ -351,7 +352,9 @@ void SumCorrectedDivergence(std::size_t b, const Particles& p, const NeighbourLi
     V sum = hn::Zero(lanes);
     for_each_corrected(
         b, p, lists, l,
-        [&](std::size_t j, const Vec3V& g) { sum = hn::Add(sum, dot(Vec3V{all(u.x[j]), all(u.y[j]), all(u.z[j])}, g)); },
+        [&](std::size_t j, const Vec3V& g) {
+            sum = hn::Add(sum, dot(Vec3V{all(u.x[j]), all(u.y[j]), all(u.z[j])}, g));
+        },
         [](const PlaneMap&) {},
         [&](std::size_t i) {
             hn::StoreU(hn::Mul(unit, sum), lanes, sums + (i - b * block_size));

@@ -31,9 +31,9 @@ using ConstMatrixArrays = std::array<const float*, 6>;
 
 // What the first sweep finds of each particle.
 struct KernelSums {
-    float* density;       // V sum_j W_ij, fraction of rest density
+    float* density;         // V sum_j W_ij, fraction of rest density
     VectorArrays gradient;  // sum_j g_ij, 1/m
-    float* squares;       // sum_j |g_ij|^2, 1/m^2
+    float* squares;         // sum_j |g_ij|^2, 1/m^2
 };
 
 // Writes those particles of the runs to `out` that are nearer than the support radius to some place of a cluster; box: round
@@ -42,8 +42,8 @@ std::size_t append_near(const ClusterPlaces& places, const Box& box, float suppo
                         std::span<const Run> runs, std::uint32_t* out);
 
 // Computes the factors of the block's lists, and the sums that go with them. volume: V, m^3.
-void sum_kernel(std::size_t block, const Particles& particles, const Kernel& kernel, float volume, NeighbourLists& lists,
-                const KernelSums& sums);
+void sum_kernel(std::size_t block, const Particles& particles, const Kernel& kernel, float volume,
+                NeighbourLists& lists, const KernelSums& sums);
 
 // sum_j q_j g_ij of a scalar q.
 void sum_gradients(std::size_t block, const Particles& particles, const NeighbourLists& lists, const float* scalar,

@@ -50,7 +50,8 @@ TEST_CASE("a vertical layer of shear decays at the rate of its viscosity", "[flu
     ParticleFields fields(p.capacity());
     fill_scene(p, scene);
     grid.sort(p, -Box::inf);
-    find_neighbours(grid, solids, p, CubicSpline(h), h, 1e-3F, lists);
+    find_neighbours(grid, solids, p, h, lists);
+    compute_density_and_diagonal(p, CubicSpline(h), 1e-3F, lists, fields);
     const float k = std::numbers::pi_v<float>;
     const auto amplitude = [&] {
         double sum = 0;

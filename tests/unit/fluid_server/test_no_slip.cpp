@@ -33,8 +33,9 @@ float largest_acceleration(Scene scene, Profile&& profile) {
     CellGrid grid(scene, h);
     grid.sort(p, -Box::inf);
     NeighbourLists lists(p.capacity());
-    find_neighbours(grid, Solids(scene), p, make_kernel(scene.fluid), h, static_cast<float>(d * d * d), lists);
+    find_neighbours(grid, Solids(scene), p, h, lists);
     ParticleFields fields(p.capacity());
+    compute_density_and_diagonal(p, make_kernel(scene.fluid), static_cast<float>(d * d * d), lists, fields);
     apply_viscosity(p, lists, fields, 1, 0);
     float largest = 0;
     for (std::size_t i = 0; i < p.count; ++i) {

@@ -46,8 +46,8 @@ Densities densities_of_lattice(const Scene& scene, int nx, int ny, int nz) {
     grid.sort(result.particles, -Box::inf);
     NeighbourLists lists(result.particles.capacity());
     const Solids solids(scene);
-    find_neighbours(grid, solids, result.particles, Kernel(h), h, static_cast<float>(d * d * d), lists);
-    compute_density_and_diagonal(result.particles, lists, result.fields);
+    find_neighbours(grid, solids, result.particles, h, lists);
+    compute_density_and_diagonal(result.particles, Kernel(h), static_cast<float>(d * d * d), lists, result.fields);
     return result;
 }
 
@@ -140,12 +140,12 @@ TEST_CASE("every place round a particle near an obstacle is filled exactly once"
     while (tried < 20000) {
         const Vec3 x{in(1.5F, 4.5F), in(0.5F, 1.5F), in(2, 3.3F)};  // bed out of reach: obstacle faces only
         const Vec3 place{x[0] + in(-0.5F, 0.5F), x[1] + in(-0.5F, 0.5F), x[2] + in(-0.5F, 0.5F)};
-        if (in_box(x) || !solids.obstacle_near(x)) {
+        if (in_box(x) || !solids.obstacle_near({x, x})) {
             continue;
         }
         ++tried;
         int filled = !in_box(place) && solids.visible(x, place) ? 1 : 0;
-        solids.mirrors_near(x, mirrors);
+        solids.mirrors_near({x, x}, mirrors);
         for (const Mirror& mirror : mirrors) {
             if (mirror.obstacle >= 0) {
                 filled += solids.sees_image(x, mirror.reflect(place), mirror) ? 1 : 0;
