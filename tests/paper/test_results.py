@@ -76,6 +76,13 @@ class Results(unittest.TestCase):
         write_table(file, [row])
         self.assertEqual(file.read_text().splitlines()[0], ",".join(COLUMNS))
 
+    def test_a_drawn_tau_is_written_as_its_limits(self):
+        result = Result([self.run_of()])
+        drawn = {"min": 0.4, "max": 0.8}
+        result.scene = {**SCENE, "crowd": {"groups": [{"name": "a", "tau": drawn, "mass_kg": drawn}]}}
+        paper = dict.fromkeys(("time_s", "diff_percent", "arrived"), "")
+        self.assertEqual(table_row("paper", "S5", result, paper)["tau"], "0.4 to 0.8")
+
     def test_a_run_is_done_only_if_complete_and_of_this_scene(self):
         folder = self.run_folder()
         self.assertTrue(is_done(folder, {**SCENE, "name": "other"}))

@@ -2,7 +2,7 @@
 
 import bands
 import plan
-from limits import contact_mass, limit_velocity, of_limit, FREE_SHARE
+from limits import limits_of, of_limit
 from words import SET_UPS, arrived_of, error_percent, markdown_table, met_of, shown, time_of
 
 
@@ -124,11 +124,9 @@ def limit_section(context):
         known = next((result for result in results if result), None)
         if known is None:
             continue
-        scene = known.scene
-        group = scene["crowd"]["groups"][0]
-        walking = FREE_SHARE * group["desired_speed_m_s"]
-        limit = limit_velocity(group["mass_kg"], walking, group["tau"], contact_mass(scene))
-        cells = [name, f"{limit:.2f}", f"{of_limit(scene):.2f}"]
+        low, high = limits_of(known.scene)
+        limit = f"{low:.2f}" if low == high else f"{low:.2f} to {high:.2f}"
+        cells = [name, limit, f"{of_limit(known.scene):.2f}"]
         for result in results:
             share = "-"
             if result and result.depth:

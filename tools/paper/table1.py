@@ -5,6 +5,7 @@ import json
 import statistics
 
 from intervals import arrival_interval, bootstrap_mean
+from limits import in_words
 
 COLUMNS = (
     "set,scenario,tau,v_f_m_s,contact_rule,initial_river,frame_rate_hz,gravity_m_s2,spacing_m,particle_mass_kg,"
@@ -93,7 +94,7 @@ def table_row(scene_set, scenario, result, paper, base=None, in_band=None):
     row.update(
         set=scene_set,
         scenario=scenario,
-        tau=scene["crowd"]["groups"][0]["tau"],
+        tau=in_words(scene["crowd"]["groups"][0]["tau"]),
         v_f_m_s=scene["channel"]["velocity_m_s"],
         contact_rule=scene["coupling"]["contact_rule"],
         initial_river=scene["channel"]["initial_river"],

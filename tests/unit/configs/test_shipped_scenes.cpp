@@ -120,6 +120,8 @@ TEST_CASE("the observed set is a given stream that is transported faster than it
     CHECK(scene.fluid.model == wade::FluidModel::kinematic);
     CHECK(scene.fluid.kinematic.profile == wade::VelocityProfile::uniform);
     CHECK(scene.fluid.kinematic.transport_factor == 2.6);
+    CHECK(scene.fluid.kinematic.arrangement == wade::Arrangement::lattice);
+    CHECK(scene.fluid.kinematic.jitter == 0.5);
     CHECK(scene.channel.flow == wade::Flow::emitter);
     CHECK(scene.channel.initial_river == wade::InitialRiver::dry);
     CHECK(scene.channel.depth == 1);
