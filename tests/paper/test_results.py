@@ -46,7 +46,7 @@ class Results(unittest.TestCase):
         (folder / "manifest.json").write_text(json.dumps({"resolved_scene": SCENE, "git_hash": "abc"}))
         with open(folder / "agents.csv", "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(("id", "group", "outcome", "time_s", "max_depth_m", "max_dv_m2_s"))
+            writer.writerow(("id", "group", "outcome", "time_s", "mean_depth_m", "mean_dv_m2_s"))
             writer.writerows(agents)
         return folder
 

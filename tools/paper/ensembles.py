@@ -58,13 +58,15 @@ def what_counts(scene):
 
 
 def is_done(folder, scene):
-    """Whether the folder holds a complete run of this very scene."""
+    """Whether the folder holds a complete run of this very scene, by programs that wrote all that the report reads."""
     try:
         outcome = json.loads((folder / "outcome.json").read_text())
         manifest = json.loads((folder / "manifest.json").read_text())
+        with open(folder / "agents.csv", encoding="utf-8") as agents:
+            columns = agents.readline().strip().split(",")
     except (OSError, ValueError):
         return False
-    complete = outcome.get("status") == "completed" and (folder / "agents.csv").exists()
+    complete = outcome.get("status") == "completed" and "mean_dv_m2_s" in columns
     return complete and what_counts(manifest.get("resolved_scene") or {}) == what_counts(scene)
 
 

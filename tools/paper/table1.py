@@ -66,9 +66,9 @@ class Result:
 
 
 def water_met(runs):
-    """Means over all agents that met water: the greatest depth each met, m, and its greatest depth times speed over
-    that depth, m/s; (None, None) if none did."""
-    met = [(float(agent["max_depth_m"]), float(agent["max_dv_m2_s"])) for run in runs for agent in run.agents]
+    """Means over all agents that met water: the mean depth in which each stood, m, and the mean of its depth times speed
+    over that depth, m/s; (None, None) if none did."""
+    met = [(float(agent["mean_depth_m"]), float(agent["mean_dv_m2_s"])) for run in runs for agent in run.agents]
     wet = [(depth, dv) for depth, dv in met if depth > 0]
     if not wet:
         return None, None

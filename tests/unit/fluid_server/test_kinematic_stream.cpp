@@ -237,6 +237,8 @@ TEST_CASE("each particle of a kinematic stream is anywhere in its cell", "[fluid
 
 namespace {
 
+constexpr double lattice_strip = 8.5 / 19;  // m, of 0.4642 m of spacing and layers of 0.5 m
+
 // The recirculating stream with two layers of particles in a lattice, as 0.46 m makes of 1 m.
 Scene lattice_scene(double jitter) {
     Scene scene = round_scene();
@@ -248,11 +250,10 @@ Scene lattice_scene(double jitter) {
 // Places of the particles of a layer in their strips, in cells across: all layers below 0.5 m, or all above.
 std::vector<double> across_of_layer(const Scene& scene, bool upper) {
     const auto particles = frame_at(scene, 5).particles();
-    const double strip_width = 8.5 / 18;
     std::vector<double> across;
     for (std::size_t i = 0; i < particles[0].size(); ++i) {
         if ((particles[5][i] > 0.5F) != upper) continue;
-        const double strips = (static_cast<double>(particles[6][i]) - 11.5) / strip_width;
+        const double strips = (static_cast<double>(particles[6][i]) - 11.5) / lattice_strip;
         across.push_back(strips - std::floor(strips));
     }
     return across;
@@ -267,7 +268,7 @@ TEST_CASE("a lattice without jitter has one distance along and its layers half a
     const auto particles = frame_at(scene, 5).particles();
     std::vector<double> along;  // of the first strip of the lowest layer
     for (std::size_t i = 0; i < particles[0].size(); ++i) {
-        if (particles[5][i] < 0.5F && particles[6][i] < 11.5F + 8.5F / 18) {
+        if (particles[5][i] < 0.5F && particles[6][i] < 11.5F + static_cast<float>(lattice_strip)) {
             along.push_back(static_cast<double>(particles[4][i]));
         }
     }
