@@ -102,11 +102,15 @@ enum class FluidModel { dfsph, kinematic };
 
 enum class VelocityProfile { uniform, logarithmic };
 
+enum class Arrangement { random, lattice };
+
 // The kinematic model: nothing is solved, depth and velocity are given.
 struct Kinematic {
     VelocityProfile profile = VelocityProfile::uniform;
     double roughness_length = 0.005;  // z_0 of the logarithmic profile
     double transport_factor = 1;      // particles and front move at this factor times their velocity
+    Arrangement arrangement = Arrangement::random;
+    double jitter = 0;  // of a lattice: width of the deviation from its points, in cells, [0, 1]
 };
 
 enum class KernelKind { cubic_spline, wendland_c2 };

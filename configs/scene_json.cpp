@@ -41,6 +41,7 @@ constexpr std::array kernels{std::pair{"cubic_spline", KernelKind::cubic_spline}
                              std::pair{"wendland_c2", KernelKind::wendland_c2}};
 constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"filled", InitialRiver::filled}};
 constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}, std::pair{"kinematic", FluidModel::kinematic}};
+constexpr std::array arrangements{std::pair{"random", Arrangement::random}, std::pair{"lattice", Arrangement::lattice}};
 constexpr std::array profiles{std::pair{"uniform", VelocityProfile::uniform},
                               std::pair{"logarithmic", VelocityProfile::logarithmic}};
 constexpr std::array speed_rules{std::pair{"pi", SpeedRule::pi}, std::pair{"per_frame", SpeedRule::per_frame},
@@ -101,7 +102,8 @@ PressureSolve solve_from(const json& j) {
 }
 
 Kinematic kinematic_from(const json& j) {
-    return {choice_of(j.at("profile"), profiles), j.at("roughness_length_m"), j.at("transport_factor")};
+    return {choice_of(j.at("profile"), profiles), j.at("roughness_length_m"), j.at("transport_factor"),
+            choice_of(j.at("arrangement"), arrangements), j.at("jitter")};
 }
 
 Fluid fluid_from(const json& j) {

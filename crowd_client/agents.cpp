@@ -133,6 +133,9 @@ Agents make_agents(const Scene& scene) {
     agents.path_length.assign(n, 0.0);
     agents.max_depth.assign(n, 0.0);
     agents.max_dv.assign(n, 0.0);
+    agents.wet_steps.assign(n, 0);
+    agents.depth_sum.assign(n, 0.0);
+    agents.dv_sum.assign(n, 0.0);
     return agents;
 }
 

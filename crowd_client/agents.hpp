@@ -28,10 +28,13 @@ struct Agents {
     std::vector<double> tau;            // endurance, [0, 1]
     std::vector<std::uint32_t> group;   // index into Crowd::groups
     std::vector<Outcome> outcome;
-    std::vector<std::uint64_t> end_step;  // step of arrival or death; meaningless while active
-    std::vector<double> path_length;      // m
-    std::vector<double> max_depth;        // deepest water met, m
-    std::vector<double> max_dv;           // largest depth times speed of the water met, m2/s
+    std::vector<std::uint64_t> end_step;   // step of arrival or death; meaningless while active
+    std::vector<double> path_length;       // m
+    std::vector<double> max_depth;         // deepest water met, m
+    std::vector<double> max_dv;            // largest depth times speed of the water met, m2/s
+    std::vector<std::uint64_t> wet_steps;  // in which it stood in water (water_met.hpp)
+    std::vector<double> depth_sum;         // of the water over these steps, m
+    std::vector<double> dv_sum;            // of depth times speed over these steps, m2/s
 
     [[nodiscard]] std::size_t size() const { return position.size(); }
 };

@@ -7,6 +7,7 @@
 
 #include "configs/exit_code.hpp"
 #include "configs/scene_frames.hpp"
+#include "crowd_client/water_met.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -70,16 +71,6 @@ void find_contacts(CrowdWorld& crowd, const WaterBins& water) {
     crowd.contacts.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         crowd.contacts[k] = find_contact(water, crowd.positions[k], distance, crowd.touching);
-    }
-}
-
-void note_water_met(CrowdWorld& crowd, const WaterBins& water) {
-    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
-        const CellWater met = water_at(water, crowd.positions[k], crowd.scene.fluid.rest_density);
-        double& depth = crowd.agents.max_depth[crowd.active[k]];
-        double& dv = crowd.agents.max_dv[crowd.active[k]];
-        depth = std::max(depth, met.depth);
-        dv = std::max(dv, met.depth * met.speed);
     }
 }
 
@@ -181,7 +172,7 @@ void advance(CrowdWorld& crowd, const WaterBins& water) {
     const std::uint64_t this_step = crowd.steps + 1;
     apply_events_due(crowd, this_step);
     find_contacts(crowd, water);  // Eq. 5
-    note_water_met(crowd, water);
+    note_water_met(crowd.agents, crowd.scene, crowd.active, crowd.positions, water);
     if (has_ragdolls(crowd.scene)) {
         find_ragdolls(crowd.ragdolls, crowd.scene, crowd.agents, crowd.active, crowd.positions, water, this_step);
     }

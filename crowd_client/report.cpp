@@ -5,6 +5,7 @@
 #include "configs/scene_loader.hpp"
 #include "configs/version.hpp"
 #include "crowd_client/csv_text.hpp"
+#include "crowd_client/water_met.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -96,7 +97,9 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
 
 std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     const Agents& agents = crowd.agents;
-    std::string csv = "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s";
+    std::string csv =
+        "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
+        "mean_dv_m2_s";
     if (danger != nullptr) csv += std::string(",danger_level,") + exposure_columns;
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -105,7 +108,8 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         csv += outcome_name(agents.outcome[id]);
         const double time = time_of(crowd, active ? crowd.steps : agents.end_step[id]);
         for (const double v : {time, agents.position[id].x(), agents.position[id].y(), agents.tau[id], agents.mass[id],
-                               agents.path_length[id], agents.max_depth[id], agents.max_dv[id]}) {
+                               agents.path_length[id], agents.max_depth[id], agents.max_dv[id],
+                               mean_depth_met(agents, id), mean_dv_met(agents, id)}) {
             csv += ',' + csv_number(v);
         }
         if (danger != nullptr) {

@@ -18,22 +18,29 @@ constexpr std::uint64_t mix(std::uint64_t v) {
     return v ^ (v >> 31);
 }
 
-// Two uniform numbers in [0, 1): where in its cell a particle is.
-struct InCell {
-    double along, across;
-};
-InCell in_cell(std::uint64_t key, std::int64_t cell) {
-    const std::uint64_t bits = mix(key + static_cast<std::uint64_t>(cell) * golden);
-    return {static_cast<double>(bits >> 32) * 0x1p-32, static_cast<double>(bits & 0xffffffffU) * 0x1p-32};
+// A number of [-1, 2) brought into [0, 1) by whole numbers.
+constexpr double into_cell(double place) {
+    return place < 0 ? place + 1 : place < 1 ? place : place - 1;
 }
 
 }  // namespace
+
+KinematicStream::InCell KinematicStream::in_cell(const Strip& strip, std::int64_t cell) const {
+    const std::uint64_t bits = mix(strip.random_key + static_cast<std::uint64_t>(cell) * golden);
+    const double along = static_cast<double>(bits >> 32) * 0x1p-32;
+    const double across = static_cast<double>(bits & 0xffffffffU) * 0x1p-32;
+    if (!lattice_) return {along, across};
+    return {into_cell(strip.lattice_point + jitter_ * (along - 0.5)),
+            into_cell(strip.lattice_point + jitter_ * (across - 0.5))};
+}
 
 KinematicStream::KinematicStream(const Scene& scene)
     : x_(scene.channel.x),
       periodic_(scene.channel.flow == Flow::recirculating),
       dry_start_(scene.channel.initial_river == InitialRiver::dry),
       transport_factor_(scene.fluid.kinematic.transport_factor),
+      lattice_(scene.fluid.kinematic.arrangement == Arrangement::lattice),
+      jitter_(scene.fluid.kinematic.jitter),
       gravity_(scene.world.gravity),
       particle_mass_(scene.fluid.rest_density * std::pow(scene.fluid.particle_spacing, 3)) {
     make_strips(scene);
@@ -63,6 +70,7 @@ void KinematicStream::make_strips(const Scene& scene) {
         strip.z_lo = channel.z.lo + static_cast<double>(s % across) * strip_width_;
         strip.velocity = mean_velocity_between(stream, layer * layer_depth, (layer + 1) * layer_depth);
         strip.random_key = mix(seed_key + s * golden);
+        if (layers > 1) strip.lattice_point = s / across % 2 == 0 ? 0.25 : 0.75;
         // A round channel holds whole cells; the strips share them so that their sum is that of the river.
         strip.cells = static_cast<std::int64_t>((s + 1) * particles / all - s * particles / all);
         strip.cell_length =
@@ -88,7 +96,7 @@ void KinematicStream::find_cells(Strip& strip) const {
     const auto cell_at = [&](double upstream) {
         return static_cast<std::int64_t>(std::floor(upstream / strip.cell_length));
     };
-    const auto along = [&](std::int64_t cell) { return in_cell(strip.random_key, cell).along; };
+    const auto along = [&](std::int64_t cell) { return in_cell(strip, cell).along; };
     // Of the two cells that lie across an end of the channel the particle may be on either side.
     strip.first_cell = cell_at(strip.travel - x_.length());
     if (place(strip, strip.first_cell, along(strip.first_cell)) <= 0) ++strip.first_cell;
@@ -150,7 +158,7 @@ void KinematicStream::write_strip(const Strip& strip, const shm::FrameFields& sl
     const auto velocity = static_cast<float>(-strip.velocity);
     std::size_t i = strip.offset;
     for (std::int64_t cell = strip.first_cell; cell < strip.end_cell; ++cell, ++i) {
-        const InCell at = in_cell(strip.random_key, cell);
+        const InCell at = in_cell(strip, cell);
         slot.mass[i] = mass;
         slot.vx[i] = velocity;
         slot.vy[i] = 0;

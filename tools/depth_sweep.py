@@ -26,6 +26,10 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tools" / "paper"))
+
+from limits import limits_of  # noqa: E402
+
 COLUMNS = ("scene", "tau", "depth_m", "v_f_m_s", "dv_m2_s", "level", "seed", "agents", "arrived", "dead", "active",
            "last_arrival_s", "level_met", "agents_at_level_met")
 SPACING = 0.4642  # m, that of the paper; shallower water takes particles of its own depth, as it needs a layer
@@ -90,12 +94,11 @@ def limit_of(scene, tau):
     """Largest H v_F, m2/s, at which an agent in the middle of a uniform stream holds its ground by Eq. 9.
 
     v_F < v_B m_a / (tau m_c), and the water in contact weighs m_c = rho H pi r^2, so that H v_F < v_B m_a / (tau rho pi r^2).
+    tau: a number, or the limits between which it is drawn. (lowest, highest) of the first group; two numbers only if tau
+    or the mass is drawn.
     """
-    coupling, group = scene["coupling"], scene["crowd"]["groups"][0]
-    r_a, r_p = coupling["agent_radius_m"], coupling["particle_radius_m"]
-    radius = r_a + r_p if coupling["contact_rule"] == "sum" else abs(r_a - r_p)
-    walk = (0.989 if scene["crowd"]["speed_rule"] == "pi" else 1) * group["desired_speed_m_s"]
-    return walk * group["mass_kg"] / (tau * scene["fluid"]["rest_density_kg_m3"] * math.pi * radius**2)
+    group = scene["crowd"]["groups"][0]
+    return limits_of({**scene, "crowd": {**scene["crowd"], "groups": [{**group, "tau": tau}]}}, depth=1)
 
 
 def edges(values):
@@ -116,6 +119,10 @@ def shares(rows):
     return depths, speeds, np.divide(arrived, total, out=np.full_like(arrived, np.nan), where=total > 0)
 
 
+def limit_in_words(limit):
+    return " to ".join(f"{end:.2f}" for end in sorted(set(limit)))
+
+
 def draw_plane(axes, rows, tau, limit):
     depths, speeds, share = shares(rows)
     x, y = edges(speeds), edges(depths)
@@ -128,14 +135,15 @@ def draw_plane(axes, rows, tau, limit):
     for product, level, style in LINES:
         axes.plot(line, product / line, style, color="#d55e00", linewidth=1.8,
                   label=f"$H v_F$ = {product:g} m²/s: {level} from here on")
-    axes.plot(line, limit / line, "-.", color="#cc79a7", linewidth=2.6,
-              label="largest $H v_F$ against which Eq. 9 lets an agent stand")
+    for end in sorted(set(limit)):
+        axes.plot(line, end / line, "-.", color="#cc79a7", linewidth=2.6,
+                  label="largest $H v_F$ against which Eq. 9 lets an agent stand" if end == limit[0] else None)
     axes.set(xscale="log", yscale="log", xlim=(x[0], x[-1]), ylim=(y[0], y[-1]), xlabel="velocity $v_F$, m/s",
              ylabel="depth $H$, m")
     for axis, values in ((axes.xaxis, speeds), (axes.yaxis, depths)):
         axis.set_ticks(values, labels=[f"{value:g}" for value in values], fontsize=8)
         axis.set_ticks([], minor=True)
-    axes.set_title(f"τ {tau:g}, limit of Eq. 9: {limit:.2f} m²/s", fontsize=10)
+    axes.set_title(f"τ {tau:g}, limit of Eq. 9: {limit_in_words(limit)} m²/s", fontsize=10)
     return colours
 
 

@@ -41,16 +41,25 @@ def label(scene):
     return f"{path.parent.name}-{path.stem}"
 
 
-def at_rate(rate):
-    """Options for frames and steps at one rate, also of a scene whose crowd has a rate of its own."""
-    return ["--set", f"/frame_rate_hz={rate}", "--set", f"/crowd/step_rate_hz={rate}"]
+def at_rate(rate, vary="both", highest=None):
+    """Options for frames and steps at one rate, also of a scene whose crowd has a rate of its own.
+
+    vary: "frames" or "steps" keeps the others at the highest rate.
+    """
+    frames = highest if vary == "steps" else rate
+    steps = highest if vary == "frames" else rate
+    return ["--set", f"/frame_rate_hz={frames}", "--set", f"/crowd/step_rate_hz={steps}"]
+
+
+def rate_options(rate, options):
+    return at_rate(rate, options.vary, max(options.rates))
 
 
 def resolve(scene, rates, options):
     """The resolved scene at each rate, {rate: scene}; ends the program if there is none or they are not comparable."""
     scenes = {}
     for rate in rates:
-        command = [options.programs / "crowd_client", scene, *at_rate(rate), "--print-config"]
+        command = [options.programs / "crowd_client", scene, *rate_options(rate, options), "--print-config"]
         answer = subprocess.run(command, stdout=subprocess.PIPE, text=True)
         if answer.returncode != 0:
             sys.exit(answer.returncode)  # the program has said why
@@ -64,7 +73,8 @@ def resolve(scene, rates, options):
 
 def moves_events(scenes):
     """Whether an event is at times that differ by more than a frame, of scenes {rate: scene}."""
-    times = [[event["frame"] / rate for event in scene["events"]] for rate, scene in scenes.items()]
+    times = [[event["frame"] / scene.get("frame_rate_hz", rate) for event in scene["events"]]
+             for rate, scene in scenes.items()]
     return any(max(of_event) - min(of_event) > 1 / min(scenes) + 1e-9 for of_event in zip(*times))
 
 
@@ -87,7 +97,7 @@ def run(name, rate, scene, options):
                   for (rule, seed), folder in crowds.items()]
     (out / "crowds.json").write_text(json.dumps(crowd_list, indent=1))
     command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", options.programs, name, "--out", out,
-               "--crowds", out / "crowds.json", *at_rate(rate), "--no-trajectories", "--water-every-s", "0",
+               "--crowds", out / "crowds.json", *rate_options(rate, options), "--no-trajectories", "--water-every-s", "0",
                "--reproducible", "--threads", str(options.threads)]
     with open(out / "run.log", "w", encoding="utf-8") as log:
         if subprocess.run(command, stdout=log, stderr=log).returncode != 0:
@@ -126,14 +136,14 @@ def main():
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--threads", type=int, default=0)
     parser.add_argument("--rates", type=rates_of, default=list(RATES))
+    parser.add_argument("--vary", choices=("both", "frames", "steps"), default="both")
     options = parser.parse_args()
     if not 1 <= options.seeds <= 1000:
         parser.error(f"--seeds: {options.seeds} is not allowed; allowed: 1 to 1000")
     scenes = options.scenes or [f"configs/observed/s{n:02}.json" for n in (5, 7, 10)]
     rates = ",".join(map(str, options.rates))
-    options.command = " ".join(
-        ["tools/frame_rates.sh", *options.scenes, "--seeds", str(options.seeds), "--rates", rates]
-    )
+    words = ["tools/frame_rates.sh", *options.scenes, "--seeds", str(options.seeds), "--rates", rates]
+    options.command = " ".join(words + (["--vary", options.vary] if options.vary != "both" else []))
     rows, failed = [], False
     resolved = {name: resolve(find_scene(name), options.rates, options) for name in scenes}
     for name in scenes:

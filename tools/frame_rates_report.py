@@ -40,12 +40,14 @@ def shown(row, key, digits=1):
 
 HEADER = """# Outcomes at several frame rates
 
-`{command}`: frames of the water and steps of the crowd at {rates} Hz, {seeds} seeds of the markers in one water;
+`{command}`: {varied} at {rates} Hz{kept}, {seeds} seeds of the markers in one water;
 means with 95 % intervals (bootstrap over the seeds). A rule passes where the intervals of all rates share a value; it
 is incomplete where the run at a rate failed.
 "no water" is the walk alone (tau 0): what varies there is due to the walking rule and the markers. Time: of the last
 arrival; agents' time: mean over all who arrive.
 """
+FRAMES, STEPS = "frames of the water", "steps of the crowd"
+VARIED = {"both": (f"{FRAMES} and {STEPS}", None), "frames": (FRAMES, STEPS), "steps": (STEPS, FRAMES)}  # (what, kept)
 OTHER_WATER = """\
 The water of the model {model} is not the same at all rates, as its time steps end where frames do, so what varies
 here is due to the water, too.
@@ -54,7 +56,11 @@ here is due to the water, too.
 
 def report(rows, options):
     rates = sorted({row["frame_rate_hz"] for row in rows})
-    lines = [HEADER.format(command=options.command, rates=", ".join(map(str, rates)), seeds=options.seeds)]
+    varied, other = VARIED[options.vary]
+    kept = f", {other} at {max(rates)} Hz" if other else ""
+    text = HEADER.format(command=options.command, varied=varied, kept=kept, rates=", ".join(map(str, rates)),
+                         seeds=options.seeds)
+    lines = [text]
     for scene in dict.fromkeys(row["scene"] for row in rows):
         of_scene = [row for row in rows if row["scene"] == scene]
         model = of_scene[0]["model"]

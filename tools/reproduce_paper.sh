@@ -6,11 +6,12 @@ set -euo pipefail
 
 help_if_asked "$@" <<'HELP'
 Usage: tools/reproduce_paper.sh [--out DIR] [--seeds N] [--max-seeds N] [--quick] [--parts LIST]
-                                [--set-of-scenes observed|paper|river|both|all] [--threads N] [--until-s T]
+                                [--set-of-scenes observed|paper|river|manning|both|all] [--threads N] [--until-s T]
                                 [--keep-all] [--report-only]
 
-Runs the scenarios of the paper with many seeds, in three set-ups: configs/observed (the water of the authors' logs,
-kinematic, cheap), configs/paper (as they ran it) and configs/river (as the paper describes it). One run of the fluid
+Runs the scenarios of the paper with many seeds, in four set-ups: configs/observed (the water of the authors' logs,
+kinematic, cheap), configs/paper (as they ran it), configs/river (as the paper describes it) and configs/manning (that
+river on a slope with friction, with four layers of particles, about ten times the cost). One run of the fluid
 serves all crowds of a water. Writes DIR/report.md, DIR/table1.csv, DIR/readings.csv, DIR/phase.csv and pictures, and
 prints the report.
 
@@ -34,11 +35,13 @@ prints the report.
                           push        outcomes over the speed with which the water pushes (set observed)
                           variations  500 and 5,000 agents, several goals and groups, a village
                           figures     pictures in the paper's style, at its times
-  --set-of-scenes SET   observed, paper, river, both (paper and river) or all [all]
+  --set-of-scenes SET   observed, paper, river, manning, both (paper and river) or all [all, with --quick all but
+                        manning]
   --threads N           threads of each program [2]
   --until-s T           simulated time at which each run ends, s [the scene's, 400]; such runs are not judged
   --keep-all            keep paths and pictures of the water of all runs, not only those of seed 1 of unchanged scenes
   --report-only         run nothing: the report of what is complete in DIR, with all seeds that are there
+Tells before it starts what is ahead in particle-steps, every minute how far a water is, after each the time to go at most.
 A crowd in DIR that is complete and whose scene is still the same is not run again. What was not run has no part in
 the report. Exit code 1: a run failed, or the verdict has a no (the bands are reported, they do not count).
 HELP

@@ -46,7 +46,7 @@ class Results(unittest.TestCase):
         (folder / "manifest.json").write_text(json.dumps({"resolved_scene": SCENE, "git_hash": "abc"}))
         with open(folder / "agents.csv", "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(("id", "group", "outcome", "time_s", "max_depth_m", "max_dv_m2_s"))
+            writer.writerow(("id", "group", "outcome", "time_s", "mean_depth_m", "mean_dv_m2_s"))
             writer.writerows(agents)
         return folder
 
@@ -75,6 +75,13 @@ class Results(unittest.TestCase):
         file = Path(self.temporary.name) / "table1.csv"
         write_table(file, [row])
         self.assertEqual(file.read_text().splitlines()[0], ",".join(COLUMNS))
+
+    def test_a_drawn_tau_is_written_as_its_limits(self):
+        result = Result([self.run_of()])
+        drawn = {"min": 0.4, "max": 0.8}
+        result.scene = {**SCENE, "crowd": {"groups": [{"name": "a", "tau": drawn, "mass_kg": drawn}]}}
+        paper = dict.fromkeys(("time_s", "diff_percent", "arrived"), "")
+        self.assertEqual(table_row("paper", "S5", result, paper)["tau"], "0.4 to 0.8")
 
     def test_a_run_is_done_only_if_complete_and_of_this_scene(self):
         folder = self.run_folder()

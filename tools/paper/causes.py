@@ -8,9 +8,9 @@ from words import SET_UPS
 
 SCATTER = (
     "S8 lies at 2.82 times the limit of v_F, just where an agent that heads straight across drifts as far as the fall,"
-    " so that small things decide. The particles of the kinematic stream lie at random in their cells: the contact"
-    " mass scatters more than in a solved river, Eq. 9 is concave in it, and the stream carries an agent less far (see"
-    " the drift above, and the smaller particles under Readings, with which almost nobody arrives)."
+    " so that small things decide: Eq. 9 is concave in the contact mass, so that the stream carries an agent less far"
+    " the more that mass scatters (see the drift above, and under Readings the particles at random, in a lattice without"
+    " disorder, and smaller)."
 )
 THIN = (
     "The front of the emitter's water is slower than the 2.6 v_F of the authors' logs, so that more people are across"
@@ -26,7 +26,7 @@ ESTABLISHED = (
 CAUSES = {
     ("observed", "S8"): SCATTER,
     **{("paper", name): THIN for name in ("S4", "S5", "S6", "S7", "S8", "S9", "S10", "S11")},
-    **{("river", name): ESTABLISHED for name in ("S4", "S5", "S6", "S7", "S10")},
+    **{(s, name): ESTABLISHED for s in ("river", "manning") for name in ("S4", "S5", "S6", "S7", "S10")},
     ("paper", "obstacle"): "Without the block nearly all arrive in this set, so that it has nobody to save.",
     ("paper", "lee"): (
         "The front reaches the block after 17 s; in the authors' runs it moved at 2.6 v_F. The lee comes as much later."

@@ -3,15 +3,18 @@
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from intervals import precise_enough
+from progress import Progress, most_work, work_done
 from table1 import Run
 
 ROOT = Path(__file__).resolve().parents[2]
 # Where the crowds of one water may differ; all else belongs to the water.
 CROWDS_OWN = ("crowd", "coupling", "events", "name", "description")
 PATIENCE_S = "300"  # a hundred crowds take a while to set out their markers, and for a frame
+TOLD_EVERY_S = 60  # how far a water is, where its progress goes to a file
 PICTURE_FILES = ("trajectories.sqlite", "water.bin")  # what only pictures need
 
 
@@ -58,13 +61,15 @@ def what_counts(scene):
 
 
 def is_done(folder, scene):
-    """Whether the folder holds a complete run of this very scene."""
+    """Whether the folder holds a complete run of this very scene, by programs that wrote all that the report reads."""
     try:
         outcome = json.loads((folder / "outcome.json").read_text())
         manifest = json.loads((folder / "manifest.json").read_text())
+        with open(folder / "agents.csv", encoding="utf-8") as agents:
+            columns = agents.readline().strip().split(",")
     except (OSError, ValueError):
         return False
-    complete = outcome.get("status") == "completed" and (folder / "agents.csv").exists()
+    complete = outcome.get("status") == "completed" and "mean_dv_m2_s" in columns
     return complete and what_counts(manifest.get("resolved_scene") or {}) == what_counts(scene)
 
 
@@ -82,6 +87,7 @@ class Ensembles:
         self.runs = {}  # of a case's key: its runs in the order of their seeds
         self.failures = []  # waters in words
         self.interrupted = 0  # exit code after a signal
+        self.progress = Progress()
 
     def folder(self, case, seed):
         return self.out / case.water.key / f"{case.name}-seed{seed}"
@@ -97,6 +103,7 @@ class Ensembles:
         waters = {}
         for case in wanted:
             waters.setdefault(case.water, []).append(case)
+        self.progress.plan(self.ahead_of(waters, wanted))
         for water, cases in waters.items():
             done = dict.fromkeys(cases, 0)
             while batch := self.next_round(cases, wanted, done):
@@ -104,6 +111,17 @@ class Ensembles:
                     break
             if self.interrupted:
                 return
+
+    def ahead_of(self, waters, wanted):
+        """What is missing of the first round, by water, as Progress.plan() takes it."""
+        ahead = {}
+        for water, cases in waters.items():
+            seeds = [(case, seed) for case in cases for seed in range(1, wanted[case][0] + 1)]
+            missing = sum(not self.has(*run) for run in seeds)
+            if missing:
+                scene = self.programs.resolved(water.scene, water.changes)
+                ahead[water.key] = missing, most_work(scene), scene["fluid"]["model"]
+        return ahead
 
     def collect(self, cases):
         """Takes what is complete, and runs nothing."""
@@ -132,7 +150,9 @@ class Ensembles:
     def run_water(self, water, batch):
         """One run of the fluid for what is missing of these cases and seeds; false if it failed."""
         missing = [run for run in batch if not self.has(*run)]
+        began = time.monotonic()
         code = self.run_crowds(water, missing) if missing else 0
+        seconds = time.monotonic() - began
         if self.pair.signal:
             self.interrupted = code or 130
             return False
@@ -142,7 +162,13 @@ class Ensembles:
             print(f"{water.key}: failed with exit code {code}, see {self.log(water)}", file=sys.stderr)
         for run in batch:
             self.take(*run, "run" if run in missing else "done before")
+        if missing and not lost:
+            longest = max((self.outcome_of(*run) for run in missing), key=lambda outcome: outcome["frames"])
+            self.progress.finished(water.key, work_done(longest), seconds)
         return code == 0 and not lost
+
+    def outcome_of(self, case, seed):
+        return json.loads((self.folder(case, seed) / "outcome.json").read_text())
 
     def log(self, water):
         return self.out / water.key / "run.log"
@@ -163,7 +189,18 @@ class Ensembles:
             command += ["--no-trajectories", "--water-every-s", "0"]
         print(f"{water.key}: {len(missing)} crowds", file=sys.stderr, flush=True)
         with open(self.log(water), "w", encoding="utf-8") as log:
-            return self.pair.start(command, stdout=log, stderr=None if sys.stderr.isatty() else log).wait()
+            process = self.pair.start(command, stdout=log, stderr=None if sys.stderr.isatty() else log)
+            return self.wait_for(process, water)
+
+    def wait_for(self, process, water):
+        """Waits for a pair, and tells now and then how far it is; returns its exit code."""
+        while True:
+            try:
+                return process.wait(timeout=TOLD_EVERY_S)
+            except subprocess.TimeoutExpired:
+                if not sys.stderr.isatty():
+                    said = [line for line in self.log(water).read_text(errors="replace").splitlines() if line[:2] == "t "]
+                    print(f"{water.key}: {said[-1]}" if said else f"{water.key}: starts", file=sys.stderr, flush=True)
 
     def keeps_pictures(self, case, seed):
         """Whether a run keeps its paths and pictures of its water: the first seed of scenes as they are."""

@@ -10,6 +10,28 @@ import math
 FREE_SHARE = 0.989  # of the desired speed at which a free agent walks with the speed rule `pi`
 
 
+def ends(value):
+    """(lowest, highest) of tau or a mass as a resolved scene has it: a number, or limits between which it is drawn."""
+    return (value["min"], value["max"]) if isinstance(value, dict) else (value, value)
+
+
+def middle(value):
+    """Mean of what is drawn."""
+    return sum(ends(value)) / 2
+
+
+def in_words(value):
+    """"0.2", or "0.4 to 0.8" of what is drawn."""
+    low, high = ends(value)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def walking_speed(scene):
+    """v_B of the first group's agents where nothing holds them up, m/s."""
+    share = FREE_SHARE if scene["crowd"].get("speed_rule", "pi") == "pi" else 1
+    return share * scene["crowd"]["groups"][0]["desired_speed_m_s"]
+
+
 def contact_distance(coupling):
     """m, as the contact rule says."""
     agent, particle = coupling["agent_radius_m"], coupling["particle_radius_m"]
@@ -27,10 +49,19 @@ def limit_velocity(mass, walking, tau, contact):
     return math.inf if tau == 0 else walking * mass / (tau * contact)
 
 
+def limits_of(scene, depth=None):
+    """(lowest, highest) limit of the agents of the first group, m/s; two numbers only if tau or the mass is drawn."""
+    group, contact, walking = scene["crowd"]["groups"][0], contact_mass(scene, depth), walking_speed(scene)
+    light, heavy = ends(group["mass_kg"])
+    enduring, yielding = ends(group["tau"])
+    return limit_velocity(light, walking, yielding, contact), limit_velocity(heavy, walking, enduring, contact)
+
+
 def loss_velocity(scene, tau):
     """v_F at which the first group, on average, drifts as far as the fall while it heads straight across, m/s.
 
     With k = tau m_c / (m_a + tau m_c) an agent moves at (1 - k) v_B across the channel and drifts at k v_F.
+    tau: a number; of a mass that is drawn the mean counts.
     """
     if tau == 0:
         return math.inf
@@ -38,15 +69,16 @@ def loss_velocity(scene, tau):
     start = group["start"]
     way = start["x_m"] + (group["columns"] - 1) / 2 * start["pitch_x_m"] - channel["x_min_m"]
     width = channel["z_max_m"] - channel["z_min_m"]
-    walking = FREE_SHARE * group["desired_speed_m_s"]
-    return way / width * walking * group["mass_kg"] / (tau * contact_mass(scene))
+    return way / width * walking_speed(scene) * middle(group["mass_kg"]) / (tau * contact_mass(scene))
 
 
 def of_limit(scene, tau=None, velocity=None, depth=None):
-    """v_F over the limit for the first group of a scene: above 1 an agent cannot walk against the stream."""
+    """v_F over the limit for the first group of a scene: above 1 an agent cannot walk against the stream.
+
+    Of a tau or a mass that is drawn the mean counts.
+    """
     group = scene["crowd"]["groups"][0]
-    tau = group["tau"] if tau is None else tau
+    tau = middle(group["tau"] if tau is None else tau)
     velocity = scene["channel"]["velocity_m_s"] if velocity is None else velocity
-    walking = FREE_SHARE * group["desired_speed_m_s"]
-    limit = limit_velocity(group["mass_kg"], walking, tau, contact_mass(scene, depth))
+    limit = limit_velocity(middle(group["mass_kg"]), walking_speed(scene), tau, contact_mass(scene, depth))
     return velocity / limit if limit > 0 else math.inf

@@ -18,7 +18,7 @@ from waters import (  # noqa: F401
     velocity_of,
 )
 
-SETS = ("observed", "paper", "river")
+SETS = ("observed", "paper", "river", "manning")
 QUICK = ("S1", "S4", "S5", "S8")
 PUSHED = ("S4", "S5", "S6", "S7", "S8", "S10")  # scenarios in which a reading can be told from another
 OTHERS = ("two_groups", "no_obstacle", "obstacle", "tau_switch")
@@ -72,6 +72,8 @@ def water_readings(scene_set):
     for rate in FRAME_RATES:
         readings[f"{rate} frames/s"] = f"{rate}hz", (("/frame_rate_hz", rate),)
     if scene_set == "observed":
+        readings["particles at random in their cells"] = "random", (("/fluid/kinematic/arrangement", "random"),)
+        readings["particles in a lattice without jitter"] = "lattice", (("/fluid/kinematic/jitter", 0),)
         readings["transported at v_F"] = "carried1", (("/fluid/kinematic/transport_factor", 1),)
         filled = (("/channel/initial_river", "filled"), ("/fluid/kinematic/transport_factor", 1))
         readings["filled at the start, transported at v_F"] = "filled", filled
@@ -90,7 +92,8 @@ def reading_of(scene_set, suffix, changes):
 def reading_cases(scene_set):
     cases = []
     for suffix, changes in water_readings(scene_set).values():
-        if scene_set in KINEMATIC or suffix in ("g9.81", "filled", "d0.5"):
+        solved = suffix in ("g9.81", "filled", "d0.5") and scene_set != "manning"  # whose spacing is what its depth needs
+        if scene_set in KINEMATIC or solved:
             cases += reading_of(scene_set, suffix, changes)
     return cases
 
@@ -177,7 +180,7 @@ def cases_of(part, sets, quick=False):
     if part == "readings":
         return [case for scene_set in sets for case in reading_cases(scene_set)]
     if part == "particles":
-        return [case for scene_set in sets for case in particles_cases(scene_set)]
+        return [case for scene_set in sets if has_scene(scene_set, "fine") for case in particles_cases(scene_set)]
     if part == "variations":
         return [other_case(scene_set, name) for scene_set in sets for name in VARIATIONS if has_scene(scene_set, name)]
     if "observed" not in sets:

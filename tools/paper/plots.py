@@ -9,7 +9,7 @@ import numpy as np  # noqa: E402
 from matplotlib import pyplot  # noqa: E402
 from PIL import Image  # noqa: E402
 
-from limits import contact_mass, limit_velocity, loss_velocity, FREE_SHARE  # noqa: E402
+from limits import contact_mass, limit_velocity, loss_velocity, middle, walking_speed  # noqa: E402
 
 INK = "#2a2a2e"
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f", "#8c564b", "#332288")
@@ -81,10 +81,9 @@ def phase_plot(file, results, scenarios, scene):
         bright = shares[i, j] > 0.55
         axes.text(j, i, f"{mean:.0f}\n({low:.0f}\u2013{high:.0f})", ha="center", va="center", fontsize=7, zorder=5,
                   color="black" if bright else "white")
-    group = scene["crowd"]["groups"][0]
-    walking = FREE_SHARE * group["desired_speed_m_s"]
+    mass = middle(scene["crowd"]["groups"][0]["mass_kg"])
     fine = np.linspace(taus[0], taus[-1], 400)
-    held = [limit_velocity(group["mass_kg"], walking, tau, contact_mass(scene)) for tau in fine]
+    held = [limit_velocity(mass, walking_speed(scene), tau, contact_mass(scene)) for tau in fine]
     lost = [loss_velocity(scene, tau) for tau in fine]
     heights = np.interp(fine, taus, np.arange(len(taus)))
     for speeds, style, words in (

@@ -2,7 +2,7 @@
 
 import bands
 import plan
-from limits import contact_mass, limit_velocity, of_limit, FREE_SHARE
+from limits import limits_of, of_limit
 from words import SET_UPS, arrived_of, error_percent, markdown_table, met_of, shown, time_of
 
 
@@ -124,11 +124,9 @@ def limit_section(context):
         known = next((result for result in results if result), None)
         if known is None:
             continue
-        scene = known.scene
-        group = scene["crowd"]["groups"][0]
-        walking = FREE_SHARE * group["desired_speed_m_s"]
-        limit = limit_velocity(group["mass_kg"], walking, group["tau"], contact_mass(scene))
-        cells = [name, f"{limit:.2f}", f"{of_limit(scene):.2f}"]
+        low, high = limits_of(known.scene)
+        limit = f"{low:.2f}" if low == high else f"{low:.2f} to {high:.2f}"
+        cells = [name, limit, f"{of_limit(known.scene):.2f}"]
         for result in results:
             share = "-"
             if result and result.depth:
@@ -139,7 +137,8 @@ def limit_section(context):
         "## The closed form\n\nAn agent that walks straight against a uniform stream holds its ground if and only if"
         " v_F < v_B m_a / (tau m_c), with v_B = 0.989 x 1.3 m/s,\nm_a = 65 kg and the mean contact mass m_c = rho h pi"
         " r_c^2, 196 kg in 1 m of water. Above the limit an agent drifts downstream while it crosses,\nand arrives"
-        " only if it is across before the fall. Water met: mean over agents of the largest depth in their 2 x 2 m cell"
-        " (with 0.46 m between particles a stream\nof 1 m reads up to 1.25 m) and of the speed that goes with it.\n\n"
+        " only if it is across before the fall. Water met: means over the time that each agent was in the"
+        " water, of the depth and of the speed\n(depth times speed over depth) in its 2 x 2 m cell, then over the"
+        " agents.\n\n"
     )
     return text + markdown_table(head, lines)

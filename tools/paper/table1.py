@@ -5,6 +5,7 @@ import json
 import statistics
 
 from intervals import arrival_interval, bootstrap_mean
+from limits import in_words
 
 COLUMNS = (
     "set,scenario,tau,v_f_m_s,contact_rule,initial_river,frame_rate_hz,gravity_m_s2,spacing_m,particle_mass_kg,"
@@ -65,9 +66,9 @@ class Result:
 
 
 def water_met(runs):
-    """Means over all agents that met water: the greatest depth each met, m, and its greatest depth times speed over
-    that depth, m/s; (None, None) if none did."""
-    met = [(float(agent["max_depth_m"]), float(agent["max_dv_m2_s"])) for run in runs for agent in run.agents]
+    """Means over all agents that met water: the mean depth in which each stood, m, and the mean of its depth times speed
+    over that depth, m/s; (None, None) if none did."""
+    met = [(float(agent["mean_depth_m"]), float(agent["mean_dv_m2_s"])) for run in runs for agent in run.agents]
     wet = [(depth, dv) for depth, dv in met if depth > 0]
     if not wet:
         return None, None
@@ -93,7 +94,7 @@ def table_row(scene_set, scenario, result, paper, base=None, in_band=None):
     row.update(
         set=scene_set,
         scenario=scenario,
-        tau=scene["crowd"]["groups"][0]["tau"],
+        tau=in_words(scene["crowd"]["groups"][0]["tau"]),
         v_f_m_s=scene["channel"]["velocity_m_s"],
         contact_rule=scene["coupling"]["contact_rule"],
         initial_river=scene["channel"]["initial_river"],

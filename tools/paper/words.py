@@ -2,7 +2,8 @@
 
 from bands import in_words
 
-SET_UPS = {"observed": "as observed", "paper": "as run", "river": "as described"}  # what each set of scenes stands for
+# What each set of scenes stands for.
+SET_UPS = {"observed": "as observed", "paper": "as run", "river": "as described", "manning": "on a slope"}
 
 
 def markdown_table(head, lines):

@@ -54,7 +54,7 @@ TEST_CASE("every shipped scene states its Froude number") {
 }
 
 TEST_CASE("the scenarios have tau and v_F of Table 1 and the Froude number that they state") {
-    for (const std::string set : {"paper", "river", "observed"}) {
+    for (const std::string set : {"paper", "river", "observed", "manning"}) {
         for (int number = 1; number <= 12; ++number) {
             const Scene scene = wade::load_scene(scenario(set, number)).scene;
             const auto row = static_cast<std::size_t>(number - 1);
@@ -115,11 +115,25 @@ TEST_CASE("the river's set is the experiment as the paper describes it") {
     CHECK(wade::particles_needed(scene) == wade::river_particles(scene));
 }
 
+TEST_CASE("the set on a slope has in each scenario the slope with which a river of its depth runs at v_F") {
+    for (int number = 1; number <= 12; ++number) {
+        const Scene scene = wade::load_scene(scenario("manning", number)).scene;
+        INFO(scene.name);
+        CHECK(scene.channel.flow == wade::Flow::periodic);
+        CHECK(scene.channel.depth == 1);
+        // Manning's formula: v = h^(2/3) S^(1/2) / n.
+        CHECK(std::sqrt(scene.channel.slope) / scene.channel.manning_n == Approx(scene.channel.velocity).epsilon(1e-6));
+        CHECK(wade::particles_needed(scene) <= static_cast<std::uint64_t>(scene.fluid.max_particles));
+    }
+}
+
 TEST_CASE("the observed set is a given stream that is transported faster than it pushes") {
     const Scene scene = wade::load_scene(scenario("observed", 5)).scene;
     CHECK(scene.fluid.model == wade::FluidModel::kinematic);
     CHECK(scene.fluid.kinematic.profile == wade::VelocityProfile::uniform);
     CHECK(scene.fluid.kinematic.transport_factor == 2.6);
+    CHECK(scene.fluid.kinematic.arrangement == wade::Arrangement::lattice);
+    CHECK(scene.fluid.kinematic.jitter == 0.5);
     CHECK(scene.channel.flow == wade::Flow::emitter);
     CHECK(scene.channel.initial_river == wade::InitialRiver::dry);
     CHECK(scene.channel.depth == 1);

@@ -119,12 +119,17 @@ TEST_CASE("agents.csv has one line an agent with the columns that scripts rely o
     run.crowd.scene.crowd.groups[0].name = "a, \"b\"";
     run.crowd.agents.position[0] = Vector2d(0.1, 50);
     run.crowd.agents.path_length[0] = 1.0 / 3;
+    run.crowd.agents.wet_steps[0] = 2;
+    run.crowd.agents.depth_sum[0] = 1.5;
+    run.crowd.agents.dv_sum[0] = 1.8;
     std::istringstream csv(agents_csv(run.crowd));
     std::string line;
     std::getline(csv, line);
-    CHECK(line == "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s");
+    CHECK(line ==
+          "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
+          "mean_dv_m2_s");
     std::getline(csv, line);
-    CHECK(line == "0,\"a, \"\"b\"\"\",arrived,3,0.1,50,0.2,65,0.3333333333333333,0,0");
+    CHECK(line == "0,\"a, \"\"b\"\"\",arrived,3,0.1,50,0.2,65,0.3333333333333333,0,0,0.75,0.9");
     CHECK_FALSE(std::getline(csv, line));
 }
 

@@ -234,3 +234,78 @@ TEST_CASE("each particle of a kinematic stream is anywhere in its cell", "[fluid
     for (std::size_t i = 1; i < across.size(); ++i) gap = std::max(gap, across[i] - across[i - 1]);
     CHECK(gap < 0.05);
 }
+
+namespace {
+
+constexpr double lattice_strip = 8.5 / 19;  // m, of 0.4642 m of spacing and layers of 0.5 m
+
+// The recirculating stream with two layers of particles in a lattice, as 0.46 m makes of 1 m.
+Scene lattice_scene(double jitter) {
+    Scene scene = round_scene();
+    scene.fluid.kinematic.arrangement = Arrangement::lattice;
+    scene.fluid.kinematic.jitter = jitter;
+    return scene;
+}
+
+// Places of the particles of a layer in their strips, in cells across: all layers below 0.5 m, or all above.
+std::vector<double> across_of_layer(const Scene& scene, bool upper) {
+    const auto particles = frame_at(scene, 5).particles();
+    std::vector<double> across;
+    for (std::size_t i = 0; i < particles[0].size(); ++i) {
+        if ((particles[5][i] > 0.5F) != upper) continue;
+        const double strips = (static_cast<double>(particles[6][i]) - 11.5) / lattice_strip;
+        across.push_back(strips - std::floor(strips));
+    }
+    return across;
+}
+
+}  // namespace
+
+TEST_CASE("a lattice without jitter has one distance along and its layers half a cell apart", "[fluid][kinematic]") {
+    const Scene scene = lattice_scene(0);
+    for (const double place : across_of_layer(scene, false)) REQUIRE(place == Approx(0.25).margin(1e-4));
+    for (const double place : across_of_layer(scene, true)) REQUIRE(place == Approx(0.75).margin(1e-4));
+    const auto particles = frame_at(scene, 5).particles();
+    std::vector<double> along;  // of the first strip of the lowest layer
+    for (std::size_t i = 0; i < particles[0].size(); ++i) {
+        if (particles[5][i] < 0.5F && particles[6][i] < 11.5F + static_cast<float>(lattice_strip)) {
+            along.push_back(static_cast<double>(particles[4][i]));
+        }
+    }
+    std::sort(along.begin(), along.end());
+    REQUIRE(along.size() > 60);
+    const double cell = 40 / static_cast<double>(along.size());
+    for (std::size_t i = 1; i < along.size(); ++i) REQUIRE(along[i] - along[i - 1] == Approx(cell).margin(1e-4));
+}
+
+TEST_CASE("the particles of a lattice deviate by up to half of the jitter", "[fluid][kinematic]") {
+    double least = 1, most = 0;
+    for (const double place : across_of_layer(lattice_scene(0.4), false)) {
+        least = std::min(least, place);
+        most = std::max(most, place);
+    }
+    // The outermost of some 900 uniform numbers are within a hundredth of the ends.
+    CHECK(least == Approx(0.05).margin(0.005));
+    CHECK(most == Approx(0.45).margin(0.005));
+}
+
+TEST_CASE("a lattice keeps the mass of its depth and its cells whatever its jitter", "[fluid][kinematic]") {
+    for (const double jitter : {0.0, 0.5, 0.8, 1.0}) {
+        Scene scene = lattice_scene(jitter);
+        scene.channel.flow = Flow::emitter;
+        KinematicStream stream(scene);
+        test::FrameArrays arrays(stream);
+        double mass = 0;
+        for (std::uint64_t f = 1; f <= 400; ++f) {
+            stream.advance_frame(frame(f));
+            arrays.take(stream);
+            mass += arrays.mass() / 400;
+            const auto particles = arrays.particles();
+            for (const float x : particles[4]) REQUIRE((x >= 20 && x <= 60));
+            for (const float z : particles[6]) REQUIRE((z >= 11.5F && z <= 20));
+        }
+        INFO(jitter);
+        // All strips change their number of particles at once, so the mean of 400 frames is not as exact as at random.
+        CHECK(mass == Approx(1000 * bed_area(scene)).epsilon(5e-3));
+    }
+}

@@ -38,6 +38,13 @@ class Rates(unittest.TestCase):
         self.assertEqual(frame_rates.at_rate(15), ["--set", "/frame_rate_hz=15", "--set", "/crowd/step_rate_hz=15"])
 
 
+    def test_frames_or_steps_can_be_varied_alone(self):
+        frames = ["--set", "/frame_rate_hz=15", "--set", "/crowd/step_rate_hz=120"]
+        self.assertEqual(frame_rates.at_rate(15, "frames", 120), frames)
+        steps = ["--set", "/frame_rate_hz=120", "--set", "/crowd/step_rate_hz=15"]
+        self.assertEqual(frame_rates.at_rate(15, "steps", 120), steps)
+
+
 class Changes(unittest.TestCase):
     def test_walk_without_water_takes_tau_from_every_group_and_all_events(self):
         described = scene(taus=(0.2, {"min": 0.4, "max": 0.8}), events=(60,))
@@ -61,7 +68,7 @@ class Changes(unittest.TestCase):
 
 
 class Report(unittest.TestCase):
-    options = types.SimpleNamespace(command="tools/frame_rates.sh", seeds=2)
+    options = types.SimpleNamespace(command="tools/frame_rates.sh", seeds=2, vary="both")
 
     def rows(self, arrived_at, model="kinematic"):
         """Rows of both rates; arrived_at: {rate: (mean, lo, hi) or None for a failed run}."""
@@ -98,6 +105,11 @@ class Report(unittest.TestCase):
         text = frame_rates_report.report(list(self.rows(figures)), self.options)
         self.assertIn("## observed-s05 (kinematic)", text)
         self.assertNotIn("not the same", text)
+
+    def test_report_says_what_was_kept(self):
+        options = types.SimpleNamespace(command="tools/frame_rates.sh --vary frames", seeds=2, vary="frames")
+        text = frame_rates_report.report(list(self.rows({15: (5, 4, 6), 30: (5, 4, 6)})), options)
+        self.assertIn("frames of the water at 15, 30 Hz, steps of the crowd at 30 Hz, 2 seeds", text)
 
     def test_interval_is_that_of_the_mean_of_what_is_known(self):
         self.assertEqual(frame_rates_report.interval([None, None]), (None, None, None))

@@ -1,0 +1,128 @@
+"""A short campaign of reproduce_paper.sh with real runs: its tables are complete, and say what the runs' files say.
+
+Set as observed only, so that no water is solved: four scenarios with two seeds each.
+"""
+
+import csv
+import json
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAMS = Path(os.environ.get("WADE_PROGRAMS", ROOT / "build" / "release"))
+SCENARIOS, SEEDS = ("S1", "S4", "S5", "S8"), (1, 2)
+
+
+def reproduce(out):
+    command = ["/usr/bin/python3", ROOT / "tools" / "paper" / "reproduce.py", "--programs", PROGRAMS, "--out", out, "--quick",
+               "--seeds", str(len(SEEDS)), "--max-seeds", str(len(SEEDS)), "--set-of-scenes", "observed", "--threads", "1"]
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True)
+
+
+def section(report, title):
+    return re.search(rf"^## {re.escape(title)}$(.*?)(?=^## |\Z)", report, re.MULTILINE | re.DOTALL)[1]
+
+
+def rows_of(text):
+    """Rows of the first table of a section: {first cell: [cells]}."""
+    lines = [line for line in text.splitlines() if line.startswith("|")]
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+    return {row[0]: row for row in cells}
+
+
+class ShortCampaign(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory(prefix="wade-test-")
+        cls.addClassCleanup(cls.temporary.cleanup)
+        cls.out = Path(cls.temporary.name) / "campaign"
+        cls.answer = reproduce(cls.out)
+        if not (cls.out / "report.md").exists():
+            raise AssertionError(cls.answer.stderr)
+        cls.report = (cls.out / "report.md").read_text()
+        with open(cls.out / "table1.csv", newline="", encoding="utf-8") as file:
+            cls.table = {row["scenario"]: row for row in csv.DictReader(file)}
+
+    def outcomes(self, scenario):
+        folders = [next(self.out.glob(f"observed/*/{scenario.lower()}-seed{seed}")) for seed in SEEDS]
+        return [json.loads((folder / "outcome.json").read_text()) for folder in folders], folders
+
+    def test_it_ends_well_and_judges_its_runs(self):
+        self.assertEqual(self.answer.returncode, 0, self.answer.stderr)
+        self.assertIn("All of it holds.", section(self.report, "Verdict"))
+
+    def test_the_table_has_every_scenario_and_no_other(self):
+        self.assertEqual(tuple(self.table), SCENARIOS)
+        self.assertEqual(tuple(rows_of(section(self.report, "Table 1"))), SCENARIOS)
+        self.assertEqual({row["seeds"] for row in self.table.values()}, {"2"})
+
+    def test_the_table_holds_the_means_of_the_outcome_files(self):
+        for scenario, row in self.table.items():
+            outcomes, folders = self.outcomes(scenario)
+            for column, key in (("arrived_mean", "arrived"), ("dead_mean", "dead"), ("time_s_mean", "last_arrival_s")):
+                known = [outcome[key] for outcome in outcomes if outcome[key] is not None]
+                with self.subTest(f"{scenario} {key}"):
+                    if known:
+                        self.assertAlmostEqual(float(row[column]), statistics.fmean(known), delta=1e-3)
+                    else:
+                        self.assertEqual(row[column], "")
+            agents = []
+            for folder in folders:
+                with open(folder / "agents.csv", newline="", encoding="utf-8") as file:
+                    agents += list(csv.DictReader(file))
+            met = [float(agent["mean_depth_m"]) for agent in agents if float(agent["mean_depth_m"]) > 0]
+            self.assertAlmostEqual(float(row["agent_depth_m"]), statistics.fmean(met), delta=1e-3)
+            # The water is 1 m deep and moves at v_F. At 1.5 m/s its front is in an agent's cell of 2 m for half a second of
+            # more than twenty; at 0.5 m/s many agents are across soon after it.
+            if row["v_f_m_s"] == "1.5":
+                self.assertAlmostEqual(float(row["agent_depth_m"]), 1, delta=0.03)
+            self.assertAlmostEqual(float(row["agent_speed_m_s"]), float(row["v_f_m_s"]), delta=0.01)
+
+    def test_the_report_says_the_same_as_the_table(self):
+        lines, bands = rows_of(section(self.report, "Table 1")), rows_of(section(self.report, "Bands"))
+        for scenario, row in self.table.items():
+            time, _error, _diff, arrived, dead = lines[scenario][6:]
+            with self.subTest(scenario):
+                self.assertAlmostEqual(float(arrived.split()[0]), float(row["arrived_mean"]), delta=0.051)
+                self.assertAlmostEqual(float(dead), float(row["dead_mean"]), delta=0.051)
+                if row["time_s_mean"]:
+                    self.assertAlmostEqual(float(time.split()[0]), float(row["time_s_mean"]), delta=0.051)
+                else:
+                    self.assertEqual(time, "-")
+                self.assertEqual(bands[scenario][2].strip("*"), row["in_band"])
+        self.assertEqual({name for name, cells in bands.items() if cells[2] != "-"}, set(SCENARIOS))
+
+    def test_the_report_counts_every_run(self):
+        waters = rows_of(section(self.report, "The runs of the fluid"))
+        self.assertEqual(set(waters), {"observed/v0.5", "observed/v1.5"})
+        self.assertEqual(sum(int(cells[1]) for cells in waters.values()), len(SCENARIOS) * len(SEEDS))
+
+    def test_every_picture_of_the_report_is_there(self):
+        pictures = re.findall(r"\]\(([^)]*\.png)\)", self.report)
+        self.assertTrue(pictures)
+        for picture in pictures:
+            self.assertTrue((self.out / picture).is_file(), picture)
+
+    def test_what_is_complete_is_not_run_again(self):
+        lost = next(self.out.glob("observed/*/s4-seed2")) / "outcome.json"
+        before = lost.read_text()
+        lost.unlink()
+        again = reproduce(self.out)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        ran = [line.split(":")[0] for line in again.stderr.splitlines() if line.endswith("(run)")]
+        self.assertEqual(ran, ["observed/v0.5/s4 seed 2"])
+        for key in ("arrived", "last_arrival_s", "frame_hash"):
+            self.assertEqual(json.loads(lost.read_text())[key], json.loads(before)[key], key)
+        # wall times apart
+        strip = re.compile(r"^Figures, not judged.*$", re.MULTILINE)
+        self.assertEqual(strip.sub("", (self.out / "report.md").read_text()), strip.sub("", self.report))
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())
