@@ -28,51 +28,86 @@ constexpr double usual_layers = 10;
 // resistance and water at rest trembles.
 constexpr float gap_closing = 0.1F;
 
-// a_i(p); particles inside the emitter keep their velocity.
-void pressure_acceleration(const std::vector<float>& pressure, const Particles& p, const NeighbourLists& lists,
-                           const GradientCorrection* correction, ParticleFields& f) {
-    const VectorArrays a{f.ax.data(), f.ay.data(), f.az.data()};
-    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
-        if (correction != nullptr) {
-            sum_corrected_gradients(b, p, lists, correction->arrays(), pressure.data(), a);
-        } else {
-            sum_gradients(b, p, lists, pressure.data(), a);
-        }
-        for (std::size_t i = begin; i < end; ++i) {
-            const float moves = p.kind[i] == Kind::inflow ? 0.0F : 1.0F;
-            f.ax[i] = -moves * (pressure[i] * f.gx[i] + f.ax[i]);
-            f.ay[i] = -moves * (pressure[i] * f.gy[i] + f.ay[i]);
-            f.az[i] = -moves * (pressure[i] * f.gz[i] + f.az[i]);
-        }
-    });
-}
+// What the sweeps of a solve work on. correction: of the gradients of confined water, or null.
+struct Operator {
+    const Particles& p;
+    const NeighbourLists& lists;
+    const GradientCorrection* correction;
+    ParticleFields& f;
+};
 
 // One number for each particle of a block.
 using BlockOf = std::array<float, block_size>;
 
+// From sum_j p_j g_ij to a_i(p); particles inside the emitter keep their velocity.
+void finish_acceleration(const std::vector<float>& pressure, const Operator& o, std::size_t begin, std::size_t end) {
+    ParticleFields& f = o.f;
+    for (std::size_t i = begin; i < end; ++i) {
+        const float moves = o.p.kind[i] == Kind::inflow ? 0.0F : 1.0F;
+        f.ax[i] = -moves * (pressure[i] * f.gx[i] + f.ax[i]);
+        f.ay[i] = -moves * (pressure[i] * f.gy[i] + f.ay[i]);
+        f.az[i] = -moves * (pressure[i] * f.gz[i] + f.az[i]);
+    }
+}
+
+// Calls body(i, D_i(u), block) for each particle of a block, from sum_j u_j . (R g_ij).
+template <typename Body>
+void finish_density_rate(const ConstVectorArrays& u, const BlockOf& sums, const Operator& o, std::size_t begin,
+                         std::size_t end, std::size_t b, Body&& body) {
+    const ParticleFields& f = o.f;
+    for (std::size_t i = begin; i < end; ++i) {
+        body(i, u.x[i] * f.gx[i] + u.y[i] * f.gy[i] + u.z[i] * f.gz[i] - sums[i - begin], b);
+    }
+}
+
+VectorArrays accelerations(ParticleFields& f) {
+    return {f.ax.data(), f.ay.data(), f.az.data()};
+}
+
+// a_i(p).
+void pressure_acceleration(const std::vector<float>& pressure, const Operator& o) {
+    for_each_block(o.p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        if (o.correction != nullptr) {
+            sum_corrected_gradients(b, o.p, o.lists, o.correction->arrays(), pressure.data(), accelerations(o.f));
+        } else {
+            sum_gradients(b, o.p, o.lists, pressure.data(), accelerations(o.f));
+        }
+        finish_acceleration(pressure, o, begin, end);
+    });
+}
+
 // Calls body(i, D_i(u), block) for each particle.
 template <typename Body>
-void for_each_density_rate(const ConstVectorArrays& u, const Particles& p, const NeighbourLists& lists,
-                           const GradientCorrection* correction, const ParticleFields& f, Body&& body) {
-    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+void for_each_density_rate(const ConstVectorArrays& u, const Operator& o, Body&& body) {
+    for_each_block(o.p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
         BlockOf sums;
-        if (correction != nullptr) {
-            sum_corrected_divergence(b, p, lists, correction->arrays(), u, sums.data());
+        if (o.correction != nullptr) {
+            sum_corrected_divergence(b, o.p, o.lists, o.correction->arrays(), u, sums.data());
         } else {
-            sum_divergence(b, p, lists, u, sums.data());
+            sum_divergence(b, o.p, o.lists, u, sums.data());
         }
-        for (std::size_t i = begin; i < end; ++i) {
-            body(i, u.x[i] * f.gx[i] + u.y[i] * f.gy[i] + u.z[i] * f.gz[i] - sums[i - begin], b);
-        }
+        finish_density_rate(u, sums, o, begin, end, b, body);
+    });
+}
+
+// Both at the start of a solve, where one sweep does for the two: finds a_i(p) and calls body(i, D_i(u), block).
+template <typename Body>
+void start_solve(const std::vector<float>& pressure, const ConstVectorArrays& u, const Operator& o, Body&& body) {
+    if (o.correction != nullptr) {
+        for_each_density_rate(u, o, body);
+        pressure_acceleration(pressure, o);
+        return;
+    }
+    for_each_block(o.p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        BlockOf sums;
+        sum_gradients_and_divergence(b, o.p, o.lists, pressure.data(), accelerations(o.f), u, sums.data());
+        finish_acceleration(pressure, o, begin, end);
+        finish_density_rate(u, sums, o, begin, end, b, body);
     });
 }
 
 ConstVectorArrays velocities(const Particles& p) {
     return {p.vx.data(), p.vy.data(), p.vz.data()};
-}
-
-ConstVectorArrays accelerations(const ParticleFields& f) {
-    return {f.ax.data(), f.ay.data(), f.az.data()};
 }
 
 }  // namespace
@@ -135,21 +170,27 @@ std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& l
     });
 }
 
-SolveResult PressureSolver::iterate(std::vector<float>& pressure, float warm_start, const Particles& p,
-                                    const NeighbourLists& lists, const GradientCorrection* correction,
-                                    ParticleFields& f, float dt, const PressureSolve& settings) {
+template <typename Source>
+SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start, const Particles& p,
+                                  const NeighbourLists& lists, const GradientCorrection* correction, ParticleFields& f,
+                                  float dt, const PressureSolve& settings, Source&& source) {
+    const Operator o{p, lists, correction, f};
+    for_each_particle(p.count, [&](std::size_t i) { pressure[i] *= warm_start; });
+    start_solve(pressure, velocities(p), o,
+                [&](std::size_t i, float rate, std::size_t) { f.source[i] = source(i, rate); });
+    if (confined_) {
+        subtract_mean(f.source, p.count);
+    }
     SolveResult result;
     const float dt2 = dt * dt;
-    for_each_particle(p.count, [&](std::size_t i) { pressure[i] *= warm_start; });
-    pressure_acceleration(pressure, p, lists, correction, f);
     while (result.iterations < settings.max_iterations) {
         errors_.begin(p.count);
-        for_each_density_rate(accelerations(f), p, lists, correction, f, [&](std::size_t i, float rate, std::size_t b) {
+        for_each_density_rate(accelerations(f), o, [&](std::size_t i, float rate, std::size_t b) {
             const float error = f.source[i] + dt2 * rate;  // compression that is left after the step
             errors_[b] += static_cast<double>(std::max(error, 0.0F));
             pressure[i] = std::max(0.0F, pressure[i] + relaxation_ * error * f.inverse_diagonal[i] / dt2);
         });
-        pressure_acceleration(pressure, p, lists, correction, f);
+        pressure_acceleration(pressure, o);
         ++result.iterations;
         const double total = errors_.total([](double& sum, double e) { sum += e; });
         result.error = p.count == 0 ? 0 : total / static_cast<double>(p.count);
@@ -157,7 +198,7 @@ SolveResult PressureSolver::iterate(std::vector<float>& pressure, float warm_sta
             break;
         }
     }
-    result.sweeps = 2 + 2 * result.iterations;  // with that of the source
+    result.sweeps = (correction != nullptr ? 2 : 1) + 2 * result.iterations;
     return result;
 }
 
@@ -181,20 +222,17 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
                                              const GradientCorrection* correction, ParticleFields& f, float dt,
                                              float step_share, const PressureSolve& settings) {
     const float closing = confined_ ? 0 : gap_closing * step_share;
-    for_each_density_rate(velocities(p), p, lists, correction, f, [&](std::size_t i, float rate, std::size_t) {
+    const auto source = [&](std::size_t i, float rate) {
         // With a source of -1 the pressure of a particle with an open side stays at zero.
         const float gap = std::min(0.0F, f.density[i] - 1);
-        f.source[i] = f.density[i] < open_surface_density_ ? -1 : dt * rate + closing * gap;
-    });
-    if (confined_) {
-        subtract_mean(f.source, p.count);
-    }
+        return f.density[i] < open_surface_density_ ? -1 : dt * rate + closing * gap;
+    };
     PressureSolve of_this_step = settings;
     of_this_step.tolerance *= static_cast<double>(step_share) * std::min(1.0, std::pow(usual_layers / layers_, 2));
     const double forgotten =
         confined_ ? forgotten_confined : std::min(forgotten_at_most, forgotten_per_layer * layers_);
     const SolveResult result =
-        iterate(p.pressure, static_cast<float>(1 - forgotten), p, lists, correction, f, dt, of_this_step);
+        solve(p.pressure, static_cast<float>(1 - forgotten), p, lists, correction, f, dt, of_this_step, source);
     apply_acceleration(p, f, dt);
     return result;
 }
@@ -202,12 +240,8 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
 SolveResult PressureSolver::solve_density(std::vector<float>& pressure, Particles& p, const NeighbourLists& lists,
                                           const GradientCorrection* correction, ParticleFields& f, float dt,
                                           const PressureSolve& settings) {
-    for_each_density_rate(velocities(p), p, lists, correction, f,
-                          [&](std::size_t i, float rate, std::size_t) { f.source[i] = f.density[i] - 1 + dt * rate; });
-    if (confined_) {
-        subtract_mean(f.source, p.count);
-    }
-    return iterate(pressure, warm_start_density, p, lists, correction, f, dt, settings);
+    const auto source = [&](std::size_t i, float rate) { return f.density[i] - 1 + dt * rate; };
+    return solve(pressure, warm_start_density, p, lists, correction, f, dt, settings, source);
 }
 
 }  // namespace wade::fluid

@@ -85,9 +85,11 @@ class PressureSolver {
                               const PressureSolve& settings);
 
  private:
-    SolveResult iterate(std::vector<float>& pressure, float warm_start, const Particles& particles,
-                        const NeighbourLists& lists, const GradientCorrection* correction, ParticleFields& fields,
-                        float dt, const PressureSolve& settings);
+    // source(i, D_i(u)): the right-hand side, u the velocities that the particles have.
+    template <typename Source>
+    SolveResult solve(std::vector<float>& pressure, float warm_start, const Particles& particles,
+                      const NeighbourLists& lists, const GradientCorrection* correction, ParticleFields& fields,
+                      float dt, const PressureSolve& settings, Source&& source);
     void subtract_mean(std::vector<float>& source, std::size_t n);
 
     float open_surface_density_;

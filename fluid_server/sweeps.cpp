@@ -222,6 +222,31 @@ void SumDivergence(std::size_t b, const Particles& p, const NeighbourLists& list
     });
 }
 
+void SumGradientsAndDivergence(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
+                               const VectorArrays& gradients, const ConstVectorArrays& u, float* divergences) {
+    const NeighbourBlock& block = lists.blocks[b];
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
+        const Vec3V x = load(places(p), i);
+        Vec3V total = zero3();
+        V divergence = hn::Zero(lanes);
+        for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(s.map, x);
+            Vec3V sum = zero3();
+            for (std::size_t k = first; k < last; ++k) {
+                const std::size_t j = block.j[k];
+                const V factor = factor_of(block, k, lane);
+                const Vec3V way = way_from(seen, p, j);
+                sum = add_product(hn::Mul(factor, all(scalar[j])), way, sum);
+                const Vec3V uj{all(u.x[j]), all(u.y[j]), all(u.z[j])};
+                divergence = hn::MulAdd(factor, dot(uj, way), divergence);
+            }
+            total = plus(total, apply(s.map.rotation, sum));
+        });
+        store(times(all(lists.factor_unit), total), gradients, i);
+        hn::StoreU(hn::Mul(all(lists.factor_unit), divergence), lanes, divergences + (i - b * block_size));
+    });
+}
+
 void SumShear(std::size_t b, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
               const VectorArrays& sums) {
     const NeighbourBlock& block = lists.blocks[b];
@@ -406,6 +431,7 @@ HWY_EXPORT(AppendNear);
 HWY_EXPORT(SumKernel);
 HWY_EXPORT(SumGradients);
 HWY_EXPORT(SumDivergence);
+HWY_EXPORT(SumGradientsAndDivergence);
 HWY_EXPORT(SumShear);
 HWY_EXPORT(SumMoments);
 HWY_EXPORT(SumCorrectedKernel);
@@ -430,6 +456,12 @@ void sum_gradients(std::size_t block, const Particles& p, const NeighbourLists& 
 void sum_divergence(std::size_t block, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
                     float* sums) {
     HWY_DYNAMIC_DISPATCH(SumDivergence)(block, p, lists, u, sums);
+}
+
+void sum_gradients_and_divergence(std::size_t block, const Particles& p, const NeighbourLists& lists,
+                                  const float* scalar, const VectorArrays& gradients, const ConstVectorArrays& u,
+                                  float* divergences) {
+    HWY_DYNAMIC_DISPATCH(SumGradientsAndDivergence)(block, p, lists, scalar, gradients, u, divergences);
 }
 
 void sum_shear(std::size_t block, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,

@@ -53,6 +53,11 @@ void sum_gradients(std::size_t block, const Particles& particles, const Neighbou
 void sum_divergence(std::size_t block, const Particles& particles, const NeighbourLists& lists,
                     const ConstVectorArrays& u, float* sums);
 
+// Both of these in one sweep.
+void sum_gradients_and_divergence(std::size_t block, const Particles& particles, const NeighbourLists& lists,
+                                  const float* scalar, const VectorArrays& gradients, const ConstVectorArrays& u,
+                                  float* divergences);
+
 // sum_j (u_i - u_j) V (dW/dr) / r with the velocities that viscosity sees of images.
 void sum_shear(std::size_t block, const Particles& particles, const NeighbourLists& lists, const ConstVectorArrays& u,
                const VectorArrays& sums);

@@ -1,5 +1,6 @@
 // The vectorised sums against plain loops over all pairs.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
@@ -83,12 +84,20 @@ TEST_CASE("the sums of a sweep are those of a loop over all pairs and images", "
     const VectorArrays velocity{const_cast<float*>(p.vx.data()), const_cast<float*>(p.vy.data()),
                                 const_cast<float*>(p.vz.data())};
     std::vector<float> divergence(p.x.size() + block_size);
+    std::vector<float> together(p.x.size() + block_size);
+    std::vector<float> fx(p.x.size()), fy(p.x.size()), fz(p.x.size());
     std::vector<float> gx(p.x.size()), gy(p.x.size()), gz(p.x.size()), sx(p.x.size()), sy(p.x.size()), sz(p.x.size());
     for (std::size_t b = 0; b < block_count(p.count); ++b) {
         sum_divergence(b, p, corner.lists, velocity, divergence.data() + b * block_size);
         sum_gradients(b, p, corner.lists, p.pressure.data(), {gx.data(), gy.data(), gz.data()});
         sum_shear(b, p, corner.lists, velocity, {sx.data(), sy.data(), sz.data()});
+        sum_gradients_and_divergence(b, p, corner.lists, p.pressure.data(), {fx.data(), fy.data(), fz.data()}, velocity,
+                                     together.data() + b * block_size);
     }
+    // One sweep for two sums gives the bits of two sweeps.
+    CHECK(std::equal(gx.begin(), gx.begin() + static_cast<std::ptrdiff_t>(p.count), fx.begin()));
+    CHECK(std::equal(gz.begin(), gz.begin() + static_cast<std::ptrdiff_t>(p.count), fz.begin()));
+    CHECK(std::equal(divergence.begin(), divergence.begin() + static_cast<std::ptrdiff_t>(p.count), together.begin()));
     // A factor is a multiple of 1.5e-5 of its value at r = 0, and off by half of that at most: times the support radius and
     // the 200 neighbours and images that the densest particle has, all with the same sign, 1e-2 / m; by chance, as they are,
     // a tenth of it. Sums are of the order of 100 / m.
