@@ -50,8 +50,8 @@ shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
     }
     ++frame_;
     const auto elapsed = std::chrono::steady_clock::now() - start;
-    const RiverMeasures river =
-        measure_river(world_.particles(), static_cast<double>(world_.particle_mass()), world_.scene().world.gravity, bed_);
+    const RiverMeasures river = measure_river(world_.particles(), static_cast<double>(world_.particle_mass()),
+                                              world_.scene().world.gravity, bed_);
     d.mean_density_error /= d.sub_steps;
     d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());
     d.mean_depth_m = river.mean_depth;

@@ -82,8 +82,4 @@ void Emitter::emit(Particles& p, float dt) {
     }
 }
 
-float Emitter::limit(float x, float vx, float dt) const {
-    return std::min(vx, std::max(static_cast<float>(opening_x_) - x, 0.0F) / dt);
-}
-
 }  // namespace wade::fluid

@@ -9,6 +9,7 @@
 // The lattice reaches further back than the support radius, so that no row is missing behind the opening. With v_F = 0 it
 // stands still and closes the opening.
 
+#include <algorithm>
 #include <cstdint>
 
 #include "configs/scene.hpp"
@@ -54,7 +55,9 @@ class Emitter {
 
     // The opening is closed to water from inside: the velocity along x, at most vx, with which a fluid particle at x does
     // not pass it within dt.
-    [[nodiscard]] float limit(float x, float vx, float dt) const;
+    [[nodiscard]] float limit(float x, float vx, float dt) const {
+        return std::min(vx, std::max(static_cast<float>(opening_x_) - x, 0.0F) / dt);
+    }
 
     [[nodiscard]] std::uint64_t stock() const { return stock_; }
     [[nodiscard]] std::uint64_t recycled() const { return recycled_; }

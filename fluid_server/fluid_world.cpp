@@ -290,42 +290,46 @@ void FluidWorld::measure_density_error(StepReport& report) {
     }
 }
 
+Places FluidWorld::places(std::size_t begin) const {
+    return {particles_.x.data() + begin, particles_.y.data() + begin, particles_.z.data() + begin};
+}
+
 void FluidWorld::apply_contact(float dt, StepReport& report) {
-    sums_.begin(particles_.count);
-    contact_sums_.begin(particles_.count);
-    const std::size_t obstacles = scene_.obstacles.size();
-    for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
-        contact_sums_[b].resize(obstacles);
-        for (std::size_t i = begin; i < end; ++i) {
-            if (particles_.kind[i] == Kind::inflow) {
-                continue;
+    Particles& p = particles_;
+    sums_.begin(p.count);
+    contact_sums_.begin(p.count);
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        contact_sums_[b].resize(scene_.obstacles.size());
+        const auto on_obstacle = [&](std::size_t o, std::size_t i, const Vec3& removed) {
+            for (std::size_t k = 0; k < 3 && p.kind[begin + i] == Kind::fluid; ++k) {
+                contact_sums_[b][o][k] += static_cast<double>(removed[k] / dt);
             }
-            Vec3 v{particles_.vx[i], particles_.vy[i], particles_.vz[i]};
-            const auto on_obstacle = [&](std::size_t o, const Vec3& removed) {
-                for (std::size_t k = 0; k < 3; ++k) {
-                    contact_sums_[b][o][k] += static_cast<double>(removed[k] / dt);
-                }
-            };
-            const Vec3 removed =
-                solids_.apply_contact({particles_.x[i], particles_.y[i], particles_.z[i]}, dt, v, on_obstacle);
-            particles_.vx[i] = emitter_ ? emitter_->limit(particles_.x[i], v[0], dt) : v[0];
-            particles_.vy[i] = v[1], particles_.vz[i] = v[2];
-            sums_[b] -= static_cast<double>(removed[1] / dt);
+        };
+        BlockVelocities v;
+        for (std::size_t i = begin; i < end; ++i) {
+            v.x[i - begin] = p.vx[i], v.y[i - begin] = p.vy[i], v.z[i - begin] = p.vz[i];
         }
+        solids_.apply_contact(places(begin), end - begin, dt, v, on_obstacle);
+        double lifted = 0;  // m/s
+        for (std::size_t i = begin; i < end; ++i) {
+            if (p.kind[i] == Kind::fluid) {
+                lifted += static_cast<double>(v.y[i - begin] - p.vy[i]);
+                p.vx[i] = emitter_ ? emitter_->limit(p.x[i], v.x[i - begin], dt) : v.x[i - begin];
+                p.vy[i] = v.y[i - begin], p.vz[i] = v.z[i - begin];
+            }
+        }
+        sums_[b] = lifted / static_cast<double>(dt);
     });
     const auto mass = static_cast<double>(particle_mass_);
-    contact_forces_.assign(obstacles, {});
+    contact_forces_.assign(scene_.obstacles.size(), {});
     for (std::size_t b = 0; b < block_count(particles_.count); ++b) {
-        for (std::size_t o = 0; o < obstacles; ++o) {
+        for (std::size_t o = 0; o < contact_forces_.size(); ++o) {
             for (std::size_t k = 0; k < 3; ++k) {
                 contact_forces_[o][k] += mass * contact_sums_[b][o][k];
             }
         }
     }
     report.contact_force = mass * sums_.total([](double& sum, double a) { sum += a; });
-    for (const std::array<double, 3>& force : contact_forces_) {
-        report.contact_force -= force[1];
-    }
 }
 
 std::array<double, 3> FluidWorld::obstacle_force(std::size_t obstacle) const {
@@ -360,31 +364,41 @@ std::uint64_t FluidWorld::list_bytes() const {
 }
 
 void FluidWorld::advance(float dt, float shift_time, StepReport& report) {
-    const auto nothing = [](std::size_t, const Vec3&) {};
-    guards_.begin(particles_.count);
-    // The lists keep the places that they were made for.
-    std::swap(particles_.x, lists_.x);
-    std::swap(particles_.y, lists_.y);
-    std::swap(particles_.z, lists_.z);
-    for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+    Particles& p = particles_;
+    const ParticleFields& f = fields_;
+    guards_.begin(p.count);
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        BlockVelocities v;
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3 from{lists_.x[i], lists_.y[i], lists_.z[i]};
-            Vec3 v{particles_.vx[i], particles_.vy[i], particles_.vz[i]};
-            if (shift_time > 0 && particles_.kind[i] == Kind::fluid) {
-                v = {v[0] + shift_time * fields_.ax[i], v[1] + shift_time * fields_.ay[i],
-                     v[2] + shift_time * fields_.az[i]};
-                solids_.apply_contact(from, dt, v, nothing);
-                v[0] = emitter_ ? emitter_->limit(from[0], v[0], dt) : v[0];
-            }
-            Vec3 x{grid_.wrap(0, from[0] + dt * v[0]), grid_.wrap(1, from[1] + dt * v[1]),
-                   grid_.wrap(2, from[2] + dt * v[2])};
-            const float v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-            guards_[b].longest_squared = std::max(guards_[b].longest_squared, dt * dt * v2);
-            guards_[b].not_finite += std::isfinite(x[0] + x[1] + x[2]) ? 0U : 1U;
-            guards_[b].clamps += solids_.clamp(x) ? 1U : 0U;
-            particles_.x[i] = x[0], particles_.y[i] = x[1], particles_.z[i] = x[2];
+            v.x[i - begin] = p.vx[i] + shift_time * f.ax[i];
+            v.y[i - begin] = p.vy[i] + shift_time * f.ay[i];
+            v.z[i - begin] = p.vz[i] + shift_time * f.az[i];
         }
+        if (shift_time > 0) {
+            solids_.apply_contact(places(begin), end - begin, dt, v, [](std::size_t, std::size_t, const Vec3&) {});
+        }
+        Guards guards;
+        for (std::size_t i = begin; i < end; ++i) {
+            // The lattice of the emitter goes its way.
+            Vec3 u{p.vx[i], p.vy[i], p.vz[i]};
+            if (p.kind[i] == Kind::fluid) {
+                u = {v.x[i - begin], v.y[i - begin], v.z[i - begin]};
+                u[0] = emitter_ && shift_time > 0 ? emitter_->limit(p.x[i], u[0], dt) : u[0];
+            }
+            Vec3 x{grid_.wrap(0, p.x[i] + dt * u[0]), grid_.wrap(1, p.y[i] + dt * u[1]),
+                   grid_.wrap(2, p.z[i] + dt * u[2])};
+            const float v2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+            guards.longest_squared = std::max(guards.longest_squared, dt * dt * v2);
+            guards.not_finite += std::isfinite(x[0] + x[1] + x[2]) ? 0U : 1U;
+            guards.clamps += solids_.clamp(x) ? 1U : 0U;
+            lists_.x[i] = x[0], lists_.y[i] = x[1], lists_.z[i] = x[2];
+        }
+        guards_[b] = guards;
     });
+    // The lists keep the places that they were made for.
+    std::swap(p.x, lists_.x);
+    std::swap(p.y, lists_.y);
+    std::swap(p.z, lists_.z);
     const Guards all = guards_.total([](Guards& total, const Guards& block) {
         total.clamps += block.clamps;
         total.not_finite += block.not_finite;

@@ -27,7 +27,7 @@ struct StepReport {
     double mean_density_error = 0;  // of max(0, rho / rho_0 - 1) over particles, at the start of the step
     double max_density_error = 0;
     double driving_acceleration = 0;  // m/s^2, towards -x; recirculating channels
-    double contact_force = 0;         // N, vertical force of contact on bed and obstacles
+    double contact_force = 0;         // N, vertical force of contact on bed and obstacles, positive downwards
     double max_displacement = 0;      // m, the longest way of a particle in the step
     int sweeps = 0;                   // over all pairs
     StageSeconds stages{};
@@ -75,6 +75,7 @@ class FluidWorld {
     void apply_forces(float dt, StepReport& report);
     [[nodiscard]] double time_step(double remaining);
     void measure_density_error(StepReport& report);
+    [[nodiscard]] Places places(std::size_t begin) const;  // from a particle on
     void apply_contact(float dt, StepReport& report);
     // Moves the particles by dt (v + shift_time a), a the accelerations of the last solve.
     void advance(float dt, float shift_time, StepReport& report);

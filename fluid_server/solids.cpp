@@ -248,28 +248,36 @@ bool Solids::sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) cons
     return true;
 }
 
-Vec3 Solids::apply_border_contact(const Vec3& x, float dt, Vec3& v) const {
-    const Vec3 before = v;
+void Solids::apply_border_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const {
     const float rate = 1 / dt;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const float to_lo = interior_.lo[k] + contact_distance_ - x[k];  // negative while free
-        const float to_hi = interior_.hi[k] - contact_distance_ - x[k];  // positive while free
-        v[k] = std::max(v[k], std::min(to_lo, 0.0F) * rate);
-        v[k] = std::min(v[k], std::max(to_hi, 0.0F) * rate);
-    }
-    if (!bed_.empty()) {
+    const auto keep_between = [&](std::size_t axis, const float* at, float* u) {
+        const float lo = interior_.lo[axis] + contact_distance_;
+        const float hi = interior_.hi[axis] - contact_distance_;
+        if (lo == -Box::inf && hi == Box::inf) {
+            return;
+        }
+#pragma omp simd
+        for (std::size_t i = 0; i < count; ++i) {
+            const float slowest = std::min(lo - at[i], 0.0F) * rate;  // negative while free
+            const float fastest = std::max(hi - at[i], 0.0F) * rate;
+            u[i] = std::min(std::max(u[i], slowest), fastest);
+        }
+    };
+    keep_between(0, x.x, v.x.data());
+    keep_between(1, x.y, v.y.data());
+    keep_between(2, x.z, v.z.data());
+    for (std::size_t i = 0; i < count && !bed_.empty(); ++i) {
         // The facet where the particle is, and the one where it goes.
-        for (const float place : {x[0], x[0] + dt * v[0]}) {
+        for (const float place : {x.x[i], x.x[i] + dt * v.x[i]}) {
             const BedFacet& facet = facet_at(bed_, place);
-            const float to_bed = contact_distance_ - facet.distance(x[0], x[1]);
-            const float approach = facet.nx * v[0] + facet.ny * v[1] - std::min(to_bed, 0.0F) / dt;
+            const float to_bed = contact_distance_ - facet.distance(x.x[i], x.y[i]);
+            const float approach = facet.nx * v.x[i] + facet.ny * v.y[i] - std::min(to_bed, 0.0F) * rate;
             if (approach < 0) {
-                v[0] -= approach * facet.nx;
-                v[1] -= approach * facet.ny;
+                v.x[i] -= approach * facet.nx;
+                v.y[i] -= approach * facet.ny;
             }
         }
     }
-    return {before[0] - v[0], before[1] - v[1], before[2] - v[2]};
 }
 
 bool Solids::apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const {

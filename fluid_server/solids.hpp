@@ -35,6 +35,7 @@
 #include "configs/scene.hpp"
 #include "fluid_server/bed_profile.hpp"
 #include "fluid_server/mirror.hpp"
+#include "fluid_server/parallel.hpp"
 
 namespace wade::fluid {
 
@@ -43,6 +44,16 @@ struct Box {
     static constexpr float inf = std::numeric_limits<float>::infinity();
     Vec3 lo{-inf, -inf, -inf};
     Vec3 hi{inf, inf, inf};
+};
+
+// Places of particles, m, as arrays.
+struct Places {
+    const float *x, *y, *z;
+};
+
+// Velocities of the particles of a block, m/s.
+struct BlockVelocities {
+    std::array<float, block_size> x, y, z;
 };
 
 class Solids {
@@ -66,19 +77,22 @@ class Solids {
     // Whether two particles see one another in a facet of the bed: whether the point halfway between them lies over it.
     [[nodiscard]] bool sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
 
-    // Unilateral, inelastic contact: reduces the velocity v of a particle at x so that after x + dt v its centre is no
-    // nearer than the contact distance to any face. Returns the velocity that bed, lid, banks and ends took away (v
-    // before minus v after), m/s; then calls on_obstacle(its index, the velocity it took away).
+    // Unilateral, inelastic contact: reduces the velocities v of `count` particles, at most block_size, at places x so that
+    // after x + dt v their centres are no nearer than the contact distance to any face: first to those of bed, lid, banks
+    // and ends, then to each obstacle; calls on_obstacle(its index, particle, the velocity it took away).
     template <typename OnObstacle>
-    Vec3 apply_contact(const Vec3& x, float dt, Vec3& v, OnObstacle&& on_obstacle) const {
-        const Vec3 removed = apply_border_contact(x, dt, v);
+    void apply_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v,
+                       OnObstacle&& on_obstacle) const {
+        apply_border_contact(x, count, dt, v);
         for (std::size_t o = 0; o < obstacles_.size(); ++o) {
-            const Vec3 before = v;
-            if (apply_obstacle_contact(obstacles_[o], x, dt, v)) {
-                on_obstacle(o, Vec3{before[0] - v[0], before[1] - v[1], before[2] - v[2]});
+            for (std::size_t i = 0; i < count; ++i) {
+                Vec3 u{v.x[i], v.y[i], v.z[i]};
+                if (apply_obstacle_contact(obstacles_[o], {x.x[i], x.y[i], x.z[i]}, dt, u)) {
+                    on_obstacle(o, i, Vec3{v.x[i] - u[0], v.y[i] - u[1], v.z[i] - u[2]});
+                    v.x[i] = u[0], v.y[i] = u[1], v.z[i] = u[2];
+                }
             }
         }
-        return removed;
     }
 
     // Moves a point that is inside a solid to the nearest free point; true if it had to. A last guard.
@@ -91,7 +105,7 @@ class Solids {
     [[nodiscard]] bool near(const Box& a, const Box& b) const;
     void add_facet_mirrors(const Box& box, std::size_t before, std::vector<Mirror>& mirrors) const;
     void add_obstacle_mirrors(const Box& box, std::vector<Mirror>& mirrors) const;
-    Vec3 apply_border_contact(const Vec3& x, float dt, Vec3& v) const;
+    void apply_border_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const;
     bool apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const;
 
     Box interior_;

@@ -9,14 +9,14 @@
 namespace wade::fluid {
 
 enum class Stage : std::size_t {
-    sort,              // by cell
-    neighbours,        // which clusters see whom
-    density,           // kernel, density, diagonal
-    forces,            // viscosity, gravity, friction
+    sort,        // by cell
+    neighbours,  // which clusters see whom
+    density,     // kernel, density, diagonal
+    forces,      // viscosity, gravity, friction
     divergence_solve,
     density_solve,
-    contact,           // with solids, at the end of either solve
-    advance            // new positions, emitter
+    contact,  // with solids, at the end of either solve
+    advance   // new positions, emitter
 };
 inline constexpr std::array<std::string_view, 8> stage_names{
     "sort", "neighbours", "density", "forces", "divergence_solve", "density_solve", "contact", "advance"};
