@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -22,6 +23,18 @@ Result result_of(const std::string& name, std::uint64_t size, int threads, std::
                  const std::string& unit) {
     const double median = quantile(rounds, 0.5);
     return {name, size, threads, median, rounds.front(), rounds.back(), unit};
+}
+
+void print(const Result& r) {
+    std::printf("%-28s %9llu %2d threads %14.6g %s (%.6g to %.6g)\n", r.name.c_str(),
+                static_cast<unsigned long long>(r.size), r.threads, r.median, r.unit.c_str(), r.min, r.max);
+    constexpr std::size_t on_a_line = 4;
+    for (std::size_t k = 0; k < r.extra.size(); ++k) {
+        const auto& [name, value] = r.extra[k];
+        std::printf("%s%s %.4g", k % on_a_line == 0 ? "    " : ", ", name.c_str(), value);
+        if (k % on_a_line + 1 == on_a_line || k + 1 == r.extra.size()) std::printf("\n");
+    }
+    std::fflush(stdout);
 }
 
 std::string machine() {
@@ -44,13 +57,10 @@ std::string machine() {
 void write_json(const std::string& file, const std::vector<Result>& results) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Result& r : results) {
-        list.push_back({{"name", r.name},
-                        {"size", r.size},
-                        {"threads", r.threads},
-                        {"median", r.median},
-                        {"min", r.min},
-                        {"max", r.max},
-                        {"unit", r.unit}});
+        nlohmann::ordered_json entry{{"name", r.name}, {"size", r.size}, {"threads", r.threads}, {"median", r.median},
+                                     {"min", r.min},   {"max", r.max},   {"unit", r.unit}};
+        for (const auto& [name, value] : r.extra) entry[name] = value;
+        list.push_back(std::move(entry));
     }
     std::ofstream out(file);
     out << nlohmann::ordered_json{{"machine", machine()}, {"results", list}}.dump(2) << '\n';

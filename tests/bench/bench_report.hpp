@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wade::bench {
@@ -17,14 +18,19 @@ struct Result {
     int threads = 1;
     double median = 0, min = 0, max = 0;
     std::string unit;
+    // Counts of work, errors and further measures that stand beside the figure, with their unit in the name.
+    std::vector<std::pair<std::string, double>> extra = {};
 };
 Result result_of(const std::string& name, std::uint64_t size, int threads, std::vector<double> rounds,
                  const std::string& unit);
 
+// A line of the result and, indented below it, what stands beside it.
+void print(const Result& result);
+
 // "AMD EPYC 7B13, 2 processors, 24 GiB, Linux 6.1.0"
 std::string machine();
 
-// {"machine": ..., "results": [{"name", "size", "threads", "median", "min", "max", "unit"}, ...]}
+// {"machine": ..., "results": [{"name", "size", "threads", "median", "min", "max", "unit", further measures}, ...]}
 void write_json(const std::string& file, const std::vector<Result>& results);
 
 }  // namespace wade::bench
