@@ -7,6 +7,7 @@
 
 #include "configs/exit_code.hpp"
 #include "configs/scene_frames.hpp"
+#include "crowd_client/contacts.hpp"
 #include "crowd_client/water_met.hpp"
 
 namespace wade::crowd {

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "crowd_client/agents.hpp"
-#include "crowd_client/water_bins.hpp"
+#include "crowd_client/contacts.hpp"
 
 namespace wade::crowd {
 

@@ -1,29 +1,76 @@
 #include "crowd_client/water_bins.hpp"
 
 #include <algorithm>
-#include <cassert>
+#include <array>
 #include <cmath>
 
 namespace wade::crowd {
 namespace {
 
+// The particles are located in blocks that stay in the nearest cache.
+constexpr std::size_t block_size = 1024;
+
 void mark_cells_near(WaterBins& bins, std::span<const Vector2d> positions) {
     const GroundGrid& grid = bins.grid;
-    bins.near_agent.assign(grid.cells(), 0);
+    bins.use.assign(grid.cells() + 1, WaterBins::unused);
     for (const Vector2d& p : positions) {
         const int column = GroundGrid::line_of(p.x());
         const int row = GroundGrid::line_of(p.y());
         for (int r = row - 1; r <= row + 1; ++r) {
-            for (int c = column - 1; c <= column + 1; ++c) bins.near_agent[grid.index(c, r)] = 1;
+            for (int c = column - 1; c <= column + 1; ++c) {
+                WaterBins::Use& use = bins.use[grid.index(c, r)];
+                use = std::max(use, WaterBins::kept);
+            }
         }
+        bins.use[grid.cell_of(p.x(), p.y())] = WaterBins::summed;
     }
 }
 
+// The cells of n particles from `begin` on; the number of cells for those outside the grid and for NaN. Without a branch,
+// so that the compiler turns it into vector code.
+void locate(const GroundGrid& grid, const WaterView& water, std::size_t begin, std::size_t n, std::uint32_t* cells) {
+    const float* const px = water.px.data() + begin;
+    const float* const pz = water.pz.data() + begin;
+    const double columns = grid.columns, rows = grid.rows, outside = columns * rows;
+    const double origin_x = water.origin_x, scale_x = water.scale_x;
+    const double origin_z = water.origin_z, scale_z = water.scale_z;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double x = origin_x + scale_x * static_cast<double>(px[i]);
+        const double z = origin_z + scale_z * static_cast<double>(pz[i]);
+        const double column = std::floor(x / GroundGrid::cell_size) + 1;  // GroundGrid::line_of
+        const double row = std::floor(z / GroundGrid::cell_size) + 1;
+        const bool inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows);
+        const double cell = inside ? row * columns + column : outside;
+        cells[i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(cell));
+    }
+}
+
+// Fills kept_particle and kept_cell; returns their number.
+std::size_t keep_near(WaterBins& bins, const WaterView& water) {
+    const std::size_t particles = water.size();
+    if (bins.kept_particle.size() < particles) {
+        bins.kept_particle.resize(particles);
+        bins.kept_cell.resize(particles);
+    }
+    std::array<std::uint32_t, block_size> cells;
+    std::size_t kept = 0;
+    for (std::size_t begin = 0; begin < particles; begin += block_size) {
+        const std::size_t n = std::min(block_size, particles - begin);
+        locate(bins.grid, water, begin, n, cells.data());
+        // Each is written, and overwritten by the next one unless it is kept: no branch that is hard to foresee.
+        for (std::size_t i = 0; i < n; ++i) {
+            bins.kept_particle[kept] = static_cast<std::uint32_t>(begin + i);
+            bins.kept_cell[kept] = cells[i];
+            kept += bins.use[cells[i]] == WaterBins::unused ? 0U : 1U;
+        }
+    }
+    return kept;
+}
+
 void keep(WaterBins& bins, std::size_t particle, std::size_t cell) {
-    if (bins.near_agent[cell] == 0) return;
+    if (bins.use[cell] == WaterBins::unused) return;
     bins.kept_particle.push_back(static_cast<std::uint32_t>(particle));
     bins.kept_cell.push_back(static_cast<std::uint32_t>(cell));
-    ++bins.cell_start[cell + 1];
 }
 
 // x brought into [0, period).
@@ -51,84 +98,93 @@ double x_seen_in(const WaterBins& bins, double x, std::size_t cell) {
     return column > bins.grid.columns - 3 ? inside + bins.period : inside;
 }
 
-// Fills kept_particle and kept_cell and counts the particles of cell c into cell_start[c + 1].
-void keep_near(WaterBins& bins, const WaterView& water) {
-    const GroundGrid& grid = bins.grid;
-    const double x_lo = GroundGrid::line_start(0);
-    const double x_hi = GroundGrid::line_start(grid.columns);
-    const double z_lo = GroundGrid::line_start(0);
-    const double z_hi = GroundGrid::line_start(grid.rows);
+// As keep_near, for a periodic world.
+std::size_t keep_near_with_images(WaterBins& bins, const WaterView& water) {
+    const double x_lo = GroundGrid::line_start(0), x_hi = GroundGrid::line_start(bins.grid.columns);
+    const double z_lo = GroundGrid::line_start(0), z_hi = GroundGrid::line_start(bins.grid.rows);
     bins.kept_particle.clear();
     bins.kept_cell.clear();
-    bins.cell_start.assign(grid.cells() + 1, 0);
     for (std::size_t i = 0; i < water.size(); ++i) {
         const double x = water.origin_x + water.scale_x * static_cast<double>(water.px[i]);
         const double z = water.origin_z + water.scale_z * static_cast<double>(water.pz[i]);
-        if (!(x >= x_lo && x < x_hi && z >= z_lo && z < z_hi)) continue;  // false for NaN, too
-        if (bins.period > 0) {
-            keep_with_images(bins, i, x, z);
-        } else {
-            keep(bins, i, grid.cell_of(x, z));
-        }
+        // False for NaN, too.
+        if (x >= x_lo && x < x_hi && z >= z_lo && z < z_hi) keep_with_images(bins, i, x, z);
+    }
+    return bins.kept_particle.size();
+}
+
+void sum_up_cells(WaterBins& bins) {
+    bins.sums.resize(bins.grid.cells());
+    for (std::size_t c = 0; c < bins.grid.cells(); ++c) {
+        if (bins.use[c] == WaterBins::summed) bins.sums[c] = sum_of_cell(bins, c);
     }
 }
 
-double gap_to_interval(double v, double lo, double hi) {
-    return std::max({lo - v, v - hi, 0.0});
-}
-
-// Calls visit(k) for each particle k of the bins that is closer than `distance` in the ground plane.
-template <typename Visit>
-void for_each_touching(const WaterBins& bins, const Vector2d& agent, double distance, Visit&& visit) {
-    const int column = GroundGrid::line_of(agent.x());
-    const int row = GroundGrid::line_of(agent.y());
-    const double limit = distance * distance;
-    for (int r = row - 1; r <= row + 1; ++r) {
-        const double gap_z = gap_to_interval(agent.y(), GroundGrid::line_start(r), GroundGrid::line_start(r + 1));
-        for (int c = column - 1; c <= column + 1; ++c) {
-            const double gap_x = gap_to_interval(agent.x(), GroundGrid::line_start(c), GroundGrid::line_start(c + 1));
-            if (gap_x * gap_x + gap_z * gap_z >= limit) continue;  // no particle of this cell can be close enough
-            const std::size_t cell = bins.grid.index(c, r);
-            for (std::size_t k = bins.cell_start[cell]; k < bins.cell_start[cell + 1]; ++k) {
-                const double dx = bins.x[k] - agent.x();
-                const double dz = bins.z[k] - agent.y();
-                if (dx * dx + dz * dz < limit) visit(k);
-            }
-        }
-    }
-}
-
-void sort_marked(WaterBins& bins, const WaterView& water) {
-    keep_near(bins, water);
-
-    // cell_start[c + 1] serves as the next free place of cell c while the particles are dealt out; once all are, it is
-    // the end of cell c.
+// Counts the kept particles into cell_start and leaves there, for each cell c, the first place of cell c in
+// cell_start[c + 1].
+void count_by_cell(WaterBins& bins, std::size_t kept) {
     const std::size_t cells = bins.grid.cells();
+    bins.cell_start.assign(cells + 1, 0);
+    for (std::size_t k = 0; k < kept; ++k) ++bins.cell_start[bins.kept_cell[k] + std::size_t{1}];
     std::uint32_t before = 0;
     for (std::size_t c = 0; c < cells; ++c) {
         const std::uint32_t count = bins.cell_start[c + 1];
         bins.cell_start[c + 1] = before;
         before += count;
     }
-    const std::size_t kept = bins.kept_particle.size();
-    for (std::vector<double>* v : {&bins.x, &bins.z, &bins.mass, &bins.vx, &bins.vz}) v->resize(kept);
-    for (std::vector<double>* v : {&bins.y, &bins.vy}) v->resize(bins.with_heights ? kept : 0);
+}
+
+// Deals out the kept particles, the x of each as x_of(x of the world, cell) says. cell_start[c + 1] serves as the next
+// free place of cell c meanwhile; once all are dealt out, it is the end of cell c.
+template <typename PlaceOf>
+void deal_out(WaterBins& bins, const WaterView& water, std::size_t kept, PlaceOf&& x_of) {
+    const std::uint32_t* const particle = bins.kept_particle.data();
+    const std::uint32_t* const cell = bins.kept_cell.data();
+    std::uint32_t* const next = bins.cell_start.data() + 1;
+    double *const x = bins.x.data(), *const z = bins.z.data();
+    float *const mass = bins.mass.data(), *const vx = bins.vx.data(), *const vz = bins.vz.data();
+    const WaterView from = water;  // a copy that nothing written here can change
     for (std::size_t k = 0; k < kept; ++k) {
-        const std::size_t i = bins.kept_particle[k];
-        const std::size_t to = bins.cell_start[bins.kept_cell[k] + std::size_t{1}]++;
-        const double x = water.origin_x + water.scale_x * static_cast<double>(water.px[i]);
-        bins.x[to] = bins.period > 0 ? x_seen_in(bins, x, bins.kept_cell[k]) : x;
-        bins.z[to] = water.origin_z + water.scale_z * static_cast<double>(water.pz[i]);
-        bins.mass[to] = static_cast<double>(water.mass[i]);
-        bins.vx[to] = water.scale_x * static_cast<double>(water.vx[i]);
-        bins.vz[to] = water.scale_z * static_cast<double>(water.vz[i]);
+        const std::size_t i = particle[k];
+        const std::size_t to = next[cell[k]]++;
+        x[to] = x_of(from.origin_x + from.scale_x * static_cast<double>(from.px[i]), cell[k]);
+        z[to] = from.origin_z + from.scale_z * static_cast<double>(from.pz[i]);
+        mass[to] = from.mass[i];
+        vx[to] = from.vx[i];
+        vz[to] = from.vz[i];
         if (!bins.with_heights) continue;
-        bins.y[to] = water.origin_y + water.scale_y * static_cast<double>(water.py[i]);
-        bins.vy[to] = water.scale_y * static_cast<double>(water.vy[i]);
+        bins.y[to] = from.origin_y + from.scale_y * static_cast<double>(from.py[i]);
+        bins.vy[to] = from.scale_y * static_cast<double>(from.vy[i]);
     }
 }
 
+void sort_marked(WaterBins& bins, const WaterView& water) {
+    const std::size_t kept = bins.period > 0 ? keep_near_with_images(bins, water) : keep_near(bins, water);
+    count_by_cell(bins, kept);
+    bins.scale_x = water.scale_x;
+    bins.scale_z = water.scale_z;
+    for (std::vector<double>* v : {&bins.x, &bins.z}) v->resize(kept);
+    for (std::vector<float>* v : {&bins.mass, &bins.vx, &bins.vz}) v->resize(kept);
+    for (std::vector<double>* v : {&bins.y, &bins.vy}) v->resize(bins.with_heights ? kept : 0);
+    if (bins.period > 0) {
+        deal_out(bins, water, kept, [&](double x, std::uint32_t cell) { return x_seen_in(bins, x, cell); });
+    } else {
+        deal_out(bins, water, kept, [](double x, std::uint32_t) { return x; });
+    }
+    sum_up_cells(bins);
+}
+
 }  // namespace
+
+Contact sum_of_cell(const WaterBins& bins, std::size_t cell) {
+    Contact all;
+    for (std::size_t k = bins.cell_start[cell]; k < bins.cell_start[cell + 1]; ++k) {
+        const WaterParticle p = bins.particle(k);
+        all.mass += p.mass;
+        all.momentum += p.mass * p.velocity;
+    }
+    return all;
+}
 
 WaterBins empty_bins(const Scene& scene) {
     WaterBins bins;
@@ -144,51 +200,9 @@ void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d
 }
 
 void bin_all_water(WaterBins& bins, const WaterView& water) {
-    bins.near_agent.assign(bins.grid.cells(), 1);
+    bins.use.assign(bins.grid.cells(), WaterBins::kept);
+    bins.use.push_back(WaterBins::unused);
     sort_marked(bins, water);
-}
-
-double contact_distance(const Coupling& coupling) {
-    return coupling.contact_rule == ContactRule::sum ? coupling.agent_radius + coupling.particle_radius
-                                                     : std::abs(coupling.agent_radius - coupling.particle_radius);
-}
-
-Contact find_contact(const WaterBins& bins, const Vector2d& agent, double distance,
-                     std::vector<WaterParticle>& touching) {
-    touching.clear();
-    for_each_touching(bins, agent, distance, [&](std::size_t k) {
-        touching.push_back({bins.mass[k], {bins.vx[k], bins.vz[k]}});
-    });
-    return contact_momentum(touching);
-}
-
-TouchingMean mean_of_touching(const WaterBins& bins, const Vector2d& agent, double distance) {
-    assert(bins.with_heights);
-    TouchingMean mean;
-    for_each_touching(bins, agent, distance, [&](std::size_t k) {
-        ++mean.count;
-        mean.height += bins.y[k];
-        mean.velocity[0] += bins.vx[k];
-        mean.velocity[1] += bins.vy[k];
-        mean.velocity[2] += bins.vz[k];
-    });
-    if (mean.count == 0) return mean;
-    const double n = static_cast<double>(mean.count);
-    mean.height /= n;
-    for (double& v : mean.velocity) v /= n;
-    return mean;
-}
-
-CellWater water_at(const WaterBins& bins, const Vector2d& agent, double rest_density) {
-    const std::size_t cell = bins.grid.cell_of(agent.x(), agent.y());
-    Contact all;
-    for (std::size_t k = bins.cell_start[cell]; k < bins.cell_start[cell + 1]; ++k) {
-        all.mass += bins.mass[k];
-        all.momentum += bins.mass[k] * Vector2d(bins.vx[k], bins.vz[k]);
-    }
-    if (!(all.mass > 0)) return {};
-    constexpr double cell_area = GroundGrid::cell_size * GroundGrid::cell_size;
-    return {all.mass / (rest_density * cell_area), std::sqrt(all.momentum.squaredNorm()) / all.mass};
 }
 
 }  // namespace wade::crowd

@@ -1,7 +1,6 @@
 #pragma once
-// The water near the agents, sorted into the 2 x 2 m cells of the ground, and what an agent feels of it.
+// The water near the agents, sorted into the 2 x 2 m cells of the ground.
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -19,20 +18,23 @@ struct WaterBins {
     GroundGrid grid;
     double period = 0;                      // World::period(), m; above 0 the border holds images of the water
     std::vector<double> x, z;               // m
-    std::vector<double> mass;               // kg
-    std::vector<double> vx, vz;             // m/s
+    std::vector<float> mass;                // kg
+    std::vector<float> vx, vz;              // stored units per second, see scale_x
+    double scale_x = 1, scale_z = 1;        // m per stored unit, negative for a mirrored axis
     bool with_heights = false;              // whether y and vy are filled, too
     std::vector<double> y, vy;              // m, m/s
     std::vector<std::uint32_t> cell_start;  // particles of cell c: [cell_start[c], cell_start[c + 1])
 
-    std::vector<std::uint8_t> near_agent;  // by cell
+    // By cell, and one more for all that is outside: whether its water is kept; in the cells of agents it is summed up.
+    enum Use : std::uint8_t { unused, kept, summed };
+    std::vector<Use> use;
+    std::vector<Contact> sums;  // by cell, of those that are `summed`
     std::vector<std::uint32_t> kept_particle, kept_cell;
-};
 
-// Depth and speed of the water in one cell.
-struct CellWater {
-    double depth = 0;  // areal mass of the cell / rest density, m; a cell that the bank cuts counts as a whole
-    double speed = 0;  // |sum m v| / sum m, m/s
+    [[nodiscard]] WaterParticle particle(std::size_t k) const {
+        return {static_cast<double>(mass[k]),
+                {scale_x * static_cast<double>(vx[k]), scale_z * static_cast<double>(vz[k])}};
+    }
 };
 
 // Bins over the ground of the scene, without water.
@@ -45,26 +47,7 @@ void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d
 // The same for agents anywhere in the grid.
 void bin_all_water(WaterBins& bins, const WaterView& water);
 
-// Distance within which a particle touches an agent: |r_a - r_p| (`difference`, as the authors' program does) or
-// r_a + r_p (`sum`, as their text says), m.
-[[nodiscard]] double contact_distance(const Coupling& coupling);
-
-// Eq. 5 over the particles closer than `distance` in the ground plane, of the 3 x 3 cells round the agent.
-// Needs distance <= 2 m. `touching` is working memory.
-[[nodiscard]] Contact find_contact(const WaterBins& bins, const Vector2d& agent, double distance,
-                                   std::vector<WaterParticle>& touching);
-
-// Means over the particles that find_contact takes; each particle counts once, whatever its mass.
-struct TouchingMean {
-    std::size_t count = 0;             // of the particles; the rest is 0 where this is
-    double height = 0;                 // y, m
-    std::array<double, 3> velocity{};  // x, y, z, m/s
-};
-
-// As find_contact; needs bins with heights.
-[[nodiscard]] TouchingMean mean_of_touching(const WaterBins& bins, const Vector2d& agent, double distance);
-
-// The water in the agent's own cell.
-[[nodiscard]] CellWater water_at(const WaterBins& bins, const Vector2d& agent, double rest_density);
+// What the particles of a cell carry together, added in their order.
+[[nodiscard]] Contact sum_of_cell(const WaterBins& bins, std::size_t cell);
 
 }  // namespace wade::crowd

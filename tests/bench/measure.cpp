@@ -19,6 +19,12 @@ std::uint64_t status_bytes(const std::string& key) {
     return 0;
 }
 
+double clock_seconds(clockid_t clock) {
+    timespec t{};
+    clock_gettime(clock, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
 }  // namespace
 
 double wall_seconds() {
@@ -26,9 +32,11 @@ double wall_seconds() {
 }
 
 double cpu_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+    return clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+double own_seconds() {
+    return clock_seconds(CLOCK_THREAD_CPUTIME_ID);
 }
 
 PeakMemory::PeakMemory() {

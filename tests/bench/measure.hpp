@@ -7,6 +7,7 @@ namespace wade::bench {
 
 double wall_seconds();  // of the steady clock
 double cpu_seconds();   // of all threads of this process, user and system
+double own_seconds();   // the same of the calling thread
 
 // Both at once; the times of a stretch are differences.
 struct Times {

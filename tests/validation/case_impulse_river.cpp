@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "cases.hpp"
+#include "crowd_client/contacts.hpp"
 #include "crowd_client/water_bins.hpp"
 #include "impulse.hpp"
 

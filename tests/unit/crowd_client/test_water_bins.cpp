@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "crowd_client/contacts.hpp"
 #include "crowd_client/counter_random.hpp"
 #include "crowd_client/water_bins.hpp"
 #include "made_up_water.hpp"
@@ -138,4 +139,55 @@ TEST_CASE("Stored units, offset and axes are turned into those of the world") {
     CHECK(view.origin_z + view.scale_z * static_cast<double>(view.pz[0]) == 2 + 25);
     CHECK(view.scale_x * static_cast<double>(view.vx[0]) == -30);
     CHECK(view.scale_z * static_cast<double>(view.vz[0]) == 2.5);
+}
+
+TEST_CASE("Contacts are summed in the order of rows, columns and particles, to the bit") {
+    MadeUpWater water;
+    for (std::uint64_t i = 0; i < 30000; ++i) {
+        water.add(20 * counter_uniform(1, 0, i), 20 * counter_uniform(1, 1, i), 1 + counter_uniform(1, 2, i),
+                  counter_uniform(1, 3, i), counter_uniform(1, 4, i));
+    }
+    std::vector<Vector2d> agents{{2, 2}, {3.999, 4}, {10, 10}};
+    for (std::uint64_t k = 0; k < 40; ++k)
+        agents.emplace_back(20 * counter_uniform(2, 0, k), 20 * counter_uniform(2, 1, k));
+    const WaterBins bins = bins_of(water, agents);
+    for (const double distance : {0.25, 0.75, 2.0}) {
+        for (const Vector2d& a : agents) {
+            Contact expected;
+            const int column = GroundGrid::line_of(a.x()), row = GroundGrid::line_of(a.y());
+            for (int r = row - 1; r <= row + 1; ++r) {
+                for (int c = column - 1; c <= column + 1; ++c) {
+                    for (std::size_t i = 0; i < water.mass.size(); ++i) {
+                        const double x = static_cast<double>(water.px[i]), z = static_cast<double>(water.pz[i]);
+                        const double dx = x - a.x(), dz = z - a.y();
+                        if (GroundGrid::line_of(x) != c || GroundGrid::line_of(z) != r) continue;
+                        if (!(dx * dx + dz * dz < distance * distance)) continue;
+                        const double mass = static_cast<double>(water.mass[i]);
+                        expected.mass += mass;
+                        expected.momentum +=
+                            mass * Vector2d(static_cast<double>(water.vx[i]), static_cast<double>(water.vz[i]));
+                    }
+                }
+            }
+            std::vector<WaterParticle> touching;
+            const Contact c = find_contact(bins, a, distance, touching);
+            REQUIRE(c.mass == expected.mass);
+            REQUIRE(c.momentum == expected.momentum);
+        }
+    }
+}
+
+TEST_CASE("The water met is the same to the bit, whether its cell was summed up beforehand or not") {
+    const MadeUpWater water = testing::uniform_water(0, 20, 0, 20, 1, 0.23, -1.3, 0.7);
+    const std::vector<Vector2d> agents{{2, 2}, {3.999, 4}, {10.3, 10}};
+    const WaterBins near = bins_of(water, agents);
+    WaterBins all;
+    all.grid = GroundGrid::over(World{});
+    bin_all_water(all, water.view());
+    for (const Vector2d& a : agents) {
+        REQUIRE(near.use[near.grid.cell_of(a.x(), a.y())] == WaterBins::summed);
+        REQUIRE(all.use[all.grid.cell_of(a.x(), a.y())] == WaterBins::kept);
+        CHECK(water_at(near, a, 1000).depth == water_at(all, a, 1000).depth);
+        CHECK(water_at(near, a, 1000).speed == water_at(all, a, 1000).speed);
+    }
 }
