@@ -24,8 +24,10 @@ struct Work {
     double simulated = 0;  // s
     double particle_steps = 0;
     double divergence = 0, density = 0;  // iterations, summed
+    double sweeps = 0;                   // over all pairs
     double mean_error = 0;               // of the density, summed over steps
     double max_error = 0;
+    fluid::StageSeconds stages{};
 
     void add(const fluid::StepReport& step, std::size_t particles) {
         ++steps;
@@ -33,6 +35,8 @@ struct Work {
         particle_steps += static_cast<double>(particles);
         divergence += step.divergence.iterations;
         density += step.density.iterations;
+        sweeps += step.sweeps;
+        for (std::size_t k = 0; k < stages.size(); ++k) stages[k] += step.stages[k];
         mean_error += step.mean_density_error;
         max_error = std::max(max_error, step.max_density_error);
     }
@@ -42,6 +46,8 @@ struct Work {
         particle_steps += other.particle_steps;
         divergence += other.divergence;
         density += other.density;
+        sweeps += other.sweeps;
+        for (std::size_t k = 0; k < stages.size(); ++k) stages[k] += other.stages[k];
         mean_error += other.mean_error;
         max_error = std::max(max_error, other.max_error);
     }
@@ -69,8 +75,12 @@ Work run_for(fluid::FluidWorld& world, double time) {
 struct Series {
     std::vector<double> rates, cpu_rates;  // particle-steps per second of wall and of processor time
     Work all;
+    double pairs = 0, list_bytes = 0;  // of a particle, at the end of the last round
 
-    void add(const Work& work) {
+    void add(const Work& work, const fluid::FluidWorld& world) {
+        const auto n = static_cast<double>(world.particles().count);
+        pairs = static_cast<double>(world.pairs()) / n;
+        list_bytes = static_cast<double>(world.list_bytes()) / n;
         rates.push_back(work.particle_steps / work.times.wall);
         cpu_rates.push_back(work.particle_steps / work.times.cpu);
         all.add(work);
@@ -86,7 +96,13 @@ struct Series {
                    {"divergence_iterations_per_step", all.divergence / n},
                    {"density_iterations_per_step", all.density / n},
                    {"mean_density_error_percent", 100 * all.mean_error / n},
-                   {"max_density_error_percent", 100 * all.max_error}};
+                   {"max_density_error_percent", 100 * all.max_error},
+                   {"pairs_per_particle", pairs},
+                   {"sweeps_per_step", all.sweeps / n},
+                   {"list_bytes_per_particle", list_bytes}};
+        for (std::size_t k = 0; k < all.stages.size(); ++k)
+            r.extra.emplace_back(std::string(fluid::stage_names[k]) + "_ns_per_particle_step",
+                                 1e9 * all.stages[k] / all.particle_steps);
         return r;
     }
 };
@@ -143,7 +159,8 @@ void bench_river(const River& river, const Options& options, std::vector<Result>
     for (int round = 0; round < (options.quick ? 3 : river.rounds); ++round) {
         for (const int threads : counts) {
             omp_set_num_threads(threads);
-            series[threads].add(run_for(world, river.round));
+            const Work work = run_for(world, river.round);
+            series[threads].add(work, world);
         }
     }
     const double bytes = static_cast<double>(memory.bytes()) / static_cast<double>(river.size);
@@ -173,7 +190,7 @@ void bench_run(const std::string& name, const Scene& scene, int rounds, const Op
             Work both = first;
             both.add(second);
             both.times = {first.times.wall + second.times.wall, first.times.cpu + second.times.cpu};
-            series[threads].add(both);
+            series[threads].add(both, world);
             bytes = std::max(bytes, static_cast<double>(memory.bytes()) / static_cast<double>(size));
             const double n = static_cast<double>(second.steps);
             end = {{"iterations_per_step_at_the_end", (second.divergence + second.density) / n},
