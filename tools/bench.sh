@@ -4,18 +4,33 @@ set -euo pipefail
 # shellcheck source=tools/build.bash
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
-case "${1:-}" in
-  -h | --help)
-    echo "Usage: tools/bench.sh [--quick] [--json FILE]"
-    echo "Measures the shared-memory protocol beside memcpy, a unix socket and, where it is installed, ZeroMQ."
-    echo "--quick: fewer rounds; --json FILE: the results as {machine, results: [{name, size, threads, median, min, max, unit}]}"
-    exit 0
-    ;;
-esac
+help_if_asked "$@" <<'HELP'
+Usage: tools/bench.sh [--quick] [--only NAME] [--threads N] [--json FILE] [--compare FILE] [--out DIR]
 
-"$root/tools/install_dependencies.sh"
-lock_build_folder
-configure_release -DWADE_BUILD_TESTS=ON
-ninja -C "$build" bench_protocol >&2
-unlock_build_folder
-exec "$build/tests/bench/bench_protocol" "$@"
+Measures the water, the crowd, the coupling, the protocol and whole runs, each several times, and prints medians with
+counts of the work and the errors beside them. Builds the programs first.
+
+  --quick         fewer rounds, no case of a million particles, 20 s of the whole run
+  --only NAME     names that begin with NAME, for example fluid/river, coupling, end_to_end
+  --threads N     this number of threads only [one, and as many as there are processors]
+  --json FILE     the results as {machine, results: [{name, size, threads, median, min, max, unit, ...}]}
+  --compare FILE  how many times as fast as in FILE, which --json has written, by name, size and threads
+  --out DIR       DIR/bench.json and the page DIR/bench.md with its pictures: rates and errors, profile of a step by
+                  stages, and how far from what the processor and the memory of this machine allow
+
+Names: fluid/river, fluid/dam_break, fluid/dam_break_733_steps, fluid/column_at_rest, crowd/..., coupling/contacts,
+protocol/..., kernels/..., machine/..., features/..., end_to_end/s05, end_to_end/river_s05, end_to_end/fine.
+Exit code: 0, 1 if a part failed (the others are still measured), 2 for a mistake in the options.
+HELP
+
+programs=()
+for file in "$root"/tests/bench/bench_*.cpp; do
+  name=$(basename "$file" .cpp)
+  if [ "$name" != bench_report ] && [ "$name" != bench_options ]; then
+    programs+=("$name")
+  fi
+done
+
+"$root/tools/install_dependencies.sh" || exit 1
+build_with_tests fluid_server crowd_client "${programs[@]}" || { echo "bench.sh: the build failed" >&2; exit 1; }
+exec /usr/bin/python3 "$root/tools/bench/bench.py" --programs "$build" "$@"

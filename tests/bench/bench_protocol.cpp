@@ -1,4 +1,4 @@
-// bench_protocol [--quick] [--json FILE]: what it costs to hand a frame over, side by side with other ways.
+// bench_protocol: what it costs to hand a frame over, side by side with other ways.
 //
 // Every way is measured in every round, one after the other, so that the ratios within a round do not depend on what
 // else the machine does; shown are medians over the rounds.
@@ -9,16 +9,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
-#include <cstring>
-#include <exception>
 #include <map>
 #include <stdexcept>
 
 #include "shm_protocol/publisher.hpp"
 #include "shm_protocol/subscriber.hpp"
-#include "tests/bench/bench_report.hpp"
+#include "tests/bench/bench_options.hpp"
+#include "tests/bench/measure.hpp"
 #include "tests/bench/transports.hpp"
 
 namespace {
@@ -26,13 +24,8 @@ namespace {
 using namespace wade;
 using namespace wade::bench;
 
-struct Options {
-    bool quick = false;
-    std::string json;
-};
-
 double now_s() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return wall_seconds();
 }
 
 struct Case {
@@ -194,41 +187,20 @@ void show_one_processor(int rounds, std::vector<Result>& results) {
     std::fclose(in);
 }
 
-Options parse(int argc, char** argv) {
-    Options options;
-    for (int i = 1; i < argc; ++i) {
-        if (std::strcmp(argv[i], "--quick") == 0)
-            options.quick = true;
-        else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc)
-            options.json = argv[++i];
-        else
-            throw std::invalid_argument(std::string("unexpected argument ") + argv[i] +
-                                        "; allowed: --quick, --json FILE");
-    }
-    return options;
-}
-
-void run(const Options& options) {
+void run(const Options& options, std::vector<Result>& results) {
     const int rounds = options.quick ? 3 : 9;
-    std::vector<Result> results;
-    std::printf("%s\n", machine().c_str());
-    show_one_processor(rounds, results);
-    show_case({"handshake_us", "Handshake", 0, 20'000, 1e6, "us"}, rounds, results);
-    show_case({"frame_100k_ms", "100,000 particles", 100'000, 200, 1e3, "ms"}, rounds, results);
-    show_case({"frame_1m_ms", "1,000,000 particles", 1'000'000, 20, 1e3, "ms"}, rounds, results);
-    show_waiting(options.quick ? 10 : 30, results);
-    show_death(options.quick ? 5 : 21, results);
-    if (!options.json.empty()) write_json(options.json, results);
+    if (options.wanted("protocol/handshake_one_cpu_us")) show_one_processor(rounds, results);
+    for (const Case& c : {Case{"handshake_us", "Handshake", 0, 20'000, 1e6, "us"},
+                          Case{"frame_100k_ms", "100,000 particles", 100'000, 200, 1e3, "ms"},
+                          Case{"frame_1m_ms", "1,000,000 particles", 1'000'000, 20, 1e3, "ms"}}) {
+        if (options.wanted(std::string("protocol/") + c.name)) show_case(c, rounds, results);
+    }
+    if (options.wanted("protocol/waiting_cpu_percent")) show_waiting(options.quick ? 10 : 30, results);
+    if (options.wanted("protocol/death_noticed_ms")) show_death(options.quick ? 5 : 21, results);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        run(parse(argc, argv));
-        return 0;
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "bench_protocol: %s\n", error.what());
-        return dynamic_cast<const std::invalid_argument*>(&error) != nullptr ? 2 : 1;
-    }
+    return run_program("bench_protocol", argc, argv, run);
 }

@@ -1,0 +1,77 @@
+"""Whole runs: both programs on a scene of the paper, as tools/run.sh starts them."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# Name, scene, simulated time to which the run is cut (None: to its end), rounds; with --quick those of QUICK only.
+RUNS = (
+    ("end_to_end/s05", "configs/paper/s05.json", None, 3),
+    ("end_to_end/river_s05", "configs/river/s05.json", 60, 3),
+    ("end_to_end/fine", "configs/river/fine.json", 4, 1),
+)
+QUICK = {"end_to_end/s05": 20}
+
+
+def one_run(programs, scene, until, threads):
+    """outcome.json of a run."""
+    with tempfile.TemporaryDirectory(prefix="wade-bench-") as folder:
+        command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", programs, ROOT / scene]
+        command += ["--no-figure", "--out", folder, "--threads", str(threads)]
+        if until is not None:
+            command += ["--until-s", str(until)]
+        done = subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"{scene} ended with exit code {done.returncode}: {done.stderr.strip()}")
+        return json.loads((Path(folder) / "outcome.json").read_text(encoding="utf-8"))
+
+
+def result_of(name, threads, outcomes):
+    rates = sorted(o["sim_time_s"] / o["wall_time_s"] for o in outcomes)
+    last = outcomes[-1]
+    fluid = last["fluid"]
+    steps = max(1, fluid["steps"])
+    return {
+        "name": name,
+        "size": fluid["particles_max"],
+        "threads": threads,
+        "median": rates[len(rates) // 2],
+        "min": rates[0],
+        "max": rates[-1],
+        "unit": "sim_s_per_wall_s",
+        "rounds": len(rates),
+        "agents": last["agents"],
+        "sim_time_s": last["sim_time_s"],
+        "wall_time_s": last["wall_time_s"],
+        "solver_wall_s": fluid["solver_wall_s"],
+        "solver_percent_of_wall": 100 * fluid["solver_wall_s"] / last["wall_time_s"],
+        "steps": steps,
+        "particle_steps": fluid["particle_steps"],
+        "solver_particle_steps_per_s": fluid["particle_steps"] / fluid["solver_wall_s"],
+        "mean_density_error_percent": 100 * (fluid["mean_density_error"] or 0),
+        "max_density_error_percent": 100 * (fluid["max_density_error"] or 0),
+    }
+
+
+def measure(programs, wanted, quick, threads):
+    """Results of the runs whose names are wanted, and whether all went well."""
+    results, well = [], True
+    for name, scene, until, rounds in RUNS:
+        if not wanted(name) or (quick and name not in QUICK):
+            continue
+        counts = [threads] if threads else [os.cpu_count()] if quick else sorted({1, os.cpu_count()})
+        for count in counts:
+            try:
+                until_now = QUICK[name] if quick else until
+                outcomes = [one_run(programs, scene, until_now, count) for _ in range(1 if quick else rounds)]
+            except (RuntimeError, OSError, KeyError) as error:
+                print(f"bench.sh: {name}: {error}", file=sys.stderr)
+                well = False
+                continue
+            results.append(result_of(name, count, outcomes))
+    return results, well
