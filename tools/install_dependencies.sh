@@ -4,6 +4,7 @@ set -euo pipefail
 
 packages=(
   g++ cmake ninja-build git               # build; git names the commit in --version
+  libbenchmark-dev                        # kernels measured by themselves
   libeigen3-dev libboost-dev nlohmann-json3-dev libcli11-dev libhwy-dev libsqlite3-dev libzstd-dev
   catch2                                  # unit tests
   spin clang libclang-rt-14-dev           # the protocol's model and the fuzzer of its header

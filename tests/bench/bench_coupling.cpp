@@ -4,11 +4,8 @@
 
 #include <omp.h>
 
-#include <cmath>
-#include <map>
 #include <string>
 
-#include "configs/scene_loader.hpp"
 #include "crowd_client/contacts.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/water_view.hpp"
@@ -16,6 +13,7 @@
 #include "shm_protocol/hash.hpp"
 #include "tests/bench/bench_options.hpp"
 #include "tests/bench/measure.hpp"
+#include "tests/bench/scenes.hpp"
 
 namespace {
 
@@ -28,20 +26,6 @@ struct Size {
     double warm_up;     // s
     int frames;
 };
-
-Scene river_with_crowd(const Size& size) {
-    const double spacing = std::cbrt(100.0 * 27.0 / static_cast<double>(size.particles));
-    const std::string pitch_x = std::to_string(100.0 / size.columns), pitch_z = std::to_string(27.0 / size.rows);
-    const std::string columns = std::to_string(size.columns), rows = std::to_string(size.rows);
-    const std::string groups = R"([{"name": "waders", "columns": )" + columns + R"(, "rows": )" + rows +
-                               R"(, "start": {"x_m": 0.4, "z_m": 0.2, "pitch_x_m": )" + pitch_x + R"(, "pitch_z_m": )" +
-                               pitch_z + R"(, "jitter_m": 0.2}, "goal": {"x_m": 50, "z_m": 27}, "tau": 0.2}])";
-    return load_scene(std::string(WADE_CONFIGS) + "/bench/river.json",
-                      {{"/fluid/particle_spacing_m", std::to_string(spacing), "bench_coupling"},
-                       {"/fluid/max_particles", std::to_string(size.particles + 100), "bench_coupling"},
-                       {"/crowd/groups", groups, "bench_coupling"}})
-        .scene;
-}
 
 // A frame as it lies in shared memory.
 struct Slot {
@@ -138,7 +122,7 @@ Result result_of_stages(const Size& size, int threads, Stages stages) {
 }
 
 void bench(const Size& size, const Options& options, std::vector<Result>& results) {
-    const Scene scene = river_with_crowd(size);
+    const Scene scene = river_with_crowd(size.particles, size.columns, size.rows);
     fluid::DfsphModel model(scene);
     crowd::CrowdWorld crowd = crowd::make_crowd(scene);
     Slot slot(model.capacity());

@@ -7,10 +7,10 @@
 #include <map>
 #include <string>
 
-#include "configs/scene_loader.hpp"
 #include "fluid_server/fluid_world.hpp"
 #include "tests/bench/bench_options.hpp"
 #include "tests/bench/measure.hpp"
+#include "tests/bench/scenes.hpp"
 
 namespace {
 
@@ -107,12 +107,6 @@ struct Series {
     }
 };
 
-Scene scene_of(const std::string& file, const std::map<std::string, std::string>& values = {}) {
-    std::vector<SceneOverride> overrides;
-    for (const auto& [pointer, value] : values) overrides.push_back({pointer, value, "bench_fluid"});
-    return load_scene(std::string(WADE_CONFIGS) + "/bench/" + file, overrides).scene;
-}
-
 void finish(Result result, std::vector<Result>& results) {
     print(result);
     results.push_back(std::move(result));
@@ -133,33 +127,26 @@ double mean_height(const fluid::Particles& p) {
     return sum / static_cast<double>(p.count);
 }
 
-// Rivers 1 m deep at 1.5 m/s. The particles fill them exactly: 2, 4 and 10 layers.
-struct River {
-    std::uint64_t size;
-    double length, width, spacing;
+// How a river is measured.
+struct Plan {
     double warm_up;  // s: the lattice of the start becomes water
     double round;    // s
     int rounds;
 };
 
-void bench_river(const River& river, const Options& options, std::vector<Result>& results) {
-    const Scene scene = scene_of("river.json", {{"/world/length_m", std::to_string(river.length)},
-                                                {"/world/width_m", std::to_string(river.width)},
-                                                {"/channel/x_max_m", std::to_string(river.length)},
-                                                {"/channel/z_max_m", std::to_string(river.width)},
-                                                {"/fluid/particle_spacing_m", std::to_string(river.spacing)},
-                                                {"/fluid/max_particles", std::to_string(river.size)}});
+void bench_river(const River& river, const Plan& plan, const Options& options, std::vector<Result>& results) {
+    const Scene scene = river_scene(river);
     const std::vector<int> counts = options.thread_counts();
     const PeakMemory memory;
     fluid::FluidWorld world(scene);
     omp_set_num_threads(counts.back());
-    run_for(world, river.warm_up);
+    run_for(world, plan.warm_up);
     // The numbers of threads take turns, so that each meets the same water and the same machine.
     std::map<int, Series> series;
-    for (int round = 0; round < (options.quick ? 3 : river.rounds); ++round) {
+    for (int round = 0; round < (options.quick ? 3 : plan.rounds); ++round) {
         for (const int threads : counts) {
             omp_set_num_threads(threads);
-            const Work work = run_for(world, river.round);
+            const Work work = run_for(world, plan.round);
             series[threads].add(work, world);
         }
     }
@@ -222,9 +209,9 @@ void run(const Options& options, std::vector<Result>& results) {
     if (options.wanted("fluid/column_at_rest"))
         bench_run("fluid/column_at_rest", scene_of("column_at_rest.json"), options.quick ? 1 : 3, options, results);
     if (!options.wanted("fluid/river")) return;
-    bench_river({21'600, 100, 27, 0.5, 4, 4, 9}, options, results);
-    bench_river({100'000, 62.5, 25, 0.25, 2, 1, 7}, options, results);
-    if (!options.quick) bench_river({1'000'000, 50, 20, 0.1, 0.3, 0.1, 5}, options, results);
+    bench_river(river_2_layers, {4, 4, 9}, options, results);
+    bench_river(river_4_layers, {2, 1, 7}, options, results);
+    if (!options.quick) bench_river(river_10_layers, {0.3, 0.1, 5}, options, results);
 }
 
 }  // namespace

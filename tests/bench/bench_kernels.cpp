@@ -1,0 +1,222 @@
+// bench_kernels: the kernels of water and crowd by themselves, on one core, with Google Benchmark.
+//
+// The water is that of a river after some steps, the crowd stands all over a river.
+
+#include <benchmark/benchmark.h>
+#include <omp.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "crowd_client/contacts.hpp"
+#include "crowd_client/crowd_world.hpp"
+#include "crowd_client/water_view.hpp"
+#include "fluid_server/dfsph.hpp"
+#include "fluid_server/fluid_world.hpp"
+#include "fluid_server/sweeps.hpp"
+#include "tests/bench/scenes.hpp"
+
+namespace {
+
+using namespace wade;
+using namespace wade::bench;
+
+// Water as the solver has it in the middle of a step.
+struct Water {
+    Scene scene;
+    fluid::Kernel kernel;
+    float support_radius, volume;
+    fluid::Particles particles;
+    fluid::CellGrid grid;
+    fluid::Solids solids;
+    fluid::NeighbourLists lists;
+    fluid::ParticleFields fields;
+
+    Water(const Scene& its_scene, const fluid::Particles& its_particles)
+        : scene(its_scene),
+          kernel(fluid::make_kernel(scene.fluid)),
+          support_radius(static_cast<float>(2 * scene.fluid.particle_spacing)),
+          volume(static_cast<float>(std::pow(scene.fluid.particle_spacing, 3))),
+          particles(its_particles),
+          grid(scene, support_radius),
+          solids(scene),
+          lists(particles.capacity()),
+          fields(particles.capacity()) {
+        grid.sort(particles, -1e30F);
+        fluid::find_neighbours(grid, solids, particles, support_radius, lists);
+        fluid::compute_density_and_diagonal(particles, kernel, volume, lists, fields);
+    }
+    [[nodiscard]] std::size_t blocks() const { return fluid::block_count(particles.count); }
+};
+
+Water& water_of(std::int64_t size) {
+    static std::map<std::int64_t, std::unique_ptr<Water>> waters;
+    std::unique_ptr<Water>& water = waters[size];
+    if (!water) {
+        omp_set_num_threads(1);
+        const River river = size == 21'600 ? river_2_layers : size == 100'000 ? river_4_layers : river_10_layers;
+        const Scene scene = river_scene(river);
+        fluid::FluidWorld world(scene);
+        // Enough for the lattice to be one no more.
+        for (int frame = 0; frame < (size > 500'000 ? 3 : 20); ++frame) world.step(1 / scene.frame_rate);
+        water = std::make_unique<Water>(scene, world.particles());
+    }
+    return *water;
+}
+
+// Time of an item: per particle, or per agent.
+void count_items(benchmark::State& state, std::size_t items) {
+    state.counters["ns_per_item"] =
+        benchmark::Counter(1e-9 * static_cast<double>(items) * static_cast<double>(state.iterations()),
+                           benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+// Pairs whose kernel is not zero, how full the lanes are of them, and the bytes that a sweep reads and writes.
+void count_pairs(benchmark::State& state, const Water& water) {
+    double pairs = 0, entries = 0;
+    for (std::size_t b = 0; b < water.blocks(); ++b) {
+        const fluid::NeighbourBlock& block = water.lists.blocks[b];
+        const std::size_t used = block.segments.empty() ? 0 : block.segments.back().end;
+        entries += static_cast<double>(used);
+        for (std::size_t k = 0; k < used * fluid::cluster_size; ++k) pairs += block.factor[k] > 0 ? 1 : 0;
+    }
+    const auto n = static_cast<double>(water.particles.count), lanes = static_cast<double>(fluid::cluster_size);
+    state.counters["pairs_per_particle"] = pairs / n;
+    state.counters["lanes_in_use_percent"] = 100 * pairs / (entries * lanes);
+    state.counters["list_bytes_per_particle"] = entries * (sizeof(std::uint32_t) + lanes * sizeof(std::uint16_t)) / n;
+    state.counters["useful_pairs_per_s"] =
+        benchmark::Counter(pairs * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
+void sort(benchmark::State& state) {
+    Water& water = water_of(state.range(0));
+    for (auto _ : state) water.grid.sort(water.particles, -1e30F);
+    count_items(state, water.particles.count);
+}
+
+void list_build(benchmark::State& state) {
+    Water& water = water_of(state.range(0));
+    for (auto _ : state)
+        fluid::find_neighbours(water.grid, water.solids, water.particles, water.support_radius, water.lists);
+    fluid::compute_density_and_diagonal(water.particles, water.kernel, water.volume, water.lists, water.fields);
+    count_items(state, water.particles.count);
+    count_pairs(state, water);
+}
+
+void kernel_sweep(benchmark::State& state) {
+    Water& water = water_of(state.range(0));
+    for (auto _ : state)
+        fluid::compute_density_and_diagonal(water.particles, water.kernel, water.volume, water.lists, water.fields);
+    count_items(state, water.particles.count);
+    count_pairs(state, water);
+}
+
+void pressure_sweep(benchmark::State& state) {
+    Water& water = water_of(state.range(0));
+    fluid::ParticleFields& f = water.fields;
+    for (auto _ : state) {
+        for (std::size_t b = 0; b < water.blocks(); ++b)
+            fluid::sum_gradients(b, water.particles, water.lists, water.particles.pressure.data(),
+                                 {f.ax.data(), f.ay.data(), f.az.data()});
+    }
+    count_items(state, water.particles.count);
+    count_pairs(state, water);
+}
+
+void rate_sweep(benchmark::State& state) {
+    Water& water = water_of(state.range(0));
+    const fluid::Particles& p = water.particles;
+    std::array<float, fluid::block_size> sums;
+    for (auto _ : state) {
+        for (std::size_t b = 0; b < water.blocks(); ++b)
+            fluid::sum_divergence(b, p, water.lists, {p.vx.data(), p.vy.data(), p.vz.data()}, sums.data());
+        benchmark::DoNotOptimize(sums.data());
+    }
+    count_items(state, p.count);
+    count_pairs(state, water);
+}
+
+// A crowd all over a river, and the water round it.
+struct Flood {
+    Scene scene;
+    std::vector<float> mass;
+    std::optional<fluid::FluidWorld> world;
+    crowd::CrowdWorld crowd;
+    crowd::WaterView view;
+    std::vector<Eigen::Vector2d> places;
+
+    Flood() : scene(river_with_crowd(100'000, 100, 50)), world(scene), crowd(crowd::make_crowd(scene)) {
+        for (int frame = 0; frame < 3; ++frame) world->step(1 / scene.frame_rate);
+        const fluid::Particles& p = world->particles();
+        mass.assign(p.count, world->particle_mass());
+        const auto of = [&](const std::vector<float>& v) { return std::span<const float>(v.data(), p.count); };
+        view.mass = mass;
+        view.px = of(p.x), view.py = of(p.y), view.pz = of(p.z);
+        view.vx = of(p.vx), view.vy = of(p.vy), view.vz = of(p.vz);
+        places = crowd.agents.position;
+        crowd::bin_water(crowd.water, view, places);
+    }
+};
+
+Flood& flood() {
+    static Flood one;
+    return one;
+}
+
+void bins(benchmark::State& state) {
+    Flood& f = flood();
+    for (auto _ : state) crowd::bin_water(f.crowd.water, f.view, f.places);
+    count_items(state, f.view.size());
+}
+
+void contacts(benchmark::State& state) {
+    Flood& f = flood();
+    const double distance = crowd::contact_distance(f.scene.coupling);
+    std::size_t touching = 0;
+    for (auto _ : state) {
+        touching = 0;
+        for (const Eigen::Vector2d& place : f.places) {
+            benchmark::DoNotOptimize(crowd::find_contact(f.crowd.water, place, distance, f.crowd.touching));
+            touching += f.crowd.touching.size();
+        }
+    }
+    count_items(state, f.places.size());
+    state.counters["touching_per_agent"] = static_cast<double>(touching) / static_cast<double>(f.places.size());
+}
+
+// The crowd's step without water: markers claimed and velocities chosen.
+void dry_crowd_step(benchmark::State& state) {
+    Flood& f = flood();
+    crowd::CrowdWorld crowd = f.crowd;
+    for (auto _ : state) {
+        crowd::step(crowd, {});
+        if (crowd.active.size() * 10 < f.places.size() * 9) {  // many have arrived
+            state.PauseTiming();
+            crowd = f.crowd;
+            state.ResumeTiming();
+        }
+    }
+    count_items(state, f.places.size());
+}
+
+void add_sizes(benchmark::internal::Benchmark* b) {
+    b->Arg(21'600)->Arg(100'000);
+    if (std::getenv("WADE_BENCH_QUICK") == nullptr) b->Arg(1'000'000);
+}
+
+BENCHMARK(sort)->Name("kernels/sort")->Apply(add_sizes);
+BENCHMARK(list_build)->Name("kernels/list_build")->Apply(add_sizes);
+BENCHMARK(kernel_sweep)->Name("kernels/kernel_sweep")->Apply(add_sizes);
+BENCHMARK(pressure_sweep)->Name("kernels/pressure_sweep")->Apply(add_sizes);
+BENCHMARK(rate_sweep)->Name("kernels/rate_sweep")->Apply(add_sizes);
+BENCHMARK(bins)->Name("kernels/bins")->Arg(100'000);
+BENCHMARK(contacts)->Name("kernels/contacts")->Arg(5'000);
+BENCHMARK(dry_crowd_step)->Name("kernels/dry_crowd_step")->Arg(5'000);
+
+}  // namespace
+
+BENCHMARK_MAIN();

@@ -1,0 +1,30 @@
+#pragma once
+// The scenes of configs/bench, in the sizes that are measured.
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "configs/scene.hpp"
+
+namespace wade::bench {
+
+// A scene of configs/bench with some values changed; pointer -> value.
+Scene scene_of(const std::string& file, const std::map<std::string, std::string>& values = {});
+
+// A river 1 m deep at 1.5 m/s that its particles fill in whole layers.
+struct River {
+    std::uint64_t size;             // particles
+    double length, width, spacing;  // m
+};
+inline constexpr River river_2_layers{21'600, 100, 27, 0.5};
+inline constexpr River river_4_layers{100'000, 62.5, 25, 0.25};
+inline constexpr River river_10_layers{1'000'000, 50, 20, 0.1};
+
+Scene river_scene(const River& river, std::map<std::string, std::string> more = {});
+
+// The river of the paper, 100 x 27 m, with about so many particles and columns x rows agents all over it.
+Scene river_with_crowd(std::uint64_t particles, int columns, int rows, std::map<std::string, std::string> more = {});
+
+}  // namespace wade::bench
