@@ -57,13 +57,14 @@ Water& water_of(std::int64_t size) {
     static std::map<std::int64_t, std::unique_ptr<Water>> waters;
     std::unique_ptr<Water>& water = waters[size];
     if (!water) {
-        omp_set_num_threads(1);
         const River river = size == 21'600 ? river_2_layers : size == 100'000 ? river_4_layers : river_10_layers;
         const Scene scene = river_scene(river);
         fluid::FluidWorld world(scene);
-        // Enough for the lattice to be one no more.
-        for (int frame = 0; frame < (size > 500'000 ? 3 : 20); ++frame) world.step(1 / scene.frame_rate);
+        // Enough for most of the lattice to be gone.
+        const int steps = size == 21'600 ? 120 : size == 100'000 ? 60 : 10;
+        for (int k = 0; k < steps; ++k) world.step(1 / scene.frame_rate);
         water = std::make_unique<Water>(scene, world.particles());
+        omp_set_num_threads(1);
     }
     return *water;
 }

@@ -11,6 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import end_to_end  # noqa: E402
+import features  # noqa: E402
 import kernels  # noqa: E402
 from machine import machine, machine_text  # noqa: E402
 from results import comparison, read, summary, write  # noqa: E402
@@ -21,7 +22,6 @@ PROGRAMS = (
     ("bench_fluid", ("fluid/",), True),
     ("bench_crowd", ("crowd/",), False),
     ("bench_coupling", ("coupling/",), True),
-    ("bench_features", ("features/",), True),
     ("bench_protocol", ("protocol/",), True),
 )
 
@@ -83,10 +83,14 @@ def measure(chosen):
             continue
         results += [r for r in found if r["name"].startswith(chosen.only)]
     wanted = lambda name: name.startswith(chosen.only)  # noqa: E731
-    if any(wanted(run[0]) for run in end_to_end.RUNS):
-        print("\n== whole runs", flush=True)
-        found, fine = end_to_end.measure(chosen.programs, wanted, chosen.quick, chosen.threads)
-        results, well = results + found, well and fine
+    for prefix, title, room in (
+        ("features/", "features", lambda: features.measure(chosen.programs, wanted, chosen.quick)),
+        ("end_to_end/", "whole runs", lambda: end_to_end.measure(chosen.programs, wanted, chosen.quick, chosen.threads)),
+    ):
+        if may_match(prefix, chosen.only):
+            print(f"\n== {title}", flush=True)
+            found, fine = room()
+            results, well = results + found, well and fine
     return results, well
 
 

@@ -141,6 +141,24 @@ def bytes_of_steps(results):
     return markdown(heads, rows) if rows else []
 
 
+def features(results):
+    rows = [
+        (r["name"].split("/")[1].replace("_", " "), f"{r['median']:.3f}", f"{r['min']:.3f} to {r['max']:.3f}", r["pairs"],
+         r["counted"], f"{r['cpu_s_without']:.2f}")  # fmt: skip
+        for r in results
+        if r["name"].startswith("features/")
+    ]
+    if not rows:
+        return []
+    text = [
+        "Processor time with the feature over that without, medians of pairs of runs that take turns. `off` sets the feature to "
+        "what it is without a word; how far its interval lies from 1 is how exactly this machine can tell. A feature that is off is a "
+        "test a step in the same program, so that no build without it stands beside.",
+        "",
+    ]
+    return text + markdown(("feature", "times", "interval", "pairs", "time of", "s without"), rows)
+
+
 def draw_profile(results, file):
     staged = [r for r in results if stages_of(r)]
     if not staged:
@@ -202,6 +220,7 @@ def write_page(folder, machine, results, quick):
         ("Profile of a step, ns of wall time a particle-step", profile(results), draw_profile, "profile.png"),
         ("Sweeps beside the bounds of the machine", bounds(results), draw_roofline, "roofline.png"),
         ("Bytes of a step", bytes_of_steps(results), None, None),
+        ("Features that are off and on", features(results), None, None),
     )
     for title, text, draw, picture in sections:
         if not text:
