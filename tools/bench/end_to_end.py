@@ -9,20 +9,22 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# Name, scene, simulated time to which the run is cut (None: to its end), rounds; with --quick those of QUICK only.
+# Name, scene, simulated time to which the run is cut (None: to its end), rounds, options; with --quick those of QUICK only.
 RUNS = (
-    ("end_to_end/s05", "configs/paper/s05.json", None, 3),
-    ("end_to_end/river_s05", "configs/river/s05.json", 60, 3),
-    ("end_to_end/fine", "configs/river/fine.json", 4, 1),
+    ("end_to_end/s05", "configs/paper/s05.json", None, 3, ()),
+    ("end_to_end/s05_depth_1", "configs/paper/s05.json", None, 3, ("--set", "/lockstep_depth=1")),
+    ("end_to_end/river_s05", "configs/river/s05.json", 60, 3, ()),
+    ("end_to_end/fine", "configs/river/fine.json", 4, 1, ()),
 )
+SAME_FRAMES = {"end_to_end/s05", "end_to_end/s05_depth_1"}  # how far the water is ahead changes no bit
 QUICK = {"end_to_end/s05": 20}
 
 
-def one_run(programs, scene, until, threads):
+def one_run(programs, scene, until, threads, options):
     """outcome.json of a run."""
     with tempfile.TemporaryDirectory(prefix="wade-bench-") as folder:
         command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", programs, ROOT / scene]
-        command += ["--no-figure", "--out", folder, "--threads", str(threads)]
+        command += ["--no-figure", "--out", folder, "--threads", str(threads), *options]
         if until is not None:
             command += ["--until-s", str(until)]
         done = subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
@@ -60,18 +62,22 @@ def result_of(name, threads, outcomes):
 
 def measure(programs, wanted, quick, threads):
     """Results of the runs whose names are wanted, and whether all went well."""
-    results, well = [], True
-    for name, scene, until, rounds in RUNS:
+    results, well, hashes = [], True, set()
+    for name, scene, until, rounds, options in RUNS:
         if not wanted(name) or (quick and name not in QUICK):
             continue
         counts = [threads] if threads else [os.cpu_count()] if quick else sorted({1, os.cpu_count()})
         for count in counts:
             try:
                 until_now = QUICK[name] if quick else until
-                outcomes = [one_run(programs, scene, until_now, count) for _ in range(1 if quick else rounds)]
+                outcomes = [one_run(programs, scene, until_now, count, options) for _ in range(1 if quick else rounds)]
             except (RuntimeError, OSError, KeyError) as error:
                 print(f"bench.sh: {name}: {error}", file=sys.stderr)
                 well = False
                 continue
             results.append(result_of(name, count, outcomes))
+            hashes.update(o["frame_hash"] for o in outcomes if name in SAME_FRAMES)
+    if len(hashes) > 1:
+        print(f"bench.sh: {', '.join(sorted(SAME_FRAMES))}: the frames differ: {sorted(hashes)}", file=sys.stderr)
+        well = False
     return results, well

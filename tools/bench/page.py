@@ -172,7 +172,7 @@ def draw_profile(results, file):
     axes.set_yticks(range(len(staged)), [label(r) for r in staged])
     axes.invert_yaxis()
     axes.set_xlabel("wall time of a particle-step, ns")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.4, -0.28 if len(staged) < 5 else -0.14), ncols=4, frameon=False)
+    figure.legend(loc="outside lower center", ncols=4, frameon=False)
     figure.savefig(file, dpi=110)
     plt.close(figure)
     return True
@@ -194,13 +194,14 @@ def draw_roofline(results, file):
             lanes = r["lanes_in_use_percent"] / 100
             x = r["pairs_per_particle"] / moved
             first = r is named(results, name)[0]
-            axes.plot([x, x], [rate, rate / lanes], color=plt.cm.tab10(k), alpha=0.5)
+            # The lanes that work for nothing count as pairs, too: more of them a second, and more a byte.
+            axes.plot([x, x / lanes], [rate, rate / lanes], color=plt.cm.tab10(k), alpha=0.5)
             axes.plot(x, rate, "o", color=plt.cm.tab10(k), label=f"{name.split('/')[1].replace('_', ' ')}, useful pairs" if first else None)
-            axes.plot(x, rate / lanes, "^", mfc="white", color=plt.cm.tab10(k), label="the same, all lanes" if first else None)
+            axes.plot(x / lanes, rate / lanes, "^", mfc="white", color=plt.cm.tab10(k), label="the same, all lanes" if first else None)
             axes.annotate(number(r["size"]), (x, rate), xytext=(6, -3), textcoords="offset points", fontsize=8)
     axes.set_xlim(1e-2, 3)
     axes.set_ylim(50, 3 * at_most)
-    axes.set_xlabel("useful pairs a byte read or written")
+    axes.set_xlabel("pairs a byte read or written")
     axes.set_ylabel("million pairs a second and core")
     axes.grid(alpha=0.3, which="both")
     axes.legend(fontsize=8)
