@@ -172,7 +172,7 @@ def draw_profile(results, file):
     axes.set_yticks(range(len(staged)), [label(r) for r in staged])
     axes.invert_yaxis()
     axes.set_xlabel("wall time of a particle-step, ns")
-    figure.legend(loc="outside lower center", ncols=4, frameon=False)
+    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
     figure.savefig(file, dpi=110)
     plt.close(figure)
     return True
