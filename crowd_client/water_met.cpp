@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "crowd_client/contacts.hpp"
+
 namespace wade::crowd {
 namespace {
 

@@ -1,6 +1,6 @@
 // bench_kernels: the kernels of water and crowd by themselves, on one core, with Google Benchmark.
 //
-// The water is that of a river after some steps, the crowd stands all over a river.
+// The water is that of a river without the lattice of its start, the crowd stands all over a river.
 
 #include <benchmark/benchmark.h>
 #include <omp.h>
@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <random>
 
 #include "crowd_client/contacts.hpp"
 #include "crowd_client/crowd_world.hpp"
@@ -53,6 +54,14 @@ struct Water {
     [[nodiscard]] std::size_t blocks() const { return fluid::block_count(particles.count); }
 };
 
+// Moves particles by up to `most`, m, along each axis, so that the lattice of the start is gone, as after many steps.
+void shake(fluid::Particles& particles, float most) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> by(-most, most);
+    for (std::size_t i = 0; i < particles.count; ++i)
+        particles.x[i] += by(random), particles.y[i] += by(random), particles.z[i] += by(random);
+}
+
 Water& water_of(std::int64_t size) {
     static std::map<std::int64_t, std::unique_ptr<Water>> waters;
     std::unique_ptr<Water>& water = waters[size];
@@ -60,10 +69,10 @@ Water& water_of(std::int64_t size) {
         const River river = size == 21'600 ? river_2_layers : size == 100'000 ? river_4_layers : river_10_layers;
         const Scene scene = river_scene(river);
         fluid::FluidWorld world(scene);
-        // Enough for most of the lattice to be gone.
-        const int steps = size == 21'600 ? 120 : size == 100'000 ? 60 : 10;
-        for (int k = 0; k < steps; ++k) world.step(1 / scene.frame_rate);
-        water = std::make_unique<Water>(scene, world.particles());
+        for (int k = 0; k < 10; ++k) world.step(1 / scene.frame_rate);
+        fluid::Particles particles = world.particles();
+        shake(particles, 0.2F * static_cast<float>(river.spacing));
+        water = std::make_unique<Water>(scene, particles);
         omp_set_num_threads(1);
     }
     return *water;
