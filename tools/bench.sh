@@ -23,13 +23,7 @@ protocol/..., kernels/..., machine/..., features/..., end_to_end/s05, end_to_end
 Exit code: 0, 1 if a part failed (the others are still measured), 2 for a mistake in the options.
 HELP
 
-programs=()
-for file in "$root"/tests/bench/bench_*.cpp; do
-  name=$(basename "$file" .cpp)
-  if [ "$name" != bench_report ] && [ "$name" != bench_options ]; then
-    programs+=("$name")
-  fi
-done
+programs=(bench_fluid bench_crowd bench_coupling bench_kernels bench_protocol)
 
 "$root/tools/install_dependencies.sh" || exit 1
 build_with_tests fluid_server crowd_client "${programs[@]}" || { echo "bench.sh: the build failed" >&2; exit 1; }
