@@ -357,7 +357,7 @@ std::uint64_t FluidWorld::list_bytes() const {
     std::uint64_t bytes = 0;
     for (const NeighbourBlock& block : lists_.blocks) {
         bytes += block.j.capacity() * sizeof(std::uint32_t) + block.factor.capacity() * sizeof(std::uint16_t) +
-                 block.sight.capacity() * sizeof(std::uint16_t) +
+                 block.lanes.capacity() * sizeof(std::uint16_t) +
                  block.segments.capacity() * sizeof(NeighbourBlock::Segment);
     }
     return bytes;

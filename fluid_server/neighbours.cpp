@@ -48,6 +48,12 @@ bool sees(const Solids& solids, const Vec3& x, const Vec3& y, const Mirror& mirr
            (mirror.obstacle < 0 ? solids.visible(x, mirror.reflect(y)) : solids.sees_image(x, y, mirror));
 }
 
+// Room of a thread.
+std::vector<std::uint32_t>& room_for_candidates() {
+    thread_local std::vector<std::uint32_t> room;
+    return room;
+}
+
 // Finds the lists of one block.
 class BlockSearch {
  public:
@@ -65,9 +71,6 @@ class BlockSearch {
                 add_cluster(first, std::min(first + cluster_size, end));
             }
             block_.first_segment[c + 1] = static_cast<std::uint32_t>(block_.segments.size());
-        }
-        if (block_.factor.size() < entries_ * cluster_size) {
-            block_.factor.resize((entries_ + entries_ / 4) * cluster_size);
         }
     }
 
@@ -128,16 +131,21 @@ class BlockSearch {
             block_.runs.push_back({begin, end});
             most += end - begin;
         });
-        if (block_.j.size() < entries_ + most) {
-            block_.j.resize(entries_ + entries_ / 4 + most);
+        std::vector<std::uint32_t>& room = room_for_candidates();
+        room.resize(std::max(room.size(), most));
+        const std::size_t found = append_near(places, box, h_, p_, block_.runs, room.data());
+        const std::size_t end = entries_ + found;
+        if (block_.j.size() < end) {
+            block_.j.resize(end + end / 16);
+            block_.lanes.resize(block_.j.size());
         }
-        entries_ += append_near(places, box, h_, p_, block_.runs, block_.j.data() + entries_);
+        std::copy_n(room.begin(), found, block_.j.begin() + static_cast<std::ptrdiff_t>(entries_));
+        entries_ = end;
     }
 
     // Keeps of the entries from `first` on those that some lane sees, and notes which do.
     void keep_seen(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Vec3& period,
                    bool by_obstacle, std::size_t first) {
-        block_.sight.resize(block_.j.size());
         std::size_t kept = first;
         for (std::size_t k = first; k < entries_; ++k) {
             const std::uint32_t j = block_.j[k];
@@ -153,7 +161,7 @@ class BlockSearch {
                 }
             }
             block_.j[kept] = j;
-            block_.sight[kept] = static_cast<std::uint16_t>(lanes);
+            block_.lanes[kept] = static_cast<std::uint16_t>(lanes);
             kept += lanes != 0 ? 1U : 0U;
         }
         entries_ = kept;

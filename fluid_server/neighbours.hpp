@@ -9,8 +9,8 @@
 //   list    j = 17    [ g  g  0  g  g  g  .  .  0  g ]    g: a neighbour nearer than the support radius
 //           j = 18    [ g  g  g  g  0  g  .  .  g  g ]    0: too far away; the kernel is zero there
 //
-// so that nothing is gathered, and a particle costs the list 4 bytes a cluster. What every sweep needs, the factor of the
-// kernel gradient, is kept for each place of this table in 16 bits.
+// so that nothing is gathered. What every sweep needs, the factor of the kernel gradient, is kept for each g of this table
+// in 16 bits, one after the other, with a bit a place that tells g from 0: an entry costs the list 6 bytes, a neighbour 2.
 //
 // A list has segments: the first holds neighbours, each further one the neighbours seen in a mirror (solids.hpp) or beyond
 // a periodic border. There it is the cluster that moves: its lanes are mapped, x -> R x + shift, and the list names
@@ -54,16 +54,18 @@ struct NeighbourBlock {
         std::uint32_t end = 0;       // one past its last entry; the first is the end of the segment before
         std::int16_t obstacle = -1;  // in whose face the images are seen, or -1
         std::int16_t obstacle_axis = 0;
-        bool by_sight = false;  // not every lane sees every entry: `sight` says which
+        bool by_sight = false;  // not every near lane sees every entry: `lanes` says which do
         RigidMap map;           // of the cluster's places
         ImageVelocity viscous;  // for viscosity
     };
     std::array<std::uint32_t, clusters_per_block + 1> first_segment{};
     std::vector<Segment> segments;
-    std::vector<std::uint32_t> j;       // entries: a particle each
-    std::vector<std::uint16_t> sight;   // of each entry, bit l: lane l sees it; only where a segment is by sight
-    std::vector<std::uint16_t> factor;  // of each entry, cluster_size lanes: (dW/dr) / r in NeighbourLists::factor_unit
-    std::vector<Mirror> mirrors;        // room for the search
+    std::vector<std::uint32_t> j;  // entries: a particle each
+    std::vector<std::uint16_t>
+        lanes;  // of each entry, bit l: lane l is near and sees it; from sum_kernel (sweeps.hpp) on
+    std::vector<std::uint16_t> factor;  // of each entry's near lanes: (dW/dr) / r in NeighbourLists::factor_unit
+    std::array<std::uint32_t, clusters_per_block> first_factor{};
+    std::vector<Mirror> mirrors;  // room for the search
     std::vector<Run> runs;
 };
 
@@ -86,6 +88,11 @@ struct NeighbourLists {
 inline std::size_t first_entry(const NeighbourBlock& block, std::size_t cluster) {
     const std::uint32_t s = block.first_segment[cluster];
     return s == 0 ? 0 : block.segments[s - 1].end;
+}
+
+// One past the last entry of a cluster of a block.
+inline std::size_t end_of_entries(const NeighbourBlock& block, std::size_t cluster) {
+    return first_entry(block, cluster + 1);
 }
 
 // Calls body(segment, first entry, one past its last) for each segment of a cluster of a block.
@@ -113,14 +120,17 @@ void for_each_pair(const NeighbourLists& lists, std::size_t b, Body&& body) {
     const NeighbourBlock& block = lists.blocks[b];
     for (std::size_t c = 0; c < clusters_per_block; ++c) {
         const std::size_t begin = b * block_size + c * cluster_size;
-        const std::size_t end = std::min(begin + cluster_size, lists.count);
+        std::size_t next = block.first_factor[c];
         for_each_segment(block, c, [&](const NeighbourBlock::Segment& segment, std::size_t first, std::size_t last) {
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
-                for (std::size_t i = begin; i < end; ++i) {
-                    const std::uint16_t units = block.factor[k * cluster_size + i - begin];
-                    if (units > 0) {
-                        const float factor = lists.factor_unit * static_cast<float>(units);
+                for (std::size_t l = 0; l < cluster_size; ++l) {
+                    const std::size_t i = begin + l;
+                    if ((block.lanes[k] >> l & 1U) == 0) {
+                        continue;
+                    }
+                    const float factor = lists.factor_unit * static_cast<float>(block.factor[next++]);
+                    if (i < lists.count) {
                         const Vec3 seen = segment.map({lists.x[i], lists.y[i], lists.z[i]});
                         body(ListedPair{i,
                                         j,

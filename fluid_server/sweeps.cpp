@@ -1,5 +1,7 @@
 #include "fluid_server/sweeps.hpp"
 
+#include <bit>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fluid_server/sweeps.cpp"
 #include <hwy/foreach_target.h>
@@ -86,13 +88,54 @@ HWY_INLINE Vec3V way_from(const Vec3V& x, const Particles& p, std::size_t j) {
     return {hn::Sub(x.x, all(p.x[j])), hn::Sub(x.y, all(p.y[j])), hn::Sub(x.z, all(p.z[j]))};
 }
 
-// The factors of an entry in units of NeighbourLists::factor_unit.
-HWY_INLINE V factor_of(const NeighbourBlock& block, std::size_t entry, std::size_t lane) {
-    const hn::Rebind<std::uint16_t, Lanes> stored;
-    const hn::Rebind<std::int32_t, Lanes> whole;
-    return hn::ConvertTo(lanes,
-                         hn::PromoteTo(whole, hn::LoadU(stored, block.factor.data() + entry * cluster_size + lane)));
-}
+// Where a vector has fewer than 16 lanes: for each mask of 8 lanes, the place of lane l's value among those that are kept.
+struct Places8 {
+    alignas(64) std::array<std::array<std::int32_t, 8>, 256> of_mask{};
+    constexpr Places8() {
+        for (std::size_t mask = 0; mask < 256; ++mask) {
+            for (std::size_t l = 1; l < 8; ++l) {
+                of_mask[mask][l] = of_mask[mask][l - 1] + static_cast<std::int32_t>(mask >> (l - 1) & 1U);
+            }
+        }
+    }
+};
+
+// The factors of a vector of lanes, entry after entry.
+class Factors {
+ public:
+    HWY_INLINE Factors(const NeighbourBlock& block, std::size_t cluster, std::size_t lane)
+        : block_(block), next_(block.factor.data() + block.first_factor[cluster]), lane_(lane) {}
+
+    // Those of the next entry, which is number `entry`, in units of NeighbourLists::factor_unit; 0 in lanes that have none.
+    HWY_INLINE V take(std::size_t entry) {
+        const unsigned mask = block_.lanes[entry];
+        const std::uint16_t* const from = next_ + std::popcount(mask & ((1U << lane_) - 1));
+        next_ += std::popcount(mask);
+        return hn::ConvertTo(lanes, spread(hn::PromoteTo(whole, hn::LoadU(stored, from)), mask >> lane_));
+    }
+
+ private:
+    using Whole = hn::Vec<hn::Rebind<std::int32_t, Lanes>>;
+    static constexpr hn::Rebind<std::uint16_t, Lanes> stored{};
+    static constexpr hn::Rebind<std::int32_t, Lanes> whole{};
+
+    // Moves the first values of v, in their order, to the lanes of the mask.
+    static HWY_INLINE Whole spread(Whole v, unsigned mask) {
+#if HWY_TARGET <= HWY_AVX3
+        return Whole{_mm512_maskz_expand_epi32(static_cast<__mmask16>(mask), v.raw)};
+#else
+        static constexpr Places8 places;
+        mask &= (1U << hn::MaxLanes(lanes)) - 1;
+        const std::uint8_t bits[8] = {static_cast<std::uint8_t>(mask)};
+        const Whole moved = hn::TableLookupLanes(v, hn::SetTableIndices(whole, places.of_mask[mask].data()));
+        return hn::IfThenElseZero(hn::LoadMaskBits(whole, bits), moved);
+#endif
+    }
+
+    const NeighbourBlock& block_;
+    const std::uint16_t* next_;
+    std::size_t lane_;
+};
 
 // Calls body(first particle of the vector, cluster, its first lane in it) for all particles of a block.
 template <typename Body>
@@ -130,49 +173,110 @@ HWY_INLINE Shape shape(const WendlandC2&, V q, V) {
     return {hn::Mul(hn::Mul(u3, u), hn::MulAdd(all(4), q, all(1))), u3};
 }
 
+// The vectors of a cluster.
+constexpr std::size_t parts = cluster_size / hn::MaxLanes(lanes);
+
+// What one vector of a cluster sums up over its list.
+struct VectorSums {
+    Vec3V x;     // places
+    Vec3V seen;  // mapped by the segment
+    V density, squares;
+    Vec3V gradient, of_segment;
+};
+
+// Writes the factors of a vector's lanes for which near holds, and tells which these are.
+HWY_INLINE unsigned put(const hn::Vec<hn::Rebind<std::int32_t, Lanes>>& units, std::uint16_t* to) {
+    const hn::Rebind<std::int32_t, Lanes> whole;
+    const hn::Rebind<std::uint16_t, Lanes> stored;
+    const auto near = hn::Gt(units, hn::Zero(whole));
+    hn::StoreU(hn::DemoteTo(stored, hn::Compress(units, near)), stored, to);
+    std::uint64_t bits = 0;
+    hn::StoreMaskBits(whole, near, reinterpret_cast<std::uint8_t*>(&bits));
+    return static_cast<unsigned>(bits);
+}
+
+// As vector::insert at the end, with less room to spare where it must grow.
+inline void append(const std::uint16_t* begin, const std::uint16_t* end, std::vector<std::uint16_t>& to) {
+    const std::size_t size = to.size() + static_cast<std::size_t>(end - begin);
+    if (to.capacity() < size) to.reserve(size + size / 16);
+    to.insert(to.end(), begin, end);
+}
+
+// Room of a thread.
+inline std::vector<std::uint16_t>& room_for_factors() {
+    thread_local std::vector<std::uint16_t> room;
+    return room;
+}
+
 template <typename AnyKernel>
 HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel& kernel, float volume,
                               NeighbourLists& lists, const KernelSums& sums) {
     NeighbourBlock& block = lists.blocks[b];
-    const hn::Rebind<std::uint16_t, Lanes> stored;
     const V inverse_h2 = all(kernel.inverse_support_radius() * kernel.inverse_support_radius());
     const V units = all(largest_factor_units);
     const V unit = all(lists.factor_unit);
-    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
-        const Vec3V x = load(places(p), i);
-        V density = hn::Zero(lanes);
-        V squares = hn::Zero(lanes);
-        Vec3V gradient = zero3();
-        for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(s.map, x);
-            Vec3V sum = zero3();
+    std::vector<std::uint16_t>& factors_of_cluster = room_for_factors();
+    block.factor.clear();
+    for (std::size_t c = 0; c < clusters_per_block && b * block_size + c * cluster_size < p.count; ++c) {
+        const std::size_t i = b * block_size + c * cluster_size;
+        block.first_factor[c] = static_cast<std::uint32_t>(block.factor.size());
+        const std::size_t entries = end_of_entries(block, c) - first_entry(block, c);
+        factors_of_cluster.resize(std::max(factors_of_cluster.size(), (entries + 1) * cluster_size));
+        std::uint16_t* to = factors_of_cluster.data();
+        VectorSums v[parts];
+        for (std::size_t part = 0; part < parts; ++part) {
+            v[part] = {load(places(p), i + part * hn::MaxLanes(lanes)),
+                       zero3(),
+                       hn::Zero(lanes),
+                       hn::Zero(lanes),
+                       zero3(),
+                       zero3()};
+        }
+        for_each_segment(block, c, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
+            for (VectorSums& a : v) a.seen = apply(s.map, a.x), a.of_segment = zero3();
             for (std::size_t k = first; k < last; ++k) {
-                const Vec3V way = way_from(seen, p, block.j[k]);
-                const V r2 = dot(way, way);
-                // A distance of zero counts as a tiny one, so that its inverse stays finite.
-                const V q2 = hn::Max(hn::Mul(r2, inverse_h2), all(1e-12F));
-                const V inverse_q = reciprocal_sqrt(q2);
-                Shape w = shape(kernel, hn::Mul(q2, inverse_q), inverse_q);
-                if (s.by_sight) {
-                    const hn::RebindToUnsigned<Lanes> bits;
-                    const auto lane_bit = hn::Shl(hn::Set(bits, 1U), hn::Iota(bits, static_cast<std::uint32_t>(lane)));
-                    const auto seen_by = hn::RebindMask(
-                        lanes, hn::TestBit(hn::Set(bits, static_cast<std::uint32_t>(block.sight[k])), lane_bit));
-                    w = {hn::IfThenElseZero(seen_by, w.value), hn::IfThenElseZero(seen_by, w.factor)};
+                unsigned near = 0;
+                for (std::size_t part = 0; part < parts; ++part) {
+                    VectorSums& a = v[part];
+                    const auto lane = static_cast<unsigned>(part * hn::MaxLanes(lanes));
+                    const Vec3V way = way_from(a.seen, p, block.j[k]);
+                    const V r2 = dot(way, way);
+                    // A distance of zero counts as a tiny one, so that its inverse stays finite.
+                    const V q2 = hn::Max(hn::Mul(r2, inverse_h2), all(1e-12F));
+                    const V inverse_q = reciprocal_sqrt(q2);
+                    Shape w = shape(kernel, hn::Mul(q2, inverse_q), inverse_q);
+                    if (s.by_sight) {
+                        const hn::RebindToUnsigned<Lanes> bits;
+                        const auto lane_bit = hn::Shl(hn::Set(bits, 1U), hn::Iota(bits, lane));
+                        const auto seen_by = hn::RebindMask(
+                            lanes, hn::TestBit(hn::Set(bits, static_cast<std::uint32_t>(block.lanes[k])), lane_bit));
+                        w = {hn::IfThenElseZero(seen_by, w.value), hn::IfThenElseZero(seen_by, w.factor)};
+                    }
+                    const auto whole = hn::NearestInt(hn::Mul(w.factor, units));
+                    const unsigned near_lanes = put(whole, to);
+                    to += std::popcount(near_lanes);
+                    near |= near_lanes << lane;
+                    const V factor = hn::ConvertTo(lanes, whole);
+                    a.density = hn::Add(a.density, w.value);
+                    a.of_segment = add_product(factor, way, a.of_segment);
+                    a.squares = hn::MulAdd(hn::Mul(factor, factor), r2, a.squares);
                 }
-                const auto whole = hn::NearestInt(hn::Mul(w.factor, units));
-                hn::StoreU(hn::DemoteTo(stored, whole), stored, block.factor.data() + k * cluster_size + lane);
-                const V factor = hn::ConvertTo(lanes, whole);
-                density = hn::Add(density, w.value);
-                sum = add_product(factor, way, sum);
-                squares = hn::MulAdd(hn::Mul(factor, factor), r2, squares);
+                block.lanes[k] = static_cast<std::uint16_t>(near);
             }
-            gradient = plus(gradient, apply(s.map.rotation, sum));
+            for (VectorSums& a : v) a.gradient = plus(a.gradient, apply(s.map.rotation, a.of_segment));
         });
-        hn::StoreU(hn::Mul(all(volume * kernel.value(0)), density), lanes, sums.density + i);
-        hn::StoreU(hn::Mul(hn::Mul(unit, unit), squares), lanes, sums.squares + i);
-        store(times(unit, gradient), sums.gradient, i);
-    });
+        for (std::size_t part = 0; part < parts; ++part) {
+            const VectorSums& a = v[part];
+            const std::size_t at = i + part * hn::MaxLanes(lanes);
+            hn::StoreU(hn::Mul(all(volume * kernel.value(0)), a.density), lanes, sums.density + at);
+            hn::StoreU(hn::Mul(hn::Mul(unit, unit), a.squares), lanes, sums.squares + at);
+            store(times(unit, a.gradient), sums.gradient, at);
+        }
+        append(factors_of_cluster.data(), to, block.factor);
+    }
+    // A vector that is loaded may reach beyond the last.
+    factors_of_cluster.assign(cluster_size, 0);
+    append(factors_of_cluster.data(), factors_of_cluster.data() + cluster_size, block.factor);
 }
 
 void SumKernel(std::size_t b, const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
@@ -188,6 +292,7 @@ void SumGradients(std::size_t b, const Particles& p, const NeighbourLists& lists
                   const VectorArrays& sums) {
     const NeighbourBlock& block = lists.blocks[b];
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
+        Factors factors(block, cluster, lane);
         const Vec3V x = load(places(p), i);
         Vec3V total = zero3();
         for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
@@ -195,7 +300,7 @@ void SumGradients(std::size_t b, const Particles& p, const NeighbourLists& lists
             Vec3V sum = zero3();
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
-                const V weight = hn::Mul(factor_of(block, k, lane), all(scalar[j]));
+                const V weight = hn::Mul(factors.take(k), all(scalar[j]));
                 sum = add_product(weight, way_from(seen, p, j), sum);
             }
             total = plus(total, apply(s.map.rotation, sum));
@@ -208,6 +313,7 @@ void SumDivergence(std::size_t b, const Particles& p, const NeighbourLists& list
                    float* sums) {
     const NeighbourBlock& block = lists.blocks[b];
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
+        Factors factors(block, cluster, lane);
         const Vec3V x = load(places(p), i);
         V sum = hn::Zero(lanes);
         for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
@@ -215,7 +321,7 @@ void SumDivergence(std::size_t b, const Particles& p, const NeighbourLists& list
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
                 const Vec3V uj{all(u.x[j]), all(u.y[j]), all(u.z[j])};
-                sum = hn::MulAdd(factor_of(block, k, lane), dot(uj, way_from(seen, p, j)), sum);
+                sum = hn::MulAdd(factors.take(k), dot(uj, way_from(seen, p, j)), sum);
             }
         });
         hn::StoreU(hn::Mul(all(lists.factor_unit), sum), lanes, sums + (i - b * block_size));
@@ -226,6 +332,7 @@ void SumGradientsAndDivergence(std::size_t b, const Particles& p, const Neighbou
                                const VectorArrays& gradients, const ConstVectorArrays& u, float* divergences) {
     const NeighbourBlock& block = lists.blocks[b];
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
+        Factors factors(block, cluster, lane);
         const Vec3V x = load(places(p), i);
         Vec3V total = zero3();
         V divergence = hn::Zero(lanes);
@@ -234,7 +341,7 @@ void SumGradientsAndDivergence(std::size_t b, const Particles& p, const Neighbou
             Vec3V sum = zero3();
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
-                const V factor = factor_of(block, k, lane);
+                const V factor = factors.take(k);
                 const Vec3V way = way_from(seen, p, j);
                 sum = add_product(hn::Mul(factor, all(scalar[j])), way, sum);
                 const Vec3V uj{all(u.x[j]), all(u.y[j]), all(u.z[j])};
@@ -251,6 +358,7 @@ void SumShear(std::size_t b, const Particles& p, const NeighbourLists& lists, co
               const VectorArrays& sums) {
     const NeighbourBlock& block = lists.blocks[b];
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
+        Factors factors(block, cluster, lane);
         const Vec3V ui = load(u, i);
         Vec3V total = zero3();
         for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
@@ -259,7 +367,7 @@ void SumShear(std::size_t b, const Particles& p, const NeighbourLists& lists, co
             Vec3V weighted = zero3();
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
-                const V weight = factor_of(block, k, lane);
+                const V weight = factors.take(k);
                 weights = hn::Add(weights, weight);
                 weighted = add_product(weight, Vec3V{all(u.x[j]), all(u.y[j]), all(u.z[j])}, weighted);
             }
@@ -278,6 +386,7 @@ void SumMoments(std::size_t b, const Particles& p, const NeighbourLists& lists, 
     const NeighbourBlock& block = lists.blocks[b];
     const V minus_unit = all(-lists.factor_unit);
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
+        Factors factors(block, cluster, lane);
         const Vec3V x = load(places(p), i);
         MatrixV total{hn::Zero(lanes), hn::Zero(lanes), hn::Zero(lanes),
                       hn::Zero(lanes), hn::Zero(lanes), hn::Zero(lanes)};
@@ -287,7 +396,7 @@ void SumMoments(std::size_t b, const Particles& p, const NeighbourLists& lists, 
                       hn::Zero(lanes), hn::Zero(lanes), hn::Zero(lanes)};
             for (std::size_t k = first; k < last; ++k) {
                 const Vec3V way = way_from(seen, p, block.j[k]);
-                const Vec3V g = times(factor_of(block, k, lane), way);
+                const Vec3V g = times(factors.take(k), way);
                 m = {hn::MulAdd(g.x, way.x, m.xx), hn::MulAdd(g.y, way.y, m.yy), hn::MulAdd(g.z, way.z, m.zz),
                      hn::MulAdd(g.x, way.y, m.xy), hn::MulAdd(g.x, way.z, m.xz), hn::MulAdd(g.y, way.z, m.yz)};
             }
@@ -312,6 +421,7 @@ HWY_INLINE void for_each_corrected(std::size_t b, const Particles& p, const Neig
                                    EndOfVector&& end_of_vector) {
     const NeighbourBlock& block = lists.blocks[b];
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
+        Factors factors(block, cluster, lane);
         const Vec3V x = load(places(p), i);
         const MatrixV li = load(l, i);
         for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
@@ -322,7 +432,7 @@ HWY_INLINE void for_each_corrected(std::size_t b, const Particles& p, const Neig
                 const MatrixV both{hn::Add(own.xx, all(l[0][j])), hn::Add(own.yy, all(l[1][j])),
                                    hn::Add(own.zz, all(l[2][j])), hn::Add(own.xy, all(l[3][j])),
                                    hn::Add(own.xz, all(l[4][j])), hn::Add(own.yz, all(l[5][j]))};
-                entry(j, times(factor_of(block, k, lane), product(both, way_from(seen, p, j))));
+                entry(j, times(factors.take(k), product(both, way_from(seen, p, j))));
             }
             end_of_segment(s.map.rotation);
         });
