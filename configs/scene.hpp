@@ -194,7 +194,8 @@ enum class AgentsStream { off, serial, parallel };  // the way back, coupling la
 struct Coupling {
     ContactRule contact_rule = ContactRule::difference;
     CouplingRule rule = CouplingRule::per_frame;
-    double agent_radius = 0.5;      // r_a
+    double sampling_rate = 0;   // of the water by the rule `continuous`, 1/s; up to the crowd's step rate: once a step
+    double agent_radius = 0.5;  // r_a
     double particle_radius = 0.25;  // r_p
     AgentsStream agents_stream = AgentsStream::off;
 };

@@ -145,6 +145,14 @@ void check_ragdoll(const Scene& scene, const std::string& source) {
             " channel; allowed: \"off\", \"local_speed\", \"depth_speed\", or flow \"emitter\" or \"recirculating\".");
 }
 
+void check_sampling(const Coupling& coupling, const std::string& source) {
+    if (coupling.sampling_rate == 0 || coupling.rule == CouplingRule::continuous) return;
+    refuse(source, "/coupling/sampling_rate_hz",
+           short_number(coupling.sampling_rate) +
+               " 1/s: the rule \"per_frame\" takes the water once a step; allowed: 0, or any rate with the rule "
+               "\"continuous\".");
+}
+
 void check_events(const Scene& scene, std::size_t agents, const std::string& source) {
     for (std::size_t i = 0; i < scene.events.size(); ++i) {
         const TauEvent& event = scene.events[i];
@@ -185,6 +193,7 @@ void check_crowd(const Scene& scene, const std::string& source) {
     check_ends(scene, places, source);
     check_markers(scene.crowd, source);
     check_ragdoll(scene, source);
+    check_sampling(scene.coupling, source);
     check_events(scene, places.size(), source);
 }
 

@@ -263,8 +263,11 @@ Scene scene_from_json(const json& document) {
     scene.crowd = crowd_from(document.at("crowd"));
     const json& coupling = document.at("coupling");
     scene.coupling = {choice_of(coupling.at("contact_rule"), contact_rules),
-                      choice_of(coupling.at("rule"), coupling_rules), coupling.at("agent_radius_m"),
-                      coupling.at("particle_radius_m"), choice_of(coupling.at("agents_stream"), agents_streams)};
+                      choice_of(coupling.at("rule"), coupling_rules),
+                      coupling.at("sampling_rate_hz"),
+                      coupling.at("agent_radius_m"),
+                      coupling.at("particle_radius_m"),
+                      choice_of(coupling.at("agents_stream"), agents_streams)};
     for (const json& event : document.at("events")) scene.events.push_back(event_from(event));
     return scene;
 }

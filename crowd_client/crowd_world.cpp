@@ -8,6 +8,7 @@
 #include "configs/exit_code.hpp"
 #include "configs/scene_frames.hpp"
 #include "crowd_client/contacts.hpp"
+#include "crowd_client/sampled_coupling.hpp"
 #include "crowd_client/water_met.hpp"
 
 namespace wade::crowd {
@@ -90,17 +91,22 @@ bool is_continuous(const CrowdWorld& crowd) {
     return crowd.scene.coupling.rule == CouplingRule::continuous;
 }
 
-void couple_with_water(CrowdWorld& crowd) {
+void couple_with_water(CrowdWorld& crowd, const WaterBins& water) {
     crowd.velocity.resize(crowd.active.size());
     Agents& agents = crowd.agents;
+    const Sampling sampling = sampling_of(crowd.scene);
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
         if (!is_continuous(crowd)) {
             crowd.velocity[k] = coupled_velocity(agents.mass[id], crowd.walking[k], agents.tau[id], crowd.contacts[k]);
             continue;
         }
-        const RelaxedVelocity relaxed = relaxed_velocity(agents.mass[id], agents.momentary[id], crowd.walking[k],
-                                                         agents.tau[id], crowd.contacts[k], crowd.dt);
+        const Walker walker{crowd.positions[k], agents.momentary[id], crowd.walking[k], agents.mass[id],
+                            agents.tau[id]};
+        const RelaxedVelocity relaxed = sampling.samples > 1
+                                            ? sampled_velocity(water, crowd.scene, sampling, walker, crowd.dt)
+                                            : relaxed_velocity(walker.mass, walker.velocity, walker.walking, walker.tau,
+                                                               crowd.contacts[k], crowd.dt);
         crowd.velocity[k] = relaxed.mean;
         agents.momentary[id] = relaxed.at_end;
     }
@@ -180,7 +186,7 @@ void advance(CrowdWorld& crowd, const WaterBins& water) {
     claim_markers(crowd.claims, crowd.markers, crowd.positions, crowd.scene.crowd.perception_radius,
                   crowd.scene.world.period());
     choose_walking_velocities(crowd);  // Eq. 1-4
-    couple_with_water(crowd);          // Eq. 6-9
+    couple_with_water(crowd, water);   // Eq. 6-9
     move_agents(crowd);
     judge_outcomes(crowd, this_step);
     crowd.steps = this_step;

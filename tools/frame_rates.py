@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from frame_rates_report import COLUMNS, MEASURES, RULES, interval, report
+from frame_rates_report import COLUMNS, MEASURES, RULES, SAMPLED, interval, report
 from pair_arguments import ROOT, find_scene
 
 RATES = (15, 30, 60, 120)  # Hz
@@ -78,8 +78,15 @@ def moves_events(scenes):
     return any(max(of_event) - min(of_event) > 1 / min(scenes) + 1e-9 for of_event in zip(*times))
 
 
-def changes_of(rule, scene):
+def rules_of(sampling):
+    """The rules that are compared; sampling: samples of the water a second for a further one, 1/s, or None."""
+    return RULES if sampling is None else (*RULES[:2], SAMPLED, *RULES[2:])
+
+
+def changes_of(rule, scene, sampling=None):
     """What a crowd with this rule sets in a resolved scene: {JSON pointer: value}."""
+    if rule == SAMPLED:
+        return {"/coupling/rule": "continuous", "/coupling/sampling_rate_hz": sampling}
     if rule != "no water":
         return {"/coupling/rule": rule}
     # Groups may have a tau of their own, and an event may change any.
@@ -92,8 +99,9 @@ def run(name, rate, scene, options):
     out = options.out / "runs" / f"{label(name)}-{rate}hz"
     out.mkdir(parents=True, exist_ok=True)
     seeds = range(1, options.seeds + 1)
-    crowds = {(rule, seed): f"{rule.replace(' ', '_')}-seed{seed}" for rule in RULES for seed in seeds}
-    crowd_list = [{"name": folder, "set": {"/seed": seed, **changes_of(rule, scene)}}
+    crowds = {(rule, seed): f"{rule.replace(', ', '_').replace(' ', '_')}-seed{seed}"
+              for rule in rules_of(options.sampling_rate_hz) for seed in seeds}
+    crowd_list = [{"name": folder, "set": {"/seed": seed, **changes_of(rule, scene, options.sampling_rate_hz)}}
                   for (rule, seed), folder in crowds.items()]
     (out / "crowds.json").write_text(json.dumps(crowd_list, indent=1))
     command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", options.programs, name, "--out", out,
@@ -114,9 +122,9 @@ def figures_of(folder):
     return outcome["arrived"], outcome["last_arrival_s"], float(np.mean(times)) if times else None
 
 
-def rows_of(name, rate, scene, folders, seeds):
+def rows_of(name, rate, scene, folders, seeds, rules=RULES):
     """A row of the table for each rule. folders: {(rule, seed): run folder}, None if the run failed."""
-    for rule in RULES:
+    for rule in rules:
         row = dict.fromkeys(COLUMNS)
         row.update(scene=label(name), model=scene["fluid"]["model"], rule=rule, frame_rate_hz=rate, seeds=seeds,
                    agents=sum(group["count"] for group in scene["crowd"]["groups"]),
@@ -136,13 +144,18 @@ def main():
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--threads", type=int, default=0)
     parser.add_argument("--rates", type=rates_of, default=list(RATES))
+    parser.add_argument("--sampling-rate-hz", type=float)
     parser.add_argument("--vary", choices=("both", "frames", "steps"), default="both")
     options = parser.parse_args()
     if not 1 <= options.seeds <= 1000:
         parser.error(f"--seeds: {options.seeds} is not allowed; allowed: 1 to 1000")
+    if options.sampling_rate_hz is not None and not 0 < options.sampling_rate_hz <= 100000:
+        parser.error(f"--sampling-rate-hz: {options.sampling_rate_hz:g} is not allowed; allowed: above 0 to 100000")
     scenes = options.scenes or [f"configs/observed/s{n:02}.json" for n in (5, 7, 10)]
     rates = ",".join(map(str, options.rates))
     words = ["tools/frame_rates.sh", *options.scenes, "--seeds", str(options.seeds), "--rates", rates]
+    if options.sampling_rate_hz is not None:
+        words += ["--sampling-rate-hz", f"{options.sampling_rate_hz:g}"]
     options.command = " ".join(words + (["--vary", options.vary] if options.vary != "both" else []))
     rows, failed = [], False
     resolved = {name: resolve(find_scene(name), options.rates, options) for name in scenes}
@@ -150,9 +163,10 @@ def main():
         for rate, scene in resolved[name].items():
             folders = run(find_scene(name), rate, scene, options)
             failed = failed or folders is None
-            rows += rows_of(find_scene(name), rate, scene, folders, options.seeds)
+            rows += rows_of(find_scene(name), rate, scene, folders, options.seeds, rules_of(options.sampling_rate_hz))
     order = [label(find_scene(name)) for name in scenes]
-    rows.sort(key=lambda row: (order.index(row["scene"]), RULES.index(row["rule"]), row["frame_rate_hz"]))
+    rules = rules_of(options.sampling_rate_hz)
+    rows.sort(key=lambda row: (order.index(row["scene"]), rules.index(row["rule"]), row["frame_rate_hz"]))
     with open(options.out / "frame_rates.csv", "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()

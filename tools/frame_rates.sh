@@ -9,7 +9,8 @@ for argument in "$@"; do
     -h | --help)
       # Needs neither packages nor a build, so that help is always at hand.
       cat <<'HELP'
-Usage: tools/frame_rates.sh [SCENE...] [--out DIR] [--seeds N] [--rates A,B] [--vary both|frames|steps] [--threads N]
+Usage: tools/frame_rates.sh [SCENE...] [--out DIR] [--seeds N] [--rates A,B] [--vary both|frames|steps]
+                            [--sampling-rate-hz R] [--threads N]
 
 Runs each scene (default: S5, S7 and S10 of configs/observed) at 15, 30, 60 and 120 frames/s, with as many steps of the
 crowd, with the coupling rules per_frame and continuous, and without water (tau 0). Prints arrivals and times with 95 %
@@ -21,6 +22,8 @@ models make other water at each, and the report says so. Events must be given by
   --rates A,B    at least two frame rates, 0.01 to 1000 Hz [15,30,60,120]
   --vary WHAT    frames: how often the water is sampled, with the steps of the crowd at the highest rate; steps: those
                  of the crowd, with the frames at the highest rate; both [both]
+  --sampling-rate-hz R
+                 also the rule continuous with the water sampled R times a second within its steps
   --threads N    of the crowds and the water [number of processors]
 
 Exit code: 0 if all runs ended well, whether the rates agree or not; 1 if one failed, which makes its scene incomplete;

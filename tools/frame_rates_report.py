@@ -3,6 +3,7 @@
 import numpy as np
 
 RULES = ("per_frame", "continuous", "no water")
+SAMPLED = "continuous, sampled"
 MEASURES = ("arrived", "time_s", "agent_time_s")
 COLUMNS = ("scene", "model", "rule", "frame_rate_hz", "status", "seeds", "agents") + tuple(
     f"{measure}_{end}" for measure in MEASURES for end in ("mean", "lo", "hi")
@@ -71,7 +72,7 @@ def report(rows, options):
             cells = shown(row, "arrived"), shown(row, "time_s"), shown(row, "agent_time_s", 2)
             lines.append(f"| {row['rule']} | {row['frame_rate_hz']} | {' | '.join(cells)} |")
         lines += ["", "| rule | arrived: range of the means | time, s | agents' time, s |", "|---|---|---|---|"]
-        for rule in RULES:
+        for rule in dict.fromkeys(row["rule"] for row in of_scene):
             answers = [verdict([row for row in of_scene if row["rule"] == rule], key) for key in MEASURES]
             lines.append(f"| {rule} | {' | '.join(answers)} |")
         lines.append("")

@@ -69,6 +69,7 @@ TEST_CASE("a scene that states only its channel has the defaults of the schema")
     CHECK((scene.coupling.contact_rule == wade::ContactRule::difference &&
            preset("/coupling/contact_rule") == "difference"));
     CHECK((scene.coupling.rule == wade::CouplingRule::per_frame && preset("/coupling/rule") == "per_frame"));
+    CHECK(scene.coupling.sampling_rate == preset("/coupling/sampling_rate_hz"));
     CHECK(scene.coupling.agent_radius == preset("/coupling/agent_radius_m"));
     CHECK(scene.coupling.particle_radius == preset("/coupling/particle_radius_m"));
     CHECK(scene.events.empty());

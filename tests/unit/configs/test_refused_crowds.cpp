@@ -227,3 +227,12 @@ TEST_CASE("limits that are out of range, incomplete or the wrong way round are r
     CHECK_THAT(refusal(one, {"/seed/max=0.5"}), Contains("nothing lies below it."));
     CHECK_THAT(refusal(one, {"/crowd/groups/0/start/jitter_m=-1"}), Contains("/crowd/groups/0/start/jitter_m: -1"));
 }
+
+TEST_CASE("sampling the water within a step needs the rule continuous") {
+    CHECK_THAT(
+        refusal("{}", {"/coupling/sampling_rate_hz=120"}),
+        Equals("scene.json: /coupling/sampling_rate_hz: 120 1/s: the rule \"per_frame\" takes the water once a step; "
+               "allowed: 0, or any rate with the rule \"continuous\"."));
+    CHECK(load_patched("{}", {"/coupling/rule=continuous", "/coupling/sampling_rate_hz=120"})
+              .scene.coupling.sampling_rate == 120);
+}

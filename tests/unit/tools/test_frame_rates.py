@@ -59,6 +59,12 @@ class Changes(unittest.TestCase):
         for rule in ("per_frame", "continuous"):
             self.assertEqual(frame_rates.changes_of(rule, scene(events=(60,))), {"/coupling/rule": rule})
 
+    def test_the_sampled_rule_is_there_if_it_is_asked_for(self):
+        self.assertNotIn("continuous, sampled", frame_rates.rules_of(None))
+        self.assertIn("continuous, sampled", frame_rates.rules_of(120))
+        expected = {"/coupling/rule": "continuous", "/coupling/sampling_rate_hz": 120}
+        self.assertEqual(frame_rates.changes_of("continuous, sampled", scene(), 120), expected)
+
     def test_events_at_fixed_frames_are_told_from_events_at_fixed_times(self):
         self.assertFalse(frame_rates.moves_events({15: scene(), 30: scene()}))
         # 2.05 s at each rate: in the next frame after it.
