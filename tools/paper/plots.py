@@ -132,7 +132,7 @@ def arrivals_plot(file, curves, marks):
                   color=COLOURS[index % len(COLOURS)], linewidth=1.4)
     for time, number, words in marks:
         axes.plot(time, number, marker="x", color="black", markersize=8, markeredgewidth=2)
-        axes.annotate(words, (time, number), xytext=(0, -14), textcoords="offset points", fontsize=8, ha="center")
+        axes.annotate(words, (time, number), xytext=(6, -14), textcoords="offset points", fontsize=8, ha="right")
     axes.set_xlabel("time, s")
     axes.set_ylabel("agents that have arrived (mean over seeds)")
     axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
