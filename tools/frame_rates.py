@@ -18,6 +18,7 @@ from frame_rates_report import COLUMNS, MEASURES, RULES, SAMPLED, interval, repo
 from pair_arguments import ROOT, find_scene
 
 RATES = (15, 30, 60, 120)  # Hz
+PATIENCE_S = "300"  # of either program: many crowds take long to set up, and the machine may be busy
 ALLOWED_RATES = (0.01, 1000)  # /frame_rate_hz
 
 
@@ -106,7 +107,8 @@ def run(name, rate, scene, options):
     (out / "crowds.json").write_text(json.dumps(crowd_list, indent=1))
     command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", options.programs, name, "--out", out,
                "--crowds", out / "crowds.json", *rate_options(rate, options), "--no-trajectories", "--water-every-s", "0",
-               "--reproducible", "--threads", str(options.threads)]
+               "--reproducible", "--threads", str(options.threads),
+               "--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
     with open(out / "run.log", "w", encoding="utf-8") as log:
         if subprocess.run(command, stdout=log, stderr=log).returncode != 0:
             print(f"frame_rates.sh: {name} at {rate} Hz failed, see {out / 'run.log'}", file=sys.stderr)
