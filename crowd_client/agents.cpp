@@ -136,6 +136,9 @@ Agents make_agents(const Scene& scene) {
     agents.wet_steps.assign(n, 0);
     agents.depth_sum.assign(n, 0.0);
     agents.dv_sum.assign(n, 0.0);
+    if (scene.crowd.bodies != BodyRule::none) {
+        for (std::vector<double>* v : {&agents.contested, &agents.blocked, &agents.followed}) v->assign(n, 0.0);
+    }
     return agents;
 }
 

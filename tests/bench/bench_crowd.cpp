@@ -34,7 +34,9 @@ struct Variant {
 };
 
 std::vector<Variant> variants() {
-    return {{"", "BioCrowds", {}}};
+    Crowd redrawn;
+    redrawn.markers = MarkerRule::redrawn;
+    return {{"", "BioCrowds, markers redrawn", redrawn}, {" fixed markers", "BioCrowds, fixed markers", {}}};
 }
 
 double cpu_seconds() {
