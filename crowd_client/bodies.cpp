@@ -14,17 +14,20 @@ constexpr double follow_reach = 1.5;  // m, near enough to follow
 constexpr double follow_time = 1.0;   // s, of lambda
 constexpr double image_reach = 2.0;   // m, of the images beyond a joint
 
+std::uint64_t steps_between_looks(double dt) {
+    constexpr double look_time = 0.2;  // s
+    return static_cast<std::uint64_t>(std::max(1L, std::lround(look_time / dt)));
+}
+
 // Clockwise as seen with x to the right and z up.
 Vector2d turned_right(const Vector2d& v, double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
     return {c * v.x() + s * v.y(), c * v.y() - s * v.x()};
 }
 
-Vector2d lead(const BodyStyle& style, const Vector2d& v, double longest) {
-    const double speed = v.norm();
-    const double factor = style.lead_length > 0 ? style.lead_length / (speed + 0.15) : style.lead_time;
-    const double length = factor * speed;
-    return length > longest ? Vector2d(v * (longest / speed)) : Vector2d(v * factor);
+Vector2d shortened(const Vector2d& v, double longest) {
+    const double length = std::sqrt(v.squaredNorm());
+    return length > longest ? Vector2d(v * (longest / length)) : v;
 }
 
 // Sites in the world, or a little outside where R leaves room for it.
@@ -51,35 +54,23 @@ double share_followed(const Bodies& bodies, const Agents& agents, std::span<cons
 
 BodyStyle body_style(BodyRule rule) {
     BodyStyle style;
-    style.contest_distance = 0.55;
-    if (rule == BodyRule::human) {
-        style.lead_length = 0.6;
-        style.side_turn = 0.3;
-        style.detour_turn = 2;
-        style.discount = 0.5;
-        style.blocked_share = 0.2;
-        style.of_the_wish = true;
-        style.patience = 1;
-        style.spacing_rate = 2.2;
-        style.least_ground = 0.05;
-    } else {
-        style.lead_time = 0.4;
-        style.side_turn = 0.2;
-        style.detour_turn = 1.5;
-        style.discount = 0.9;
-        style.blocked_share = 0.5;
-        style.patience = 0.5;
-    }
+    if (rule == BodyRule::human) style.spacing_rate = 1.9;
     return style;
+}
+
+bool looks_whom_to_follow(std::uint64_t step, double dt) {
+    return step % steps_between_looks(dt) == 0;
 }
 
 void prepare_bodies(Bodies& bodies, Walkers& walkers, const Agents& agents, std::span<const std::uint32_t> active,
                     std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, const World& world,
-                    double perception_radius, int threads) {
+                    double perception_radius, bool look_whom_to_follow, int threads) {
     const BodyStyle& style = bodies.style;
     const std::size_t n = active.size();
     for (std::vector<Vector2d>* v : {&bodies.site, &bodies.velocity, &bodies.turned_goal}) v->resize(n);
-    for (std::vector<double>* v : {&bodies.desired_speed, &bodies.discount, &bodies.followed}) v->resize(n);
+    for (std::vector<double>* v : {&bodies.desired_speed, &bodies.discount}) v->resize(n);
+    const bool looks = look_whom_to_follow && style.spacing_rate > 0;
+    bodies.followed.resize(looks ? n : 0);
     sort_people(bodies.cells, world, positions, image_reach);
     const double room = GroundGrid::cell_size - perception_radius;
     const double longest = std::min(longest_lead, room);
@@ -87,13 +78,13 @@ void prepare_bodies(Bodies& bodies, Walkers& walkers, const Agents& agents, std:
     for (std::size_t k = 0; k < n; ++k) {
         const std::uint32_t id = active[k];
         const double side = style.side_turn * std::min(1.0, 3 * agents.contested[id]);
-        const Vector2d s = turned_right(lead(style, agents.velocity[id], longest), side);
+        const Vector2d s = turned_right(shortened(style.lead_time * agents.velocity[id], longest), side);
         bodies.site[k] = kept_near(world, positions[k] + s, room);
         bodies.velocity[k] = agents.velocity[id];
         bodies.turned_goal[k] = turned_right(goal_offsets[k], style.detour_turn * agents.blocked[id]);
         bodies.desired_speed[k] = agents.desired_speed[id];
         bodies.discount[k] = style.discount;
-        if (style.only_followers) bodies.followed[k] = share_followed(bodies, agents, active, k, positions[k]);
+        if (looks) bodies.followed[k] = share_followed(bodies, agents, active, k, positions[k]);
     }
     walkers.goal_offset = bodies.turned_goal;
     walkers.site = bodies.site;
@@ -110,28 +101,18 @@ Vector2d wished_velocity(const Bodies& bodies, Agents& agents, std::uint32_t id,
         const double share = static_cast<double>(motion.contested[k]) / motion.owned[k];
         agents.contested[id] += std::min(1.0, dt / memory_time) * (share - agents.contested[id]);
     }
-    const double v0 = agents.desired_speed[id];
-    if (!(style.spacing_rate > 0)) return walking_velocity(motion.vector[k], v0, rule, dt);
-    const double length = motion.vector[k].norm();
-    if (!(length > 0)) return Vector2d::Zero();
-    const double ground = std::max(0.0, motion.owned[k] * marker_area - style.least_ground);
-    double slowed = std::exp(-style.spacing_rate * ground);
-    Vector2d wish = motion.vector[k] * (v0 / length);
-    if (style.only_followers) {
-        agents.followed[id] += std::min(1.0, dt / follow_time) * (bodies.followed[k] - agents.followed[id]);
-        slowed *= agents.followed[id];
-        wish = walking_velocity(motion.vector[k], v0, rule, dt);
+    const Vector2d free = walking_velocity(motion.vector[k], agents.desired_speed[id], rule, dt);
+    if (!(style.spacing_rate > 0)) return free;
+    if (!bodies.followed.empty()) {
+        const double time = static_cast<double>(steps_between_looks(dt)) * dt;
+        agents.followed[id] += std::min(1.0, time / follow_time) * (bodies.followed[k] - agents.followed[id]);
     }
-    return wish * (1 - slowed);
+    return free * (1 - agents.followed[id] * std::exp(-style.spacing_rate * motion.owned[k] * marker_area));
 }
 
-void note_blocked(const Bodies& bodies, Agents& agents, std::uint32_t id, const Vector2d& u, const Vector2d& w,
-                  double dt) {
-    const BodyStyle& style = bodies.style;
-    const double free = agents.desired_speed[id] * dt;
-    const double least = style.blocked_share * (style.of_the_wish ? std::min(w.norm(), free / 2) : free);
-    const double blocked = u.norm() < least ? 1.0 : 0.0;
-    agents.blocked[id] += std::min(1.0, dt / style.patience) * (blocked - agents.blocked[id]);
+void note_blocked(const Bodies& bodies, Agents& agents, std::uint32_t id, const Vector2d& u, double dt) {
+    const double blocked = std::sqrt(u.squaredNorm()) < 0.5 * agents.desired_speed[id] * dt ? 1.0 : 0.0;
+    agents.blocked[id] += std::min(1.0, dt / bodies.style.patience) * (blocked - agents.blocked[id]);
 }
 
 }  // namespace wade::crowd

@@ -101,7 +101,8 @@ void choose_walking_velocities(CrowdWorld& crowd, std::uint64_t step) {
     walkers.goal_offset = crowd.goal_offsets;
     if (has_bodies(crowd)) {
         prepare_bodies(crowd.bodies, walkers, crowd.agents, crowd.active, crowd.positions, crowd.goal_offsets,
-                       crowd.scene.world, crowd.scene.crowd.perception_radius, threads_for(crowd));
+                       crowd.scene.world, crowd.scene.crowd.perception_radius,
+                       looks_whom_to_follow(step, crowd.dt), threads_for(crowd));
     }
     find_motion(crowd.motion, crowd.marker_memory, crowd.markers, walkers, crowd.scene.crowd.perception_radius, period,
                 threads_for(crowd));
@@ -188,7 +189,7 @@ Vector2d step_with_body(CrowdWorld& crowd, std::size_t k) {
     const std::uint32_t id = crowd.active[k];
     const World& world = crowd.scene.world;
     const Vector2d& u = crowd.bodies.step[k];
-    note_blocked(crowd.bodies, crowd.agents, id, u, crowd.walking[k] * crowd.dt, crowd.dt);
+    note_blocked(crowd.bodies, crowd.agents, id, u, crowd.dt);
     if (is_continuous(crowd)) {
         crowd.agents.momentary[id] = stopped_by_bodies(crowd.agents.momentary[id], crowd.wishes[k], u, crowd.dt);
     }

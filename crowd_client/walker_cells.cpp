@@ -1,5 +1,7 @@
 #include "crowd_client/walker_cells.hpp"
 
+#include <algorithm>
+
 namespace wade::crowd {
 namespace {
 
@@ -56,7 +58,9 @@ void sort_walkers(WalkerCells& cells, const GroundGrid& grid, std::span<const Ve
     cells.start.assign(grid.cells() + 1, 0);
     for (std::size_t i = 0; i < entries; ++i) {
         const Vector2d& site = sites[walker_of(i)];
-        const std::size_t cell = grid.cell_of(site.x() + shift_of(i) - radius, site.y() - radius);
+        // An image may reach cells from beyond the grid.
+        const int column = std::max(GroundGrid::line_of(site.x() + shift_of(i) - radius), 0);
+        const std::size_t cell = grid.index(column, std::max(GroundGrid::line_of(site.y() - radius), 0));
         cells.cell[i] = static_cast<std::uint32_t>(cell);
         ++cells.start[cell + 1];
     }
