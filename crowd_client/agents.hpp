@@ -38,6 +38,8 @@ struct Agents {
 
     // With bodies only: kappa, b and lambda of bodies.hpp, [0, 1].
     std::vector<double> contested, blocked, followed;
+    std::vector<double> detour_side;   // 1: to the right, -1: to the left
+    std::vector<double> trapped_time;  // how long b has been above 0.9, s
 
     [[nodiscard]] std::size_t size() const { return position.size(); }
 };

@@ -13,7 +13,7 @@ namespace {
 struct Run {
     std::uint32_t begin = 0;
     std::uint16_t count = 0;
-    std::uint16_t row = 0;  // above that of the walker's corner cell
+    std::uint16_t row = 0;  // of the cell
 };
 
 // Markers as their owners see them.
@@ -221,9 +221,47 @@ class BandWalk {
         deal_markers(dealt, row);
     }
 
-    // A sort by owner that keeps the order of the markers. The two halves of a cell are counted and dealt side by side, as
-    // neighbours often have one owner and its counter would have to wait for itself.
+    // Sorts the markers by owner, so that each one's stand side by side, in the order of the cell.
     void deal_markers(Offsets<Real>& dealt, int row) {
+        dealt.make_room_for(band_.markers.count, with_bodies_);
+        if constexpr (Lanes<Real>::packs_well) {
+            deal_by_packing(dealt, row);
+        } else {
+            deal_by_counting(dealt, row);
+        }
+    }
+
+    void deal_by_packing(Offsets<Real>& dealt, int row) {
+        using L = Lanes<Real>;
+        const Candidates<Real>& candidates = band_.candidates;
+        const auto* const owners = band_.claims.owner.data();
+        const auto* const contested = with_bodies_ ? band_.claims.contested.data() : nullptr;
+        const Real* const x = band_.markers.x.data();
+        const Real* const z = band_.markers.z.data();
+        Real* const to_x = dealt.x.data();
+        Real* const to_z = dealt.z.data();
+        Real* const to_contested = dealt.contested.data();
+        const std::size_t n = band_.markers.count, count = candidates.count;
+        auto place = static_cast<std::uint32_t>(dealt.count);
+        for (std::size_t c = 1; c < count; ++c) {
+            const auto whose = static_cast<typename L::Integer>(c);
+            const std::uint32_t first = place;
+            const Real own_x = candidates.x[c], own_z = candidates.z[c];
+            for (std::size_t m = 0; m < n; m += L::count) {
+                typename L::Integers owner;
+                std::memcpy(&owner, owners + m, sizeof owner);
+                if (contested != nullptr) pack<Real>(to_contested + place, L::load(contested + m), owner, whose);
+                pack<Real>(to_x + place, L::load(x + m) - own_x, owner, whose);
+                place += pack<Real>(to_z + place, L::load(z + m) - own_z, owner, whose);
+            }
+            note_run(candidates.entry[c], first, place, row);
+        }
+        dealt.count = place;
+    }
+
+    // The two halves of a cell are counted and dealt side by side, as neighbours often have one owner and its counter would
+    // have to wait for itself.
+    void deal_by_counting(Offsets<Real>& dealt, int row) {
         Candidates<Real>& candidates = band_.candidates;
         const std::size_t n = band_.markers.count, half = n / 2, owners = candidates.count;
         band_.next.assign(2 * owners, 0);
@@ -236,37 +274,25 @@ class BandWalk {
         }
         if (n % 2 != 0) ++upper[static_cast<std::size_t>(owner[n - 1])];
 
-        // Nobody's markers go behind the others, where the next cell writes over them.
+        // Nobody's markers, those of candidate 0, go behind the others, where the next cell writes over them.
         auto place = static_cast<std::uint32_t>(dealt.count);
-        const auto reserve = [&](std::size_t c) {
-            const std::uint32_t in_lower = lower[c], count = in_lower + upper[c];
-            lower[c] = place;
-            upper[c] = place + in_lower;
-            return count;
-        };
-        for (std::size_t c = 1; c < owners; ++c) {
-            const std::uint32_t count = reserve(c);
-            if (count > 0) note_run(candidates.entry[c], {place, static_cast<std::uint16_t>(count), 0}, row);
-            place += count;
+        for (std::size_t i = 1; i <= owners; ++i) {
+            const std::size_t c = i % owners;
+            const std::uint32_t first = place, in_lower = lower[c];
+            place += in_lower + upper[c];
+            lower[c] = first;
+            upper[c] = first + in_lower;
+            if (c == 0) break;
+            note_run(candidates.entry[c], first, place, row);
+            dealt.count = place;
         }
-        reserve(0);
-        dealt.make_room_for(n, with_bodies_);
-        dealt.count = place;
         candidates.x[0] = candidates.z[0] = 0;
-        const Real* const x = band_.markers.x.data();
-        const Real* const z = band_.markers.z.data();
-        const Real* const owner_x = candidates.x.data();
-        const Real* const owner_z = candidates.z.data();
-        const auto* const contested = with_bodies_ ? band_.claims.contested.data() : nullptr;
-        Real* const to_x = dealt.x.data();
-        Real* const to_z = dealt.z.data();
-        Real* const to_contested = dealt.contested.data();
         const auto deal = [&](std::size_t m, std::uint32_t* next) {
             const auto o = static_cast<std::size_t>(owner[m]);
             const std::uint32_t to = next[o]++;
-            to_x[to] = x[m] - owner_x[o];
-            to_z[to] = z[m] - owner_z[o];
-            if (contested != nullptr) to_contested[to] = contested[m] != 0 ? Real{1} : Real{0};
+            dealt.x[to] = band_.markers.x[m] - candidates.x[o];
+            dealt.z[to] = band_.markers.z[m] - candidates.z[o];
+            if (with_bodies_) dealt.contested[to] = band_.claims.contested[m];
         };
         for (std::size_t m = 0; m < half; ++m) {
             deal(m, lower);
@@ -276,11 +302,12 @@ class BandWalk {
     }
 
     // Rows of other bands belong to other threads.
-    void note_run(std::uint32_t entry, Run run, int row) {
+    void note_run(std::uint32_t entry, std::uint32_t first, std::uint32_t last, int row) {
         const GroundGrid& grid = cells_.grid;
+        if (first == last) return;
         if (entry < cells_.start[grid.index(0, first_)] || entry >= cells_.start[grid.index(0, last_)]) return;
-        run.row = static_cast<std::uint16_t>(row);
-        work_.runs[work_.runs_an_entry * entry + work_.run_count[entry]++] = run;
+        work_.runs[work_.runs_an_entry * entry + work_.run_count[entry]++] = {
+            first, static_cast<std::uint16_t>(last - first), static_cast<std::uint16_t>(row)};
     }
 
     void append_runs(std::uint32_t entry, int row) {

@@ -8,11 +8,12 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double longest_lead = 1.0;  // m; |s| of the site
-constexpr double memory_time = 0.2;   // s, of kappa
-constexpr double follow_reach = 1.5;  // m, near enough to follow
-constexpr double follow_time = 1.0;   // s, of lambda
-constexpr double image_reach = 2.0;   // m, of the images beyond a joint
+constexpr double longest_lead = 1.0;    // m; |s| of the site
+constexpr double memory_time = 0.2;     // s, of kappa
+constexpr double follow_reach = 1.5;    // m, near enough to follow
+constexpr double follow_time = 1.0;     // s, of lambda
+constexpr double trapped_patience = 5;  // s; before somebody tries the other side
+constexpr double image_reach = 2.0;     // m, of the images beyond a joint
 
 std::uint64_t steps_between_looks(double dt) {
     constexpr double look_time = 0.2;  // s
@@ -81,7 +82,8 @@ void prepare_bodies(Bodies& bodies, Walkers& walkers, const Agents& agents, std:
         const Vector2d s = turned_right(shortened(style.lead_time * agents.velocity[id], longest), side);
         bodies.site[k] = kept_near(world, positions[k] + s, room);
         bodies.velocity[k] = agents.velocity[id];
-        bodies.turned_goal[k] = turned_right(goal_offsets[k], style.detour_turn * agents.blocked[id]);
+        bodies.turned_goal[k] =
+            turned_right(goal_offsets[k], style.detour_turn * agents.detour_side[id] * agents.blocked[id]);
         bodies.desired_speed[k] = agents.desired_speed[id];
         bodies.discount[k] = style.discount;
         if (looks) bodies.followed[k] = share_followed(bodies, agents, active, k, positions[k]);
@@ -113,6 +115,11 @@ Vector2d wished_velocity(const Bodies& bodies, Agents& agents, std::uint32_t id,
 void note_blocked(const Bodies& bodies, Agents& agents, std::uint32_t id, const Vector2d& u, double dt) {
     const double blocked = std::sqrt(u.squaredNorm()) < 0.5 * agents.desired_speed[id] * dt ? 1.0 : 0.0;
     agents.blocked[id] += std::min(1.0, dt / bodies.style.patience) * (blocked - agents.blocked[id]);
+    double& trapped = agents.trapped_time[id];
+    trapped = agents.blocked[id] > 0.9 ? trapped + dt : 0.0;
+    if (trapped < trapped_patience) return;
+    agents.detour_side[id] = -agents.detour_side[id];
+    trapped = 0;
 }
 
 }  // namespace wade::crowd

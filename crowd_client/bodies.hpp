@@ -8,7 +8,7 @@
 //   claims     a marker a belongs to the agent whose q is nearest, within R
 //   discount   a is contested if |a - (p_j + v_j d / v0)| < D for another j whose site reaches the marker's cell,
 //              d = |a - p|; its preference f (Eq. 3) is then multiplied by 1 - delta
-//   goal       turned to the right by alpha b before Eq. 3
+//   goal       turned to the right by alpha b before Eq. 3; to the other side after each 5 s with b > 0.9, as in a corner
 //   wish       w = dt v_B (1 - lambda exp(-gamma A)), v_B of Eq. 4
 //   limits     u.n <= g / 2 for each neighbour, g = max(0, d_ij - 2 r - slack), n = (p_j - p) / d_ij
 //              u.n <= g for each obstacle and each edge of the world, the whole gap

@@ -125,7 +125,7 @@ void find_contested(Claims<Real>& claims, const MarkerLanes<Real>& markers, cons
             const Integers close = dx * dx + dz * dz < limit;
             contested |= close & (owner != static_cast<Integer>(c));
         }
-        std::memcpy(claims.contested.data() + m, &contested, sizeof contested);
+        L::store(claims.contested.data() + m, contested ? Reals{} + 1 : Reals{});
     }
 }
 

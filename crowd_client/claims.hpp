@@ -30,8 +30,8 @@ struct Candidates {
 template <typename Real>
 struct Claims {
     using Integer = typename Lanes<Real>::Integer;
-    std::vector<Integer> owner;      // candidate, 0 = nobody
-    std::vector<Integer> contested;  // -1 = true, where bodies are given
+    std::vector<Integer> owner;   // candidate, 0 = nobody
+    std::vector<Real> contested;  // 0 or 1, where bodies are given
 };
 
 template <typename Real>

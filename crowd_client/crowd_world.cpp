@@ -101,8 +101,8 @@ void choose_walking_velocities(CrowdWorld& crowd, std::uint64_t step) {
     walkers.goal_offset = crowd.goal_offsets;
     if (has_bodies(crowd)) {
         prepare_bodies(crowd.bodies, walkers, crowd.agents, crowd.active, crowd.positions, crowd.goal_offsets,
-                       crowd.scene.world, crowd.scene.crowd.perception_radius,
-                       looks_whom_to_follow(step, crowd.dt), threads_for(crowd));
+                       crowd.scene.world, crowd.scene.crowd.perception_radius, looks_whom_to_follow(step, crowd.dt),
+                       threads_for(crowd));
     }
     find_motion(crowd.motion, crowd.marker_memory, crowd.markers, walkers, crowd.scene.crowd.perception_radius, period,
                 threads_for(crowd));

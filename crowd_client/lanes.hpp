@@ -8,6 +8,10 @@
 #include <type_traits>
 #include <vector>
 
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
 namespace wade::crowd {
 
 template <typename Real>
@@ -17,12 +21,21 @@ struct Lanes {
     using Reals [[gnu::vector_size(64)]] = Real;
     using Integers [[gnu::vector_size(64)]] = Integer;
 
+    // Whether `pack` takes few instructions, and few of them a marker.
+#if defined(__AVX512F__)
+    static constexpr bool packs_well = count == 16;
+#else
+    static constexpr bool packs_well = false;
+#endif
+
     static Reals load(const Real* from) {
         Reals v;
         std::memcpy(&v, from, sizeof v);
         return v;
     }
-    static void store(Real* to, const Reals& v) { std::memcpy(to, &v, sizeof v); }
+    static void store(Real* to, const Reals& v) {
+        std::memcpy(to, &v, sizeof v);
+    }
 
     // 0, 1, 2, ... lane by lane.
     static Integers number() {
@@ -32,8 +45,35 @@ struct Lanes {
     }
 
     // n rounded up to whole vectors.
-    static constexpr std::size_t padded(std::size_t n) { return (n + count - 1) / count * count; }
+    static constexpr std::size_t padded(std::size_t n) {
+        return (n + count - 1) / count * count;
+    }
 };
+
+// Writes the lanes of v whose owner is `whose` side by side to `to`, in their order; may write a whole vector. Returns how
+// many there are.
+template <typename Real>
+inline std::uint32_t pack(Real* to, const typename Lanes<Real>::Reals& v, const typename Lanes<Real>::Integers& owner,
+                          typename Lanes<Real>::Integer whose) {
+#if defined(__AVX512F__)
+    if constexpr (sizeof(Real) == 4) {
+        const __mmask16 own = _mm512_cmpeq_epi32_mask(reinterpret_cast<__m512i>(owner), _mm512_set1_epi32(whose));
+        _mm512_storeu_ps(to, _mm512_maskz_compress_ps(own, reinterpret_cast<__m512>(v)));
+        return static_cast<std::uint32_t>(__builtin_popcount(own));
+    } else {
+        const __mmask8 own = _mm512_cmpeq_epi64_mask(reinterpret_cast<__m512i>(owner), _mm512_set1_epi64(whose));
+        _mm512_storeu_pd(to, _mm512_maskz_compress_pd(own, reinterpret_cast<__m512d>(v)));
+        return static_cast<std::uint32_t>(__builtin_popcount(own));
+    }
+#else
+    std::uint32_t n = 0;
+    for (std::size_t lane = 0; lane < Lanes<Real>::count; ++lane) {
+        to[n] = v[lane];
+        n += owner[lane] == whose ? 1U : 0U;
+    }
+    return n;
+#endif
+}
 
 // Gives working memory at least n places; what was in it is lost or not.
 template <typename T>

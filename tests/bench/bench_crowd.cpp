@@ -36,7 +36,13 @@ struct Variant {
 std::vector<Variant> variants() {
     Crowd redrawn;
     redrawn.markers = MarkerRule::redrawn;
-    return {{"", "BioCrowds, markers redrawn", redrawn}, {" fixed markers", "BioCrowds, fixed markers", {}}};
+    Crowd fast = redrawn, human = redrawn;
+    fast.bodies = BodyRule::fast;
+    human.bodies = BodyRule::human;
+    return {{"", "BioCrowds, markers redrawn", redrawn},
+            {" fixed markers", "BioCrowds, fixed markers", {}},
+            {" bodies fast", "Bodies: fast", fast},
+            {" bodies human", "Bodies: human", human}};
 }
 
 double cpu_seconds() {
@@ -65,14 +71,17 @@ std::vector<double> measure(Crossing& crossing, const Options& options) {
 
 void show_speed(const Variant& variant, const Options& options, std::vector<Result>& results) {
     std::printf("\n%s, %.1f people/m2, crossing goals, one thread\n", variant.title, density);
-    std::printf("  %8s %18s %14s %14s\n", "agents", "agent-steps/s", "smallest", "largest");
+    std::printf("  %8s %18s %14s %14s %22s\n", "agents", "agent-steps/s", "smallest", "largest",
+                "pair tests/agent-step");
     for (const std::size_t people : {std::size_t{50}, std::size_t{1000}, std::size_t{10000}, std::size_t{100000}}) {
         Crossing crossing = make_crossing(people, density, variant.settings);
         const Result r = result_of(std::string("crowd/open_plane") + variant.name, people, 1,
                                    measure(crossing, options), "agent_steps_per_s");
-        std::printf("  %8zu %18.4g %14.4g %14.4g\n", people, r.median, r.min, r.max);
+        const double tests = static_cast<double>(crossing.crowd.motion.pair_tests) / static_cast<double>(people);
+        std::printf("  %8zu %18.4g %14.4g %14.4g %22.0f\n", people, r.median, r.min, r.max, tests);
         std::fflush(stdout);
         results.push_back(r);
+        results.push_back({r.name + " pair tests", people, 1, tests, tests, tests, "1/agent_step"});
     }
 }
 
