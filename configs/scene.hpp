@@ -135,6 +135,8 @@ struct Fluid {
 };
 
 enum class SpeedRule { pi, per_frame, per_second };
+enum class MarkerRule { fixed, redrawn };
+enum class BodyRule { none, fast, human };
 
 // A value of all agents of a group, or limits in which each agent's own is drawn uniformly.
 struct Spread {
@@ -178,6 +180,10 @@ struct Crowd {
     double step_rate = 30;      // steps of the crowd in a second
     int markers_per_cell = 64;  // in a cell of 2 x 2 m
     double marker_min_distance = 0.1;
+    MarkerRule markers = MarkerRule::fixed;
+    double marker_epoch = 0;  // time after which markers are redrawn, s; 0: in each step
+    BodyRule bodies = BodyRule::none;
+    double body_radius = 0.25;
     double perception_radius = 1.0;  // R, markers within it are perceived
     double goal_radius = 3.0;        // an agent within it has arrived
     RagdollRule ragdoll;

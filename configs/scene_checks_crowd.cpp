@@ -95,10 +95,30 @@ void check_groups(const Scene& scene, const std::string& source) {
     }
 }
 
+// Redrawn markers stand in side x side sub-cells of a cell of 2 x 2 m, one in each.
+void check_sub_cells(const Crowd& crowd, const std::string& source) {
+    constexpr double cell = 2;
+    const double side = std::round(std::sqrt(crowd.markers_per_cell));
+    if (side * side != crowd.markers_per_cell) {
+        refuse(source, "/crowd/markers_per_cell",
+               std::to_string(crowd.markers_per_cell) +
+                   " markers cannot be redrawn, one in each of n x n sub-cells; allowed: a square number, 16, 25, 36, "
+                   "49, 64, 81 and so on, or markers \"fixed\".");
+    }
+    if (crowd.marker_min_distance <= cell / side) return;
+    refuse(source, "/crowd/marker_min_distance_m",
+           short_number(crowd.marker_min_distance) + " m is too large for redrawn markers in sub-cells of " +
+               short_number(cell / side) + " m; allowed: <= " + short_number(cell / side) + " m.");
+}
+
 // n markers per cell of 4 m2 whose discs of radius r/2 may not overlap cover the share n pi (r/2)^2 / 4. Discs placed
 // one by one at random jam at 0.547 (random sequential adsorption in the plane, Feder 1980); half of the ground leaves
 // the generator room to end.
 void check_markers(const Crowd& crowd, const std::string& source) {
+    if (crowd.markers == MarkerRule::redrawn) {
+        check_sub_cells(crowd, source);
+        return;
+    }
     constexpr double cell_area = 4, largest_share = 0.5;
     const double largest = 2 * std::sqrt(largest_share * cell_area / (std::numbers::pi * crowd.markers_per_cell));
     if (crowd.marker_min_distance <= largest) return;

@@ -46,6 +46,9 @@ constexpr std::array profiles{std::pair{"uniform", VelocityProfile::uniform},
                               std::pair{"logarithmic", VelocityProfile::logarithmic}};
 constexpr std::array speed_rules{std::pair{"pi", SpeedRule::pi}, std::pair{"per_frame", SpeedRule::per_frame},
                                  std::pair{"per_second", SpeedRule::per_second}};
+constexpr std::array marker_rules{std::pair{"fixed", MarkerRule::fixed}, std::pair{"redrawn", MarkerRule::redrawn}};
+constexpr std::array body_rules{std::pair{"none", BodyRule::none}, std::pair{"fast", BodyRule::fast},
+                                std::pair{"human", BodyRule::human}};
 constexpr std::array ragdoll_conditions{
     std::pair{"off", RagdollCondition::off}, std::pair{"paper", RagdollCondition::paper},
     std::pair{"local_speed", RagdollCondition::local_speed}, std::pair{"depth_speed", RagdollCondition::depth_speed}};
@@ -156,6 +159,10 @@ Crowd crowd_from(const json& j) {
     crowd.step_rate = j.at("step_rate_hz");
     crowd.markers_per_cell = j.at("markers_per_cell");
     crowd.marker_min_distance = j.at("marker_min_distance_m");
+    crowd.markers = choice_of(j.at("markers"), marker_rules);
+    crowd.marker_epoch = j.at("marker_epoch_s");
+    crowd.bodies = choice_of(j.at("bodies"), body_rules);
+    crowd.body_radius = j.at("body_radius_m");
     crowd.perception_radius = j.at("perception_radius_m");
     crowd.goal_radius = j.at("goal_radius_m");
     crowd.ragdoll = ragdoll_from(j.at("ragdoll"));

@@ -136,6 +136,11 @@ Agents make_agents(const Scene& scene) {
     agents.wet_steps.assign(n, 0);
     agents.depth_sum.assign(n, 0.0);
     agents.dv_sum.assign(n, 0.0);
+    if (scene.crowd.bodies != BodyRule::none) {
+        for (std::vector<double>* v : {&agents.contested, &agents.blocked, &agents.followed}) v->assign(n, 0.0);
+        agents.detour_side.assign(n, 1.0);
+        agents.trapped_time.assign(n, 0.0);
+    }
     return agents;
 }
 

@@ -36,6 +36,11 @@ struct Agents {
     std::vector<double> depth_sum;         // of the water over these steps, m
     std::vector<double> dv_sum;            // of depth times speed over these steps, m2/s
 
+    // With bodies only: kappa, b and lambda of bodies.hpp, [0, 1].
+    std::vector<double> contested, blocked, followed;
+    std::vector<double> detour_side;   // 1: to the right, -1: to the left
+    std::vector<double> trapped_time;  // how long b has been above 0.9, s
+
     [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 

@@ -1,8 +1,14 @@
 #pragma once
 // BioCrowds: agents compete for the markers of the ground and walk towards the mean of those they own.
+//
+//   row of cells r + 1    claim ---.          Rows are taken one by one. A row's markers are claimed and dealt out to
+//   row of cells r        claim ---+-> walk   their owners; then those walkers whose rows are all dealt sum up Eq. 1-3.
+//   row of cells r - 1    (done)              Each thread has a band of walkers' rows and claims what these need, so
+//                                             that nobody writes what another one reads, for any number of threads.
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -11,32 +17,48 @@
 
 namespace wade::crowd {
 
-// Which markers belong to whom; position k of the walker list owns offsets[start[k] .. start[k + 1]).
-// The other arrays are working memory that is kept from step to step.
-struct MarkerClaims {
-    std::vector<std::uint32_t> start;
-    std::vector<Vector2d> offsets;  // marker - walker, m
+// The active agents in the order of their ids; nobody else claims markers. One value a walker in each list.
+struct Walkers {
+    std::span<const Vector2d> position;     // in the world, m
+    std::span<const Vector2d> goal_offset;  // goal - position, m
 
-    std::vector<std::uint32_t> walker_cell_start, walkers_by_cell;
-    std::vector<std::uint32_t> candidates;
-    std::vector<std::uint32_t> claimed_marker, claimed_by;
-    std::vector<double> weights;
-
-    // In a periodic world the walkers and their images beyond the joint, and whose image each is.
-    std::vector<Vector2d> with_images;
-    std::vector<std::uint32_t> image_of;
+    // Empty, or for walkers with bodies (see bodies.hpp):
+    std::span<const Vector2d> site;         // where they claim markers, less than 2 m - R away from them, m
+    std::span<const Vector2d> velocity;     // displacement of the last step / dt, m/s
+    std::span<const double> desired_speed;  // m/s
+    std::span<const double> discount;       // delta: a contested marker counts 1 - delta
+    double contest_distance = 0;            // D, m
 };
 
-// Gives each marker to the nearest walker within `perception_radius`, ties to the one that comes first in `walkers`.
-// Walkers: positions of the active agents in the order of their ids, in the world; nobody else claims markers.
-// period: World::period(); where it is above 0, walkers see the markers beyond the joint. Needs markers placed for it.
-void claim_markers(MarkerClaims& claims, const Markers& markers, std::span<const Vector2d> walkers,
-                   double perception_radius, double period = 0);
+// What the markers say, by walker.
+struct Motion {
+    std::vector<Vector2d> vector;          // m of Eq. 1, m; zero without markers
+    std::vector<std::uint32_t> owned;      // markers
+    std::vector<std::uint32_t> contested;  // of them; only with bodies
+    std::uint64_t pair_tests = 0;          // distances of a marker and a walker that were looked at
+};
 
-// The walking velocity of one walker by Eq. 1-4, m/s; zero without markers.
-//   k            place in the list given to claim_markers
-//   goal_offset  goal - position, m
-[[nodiscard]] Vector2d biocrowds_velocity(MarkerClaims& claims, std::size_t k, const Vector2d& goal_offset,
-                                          double desired_speed, SpeedRule rule, double dt);
+// Working memory that is kept from step to step; a copy starts with memory of its own.
+struct MarkerWork;
+class MarkerMemory {
+ public:
+    MarkerMemory();
+    ~MarkerMemory();
+    MarkerMemory(const MarkerMemory&) : MarkerMemory() {}
+    MarkerMemory(MarkerMemory&&) noexcept;
+    MarkerMemory& operator=(const MarkerMemory&) { return *this; }
+    MarkerMemory& operator=(MarkerMemory&&) noexcept;
+    [[nodiscard]] MarkerWork& operator*() { return *work_; }
+
+ private:
+    std::unique_ptr<MarkerWork> work_;
+};
+
+// Gives each marker to the nearest walker within `perception_radius`, ties to the one that comes first in the list, and
+// sums up Eq. 1-3 over the markers that each one owns.
+// Fixed markers are summed in double precision, cell by cell; drawn ones in single precision.
+// period: World::period(); where it is above 0, walkers see the markers beyond the joint. Needs markers placed for it.
+void find_motion(Motion& motion, MarkerMemory& memory, const Markers& markers, const Walkers& walkers,
+                 double perception_radius, double period = 0, int threads = 1);
 
 }  // namespace wade::crowd

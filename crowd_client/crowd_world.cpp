@@ -63,6 +63,16 @@ void apply_events_due(CrowdWorld& crowd, std::uint64_t step) {
     }
 }
 
+// A crowd that is small takes less time than threads to wake up.
+int threads_for(const CrowdWorld& crowd) {
+    constexpr std::size_t worth_it = 1000;
+    return crowd.active.size() < worth_it ? 1 : crowd.threads;
+}
+
+bool has_bodies(const CrowdWorld& crowd) {
+    return crowd.bodies.rule != BodyRule::none;
+}
+
 void freeze_positions(CrowdWorld& crowd) {
     crowd.positions.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) crowd.positions[k] = crowd.agents.position[crowd.active[k]];
@@ -70,19 +80,42 @@ void freeze_positions(CrowdWorld& crowd) {
 
 void find_contacts(CrowdWorld& crowd, const WaterBins& water) {
     const double distance = contact_distance(crowd.scene.coupling);
+    if (water.x.empty()) {
+        crowd.contacts.assign(crowd.active.size(), {});
+        return;
+    }
     crowd.contacts.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         crowd.contacts[k] = find_contact(water, crowd.positions[k], distance, crowd.touching);
     }
 }
 
-void choose_walking_velocities(CrowdWorld& crowd) {
+void choose_walking_velocities(CrowdWorld& crowd, std::uint64_t step) {
+    const double period = crowd.scene.world.period();
+    crowd.goal_offsets.resize(crowd.active.size());
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        crowd.goal_offsets[k] = goal_offset(crowd.agents, crowd.active[k], period);
+    }
+    crowd.markers.drawn.epoch = marker_epoch(crowd.scene.crowd, step);
+    Walkers walkers;
+    walkers.position = crowd.positions;
+    walkers.goal_offset = crowd.goal_offsets;
+    if (has_bodies(crowd)) {
+        prepare_bodies(crowd.bodies, walkers, crowd.agents, crowd.active, crowd.positions, crowd.goal_offsets,
+                       crowd.scene.world, crowd.scene.crowd.perception_radius, looks_whom_to_follow(step, crowd.dt),
+                       threads_for(crowd));
+    }
+    find_motion(crowd.motion, crowd.marker_memory, crowd.markers, walkers, crowd.scene.crowd.perception_radius, period,
+                threads_for(crowd));
+    const double marker_area = GroundGrid::cell_size * GroundGrid::cell_size / crowd.scene.crowd.markers_per_cell;
     crowd.walking.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
+        const SpeedRule rule = crowd.scene.crowd.speed_rule;
         const Vector2d wish =
-            biocrowds_velocity(crowd.claims, k, goal_offset(crowd.agents, id, crowd.scene.world.period()),
-                               crowd.agents.desired_speed[id], crowd.scene.crowd.speed_rule, crowd.dt);
+            has_bodies(crowd)
+                ? wished_velocity(crowd.bodies, crowd.agents, id, k, crowd.motion, marker_area, rule, crowd.dt)
+                : walking_velocity(crowd.motion.vector[k], crowd.agents.desired_speed[id], rule, crowd.dt);
         crowd.walking[k] = keep_in_world(crowd.scene.world, crowd.positions[k], wish, crowd.dt);
     }
 }
@@ -92,8 +125,12 @@ bool is_continuous(const CrowdWorld& crowd) {
 }
 
 void couple_with_water(CrowdWorld& crowd, const WaterBins& water) {
-    crowd.velocity.resize(crowd.active.size());
     Agents& agents = crowd.agents;
+    if (!is_continuous(crowd) && water.x.empty()) {
+        crowd.velocity = crowd.walking;
+        return;
+    }
+    crowd.velocity.resize(crowd.active.size());
     const Sampling sampling = sampling_of(crowd.scene);
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
@@ -133,15 +170,54 @@ void wrap(Vector2d& p, std::int32_t& laps, double period) {
     ++laps;
 }
 
+// A blow takes the part of a velocity that went against it.
+Vector2d stopped_by_bodies(const Vector2d& velocity, const Vector2d& wanted, const Vector2d& way, double dt) {
+    const Vector2d lost = wanted - way;
+    const double length = std::sqrt(lost.squaredNorm());
+    if (!(length > 0)) return velocity;
+    const Vector2d n = lost / length;
+    return velocity - std::max(0.0, velocity.dot(n) - way.dot(n) / dt) * n;
+}
+
+void limit_to_bodies(CrowdWorld& crowd) {
+    const std::size_t n = crowd.active.size();
+    crowd.wishes.resize(n);
+    crowd.may_fall.resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        crowd.wishes[k] = crowd.velocity[k] * crowd.dt;
+        crowd.may_fall[k] = pushed_over_the_fall(crowd.agents.tau[crowd.active[k]], crowd.contacts[k]);
+    }
+    limit_steps(crowd.bodies, crowd.walls, crowd.positions, crowd.wishes, crowd.may_fall, threads_for(crowd));
+}
+
+// Where agent k goes with its body, and what that does to its memory.
+Vector2d step_with_body(CrowdWorld& crowd, std::size_t k) {
+    const std::uint32_t id = crowd.active[k];
+    const World& world = crowd.scene.world;
+    const Vector2d& u = crowd.bodies.step[k];
+    note_blocked(crowd.bodies, crowd.agents, id, u, crowd.dt);
+    if (is_continuous(crowd)) {
+        crowd.agents.momentary[id] = stopped_by_bodies(crowd.agents.momentary[id], crowd.wishes[k], u, crowd.dt);
+    }
+    Vector2d to = crowd.positions[k] + u;
+    if (world.ends == Ends::open) to.x() = std::min(to.x(), world.length);
+    if (world.ends == Ends::open && !crowd.may_fall[k]) to.x() = std::max(to.x(), 0.0);
+    to.y() = std::clamp(to.y(), 0.0, world.width);
+    return to;
+}
+
 void move_agents(CrowdWorld& crowd) {
     Agents& agents = crowd.agents;
+    if (has_bodies(crowd)) limit_to_bodies(crowd);
     const double period = crowd.scene.world.period();
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
         const Vector2d& from = crowd.positions[k];
         const Vector2d wanted = crowd.velocity[k] * crowd.dt;
-        const Vector2d to = slide(crowd.walls, from, wanted, pushed_over_the_fall(agents.tau[id], crowd.contacts[k]));
-        if (is_continuous(crowd)) {
+        const Vector2d to = has_bodies(crowd) ? step_with_body(crowd, k)
+                                              : slide(crowd.walls, from, wanted,
+                                                      pushed_over_the_fall(agents.tau[id], crowd.contacts[k]));
+        if (is_continuous(crowd) && !has_bodies(crowd)) {
             agents.momentary[id] = stopped_at_walls(agents.momentary[id], from, wanted, to);
         }
         const Vector2d way = to - from;
@@ -179,14 +255,12 @@ void advance(CrowdWorld& crowd, const WaterBins& water) {
     const std::uint64_t this_step = crowd.steps + 1;
     apply_events_due(crowd, this_step);
     find_contacts(crowd, water);  // Eq. 5
-    note_water_met(crowd.agents, crowd.scene, crowd.active, crowd.positions, water);
+    if (!water.x.empty()) note_water_met(crowd.agents, crowd.scene, crowd.active, crowd.positions, water);
     if (has_ragdolls(crowd.scene)) {
         find_ragdolls(crowd.ragdolls, crowd.scene, crowd.agents, crowd.active, crowd.positions, water, this_step);
     }
-    claim_markers(crowd.claims, crowd.markers, crowd.positions, crowd.scene.crowd.perception_radius,
-                  crowd.scene.world.period());
-    choose_walking_velocities(crowd);  // Eq. 1-4
-    couple_with_water(crowd, water);   // Eq. 6-9
+    choose_walking_velocities(crowd, this_step);  // Eq. 1-4
+    couple_with_water(crowd, water);              // Eq. 6-9
     move_agents(crowd);
     judge_outcomes(crowd, this_step);
     crowd.steps = this_step;
@@ -206,6 +280,12 @@ CrowdWorld make_crowd(const Scene& scene) {
     std::iota(crowd.active.begin(), crowd.active.end(), 0U);
     crowd.walls = make_walls(scene);
     move_out_of_faces(crowd.agents, crowd.walls);
+    if (scene.crowd.bodies != BodyRule::none) {
+        crowd.bodies.rule = scene.crowd.bodies;
+        crowd.bodies.style = body_style(scene.crowd.bodies);
+        crowd.bodies.radius = scene.crowd.body_radius;
+        make_room_for_bodies(crowd.agents, crowd.walls, scene.crowd.body_radius);
+    }
     crowd.markers = crowd.agents.size() == 0 ? Markers{} : place_markers(scene);
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);

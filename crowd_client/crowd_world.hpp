@@ -7,6 +7,7 @@
 
 #include "crowd_client/agents.hpp"
 #include "crowd_client/biocrowds.hpp"
+#include "crowd_client/bodies.hpp"
 #include "crowd_client/obstacles.hpp"
 #include "crowd_client/ragdoll.hpp"
 #include "crowd_client/water_bins.hpp"
@@ -27,14 +28,20 @@ struct CrowdWorld {
 
     Markers markers;
     Walls walls;
+    int threads = 1;  // at most that many walk the crowd; the results are the same for any number
 
     // Of the step at hand; place k belongs to active[k]. Kept for their memory.
     WaterBins water;  // unused where the water is sorted for several crowds
-    MarkerClaims claims;
-    std::vector<Vector2d> positions;  // frozen at the beginning of the step
-    std::vector<Contact> contacts;    // Eq. 5
-    std::vector<Vector2d> walking;    // v_B, m/s
-    std::vector<Vector2d> velocity;   // v^{t+1}, m/s; with the rule `continuous` its mean over the step
+    MarkerMemory marker_memory;
+    Bodies bodies;                       // empty where people have none
+    Motion motion;                       // Eq. 1-3
+    std::vector<Vector2d> goal_offsets;  // m
+    std::vector<Vector2d> positions;     // frozen at the beginning of the step
+    std::vector<Contact> contacts;       // Eq. 5
+    std::vector<Vector2d> walking;       // v_B, m/s
+    std::vector<Vector2d> velocity;      // v^{t+1}, m/s; with the rule `continuous` its mean over the step
+    std::vector<Vector2d> wishes;        // with bodies: velocity * dt, m
+    std::vector<bool> may_fall;          // with bodies: over the edge at x = 0
     std::vector<WaterParticle> touching;
     std::vector<Ragdoll> ragdolls;  // empty where the scene has no condition for them
 };

@@ -1,6 +1,8 @@
 #include "crowd_client/markers.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <sstream>
 
 #include "configs/exit_code.hpp"
@@ -39,6 +41,13 @@ void shift_x(std::vector<Point>& points, double by) {
 
 constexpr double most_markers = 2e8;  // 16 bytes each; also keeps their numbers within 32 bits
 
+// Redrawn markers stand in sub-cells, one in each.
+bool fits_sub_cells(const Crowd& crowd) {
+    const long side = std::lround(std::sqrt(crowd.markers_per_cell));
+    return side * side == crowd.markers_per_cell &&
+           crowd.marker_min_distance * static_cast<double>(side) <= GroundGrid::cell_size;
+}
+
 void check_ranges(const Crowd& crowd, const GroundGrid& grid) {
     std::ostringstream message;
     if (!(crowd.perception_radius > 0 && crowd.perception_radius <= GroundGrid::cell_size)) {
@@ -49,6 +58,11 @@ void check_ranges(const Crowd& crowd, const GroundGrid& grid) {
                 << GroundGrid::cell_size << " (the size of a cell)";
     } else if (crowd.markers_per_cell < 1) {
         message << "/crowd/markers_per_cell is " << crowd.markers_per_cell << ", allowed is 1 or more";
+    } else if (crowd.markers == MarkerRule::redrawn && !fits_sub_cells(crowd)) {
+        message << "/crowd/markers_per_cell is " << crowd.markers_per_cell
+                << ", with redrawn markers allowed is a square "
+                << "number (16, 25, 36, 49, 64, ...) whose sub-cells of 2 m / its root are at least "
+                << crowd.marker_min_distance << " m wide (/crowd/marker_min_distance_m)";
     } else if (static_cast<double>(grid.cells()) * crowd.markers_per_cell > most_markers) {
         message << "/crowd/markers_per_cell: " << crowd.markers_per_cell << " markers in each of the " << grid.cells()
                 << " cells of the world are more than " << most_markers << " in all; make the world smaller";
@@ -65,13 +79,59 @@ void check_ranges(const Crowd& crowd, const GroundGrid& grid) {
     throw ConfigurationError(message.str());
 }
 
+// Whether a box reaches into each cell.
+std::vector<std::uint8_t> cells_with(const std::vector<Obstacle>& obstacles, const GroundGrid& grid) {
+    std::vector<std::uint8_t> reached(obstacles.empty() ? 0 : grid.cells(), 0);
+    for (const Obstacle& o : obstacles) {
+        const int last_row = std::min(GroundGrid::line_of(o.z.hi), grid.rows - 1);
+        const int last_column = std::min(GroundGrid::line_of(o.x.hi), grid.columns - 1);
+        for (int row = std::max(GroundGrid::line_of(o.z.lo), 0); row <= last_row; ++row) {
+            for (int column = std::max(GroundGrid::line_of(o.x.lo), 0); column <= last_column; ++column) {
+                reached[grid.index(column, row)] = 1;
+            }
+        }
+    }
+    return reached;
+}
+
+DrawnMarkers drawn_markers(const Scene& scene, const GroundGrid& grid) {
+    const Crowd& crowd = scene.crowd;
+    DrawnMarkers drawn;
+    drawn.grid = grid;
+    drawn.ring = scene.world.period() > 0;
+    const auto side = std::lround(std::sqrt(crowd.markers_per_cell));
+    const double pitch = GroundGrid::cell_size / static_cast<double>(side);
+    drawn.jitter = static_cast<float>(pitch - crowd.marker_min_distance);
+    const double least = (crowd.marker_min_distance - GroundGrid::cell_size) / 2;
+    for (long j = 0; j < side; ++j) {
+        for (long i = 0; i < side; ++i) {
+            drawn.first_x.push_back(static_cast<float>(least + pitch * static_cast<double>(i)));
+            drawn.first_z.push_back(static_cast<float>(least + pitch * static_cast<double>(j)));
+        }
+    }
+    drawn.seed = scene.seed;
+    drawn.obstacles = scene.obstacles;
+    drawn.with_obstacle = cells_with(scene.obstacles, grid);
+    return drawn;
+}
+
 }  // namespace
+
+std::uint64_t marker_epoch(const Crowd& crowd, std::uint64_t step) {
+    if (!(crowd.marker_epoch > 0)) return step;
+    // A millionth of a step forgives what rounding takes from a whole number of epochs.
+    return static_cast<std::uint64_t>((static_cast<double>(step) + 1e-6) / (crowd.marker_epoch * crowd.step_rate));
+}
 
 Markers place_markers(const Scene& scene) {
     const Crowd& crowd = scene.crowd;
     Markers markers;
     markers.grid = GroundGrid::over(scene.world);
     check_ranges(crowd, markers.grid);
+    if (crowd.markers == MarkerRule::redrawn) {
+        markers.drawn = drawn_markers(scene, markers.grid);
+        return markers;
+    }
     const GroundGrid& grid = markers.grid;
     const double min_distance = crowd.marker_min_distance;
     const auto wanted = static_cast<std::size_t>(crowd.markers_per_cell);

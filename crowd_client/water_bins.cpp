@@ -195,7 +195,7 @@ WaterBins empty_bins(const Scene& scene) {
 }
 
 void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions) {
-    mark_cells_near(bins, positions);
+    if (water.size() > 0) mark_cells_near(bins, positions);
     sort_marked(bins, water);
 }
 

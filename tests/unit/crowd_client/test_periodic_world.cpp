@@ -54,9 +54,14 @@ TEST_CASE("On a ring each marker belongs to the nearest walker, also across the 
     for (int i = 0; i < 40; ++i) {
         walkers.emplace_back(std::fmod(i * length * 0.6180339887, length), std::fmod(i * 10 * 0.7548776662, 10.0));
     }
-    MarkerClaims claims;
-    claim_markers(claims, markers, walkers, 1.7, length);
-    std::vector<std::size_t> count(walkers.size(), 0);
+    Motion motion;
+    MarkerMemory memory;
+    const std::vector<Vector2d> goal_offsets(walkers.size(), Vector2d(10, 0));
+    Walkers w;
+    w.position = walkers;
+    w.goal_offset = goal_offsets;
+    find_motion(motion, memory, markers, w, 1.7, length);
+    std::vector<std::uint32_t> count(walkers.size(), 0);
     for (std::size_t m = 0; m < markers.size(); ++m) {
         std::size_t owner = walkers.size();
         double best = 1.7;
@@ -69,10 +74,8 @@ TEST_CASE("On a ring each marker belongs to the nearest walker, also across the 
         }
         if (owner < walkers.size()) ++count[owner];
     }
-    for (std::size_t k = 0; k < walkers.size(); ++k) {
-        REQUIRE(claims.start[k + 1] - claims.start[k] == count[k]);
-        for (std::size_t i = claims.start[k]; i < claims.start[k + 1]; ++i) REQUIRE(claims.offsets[i].norm() <= 1.7);
-    }
+    CHECK(motion.owned == count);
+    for (const Vector2d& m : motion.vector) CHECK(m.norm() <= 1.7);
 }
 
 TEST_CASE("A run on a ring does not know where the joint is") {

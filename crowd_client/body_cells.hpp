@@ -1,0 +1,51 @@
+#pragma once
+// People sorted into cells of 1 x 1 m, to find those near a place.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "crowd_client/equations.hpp"
+
+namespace wade::crowd {
+
+struct BodyCells {
+    static constexpr double cell_size = 1.0;  // m
+    static constexpr int border = 2;          // cells round the world, for images beyond the joint of a periodic one
+
+    int columns = 0, rows = 0;
+    std::vector<std::uint32_t> start;   // people of cell c: [start[c], start[c + 1]), in the order of the list
+    std::vector<std::uint32_t> person;  // place in the list
+    std::vector<double> x, z;           // m; of an image where it stands
+
+    std::vector<std::uint32_t> cell, listed;  // working memory
+    std::vector<double> listed_x;
+
+    [[nodiscard]] int column_of(double at_x) const {
+        return std::clamp(static_cast<int>(std::floor(at_x / cell_size)) + border, 0, columns - 1);
+    }
+    [[nodiscard]] int row_of(double at_z) const {
+        return std::clamp(static_cast<int>(std::floor(at_z / cell_size)) + border, 0, rows - 1);
+    }
+
+    // Calls visit(j, dx, dz) for each person j, or image, less than `reach` away along x and z: d = its place - p, m.
+    template <typename Visit>
+    void visit_near(const Vector2d& p, double reach, Visit&& visit) const {
+        const int first = column_of(p.x() - reach), last = column_of(p.x() + reach);
+        const int last_row = row_of(p.y() + reach);
+        for (int row = row_of(p.y() - reach); row <= last_row; ++row) {
+            const auto line = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns);
+            const std::uint32_t end = start[line + static_cast<std::size_t>(last) + 1];
+            for (std::uint32_t i = start[line + static_cast<std::size_t>(first)]; i < end; ++i) {
+                visit(person[i], x[i] - p.x(), z[i] - p.y());
+            }
+        }
+    }
+};
+
+// People near the joint of a periodic world (`period` > 0) get images beyond it, within `reach` m.
+void sort_people(BodyCells& cells, const World& world, std::span<const Vector2d> people, double reach);
+
+}  // namespace wade::crowd

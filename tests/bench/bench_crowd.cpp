@@ -1,0 +1,170 @@
+// bench_crowd [--quick] [--quality] [--json FILE]: steps of agents a second on an open plane with crossing goals, and how
+// well they get on there.
+//
+// Times are those of the process on its processors, so that other work on the machine disturbs them little; shown are
+// medians over rounds.
+
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+#include "tests/bench/bench_report.hpp"
+#include "tests/bench/crossing_crowd.hpp"
+
+namespace {
+
+using namespace wade;
+using namespace wade::bench;
+
+constexpr double density = 0.7;  // people per m2
+
+struct Options {
+    bool quick = false;
+    bool quality = false;
+    std::string json;
+};
+
+struct Variant {
+    const char* name;  // behind crowd/open_plane
+    const char* title;
+    Crowd settings;
+};
+
+std::vector<Variant> variants() {
+    Crowd redrawn;
+    redrawn.markers = MarkerRule::redrawn;
+    Crowd fast = redrawn, human = redrawn;
+    fast.bodies = BodyRule::fast;
+    human.bodies = BodyRule::human;
+    return {{"", "BioCrowds, markers redrawn", redrawn},
+            {" fixed markers", "BioCrowds, fixed markers", {}},
+            {" bodies fast", "Bodies: fast", fast},
+            {" bodies human", "Bodies: human", human}};
+}
+
+double cpu_seconds() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// Agent-steps a second of each round, after the crowd has left its start grid.
+std::vector<double> measure(Crossing& crossing, const Options& options) {
+    const int warm_up = 60, rounds = options.quick ? 3 : 9;
+    const double least_time = options.quick ? 0.1 : 0.4;  // s a round
+    for (int k = 0; k < warm_up; ++k) walk(crossing);
+    std::vector<double> rates;
+    for (int round = 0; round < rounds; ++round) {
+        const double start = cpu_seconds();
+        double steps = 0;
+        while (cpu_seconds() - start < least_time || steps < 3) {
+            walk(crossing);
+            ++steps;
+        }
+        rates.push_back(steps * static_cast<double>(crossing.crowd.agents.size()) / (cpu_seconds() - start));
+    }
+    return rates;
+}
+
+void show_speed(const Variant& variant, const Options& options, std::vector<Result>& results) {
+    std::printf("\n%s, %.1f people/m2, crossing goals, one thread\n", variant.title, density);
+    std::printf("  %8s %18s %14s %14s %22s\n", "agents", "agent-steps/s", "smallest", "largest",
+                "pair tests/agent-step");
+    for (const std::size_t people : {std::size_t{50}, std::size_t{1000}, std::size_t{10000}, std::size_t{100000}}) {
+        Crossing crossing = make_crossing(people, density, variant.settings);
+        const Result r = result_of(std::string("crowd/open_plane") + variant.name, people, 1,
+                                   measure(crossing, options), "agent_steps_per_s");
+        const double tests = static_cast<double>(crossing.crowd.motion.pair_tests) / static_cast<double>(people);
+        std::printf("  %8zu %18.4g %14.4g %14.4g %22.0f\n", people, r.median, r.min, r.max, tests);
+        std::fflush(stdout);
+        results.push_back(r);
+        results.push_back({r.name + " pair tests", people, 1, tests, tests, tests, "1/agent_step"});
+    }
+}
+
+// Distance to the goal, m.
+double rest_of_way(const Crossing& crossing, std::size_t id) {
+    return (crossing.crowd.agents.goal[id] - crossing.crowd.agents.position[id]).norm();
+}
+
+void show_quality(const Variant& variant, std::vector<Result>& results) {
+    constexpr std::size_t people = 1000;
+    constexpr double time = 300, last = 60, radius = 0.25;
+    Crossing crossing = make_crossing(people, density, variant.settings);
+    const double dt = crossing.crowd.dt;
+    const auto steps = static_cast<int>(time / dt + 0.5), late = static_cast<int>((time - last) / dt + 0.5);
+    double speed = 0, speed_late = 0, progress = 0;
+    Overlaps overlaps;
+    std::vector<double> before(people);
+    std::vector<crowd::Vector2d> goal_before;
+    for (int k = 0; k < steps; ++k) {
+        for (std::size_t id = 0; id < people; ++id) before[id] = rest_of_way(crossing, id);
+        goal_before = crossing.crowd.agents.goal;
+        walk(crossing);
+        for (std::size_t id = 0; id < people; ++id) {
+            const double v = crossing.crowd.agents.velocity[id].norm();
+            speed += v;
+            if (k >= late) speed_late += v;
+            progress += (before[id] - (goal_before[id] - crossing.crowd.agents.position[id]).norm()) / dt;
+        }
+        add_overlaps(crossing.crowd.agents.position, radius, 0, overlaps);
+    }
+    double goals = 0;
+    for (const std::uint32_t reached : crossing.goals_reached) goals += reached;
+    const double samples = static_cast<double>(people) * steps;
+    const std::string name = std::string("crowd/open_plane") + variant.name + " ";
+    const auto show = [&](const char* what, double value, const char* unit) {
+        std::printf("  %-34s %12.4g %s\n", what, value, unit);
+        results.push_back({name + what, people, 1, value, value, value, unit});
+    };
+    std::printf("\n%s, %zu agents, %.1f people/m2, crossing goals, %.0f s\n", variant.title, people, density, time);
+    show("mean speed", speed / samples, "m/s");
+    show("mean speed in the last minute", speed_late / (people * last / dt), "m/s");
+    show("progress to the goal", progress / samples, "m/s");
+    show("goals per agent and minute", goals / people / (time / 60), "1/min");
+    show("overlapping pair-steps", static_cast<double>(overlaps.pairs), "");
+    show("deepest overlap", overlaps.deepest, "m");
+}
+
+Options parse(int argc, char** argv) {
+    Options options;
+    for (int i = 1; i < argc; ++i) {
+        if (std::strcmp(argv[i], "--quick") == 0)
+            options.quick = true;
+        else if (std::strcmp(argv[i], "--quality") == 0)
+            options.quality = true;
+        else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc)
+            options.json = argv[++i];
+        else
+            throw std::invalid_argument(std::string("unexpected argument ") + argv[i] +
+                                        "; allowed: --quick, --quality, --json FILE");
+    }
+    return options;
+}
+
+void run(const Options& options) {
+    std::vector<Result> results;
+    std::printf("%s\n", machine().c_str());
+    for (const Variant& variant : variants()) {
+        if (options.quality)
+            show_quality(variant, results);
+        else
+            show_speed(variant, options, results);
+    }
+    if (!options.json.empty()) write_json(options.json, results);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        run(parse(argc, argv));
+        return 0;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_crowd: %s\n", error.what());
+        return dynamic_cast<const std::invalid_argument*>(&error) != nullptr ? 2 : 1;
+    }
+}

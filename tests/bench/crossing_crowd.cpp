@@ -1,0 +1,72 @@
+#include "tests/bench/crossing_crowd.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "crowd_client/counter_random.hpp"
+
+namespace wade::bench {
+namespace {
+
+using crowd::Vector2d;
+
+void draw_goal(Crossing& crossing, std::size_t id) {
+    constexpr std::uint64_t stream = std::uint64_t{1} << 41;  // apart from those of markers and agents
+    const Scene& scene = crossing.crowd.scene;
+    const std::uint64_t draw = crossing.goals_reached[id];
+    crossing.crowd.agents.goal[id] = {
+        scene.world.length * crowd::counter_uniform(scene.seed, stream + id, 2 * draw),
+        scene.world.width * crowd::counter_uniform(scene.seed, stream + id, 2 * draw + 1)};
+}
+
+}  // namespace
+
+Crossing make_crossing(std::size_t people, double density, const Crowd& settings, std::uint64_t seed) {
+    Scene scene;
+    scene.seed = seed;
+    scene.crowd = settings;
+    scene.crowd.goal_radius = 1e-6;  // nobody leaves: goals move away before they are met
+    const double side = std::sqrt(static_cast<double>(people) / density);
+    scene.world.length = scene.world.width = side;
+    AgentGroup group;
+    group.name = "walkers";
+    group.count = static_cast<int>(people);
+    group.columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(people))));
+    group.rows = (group.count + group.columns - 1) / group.columns;
+    group.pitch_x = side / group.columns;
+    group.pitch_z = side / group.rows;
+    group.start_x = group.pitch_x / 2;
+    group.start_z = group.pitch_z / 2;
+    group.start_jitter = std::max(0.0, 0.45 * (std::min(group.pitch_x, group.pitch_z) - 0.51));
+    scene.crowd.groups = {group};
+    Crossing crossing{crowd::make_crowd(scene), std::vector<std::uint32_t>(people, 0)};
+    for (std::size_t id = 0; id < people; ++id) draw_goal(crossing, id);
+    return crossing;
+}
+
+void walk(Crossing& crossing) {
+    crowd::step(crossing.crowd, {});
+    const crowd::Agents& agents = crossing.crowd.agents;
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        if ((agents.goal[id] - agents.position[id]).squaredNorm() > goal_reach * goal_reach) continue;
+        ++crossing.goals_reached[id];
+        draw_goal(crossing, id);
+    }
+}
+
+void add_overlaps(const std::vector<Vector2d>& positions, double radius, double period, Overlaps& sum) {
+    std::vector<Vector2d> places = positions;
+    for (const Vector2d& p : positions)
+        if (period > 0 && p.x() < 2 * radius) places.emplace_back(p.x() + period, p.y());
+    std::sort(places.begin(), places.end(), [](const Vector2d& a, const Vector2d& b) { return a.x() < b.x(); });
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        for (std::size_t j = i + 1; j < places.size() && places[j].x() - places[i].x() < 2 * radius; ++j) {
+            const double distance = (places[j] - places[i]).norm();
+            if (distance >= 2 * radius) continue;
+            ++sum.pairs;
+            sum.deepest = std::max(sum.deepest, 2 * radius - distance);
+        }
+    }
+}
+
+}  // namespace wade::bench

@@ -1,0 +1,32 @@
+#pragma once
+// A crowd on an open square whose people walk to goals of their own, drawn anew whenever one is reached: all ways cross.
+
+#include <cstdint>
+#include <vector>
+
+#include "crowd_client/crowd_world.hpp"
+
+namespace wade::bench {
+
+struct Crossing {
+    crowd::CrowdWorld crowd;
+    std::vector<std::uint32_t> goals_reached;  // by agent
+};
+
+inline constexpr double goal_reach = 1.0;  // m; who is this close to the goal gets the next
+
+// `people` at `density` (1/m2) on a square, on a jittered grid that keeps them more than a body apart up to 2 people/m2;
+// goals uniform over the square. All of `crowd` but the groups holds for them.
+[[nodiscard]] Crossing make_crossing(std::size_t people, double density, const Crowd& crowd, std::uint64_t seed = 1);
+
+// One step of the crowd on dry ground, then new goals for those who have reached theirs.
+void walk(Crossing& crossing);
+
+// Pairs of discs that overlap, people standing at `positions`; `period` as World::period().
+struct Overlaps {
+    std::uint64_t pairs = 0;
+    double deepest = 0;  // m
+};
+void add_overlaps(const std::vector<crowd::Vector2d>& positions, double radius, double period, Overlaps& sum);
+
+}  // namespace wade::bench
