@@ -195,7 +195,10 @@ WaterBins empty_bins(const Scene& scene) {
 }
 
 void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions) {
-    if (water.size() > 0) mark_cells_near(bins, positions);
+    if (water.size() > 0)
+        mark_cells_near(bins, positions);
+    else
+        bins.use.assign(bins.grid.cells() + 1, WaterBins::unused);  // nothing to keep, so marks would be for nothing
     sort_marked(bins, water);
 }
 
