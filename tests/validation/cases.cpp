@@ -42,6 +42,7 @@ const std::vector<Case>& all_cases() {
         crowd_circle_case(),
         crowd_counterflow_case(),
         crowd_mirror_case(),
+        crowd_bodies_case(),
     };
     return cases;
 }

@@ -42,5 +42,6 @@ Case crowd_rimea_12_case();
 Case crowd_circle_case();
 Case crowd_counterflow_case();
 Case crowd_mirror_case();
+Case crowd_bodies_case();
 
 }  // namespace wade::validation

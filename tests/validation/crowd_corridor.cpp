@@ -24,6 +24,9 @@ crowd::CrowdWorld corridor_crowd(const Request& request, SpeedRule rule, double 
     group.start_z = corridor_z.lo + group.pitch_z / 2;
     crowd::CrowdWorld crowd = crowd::make_crowd(scene);
     jitter(crowd, 0.3 * group.pitch_x, 0.3 * group.pitch_z);
+    if (scene.crowd.bodies != BodyRule::none) {
+        crowd::make_room_for_bodies(crowd.agents, crowd.walls, scene.crowd.body_radius);
+    }
     for (std::size_t id = 1; two_ways && id < crowd.agents.size(); id += 2) crowd.agents.goal[id].x() *= -1;
     return crowd;
 }
