@@ -55,7 +55,7 @@ double share_followed(const Bodies& bodies, const Agents& agents, std::span<cons
 
 BodyStyle body_style(BodyRule rule) {
     BodyStyle style;
-    if (rule == BodyRule::human) style.spacing_rate = 1.9;
+    if (rule == BodyRule::human) style.spacing_rate = 1.83;
     return style;
 }
 
