@@ -31,7 +31,8 @@ CellGrid::CellGrid(const Scene& scene, float support_radius)
     : start_(),
       cell_of_(static_cast<std::size_t>(scene.fluid.max_particles)),
       source_(static_cast<std::size_t>(scene.fluid.max_particles)),
-      scratch_(static_cast<std::size_t>(scene.fluid.max_particles)) {
+      room_(padded(static_cast<std::size_t>(scene.fluid.max_particles))),
+      room_for_kind_(static_cast<std::size_t>(scene.fluid.max_particles)) {
     const Channel& channel = scene.channel;
     periodic_ = {channel.flow == Flow::recirculating || channel.flow == Flow::periodic, channel.top == Top::periodic,
                  channel.sides == Sides::periodic};
@@ -78,11 +79,11 @@ std::size_t CellGrid::sort(Particles& p, float outflow_x) {
         }
     }
     for (const ParticleArray& array : particle_arrays) {
-        gather(scratch_.*array.values, p.*array.values, source_, kept);
-        std::swap(scratch_.*array.values, p.*array.values);
+        gather(room_, p.*array.values, source_, kept);
+        std::swap(room_, p.*array.values);
     }
-    gather(scratch_.kind, p.kind, source_, kept);
-    std::swap(scratch_.kind, p.kind);
+    gather(room_for_kind_, p.kind, source_, kept);
+    std::swap(room_for_kind_, p.kind);
     p.count = kept;
     return n - kept;
 }

@@ -69,7 +69,8 @@ class CellGrid {
     std::vector<std::uint32_t> start_;  // first particle of each cell, and the total behind the last
     std::vector<std::uint32_t> cell_of_;
     std::vector<std::uint32_t> source_;  // where the particle at a sorted place was before
-    Particles scratch_;
+    std::vector<float> room_;  // for one array of particles at a time
+    std::vector<Kind> room_for_kind_;
 };
 
 template <typename Body>
