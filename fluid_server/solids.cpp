@@ -307,7 +307,7 @@ bool Solids::apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec
     return would_enter;
 }
 
-bool Solids::clamp(Vec3& x) const {
+bool Solids::push_out(Vec3& x) const {
     bool moved = false;
     for (std::size_t k = 0; k < 3; ++k) {
         const float inside = std::max(interior_.lo[k], std::min(interior_.hi[k], x[k]));

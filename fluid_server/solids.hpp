@@ -46,6 +46,12 @@ struct Box {
     Vec3 hi{inf, inf, inf};
 };
 
+// Whether x lies in the box or on its faces; no if it is not a number.
+inline bool contains(const Box& box, const Vec3& x) {
+    return x[0] >= box.lo[0] && x[0] <= box.hi[0] && x[1] >= box.lo[1] && x[1] <= box.hi[1] && x[2] >= box.lo[2] &&
+           x[2] <= box.hi[2];
+}
+
 // Places of particles, m, as arrays.
 struct Places {
     const float *x, *y, *z;
@@ -96,7 +102,10 @@ class Solids {
     }
 
     // Moves a point that is inside a solid to the nearest free point; true if it had to. A last guard.
-    bool clamp(Vec3& x) const;
+    bool clamp(Vec3& x) const {
+        const bool free = bed_.empty() && obstacles_.empty() && contains(interior_, x);
+        return !free && push_out(x);
+    }
 
     [[nodiscard]] const Box& interior() const { return interior_; }
     [[nodiscard]] const std::vector<Box>& obstacles() const { return obstacles_; }
@@ -106,6 +115,7 @@ class Solids {
     void add_facet_mirrors(const Box& box, std::size_t before, std::vector<Mirror>& mirrors) const;
     void add_obstacle_mirrors(const Box& box, std::vector<Mirror>& mirrors) const;
     void apply_border_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const;
+    bool push_out(Vec3& x) const;
     bool apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const;
 
     Box interior_;
