@@ -1,0 +1,97 @@
+#include "crowd_client/crowd_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wade::crowd {
+namespace {
+
+// What is left of a velocity where walls kept `from` + `wanted` back at `to`: nothing along an axis that they cut.
+Vector2d stopped_at_walls(const Vector2d& velocity, const Vector2d& from, const Vector2d& wanted, const Vector2d& to) {
+    const Vector2d free = from + wanted;
+    return {to.x() == free.x() ? velocity.x() : 0, to.y() == free.y() ? velocity.y() : 0};
+}
+
+// Nobody walks over the fall at x = 0; water that pushes towards it may carry an agent over.
+bool pushed_over_the_fall(double tau, const Contact& contact) {
+    return tau > 0 && contact.momentum.x() < 0;
+}
+
+// Brings an agent that left a periodic world over one end in at the other.
+void wrap(Vector2d& p, std::int32_t& laps, double period) {
+    const double lap = std::floor(p.x() / period);
+    p.x() -= lap * period;
+    laps += static_cast<std::int32_t>(lap);
+    if (p.x() < period) return;
+    p.x() = 0;  // a step below 0 that is too small to be told from the length
+    ++laps;
+}
+
+// A blow takes the part of a velocity that went against it.
+Vector2d stopped_by_bodies(const Vector2d& velocity, const Vector2d& wanted, const Vector2d& way, double dt) {
+    const Vector2d lost = wanted - way;
+    const double length = std::sqrt(lost.squaredNorm());
+    if (!(length > 0)) return velocity;
+    const Vector2d n = lost / length;
+    return velocity - std::max(0.0, velocity.dot(n) - way.dot(n) / dt) * n;
+}
+
+void limit_to_bodies(CrowdWorld& crowd) {
+    const std::size_t n = crowd.active.size();
+    crowd.wishes.resize(n);
+    crowd.may_fall.resize(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        crowd.wishes[k] = crowd.velocity[k] * crowd.dt;
+        crowd.may_fall[k] = pushed_over_the_fall(crowd.agents.tau[crowd.active[k]], crowd.contacts[k]);
+    }
+    limit_steps(crowd.bodies, crowd.walls, crowd.positions, crowd.wishes, crowd.may_fall, threads_for(crowd));
+}
+
+// Where agent k goes with its body, and what that does to its memory.
+Vector2d step_with_body(CrowdWorld& crowd, std::size_t k) {
+    const std::uint32_t id = crowd.active[k];
+    const World& world = crowd.scene.world;
+    const Vector2d& u = crowd.bodies.step[k];
+    note_blocked(crowd.bodies, crowd.agents, id, u, crowd.dt);
+    if (is_continuous(crowd)) {
+        crowd.agents.momentary[id] = stopped_by_bodies(crowd.agents.momentary[id], crowd.wishes[k], u, crowd.dt);
+    }
+    Vector2d to = crowd.positions[k] + u;
+    if (world.ends == Ends::open) to.x() = std::min(to.x(), world.length);
+    if (world.ends == Ends::open && !crowd.may_fall[k]) to.x() = std::max(to.x(), 0.0);
+    to.y() = std::clamp(to.y(), 0.0, world.width);
+    return to;
+}
+
+}  // namespace
+
+int threads_for(const CrowdWorld& crowd) {
+    constexpr std::size_t worth_it = 1000;
+    return crowd.active.size() < worth_it ? 1 : crowd.threads;
+}
+
+void move_agents(CrowdWorld& crowd) {
+    Agents& agents = crowd.agents;
+    if (has_bodies(crowd)) limit_to_bodies(crowd);
+    const double period = crowd.scene.world.period();
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        const std::uint32_t id = crowd.active[k];
+        const Vector2d& from = crowd.positions[k];
+        const Vector2d wanted = crowd.velocity[k] * crowd.dt;
+        const Vector2d to = has_bodies(crowd) ? step_with_body(crowd, k)
+                                              : slide(crowd.walls, from, wanted,
+                                                      pushed_over_the_fall(agents.tau[id], crowd.contacts[k]));
+        if (is_continuous(crowd) && !has_bodies(crowd)) {
+            agents.momentary[id] = stopped_at_walls(agents.momentary[id], from, wanted, to);
+        }
+        const Vector2d way = to - from;
+        const double length = std::sqrt(way.squaredNorm());
+        agents.position[id] = to;
+        agents.velocity[id] = way / crowd.dt;
+        agents.path_length[id] += length;
+        if (length > 0) agents.heading[id] = way / length;
+        if (period > 0) wrap(agents.position[id], agents.laps[id], period);
+    }
+}
+
+}  // namespace wade::crowd

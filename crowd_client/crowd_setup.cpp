@@ -1,0 +1,73 @@
+// A crowd before its first step.
+
+#include <algorithm>
+#include <numeric>
+#include <sstream>
+
+#include "configs/exit_code.hpp"
+#include "crowd_client/contacts.hpp"
+#include "crowd_client/crowd_world.hpp"
+
+namespace wade::crowd {
+namespace {
+
+void check_coupling(const Scene& scene) {
+    const double distance = contact_distance(scene.coupling);
+    std::ostringstream message;
+    if (!(distance > 0)) {
+        message << "/coupling: agent_radius_m and particle_radius_m are both " << scene.coupling.agent_radius
+                << ", so that with contact_rule 'difference' no water ever touches an agent";
+    } else if (distance > GroundGrid::cell_size) {
+        message << "/coupling: contact distance " << distance << " m, allowed is up to " << GroundGrid::cell_size
+                << " m (the size of a cell)";
+    } else if (!(scene.frame_rate > 0)) {
+        message << "/frame_rate_hz is " << scene.frame_rate << ", allowed is more than 0";
+    } else if (!(scene.crowd.step_rate > 0)) {
+        message << "/crowd/step_rate_hz is " << scene.crowd.step_rate << ", allowed is more than 0";
+    } else {
+        return;
+    }
+    throw ConfigurationError(message.str());
+}
+
+void move_out_of_faces(Agents& agents, const Walls& walls) {
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        const std::optional<Vector2d> place = place_outside(walls, agents.position[id]);
+        if (!place) {
+            std::ostringstream message;
+            message << "/crowd/groups/" << agents.group[id] << ": agent " << id << " starts at ("
+                    << agents.position[id].x() << ", " << agents.position[id].y() << "), inside an obstacle";
+            throw ConfigurationError(message.str());
+        }
+        agents.position[id] = *place;
+    }
+}
+
+}  // namespace
+
+CrowdWorld make_crowd(const Scene& scene) {
+    check_coupling(scene);
+    CrowdWorld crowd;
+    crowd.scene = scene;
+    crowd.dt = 1 / scene.crowd.step_rate;
+    std::stable_sort(crowd.scene.events.begin(), crowd.scene.events.end(),
+                     [](const TauEvent& a, const TauEvent& b) { return a.frame < b.frame; });
+    crowd.agents = make_agents(scene);
+    crowd.active.resize(crowd.agents.size());
+    std::iota(crowd.active.begin(), crowd.active.end(), 0U);
+    crowd.walls = make_walls(scene);
+    move_out_of_faces(crowd.agents, crowd.walls);
+    if (scene.crowd.bodies != BodyRule::none) {
+        crowd.bodies.rule = scene.crowd.bodies;
+        crowd.bodies.style = body_style(scene.crowd.bodies);
+        crowd.bodies.radius = scene.crowd.body_radius;
+        make_room_for_bodies(crowd.agents, crowd.walls, scene.crowd.body_radius);
+    }
+    crowd.markers = crowd.agents.size() == 0 ? Markers{} : place_markers(scene);
+    crowd.markers.grid = GroundGrid::over(scene.world);
+    crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
+    crowd.water = empty_bins(scene);
+    return crowd;
+}
+
+}  // namespace wade::crowd
