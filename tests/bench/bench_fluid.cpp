@@ -134,7 +134,8 @@ struct Plan {
     int rounds;
 };
 
-void bench_river(const River& river, const Plan& plan, const Options& options, std::vector<Result>& results) {
+void bench_river(const std::string& name, const River& river, const Plan& plan, const Options& options,
+                 std::vector<Result>& results) {
     const Scene scene = river_scene(river);
     const std::vector<int> counts = options.thread_counts();
     const PeakMemory memory;
@@ -152,7 +153,7 @@ void bench_river(const River& river, const Plan& plan, const Options& options, s
     }
     const double bytes = static_cast<double>(memory.bytes()) / static_cast<double>(river.size);
     for (const int threads : counts) {
-        Result result = series[threads].result("fluid/river", river.size, threads);
+        Result result = series[threads].result(name, river.size, threads);
         result.extra.emplace_back("bytes_per_particle", bytes);
         finish(std::move(result), results);
     }
@@ -208,10 +209,17 @@ void run(const Options& options, std::vector<Result>& results) {
                   options, results);
     if (options.wanted("fluid/column_at_rest"))
         bench_run("fluid/column_at_rest", scene_of("column_at_rest.json"), options.quick ? 1 : 3, options, results);
-    if (!options.wanted("fluid/river")) return;
-    bench_river(river_2_layers, {4, 4, 9}, options, results);
-    bench_river(river_4_layers, {2, 1, 7}, options, results);
-    if (!options.quick) bench_river(river_10_layers, {0.3, 0.1, 5}, options, results);
+    if (options.wanted("fluid/river")) {
+        bench_river("fluid/river", river_2_layers, {4, 4, 9}, options, results);
+        bench_river("fluid/river", river_4_layers, {2, 1, 7}, options, results);
+        if (!options.quick) bench_river("fluid/river", river_10_layers, {0.3, 0.1, 5}, options, results);
+    }
+    if (options.wanted("fluid/growth")) {
+        // As much work in each round, and in the warm-up whole frames.
+        bench_river("fluid/growth", wide_rivers[0], {2, 3, 5}, options, results);
+        bench_river("fluid/growth", wide_rivers[1], {2, 0.3, 5}, options, results);
+        if (!options.quick) bench_river("fluid/growth", wide_rivers[2], {0.3, 0.03, 5}, options, results);
+    }
 }
 
 }  // namespace

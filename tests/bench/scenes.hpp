@@ -1,6 +1,7 @@
 #pragma once
 // The scenes of configs/bench, in the sizes that are measured.
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -21,6 +22,9 @@ struct River {
 inline constexpr River river_2_layers{21'600, 100, 27, 0.5};
 inline constexpr River river_4_layers{100'000, 62.5, 25, 0.25};
 inline constexpr River river_10_layers{1'000'000, 50, 20, 0.1};
+// The same water, and more and more of it: two layers, so that a particle has the same to do.
+inline constexpr std::array<River, 3> wide_rivers{
+    {{21'600, 100, 27, 0.5}, {216'000, 1000, 27, 0.5}, {2'160'000, 1000, 270, 0.5}}};
 
 Scene river_scene(const River& river, std::map<std::string, std::string> more = {});
 

@@ -12,8 +12,8 @@ STAGE = "_ns_per_particle_step"
 SWEEPS = ("kernels/pressure_sweep", "kernels/rate_sweep", "kernels/kernel_sweep")
 
 # A pair costs a pressure or rate sweep this many vector operations a lane at least: three differences of places, the factor
-# widened from 16 bits and turned into a number, its product with the scalar, three multiply-adds.
-OPERATIONS_OF_A_PAIR = 9
+# widened from 16 bits, moved to its lane (two) and turned into a number, its product with the scalar, three multiply-adds.
+OPERATIONS_OF_A_PAIR = 11
 # What a sweep reads and writes of a particle beside the lists: place, scalar or velocity, sums; 4 bytes each.
 BYTES_OF_A_PARTICLE = 28
 
@@ -141,6 +141,20 @@ def bytes_of_steps(results):
     return markdown(heads, rows) if rows else []
 
 
+def growth(results):
+    """Lines: what an item costs in a large case, over what it costs in the smallest of the same kind."""
+    rows = []
+    for r in results:
+        if not r["name"].startswith(("fluid/growth", "crowd/open_plane")) or not r["unit"].endswith("steps_per_s"):
+            continue
+        same = [s for s in results if (s["name"], s["threads"]) == (r["name"], r["threads"]) and s["size"] >= 1000]
+        smallest = min(same, key=lambda s: s["size"], default=None)
+        if smallest is None or r["size"] <= smallest["size"]:
+            continue
+        rows.append((r["name"], number(smallest["size"]), number(r["size"]), r["threads"], f"{smallest['median'] / r['median']:.2f}"))
+    return markdown(("name", "from", "to", "threads", "cost of an item, times"), rows) if rows else []
+
+
 def features(results):
     rows = [
         (r["name"].split("/")[1].replace("_", " "), f"{r['median']:.3f}", f"{r['min']:.3f} to {r['max']:.3f}", r["pairs"],
@@ -221,6 +235,7 @@ def write_page(folder, machine, results, quick):
         ("Profile of a step, ns of wall time a particle-step", profile(results), draw_profile, "profile.png"),
         ("Sweeps beside the bounds of the machine", bounds(results), draw_roofline, "roofline.png"),
         ("Bytes of a step", bytes_of_steps(results), None, None),
+        ("Growth with size", growth(results), None, None),
         ("Features that are off and on", features(results), None, None),
     )
     for title, text, draw, picture in sections:
