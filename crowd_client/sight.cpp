@@ -33,14 +33,15 @@ bool crosses(const Obstacle& box, const Vector2d& p, const Vector2d& q) {
     return cut(p.x(), q.x() - p.x(), box.x, t_in, t_out) && cut(p.y(), q.y() - p.y(), box.z, t_in, t_out);
 }
 
-bool is_clear(const Obstacle& box, double clearance, const Vector2d& p, const Vector2d& q) {
-    const double margin = std::min({clearance, distance_to(box, p), distance_to(box, q)}) - rounding;
-    return !crosses(grown(box, margin), p, q);
+double margin_at(const Obstacle& box, double clearance, const Vector2d& p) {
+    return std::min(clearance, distance_to(box, p) - rounding);
 }
 
 bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q) {
-    return std::all_of(sight.boxes.begin(), sight.boxes.end(),
-                       [&](const Obstacle& box) { return is_clear(box, sight.clearance, p, q); });
+    double margin = sight.clearance;
+    for (const Obstacle& box : sight.boxes) margin = margin_at(box, margin_at(box, margin, p), q);
+    return std::none_of(sight.boxes.begin(), sight.boxes.end(),
+                        [&](const Obstacle& box) { return crosses(grown(box, margin), p, q); });
 }
 
 // in_sight: all ways from the rectangle to the goal lie within half its sides of the way from its middle.

@@ -1,7 +1,7 @@
 #pragma once
 // Whether obstacles stand between two places.
 
-#include <span>
+#include <cstdint>
 #include <vector>
 
 #include "configs/scene.hpp"
@@ -21,9 +21,11 @@ struct Sight {
 // Whether the way from p to q passes through the inside of a box; along a face is not inside.
 [[nodiscard]] bool crosses(const Obstacle& box, const Vector2d& p, const Vector2d& q);
 
-// Whether the straight way from p to q keeps the clearance. Where an end is nearer to a box than that, as a body's centre
-// may be at a corner, the way must not come nearer still.
-[[nodiscard]] bool is_clear(const Obstacle& box, double clearance, const Vector2d& p, const Vector2d& q);
+// The distance to all boxes that ways from p can keep, m: the clearance, or less where p itself is nearer to one, as a
+// body's centre may be at a corner. One distance for all, so that boxes side by side stay one.
+[[nodiscard]] double margin_at(const Obstacle& box, double clearance, const Vector2d& p);
+
+// Whether the straight way from p to q keeps the distance that both ends have, at most the clearance, to all boxes.
 [[nodiscard]] bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q);
 
 // What is known for all places of a rectangle at once about a goal.

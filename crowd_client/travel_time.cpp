@@ -77,20 +77,24 @@ class March {
         if (done_[node] != 0 || is_closed(node, TravelGrid::node_closed)) return;
         const auto stride = static_cast<std::uint32_t>(grid_.columns);
         double a = unreachable, b = unreachable;
-        if (column > 0 && !is_closed(node - 1, TravelGrid::edge_x_closed)) a = time_if_done(node - 1);
-        if (column + 1 < grid_.columns && !is_closed(node, TravelGrid::edge_x_closed)) {
-            a = std::min(a, time_if_done(node + 1));
+        std::uint32_t cell = node;  // between the two neighbours
+        if (column + 1 < grid_.columns && !is_closed(node, TravelGrid::edge_x_closed)) a = time_if_done(node + 1);
+        if (column > 0 && !is_closed(node - 1, TravelGrid::edge_x_closed) && time_if_done(node - 1) < a) {
+            a = travel_[node - 1];
+            cell -= 1;
         }
-        if (row > 0 && !is_closed(node - stride, TravelGrid::edge_z_closed)) b = time_if_done(node - stride);
-        if (row + 1 < grid_.rows && !is_closed(node, TravelGrid::edge_z_closed)) {
-            b = std::min(b, time_if_done(node + stride));
+        if (row + 1 < grid_.rows && !is_closed(node, TravelGrid::edge_z_closed)) b = time_if_done(node + stride);
+        if (row > 0 && !is_closed(node - stride, TravelGrid::edge_z_closed) && time_if_done(node - stride) < b) {
+            b = travel_[node - stride];
+            cell -= stride;
         }
-        offer(node, upwind_time(a, b, slowness_.empty() ? 1.0 : slowness_[node]));
+        const double s = slowness_.empty() ? 1.0 : slowness_[node];
+        const double along_one = std::min(a + s * grid_.dx, b + s * grid_.dz);
+        offer(node, is_closed(cell, TravelGrid::cell_closed) ? along_one : upwind_time(a, b, s, along_one));
     }
 
     // T of the legend in the header.
-    [[nodiscard]] double upwind_time(double a, double b, double s) const {
-        const double along_one = std::min(a + s * grid_.dx, b + s * grid_.dz);
+    [[nodiscard]] double upwind_time(double a, double b, double s, double along_one) const {
         if (!std::isfinite(a) || !std::isfinite(b)) return along_one;
         const double sum = a_ + b_;
         const double rest = s * s / sum - a_ * b_ * (a - b) * (a - b) / (sum * sum);

@@ -9,7 +9,7 @@
 //   ((T - a) / dx)^2 + ((T - b) / dz)^2 = s^2,  T >= a, b
 //   with A = 1 / dx^2, B = 1 / dz^2, m = (A a + B b) / (A + B):
 //   T = m + sqrt(s^2 / (A + B) - A B (a - b)^2 / (A + B)^2)           if that T is not below a and b,
-//   T = min(a + s dx, b + s dz)                                       else, and where one neighbour has no T yet
+//   T = min(a + s dx, b + s dz)           else, where one neighbour has no T yet, and where an obstacle reaches between them
 //
 // The error is of first order in the cells, O(h log(1/h)) round a goal that is a single node: start from exact times on a
 // disc of fixed size. Ways lead along edges from node to node and between two such edges; none crosses an obstacle.
@@ -47,7 +47,8 @@ struct TravelGrid {
 // All lengths in m and above 0.
 [[nodiscard]] TravelGrid travel_grid(const Vector2d& origin, const Vector2d& extent, double cell);
 
-// Closes all that lies in, or crosses, the inside of a box. A box beyond the grid closes nothing.
+// Closes all that lies in, or crosses, the inside of a box. A box beyond the grid closes nothing; boxes that only touch leave
+// the line between them open.
 void close_box(TravelGrid& grid, const Obstacle& box);
 
 constexpr double unreachable = std::numeric_limits<double>::infinity();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace wade::crowd {
 namespace {
@@ -31,17 +32,22 @@ std::optional<Vector2d> down_the_gradient(const TravelGrid& grid, const WayField
     return Vector2d(gradient * (-left / slope));
 }
 
-// Few nodes are tested for sight, as those behind the best one so far are not.
+// Few nodes are tested for sight, as those behind the best one so far are not. Nodes nearer than a cell are passed over, as
+// the way would end there: from a node, those that the grid has in other directions look a little farther than they are.
 std::optional<Vector2d> towards_a_node(const Navigation& navigation, const WayField& field, const Cell& cell,
                                        const Vector2d& p) {
     const TravelGrid& grid = navigation.grid;
     const std::uint32_t number = grid.node(cell.column, cell.row);
-    const auto first = navigation.box_begin[number], last = navigation.box_begin[number + 1];
+    const std::span<const std::uint32_t> near(navigation.boxes.data() + navigation.box_begin[number],
+                                              navigation.box_begin[number + 1] - navigation.box_begin[number]);
+    const std::vector<Obstacle>& boxes = navigation.sight.boxes;
+    double margin = navigation.sight.clearance;
+    for (const std::uint32_t i : near) margin = margin_at(boxes[i], margin, p);
     const auto sees = [&](const Vector2d& q) {
-        return std::all_of(navigation.boxes.begin() + first, navigation.boxes.begin() + last, [&](std::uint32_t i) {
-            return is_clear(navigation.sight.boxes[i], navigation.sight.clearance, p, q);
-        });
+        return std::none_of(near.begin(), near.end(),
+                            [&](std::uint32_t i) { return crosses(grown(boxes[i], margin), p, q); });
     };
+    const double nearest = std::min(grid.dx, grid.dz);
     std::optional<Vector2d> best;
     double least = unreachable;
     const int reach = navigation.reach;
@@ -52,7 +58,7 @@ std::optional<Vector2d> towards_a_node(const Navigation& navigation, const WayFi
             if (!(travel < least)) continue;
             const Vector2d way = grid.place(column, row) - p;
             const double length = std::sqrt(way.squaredNorm()), all = travel + length;
-            if (!(all < least) || !(length > 0) || !sees(p + way)) continue;
+            if (!(all < least) || length < nearest || !sees(p + way)) continue;
             least = all;
             best = way * (all / length);
         }
