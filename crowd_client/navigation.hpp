@@ -3,10 +3,10 @@
 //
 // Eq. 3 looks at the direction of the goal alone. With the rule `travel_time` it is given, instead of goal - X,
 //
-//   goal - X          where the goal is in sight; with crowding only within the disc round it from which the field starts
-//   -grad L / |grad L| * L(X)  in a cell of the field that no obstacle reaches, L bilinear between its nodes
-//   (n - X) / |n - X| * L      in other cells and where grad L = 0: the node n, of those in sight within the reach, with the
-//                              least L = L(n) + |n - X|; so that no direction leads into an obstacle
+//   goal - X                   where the goal is in sight; with crowding only within the disc from which the field starts
+//   -L grad L / |grad L|       in a cell of the field that no obstacle reaches, L bilinear between its nodes
+//   L (n - X) / |n - X|        in other cells and where grad L = 0: the node n, of those in sight within the reach and at
+//                              least a cell away, with the least L = L(n) + |n - X|; no such way leads into an obstacle
 //
 //   L        length of way that takes as long as the way does, v T, v the desired speed: from travel_time.hpp with
 //            s = v / f, so that people of any speed share a field. Eq. 3 does not depend on it.
