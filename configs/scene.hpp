@@ -137,6 +137,7 @@ struct Fluid {
 enum class SpeedRule { pi, per_frame, per_second };
 enum class MarkerRule { fixed, redrawn };
 enum class BodyRule { none, fast, human };
+enum class NavigationRule { straight, travel_time };
 
 // A value of all agents of a group, or limits in which each agent's own is drawn uniformly.
 struct Spread {
@@ -175,6 +176,14 @@ struct RagdollRule {
     bool random_sign = false;
 };
 
+// How agents find the way to their goal.
+struct NavigationSettings {
+    NavigationRule rule = NavigationRule::straight;
+    double cell = 0.5;    // of the fields, m
+    double crowding = 0;  // weight of people in the way
+    double every = 1;     // time after which fields with crowding are solved again, s; 0: never
+};
+
 struct Crowd {
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second
@@ -184,6 +193,7 @@ struct Crowd {
     double marker_epoch = 0;  // time after which markers are redrawn, s; 0: in each step
     BodyRule bodies = BodyRule::none;
     double body_radius = 0.25;
+    NavigationSettings navigation;
     double perception_radius = 1.0;  // R, markers within it are perceived
     double goal_radius = 3.0;        // an agent within it has arrived
     RagdollRule ragdoll;

@@ -49,6 +49,8 @@ constexpr std::array speed_rules{std::pair{"pi", SpeedRule::pi}, std::pair{"per_
 constexpr std::array marker_rules{std::pair{"fixed", MarkerRule::fixed}, std::pair{"redrawn", MarkerRule::redrawn}};
 constexpr std::array body_rules{std::pair{"none", BodyRule::none}, std::pair{"fast", BodyRule::fast},
                                 std::pair{"human", BodyRule::human}};
+constexpr std::array navigation_rules{std::pair{"straight", NavigationRule::straight},
+                                      std::pair{"travel_time", NavigationRule::travel_time}};
 constexpr std::array ragdoll_conditions{
     std::pair{"off", RagdollCondition::off}, std::pair{"paper", RagdollCondition::paper},
     std::pair{"local_speed", RagdollCondition::local_speed}, std::pair{"depth_speed", RagdollCondition::depth_speed}};
@@ -153,6 +155,10 @@ RagdollRule ragdoll_from(const json& j) {
             j.at("depth_speed_m2_s"), j.at("random_sign")};
 }
 
+NavigationSettings navigation_from(const json& j) {
+    return {choice_of(j.at("rule"), navigation_rules), j.at("cell_m"), j.at("crowding"), j.at("every_s")};
+}
+
 Crowd crowd_from(const json& j) {
     Crowd crowd;
     crowd.speed_rule = choice_of(j.at("speed_rule"), speed_rules);
@@ -163,6 +169,7 @@ Crowd crowd_from(const json& j) {
     crowd.marker_epoch = j.at("marker_epoch_s");
     crowd.bodies = choice_of(j.at("bodies"), body_rules);
     crowd.body_radius = j.at("body_radius_m");
+    crowd.navigation = navigation_from(j.at("navigation"));
     crowd.perception_radius = j.at("perception_radius_m");
     crowd.goal_radius = j.at("goal_radius_m");
     crowd.ragdoll = ragdoll_from(j.at("ragdoll"));

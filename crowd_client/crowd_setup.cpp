@@ -63,6 +63,7 @@ CrowdWorld make_crowd(const Scene& scene) {
         crowd.bodies.radius = scene.crowd.body_radius;
         make_room_for_bodies(crowd.agents, crowd.walls, scene.crowd.body_radius);
     }
+    crowd.navigation = make_navigation(scene, crowd.agents);
     crowd.markers = crowd.agents.size() == 0 ? Markers{} : place_markers(scene);
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);

@@ -51,6 +51,10 @@ void choose_walking_velocities(CrowdWorld& crowd, std::uint64_t step) {
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         crowd.goal_offsets[k] = goal_offset(crowd.agents, crowd.active[k], period);
     }
+    if (finds_ways(crowd.navigation)) {
+        update_navigation(crowd.navigation, crowd.positions, step, crowd.threads);
+        steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, threads_for(crowd));
+    }
     crowd.markers.drawn.epoch = marker_epoch(crowd.scene.crowd, step);
     Walkers walkers;
     walkers.position = crowd.positions;

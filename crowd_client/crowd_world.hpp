@@ -8,6 +8,7 @@
 #include "crowd_client/agents.hpp"
 #include "crowd_client/biocrowds.hpp"
 #include "crowd_client/bodies.hpp"
+#include "crowd_client/navigation.hpp"
 #include "crowd_client/obstacles.hpp"
 #include "crowd_client/ragdoll.hpp"
 #include "crowd_client/water_bins.hpp"
@@ -28,14 +29,15 @@ struct CrowdWorld {
 
     Markers markers;
     Walls walls;
-    int threads = 1;  // at most that many walk the crowd; the results are the same for any number
+    Navigation navigation;  // empty where people go straight
+    int threads = 1;        // at most that many walk the crowd; the results are the same for any number
 
     // Of the step at hand; place k belongs to active[k]. Kept for their memory.
     WaterBins water;  // unused where the water is sorted for several crowds
     MarkerMemory marker_memory;
     Bodies bodies;                       // empty where people have none
     Motion motion;                       // Eq. 1-3
-    std::vector<Vector2d> goal_offsets;  // m
+    std::vector<Vector2d> goal_offsets;  // m; with navigation along the way
     std::vector<Vector2d> positions;     // frozen at the beginning of the step
     std::vector<Contact> contacts;       // Eq. 5
     std::vector<Vector2d> walking;       // v_B, m/s

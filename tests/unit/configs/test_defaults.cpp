@@ -57,6 +57,11 @@ TEST_CASE("a scene that states only its channel has the defaults of the schema")
     CHECK((scene.crowd.speed_rule == wade::SpeedRule::pi && preset("/crowd/speed_rule") == "pi"));
     CHECK(scene.crowd.markers_per_cell == preset("/crowd/markers_per_cell"));
     CHECK(scene.crowd.marker_min_distance == preset("/crowd/marker_min_distance_m"));
+    const wade::NavigationSettings& navigation = scene.crowd.navigation;
+    CHECK((navigation.rule == wade::NavigationRule::straight && preset("/crowd/navigation/rule") == "straight"));
+    CHECK(navigation.cell == preset("/crowd/navigation/cell_m"));
+    CHECK(navigation.crowding == preset("/crowd/navigation/crowding"));
+    CHECK(navigation.every == preset("/crowd/navigation/every_s"));
     CHECK(scene.crowd.perception_radius == preset("/crowd/perception_radius_m"));
     CHECK(scene.crowd.goal_radius == preset("/crowd/goal_radius_m"));
     const wade::RagdollRule& ragdoll = scene.crowd.ragdoll;
