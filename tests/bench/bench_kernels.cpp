@@ -6,6 +6,7 @@
 #include <omp.h>
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -92,12 +93,14 @@ void count_pairs(benchmark::State& state, const Water& water) {
         const fluid::NeighbourBlock& block = water.lists.blocks[b];
         const std::size_t used = block.segments.empty() ? 0 : block.segments.back().end;
         entries += static_cast<double>(used);
-        for (std::size_t k = 0; k < used * fluid::cluster_size; ++k) pairs += block.factor[k] > 0 ? 1 : 0;
+        for (std::size_t k = 0; k < used; ++k) pairs += std::popcount(block.lanes[k]);
     }
     const auto n = static_cast<double>(water.particles.count), lanes = static_cast<double>(fluid::cluster_size);
     state.counters["pairs_per_particle"] = pairs / n;
     state.counters["lanes_in_use_percent"] = 100 * pairs / (entries * lanes);
-    state.counters["list_bytes_per_particle"] = entries * (sizeof(std::uint32_t) + lanes * sizeof(std::uint16_t)) / n;
+    // An entry is a particle and a mask of lanes, a pair a factor.
+    const double bytes = entries * (sizeof(std::uint32_t) + sizeof(std::uint16_t)) + pairs * sizeof(std::uint16_t);
+    state.counters["list_bytes_per_particle"] = bytes / n;
     state.counters["useful_pairs_per_s"] =
         benchmark::Counter(pairs * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
