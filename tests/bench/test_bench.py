@@ -86,6 +86,13 @@ class Programs(unittest.TestCase):
                 self.assertEqual(found["name"], only)
                 self.assertLessEqual(found["min"], found["median"])
                 self.assertIn(only, Path(folder, "page", "bench.md").read_text())
+            done = subprocess.run([*command, "--only", "kernels/pressure_sweep", "--json", f"{folder}/b.json"],
+                                  capture_output=True, text=True)  # fmt: skip
+            self.assertEqual(done.returncode, 0, done.stderr)
+            found = json.loads(Path(folder, "b.json").read_text())["results"][0]
+            # A ball of two spacings holds (4 pi / 3) 2^3 = 33 places of a lattice; the surface cuts some off.
+            self.assertTrue(20 < found["pairs_per_particle"] < 34, found["pairs_per_particle"])
+            self.assertTrue(10 < found["lanes_in_use_percent"] <= 100, found["lanes_in_use_percent"])
             done = subprocess.run([*command, "--only", "nothing"], capture_output=True, text=True)
             self.assertEqual(done.returncode, 2)
 
