@@ -166,7 +166,7 @@ def features(results):
         return []
     text = [
         "Processor time with the feature over that without, medians of pairs of runs that take turns. `off` sets the feature to "
-        "what it is without a word; how far its interval lies from 1 is how exactly this machine can tell. A feature that is off is a "
+        "what it is without a word (viscosity to 0, where it is 0.01 without); how far its interval lies from 1 is how exactly this machine can tell. A feature that is off is a "
         "test a step in the same program, so that no build without it stands beside.",
         "",
     ]
