@@ -1,6 +1,7 @@
 """What a feature costs: processor time of the programs with it, over that without it, in pairs of runs that take turns.
 
-`off` sets the feature to what it is without a word (the viscosity to 0, where it is 0.01 without), so that its ratio shows how exactly this machine can tell; `on` uses it.
+`off` sets the feature to what it is without a word (the viscosity to 0, where it is 0.01 without), so that its ratio shows how
+exactly this machine can tell; `on` uses it.
 The programs are the same throughout: a feature that is off is a test a step.
 """
 
