@@ -27,7 +27,7 @@
 // `fast` has lambda = 0. `human` follows: speed falls with the ground that is free only among people who walk the same
 // way, as in the corridors in which the speed over density is measured; who crosses gets through as with `fast`.
 // The values are those that did best in trials with crossing goals; gamma is fitted to Weidmann's curve from 0.5 to 3
-// people/m2 in a corridor (his own 1.913 there leaves speeds 0.10 m/s too high at 2).
+// people/m2 in a corridor (1.9, near the 1.913 of his formula, leaves speeds 0.10 m/s too high at 2).
 
 #include <cstdint>
 #include <span>
