@@ -1,5 +1,7 @@
 #include "fluid_server/stabler_settings.hpp"
 
+#include <algorithm>
+
 #include "configs/scene_checks.hpp"
 
 namespace wade::fluid {
@@ -7,9 +9,12 @@ namespace wade::fluid {
 namespace {
 
 // The defaults of scene.schema.json; a test compares them.
-constexpr double usual_cfl = 0.5;
+constexpr double usual_cfl = 1;
 constexpr PressureSolve usual_density{5e-4, 2, 100};
 constexpr PressureSolve usual_divergence{1e-3, 1, 100};
+
+// Half the CFL number below which it alone sets the step, whatever the speed of the water (FluidWorld::time_step).
+constexpr double surely_shorter_cfl = 0.25;
 
 class Changes {
  public:
@@ -38,7 +43,7 @@ std::vector<SettingChange> stabler_settings(const Fluid& fluid) {
     tighten(changes, "/fluid/density_solve", fluid.density_solve, usual_density);
     const bool switched_off = fluid.divergence_solve.max_iterations == 0;
     if (!switched_off) tighten(changes, "/fluid/divergence_solve", fluid.divergence_solve, usual_divergence);
-    if (changes.list.empty()) changes.add("/fluid/cfl", fluid.cfl, fluid.cfl / 2);
+    if (changes.list.empty()) changes.add("/fluid/cfl", fluid.cfl, std::min(fluid.cfl / 2, surely_shorter_cfl));
     return changes.list;
 }
 

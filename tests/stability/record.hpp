@@ -18,8 +18,7 @@ struct Run {
     std::string fingerprint;  // of the program and its scenes, given by the caller
 };
 
-// "pass", "known" (every rule that is broken is a known failure), "long_steps" (only the rule on the displacement in a
-// step is broken) or "fail".
+// "pass", "known" (every rule that is broken is a known failure) or "fail".
 [[nodiscard]] std::string verdict(const Case& hard_case, const Run& run, const Result& result,
                                   const std::vector<KnownFailure>& known);
 

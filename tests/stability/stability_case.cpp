@@ -48,12 +48,6 @@ bool passes(const Result& result) {
     return std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passes(); });
 }
 
-bool is_stable(const Result& result) {
-    const std::vector<Check> checks = all_checks(result);
-    return std::all_of(checks.begin(), checks.end(),
-                       [](const Check& c) { return c.name == "displacement" || c.passes(); });
-}
-
 Scene scene_for(const Request& request, const std::string& name, const std::vector<std::string>& quick_overrides) {
     std::vector<SceneOverride> overrides;
     if (request.quick) {

@@ -61,8 +61,6 @@ struct Result {
 
 // Whether all of them pass.
 [[nodiscard]] bool passes(const Result& result);
-// The same without the rule on the displacement in a step, which the CFL factor decides, not the solver.
-[[nodiscard]] bool is_stable(const Result& result);
 
 struct Request {
     std::vector<std::string> overrides;  // "/pointer=value", applied to each scene that the case loads

@@ -35,7 +35,7 @@ std::size_t step_limit(const Scene& scene) {
     }
     const double fall = std::sqrt(2 * scene.world.gravity * height);
     const double d = scene.fluid.particle_spacing;
-    const double steps = scene.duration * 10 * (speed + 2 * fall) / (scene.fluid.cfl * d);
+    const double steps = scene.duration * 10 * (speed + 2 * fall) / (std::min(scene.fluid.cfl, 0.5) * d);
     const double viscous = scene.duration * 8 * scene.fluid.kinematic_viscosity / (d * d);
     return static_cast<std::size_t>(std::max(steps, viscous) + 10 * scene.duration * scene.frame_rate + 1000);
 }

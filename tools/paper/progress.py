@@ -13,12 +13,14 @@ def particles_of(scene):
 
 
 def steps_in_a_frame(scene):
-    """Time steps of the solver in a frame, by the rule of /fluid/cfl for water that runs at v_F; 1 for given water."""
+    """Time steps of the solver in a frame, by the rules of /fluid/cfl for water that runs at v_F; 1 for given water."""
     fluid, channel = scene["fluid"], scene["channel"]
     if fluid["model"] != "dfsph":
         return 1
-    fastest = channel["velocity_m_s"] + math.sqrt(scene["world"]["gravity_m_s2"] * channel["depth_m"])
-    return max(1, math.ceil(fastest / (fluid["cfl"] * fluid["particle_spacing_m"] * scene["frame_rate_hz"])))
+    v = channel["velocity_m_s"]
+    wave = math.sqrt(scene["world"]["gravity_m_s2"] * channel["depth_m"])
+    rate = max((v + wave) / fluid["cfl"], wave / 0.5, v / 0.4) / fluid["particle_spacing_m"]
+    return max(1, math.ceil(rate / scene["frame_rate_hz"]))
 
 
 def most_work(scene):

@@ -106,7 +106,8 @@ def report_text(groups, machine, remarks, quick):
         "Cost is CPU time of the solver per simulated second, median of the repeats, so that it depends little on what "
         "else the machine does. A point is on the front if no other point of its case is at most as dear and at most as "
         "wrong, and better in one of both. One factor at a time was varied around the default of the scene schema, then "
-        "those changes were joined that lie within 10 % of the front alone. In the plots a ring marks the default, its "
+        "those changes were joined that lie within 10 % of the front alone; a finer spacing takes the settings near the "
+        "front of the coarser one. In the plots a ring marks the default, its "
         "bar what chance does to it.",
         "",
         "The impulse on an agent is the time integral of the momentum of the particles that touch it (Eq. 5), kg m; its "

@@ -11,11 +11,10 @@ import results
 import settings
 from run_folder import write_whole
 
-COLOURS = {"pass": "#2a7f3f", "known": "#d9a400", "long_steps": "#7fb6d6", "fail": "#c0392b", None: "#dddddd"}
+COLOURS = {"pass": "#2a7f3f", "known": "#d9a400", "fail": "#c0392b", None: "#dddddd"}
 LABELS = {
     "pass": "all rules hold",
     "known": "known failure",
-    "long_steps": "over half a spacing in a step",
     "fail": "fails",
     None: "not run",
 }

@@ -68,6 +68,22 @@ TEST_CASE("sub-steps obey the time step limit and end exactly on the frame", "[f
     CHECK(steps == 3);  // 33.3 ms / 12.8 ms
 }
 
+TEST_CASE("no CFL number lets pressure or speed move a particle too far in a step", "[fluid][time_step]") {
+    Scene scene = test::tank(1, 1, 1, 0.1);
+    scene.fluid.cfl = 2;
+    const double wave = std::sqrt(9.81 * 1);
+    FluidWorld still(scene);
+    CHECK(still.step(1).dt == Approx(0.5 * 0.1 / wave).epsilon(0.04));  // a whole number of steps ends with the second
+    for (const double speed : {0.5 * wave, 0.8 * wave, 3 * wave}) {
+        scene.channel.water_blocks[0].velocity = {0, 0, speed};
+        FluidWorld world(scene);
+        const double dt = world.step(1).dt;
+        CHECK(dt <= 0.5 * 0.1 / wave);
+        CHECK(dt <= 0.4 * 0.1 / speed * (1 + 1e-6));
+        CHECK(dt > 0.9 * std::min(0.5 * 0.1 / wave, 0.4 * 0.1 / speed));
+    }
+}
+
 TEST_CASE("a velocity that is not finite ends the run as a numerical failure", "[fluid][errors]") {
     Scene scene = test::tank(1, 1, 1, 0.1);
     scene.channel.water_blocks.clear();
