@@ -9,7 +9,7 @@ namespace wade::fluid {
 namespace {
 
 // The defaults of scene.schema.json; a test compares them.
-constexpr double usual_cfl = 1;
+constexpr double usual_cfl = 0.5;
 constexpr PressureSolve usual_density{5e-4, 2, 100};
 constexpr PressureSolve usual_divergence{1e-3, 1, 100};
 

@@ -17,10 +17,10 @@ struct SettingChange {
 // is switched off stays off. If none is, fluid.cfl is halved, and is at most 0.25 then.
 [[nodiscard]] std::vector<SettingChange> stabler_settings(const Fluid& fluid);
 
-// "change /fluid/cfl from 2 to 1 and /fluid/density_solve/max_iterations from 1 to 100"
+// "change /fluid/cfl from 2 to 0.5 and /fluid/density_solve/max_iterations from 1 to 100"
 [[nodiscard]] std::string advice(const Fluid& fluid);
 
-// " --set /fluid/cfl=1 --set /fluid/density_solve/max_iterations=100"
+// " --set /fluid/cfl=0.5 --set /fluid/density_solve/max_iterations=100"
 [[nodiscard]] std::string options_of_advice(const Fluid& fluid);
 
 }  // namespace wade::fluid

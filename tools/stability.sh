@@ -15,7 +15,7 @@ each run.
                   those of the full form (DIR/runs/quick, DIR/runs/full); table and report are of the last form asked for
   --out DIR       [runs/stability in the project]
   --cases A,B     only these; patterns such as 'tank*' may stand for several
-  --settings S,T  only these, for example default,cfl_2
+  --settings S,T  only these, for example default,cfl_1
   --long          a million steps in the case `leak`
   --jobs N        runs side by side, one thread each [number of processors]
   --again         repeats runs that are complete
@@ -29,7 +29,7 @@ lost_particles; nonfinite; max_displacement_over_spacing, the longest way of a p
 is broken; mean_density_error, the compression as mean over the particles, the largest of all steps. The rule on compression
 (1 %) is about the mean: single particles at edges and in splashes may have more.
 
-Exit code 1: a run left no result, or a run at one of the settings (default, cfl_2, ...) breaks a rule and is not a known
+Exit code 1: a run left no result, or a run at one of the settings (default, cfl_1, ...) breaks a rule and is not a known
 failure (tests/stability/known_failures.csv). Runs of the sweeps do not count: they look for what breaks. Exit
 code 2: wrong options; 130, 143: interrupted; the same command then goes on.
 HELP

@@ -37,7 +37,7 @@ class States(SystemTest):
 
     def test_failure_leaves_a_state_that_fails_in_the_same_frame_again(self):
         server, out = self.failed_run()
-        self.assertIn("change /fluid/cfl from 2 to 1", server.messages())
+        self.assertIn("change /fluid/cfl from 2 to 0.5", server.messages())
         self.assertIn("/fluid/density_solve/max_iterations from 1 to 100", server.messages())
         self.assertEqual(list(out.glob("*.part")), [])
         dump = (out / "numerical_failure.state").read_bytes()
@@ -57,7 +57,7 @@ class States(SystemTest):
         options = [text for key, value in settings.items() for text in ("--set", f"{key}={value}")]
         server, out = self.failed_run("hard", *options, scene=DEEP_COLUMN)
         for advice in (
-            "/fluid/cfl from 2 to 1",
+            "/fluid/cfl from 2 to 0.5",
             "/fluid/density_solve/max_iterations from 1 to 100",
             "/fluid/divergence_solve/max_iterations from 1 to 100",
         ):
@@ -73,7 +73,7 @@ class States(SystemTest):
     def test_command_that_a_failure_prints_runs_through(self):
         server, _ = self.failed_run()
         command = shlex.split(re.search(r"go on with: fluid_server (.*)", server.messages())[1])
-        self.assertIn("/fluid/cfl=1", command)
+        self.assertIn("/fluid/cfl=0.5", command)
         self.assert_ended_well(self.start(SERVER, *command, "--session", self.session))
 
     def test_failure_without_a_run_folder_leaves_its_state_here(self):

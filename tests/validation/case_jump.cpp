@@ -71,8 +71,10 @@ Line fit(const std::vector<double>& x, const std::vector<double>& y) {
 Result run(const Request& request, double froude) {
     const Bore bore(froude);
     const double h2 = bore.depth_2();
-    // The stream is read half a jump ahead of the front; another h_2 keeps the front away from the emitter.
-    const double length = wall + (travel + 0.5 * jump_length + 1) * h2;
+    // The stream is read half a jump ahead of the front; another h_2 keeps the front away from the emitter, and so does
+    // room for the water that a jump throws ahead of it, the more the faster it is.
+    const double spray = froude - 2;
+    const double length = wall + (travel + 0.5 * jump_length + 1 + spray) * h2;
     std::vector<std::string> sizes = channel_slice(request);
     sizes.push_back(assign("/channel/x_max_m", length));
     sizes.push_back(assign("/world/length_m", length));

@@ -54,9 +54,9 @@ class Settings(unittest.TestCase):
 
     def test_combinations_join_changes_of_different_factors(self):
         default = default_setting("dam_break", 0.1)
-        near = [default, replace(default, tolerance=1e-2), replace(default, tolerance=1e-3), replace(default, cfl=0.5)]
+        near = [default, replace(default, tolerance=1e-2), replace(default, tolerance=1e-3), replace(default, cfl=1.0)]
         joined = combinations(default, near)
-        self.assertEqual({(p.tolerance, p.cfl) for p in joined}, {(1e-2, 0.5), (1e-3, 0.5)})
+        self.assertEqual({(p.tolerance, p.cfl) for p in joined}, {(1e-2, 1.0), (1e-3, 1.0)})
 
     def test_near_front_forgives_ten_percent(self):
         self.assertEqual(near_front([("a", 1, 1), ("b", 1.05, 1.05), ("c", 2, 2)]), ["a", "b"])
@@ -78,7 +78,7 @@ class Table(unittest.TestCase):
         default = default_setting("dam_break", 0.1)
         measured = [
             Measured(default, 100, 2.0, 2.5, 1e5, 3, {"depth_l1": 0.1, "speed_l1": 0.2}),
-            Measured(replace(default, cfl=0.5), 100, 1.0, 1.5, 1e5, 3, {"depth_l1": 0.05, "speed_l1": 0.3}),
+            Measured(replace(default, cfl=1.0), 100, 1.0, 1.5, 1e5, 3, {"depth_l1": 0.05, "speed_l1": 0.3}),
             Measured(replace(default, tolerance=1e-2), 0, repeats=1, metrics={}, failure="a particle, too fast"),
             Measured(replace(default, gravity_change=1e-4), 100, 2.0, 2.5, 1e5, 3, {"depth_l1": 0.12, "speed_l1": 0.2}),
         ]

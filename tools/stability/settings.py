@@ -7,8 +7,8 @@ TOLERANCE = "/fluid/density_solve/tolerance"
 SETTINGS = {
     "default": ([], True),
     "cfl_0.25": ([f"{CFL}=0.25"], False),
-    "cfl_0.5": ([f"{CFL}=0.5"], False),
-    "cfl_2": ([f"{CFL}=2"], True),  # twice the default
+    "cfl_1": ([f"{CFL}=1"], True),  # twice the default
+    "cfl_2": ([f"{CFL}=2"], False),
     "tolerance_1e-2": ([f"{TOLERANCE}=1e-2"], False),
     "tolerance_1e-4": ([f"{TOLERANCE}=1e-4"], False),
     "no_divergence_solve": (["/fluid/divergence_solve/max_iterations=0"], False),

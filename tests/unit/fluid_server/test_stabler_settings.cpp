@@ -20,7 +20,7 @@ Fluid default_fluid() {
 
 TEST_CASE("with the schema's defaults the advice is a CFL number that sets the step alone", "[fluid][advice]") {
     Fluid fluid = default_fluid();
-    CHECK(advice(fluid) == "change /fluid/cfl from 1 to 0.25");
+    CHECK(advice(fluid) == "change /fluid/cfl from 0.5 to 0.25");
     CHECK(options_of_advice(fluid) == " --set /fluid/cfl=0.25");
     fluid.cfl = 0.2;
     fluid.density_solve.tolerance = 1e-4;
