@@ -170,6 +170,13 @@ class Reporting(unittest.TestCase):
         plan = [(case, level) for case, level in runs.plan(CASES, "wave,crowd", "", False, False)]
         self.assertEqual(results.print_summary(plan, found, self.judge), 1)
 
+    def test_what_was_not_run_is_listed_with_what_it_would_cost(self):
+        one, two = run_of("wave", "coarse", 0.1, 0.1), run_of("wave", "medium", 0.05, 0.1)
+        two["solver_cpu_s"] = 8 * one["solver_cpu_s"]
+        self.assertEqual(list(report.missing_runs([one, two], CASES[:1])), ["| wave | fine | 0.025 m | 1.6 min |"])
+        self.assertEqual(report.seconds_expected([one], 0.05), 16 * one["solver_cpu_s"])
+        self.assertEqual(list(report.missing_runs([], CASES[2:])), ["| crowd | coarse | 0 m | - |"])
+
     def test_the_program_and_the_script_read_the_same_tables(self):
         tables = ROOT / "tests" / "validation"
         judge = results.Judge(tables / "thresholds.csv", tables / "known_failures.csv")

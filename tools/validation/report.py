@@ -1,5 +1,7 @@
 """report.md: a table of verdicts, and a section a case."""
 
+import math
+
 import convergence
 import plots
 from results import exact
@@ -111,6 +113,35 @@ def case_section(case, runs, judge, fingerprint_of, picture):
         yield ""
 
 
+def seconds_expected(runs, spacing):
+    """CPU time at a spacing that was not run, s: by the power law of the two finest runs, or with the particles of a volume,
+    d^-3, and the steps, 1/d. None without a run."""
+    done = sorted((run["spacing_m"], run["solver_cpu_s"]) for run in runs if run["status"] == "completed" and run["spacing_m"])
+    if not done or done[0][1] <= 0:
+        return None
+    (finest, cpu), power = done[0], 4
+    if len(done) > 1:
+        power = math.log(done[1][1] / cpu) / math.log(finest / done[1][0])
+    return cpu * (finest / spacing) ** power
+
+
+def time_text(seconds):
+    if seconds is None:
+        return "-"
+    unit, name = next(((u, n) for u, n in ((3600, "h"), (60, "min")) if seconds >= u), (1, "s"))
+    return f"{seconds / unit:.2g} {name}"
+
+
+def missing_runs(runs, cases):
+    """Rows of the runs that there are none of."""
+    for case in cases:
+        of_case = [run for run in runs if run["case"] == case.name]
+        done = {run["level"] for run in of_case}
+        for level, d in zip(case.levels, case.spacings):
+            if level not in done:
+                yield f"| {case.name} | {level} | {d:g} m | {time_text(seconds_expected(of_case, d))} |"
+
+
 HEAD = """# Validation
 
 Each case is a simulation whose truth is known. Its error is measured at up to three resolutions and judged by thresholds that
@@ -121,6 +152,10 @@ fall with the spacing or are at the level of noise.
 
 `tools/validate.sh` writes this file; `validation.csv` holds the same numbers.
 """
+
+
+NOT_RUN = """Runs that this report has no result of, and the CPU time they would take by what the others took. `tools/validate.sh
+--cases NAME --levels LEVEL` makes one; those that take hours need `--long`."""
 
 
 def machine_lines(runs):
@@ -140,6 +175,10 @@ def write(runs, cases, judge, fingerprint_of, folder):
         lines += ["", "\\* by another version of the program."]
     now_pass = [f"* {line}" for line in judge.now_pass(runs)]
     lines += ["", *now_pass] if now_pass else []
+    missing = list(missing_runs(runs, cases))
+    if missing:
+        lines += ["", "## Not run", "", NOT_RUN, "", "| case | resolution | spacing | CPU time, about |", "|---|---|---|---|"]
+        lines += missing
     lines += ["", "## Cases", ""]
     for case, of_case in by_case(runs, cases):
         png = plots.draw(of_case)
