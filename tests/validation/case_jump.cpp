@@ -33,8 +33,9 @@ struct Bore {
     [[nodiscard]] double depth_2() const { return ratio * depth_1; }
 };
 
-// A jump is 4 to 6 h_2 long (Chow 1959, fig. 15-4): the depth behind it is read from 5 h_2 on. It travels 10 h_2 in all;
-// the last 3 h_2 are averaged. Near the wall the first splash leaves vortices: nothing is read within h_2 of it.
+// A jump is 4 to 6 h_2 long (Chow 1959, fig. 15-4), its middle depth somewhere within: the depth behind is read from 5 h_2
+// behind the middle on, the stream over h_2 from half that length ahead of it on. It travels 10 h_2 in all; the last 3 h_2
+// are averaged. Near the wall the first splash leaves vortices: nothing is read within h_2 of it.
 constexpr double jump_length = 5;
 constexpr double travel = 10;
 constexpr double averaged_travel = 3;
@@ -71,10 +72,9 @@ Line fit(const std::vector<double>& x, const std::vector<double>& y) {
 Result run(const Request& request, double froude) {
     const Bore bore(froude);
     const double h2 = bore.depth_2();
-    // The stream is read half a jump ahead of the front; another h_2 keeps the front away from the emitter, and so does
-    // room for the water that a jump throws ahead of it, the more the faster it is.
-    const double spray = froude - 2;
-    const double length = wall + (travel + 0.5 * jump_length + 1 + spray) * h2;
+    // Jumps run ahead of their calculated place and throw water ahead of them, the more the faster they are: room for that
+    // keeps the stream that is read away from the emitter.
+    const double length = wall + (travel + 0.5 * jump_length + 1 + froude) * h2;
     std::vector<std::string> sizes = channel_slice(request);
     sizes.push_back(assign("/channel/x_max_m", length));
     sizes.push_back(assign("/world/length_m", length));
@@ -107,7 +107,7 @@ Result run(const Request& request, double froude) {
         const double front = jump_place(now, h2);
         time.push_back(frame / scene.frame_rate);
         place.push_back(front);
-        const Interval ahead{front + 0.5 * h2, front + 0.5 * jump_length * h2};
+        const Interval ahead{front + 0.5 * jump_length * h2, front + (0.5 * jump_length + 1) * h2};
         const Interval behind{wall + h2, front - jump_length * h2};
         sum_h1 += mean_depth(now, ahead);
         sum_u1 += mean_discharge(now, ahead);
@@ -126,7 +126,9 @@ Result run(const Request& request, double froude) {
     const double h1 = sum_h1 / n;
     const double u1 = sum_u1 / n / h1;
     const double measured_h2 = sum_h2 / n;
-    const double c = fit(time, place).slope;
+    const double u2 = sum_u2 / n / measured_h2;
+    // The speed at which water of both depths conserves mass. That of the front differs while the jump grows longer.
+    const double c = (u1 * h1 - u2 * measured_h2) / (measured_h2 - h1);
     const double relative = (u1 + c) / std::sqrt(g * h1);
 
     Result result;
@@ -137,7 +139,8 @@ Result run(const Request& request, double froude) {
                       {"stream_depth", std::abs(h1 / depth_1 - 1), "1"},
                       {"stream_velocity", std::abs(u1 / bore.velocity - 1), "1"},
                       {"jump_speed", std::abs(c / bore.speed - 1), "1"},
-                      {"velocity_behind", std::abs(sum_u2 / n / measured_h2) / (u1 + c), "1"},
+                      {"front_speed", std::abs(fit(time, place).slope / bore.speed - 1), "1"},
+                      {"velocity_behind", std::abs(u2) / (u1 + c), "1"},
                       {"max_density_error", cost.max_density_error, "1"}};
     Curve curve{"profile", {"x_m", "depth_m", "exact_depth_m"}, {}};
     for (std::size_t k = 0; k < moving.count(); ++k) {
