@@ -24,7 +24,8 @@ repeats; is_default, yes for the default settings at this spacing; failure, why 
   --cases A,B             only these
   --spacings N            only the N coarsest spacings of each case, 1 to 3 [3]
   --repeats N             runs of each point; its cost is their median [3, quick: 1]
-  --time-limit S          wall time after which a run is given up, s [3600]; a larger limit tries it again
+  --time-limit S          wall time after which a run is given up, s [3600]; a larger limit tries it again.
+                          A spacing whose default is expected to take more CPU time is left out and named
   --splishsplash PROGRAM  measures the front of the impulse case with SPlisHSPlasH too: the program that
                           tools/splishsplash/build.sh makes
 HELP

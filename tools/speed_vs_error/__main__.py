@@ -143,7 +143,7 @@ def sweep_all(options):
         for spacing in spacings[:count]:
             expected = seconds_expected(coarser, spacing)
             if expected > options.time_limit:
-                remarks.append(f"{case}: {spacing:g} m was left out; a run of the default would take about {expected:.0f} s "
+                remarks.append(f"{case}: {spacing:g} m was left out; a run of the default would take about {expected:.0f} s of CPU time "
                                f"(--time-limit {options.time_limit:g}).")
                 break
             points = sweep(runner, case, spacing, factors)
