@@ -143,8 +143,8 @@ def sweep_all(options):
         for spacing in spacings[:count]:
             expected = seconds_expected(coarser, spacing)
             if expected > options.time_limit:
-                remarks.append(f"{case}: {spacing:g} m was left out; a run of the default would take about {expected:.0f} s of CPU time "
-                               f"(--time-limit {options.time_limit:g}).")
+                remarks.append(f"{case}: {spacing:g} m was left out; a run of the default would take about {expected:.0f} s "
+                               f"of CPU time (--time-limit {options.time_limit:g}).")
                 break
             points = sweep(runner, case, spacing, factors)
             if not options.quick:
