@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/shallow_water_cells.hpp"
+
 namespace wade::fluid::shallow_water {
 
 namespace {
@@ -55,10 +57,6 @@ void for_each_cell(const Grid& grid, Body&& body) {
             body(grid.row(static_cast<std::ptrdiff_t>(k)) + i, cell_of(grid.x, grid.nx, i), z);
         }
     }
-}
-
-std::size_t cells_along(const Interval& extent, double size) {
-    return static_cast<std::size_t>(std::max(1L, std::lround(extent.length() / size)));
 }
 
 }  // namespace
