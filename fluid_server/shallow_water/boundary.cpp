@@ -9,10 +9,10 @@ namespace wade::fluid::shallow_water {
 namespace {
 
 void copy_cell(Primitive& state, std::size_t to, std::size_t from) {
-    for (std::vector<double>* field : {&state.h, &state.eta, &state.u, &state.v}) (*field)[to] = (*field)[from];
+    for (RowMemory* field : {&state.h, &state.eta, &state.u, &state.v}) (*field)[to] = (*field)[from];
 }
 
-void mirror_cell(Primitive& state, std::size_t to, std::size_t from, std::vector<double>& normal) {
+void mirror_cell(Primitive& state, std::size_t to, std::size_t from, RowMemory& normal) {
     copy_cell(state, to, from);
     normal[to] = -normal[to];
 }
@@ -46,7 +46,7 @@ void wrap_line(Primitive& state, const Line& line) {
 }
 
 // In a line of one cell the image of the image is the cell itself.
-void mirror_line(Primitive& state, const Line& line, std::vector<double>& normal) {
+void mirror_line(Primitive& state, const Line& line, RowMemory& normal) {
     const auto n = static_cast<std::ptrdiff_t>(line.n);
     for (std::ptrdiff_t g = 1; g <= 2; ++g) {
         if (g <= n) {

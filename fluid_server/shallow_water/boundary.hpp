@@ -20,7 +20,7 @@ namespace wade::fluid::shallow_water {
 
 // The state by cell that fluxes are made from, ghosts included.
 struct Primitive {
-    std::vector<double> h, eta, u, v;  // depth and height of the surface, m; velocity along x and across, m/s
+    RowMemory h, eta, u, v;  // depth and height of the surface, m; velocity along x and across, m/s
 
     explicit Primitive(const Grid& grid)
         : h(grid.stored(), 0), eta(grid.stored(), 0), u(grid.stored(), 0), v(grid.stored(), 0) {}

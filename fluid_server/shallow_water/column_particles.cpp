@@ -10,6 +10,10 @@ namespace {
 
 constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
 
+// In cells: how far each particle of a row lies further across than the one before, and each row further along.
+constexpr double next_across = 0.7548776662466927;
+constexpr double next_row_along = 0.6180339887498949;
+
 // The finaliser of SplitMix64 (Steele, Lea, Flood 2014).
 constexpr std::uint64_t mix(std::uint64_t v) {
     v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -43,17 +47,18 @@ float inside(double v, const Interval& extent) {
 ColumnParticles::ColumnParticles(const ShallowWater& world)
     : rest_density_(world.scene.fluid.rest_density),
       particle_volume_(std::pow(world.scene.fluid.particle_spacing, 3)),
-      seed_(mix(world.scene.seed + golden)),
+      start_across_(in_unit(mix(world.scene.seed + 2 * golden))),
       capacity_(static_cast<std::uint32_t>(static_cast<std::size_t>(std::max(world.scene.fluid.max_particles, 0)) +
                                            world.grid.cells())),
       drift_x_(world.grid.cells(), 0),
       drift_z_(world.grid.cells(), 0),
       particles_(world.grid.cells(), 0),
       row_begin_(world.grid.nz + 1, 0) {
-    // Each row has a start of its own, so that the rows do not pass an agent all at once.
+    const double first = in_unit(mix(world.scene.seed + golden));
     for (std::size_t k = 0; k < world.grid.nz; ++k) {
-        const double start = in_unit(mix(seed_ + (k + 1) * golden));
-        std::fill_n(drift_x_.begin() + static_cast<std::ptrdiff_t>(k * world.grid.nx), world.grid.nx, start);
+        const double start = first + static_cast<double>(k) * next_row_along;
+        std::fill_n(drift_x_.begin() + static_cast<std::ptrdiff_t>(k * world.grid.nx), world.grid.nx,
+                    start - std::floor(start));
     }
     count(world);
 }
@@ -78,7 +83,7 @@ void ColumnParticles::count_with(const ShallowWater& world, double volume) {
         std::uint64_t sum = 0;
         for (std::size_t i = 0; i < grid.nx; ++i) {
             const bool wet = h[i] > world.constants.dry;
-            const auto n = wet ? static_cast<std::uint32_t>(std::max(1.0, h[i] * per_depth + 0.5)) : 0U;
+            const auto n = wet ? static_cast<std::uint32_t>(std::ceil(h[i] * per_depth)) : 0U;
             particles_[k * grid.nx + i] = n;
             sum += n;
             shown += wet ? h[i] : 0.0;
@@ -120,18 +125,15 @@ void ColumnParticles::write_row(const ShallowWater& world, std::size_t k, const 
         const auto vx = static_cast<float>(world.primitive.u[c + i] / (1 + film_share_));
         const auto vz = static_cast<float>(world.primitive.v[c + i] / (1 + film_share_));
         const double drift_x = drift_x_[k * grid.nx + i], drift_z = drift_z_[k * grid.nx + i];
-        const double whole_z = std::floor(drift_z);
         const double x_lo = grid.x.lo + static_cast<double>(i) * grid.dx;
-        const std::uint64_t row_key =
-            mix(seed_ +
-                static_cast<std::uint64_t>(static_cast<std::int64_t>(k) - static_cast<std::int64_t>(whole_z)) * golden);
         for (std::uint32_t p = 0; p < n; ++p, ++to) {
             const double along = (p + 0.5) * share + drift_x;
             const double laps = std::floor(along);
-            const auto label = static_cast<std::int64_t>(i) - static_cast<std::int64_t>(laps);
-            const double random = in_unit(mix(row_key + static_cast<std::uint64_t>(label) * golden));
+            // Counts on along the row, and moves from cell to cell with the particles.
+            const double label = static_cast<double>(i) - laps;
             const std::uint64_t step = std::uint64_t{p} * across_of_[n];
-            const double across = (static_cast<double>(step % n) + 0.5) * share + random + (drift_z - whole_z);
+            const double across =
+                (static_cast<double>(step % n) + 0.5) * share + label * next_across + start_across_ + drift_z;
             slot.mass[to] = mass;
             slot.vx[to] = vx;
             slot.vy[to] = 0;

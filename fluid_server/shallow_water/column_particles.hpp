@@ -1,18 +1,19 @@
 #pragma once
 // The columns of the grid as particles, which is what the crowd takes.
 //
-// A wet cell of volume V is n = round(V / d^3) particles, at least one, d the scene's particle spacing. Each has the n-th
-// part of the cell's mass and the cell's velocity, so that mass and momentum of all particles are those of the grid; the
-// mass of films too thin to have a velocity is shared by all.
+// A wet cell of volume V is n particles, V / d^3 rounded up, d the scene's particle spacing. Each has the n-th part of the
+// cell's mass and the cell's velocity, so that mass and momentum of all particles are those of the grid; the mass of films
+// too thin to have a velocity is shared by all.
 //
 //    +-----------+   n places spread evenly over the cell (points k/n along, k a/n across, modulo 1, a/n near the golden
 //    |  .      . |   ratio; one in each of n layers over the depth) drift with the velocity of the cell. A place that
-//    |      .    |   leaves the cell at one side comes in at the other: there it is the next particle, further along or
-//    |  .      . |   across by a random number of (seed, row, how often this happened) that all places of the cell share.
-//    +-----------+   Where the stream is uniform the next cell draws the same number, so that particles drift on.
+//    |      .    |   leaves the cell at one side comes in at the other; there it is the next particle along the stream,
+//    |  .      . |   which lies 0.755 of a cell further across, the rows 0.618 of a cell further along than their
+//    +-----------+   neighbours: numbers whose multiples fill the cell evenly (Roberts 2018, the R sequences). Where the
+//                    stream is uniform the next cell does the same, so that particles drift on from cell to cell.
 //
 // So the mass in contact with an agent is that of the water column in the mean over time, wherever the agent stands: the
-// pattern passes it with a new distance from it again and again.
+// stream brings particles past it at all distances.
 
 #include <cstdint>
 #include <vector>
@@ -44,7 +45,7 @@ class ColumnParticles {
 
     double rest_density_;
     double particle_volume_;  // d^3, m^3
-    std::uint64_t seed_;
+    double start_across_;     // in cells, by the seed
     std::uint32_t capacity_;
     std::vector<double> drift_x_, drift_z_;  // by cell, in cells since t = 0
     std::vector<std::uint32_t> particles_;   // by cell

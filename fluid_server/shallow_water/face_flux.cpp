@@ -31,20 +31,41 @@ void limit_one(const double* below, const double* here, const double* above, std
 template <bool obstacles>
 void fluxes(const Cells& lower, const Cells& lower_slopes, const Cells& upper, const Cells& upper_slopes,
             const double* wall, std::size_t n, const FluxConstants& constants, const FluxRow& flux) {
+    // Pointers of the loop's own, so that the compiler knows that no store changes them.
+    const double* const h_lower = lower.h;
+    const double* const eta_lower = lower.eta;
+    const double* const u_lower = lower.normal;
+    const double* const v_lower = lower.along;
+    const double* const h_upper = upper.h;
+    const double* const eta_upper = upper.eta;
+    const double* const u_upper = upper.normal;
+    const double* const v_upper = upper.along;
+    const double* const dh_lower = lower_slopes.h;
+    const double* const deta_lower = lower_slopes.eta;
+    const double* const du_lower = lower_slopes.normal;
+    const double* const dv_lower = lower_slopes.along;
+    const double* const dh_upper = upper_slopes.h;
+    const double* const deta_upper = upper_slopes.eta;
+    const double* const du_upper = upper_slopes.normal;
+    const double* const dv_upper = upper_slopes.along;
+    double* const mass_flux = flux.mass;
+    double* const along_flux = flux.along;
+    double* const into_lower = flux.into_lower;
+    double* const into_upper = flux.into_upper;
     const double half_g = 0.5 * constants.gravity;
     const auto g = static_cast<float>(constants.gravity);
     const double dry = constants.dry;
 #pragma omp simd
     for (std::size_t i = 0; i < n; ++i) {
         // States on both sides, on the beds of their own.
-        const double eta_l = lower.eta[i] + 0.5 * lower_slopes.eta[i];
-        const double eta_r = upper.eta[i] - 0.5 * upper_slopes.eta[i];
-        const double depth_l = lower.h[i] + 0.5 * lower_slopes.h[i];
-        const double depth_r = upper.h[i] - 0.5 * upper_slopes.h[i];
-        double u_l = lower.normal[i] + 0.5 * lower_slopes.normal[i];
-        double u_r = upper.normal[i] - 0.5 * upper_slopes.normal[i];
-        const double along_l = lower.along[i] + 0.5 * lower_slopes.along[i];
-        const double along_r = upper.along[i] - 0.5 * upper_slopes.along[i];
+        const double eta_l = eta_lower[i] + 0.5 * deta_lower[i];
+        const double eta_r = eta_upper[i] - 0.5 * deta_upper[i];
+        const double depth_l = h_lower[i] + 0.5 * dh_lower[i];
+        const double depth_r = h_upper[i] - 0.5 * dh_upper[i];
+        double u_l = u_lower[i] + 0.5 * du_lower[i];
+        double u_r = u_upper[i] - 0.5 * du_upper[i];
+        const double along_l = v_lower[i] + 0.5 * dv_lower[i];
+        const double along_r = v_upper[i] - 0.5 * dv_upper[i];
 
         // Hydrostatic reconstruction.
         const double bed = larger(eta_l - depth_l, eta_r - depth_r);
@@ -82,10 +103,10 @@ void fluxes(const Cells& lower, const Cells& lower_slopes, const Cells& upper, c
         const double f_l = q_l * u_l + pressure_l, f_r = q_r * u_r + pressure_r;
         const double mass = 0.5 * (q_l + q_r) + lean * (q_l - q_r) + spread * (h_r - h_l);
         const double momentum = 0.5 * (f_l + f_r) + lean * (f_l - f_r) + spread * (q_r - q_l);
-        flux.mass[i] = mass;
-        flux.along[i] = mass * (mass > 0 ? along_l : along_r);
-        flux.into_lower[i] = momentum - pressure_l;
-        flux.into_upper[i] = momentum - pressure_r;
+        mass_flux[i] = mass;
+        along_flux[i] = mass * (mass > 0 ? along_l : along_r);
+        into_lower[i] = momentum - pressure_l;
+        into_upper[i] = momentum - pressure_r;
     }
 }
 

@@ -68,7 +68,7 @@ Grid make_grid(const Scene& scene) {
     grid.nx = cells_along(grid.x, size), grid.nz = cells_along(grid.z, size);
     grid.dx = grid.x.length() / static_cast<double>(grid.nx);
     grid.dz = grid.z.length() / static_cast<double>(grid.nz);
-    grid.stride = (grid.nx + 2 * Grid::ghosts + 7) / 8 * 8;
+    grid.stride = line_values + whole_lines(grid.nx + Grid::ghosts);
     return grid;
 }
 

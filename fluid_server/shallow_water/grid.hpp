@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "configs/scene.hpp"
+#include "fluid_server/shallow_water/row_memory.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -26,7 +27,7 @@ struct Grid {
     [[nodiscard]] std::size_t stored() const { return stride * (nz + 2 * ghosts); }
     // Place of the first cell of row k, -2 <= k < nz + 2; the ghosts of the row are at -2, -1, nx and nx + 1 from there.
     [[nodiscard]] std::size_t row(std::ptrdiff_t k) const {
-        return static_cast<std::size_t>(k + std::ptrdiff_t{ghosts}) * stride + ghosts;
+        return static_cast<std::size_t>(k + std::ptrdiff_t{ghosts}) * stride + line_values;
     }
 };
 
@@ -35,16 +36,16 @@ struct Grid {
 
 // The conserved quantities, one value a cell.
 struct Water {
-    std::vector<double> h;       // depth, m
-    std::vector<double> qx, qz;  // h u and h v: depth times the depth-averaged velocity, m^2/s
+    RowMemory h;       // depth, m
+    RowMemory qx, qz;  // h u and h v: depth times the depth-averaged velocity, m^2/s
 
     explicit Water(const Grid& grid) : h(grid.stored(), 0), qx(grid.stored(), 0), qz(grid.stored(), 0) {}
 };
 
 // What the bed is, one value a cell.
 struct Bed {
-    std::vector<double> height;    // b, m: the mean of bed_points over the cell, or the top of an obstacle
-    std::vector<double> obstacle;  // 1 in cells whose centre lies in an obstacle, else 0; empty if there is none
+    RowMemory height;    // b, m: the mean of bed_points over the cell, or the top of an obstacle
+    RowMemory obstacle;  // 1 in cells whose centre lies in an obstacle, else 0; empty if there is none
 };
 [[nodiscard]] Bed make_bed(const Scene& scene, const Grid& grid);
 

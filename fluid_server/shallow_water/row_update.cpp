@@ -27,8 +27,8 @@ struct Workspace {
     FluxRow flux_x{};                    // faces 0 to nx
     std::array<FluxRow, 2> flux_z{};     // below and above the row at hand
 
-    Workspace(std::vector<double>& buffer, std::size_t nx) {
-        const std::size_t length = (nx + 2 + 7) / 8 * 8 + 8;
+    Workspace(RowMemory& buffer, std::size_t nx) {
+        const std::size_t length = whole_lines(nx + 2) + line_values;
         buffer.resize(24 * length);
         double* next = buffer.data();
         const auto take = [&] { return std::exchange(next, next + length); };
@@ -61,32 +61,54 @@ template <bool friction>
 double mix_row(const StageTerms& terms, const Grid& grid, std::size_t n, const Cells& cells, const double* slope_x,
                const double* slope_z, const FluxRow& x, const FluxRow& below, const FluxRow& above, const RowOf& from,
                const RowOf& base, const RowTo& to) {
+    // Pointers of the loop's own, so that the compiler knows that no store changes them.
+    const double* const u = cells.normal;
+    const double* const v = cells.along;
+    const double* const old_h = from.h;
+    const double* const old_qx = from.qx;
+    const double* const old_qz = from.qz;
+    const double* const base_h = base.h;
+    const double* const base_qx = base.qx;
+    const double* const base_qz = base.qz;
+    double* const to_h = to.h;
+    double* const to_qx = to.qx;
+    double* const to_qz = to.qz;
+    const double* const mass_x = x.mass;
+    const double* const along_x = x.along;
+    const double* const lower_x = x.into_lower;
+    const double* const upper_x = x.into_upper;
+    const double* const mass_above = above.mass;
+    const double* const along_above = above.along;
+    const double* const lower_above = above.into_lower;
+    const double* const mass_below = below.mass;
+    const double* const along_below = below.along;
+    const double* const upper_below = below.into_upper;
     const double g = terms.constants.gravity, dry = terms.constants.dry, dt = terms.dt, share = terms.share;
     const double per_x = dt / grid.dx, per_z = dt / grid.dz, kept = 1 - share, push = dt * terms.acceleration;
     const double drag = dt * g * terms.manning_n * terms.manning_n;
     double least = 0;
 #pragma omp simd reduction(min : least)
     for (std::size_t i = 0; i < n; ++i) {
-        const double h = from.h[i], weight = g * h;
-        double new_h = h - per_x * (x.mass[i + 1] - x.mass[i]) - per_z * (above.mass[i] - below.mass[i]);
-        double qx = from.qx[i] - per_x * (x.into_lower[i + 1] - x.into_upper[i] + weight * slope_x[i]) -
-                    per_z * (above.along[i] - below.along[i]) + push * h;
-        double qz = from.qz[i] - per_x * (x.along[i + 1] - x.along[i]) -
-                    per_z * (above.into_lower[i] - below.into_upper[i] + weight * slope_z[i]);
+        const double h = old_h[i], weight = g * h;
+        double new_h = h - per_x * (mass_x[i + 1] - mass_x[i]) - per_z * (mass_above[i] - mass_below[i]);
+        double qx = old_qx[i] - per_x * (lower_x[i + 1] - upper_x[i] + weight * slope_x[i]) -
+                    per_z * (along_above[i] - along_below[i]) + push * h;
+        double qz = old_qz[i] - per_x * (along_x[i + 1] - along_x[i]) -
+                    per_z * (lower_above[i] - upper_below[i] + weight * slope_z[i]);
         if constexpr (friction) {
-            const double speed = std::sqrt(cells.normal[i] * cells.normal[i] + cells.along[i] * cells.along[i]);
+            const double speed = std::sqrt(u[i] * u[i] + v[i] * v[i]);
             const double slowed = 1 / (1 + drag * speed * friction_of_depth(h));
             qx *= slowed;
             qz *= slowed;
         }
-        new_h = kept * base.h[i] + share * new_h;
-        qx = kept * base.qx[i] + share * qx;
-        qz = kept * base.qz[i] + share * qz;
+        new_h = kept * base_h[i] + share * new_h;
+        qx = kept * base_qx[i] + share * qx;
+        qz = kept * base_qz[i] + share * qz;
         least = new_h < least ? new_h : least;
         // Rounding may leave a dry cell at -1e-20 m; a film has no velocity.
-        to.h[i] = new_h > 0 ? new_h : 0.0;
-        to.qx[i] = new_h > dry ? qx : 0.0;
-        to.qz[i] = new_h > dry ? qz : 0.0;
+        to_h[i] = new_h > 0 ? new_h : 0.0;
+        to_qx[i] = new_h > dry ? qx : 0.0;
+        to_qz[i] = new_h > dry ? qz : 0.0;
     }
     return least;
 }
@@ -101,7 +123,7 @@ double sum(const double* values, std::size_t n) {
 }  // namespace
 
 void update_band(ShallowWater& world, const Water& from, const Water& base, const StageTerms& terms, std::size_t begin,
-                 std::size_t end, std::vector<double>& buffer, Water& to) {
+                 std::size_t end, RowMemory& buffer, Water& to) {
     const Grid& grid = world.grid;
     const Primitive& p = world.primitive;
     const std::size_t n = grid.nx;
@@ -149,23 +171,26 @@ void update_band(ShallowWater& world, const Water& from, const Water& base, cons
 
 void find_primitive(const double* h, const double* qx, const double* qz, const double* bed, std::size_t n, double dry,
                     const SlopeRow& primitive) {
+    double *const depth = primitive.h, *const eta = primitive.eta, *const u = primitive.normal,
+                  *const v = primitive.along;
 #pragma omp simd
     for (std::size_t i = 0; i < n; ++i) {
         const bool wet = h[i] > dry;
         const double inverse = 1 / (wet ? h[i] : 1.0);
-        primitive.h[i] = h[i];
-        primitive.eta[i] = h[i] + bed[i];
-        primitive.normal[i] = wet ? qx[i] * inverse : 0.0;
-        primitive.along[i] = wet ? qz[i] * inverse : 0.0;
+        depth[i] = h[i];
+        eta[i] = h[i] + bed[i];
+        u[i] = wet ? qx[i] * inverse : 0.0;
+        v[i] = wet ? qz[i] * inverse : 0.0;
     }
 }
 
 double fastest_of_row(const Cells& cells, std::size_t n, double gravity, double per_dx, double per_dz) {
+    const double *const h = cells.h, *const u = cells.normal, *const v = cells.along;
     double fastest = 0, check = 0;
 #pragma omp simd reduction(max : fastest) reduction(+ : check)
     for (std::size_t i = 0; i < n; ++i) {
-        const double c = std::sqrt(gravity * cells.h[i]);
-        const double rate = (std::abs(cells.normal[i]) + c) * per_dx + (std::abs(cells.along[i]) + c) * per_dz;
+        const double c = std::sqrt(gravity * h[i]);
+        const double rate = (std::abs(u[i]) + c) * per_dx + (std::abs(v[i]) + c) * per_dz;
         fastest = rate > fastest ? rate : fastest;
         check += rate;  // a comparison would pass over NaN
     }

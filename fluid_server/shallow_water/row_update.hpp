@@ -21,7 +21,7 @@ struct StageTerms {
 // to = (1 - share) base + share (from + dt L(from)) / (1 + dt k) in rows [begin, end). The world's primitive state is that
 // of `from`, ghosts included. `to` may be `base`. Writes the sums of the rows in the world.
 void update_band(ShallowWater& world, const Water& from, const Water& base, const StageTerms& terms, std::size_t begin,
-                 std::size_t end, std::vector<double>& buffer, Water& to);
+                 std::size_t end, RowMemory& buffer, Water& to);
 
 // Depth, surface and velocity of n cells; the velocity is 0 up to the depth `dry`.
 void find_primitive(const double* h, const double* qx, const double* qz, const double* bed, std::size_t n, double dry,

@@ -64,13 +64,13 @@ void for_each_band(ShallowWater& world, Body&& body) {
 void euler_step(ShallowWater& world, const Water& from, const Water& base, double share, double dt, double discharge,
                 Water& to) {
     const StageTerms terms{world.constants, world.acceleration, world.scene.channel.manning_n, share, dt, discharge};
-    for_each_band(world, [&](std::size_t begin, std::size_t end, std::vector<double>& buffer) {
+    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
         update_band(world, from, base, terms, begin, end, buffer, to);
     });
 }
 
 void update_primitive_of(ShallowWater& world, const Water& water) {
-    for_each_band(world, [&](std::size_t begin, std::size_t end, std::vector<double>&) {
+    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t c = world.grid.row(static_cast<std::ptrdiff_t>(k));
             find_primitive(water.h.data() + c, water.qx.data() + c, water.qz.data() + c, world.bed.height.data() + c,
@@ -84,7 +84,7 @@ void update_primitive_of(ShallowWater& world, const Water& water) {
 
 double time_step(ShallowWater& world, double remaining) {
     const Grid& grid = world.grid;
-    for_each_band(world, [&](std::size_t begin, std::size_t end, std::vector<double>&) {
+    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
             world.row_fastest[k] = fastest_of_row(
@@ -137,7 +137,7 @@ double drive(ShallowWater& world, double dt) {
     const double volume = sum(world.row_volume);
     if (volume <= 0) return 0;
     const double lack = -velocity_at(world.scene.channel, world.time + dt) - sum(world.row_momentum) / volume;
-    for_each_band(world, [&](std::size_t begin, std::size_t end, std::vector<double>&) {
+    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
             for (std::size_t i = c; i < c + grid.nx; ++i) world.water.qx[i] += lack * world.water.h[i];

@@ -45,12 +45,12 @@ struct ShallowWater {
 
     // Of the step at hand; kept for their memory.
     Water stage, next;
-    std::vector<double> wall_x, wall_z;  // see face_fluxes(), of faces along x and across; empty without obstacles
-    std::vector<double> row_fastest;     // by row: largest s_x / dx + s_z / dz, 1/s
-    std::vector<double> row_least;       // by row: smallest depth, below 0 where a step was too long
+    RowMemory wall_x, wall_z;         // see face_fluxes(), of faces along x and across; empty without obstacles
+    std::vector<double> row_fastest;  // by row: largest s_x / dx + s_z / dz, 1/s
+    std::vector<double> row_least;    // by row: smallest depth, below 0 where a step was too long
     std::vector<double> row_volume, row_momentum;  // by row: sums of h and of h u
     std::vector<double> row_inflow, row_outflow;   // by row: mass flux at x.hi and x.lo, m^2/s
-    std::vector<std::vector<double>> buffers;      // by thread
+    std::vector<RowMemory> buffers;                // by thread
 };
 
 // Advances by the longest time step that is stable, at most `remaining` and a whole part of it. Throws RunError
