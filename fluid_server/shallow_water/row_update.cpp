@@ -54,13 +54,14 @@ struct RowOf {
 };
 struct RowTo {
     double *h, *qx, *qz;
+    double *depth, *eta, *u, *v;
 };
 
 // Returns the smallest depth.
 template <bool friction>
 double mix_row(const StageTerms& terms, const Grid& grid, std::size_t n, const Cells& cells, const double* slope_x,
                const double* slope_z, const FluxRow& x, const FluxRow& below, const FluxRow& above, const RowOf& from,
-               const RowOf& base, const RowTo& to) {
+               const RowOf& base, const double* bed, const RowTo& to) {
     // Pointers of the loop's own, so that the compiler knows that no store changes them.
     const double* const u = cells.normal;
     const double* const v = cells.along;
@@ -73,6 +74,7 @@ double mix_row(const StageTerms& terms, const Grid& grid, std::size_t n, const C
     double* const to_h = to.h;
     double* const to_qx = to.qx;
     double* const to_qz = to.qz;
+    double *const depth = to.depth, *const eta = to.eta, *const new_u = to.u, *const new_v = to.v;
     const double* const mass_x = x.mass;
     const double* const along_x = x.along;
     const double* const lower_x = x.into_lower;
@@ -106,9 +108,18 @@ double mix_row(const StageTerms& terms, const Grid& grid, std::size_t n, const C
         qz = kept * base_qz[i] + share * qz;
         least = new_h < least ? new_h : least;
         // Rounding may leave a dry cell at -1e-20 m; a film has no velocity.
-        to_h[i] = new_h > 0 ? new_h : 0.0;
-        to_qx[i] = new_h > dry ? qx : 0.0;
-        to_qz[i] = new_h > dry ? qz : 0.0;
+        new_h = new_h > 0 ? new_h : 0.0;
+        const bool wet = new_h > dry;
+        qx = wet ? qx : 0.0;
+        qz = wet ? qz : 0.0;
+        const double inverse = 1 / (wet ? new_h : 1.0);
+        to_h[i] = new_h;
+        to_qx[i] = qx;
+        to_qz[i] = qz;
+        depth[i] = new_h;
+        eta[i] = new_h + bed[i];
+        new_u[i] = qx * inverse;
+        new_v[i] = qz * inverse;
     }
     return least;
 }
@@ -122,10 +133,18 @@ double sum(const double* values, std::size_t n) {
 
 }  // namespace
 
-void update_band(ShallowWater& world, const Water& from, const Water& base, const StageTerms& terms, std::size_t begin,
-                 std::size_t end, RowMemory& buffer, Water& to) {
+void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
+                 RowMemory& buffer, const BandTo& to) {
     const Grid& grid = world.grid;
-    const Primitive& p = world.primitive;
+    const Primitive& p = from.primitive;
+    const auto row_from = [](const Water& water, std::size_t c) {
+        return RowOf{water.h.data() + c, water.qx.data() + c, water.qz.data() + c};
+    };
+    const auto row_to = [&](std::size_t c) {
+        Primitive& q = to.primitive;
+        return RowTo{to.water.h.data() + c, to.water.qx.data() + c, to.water.qz.data() + c, q.h.data() + c,
+                     q.eta.data() + c,      q.u.data() + c,         q.v.data() + c};
+    };
     const std::size_t n = grid.nx;
     Workspace work(buffer, n);
     const auto row_of = [&](std::size_t k, std::ptrdiff_t offset) {
@@ -156,15 +175,13 @@ void update_band(ShallowWater& world, const Water& from, const Water& base, cons
                        terms.constants.gravity);
         }
         const auto mix = terms.manning_n > 0 ? mix_row<true> : mix_row<false>;
-        world.row_least[k] =
-            mix(terms, grid, n, along_x(p, c), work.slopes_x.eta + 1, work.slopes_z[0].eta, work.flux_x, work.flux_z[0],
-                work.flux_z[1], {from.h.data() + c, from.qx.data() + c, from.qz.data() + c},
-                {base.h.data() + c, base.qx.data() + c, base.qz.data() + c},
-                {to.h.data() + c, to.qx.data() + c, to.qz.data() + c});
+        world.row_least[k] = mix(terms, grid, n, along_x(p, c), work.slopes_x.eta + 1, work.slopes_z[0].eta,
+                                 work.flux_x, work.flux_z[0], work.flux_z[1], row_from(from.water, c),
+                                 row_from(from.base, c), world.bed.height.data() + c, row_to(c));
         world.row_inflow[k] = work.flux_x.mass[n];
         world.row_outflow[k] = work.flux_x.mass[0];
-        world.row_volume[k] = sum(to.h.data() + c, n);
-        world.row_momentum[k] = sum(to.qx.data() + c, n);
+        world.row_volume[k] = sum(to.water.h.data() + c, n);
+        world.row_momentum[k] = sum(to.water.qx.data() + c, n);
         std::swap(work.flux_z[0], work.flux_z[1]);
     }
 }

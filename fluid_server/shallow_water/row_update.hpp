@@ -18,10 +18,19 @@ struct StageTerms {
     double discharge = 0;     // of the inflow, m^2/s
 };
 
-// to = (1 - share) base + share (from + dt L(from)) / (1 + dt k) in rows [begin, end). The world's primitive state is that
-// of `from`, ghosts included. `to` may be `base`. Writes the sums of the rows in the world.
-void update_band(ShallowWater& world, const Water& from, const Water& base, const StageTerms& terms, std::size_t begin,
-                 std::size_t end, RowMemory& buffer, Water& to);
+struct BandFrom {
+    const Water& water;
+    const Primitive& primitive;  // of `water`, ghosts included
+    const Water& base;
+};
+struct BandTo {
+    Water& water;
+    Primitive& primitive;  // without ghosts
+};
+
+// to = (1 - share) base + share (from + dt L(from)) / (1 + dt k) in rows [begin, end). Writes sums of the rows in the world.
+void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
+                 RowMemory& buffer, const BandTo& to);
 
 // Depth, surface and velocity of n cells; the velocity is 0 up to the depth `dry`.
 void find_primitive(const double* h, const double* qx, const double* qz, const double* bed, std::size_t n, double dry,

@@ -60,26 +60,19 @@ void for_each_band(ShallowWater& world, Body&& body) {
     }
 }
 
-// One Euler step of `from`, whose primitive state is at hand, mixed with `base`: see mix_row().
-void euler_step(ShallowWater& world, const Water& from, const Water& base, double share, double dt, double discharge,
-                Water& to) {
+struct Stage {
+    const Water& water;
+    const Primitive& primitive;
+};
+
+// One Euler step of `from`, mixed with the world's `water`: see update_band().
+void euler_step(ShallowWater& world, const Stage& from, double share, double dt, double discharge, Water& to,
+                Primitive& to_primitive) {
     const StageTerms terms{world.constants, world.acceleration, world.scene.channel.manning_n, share, dt, discharge};
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
-        update_band(world, from, base, terms, begin, end, buffer, to);
+        update_band(world, {from.water, from.primitive, world.water}, terms, begin, end, buffer, {to, to_primitive});
     });
-}
-
-void update_primitive_of(ShallowWater& world, const Water& water) {
-    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const std::size_t c = world.grid.row(static_cast<std::ptrdiff_t>(k));
-            find_primitive(water.h.data() + c, water.qx.data() + c, water.qz.data() + c, world.bed.height.data() + c,
-                           world.grid.nx, world.constants.dry,
-                           {world.primitive.h.data() + c, world.primitive.eta.data() + c, world.primitive.u.data() + c,
-                            world.primitive.v.data() + c});
-        }
-    });
-    fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity);
+    fill_ghosts(to_primitive, world.grid, world.scene.channel, world.constants.gravity);
 }
 
 double time_step(ShallowWater& world, double remaining) {
@@ -113,7 +106,8 @@ bool stayed_positive(const ShallowWater& world) {
     return *std::min_element(world.row_least.begin(), world.row_least.end()) >= rounding;
 }
 
-// Heun's step of report.dt from `water` to `next`, with `primitive` that of `water`; whether all depths stayed positive.
+// Heun's step of report.dt from `water` to `next`; `primitive` is that of `water` before and that of `next` after it.
+// Whether all depths stayed positive.
 bool heun_step(ShallowWater& world, StepReport& report) {
     const Channel& channel = world.scene.channel;
     const double discharge =
@@ -122,11 +116,10 @@ bool heun_step(ShallowWater& world, StepReport& report) {
         report.inflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_inflow);
         report.outflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_outflow);
     };
-    euler_step(world, world.water, world.water, 1, report.dt, discharge, world.stage);
+    euler_step(world, {world.water, world.primitive}, 1, report.dt, discharge, world.stage, world.stage_primitive);
     note_flow();
     const bool positive = stayed_positive(world);
-    update_primitive_of(world, world.stage);
-    euler_step(world, world.stage, world.water, 0.5, report.dt, discharge, world.next);
+    euler_step(world, {world.stage, world.stage_primitive}, 0.5, report.dt, discharge, world.next, world.primitive);
     note_flow();
     return positive && stayed_positive(world);
 }
@@ -156,6 +149,7 @@ ShallowWater::ShallowWater(const Scene& its_scene)
       primitive(grid),
       stage(grid),
       next(grid),
+      stage_primitive(grid),
       row_fastest(grid.nz, 0),
       row_least(grid.nz, 0),
       row_volume(grid.nz, 0),
@@ -171,7 +165,17 @@ ShallowWater::ShallowWater(const Scene& its_scene)
 }
 
 void update_primitive(ShallowWater& world) {
-    update_primitive_of(world, world.water);
+    const Water& water = world.water;
+    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t c = world.grid.row(static_cast<std::ptrdiff_t>(k));
+            find_primitive(water.h.data() + c, water.qx.data() + c, water.qz.data() + c, world.bed.height.data() + c,
+                           world.grid.nx, world.constants.dry,
+                           {world.primitive.h.data() + c, world.primitive.eta.data() + c, world.primitive.u.data() + c,
+                            world.primitive.v.data() + c});
+        }
+    });
+    fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity);
 }
 
 StepReport step(ShallowWater& world, double remaining) {
@@ -182,8 +186,10 @@ StepReport step(ShallowWater& world, double remaining) {
         report = {0.5 * report.dt, 0, 0, 0};
     }
     std::swap(world.water, world.next);
-    if (world.scene.channel.flow == Flow::recirculating) report.driving_acceleration = drive(world, report.dt);
-    update_primitive(world);
+    if (world.scene.channel.flow == Flow::recirculating) {
+        report.driving_acceleration = drive(world, report.dt);
+        update_primitive(world);
+    }
     world.time += report.dt;
     return report;
 }

@@ -3,6 +3,7 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -49,8 +50,16 @@ Scene scene_of(const Size& size, const Kind& kind) {
 // Waves in all directions, so that no cell is like the next.
 void make_waves(swe::ShallowWater& world) {
     const auto wave = [](double v, double length) { return std::sin(2 * std::numbers::pi * v / length); };
+    // Over a box there is what stands above it.
+    const auto bed = [&](double x, double z) {
+        double height = 0;
+        for (const Obstacle& o : world.scene.obstacles) {
+            if (o.x.contains(x) && o.z.contains(z)) height = o.height;
+        }
+        return height;
+    };
     swe::set_water(
-        world, [&](double x, double z) { return 1 + 0.2 * wave(x, 10) * wave(z, 9); },
+        world, [&](double x, double z) { return std::max(0.0, 1 + 0.2 * wave(x, 10) * wave(z, 9) - bed(x, z)); },
         [&](double x, double z) { return -1.5 + 0.3 * wave(x + z, 20); },
         [&](double x, double z) { return 0.3 * wave(x - z, 25); });
 }
