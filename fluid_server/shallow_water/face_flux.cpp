@@ -32,26 +32,16 @@ template <bool obstacles>
 void fluxes(const Cells& lower, const Cells& lower_slopes, const Cells& upper, const Cells& upper_slopes,
             const double* wall, std::size_t n, const FluxConstants& constants, const FluxRow& flux) {
     // Pointers of the loop's own, so that the compiler knows that no store changes them.
-    const double* const h_lower = lower.h;
-    const double* const eta_lower = lower.eta;
-    const double* const u_lower = lower.normal;
-    const double* const v_lower = lower.along;
-    const double* const h_upper = upper.h;
-    const double* const eta_upper = upper.eta;
-    const double* const u_upper = upper.normal;
-    const double* const v_upper = upper.along;
-    const double* const dh_lower = lower_slopes.h;
-    const double* const deta_lower = lower_slopes.eta;
-    const double* const du_lower = lower_slopes.normal;
-    const double* const dv_lower = lower_slopes.along;
-    const double* const dh_upper = upper_slopes.h;
-    const double* const deta_upper = upper_slopes.eta;
-    const double* const du_upper = upper_slopes.normal;
-    const double* const dv_upper = upper_slopes.along;
-    double* const mass_flux = flux.mass;
-    double* const along_flux = flux.along;
-    double* const into_lower = flux.into_lower;
-    double* const into_upper = flux.into_upper;
+    const double *const h_lower = lower.h, *const eta_lower = lower.eta;
+    const double *const u_lower = lower.normal, *const v_lower = lower.along;
+    const double *const h_upper = upper.h, *const eta_upper = upper.eta;
+    const double *const u_upper = upper.normal, *const v_upper = upper.along;
+    const double *const dh_lower = lower_slopes.h, *const deta_lower = lower_slopes.eta;
+    const double *const du_lower = lower_slopes.normal, *const dv_lower = lower_slopes.along;
+    const double *const dh_upper = upper_slopes.h, *const deta_upper = upper_slopes.eta;
+    const double *const du_upper = upper_slopes.normal, *const dv_upper = upper_slopes.along;
+    double *const mass_flux = flux.mass, *const along_flux = flux.along;
+    double *const into_lower = flux.into_lower, *const into_upper = flux.into_upper;
     const double half_g = 0.5 * constants.gravity;
     const auto g = static_cast<float>(constants.gravity);
     const double dry = constants.dry;

@@ -63,28 +63,16 @@ double mix_row(const StageTerms& terms, const Grid& grid, std::size_t n, const C
                const double* slope_z, const FluxRow& x, const FluxRow& below, const FluxRow& above, const RowOf& from,
                const RowOf& base, const double* bed, const RowTo& to) {
     // Pointers of the loop's own, so that the compiler knows that no store changes them.
-    const double* const u = cells.normal;
-    const double* const v = cells.along;
-    const double* const old_h = from.h;
-    const double* const old_qx = from.qx;
-    const double* const old_qz = from.qz;
-    const double* const base_h = base.h;
-    const double* const base_qx = base.qx;
-    const double* const base_qz = base.qz;
-    double* const to_h = to.h;
-    double* const to_qx = to.qx;
-    double* const to_qz = to.qz;
+    const double *const u = cells.normal, *const v = cells.along;
+    const double *const old_h = from.h, *const old_qx = from.qx, *const old_qz = from.qz;
+    const double *const base_h = base.h, *const base_qx = base.qx, *const base_qz = base.qz;
+    const double *const mass_x = x.mass, *const along_x = x.along;
+    const double *const lower_x = x.into_lower, *const upper_x = x.into_upper;
+    const double *const mass_above = above.mass, *const along_above = above.along;
+    const double *const mass_below = below.mass, *const along_below = below.along;
+    const double *const lower_above = above.into_lower, *const upper_below = below.into_upper;
+    double *const to_h = to.h, *const to_qx = to.qx, *const to_qz = to.qz;
     double *const depth = to.depth, *const eta = to.eta, *const new_u = to.u, *const new_v = to.v;
-    const double* const mass_x = x.mass;
-    const double* const along_x = x.along;
-    const double* const lower_x = x.into_lower;
-    const double* const upper_x = x.into_upper;
-    const double* const mass_above = above.mass;
-    const double* const along_above = above.along;
-    const double* const lower_above = above.into_lower;
-    const double* const mass_below = below.mass;
-    const double* const along_below = below.along;
-    const double* const upper_below = below.into_upper;
     const double g = terms.constants.gravity, dry = terms.constants.dry, dt = terms.dt, share = terms.share;
     const double per_x = dt / grid.dx, per_z = dt / grid.dz, kept = 1 - share, push = dt * terms.acceleration;
     const double drag = dt * g * terms.manning_n * terms.manning_n;

@@ -24,19 +24,15 @@ constexpr double dry_share = 1e-5;
 // A step of 1/1000 that still empties a cell too far is taken.
 constexpr int most_halvings = 10;
 
-// By face: which of its two cells is an obstacle.
-double wall_between(double lower, double upper) {
-    return upper - lower;
-}
-
+// 1 or -1 at faces between an obstacle and a cell that is none, see face_fluxes().
 void find_walls(ShallowWater& world) {
     const Grid& grid = world.grid;
     if (world.bed.obstacle.empty()) return;
     world.wall_x.assign(grid.stored(), 0);
     world.wall_z.assign(grid.stored(), 0);
     for (std::size_t c = 0; c + grid.stride < grid.stored(); ++c) {
-        world.wall_x[c + 1] = wall_between(world.bed.obstacle[c], world.bed.obstacle[c + 1]);
-        world.wall_z[c + grid.stride] = wall_between(world.bed.obstacle[c], world.bed.obstacle[c + grid.stride]);
+        world.wall_x[c + 1] = world.bed.obstacle[c + 1] - world.bed.obstacle[c];
+        world.wall_z[c + grid.stride] = world.bed.obstacle[c + grid.stride] - world.bed.obstacle[c];
     }
 }
 

@@ -144,8 +144,8 @@ TEST_CASE("Thacker's plane surface swings in a parabolic bowl", "[shallow_water]
     }
     scene.channel.water_blocks = {{{0, length}, {0, 0.25}, depth}};
     ShallowWater world(scene);
-    // eta = h_0 + s w / g (... ): u = -s w sin(w t), eta = h_0 - s^2 w^2 cos(2 w t) / (4 g) - s^2 w^2 / (4 g)
-    //                                                     + (2 h_0 s / a^2) (x - 20) cos(w t) ... with s = swing
+    // u = -s w sin(w t); the surface is h_0 + h_0 (2 s cos(w t) (x - 20) - s^2 cos^2(w t)) / a^2, s the swing of the
+    // middle of the water.
     const auto surface = [&](double x, double t) {
         const double shift = swing * std::cos(omega * t);
         return depth + depth / (a * a) * (2 * shift * (x - 20) - shift * shift);
