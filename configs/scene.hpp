@@ -98,7 +98,7 @@ struct Obstacle {
     double height = 1;
 };
 
-enum class FluidModel { dfsph, kinematic };
+enum class FluidModel { dfsph, kinematic, shallow_water };
 
 enum class VelocityProfile { uniform, logarithmic };
 
@@ -113,6 +113,11 @@ struct Kinematic {
     double jitter = 0;  // of a lattice: width of the deviation from its points, in cells, [0, 1]
 };
 
+// The shallow-water model: depth and depth-averaged velocity on a grid.
+struct ShallowWaterGrid {
+    double cell_size = 0.5;  // m
+};
+
 enum class KernelKind { cubic_spline, wendland_c2 };
 
 struct PressureSolve {
@@ -124,6 +129,7 @@ struct PressureSolve {
 struct Fluid {
     FluidModel model = FluidModel::dfsph;
     Kinematic kinematic;
+    ShallowWaterGrid shallow_water;
     double particle_spacing = 0;  // d; particle mass = rest_density * d^3
     KernelKind kernel = KernelKind::cubic_spline;
     double rest_density = 1000;

@@ -40,7 +40,8 @@ constexpr std::array planes{std::pair{"bed", Plane::bed},
 constexpr std::array kernels{std::pair{"cubic_spline", KernelKind::cubic_spline},
                              std::pair{"wendland_c2", KernelKind::wendland_c2}};
 constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"filled", InitialRiver::filled}};
-constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}, std::pair{"kinematic", FluidModel::kinematic}};
+constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}, std::pair{"kinematic", FluidModel::kinematic},
+                                  std::pair{"shallow_water", FluidModel::shallow_water}};
 constexpr std::array arrangements{std::pair{"random", Arrangement::random}, std::pair{"lattice", Arrangement::lattice}};
 constexpr std::array profiles{std::pair{"uniform", VelocityProfile::uniform},
                               std::pair{"logarithmic", VelocityProfile::logarithmic}};
@@ -115,6 +116,7 @@ Fluid fluid_from(const json& j) {
     Fluid fluid;
     fluid.model = choice_of(j.at("model"), fluid_models);
     fluid.kinematic = kinematic_from(j.at("kinematic"));
+    fluid.shallow_water.cell_size = j.at("shallow_water").at("cell_size_m");
     fluid.particle_spacing = j.at("particle_spacing_m");
     fluid.kernel = choice_of(j.at("kernel"), kernels);
     fluid.rest_density = j.at("rest_density_kg_m3");

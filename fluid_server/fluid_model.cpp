@@ -3,6 +3,7 @@
 #include "configs/exit_code.hpp"
 #include "fluid_server/dfsph_model.hpp"
 #include "fluid_server/kinematic_stream.hpp"
+#include "fluid_server/shallow_water/model.hpp"
 
 namespace wade::fluid {
 
@@ -14,6 +15,9 @@ void FluidModel::restore(const FluidState&, const std::string& source) {
 std::unique_ptr<FluidModel> make_fluid_model(const Scene& scene) {
     if (scene.fluid.model == wade::FluidModel::kinematic) {
         return std::make_unique<KinematicStream>(scene);
+    }
+    if (scene.fluid.model == wade::FluidModel::shallow_water) {
+        return std::make_unique<shallow_water::ShallowWaterModel>(scene);
     }
     return std::make_unique<DfsphModel>(scene);
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -31,8 +32,8 @@ DepthOfPlace depth_over(const BumpFlow& flow, double origin) {
 }
 
 // Gives each particle the velocity that the exact flow has over its place, so that less has to settle.
-void start_as(fluid::FluidWorld& world, const BumpFlow& flow, double origin) {
-    world.set_velocity([&](const std::array<double, 3>& place) {
+void start_as(Water& water, const BumpFlow& flow, double origin) {
+    water.set_velocity([&](const std::array<double, 3>& place) {
         return std::array<double, 3>{-flow.q / flow.depth(origin - place[0]), 0, 0};
     });
 }
@@ -56,10 +57,10 @@ Curve discharge_curve(const Columns& columns, double origin, double q) {
 }
 
 // What all three report. `compared`: the range of x in which the ends of the channel are out of reach.
-Result result_of(const fluid::FluidWorld& world, const Columns& columns, const Cost& cost, const Interval& compared,
-                 double origin, double q, const DepthOfPlace& exact) {
+Result result_of(const Water& water, const Columns& columns, const Cost& cost, const Interval& compared, double origin,
+                 double q, const DepthOfPlace& exact) {
     Result result;
-    note_cost(cost, world, result);
+    water.note(cost, result);
     result.metrics = {{"depth_l2", depth_error(columns, compared, exact), "1"},
                       {"discharge_variation", discharge_variation(columns, compared), "1"},
                       {"discharge", std::abs(mean_discharge(columns, compared) / q - 1), "1"},
@@ -82,15 +83,15 @@ Result run_subcritical(const Request& request) {
     sizes.push_back(assign("/channel/depth_m", mean_surface(flow, 0, origin)));
     sizes.push_back(assign("/channel/velocity_m_s", q / mean_depth_exact));
     const Scene scene = scene_for(request, "validation/bump_subcritical.json", sizes);
-    fluid::FluidWorld world(scene);
-    start_as(world, flow, origin);
+    const std::unique_ptr<Water> water = make_water(scene);
+    start_as(*water, flow, origin);
     Cost cost;
     // A long wave needs 3.8 s downstream and 11.2 s upstream round the loop: the mean is over a whole turn of the slow one.
     const Columns columns =
-        average_columns(world, scene.duration - 11.2, scene.duration, column * request.spacing, cost);
+        average_columns(*water, scene.duration - 11.2, scene.duration, column * request.spacing, cost);
     // The columns at the joint miss what the particles beyond it would add to them.
     const Interval compared{columns.length(), origin - columns.length()};
-    return result_of(world, columns, cost, compared, origin, q, depth_over(flow, origin));
+    return result_of(*water, columns, cost, compared, origin, q, depth_over(flow, origin));
 }
 
 // The emitter gives q; the depth upstream follows from the critical flow over the crest.
@@ -103,16 +104,16 @@ Result run_transcritical(const Request& request) {
     sizes.push_back(assign("/channel/depth_m", flow.depth(0)));
     sizes.push_back(assign("/channel/velocity_m_s", q / flow.depth(0)));
     const Scene scene = scene_for(request, "validation/bump_transcritical.json", sizes);
-    fluid::FluidWorld world(scene);
+    const std::unique_ptr<Water> water = make_water(scene);
     Cost cost;
     const Columns columns =
-        average_columns(world, 0.5 * scene.duration, scene.duration, column * request.spacing, cost);
+        average_columns(*water, 0.5 * scene.duration, scene.duration, column * request.spacing, cost);
     const Interval compared{scene.channel.x.lo + 1, scene.channel.x.hi - 1};
-    Result result = result_of(world, columns, cost, compared, origin, q, depth_over(flow, origin));
+    Result result = result_of(*water, columns, cost, compared, origin, q, depth_over(flow, origin));
     const CurvedBumpFlow curved = curved_transcritical_bump_flow(q, g);
     const auto curved_depth = [&](double x) { return curved.depth(origin - x); };
     result.metrics.push_back({"depth_l2_curved", depth_error(columns, compared, curved_depth), "1"});
-    result.metrics.push_back({"missed_layers", static_cast<double>(world.layers_missed()), "1"});
+    result.metrics.push_back({"missed_layers", water->missed_layers(), "1"});
     Curve& surface = result.curves.front();
     surface.columns.emplace_back("exact_curved_surface_m");
     for (auto& row : surface.rows) {
@@ -152,10 +153,10 @@ Result run_with_jump(const Request& request) {
     // A broad-crested sill carries critical flow: its height is E - 3/2 h_c.
     sizes.push_back(assign("/obstacles/0/height_m", nominal.energy_downstream - 1.5 * critical_depth(q, g)));
     const Scene scene = scene_for(request, "validation/bump_jump.json", sizes);
-    fluid::FluidWorld world(scene);
+    const std::unique_ptr<Water> water = make_water(scene);
     Cost cost;
     const Columns columns =
-        average_columns(world, 0.6 * scene.duration, scene.duration, column * request.spacing, cost);
+        average_columns(*water, 0.6 * scene.duration, scene.duration, column * request.spacing, cost);
     const Interval compared{plateau.lo, scene.channel.x.hi - 1};
     const double measured_q = mean_discharge(columns, compared);
     const double measured_depth = mean_depth(columns, plateau);
@@ -167,11 +168,11 @@ Result run_with_jump(const Request& request) {
         place = std::abs(jump_place(columns, origin, flow) - flow.jump) / request.spacing;
     } catch (const std::invalid_argument&) {
     }
-    Result result = result_of(world, columns, cost, compared, origin, flow.q, depth_over(flow, origin));
+    Result result = result_of(*water, columns, cost, compared, origin, flow.q, depth_over(flow, origin));
     result.metrics.push_back({"jump_place", place, "spacings"});
     result.metrics.push_back({"emitter_discharge", std::abs(measured_q / q - 1), "1"});
     result.metrics.push_back({"depth_downstream_measured", measured_depth, "m"});
-    result.metrics.push_back({"missed_layers", static_cast<double>(world.layers_missed()), "1"});
+    result.metrics.push_back({"missed_layers", water->missed_layers(), "1"});
     return result;
 }
 

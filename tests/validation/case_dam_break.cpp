@@ -1,6 +1,7 @@
 // Ritter (1892): a dam breaks over a dry, smooth bed.
 
 #include <cmath>
+#include <memory>
 
 #include "cases.hpp"
 #include "dam_break.hpp"
@@ -12,7 +13,7 @@ namespace {
 
 Result run(const Request& request) {
     const Scene scene = scene_for(request, "validation/dam_break.json", slice_sizes(request, 1));
-    fluid::FluidWorld world(scene);
+    const std::unique_ptr<Water> water = make_water(scene);
     const WaterBlock& reservoir = scene.channel.water_blocks.at(0);
     const double g = scene.world.gravity;
     const DamBreak dam{scene, reservoir.x.lo, reservoir.depth,
@@ -21,18 +22,18 @@ Result run(const Request& request) {
     Cost cost;
     Curve profile;
     Curve tip{"tip", {"t_s", "tip_m", "exact_tip_m"}, {}};
-    const DamBreakErrors errors = run_dam_break(dam, world, cost, profile, [&](double t, double, const Columns&) {
-        const double reached = reservoir.x.lo - leading_x(world.particles(), reservoir.x.hi);
+    const DamBreakErrors errors = run_dam_break(dam, *water, cost, profile, [&](double t, double, const Columns&) {
+        const double reached = reservoir.x.lo - water->front(reservoir.x.hi);
         tip.rows.push_back({t, reached, 2 * std::sqrt(g * reservoir.depth) * t});
     });
-    note_cost(cost, world, result);
+    water->note(cost, result);
     result.metrics = {
         {"depth_l1", errors.depth, "1"},
         {"speed_l1", errors.speed, "1"},
         {"depth_l1_last", errors.last_depth, "1"},
         {"tip_lag", 1 - tip.rows.back()[1] / tip.rows.back()[2], "1"},
         {"max_density_error", cost.max_density_error, "1"},
-        {"position_clamps", static_cast<double>(world.position_clamps()), "1"},
+        {"position_clamps", water->position_clamps(), "1"},
     };
     result.curves = {profile, tip};
     return result;

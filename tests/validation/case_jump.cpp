@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -85,7 +86,7 @@ Result run(const Request& request, double froude) {
     sizes.push_back(assign("/fluid/max_particles", std::ceil(room / std::pow(request.spacing, 3))));
     const Scene scene = scene_for(request, "validation/jump.json", sizes);
     const double d = scene.fluid.particle_spacing;
-    fluid::FluidWorld world(scene);
+    const std::unique_ptr<Water> water = make_water(scene);
     Cost cost;
 
     // All in the frame of the jump: sums of depth and discharge over the distance from the front.
@@ -98,12 +99,12 @@ Result run(const Request& request, double froude) {
     const int frames = frames_in(scene, travel * h2 / bore.speed);
     const int averaged = frames_in(scene, averaged_travel * h2 / bore.speed);
     for (int frame = 1; frame <= frames; ++frame) {
-        advance_frame(world, cost);
+        water->advance(cost);
         if (frame <= frames - averaged) {
             continue;
         }
         Columns now = make_columns(scene.channel.x, scene.channel.z.length(), column);
-        sample(world.particles(), d, now);
+        water->add_to(now);
         const double front = jump_place(now, h2);
         time.push_back(frame / scene.frame_rate);
         place.push_back(front);
@@ -132,7 +133,7 @@ Result run(const Request& request, double froude) {
     const double relative = (u1 + c) / std::sqrt(g * h1);
 
     Result result;
-    note_cost(cost, world, result);
+    water->note(cost, result);
     result.metrics = {{"depth_ratio", std::abs(measured_h2 / h1 / belanger_ratio(relative) - 1), "1"},
                       {"froude_measured", relative, "1"},
                       {"depth_ratio_measured", measured_h2 / h1, "1"},

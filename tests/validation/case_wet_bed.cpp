@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "cases.hpp"
 #include "dam_break.hpp"
@@ -30,7 +31,7 @@ double shock_place(const Columns& columns, double dam_x, double threshold) {
 
 Result run(const Request& request, const char* name) {
     const Scene scene = scene_for(request, name, slice_sizes(request, 2));
-    fluid::FluidWorld world(scene);
+    const std::unique_ptr<Water> water = make_water(scene);
     const WaterBlock& reservoir = scene.channel.water_blocks.at(0);
     const WaterBlock& tail = scene.channel.water_blocks.at(1);
     const WetDamBreak exact = solve_wet_dam_break(reservoir.depth, tail.depth, scene.world.gravity);
@@ -42,7 +43,7 @@ Result run(const Request& request, const char* name) {
     Curve shock{"shock", {"t_s", "shock_m", "exact_shock_m"}, {}};
     double worst_shock = 0;
     const DamBreakErrors errors =
-        run_dam_break(dam, world, cost, profile, [&](double t, double scaled, const Columns& c) {
+        run_dam_break(dam, *water, cost, profile, [&](double t, double scaled, const Columns& c) {
             const double place = shock_place(c, dam.dam_x, (exact.h_middle + exact.h_right) / 2);
             const double truth = exact.shock_speed * t;
             shock.rows.push_back({t, place, truth});
@@ -51,14 +52,14 @@ Result run(const Request& request, const char* name) {
                 worst_shock = std::isnan(error) ? error : std::max(worst_shock, error);
             }
         });
-    note_cost(cost, world, result);
+    water->note(cost, result);
     result.metrics = {
         {"depth_l1", errors.depth, "1"},
         {"speed_l1", errors.speed, "1"},
         {"shock_place", worst_shock, "1"},
         {"depth_l1_last", errors.last_depth, "1"},
         {"max_density_error", cost.max_density_error, "1"},
-        {"position_clamps", static_cast<double>(world.position_clamps()), "1"},
+        {"position_clamps", water->position_clamps(), "1"},
     };
     result.curves = {profile, shock};
     return result;

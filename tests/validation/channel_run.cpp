@@ -13,14 +13,14 @@ std::vector<std::string> channel_slice(const Request& request) {
     return {assign("/channel/z_min_m", 0), assign("/channel/z_max_m", width), assign("/world/width_m", width)};
 }
 
-Columns average_columns(fluid::FluidWorld& world, double from, double to, double column, Cost& cost) {
-    const Scene& scene = world.scene();
+Columns average_columns(Water& water, double from, double to, double column, Cost& cost) {
+    const Scene& scene = water.scene();
     Columns columns = make_columns(scene.channel.x, scene.channel.z.length(), column);
     const int last = frames_in(scene, to);
     for (int frame = 1; frame <= last; ++frame) {
-        advance_frame(world, cost);
+        water.advance(cost);
         if (frame > frames_in(scene, from)) {
-            sample(world.particles(), scene.fluid.particle_spacing, columns);
+            water.add_to(columns);
         }
     }
     return columns;

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "fluid_server/fluid_world.hpp"
 #include "profiles.hpp"
 #include "run.hpp"
+#include "water.hpp"
 
 namespace wade::validation {
 
@@ -16,7 +16,7 @@ std::vector<std::string> channel_slice(const Request& request);
 
 // Advances to the time `from`, then to `to`, and averages over all frames of the second part in columns about `column` long.
 // Times in s; column: m
-Columns average_columns(fluid::FluidWorld& world, double from, double to, double column, Cost& cost);
+Columns average_columns(Water& water, double from, double to, double column, Cost& cost);
 
 // Discharge per width of a column, m^2/s, towards -x.
 double discharge(const Columns& columns, std::size_t k);

@@ -3,10 +3,10 @@
 
 #include <functional>
 
-#include "fluid_server/fluid_world.hpp"
 #include "profiles.hpp"
 #include "run.hpp"
 #include "shallow_water_exact.hpp"
+#include "water.hpp"
 
 namespace wade::validation {
 
@@ -35,7 +35,6 @@ using OnFrame = std::function<void(double t, double scaled, const Columns& colum
 
 // Runs the scene to its end. Depth and mean velocity of columns H/5 long are compared where the exact depth at their
 // centre is above 0.15 H; this length is the same at every spacing, so that errors of several spacings are comparable.
-DamBreakErrors run_dam_break(const DamBreak& dam, fluid::FluidWorld& world, Cost& cost, Curve& last,
-                             const OnFrame& on_frame);
+DamBreakErrors run_dam_break(const DamBreak& dam, Water& water, Cost& cost, Curve& last, const OnFrame& on_frame);
 
 }  // namespace wade::validation

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
-#include "fluid_server/river_measures.hpp"
 #include "run.hpp"
+#include "water.hpp"
 
 namespace wade::validation {
 
@@ -13,7 +14,7 @@ namespace {
 struct Tiles {
     Interval x, z;
     std::size_t nx, nz;
-    std::vector<double> momentum, count;
+    std::vector<double> momentum, count;  // volume times velocity and volume, m^4/s and m^3
 
     explicit Tiles(const Channel& channel)
         : x(channel.x),
@@ -23,17 +24,16 @@ struct Tiles {
           momentum(nx * nz, 0),
           count(nx * nz, 0) {}
 
-    void sample(const fluid::Particles& p) {
+    void sample(const Water& water) {
         const auto along = [](double v, const Interval& span, std::size_t n) {
             const double place = (v - span.lo) / span.length() * static_cast<double>(n);
             return std::min(static_cast<std::size_t>(std::max(place, 0.0)), n - 1);
         };
-        for (std::size_t i = 0; i < p.count; ++i) {
-            const std::size_t tile =
-                along(static_cast<double>(p.z[i]), z, nz) * nx + along(static_cast<double>(p.x[i]), x, nx);
-            momentum[tile] -= static_cast<double>(p.vx[i]);
-            count[tile] += 1;
-        }
+        water.for_each_parcel([&](const Parcel& parcel) {
+            const std::size_t tile = along(parcel.z, z, nz) * nx + along(parcel.x, x, nx);
+            momentum[tile] -= parcel.volume * parcel.vx;
+            count[tile] += parcel.volume;
+        });
     }
 
     [[nodiscard]] double worst(double velocity) const {
@@ -65,44 +65,40 @@ double mean(const std::vector<std::vector<double>>& rows, std::size_t first, std
 }  // namespace
 
 Result run_river(const Scene& scene, double exact_velocity) {
-    fluid::FluidWorld world(scene);
+    const std::unique_ptr<Water> water = make_water(scene);
     const Channel& channel = scene.channel;
     const int frames = frames_in(scene, scene.duration);
     const int averaged = frames_in(scene, std::min(scene.duration / 4, 100.0));
-    const double mass = static_cast<double>(world.particle_mass());
     Tiles tiles(channel);
     Cost cost;
-    double driving = 0;
     double worst_speed = 0;
     Curve curve{"history", {"t_s", "depth_m", "exact_depth_m", "velocity_m_s", "exact_velocity_m_s"}, {}};
     for (int f = 1; f <= frames; ++f) {
-        advance_frame(world, cost,
-                      [&](const fluid::StepReport& step) { driving += step.driving_acceleration * step.dt; });
-        const fluid::RiverMeasures river = fluid::measure_river(world.particles(), mass, scene.world.gravity);
+        water->advance(cost);
+        const fluid::RiverMeasures river = water->measures();
         curve.rows.push_back({f / scene.frame_rate, river.mean_depth, channel.depth, river.mean_speed, exact_velocity});
         worst_speed = std::max(worst_speed, std::abs(river.mean_speed / exact_velocity - 1));
         if (f > frames - averaged) {
-            tiles.sample(world.particles());
+            tiles.sample(*water);
         }
     }
 
     const auto& rows = curve.rows;
     const std::size_t window = rows.size() - static_cast<std::size_t>(averaged);
-    const double areal =
-        static_cast<double>(world.particles().count) * mass / (channel.x.length() * channel.z.length());
+    const double areal = water->volume() / (channel.x.length() * channel.z.length());
     Result result;
-    note_cost(cost, world, result);
+    water->note(cost, result);
     result.metrics = {
-        {"mass", std::abs(areal / (scene.fluid.rest_density * channel.depth) - 1), "1"},
+        {"mass", std::abs(areal / channel.depth - 1), "1"},
         {"depth", std::abs(mean(rows, window, 1) / channel.depth - 1), "1"},
         {"speed", std::abs(mean(rows, window, 3) / exact_velocity - 1), "1"},
         {"worst_speed", worst_speed, "1"},
         {"worst_tile", tiles.worst(exact_velocity), "1"},
         {"depth_drift", std::abs(60 * slope(rows, rows.size() / 2, 1) / channel.depth), "1/min"},
         {"speed_drift", std::abs(60 * slope(rows, rows.size() / 2, 3) / exact_velocity), "1/min"},
-        {"driving_acceleration", driving / scene.duration, "m/s2"},
+        {"driving_acceleration", water->driving() / scene.duration, "m/s2"},
         {"max_density_error", cost.max_density_error, "1"},
-        {"position_clamps", static_cast<double>(world.position_clamps()), "1"},
+        {"position_clamps", water->position_clamps(), "1"},
     };
     // A point a second is enough for a plot.
     const auto every = static_cast<std::size_t>(std::max(1L, std::lround(scene.frame_rate)));

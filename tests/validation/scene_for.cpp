@@ -26,6 +26,13 @@ Scene scene_for(const Request& request, const std::string& name, const std::vect
     if (request.spacing > 0) {
         add(assign("/fluid/particle_spacing_m", request.spacing));
     }
+    // A grid gets cells as large as the particles are apart, unless the request says otherwise.
+    const bool on_grid = std::any_of(request.overrides.begin(), request.overrides.end(), [](const std::string& text) {
+        return text.starts_with("/fluid/model=") && text.find("shallow_water") != std::string::npos;
+    });
+    if (request.spacing > 0 && on_grid) {
+        add(assign("/fluid/shallow_water/cell_size_m", request.spacing));
+    }
     std::for_each(sizes.begin(), sizes.end(), add);
     std::for_each(request.overrides.begin(), request.overrides.end(), add);
     if (!capacity_given) {

@@ -163,6 +163,33 @@ TEST_CASE("iteration limits that contradict one another are refused") {
         0);
 }
 
+TEST_CASE("shallow water refuses what has no place in it") {
+    const auto refused = [](const std::string& channel, const std::string& more = "") {
+        return refusal(R"({"fluid": {"model": "shallow_water", "viscosity_m2_s": 0.1}, "channel": {)" + channel + "}" +
+                       more + "}");
+    };
+    const std::string block = R"("water_blocks": [{"x_min_m": 5, "x_max_m": 9, "z_min_m": 11, "z_max_m": 20, )";
+    CHECK_NOTHROW(
+        load_patched(R"({"fluid": {"model": "shallow_water"}, "channel": {)" + block + R"("depth_m": 2}]}})"));
+    CHECK_THAT(refused(R"("top": "wall", "height_m": 3)"),
+               Equals("scene.json: /fluid/model: \"shallow_water\" has a free surface, and /channel/top is \"wall\"; "
+                      "allowed: \"open\", or the model \"dfsph\"."));
+    CHECK_THAT(refused(R"("no_slip": [{"plane": "bed"}])"), Contains("/channel/no_slip would have no effect"));
+    CHECK_THAT(refused("", R"(, "world": {"gravity_m_s2": 0})"), Contains("/world/gravity_m_s2: 0 m/s2"));
+    CHECK_THAT(refused(block + R"("depth_m": 2, "y_min_m": 1}])"),
+               Contains("/channel/water_blocks/0/y_min_m: 1 m: the water of \"shallow_water\" stands on the bed"));
+    CHECK_THAT(refused(block + R"("depth_m": 2, "velocity_y_m_s": 1}])"),
+               Contains("/channel/water_blocks/0/velocity_y_m_s: 1 m/s"));
+    const std::string model = R"({"fluid": {"model": "shallow_water"}})";
+    CHECK_THAT(refusal(model, {"/fluid/cfl=0.7"}), Contains("/fluid/cfl: 0.7 is too large for the model"));
+    CHECK_THAT(refusal(model, {"/fluid/shallow_water/cell_size_m=50"}),
+               Contains("/fluid/shallow_water/cell_size_m: 50 m is larger than the channel's length of 40 m"));
+    CHECK_THAT(refusal(model, {"/fluid/shallow_water/cell_size_m=0.001"}), Contains("more than 1e+08 cells"));
+    CHECK_THAT(refusal(model, {"/fluid/shallow_water/cell_size_m=0"}), Contains("/fluid/shallow_water/cell_size_m"));
+    CHECK_THAT(refused("", R"(, "obstacles": [)" + box(5, 5.3, 12, 13, "height_m") + "]"),
+               Contains("/obstacles/0: the obstacle is 0.3 m long in x, less than a cell of 0.5 m"));
+}
+
 TEST_CASE("a kinematic stream in a closed channel or round an obstacle is refused") {
     const std::string kinematic = R"({"fluid": {"model": "kinematic"}, "channel": )";
     CHECK_THAT(refusal(kinematic + R"({}})"), Equals("scene.json: /fluid/model: \"kinematic\" is a stream of given "

@@ -1,0 +1,40 @@
+#pragma once
+// What lies beyond the border of the grid.
+//
+//   x.lo  emitter: a fall; closed: a wall; recirculating, periodic: the other end
+//   x.hi  emitter: an inflow of given discharge; else as x.lo
+//   z     a wall on each side, or the other side
+//
+// A wall is a mirror: its ghost cells are the images of the cells before it. Over the fall water leaves as it comes where
+// it is supercritical; else it passes the edge with the critical flow to which it speeds up, u + 2 c = 3 c_critical along
+// the wave that comes from upstream. The inflow brings the discharge v_F * depth. Where v_F is above the wave speed of
+// channel.depth it comes in with that depth, unless the water before it stands so high that it drowns the opening. Else
+// its depth follows from the wave that runs upstream, u - 2 c constant, and is not less than the critical one.
+
+#include <vector>
+
+#include "fluid_server/shallow_water/face_flux.hpp"
+#include "fluid_server/shallow_water/grid.hpp"
+
+namespace wade::fluid::shallow_water {
+
+// The state by cell that fluxes are made from, ghosts included.
+struct Primitive {
+    RowMemory h, eta, u, v;  // depth and height of the surface, m; velocity along x and across, m/s
+
+    explicit Primitive(const Grid& grid)
+        : h(grid.stored(), 0), eta(grid.stored(), 0), u(grid.stored(), 0), v(grid.stored(), 0) {}
+};
+
+// Fills the ghost cells.
+void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity);
+
+// Depth at the inflow, m. discharge: per width, >= 0, m^2/s; nozzle_depth: of the opening, m; h, u: in the cell before it,
+// u > 0 downstream.
+[[nodiscard]] double inflow_depth(double discharge, double nozzle_depth, double h, double u, double gravity);
+
+// Replaces the flux through the last face of a row, at x.hi, by that of the inflow. h, u: of the row's last cell, along +x.
+void set_inflow(const FluxRow& flux, std::size_t face, double discharge, double nozzle_depth, double h, double u,
+                double gravity);
+
+}  // namespace wade::fluid::shallow_water

@@ -1,0 +1,148 @@
+#include "fluid_server/shallow_water/column_particles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace wade::fluid::shallow_water {
+
+namespace {
+
+constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
+
+// In cells: how far each particle of a row lies further across than the one before, and each row further along.
+constexpr double next_across = 0.7548776662466927;
+constexpr double next_row_along = 0.6180339887498949;
+
+// The finaliser of SplitMix64 (Steele, Lea, Flood 2014).
+constexpr std::uint64_t mix(std::uint64_t v) {
+    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    v = (v ^ (v >> 27)) * 0x94d049bb133111ebULL;
+    return v ^ (v >> 31);
+}
+
+double in_unit(std::uint64_t bits) {
+    return static_cast<double>(bits >> 11) * 0x1p-53;
+}
+
+// The number a near n / golden ratio that has no divisor in common with n: the points (k, k a mod n) / n are spread evenly.
+std::uint32_t generator_of(std::uint32_t n) {
+    const auto wanted = static_cast<std::uint32_t>(std::lround(n * 0.6180339887498949));
+    for (std::uint32_t off = 0; off < n; ++off) {
+        if (wanted + off < n && std::gcd(wanted + off, n) == 1) return wanted + off;
+        if (wanted > off && std::gcd(wanted - off, n) == 1) return wanted - off;
+    }
+    return 1;
+}
+
+// The largest float below v, so that a place at the end of the channel is in it.
+float inside(double v, const Interval& extent) {
+    const auto place = static_cast<float>(v);
+    if (static_cast<double>(place) >= extent.hi) return std::nextafter(static_cast<float>(extent.hi), 0.0F);
+    return std::max(place, static_cast<float>(extent.lo));
+}
+
+}  // namespace
+
+ColumnParticles::ColumnParticles(const ShallowWater& world)
+    : rest_density_(world.scene.fluid.rest_density),
+      particle_volume_(std::pow(world.scene.fluid.particle_spacing, 3)),
+      start_across_(in_unit(mix(world.scene.seed + 2 * golden))),
+      capacity_(static_cast<std::uint32_t>(static_cast<std::size_t>(std::max(world.scene.fluid.max_particles, 0)) +
+                                           world.grid.cells())),
+      drift_x_(world.grid.cells(), 0),
+      drift_z_(world.grid.cells(), 0),
+      particles_(world.grid.cells(), 0),
+      row_begin_(world.grid.nz + 1, 0) {
+    const double first = in_unit(mix(world.scene.seed + golden));
+    for (std::size_t k = 0; k < world.grid.nz; ++k) {
+        const double start = first + static_cast<double>(k) * next_row_along;
+        std::fill_n(drift_x_.begin() + static_cast<std::ptrdiff_t>(k * world.grid.nx), world.grid.nx,
+                    start - std::floor(start));
+    }
+    count(world);
+}
+
+void ColumnParticles::drift(const ShallowWater& world, double dt) {
+    const Grid& grid = world.grid;
+    for (std::size_t k = 0; k < grid.nz; ++k) {
+        const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k)), first = k * grid.nx;
+        for (std::size_t i = 0; i < grid.nx; ++i) {
+            drift_x_[first + i] += world.primitive.u[c + i] * (dt / grid.dx);
+            drift_z_[first + i] += world.primitive.v[c + i] * (dt / grid.dz);
+        }
+    }
+}
+
+void ColumnParticles::count_with(const ShallowWater& world, double volume) {
+    const Grid& grid = world.grid;
+    const double per_depth = grid.cell_area() / volume;
+    double shown = 0, all = 0;
+    for (std::size_t k = 0; k < grid.nz; ++k) {
+        const double* h = world.water.h.data() + grid.row(static_cast<std::ptrdiff_t>(k));
+        std::uint64_t sum = 0;
+        for (std::size_t i = 0; i < grid.nx; ++i) {
+            const bool wet = h[i] > world.constants.dry;
+            const auto n = wet ? static_cast<std::uint32_t>(std::ceil(h[i] * per_depth)) : 0U;
+            particles_[k * grid.nx + i] = n;
+            sum += n;
+            shown += wet ? h[i] : 0.0;
+            all += h[i];
+        }
+        row_begin_[k + 1] = row_begin_[k] + sum;
+    }
+    film_share_ = shown > 0 ? (all - shown) / shown : 0;
+}
+
+void ColumnParticles::count(const ShallowWater& world) {
+    for (double volume = particle_volume_;; volume *= 1.25) {
+        count_with(world, volume);
+        if (row_begin_.back() <= capacity_) break;
+    }
+    const std::uint32_t most = *std::max_element(particles_.begin(), particles_.end());
+    for (auto n = static_cast<std::uint32_t>(across_of_.size()); n <= most; ++n) across_of_.push_back(generator_of(n));
+}
+
+std::uint32_t ColumnParticles::write(const ShallowWater& world, const shm::FrameFields& slot) const {
+    const auto rows = static_cast<std::ptrdiff_t>(world.grid.nz);
+#pragma omp parallel for schedule(static) if (row_begin_.back() >= 4096)
+    for (std::ptrdiff_t k = 0; k < rows; ++k) write_row(world, static_cast<std::size_t>(k), slot);
+    return static_cast<std::uint32_t>(row_begin_.back());
+}
+
+void ColumnParticles::write_row(const ShallowWater& world, std::size_t k, const shm::FrameFields& slot) const {
+    const Grid& grid = world.grid;
+    const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
+    const double z_lo = grid.z.lo + static_cast<double>(k) * grid.dz;
+    std::uint64_t to = row_begin_[k];
+    for (std::size_t i = 0; i < grid.nx; ++i) {
+        const std::uint32_t n = particles_[k * grid.nx + i];
+        if (n == 0) continue;
+        const double h = world.water.h[c + i], bed = world.bed.height[c + i];
+        const double share = 1.0 / n;
+        // With the films' mass the momentum stays that of the grid.
+        const auto mass = static_cast<float>(rest_density_ * grid.cell_area() * h * share * (1 + film_share_));
+        const auto vx = static_cast<float>(world.primitive.u[c + i] / (1 + film_share_));
+        const auto vz = static_cast<float>(world.primitive.v[c + i] / (1 + film_share_));
+        const double drift_x = drift_x_[k * grid.nx + i], drift_z = drift_z_[k * grid.nx + i];
+        const double x_lo = grid.x.lo + static_cast<double>(i) * grid.dx;
+        for (std::uint32_t p = 0; p < n; ++p, ++to) {
+            const double along = (p + 0.5) * share + drift_x;
+            const double laps = std::floor(along);
+            // Counts on along the row, and moves from cell to cell with the particles.
+            const double label = static_cast<double>(i) - laps;
+            const std::uint64_t step = std::uint64_t{p} * across_of_[n];
+            const double across =
+                (static_cast<double>(step % n) + 0.5) * share + label * next_across + start_across_ + drift_z;
+            slot.mass[to] = mass;
+            slot.vx[to] = vx;
+            slot.vy[to] = 0;
+            slot.vz[to] = vz;
+            slot.px[to] = inside(x_lo + (along - laps) * grid.dx, grid.x);
+            slot.py[to] = static_cast<float>(bed + (p + 0.5) * share * h);
+            slot.pz[to] = inside(z_lo + (across - std::floor(across)) * grid.dz, grid.z);
+        }
+    }
+}
+
+}  // namespace wade::fluid::shallow_water

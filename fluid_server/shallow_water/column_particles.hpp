@@ -1,0 +1,57 @@
+#pragma once
+// The columns of the grid as particles, which is what the crowd takes.
+//
+// A wet cell of volume V is n particles, V / d^3 rounded up, d the scene's particle spacing. Each has the n-th part of the
+// cell's mass and the cell's velocity, so that mass and momentum of all particles are those of the grid; the mass of films
+// too thin to have a velocity is shared by all.
+//
+//    +-----------+   n places spread evenly over the cell (points k/n along, k a/n across, modulo 1, a/n near the golden
+//    |  .      . |   ratio; one in each of n layers over the depth) drift with the velocity of the cell. A place that
+//    |      .    |   leaves the cell at one side comes in at the other; there it is the next particle along the stream,
+//    |  .      . |   which lies 0.755 of a cell further across, the rows 0.618 of a cell further along than their
+//    +-----------+   neighbours: numbers whose multiples fill the cell evenly (Roberts 2018, the R sequences). Where the
+//                    stream is uniform the next cell does the same, so that particles drift on from cell to cell.
+//
+// So the mass in contact with an agent is that of the water column in the mean over time, wherever the agent stands: the
+// stream brings particles past it at all distances.
+
+#include <cstdint>
+#include <vector>
+
+#include "fluid_server/shallow_water/step.hpp"
+#include "shm_protocol/stream.hpp"
+
+namespace wade::fluid::shallow_water {
+
+class ColumnParticles {
+ public:
+    explicit ColumnParticles(const ShallowWater& world);
+
+    // Room that a frame needs at most: max_particles of the scene and one more a cell.
+    [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
+
+    // Moves the places on by dt, s, at the velocities that the water has.
+    void drift(const ShallowWater& world, double dt);
+
+    // Counts the particles of each cell; where they would be more than the capacity, larger and fewer ones are made.
+    void count(const ShallowWater& world);
+
+    // Writes the particles of the water that was counted last; returns their number.
+    std::uint32_t write(const ShallowWater& world, const shm::FrameFields& slot) const;
+
+ private:
+    void count_with(const ShallowWater& world, double volume);
+    void write_row(const ShallowWater& world, std::size_t k, const shm::FrameFields& slot) const;
+
+    double rest_density_;
+    double particle_volume_;  // d^3, m^3
+    double start_across_;     // in cells, by the seed
+    std::uint32_t capacity_;
+    std::vector<double> drift_x_, drift_z_;  // by cell, in cells since t = 0
+    std::vector<std::uint32_t> particles_;   // by cell
+    std::vector<std::uint64_t> row_begin_;   // of its particles in the frame, and their number behind the last
+    std::vector<std::uint32_t> across_of_;   // a, by n
+    double film_share_ = 0;                  // mass of all water over that of the cells with particles, less 1
+};
+
+}  // namespace wade::fluid::shallow_water

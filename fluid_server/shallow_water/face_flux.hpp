@@ -1,0 +1,51 @@
+#pragma once
+// From cells to the flux through the faces between them: reconstruction and Riemann solver, a row of faces at a time.
+//
+// Each cell is given straight profiles of depth h, surface eta = h + b and velocity. At a face they leave a state on the
+// lower side, l, and on the upper side, r, whose beds may differ. The hydrostatic reconstruction (Audusse, Bouchut,
+// Bristeau, Klein and Perthame 2004, SIAM J. Sci. Comput. 25, Eq. 2.11 to 2.16) lets both stand on the higher bed,
+//
+//   b* = max(b_l, b_r),   h*_l = max(0, eta_l - b*),   h*_r = max(0, eta_r - b*),
+//
+// and the flux of these states through the face is that of Harten, Lax and van Leer (1983) with the wave speeds of two
+// rarefactions, or of a front on dry ground (Toro 2001, Shock-Capturing Methods, sections 10.4 and 10.6); momentum along
+// the face goes with the mass, as in HLLC. Slopes are those of the monotonised central limiter (van Leer 1977).
+//
+// The momentum that a cell gets across its face is written without the hydrostatic pressure of its own side, F - g h*^2/2:
+// what the reconstruction adds, g/2 (h^2 - h*^2), and the bed's slope inside the cell, then sum up to g h times the slope
+// of the surface, which is zero to the last bit where the water is level.
+
+#include <cstddef>
+
+namespace wade::fluid::shallow_water {
+
+// Cells, or slopes of cells, one after the other; `normal` to the faces and `along` them are the velocities.
+struct Cells {
+    const double *h, *eta, *normal, *along;
+};
+struct SlopeRow {
+    double *h, *eta, *normal, *along;
+    [[nodiscard]] operator Cells() const { return {h, eta, normal, along}; }  // NOLINT(google-explicit-constructor)
+};
+
+// What passes through the faces per width and second: mass / density in m^2/s, momentum / density in m^3/s^2.
+struct FluxRow {
+    double *mass, *along;
+    double *into_lower, *into_upper;  // normal momentum, without g h*^2/2 of the lower and of the upper side
+};
+
+struct FluxConstants {
+    double gravity = 9.81;  // across the bed, m/s^2
+    double dry = 1e-5;      // depth up to which a cell counts as dry, m
+};
+
+// Change of each quantity over a cell, of n cells whose neighbours below and above are given.
+void limited_slopes(const Cells& below, const Cells& here, const Cells& above, std::size_t n, const SlopeRow& slopes);
+
+// Flux through n faces, from `lower` to `upper` cells.
+// wall: null, or by face 1 if the upper cell, -1 if the lower cell, is part of an obstacle and the other is not. Where its
+// top is dry and no lower than the water beside it the face is a wall: the water meets its mirror image.
+void face_fluxes(const Cells& lower, const Cells& lower_slopes, const Cells& upper, const Cells& upper_slopes,
+                 const double* wall, std::size_t n, const FluxConstants& constants, const FluxRow& flux);
+
+}  // namespace wade::fluid::shallow_water

@@ -1,0 +1,82 @@
+#include "fluid_server/shallow_water/model.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "configs/exit_code.hpp"
+#include "configs/scene_checks.hpp"
+
+namespace wade::fluid::shallow_water {
+
+shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval) {
+    const auto start = std::chrono::steady_clock::now();
+    const double frame_time = interval.duration();
+    shm::Diagnostics d;
+    double driving = 0;
+    double remaining = frame_time;
+    // What is left after the last sub-step is rounding.
+    while (remaining > 1e-9 * frame_time) {
+        StepReport report;
+        try {
+            report = step(world_, remaining);
+        } catch (const RunError& error) {
+            throw RunError(error.code(),
+                           "the water failed at t = " + short_number(world_.time) + " s: " + error.what());
+        }
+        particles_.drift(world_, report.dt);
+        remaining -= report.dt;
+        ++d.sub_steps;
+        d.last_dt_s = report.dt;
+        driving += report.driving_acceleration * report.dt;
+        outflow_ += report.outflow;
+        cell_steps_ += static_cast<double>(world_.grid.cells());
+    }
+    const auto elapsed = std::chrono::steady_clock::now() - start;
+    particles_.count(world_);
+    const Measures all = measure(world_);
+    d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());
+    if (all.volume > 0) {
+        d.mean_depth_m = all.mean_depth;
+        d.mean_speed_m_s = all.mean_speed;
+    }
+    d.kinetic_energy_j = all.kinetic_energy;
+    d.potential_energy_j = all.potential_energy;
+    if (world_.scene.channel.flow == Flow::recirculating) d.driving_acceleration_m_s2 = driving / frame_time;
+    d.recycled_particles =
+        static_cast<std::uint64_t>(std::max(0.0, outflow_ / std::pow(world_.scene.fluid.particle_spacing, 3)));
+    return d;
+}
+
+std::string ShallowWaterModel::remarks() const {
+    char text[120];
+    std::snprintf(text, sizeof text, "grid of %zu x %zu cells of %.4g m x %.4g m, %.4g M cell-steps", world_.grid.nx,
+                  world_.grid.nz, world_.grid.dx, world_.grid.dz, 1e-6 * cell_steps_);
+    return text;
+}
+
+Measures measure(const ShallowWater& world) {
+    const Grid& grid = world.grid;
+    const double mass_of_depth = world.scene.fluid.rest_density * grid.cell_area();
+    Measures sum;
+    double squares = 0, momentum = 0;
+    for (std::size_t k = 0; k < grid.nz; ++k) {
+        const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
+        for (std::size_t i = c; i < c + grid.nx; ++i) {
+            const double h = world.water.h[i], u = world.primitive.u[i], v = world.primitive.v[i];
+            sum.volume += h;
+            squares += h * h;
+            momentum -= world.water.qx[i];
+            sum.kinetic_energy += 0.5 * h * (u * u + v * v);
+            sum.potential_energy += h * (world.bed.height[i] + 0.5 * h);
+        }
+    }
+    sum.mean_depth = squares / sum.volume;
+    sum.mean_speed = momentum / sum.volume;
+    sum.kinetic_energy *= mass_of_depth;
+    sum.potential_energy *= mass_of_depth * world.scene.world.gravity;
+    sum.volume *= grid.cell_area();
+    return sum;
+}
+
+}  // namespace wade::fluid::shallow_water

@@ -1,0 +1,39 @@
+#pragma once
+// The shallow-water equations as a model of the server.
+
+#include "fluid_server/fluid_model.hpp"
+#include "fluid_server/shallow_water/column_particles.hpp"
+#include "fluid_server/shallow_water/step.hpp"
+
+namespace wade::fluid::shallow_water {
+
+class ShallowWaterModel final : public FluidModel {
+ public:
+    explicit ShallowWaterModel(const Scene& scene) : world_(scene), particles_(world_) {}
+
+    [[nodiscard]] std::string_view name() const override { return "shallow_water"; }
+    [[nodiscard]] std::uint32_t capacity() const override { return particles_.capacity(); }
+    shm::Diagnostics advance_frame(const FrameInterval& interval) override;
+    std::uint32_t write_frame(const shm::FrameFields& slot) const override { return particles_.write(world_, slot); }
+    [[nodiscard]] std::string remarks() const override;
+
+    [[nodiscard]] const ShallowWater& world() const { return world_; }
+
+ private:
+    ShallowWater world_;
+    ColumnParticles particles_;
+    double outflow_ = 0;  // m^3 since t = 0
+    double cell_steps_ = 0;
+};
+
+// Measures of all water, see shm::Diagnostics; NaN where there is none.
+struct Measures {
+    double mean_depth = 0;        // m, twice the mean height of the mass above the bed
+    double mean_speed = 0;        // m/s, towards -x
+    double kinetic_energy = 0;    // J
+    double potential_energy = 0;  // J, above y = 0
+    double volume = 0;            // m^3
+};
+[[nodiscard]] Measures measure(const ShallowWater& world);
+
+}  // namespace wade::fluid::shallow_water

@@ -1,0 +1,42 @@
+#pragma once
+// One Euler step of a band of rows, and loops over a row.
+
+#include <cstddef>
+#include <vector>
+
+#include "fluid_server/shallow_water/face_flux.hpp"
+#include "fluid_server/shallow_water/step.hpp"
+
+namespace wade::fluid::shallow_water {
+
+struct StageTerms {
+    FluxConstants constants;
+    double acceleration = 0;  // along x, m/s^2
+    double manning_n = 0;     // s/m^(1/3)
+    double share = 1;         // of the Euler step in the result; the rest is `base`
+    double dt = 0;            // s
+    double discharge = 0;     // of the inflow, m^2/s
+};
+
+struct BandFrom {
+    const Water& water;
+    const Primitive& primitive;  // of `water`, ghosts included
+    const Water& base;
+};
+struct BandTo {
+    Water& water;
+    Primitive& primitive;  // without ghosts
+};
+
+// to = (1 - share) base + share (from + dt L(from)) / (1 + dt k) in rows [begin, end). Writes sums of the rows in the world.
+void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
+                 RowMemory& buffer, const BandTo& to);
+
+// Depth, surface and velocity of n cells; the velocity is 0 up to the depth `dry`.
+void find_primitive(const double* h, const double* qx, const double* qz, const double* bed, std::size_t n, double dry,
+                    const SlopeRow& primitive);
+
+// The largest (|u| + c) per_dx + (|v| + c) per_dz of a row, 1/s; NaN or infinite if a value is. cells: normal is u.
+[[nodiscard]] double fastest_of_row(const Cells& cells, std::size_t n, double gravity, double per_dx, double per_dz);
+
+}  // namespace wade::fluid::shallow_water

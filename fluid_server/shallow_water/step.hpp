@@ -1,0 +1,84 @@
+#pragma once
+// Water whose pressure is hydrostatic and whose velocity is that of its whole depth: the shallow-water equations
+//
+//   dh/dt     + d(h u)/dx                + d(h v)/dz                = 0
+//   d(h u)/dt + d(h u^2 + g h^2/2)/dx    + d(h u v)/dz              = -g h db/dx + h a - k h u
+//   d(h v)/dt + d(h u v)/dx              + d(h v^2 + g h^2/2)/dz    = -g h db/dz       - k h v
+//
+// h: depth, m; u, v: depth-averaged velocity along x and across, m/s; b: height of the bed; a: acceleration along x by the
+// slope of the channel; k = g n^2 sqrt(u^2 + v^2) / h^(4/3): Manning's friction, of a film that of 1 mm at least.
+//
+// Finite volumes, second order in space (face_flux.hpp) and time: one time step is Heun's method, two Euler steps of
+//
+//   U' = (U + dt L(U)) / (1 + dt k),   U_new = (U + U'')/2,
+//
+// with the friction of the old state taken implicitly, so that it stops water at most. Depths stay positive as long as
+// dt (s_x / dx + s_z / dz) <= 1/2, s the fastest wave each way; a step after which one is negative is taken anew with half
+// of dt, as waves may speed up within it. A recirculating channel gets, after each step, the
+// velocity along x that all of it lacks to v_F.
+
+#include <vector>
+
+#include "fluid_server/shallow_water/boundary.hpp"
+#include "fluid_server/shallow_water/face_flux.hpp"
+#include "fluid_server/shallow_water/grid.hpp"
+
+namespace wade::fluid::shallow_water {
+
+struct StepReport {
+    double dt = 0;                    // s
+    double driving_acceleration = 0;  // of a recirculating channel, m/s2 towards -x, as a mean over the step
+    double inflow = 0, outflow = 0;   // volume that came in at x.hi and left at x.lo, m^3
+};
+
+struct ShallowWater {
+    explicit ShallowWater(const Scene& its_scene);
+
+    Scene scene;
+    Grid grid;
+    Bed bed;
+    Water water;          // at `time`; the ghost cells of these hold nothing
+    Primitive primitive;  // of `water`
+    double time = 0;      // s
+    FluxConstants constants;
+    double acceleration = 0;  // a, m/s^2
+
+    // Of the step at hand; kept for their memory.
+    Water stage, next;
+    Primitive stage_primitive;
+    RowMemory wall_x, wall_z;         // see face_fluxes(), of faces along x and across; empty without obstacles
+    std::vector<double> row_fastest;  // by row: largest s_x / dx + s_z / dz, 1/s
+    std::vector<double> row_least;    // by row: smallest depth, below 0 where a step was too long
+    std::vector<double> row_volume, row_momentum;  // by row: sums of h and of h u
+    std::vector<double> row_inflow, row_outflow;   // by row: mass flux at x.hi and x.lo, m^2/s
+    std::vector<RowMemory> buffers;                // by thread
+};
+
+// Advances by the longest time step that is stable, at most `remaining` and a whole part of it. Throws RunError
+// (numerical_failure) if the water is not finite.
+StepReport step(ShallowWater& world, double remaining);
+
+// Sets depth and velocity of each cell from functions of its centre: f(x, z), m and m/s.
+template <typename Depth, typename VelocityX, typename VelocityZ>
+void set_water(ShallowWater& world, Depth&& depth, VelocityX&& u, VelocityZ&& v);
+
+// To be called after a change of `water`.
+void update_primitive(ShallowWater& world);
+
+template <typename Depth, typename VelocityX, typename VelocityZ>
+void set_water(ShallowWater& world, Depth&& depth, VelocityX&& u, VelocityZ&& v) {
+    const Grid& grid = world.grid;
+    for (std::size_t k = 0; k < grid.nz; ++k) {
+        for (std::size_t i = 0; i < grid.nx; ++i) {
+            const double x = grid.x.lo + (static_cast<double>(i) + 0.5) * grid.dx;
+            const double z = grid.z.lo + (static_cast<double>(k) + 0.5) * grid.dz;
+            const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k)) + i;
+            world.water.h[c] = depth(x, z);
+            world.water.qx[c] = world.water.h[c] * u(x, z);
+            world.water.qz[c] = world.water.h[c] * v(x, z);
+        }
+    }
+    update_primitive(world);
+}
+
+}  // namespace wade::fluid::shallow_water
