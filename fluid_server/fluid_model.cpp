@@ -3,6 +3,7 @@
 #include "configs/exit_code.hpp"
 #include "fluid_server/dfsph_model.hpp"
 #include "fluid_server/kinematic_stream.hpp"
+#include "fluid_server/steering/steering_model.hpp"
 
 namespace wade::fluid {
 
@@ -14,6 +15,9 @@ void FluidModel::restore(const FluidState&, const std::string& source) {
 std::unique_ptr<FluidModel> make_fluid_model(const Scene& scene) {
     if (scene.fluid.model == wade::FluidModel::kinematic) {
         return std::make_unique<KinematicStream>(scene);
+    }
+    if (scene.fluid.model == wade::FluidModel::steering) {
+        return std::make_unique<SteeringModel>(scene);
     }
     return std::make_unique<DfsphModel>(scene);
 }

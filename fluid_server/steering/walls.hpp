@@ -1,0 +1,40 @@
+#pragma once
+// Walls that push and take speed: bed, banks, ends, lid, box obstacles. Their hard restriction is Solids::apply_contact.
+//
+//   push   w ((r / s)^2 - 1) n     loss   - l (1 - s / r) v      s < r: distance to the face, n: its normal
+
+#include <vector>
+
+#include "fluid_server/bed_profile.hpp"
+#include "fluid_server/solids.hpp"
+#include "fluid_server/steering/settings.hpp"
+
+namespace wade::fluid::steering {
+
+class Walls {
+ public:
+    Walls(const Solids& solids, const Channel& channel, const Settings& settings);
+
+    // Adds the acceleration, m/s^2, of a particle of mass 1 at x with velocity v.
+    void add_acceleration(const Vec3& x, const Vec3& v, Vec3& a) const {
+        if (is_far(x)) return;
+        add_near(x, v, a);
+    }
+
+ private:
+    [[nodiscard]] bool is_far(const Vec3& x) const { return bed_.empty() && obstacles_.empty() && contains(quiet_, x); }
+    void add_near(const Vec3& x, const Vec3& v, Vec3& a) const;
+    void add_face(const Vec3& normal, float distance, const Vec3& v, Vec3& a) const;
+
+    Box interior_;
+    Box quiet_;  // the interior less the radius
+    std::vector<Box> obstacles_;
+    std::vector<BedFacet> bed_;
+    float radius_, push_, loss_;
+};
+
+// Pushes a sphere of radius R, m, out of walls: what its velocity, m/s, may be so that it does not enter one within dt, s.
+void keep_sphere_out(const Solids& solids, const std::vector<BedFacet>& bed, const std::array<double, 3>& centre,
+                     double radius, double dt, std::array<double, 3>& velocity);
+
+}  // namespace wade::fluid::steering
