@@ -233,6 +233,19 @@ struct NavigationSettings {
     double every = 1;     // time after which fields with crowding are solved again, s; 0: never
 };
 
+enum class EvasionRule {
+    off,
+    flee,    // from where the water is
+    evasion  // from where it will be
+};
+
+// How agents keep away from water that comes.
+struct EvasionSettings {
+    EvasionRule rule = EvasionRule::off;
+    double radius = 2;      // within which they see water, m
+    double prediction = 1;  // longest time ahead, s
+};
+
 struct Crowd {
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second
@@ -243,6 +256,7 @@ struct Crowd {
     BodyRule bodies = BodyRule::none;
     double body_radius = 0.25;
     NavigationSettings navigation;
+    EvasionSettings evasion;
     double perception_radius = 1.0;  // R, markers within it are perceived
     double goal_radius = 3.0;        // an agent within it has arrived
     RagdollRule ragdoll;

@@ -58,6 +58,8 @@ constexpr std::array body_rules{std::pair{"none", BodyRule::none}, std::pair{"fa
                                 std::pair{"human", BodyRule::human}};
 constexpr std::array navigation_rules{std::pair{"straight", NavigationRule::straight},
                                       std::pair{"travel_time", NavigationRule::travel_time}};
+constexpr std::array evasion_rules{std::pair{"off", EvasionRule::off}, std::pair{"flee", EvasionRule::flee},
+                                   std::pair{"evasion", EvasionRule::evasion}};
 constexpr std::array ragdoll_conditions{
     std::pair{"off", RagdollCondition::off}, std::pair{"paper", RagdollCondition::paper},
     std::pair{"local_speed", RagdollCondition::local_speed}, std::pair{"depth_speed", RagdollCondition::depth_speed}};
@@ -210,6 +212,8 @@ Crowd crowd_from(const json& j) {
     crowd.bodies = choice_of(j.at("bodies"), body_rules);
     crowd.body_radius = j.at("body_radius_m");
     crowd.navigation = navigation_from(j.at("navigation"));
+    const json& evasion = j.at("evasion");
+    crowd.evasion = {choice_of(evasion.at("rule"), evasion_rules), evasion.at("radius_m"), evasion.at("prediction_s")};
     crowd.perception_radius = j.at("perception_radius_m");
     crowd.goal_radius = j.at("goal_radius_m");
     crowd.ragdoll = ragdoll_from(j.at("ragdoll"));

@@ -17,8 +17,8 @@ double run_for(SteeringWorld& world, double time, const std::function<void(doubl
 
 // Of water at rest in a box.
 struct Packing {
-    double spacing = 0;  // mean distance of the nearest neighbour, m
-    double density = 0;  // of the inner third of the height, over rest density
+    double spacing = 0;          // mean distance of the nearest neighbour, m
+    double density = 0;          // of the inner third of the height, over rest density
     double bottom = 0, top = 0;  // of the lowest and the highest sixth below the surface
     double depth = 0;            // of the water: twice the mean height, m
     double unevenness = 0;       // largest less smallest surface height of columns 4 d wide, m

@@ -20,6 +20,7 @@ from results import comparison, read, summary, write  # noqa: E402
 PROGRAMS = (
     ("bench_kernels", ("machine/", "kernels/"), False),
     ("bench_fluid", ("fluid/",), True),
+    ("bench_steering", ("steering/",), True),
     ("bench_crowd", ("crowd/",), False),
     ("bench_coupling", ("coupling/",), True),
     ("bench_protocol", ("protocol/",), True),
