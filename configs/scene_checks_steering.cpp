@@ -57,7 +57,8 @@ void check_reach(const Scene& scene, const std::string& source) {
                    " d reach behind the layers that wait in the emitter; allowed: <= " + short_number(waiting) +
                    " d, or the kernel \"wendland_c2\" for 3 d.");
     }
-    const double shortest = 3 * (reach.radius + margin) * d;
+    // Nobody may see another twice; sight is exact, so that two radii do.
+    const double shortest = 2 * (reach.radius + margin) * d;
     const auto check = [&](bool periodic, double length, const char* pointer) {
         if (!periodic || length >= shortest * (1 - rounding)) return;
         refuse(

@@ -50,4 +50,13 @@ inline float push(float radius, float distance) {
     return q * q - 1;
 }
 
+// Its work from a distance to the end of the radius, m.
+inline double push_work(double radius, double distance) {
+    if (!(distance < radius)) return 0;
+    const double nearest = static_cast<double>(nearest_fraction) * radius;
+    const double at = distance > nearest ? distance : nearest;
+    const double most = radius * radius / (nearest * nearest) - 1;
+    return radius * radius / at - 2 * radius + at + most * (at - distance);
+}
+
 }  // namespace wade::fluid::steering

@@ -315,6 +315,7 @@ Energies SteeringWorld::energies() const {
     Energies e;
     for (std::size_t i = 0; i < p.count; ++i) {
         const auto x = static_cast<double>(p.vx[i]), y = static_cast<double>(p.vy[i]), z = static_cast<double>(p.vz[i]);
+        e.walls += particle_mass_ * walls_.energy({p.x[i], p.y[i], p.z[i]});
         e.kinetic += 0.5 * mass(i) * (x * x + y * y + z * z);
         e.gravity -= mass(i) * (gravity_y_ * static_cast<double>(p.y[i]) + gravity_x_ * static_cast<double>(p.x[i]));
     }
@@ -325,13 +326,7 @@ Energies SteeringWorld::energies() const {
     for_each_neighbour([&](std::size_t i, std::size_t j, double r) {
         const double mean = 0.5 * static_cast<double>(radius_factors(p)[i] + radius_factors(p)[j]);
         const double radius = mean * static_cast<double>(s.separation_radius);
-        const double nearest = static_cast<double>(nearest_fraction) * radius;
-        double work = 0;
-        if (r < radius) {
-            const double at = std::max(r, nearest);
-            work += static_cast<double>(s.separation) * (radius * radius / at - 2 * radius + at);
-            work += static_cast<double>(s.separation) * (radius * radius / (nearest * nearest) - 1) * (at - r);
-        }
+        double work = static_cast<double>(s.separation) * push_work(radius, r);
         const double from = std::max(r, mean * static_cast<double>(s.no_pull_within));
         if (from < outer) work -= pull * (outer - from) + growth * (std::pow(outer, 3) - std::pow(from, 3)) / 3;
         e.pairs += 0.5 * particle_mass_ * work;

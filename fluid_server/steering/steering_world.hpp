@@ -35,10 +35,10 @@ struct SteeringStep {
     bool new_lists = false;
 };
 
-// Kinetic energy, potential energy of gravity above y = 0 and of the pairs, J.
+// Kinetic energy, and potential energy of gravity above y = 0, of the pairs and of the push of walls, J.
 struct Energies {
-    double kinetic = 0, gravity = 0, pairs = 0;
-    [[nodiscard]] double total() const { return kinetic + gravity + pairs; }
+    double kinetic = 0, gravity = 0, pairs = 0, walls = 0;
+    [[nodiscard]] double total() const { return kinetic + gravity + pairs + walls; }
 };
 
 class SteeringWorld {

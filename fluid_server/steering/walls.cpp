@@ -32,36 +32,47 @@ Walls::Walls(const Solids& solids, const Channel& channel, const Settings& setti
     }
 }
 
-void Walls::add_face(const Vec3& normal, float distance, const Vec3& v, Vec3& a) const {
-    const float pushed = push_ * push(radius_, distance);
-    const float lost = loss_ * std::clamp(1 - distance / radius_, 0.0F, 1.0F);
-    for (std::size_t k = 0; k < 3; ++k) a[k] += pushed * normal[k] - lost * v[k];
-}
-
-void Walls::add_near(const Vec3& x, const Vec3& v, Vec3& a) const {
+template <typename OnFace>
+void Walls::for_each_face(const Vec3& x, OnFace&& on_face) const {
     for (std::size_t k = 0; k < 3; ++k) {
         Vec3 normal{};
         if (x[k] < quiet_.lo[k]) {
             normal[k] = 1;
-            add_face(normal, x[k] - interior_.lo[k], v, a);
+            on_face(normal, x[k] - interior_.lo[k]);
         }
         if (x[k] > quiet_.hi[k]) {
             normal[k] = -1;
-            add_face(normal, interior_.hi[k] - x[k], v, a);
+            on_face(normal, interior_.hi[k] - x[k]);
         }
     }
     if (!bed_.empty()) {
         const BedFacet& facet = facet_at(bed_, x[0]);
         const float distance = facet.distance(x[0], x[1]);
-        if (distance < radius_) add_face({facet.nx, facet.ny, 0}, distance, v, a);
+        if (distance < radius_) on_face(Vec3{facet.nx, facet.ny, 0}, distance);
     }
     for (const Box& box : obstacles_) {
         const Vec3 way = way_from_box(box, x);
         const float distance = std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
         if (distance > 0 && distance < radius_) {
-            add_face({way[0] / distance, way[1] / distance, way[2] / distance}, distance, v, a);
+            on_face(Vec3{way[0] / distance, way[1] / distance, way[2] / distance}, distance);
         }
     }
+}
+
+void Walls::add_near(const Vec3& x, const Vec3& v, Vec3& a) const {
+    for_each_face(x, [&](const Vec3& normal, float distance) {
+        const float pushed = push_ * push(radius_, distance);
+        const float lost = loss_ * std::clamp(1 - distance / radius_, 0.0F, 1.0F);
+        for (std::size_t k = 0; k < 3; ++k) a[k] += pushed * normal[k] - lost * v[k];
+    });
+}
+
+double Walls::energy(const Vec3& x) const {
+    double work = 0;
+    for_each_face(x, [&](const Vec3&, float distance) {
+        work += static_cast<double>(push_) * push_work(static_cast<double>(radius_), static_cast<double>(distance));
+    });
+    return work;
 }
 
 void keep_sphere_out(const Solids& solids, const std::vector<BedFacet>& bed, const std::array<double, 3>& centre,

@@ -17,14 +17,18 @@ class Walls {
 
     // Adds the acceleration, m/s^2, of a particle of mass 1 at x with velocity v.
     void add_acceleration(const Vec3& x, const Vec3& v, Vec3& a) const {
-        if (is_far(x)) return;
-        add_near(x, v, a);
+        if (!is_far(x)) add_near(x, v, a);
     }
+
+    // What a particle of mass 1 at x has in store of the push, m^2/s^2.
+    [[nodiscard]] double energy(const Vec3& x) const;
 
  private:
     [[nodiscard]] bool is_far(const Vec3& x) const { return bed_.empty() && obstacles_.empty() && contains(quiet_, x); }
     void add_near(const Vec3& x, const Vec3& v, Vec3& a) const;
-    void add_face(const Vec3& normal, float distance, const Vec3& v, Vec3& a) const;
+    // Calls on_face(normal, distance) for each face nearer than the radius.
+    template <typename OnFace>
+    void for_each_face(const Vec3& x, OnFace&& on_face) const;
 
     Box interior_;
     Box quiet_;  // the interior less the radius

@@ -72,7 +72,7 @@ Packing measure_packing(const SteeringWorld& world) {
     result.bottom = between(0, 1.0 / 6);
     result.top = between(4.0 / 6, 5.0 / 6);
 
-    // The surface of a column: the mean height of its three highest particles.
+    // The surface of a column: the mean height of the highest particles, half a layer of it.
     const auto columns_x = static_cast<std::size_t>(std::max(1.0, std::floor(channel.x.length() / (4 * d))));
     const auto columns_z = static_cast<std::size_t>(std::max(1.0, std::floor(channel.z.length() / (4 * d))));
     std::vector<std::vector<double>> columns(columns_x * columns_z);
@@ -88,7 +88,8 @@ Packing measure_packing(const SteeringWorld& world) {
     for (std::vector<double>& column : columns) {
         std::sort(column.rbegin(), column.rend());
         double level = 0;
-        for (std::size_t k = 0; k < 3 && k < column.size(); ++k) level += column[k] / 3;
+        const std::size_t highest_few = std::min<std::size_t>(8, column.size());
+        for (std::size_t k = 0; k < highest_few; ++k) level += column[k] / static_cast<double>(highest_few);
         lowest = std::min(lowest, level);
         highest = std::max(highest, level);
     }
@@ -98,23 +99,23 @@ Packing measure_packing(const SteeringWorld& world) {
 
 void Profile::add(const SteeringWorld& world) {
     const fluid::Particles& p = world.particles();
-    const Interval& z = world.scene().channel.z;
+    const double height = world.scene().channel.height;
     const auto bins = static_cast<double>(velocity.size());
     for (std::size_t i = 0; i < p.count; ++i) {
-        const double share = (static_cast<double>(p.z[i]) - z.lo) / z.length();
+        const double share = static_cast<double>(p.y[i]) / height;
         const auto k = static_cast<std::size_t>(std::clamp(share * bins, 0.0, bins - 1));
         velocity[k] -= static_cast<double>(p.vx[i]);
         count[k] += 1;
     }
 }
 
-Parabola fit_parabola(const Profile& profile, double width) {
+Parabola fit_parabola(const Profile& profile, double height) {
     // Normal equations of (slip, curvature).
     const auto bins = static_cast<double>(profile.velocity.size());
     double n = 0, q = 0, qq = 0, u = 0, uq = 0;
     const auto shape = [&](std::size_t k) {
-        const double z = (static_cast<double>(k) + 0.5) / bins * width;
-        return z * (width - z);
+        const double y = (static_cast<double>(k) + 0.5) / bins * height;
+        return y * (height - y);
     };
     for (std::size_t k = 0; k < profile.velocity.size(); ++k) {
         n += 1, q += shape(k), qq += shape(k) * shape(k), u += profile.mean(k), uq += profile.mean(k) * shape(k);

@@ -25,7 +25,7 @@ struct Packing {
 };
 [[nodiscard]] Packing measure_packing(const SteeringWorld& world);
 
-// Mean velocity along x by position across (z), in `bins` of the channel's width, m/s; adds to `sums`.
+// Mean velocity along -x by height, in bins of the channel's height, m/s.
 struct Profile {
     std::vector<double> velocity, count;
     explicit Profile(std::size_t bins) : velocity(bins), count(bins) {}
@@ -33,10 +33,10 @@ struct Profile {
     [[nodiscard]] double mean(std::size_t k) const { return count[k] > 0 ? velocity[k] / count[k] : 0; }
 };
 
-// u(z) = slip + curvature (z - z0)(z1 - z), least squares.
+// u(y) = slip + curvature y (height - y), least squares.
 struct Parabola {
     double slip = 0, curvature = 0, residual = 0;  // residual: rms over the span of u
 };
-[[nodiscard]] Parabola fit_parabola(const Profile& profile, double width);
+[[nodiscard]] Parabola fit_parabola(const Profile& profile, double height);
 
 }  // namespace wade::steering_map

@@ -3,6 +3,7 @@
 
 #include "configs/exit_code.hpp"
 #include "flock_pair.hpp"
+#include "fluid_server/fluid_state.hpp"
 #include "fluid_server/steering/steering_model.hpp"
 
 using namespace wade;
