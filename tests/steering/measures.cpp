@@ -132,4 +132,28 @@ Parabola fit_parabola(const Profile& profile, double height) {
     return fit;
 }
 
+Bingham fit_bingham(const Profile& profile, double height, double drive) {
+    const std::size_t bins = profile.velocity.size();
+    const double step = height / static_cast<double>(bins);
+    std::vector<double> rates, stresses;
+    double steepest = 0;
+    for (std::size_t k = 0; k + 1 < bins; ++k) {
+        const double from_middle = 0.5 * height - (static_cast<double>(k) + 1) * step;
+        // Positive where the velocity falls towards the planes.
+        rates.push_back((profile.mean(k + 1) - profile.mean(k)) / step * (from_middle < 0 ? -1 : 1));
+        stresses.push_back(drive * std::abs(from_middle));
+        steepest = std::max(steepest, rates.back());
+    }
+    double n = 0, r = 0, rr = 0, s = 0, rs = 0;
+    for (std::size_t k = 0; k < rates.size(); ++k) {
+        if (rates[k] < 0.05 * steepest) continue;
+        n += 1, r += rates[k], rr += rates[k] * rates[k], s += stresses[k], rs += rates[k] * stresses[k];
+    }
+    Bingham fit;
+    fit.viscosity = (n * rs - r * s) / (n * rr - r * r);
+    fit.yield = (s - fit.viscosity * r) / n;
+    fit.sheared = n / static_cast<double>(rates.size());
+    return fit;
+}
+
 }  // namespace wade::steering_map

@@ -39,4 +39,13 @@ struct Parabola {
 };
 [[nodiscard]] Parabola fit_parabola(const Profile& profile, double height);
 
+// Of a fluid with a yield stress, stress = yield + viscosity * shear rate (Bingham 1922), least squares over the heights at which
+// the profile shears by more than a twentieth of its steepest. drive: acceleration along the planes, m/s^2; stress over density.
+struct Bingham {
+    double yield = 0;      // m^2/s^2
+    double viscosity = 0;  // m^2/s
+    double sheared = 0;    // share of the height that shears
+};
+[[nodiscard]] Bingham fit_bingham(const Profile& profile, double height, double drive);
+
 }  // namespace wade::steering_map

@@ -6,6 +6,7 @@
 // OUT/settling.csv    time until the kinetic energy is 1e-4 of its largest over the losses
 // OUT/energy.csv      kinetic energy in time
 
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -22,11 +23,13 @@ using namespace wade::steering_map;
 
 using Values = std::vector<std::pair<std::string, double>>;  // keys below /fluid/steering
 
-SteeringWorld world_of(const std::string& file, const Values& values) {
+// gravity: m/s^2, below 0 that of the scene.
+SteeringWorld world_of(const std::string& file, const Values& values, double gravity = -1) {
     std::vector<SceneOverride> overrides;
     for (const auto& [key, value] : values) {
         overrides.push_back({"/fluid/steering/" + key, std::to_string(value), "steering_map"});
     }
+    if (gravity >= 0) overrides.push_back({"/world/gravity_m_s2", std::to_string(gravity), "steering_map"});
     return SteeringWorld(load_scene(std::string(WADE_CONFIGS) + "/models/" + file, overrides).scene);
 }
 
@@ -63,32 +66,41 @@ void map_rest(const std::string& out) {
 
 void map_viscosity(const std::string& out) {
     std::ofstream csv(out + "/viscosity.csv"), profiles(out + "/profiles.csv");
-    csv << "cohesion_weight,loss_weight,viscosity_over_U_d,slip_over_U,peak_over_U,residual\n";
-    profiles << "cohesion_weight,loss_weight,height_d,velocity_over_U,fit_over_U\n";
-    const auto measure = [&](double cohesion, double loss) {
-        SteeringWorld world = world_of("planes.json", {{"cohesion/weight", cohesion}, {"loss/weight", loss}});
+    csv << "cohesion_weight,loss_weight,wall_stress_over_U2,parabola_viscosity_over_U_d,residual,bingham_viscosity_"
+           "over_U_d,"
+           "yield_stress_over_U2,sheared,slip_over_U,peak_over_U\n";
+    profiles << "cohesion_weight,loss_weight,wall_stress_over_U2,height_d,velocity_over_U,fit_over_U\n";
+    // wall_stress: drive times half the height, over U^2.
+    const auto measure = [&](double cohesion, double loss, double wall_stress) {
+        const double height = 1.2, V = 1;
+        // g sin 45 h / 2 = wall_stress U^2 with U^2 = g h + V^2.
+        const double share = wall_stress * 2 * std::sqrt(2.0);
+        const double gravity = share * V * V / (height * (1 - share));
+        SteeringWorld world = world_of("planes.json", {{"cohesion/weight", cohesion}, {"loss/weight", loss}}, gravity);
         const Scene& scene = world.scene();
-        const double height = scene.channel.height, U = world.settings().speed, d = world.settings().spacing;
+        const double U = world.settings().speed, d = world.settings().spacing;
         run_for(world, scene.duration / 2);
         Profile profile(12);
         run_for(world, scene.duration / 2, [&](double) { profile.add(world); });
-        const Parabola fit = fit_parabola(profile, height);
-        // Of a steady flow F = 2 nu curvature.
         const double drive = scene.world.gravity * std::sqrt(0.5);
-        const double viscosity = drive / (2 * fit.curvature);
+        const Parabola fit = fit_parabola(profile, height);
+        const Bingham bingham = fit_bingham(profile, height, drive);
         double peak = 0;
         for (std::size_t k = 0; k < 12; ++k) {
             const double y = (static_cast<double>(k) + 0.5) * height / 12;
             peak = std::max(peak, profile.mean(k));
-            profiles << cohesion << ',' << loss << ',' << y / d << ',' << profile.mean(k) / U << ','
-                     << (fit.slip + fit.curvature * y * (height - y)) / U << '\n';
+            profiles << cohesion << ',' << loss << ',' << wall_stress << ',' << y / d << ',' << profile.mean(k) / U
+                     << ',' << (fit.slip + fit.curvature * y * (height - y)) / U << '\n';
         }
         profiles.flush();
-        csv << cohesion << ',' << loss << ',' << viscosity / (U * d) << ',' << fit.slip / U << ',' << peak / U << ','
-            << fit.residual << std::endl;
+        // Of a steady flow drive = 2 nu curvature.
+        csv << cohesion << ',' << loss << ',' << wall_stress << ',' << drive / (2 * fit.curvature) / (U * d) << ','
+            << fit.residual << ',' << bingham.viscosity / (U * d) << ',' << bingham.yield / (U * U) << ','
+            << bingham.sheared << ',' << profile.mean(0) / U << ',' << peak / U << std::endl;
     };
-    for (const double cohesion : {0.0, 0.002, 0.01, 0.03, 0.1}) measure(cohesion, 0.3);
-    for (const double loss : {0.05, 0.1, 0.2, 0.6, 1.2}) measure(0.002, loss);
+    for (const double stress : {0.02, 0.05, 0.1, 0.2}) measure(0.002, 0.3, stress);
+    for (const double cohesion : {0.0, 0.01, 0.03, 0.1}) measure(cohesion, 0.3, 0.2);
+    for (const double loss : {0.05, 0.1, 0.6, 1.2}) measure(0.002, loss, 0.2);
 }
 
 void map_settling(const std::string& out) {

@@ -5,6 +5,7 @@
 
 #include "cases.hpp"
 #include "dam_break.hpp"
+#include "other_models.hpp"
 #include "slice.hpp"
 
 namespace wade::validation {
@@ -30,6 +31,7 @@ double shock_place(const Columns& columns, double dam_x, double threshold) {
 
 Result run(const Request& request, const char* name) {
     const Scene scene = scene_for(request, name, slice_sizes(request, 2));
+    refuse_other_models(scene, {FluidModel::dfsph});
     fluid::FluidWorld world(scene);
     const WaterBlock& reservoir = scene.channel.water_blocks.at(0);
     const WaterBlock& tail = scene.channel.water_blocks.at(1);
@@ -41,8 +43,12 @@ Result run(const Request& request, const char* name) {
     Curve profile;
     Curve shock{"shock", {"t_s", "shock_m", "exact_shock_m"}, {}};
     double worst_shock = 0;
+    const auto next_frame = [&]() -> const fluid::Particles& {
+        advance_frame(world, cost);
+        return world.particles();
+    };
     const DamBreakErrors errors =
-        run_dam_break(dam, world, cost, profile, [&](double t, double scaled, const Columns& c) {
+        run_dam_break(dam, next_frame, profile, [&](double t, double scaled, const Columns& c) {
             const double place = shock_place(c, dam.dam_x, (exact.h_middle + exact.h_right) / 2);
             const double truth = exact.shock_speed * t;
             shock.rows.push_back({t, place, truth});

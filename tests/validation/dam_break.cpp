@@ -28,8 +28,7 @@ void check_duration(const DamBreak& dam, double first) {
     throw ConfigurationError(scene.name + text);
 }
 
-DamBreakErrors run_dam_break(const DamBreak& dam, fluid::FluidWorld& world, Cost& cost, Curve& last,
-                             const OnFrame& on_frame) {
+DamBreakErrors run_dam_break(const DamBreak& dam, const NextFrame& next_frame, Curve& last, const OnFrame& on_frame) {
     const Scene& scene = dam.scene;
     const double g = scene.world.gravity;
     const double wave = std::sqrt(g * dam.depth);
@@ -38,14 +37,14 @@ DamBreakErrors run_dam_break(const DamBreak& dam, fluid::FluidWorld& world, Cost
     DamBreakErrors errors;
     last = {"profile", {"s_m", "depth_m", "exact_depth_m", "velocity_m_s", "exact_velocity_m_s"}, {}};
     for (int f = 1; f <= frames; ++f) {
-        advance_frame(world, cost);
+        const fluid::Particles& particles = next_frame();
         const double t = f / scene.frame_rate;
         const double scaled = t * std::sqrt(g / dam.depth);
         if (scaled < first_compared || scaled > 8) {
             continue;
         }
         Columns columns = make_columns(scene.channel.x, scene.channel.z.length(), dam.depth / 5);
-        sample(world.particles(), scene.fluid.particle_spacing, columns);
+        sample(particles, scene.fluid.particle_spacing, columns);
         double depth_error = 0;
         double speed_error = 0;
         int compared = 0;

@@ -33,9 +33,11 @@ void check_duration(const DamBreak& dam, double first);
 // Calls on_frame(t, scaled time, columns) for each frame between t sqrt(g/H) = 4 and 8.
 using OnFrame = std::function<void(double t, double scaled, const Columns& columns)>;
 
+// Advances the water by a frame of the scene and returns its particles.
+using NextFrame = std::function<const fluid::Particles&()>;
+
 // Runs the scene to its end. Depth and mean velocity of columns H/5 long are compared where the exact depth at their
 // centre is above 0.15 H; this length is the same at every spacing, so that errors of several spacings are comparable.
-DamBreakErrors run_dam_break(const DamBreak& dam, fluid::FluidWorld& world, Cost& cost, Curve& last,
-                             const OnFrame& on_frame);
+DamBreakErrors run_dam_break(const DamBreak& dam, const NextFrame& next_frame, Curve& last, const OnFrame& on_frame);
 
 }  // namespace wade::validation
