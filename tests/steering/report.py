@@ -49,9 +49,9 @@ def rest(folder):
     rows = rows_of(folder / "rest.csv")
     if not rows:
         return ""
-    base = min(row["cohesion_weight"] for row in rows if row["separation_radius_d"] == 1.0)
+    base = 0.0
     by_radius = [row for row in rows if row["cohesion_weight"] == base]
-    by_cohesion = sorted((r for r in rows if r["separation_radius_d"] == 1.15), key=lambda r: r["cohesion_weight"])
+    by_cohesion = sorted((r for r in rows if r["separation_radius_d"] == 1.12), key=lambda r: r["cohesion_weight"])
     figure, ax = axes(2, [("radius of separation, d", "spacing, d; density over rest density"),
                           ("weight of cohesion", "spacing, d; density over rest density")])
     for a, some, key in ((ax[0], by_radius, "separation_radius_d"), (ax[1], by_cohesion, "cohesion_weight")):
@@ -72,24 +72,31 @@ def viscosity(folder):
     rows = rows_of(folder / "viscosity.csv")
     if not rows:
         return ""
-    cohesion = sorted((r for r in rows if r["loss_weight"] == 0.3), key=lambda r: r["cohesion_weight"])
-    loss = sorted((r for r in rows if r["cohesion_weight"] == 0.002), key=lambda r: r["loss_weight"])
-    figure, ax = axes(3, [("weight of cohesion", "apparent viscosity, U d"), ("weight of the loss", "apparent viscosity, U d"),
-                          ("velocity, U", "height, d")])
-    ax[0].plot([r["cohesion_weight"] for r in cohesion], [r["viscosity_over_U_d"] for r in cohesion], "o-")
-    ax[1].plot([r["loss_weight"] for r in loss], [r["viscosity_over_U_d"] for r in loss], "o-")
+    strong = max(r["wall_stress_over_U2"] for r in rows)
+    at_strong = [r for r in rows if r["wall_stress_over_U2"] == strong]
+    cohesion = sorted((r for r in at_strong if r["loss_weight"] == 0.1), key=lambda r: r["cohesion_weight"])
+    loss = sorted((r for r in at_strong if r["cohesion_weight"] == 0), key=lambda r: r["loss_weight"])
+    figure, ax = axes(3, [("weight of cohesion", "U d; U^2"), ("weight of the loss", "U d; U^2"), ("velocity, U", "height, d")])
+    for a, some, key in ((ax[0], cohesion, "cohesion_weight"), (ax[1], loss, "loss_weight")):
+        x = [r[key] for r in some]
+        a.plot(x, [r["parabola_viscosity_over_U_d"] for r in some], "o-", label="viscosity, parabola")
+        a.plot(x, [r["bingham_viscosity_over_U_d"] for r in some], "s-", label="viscosity, Bingham")
+        a.plot(x, [r["yield_stress_over_U2"] for r in some], "^:", label="yield stress, Bingham")
+        a.legend(fontsize=8)
     profiles = rows_of(folder / "profiles.csv")
-    chosen = sorted({(r["cohesion_weight"], r["loss_weight"]) for r in profiles})
-    for k, (c, l) in enumerate(chosen):
-        some = [r for r in profiles if (r["cohesion_weight"], r["loss_weight"]) == (c, l)]
-        line, = ax[2].plot([r["velocity_over_U"] for r in some], [r["height_d"] for r in some], ".", color=f"C{k}",
-                           label=f"{c:g}, {l:g}")
+    chosen = sorted({(r["cohesion_weight"], r["loss_weight"], r["wall_stress_over_U2"]) for r in profiles})
+    for k, key in enumerate(chosen):
+        some = [r for r in profiles if (r["cohesion_weight"], r["loss_weight"], r["wall_stress_over_U2"]) == key]
+        line, = ax[2].plot([r["velocity_over_U"] for r in some], [r["height_d"] for r in some], ".", color=f"C{k % 10}",
+                           label=", ".join(f"{v:g}" for v in key))
         ax[2].plot([r["fit_over_U"] for r in some], [r["height_d"] for r in some], "-", lw=0.8, color=line.get_color())
-    ax[2].legend(title="cohesion, loss", fontsize=7)
+    ax[2].legend(title="cohesion, loss, wall stress", fontsize=6)
     save(figure, folder / "viscosity.png")
     columns = [("cohesion_weight", "weight of cohesion"), ("loss_weight", "weight of the loss"),
-               ("viscosity_over_U_d", "apparent viscosity, U d"), ("slip_over_U", "slip at the planes, U"),
-               ("peak_over_U", "peak, U"), ("residual", "residual of the fit, of the span")]
+               ("wall_stress_over_U2", "stress at the planes, U^2"), ("parabola_viscosity_over_U_d", "viscosity by a parabola, U d"),
+               ("residual", "residual, of the span"), ("bingham_viscosity_over_U_d", "viscosity by Bingham, U d"),
+               ("yield_stress_over_U2", "yield stress, U^2"), ("sheared", "share of the height that shears"),
+               ("slip_over_U", "slip, U"), ("peak_over_U", "peak, U")]
     return "## Apparent viscosity between planes\n\n![](viscosity.png)\n\n" + table(rows, columns) + "\n"
 
 

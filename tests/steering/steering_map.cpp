@@ -60,8 +60,8 @@ void map_rest(const std::string& out) {
         csv << radius << ',' << cohesion << ',' << p.spacing / d << ',' << p.density << ',' << p.bottom << ',' << p.top
             << ',' << p.depth / 0.8 << ',' << p.unevenness / d << std::endl;
     };
-    for (const double radius : {1.0, 1.05, 1.1, 1.15, 1.2, 1.3}) measure(radius, 0.002);
-    for (const double cohesion : {0.0, 0.01, 0.03, 0.1}) measure(1.15, cohesion);
+    for (const double radius : {1.0, 1.05, 1.1, 1.12, 1.15, 1.2, 1.3}) measure(radius, 0.0);
+    for (const double cohesion : {0.01, 0.03, 0.1}) measure(1.12, cohesion);
 }
 
 void map_viscosity(const std::string& out) {
@@ -98,9 +98,9 @@ void map_viscosity(const std::string& out) {
             << fit.residual << ',' << bingham.viscosity / (U * d) << ',' << bingham.yield / (U * U) << ','
             << bingham.sheared << ',' << profile.mean(0) / U << ',' << peak / U << std::endl;
     };
-    for (const double stress : {0.02, 0.05, 0.1, 0.2}) measure(0.002, 0.3, stress);
-    for (const double cohesion : {0.0, 0.01, 0.03, 0.1}) measure(cohesion, 0.3, 0.2);
-    for (const double loss : {0.05, 0.1, 0.6, 1.2}) measure(0.002, loss, 0.2);
+    for (const double stress : {0.02, 0.05, 0.1, 0.2}) measure(0.0, 0.1, stress);
+    for (const double cohesion : {0.01, 0.03, 0.1}) measure(cohesion, 0.1, 0.2);
+    for (const double loss : {0.05, 0.2, 0.4, 0.8}) measure(0.0, loss, 0.2);
 }
 
 void map_settling(const std::string& out) {
@@ -123,8 +123,8 @@ void map_settling(const std::string& out) {
         energy.flush();
         csv << loss << ',' << wall << ',' << watch.time() << ',' << last / largest << ',' << growth << std::endl;
     };
-    for (const double loss : {0.0, 0.05, 0.1, 0.3, 0.6, 1.2}) measure(loss, 0.02);
-    for (const double wall : {0.0, 0.1, 0.5, 2.0}) measure(0.3, wall);
+    for (const double loss : {0.0, 0.02, 0.05, 0.1, 0.3, 1.0}) measure(loss, 0.02);
+    for (const double wall : {0.0, 0.2, 1.0}) measure(0.1, wall);
 }
 
 }  // namespace

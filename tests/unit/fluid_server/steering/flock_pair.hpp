@@ -65,16 +65,16 @@ inline std::vector<Vec3> accelerations(const Vehicles& vehicles, const steering:
     return result;
 }
 
-// A tank of steering water with the weights of the schema.
+// A tank of steering water with the weights of the schema, and some cohesion.
 inline Scene steering_tank(double length, double width, double depth, double spacing) {
     Scene scene = tank(length, width, depth, spacing);
     scene.fluid.model = wade::FluidModel::steering;
     scene.fluid.cfl = 0.5;
     wade::Steering& s = scene.fluid.steering;
-    s.separation = {1.15, 180, 4};
+    s.separation = {1.12, 180, 4};
     s.alignment = {2, 180, 0};
     s.cohesion = {2, 180, 0.002};
-    s.loss = 0.3, s.loss_radius = 1.5;
+    s.loss = 0.1, s.loss_radius = 1.5;
     s.wall_radius = 0.6, s.wall_weight = 4, s.wall_loss = 0.02;
     s.max_force = 20, s.max_speed = 4;
     return scene;
