@@ -5,6 +5,7 @@
 // OUT/profiles.csv    the velocities between the planes
 // OUT/settling.csv    time until the kinetic energy is 1e-4 of its largest over the losses
 // OUT/energy.csv      kinetic energy in time
+// OUT/dam.csv         dam break over a dry bed, error and CPU time beside DFSPH
 
 #include <cmath>
 #include <cstdio>
@@ -15,6 +16,7 @@
 
 #include "configs/scene_loader.hpp"
 #include "tests/steering/measures.hpp"
+#include "tests/validation/cases.hpp"
 
 namespace {
 
@@ -127,11 +129,41 @@ void map_settling(const std::string& out) {
     for (const double wall : {0.0, 0.2, 1.0}) measure(0.1, wall);
 }
 
+// The case dam_break of the validation with both waters.
+void map_dam(const std::string& out) {
+    std::ofstream csv(out + "/dam.csv"), profiles(out + "/dam_profiles.csv");
+    csv << "model,spacing_m,particles,depth_l1,speed_l1,tip_lag,cpu_s,steps,particle_steps_per_cpu_s\n";
+    profiles << "model,s,depth,exact_depth,velocity,exact_velocity\n";
+    const double wave = std::sqrt(9.81);
+    for (const double spacing : {0.2, 0.1, 0.05}) {
+        for (const std::string model : {"dfsph", "steering"}) {
+            validation::Request request;
+            request.spacing = spacing;
+            request.overrides = {"/fluid/model=" + model};
+            const validation::Result r = validation::dam_break_case().run(request);
+            const auto metric = [&](const char* name) {
+                for (const validation::Metric& m : r.metrics) {
+                    if (m.name == name) return m.value;
+                }
+                return std::numeric_limits<double>::quiet_NaN();
+            };
+            csv << model << ',' << spacing << ',' << r.particles << ',' << metric("depth_l1") << ','
+                << metric("speed_l1") << ',' << metric("tip_lag") << ',' << r.solver_cpu_time << ',' << r.steps << ','
+                << r.particle_steps / r.solver_cpu_time << std::endl;
+            if (spacing != 0.1) continue;
+            for (const std::vector<double>& row : r.curves.at(0).rows) {
+                profiles << model << ',' << row[0] << ',' << row[1] << ',' << row[2] << ',' << row[3] / wave << ','
+                         << row[4] / wave << '\n';
+            }
+        }
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     if (argc < 2 || std::strncmp(argv[1], "-", 1) == 0) {
-        std::fprintf(stderr, "Usage: steering_map OUT [rest] [viscosity] [settling]\n");
+        std::fprintf(stderr, "Usage: steering_map OUT [rest] [viscosity] [settling] [dam]\n");
         return 2;
     }
     const auto wanted = [&](const char* part) {
@@ -144,6 +176,7 @@ int main(int argc, char** argv) {
         if (wanted("rest")) map_rest(argv[1]);
         if (wanted("viscosity")) map_viscosity(argv[1]);
         if (wanted("settling")) map_settling(argv[1]);
+        if (wanted("dam")) map_dam(argv[1]);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "steering_map: %s\n", error.what());
         return 1;
