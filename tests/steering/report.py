@@ -141,7 +141,7 @@ def dam(folder):
         a.legend(fontsize=8)
     save(figure, folder / "dam.png")
     titles = {"model": "model", "spacing_m": "spacing, m", "particles": "particles", "depth_l1": "depth, L1 over H",
-              "speed_l1": "speed, L1 over sqrt(g H)", "cpu_s": "CPU time of the steps, s", "steps": "steps",
+              "speed_l1": "speed, L1 over sqrt(g H)", "tip_lag": "lag of the tip", "cpu_s": "CPU time of the steps, s", "steps": "steps",
               "particle_steps_per_cpu_s": "particle-steps a CPU second"}
     lines = ["| " + " | ".join(titles.values()) + " |", "|" + "---|" * len(titles)]
     for row in rows:
