@@ -60,6 +60,12 @@ SteeringWorld::SteeringWorld(const Scene& scene)
       gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
       outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
                                                      : -std::numeric_limits<float>::infinity()) {
+    const Channel& channel = scene.channel;
+    if (channel.flow == Flow::recirculating || channel.flow == Flow::periodic) {
+        period_[0] = static_cast<float>(channel.x.length());
+    }
+    if (channel.top == Top::periodic) period_[1] = static_cast<float>(channel.height);
+    if (channel.sides == Sides::periodic) period_[2] = static_cast<float>(channel.z.length());
     fill_scene(particles_, scene);
     if (scene.channel.flow == Flow::emitter) {
         emitter_.emplace(scene, particles_.count);
@@ -177,6 +183,15 @@ void SteeringWorld::drive(float dt, SteeringStep& report) {
     apply_body_force(particles_, static_cast<float>(a), 0, dt);
 }
 
+Vec3 SteeringWorld::nearest_image(std::size_t i, const Body& body) const {
+    Vec3 x{particles_.x[i], particles_.y[i], particles_.z[i]};
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (period_[k] == 0) continue;
+        x[k] -= period_[k] * std::round((x[k] - static_cast<float>(body.vehicle.position[k])) / period_[k]);
+    }
+    return x;
+}
+
 void SteeringWorld::push_by_bodies(float dt) {
     Particles& p = particles_;
     for (Body& body : bodies_) body.present = time_ + static_cast<double>(dt) > body.time;
@@ -187,7 +202,7 @@ void SteeringWorld::push_by_bodies(float dt) {
             for (std::size_t i = begin; i < end && bodies_[k].present; ++i) {
                 if (p.kind[i] != Kind::fluid) continue;
                 Vec3 v{p.vx[i], p.vy[i], p.vz[i]};
-                push_away(bodies_[k], settings_, {p.x[i], p.y[i], p.z[i]}, dt, mass(i), mass_factors(p)[i], v,
+                push_away(bodies_[k], settings_, nearest_image(i, bodies_[k]), dt, mass(i), mass_factors(p)[i], v,
                           reactions_[b][k]);
                 p.vx[i] = v[0], p.vy[i] = v[1], p.vz[i] = v[2];
             }

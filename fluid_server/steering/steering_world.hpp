@@ -75,6 +75,8 @@ class SteeringWorld {
     void set_classes(std::size_t begin);
     void accelerate(float dt);
     void drive(float dt, SteeringStep& report);
+    // A particle's place, or that of its image beyond a periodic border which is nearer to the body.
+    [[nodiscard]] Vec3 nearest_image(std::size_t i, const Body& body) const;
     void push_by_bodies(float dt);
     void move_bodies(double dt);
     void advance(float dt, SteeringStep& report);
@@ -97,6 +99,7 @@ class SteeringWorld {
     std::vector<float> ax_, ay_, az_;
     double gravity_x_, gravity_y_;  // m/s^2, tilted by the slope of the bed
     float outflow_x_;
+    Vec3 period_{};  // m; 0 where the axis is not periodic
     double time_ = 0;
     std::uint64_t position_clamps_ = 0;
     std::uint64_t born_ = 0;  // particles so far, for the draw of their class

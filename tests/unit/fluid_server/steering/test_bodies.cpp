@@ -67,3 +67,22 @@ TEST_CASE("a heavy sphere sinks, a light one floats, and the water closes over t
     CHECK(floating > 0.5);
     CHECK(floating < 0.8);
 }
+
+TEST_CASE("a sphere on a periodic border displaces water on both sides of it", "[steering]") {
+    Scene scene = steering_tank(0.9, 0.8, 0.6, 0.1);
+    scene.channel.flow = Flow::periodic;
+    scene.fluid.steering.bodies = {{{0.15, 0.3, 0.4}, {-0.5, 0, 0}, 0, 0.15, 1000}};
+    steering::SteeringWorld world(scene);
+    for (int k = 0; k < 30; ++k) {
+        for (double left = 1.0 / 30; left > 1e-9;) left -= world.step(left).dt;
+        const auto& centre = world.bodies()[0].vehicle.position;
+        for (std::size_t i = 0; i < world.particles().count; ++i) {
+            const Vec3 x = world.place(i);
+            double dx = static_cast<double>(x[0]) - centre[0];
+            dx -= 0.9 * std::round(dx / 0.9);
+            const double dy = static_cast<double>(x[1]) - centre[1], dz = static_cast<double>(x[2]) - centre[2];
+            // Those that it starts upon leave within the first steps.
+            if (k > 10) CHECK(dx * dx + dy * dy + dz * dz > 0.13 * 0.13);
+        }
+    }
+}
