@@ -19,9 +19,11 @@ def rows_of(path):
 
 
 def number(value):
+    if math.isnan(value):
+        return "plug"
     if math.isinf(value):
         return "more than 20"
-    return f"{value:.3g}"
+    return f"{value:.0f}" if value >= 1000 else f"{value:.3g}"
 
 
 def table(rows, columns):
@@ -58,12 +60,12 @@ def rest(folder):
         x = [row[key] for row in some]
         a.plot(x, [row["spacing_d"] for row in some], "o-", label="nearest neighbour")
         a.plot(x, [row["density"] for row in some], "s-", label="density, middle third")
-        a.plot(x, [row["density_bottom"] for row in some], "^:", label="density, bottom sixth")
+        a.plot(x, [1 / row["depth_over_filled"] for row in some], "^:", label="filled depth over depth")
         a.legend()
     save(figure, folder / "rest.png")
     columns = [("separation_radius_d", "radius of separation, d"), ("cohesion_weight", "weight of cohesion"),
                ("spacing_d", "nearest neighbour, d"), ("density", "density, middle third"),
-               ("density_bottom", "bottom sixth"), ("depth_over_filled", "depth over that filled in"),
+               ("depth_over_filled", "depth over that filled in"),
                ("unevenness_d", "unevenness of the surface, d")]
     return "## Spacing and density at rest\n\n![](rest.png)\n\n" + table(rows, columns) + "\n"
 
@@ -72,6 +74,12 @@ def viscosity(folder):
     rows = rows_of(folder / "viscosity.csv")
     if not rows:
         return ""
+    for row in rows:
+        # A plug, or too little of the height that shears for a line.
+        if row["parabola_viscosity_over_U_d"] < 0:
+            row["parabola_viscosity_over_U_d"] = math.nan
+        if row["bingham_viscosity_over_U_d"] <= 0:
+            row["bingham_viscosity_over_U_d"] = row["yield_stress_over_U2"] = math.nan
     strong = max(r["wall_stress_over_U2"] for r in rows)
     at_strong = [r for r in rows if r["wall_stress_over_U2"] == strong]
     cohesion = sorted((r for r in at_strong if r["loss_weight"] == 0.1), key=lambda r: r["cohesion_weight"])
@@ -90,7 +98,7 @@ def viscosity(folder):
         line, = ax[2].plot([r["velocity_over_U"] for r in some], [r["height_d"] for r in some], ".", color=f"C{k % 10}",
                            label=", ".join(f"{v:g}" for v in key))
         ax[2].plot([r["fit_over_U"] for r in some], [r["height_d"] for r in some], "-", lw=0.8, color=line.get_color())
-    ax[2].legend(title="cohesion, loss, wall stress", fontsize=6)
+    ax[2].legend(title="cohesion, loss,\nwall stress", fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))
     save(figure, folder / "viscosity.png")
     columns = [("cohesion_weight", "weight of cohesion"), ("loss_weight", "weight of the loss"),
                ("wall_stress_over_U2", "stress at the planes, U^2"), ("parabola_viscosity_over_U_d", "viscosity by a parabola, U d"),
