@@ -120,7 +120,8 @@ void map_settling(const std::string& out) {
             last = e.kinetic;
             growth = std::max(growth, (e.total() - lowest_total) / std::abs(e.total()));
             lowest_total = std::min(lowest_total, e.total());
-            energy << loss << ',' << wall << ',' << t << ',' << e.kinetic << '\n';
+            if (std::lround(t * world.scene().frame_rate) % 6 == 0)
+                energy << loss << ',' << wall << ',' << t << ',' << e.kinetic << '\n';
         });
         energy.flush();
         csv << loss << ',' << wall << ',' << watch.time() << ',' << last / largest << ',' << growth << std::endl;
