@@ -98,7 +98,7 @@ struct Obstacle {
     double height = 1;
 };
 
-enum class FluidModel { dfsph, kinematic, shallow_water };
+enum class FluidModel { dfsph, kinematic, shallow_water, steering };
 
 enum class VelocityProfile { uniform, logarithmic };
 
@@ -118,6 +118,54 @@ struct ShallowWaterGrid {
     double cell_size = 0.5;  // m
 };
 
+// One behaviour of a flock: whom it looks at, and how strong it is.
+struct FlockBehaviour {
+    double radius = 0;   // of the neighbourhood, in spacings d
+    double angle = 180;  // between the velocity and the way to a neighbour, degrees; 180: all round
+    double weight = 0;   // see the schema for the unit
+};
+
+enum class CohesionForm {
+    equal,   // each neighbour pulls alike
+    growing  // with the square of its distance
+};
+enum class LossForm { relative, absolute };
+enum class SteeringWalls { force, constraint, both };
+
+// Particles that differ from the others: a liquid of a density of its own.
+struct SteeringClass {
+    double share = 0;   // of all particles
+    double radius = 1;  // of separation, over that of the others
+    double mass = 1;    // over that of the others
+};
+
+// A sphere that falls into the water.
+struct SteeringBody {
+    std::array<double, 3> place{};  // of its centre at `time`, m
+    std::array<double, 3> velocity{};
+    double time = 0;  // when it appears, s
+    double radius = 0.1;
+    double density = 1000;
+};
+
+// The steering model: each particle is a vehicle of Reynolds that steers by its neighbours.
+struct Steering {
+    FlockBehaviour separation, alignment, cohesion;
+    CohesionForm cohesion_form = CohesionForm::equal;
+    bool only_where_needed = true;
+    double loss = 0;         // near neighbours
+    double loss_radius = 0;  // in spacings
+    LossForm loss_form = LossForm::relative;
+    SteeringWalls walls = SteeringWalls::both;
+    double wall_radius = 0;  // in spacings
+    double wall_weight = 0;
+    double wall_loss = 0;
+    double max_force = 0;
+    double max_speed = 0;
+    std::vector<SteeringClass> classes;
+    std::vector<SteeringBody> bodies;
+};
+
 enum class KernelKind { cubic_spline, wendland_c2 };
 
 struct PressureSolve {
@@ -130,6 +178,7 @@ struct Fluid {
     FluidModel model = FluidModel::dfsph;
     Kinematic kinematic;
     ShallowWaterGrid shallow_water;
+    Steering steering;
     double particle_spacing = 0;  // d; particle mass = rest_density * d^3
     KernelKind kernel = KernelKind::cubic_spline;
     double rest_density = 1000;
@@ -190,6 +239,19 @@ struct NavigationSettings {
     double every = 1;     // time after which fields with crowding are solved again, s; 0: never
 };
 
+enum class EvasionRule {
+    off,
+    flee,    // from where the water is
+    evasion  // from where it will be
+};
+
+// How agents keep away from water that comes.
+struct EvasionSettings {
+    EvasionRule rule = EvasionRule::off;
+    double radius = 2;      // within which they see water, m
+    double prediction = 1;  // longest time ahead, s
+};
+
 struct Crowd {
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second
@@ -200,6 +262,7 @@ struct Crowd {
     BodyRule bodies = BodyRule::none;
     double body_radius = 0.25;
     NavigationSettings navigation;
+    EvasionSettings evasion;
     double perception_radius = 1.0;  // R, markers within it are perceived
     double goal_radius = 3.0;        // an agent within it has arrived
     RagdollRule ragdoll;

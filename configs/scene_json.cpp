@@ -41,7 +41,14 @@ constexpr std::array kernels{std::pair{"cubic_spline", KernelKind::cubic_spline}
                              std::pair{"wendland_c2", KernelKind::wendland_c2}};
 constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"filled", InitialRiver::filled}};
 constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}, std::pair{"kinematic", FluidModel::kinematic},
-                                  std::pair{"shallow_water", FluidModel::shallow_water}};
+                                  std::pair{"shallow_water", FluidModel::shallow_water},
+                                  std::pair{"steering", FluidModel::steering}};
+constexpr std::array cohesion_forms{std::pair{"equal", CohesionForm::equal},
+                                    std::pair{"growing", CohesionForm::growing}};
+constexpr std::array loss_forms{std::pair{"relative", LossForm::relative}, std::pair{"absolute", LossForm::absolute}};
+constexpr std::array steering_walls{std::pair{"force", SteeringWalls::force},
+                                    std::pair{"constraint", SteeringWalls::constraint},
+                                    std::pair{"both", SteeringWalls::both}};
 constexpr std::array arrangements{std::pair{"random", Arrangement::random}, std::pair{"lattice", Arrangement::lattice}};
 constexpr std::array profiles{std::pair{"uniform", VelocityProfile::uniform},
                               std::pair{"logarithmic", VelocityProfile::logarithmic}};
@@ -52,6 +59,8 @@ constexpr std::array body_rules{std::pair{"none", BodyRule::none}, std::pair{"fa
                                 std::pair{"human", BodyRule::human}};
 constexpr std::array navigation_rules{std::pair{"straight", NavigationRule::straight},
                                       std::pair{"travel_time", NavigationRule::travel_time}};
+constexpr std::array evasion_rules{std::pair{"off", EvasionRule::off}, std::pair{"flee", EvasionRule::flee},
+                                   std::pair{"evasion", EvasionRule::evasion}};
 constexpr std::array ragdoll_conditions{
     std::pair{"off", RagdollCondition::off}, std::pair{"paper", RagdollCondition::paper},
     std::pair{"local_speed", RagdollCondition::local_speed}, std::pair{"depth_speed", RagdollCondition::depth_speed}};
@@ -112,11 +121,44 @@ Kinematic kinematic_from(const json& j) {
             choice_of(j.at("arrangement"), arrangements), j.at("jitter")};
 }
 
+FlockBehaviour behaviour_from(const json& j) {
+    return {j.at("radius"), j.at("angle_deg"), j.at("weight")};
+}
+
+Steering steering_from(const json& j) {
+    Steering s;
+    s.separation = behaviour_from(j.at("separation"));
+    s.alignment = behaviour_from(j.at("alignment"));
+    s.cohesion = behaviour_from(j.at("cohesion"));
+    s.cohesion_form = choice_of(j.at("cohesion").at("form"), cohesion_forms);
+    s.only_where_needed = j.at("only_where_needed");
+    s.loss = j.at("loss").at("weight");
+    s.loss_radius = j.at("loss").at("radius");
+    s.loss_form = choice_of(j.at("loss").at("form"), loss_forms);
+    const json& walls = j.at("walls");
+    s.walls = choice_of(walls.at("rule"), steering_walls);
+    s.wall_radius = walls.at("radius");
+    s.wall_weight = walls.at("weight");
+    s.wall_loss = walls.at("loss");
+    s.max_force = j.at("max_force");
+    s.max_speed = j.at("max_speed");
+    for (const json& c : j.at("classes")) s.classes.push_back({c.at("share"), c.at("radius"), c.at("mass")});
+    for (const json& b : j.at("bodies")) {
+        s.bodies.push_back({{b.at("x_m"), b.at("y_m"), b.at("z_m")},
+                            velocity_of(b),
+                            b.at("time_s"),
+                            b.at("radius_m"),
+                            b.at("density_kg_m3")});
+    }
+    return s;
+}
+
 Fluid fluid_from(const json& j) {
     Fluid fluid;
     fluid.model = choice_of(j.at("model"), fluid_models);
     fluid.kinematic = kinematic_from(j.at("kinematic"));
     fluid.shallow_water.cell_size = j.at("shallow_water").at("cell_size_m");
+    fluid.steering = steering_from(j.at("steering"));
     fluid.particle_spacing = j.at("particle_spacing_m");
     fluid.kernel = choice_of(j.at("kernel"), kernels);
     fluid.rest_density = j.at("rest_density_kg_m3");
@@ -172,6 +214,8 @@ Crowd crowd_from(const json& j) {
     crowd.bodies = choice_of(j.at("bodies"), body_rules);
     crowd.body_radius = j.at("body_radius_m");
     crowd.navigation = navigation_from(j.at("navigation"));
+    const json& evasion = j.at("evasion");
+    crowd.evasion = {choice_of(evasion.at("rule"), evasion_rules), evasion.at("radius_m"), evasion.at("prediction_s")};
     crowd.perception_radius = j.at("perception_radius_m");
     crowd.goal_radius = j.at("goal_radius_m");
     crowd.ragdoll = ragdoll_from(j.at("ragdoll"));

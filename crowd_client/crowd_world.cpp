@@ -5,6 +5,7 @@
 #include "configs/scene_frames.hpp"
 #include "crowd_client/contacts.hpp"
 #include "crowd_client/crowd_motion.hpp"
+#include "crowd_client/evasion.hpp"
 #include "crowd_client/sampled_coupling.hpp"
 #include "crowd_client/water_met.hpp"
 
@@ -45,7 +46,7 @@ void find_contacts(CrowdWorld& crowd, const WaterBins& water) {
     }
 }
 
-void choose_walking_velocities(CrowdWorld& crowd, std::uint64_t step) {
+void choose_walking_velocities(CrowdWorld& crowd, const WaterBins& water, std::uint64_t step) {
     const double period = crowd.scene.world.period();
     crowd.goal_offsets.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
@@ -54,6 +55,9 @@ void choose_walking_velocities(CrowdWorld& crowd, std::uint64_t step) {
     if (finds_ways(crowd.navigation)) {
         update_navigation(crowd.navigation, crowd.positions, step, crowd.threads);
         steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, threads_for(crowd));
+    }
+    if (crowd.scene.crowd.evasion.rule != EvasionRule::off && !water.x.empty()) {
+        evade(crowd.scene.crowd.evasion, crowd.agents, crowd.active, crowd.positions, water, crowd.goal_offsets);
     }
     crowd.markers.drawn.epoch = marker_epoch(crowd.scene.crowd, step);
     Walkers walkers;
@@ -133,8 +137,8 @@ void advance(CrowdWorld& crowd, const WaterBins& water) {
     if (has_ragdolls(crowd.scene)) {
         find_ragdolls(crowd.ragdolls, crowd.scene, crowd.agents, crowd.active, crowd.positions, water, this_step);
     }
-    choose_walking_velocities(crowd, this_step);  // Eq. 1-4
-    couple_with_water(crowd, water);              // Eq. 6-9
+    choose_walking_velocities(crowd, water, this_step);  // Eq. 1-4
+    couple_with_water(crowd, water);                     // Eq. 6-9
     move_agents(crowd);
     judge_outcomes(crowd, this_step);
     crowd.steps = this_step;

@@ -4,6 +4,7 @@
 #include "fluid_server/dfsph_model.hpp"
 #include "fluid_server/kinematic_stream.hpp"
 #include "fluid_server/shallow_water/model.hpp"
+#include "fluid_server/steering/steering_model.hpp"
 
 namespace wade::fluid {
 
@@ -18,6 +19,9 @@ std::unique_ptr<FluidModel> make_fluid_model(const Scene& scene) {
     }
     if (scene.fluid.model == wade::FluidModel::shallow_water) {
         return std::make_unique<shallow_water::ShallowWaterModel>(scene);
+    }
+    if (scene.fluid.model == wade::FluidModel::steering) {
+        return std::make_unique<SteeringModel>(scene);
     }
     return std::make_unique<DfsphModel>(scene);
 }

@@ -18,12 +18,12 @@ counts of the work and the errors beside them. Builds the programs first.
   --out DIR       DIR/bench.json and the page DIR/bench.md with its pictures: rates and errors, profile of a step by
                   stages, and how far from what the processor and the memory of this machine allow
 
-Names: fluid/river, fluid/growth, fluid/dam_break, fluid/dam_break_733_steps, fluid/column_at_rest, shallow_water/..., crowd/..., coupling/contacts,
+Names: fluid/river, fluid/growth, fluid/dam_break, fluid/dam_break_733_steps, fluid/column_at_rest, shallow_water/..., steering/..., crowd/..., coupling/contacts,
 protocol/..., kernels/..., machine/..., features/..., end_to_end/s05, end_to_end/s05_depth_1, end_to_end/river_s05, end_to_end/fine.
 Exit code: 0, 1 if a part failed (the others are still measured), 2 for a mistake in the options.
 HELP
 
-programs=(bench_fluid bench_shallow_water bench_crowd bench_coupling bench_kernels bench_protocol)
+programs=(bench_fluid bench_shallow_water bench_steering bench_crowd bench_coupling bench_kernels bench_protocol)
 
 "$root/tools/install_dependencies.sh" || exit 1
 build_with_tests fluid_server crowd_client "${programs[@]}" || { echo "bench.sh: the build failed" >&2; exit 1; }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <ctime>
 
+#include "configs/exit_code.hpp"
+
 namespace wade::validation {
 
 double process_cpu_time() {
@@ -14,6 +16,11 @@ double process_cpu_time() {
 
 double wall_time() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void check_is_dfsph(const Scene& scene) {
+    if (scene.fluid.model == FluidModel::dfsph) return;
+    throw ConfigurationError(scene.name + ": /fluid/model: this case measures particles of DFSPH; allowed: \"dfsph\".");
 }
 
 void note_cost(const Cost& cost, const fluid::FluidWorld& world, Result& result) {

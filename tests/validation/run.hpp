@@ -33,10 +33,14 @@ void note_cost(const Cost& cost, const fluid::FluidWorld& world, Result& result)
 // Frames in a time, rounded. time: s
 int frames_in(const Scene& scene, double time);
 
+// Throws ConfigurationError if the scene names another model: cases that measure what only DFSPH has would run it unasked.
+void check_is_dfsph(const Scene& scene);
+
 // Advances by `duration` seconds and calls on_step(report) after each sub-step. What on_step does is counted as solver
 // time: keep it short, and measure between the frames.
 template <typename OnStep>
 void advance(fluid::FluidWorld& world, double duration, Cost& cost, OnStep&& on_step) {
+    check_is_dfsph(world.scene());
     const double cpu = process_cpu_time();
     const double wall = wall_time();
     double remaining = duration;

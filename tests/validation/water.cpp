@@ -5,10 +5,36 @@
 
 #include "configs/exit_code.hpp"
 #include "fluid_server/shallow_water/model.hpp"
+#include "fluid_server/steering/steering_world.hpp"
 
 namespace wade::validation {
 
 namespace {
+
+// One frame of the scene; step(remaining): a step of at most that long, its length, s.
+template <typename Step>
+void advance_sub_steps(const Scene& scene, Cost& cost, Step&& step) {
+    const double cpu = process_cpu_time(), wall = wall_time(), frame = 1 / scene.frame_rate;
+    double remaining = frame;
+    while (remaining > 1e-9 * frame) {
+        remaining -= step(remaining);
+        ++cost.steps;
+    }
+    cost.simulated_time += frame;
+    cost.cpu_time += process_cpu_time() - cpu;
+    cost.wall_time += wall_time() - wall;
+}
+
+// count: of particles or cells.
+void note_work(const Cost& cost, const std::string& model, std::size_t count, Result& result) {
+    result.model = model;
+    result.particles = count;
+    result.steps = cost.steps;
+    result.particle_steps = cost.particle_steps;
+    result.simulated_time = cost.simulated_time;
+    result.solver_cpu_time = cost.cpu_time;
+    result.solver_wall_time = cost.wall_time;
+}
 
 class Particles final : public Water {
  public:
@@ -43,6 +69,54 @@ class Particles final : public Water {
     fluid::FluidWorld world_;
 };
 
+// Particles that steer by their neighbours.
+class Vehicles final : public Water {
+ public:
+    explicit Vehicles(const Scene& scene) : world_(scene) {}
+
+    [[nodiscard]] const Scene& scene() const override { return world_.scene(); }
+    void set_velocity(const VelocityField& field) override {
+        fluid::Particles& p = world_.particles();
+        for (std::size_t i = 0; i < p.count; ++i) {
+            const auto v =
+                field({static_cast<double>(p.x[i]), static_cast<double>(p.y[i]), static_cast<double>(p.z[i])});
+            p.vx[i] = static_cast<float>(v[0]), p.vy[i] = static_cast<float>(v[1]), p.vz[i] = static_cast<float>(v[2]);
+        }
+    }
+    void advance(Cost& cost) override {
+        advance_sub_steps(scene(), cost, [&](double remaining) {
+            const fluid::steering::SteeringStep step = world_.step(remaining);
+            driving_ += step.driving_acceleration * step.dt;
+            cost.particle_steps += static_cast<double>(world_.particles().count);
+            return step.dt;
+        });
+    }
+    void add_to(Columns& columns) const override {
+        sample(world_.particles(), scene().fluid.particle_spacing, columns);
+    }
+    void for_each_parcel(const std::function<void(const Parcel&)>& body) const override {
+        const double density = scene().fluid.rest_density;
+        for (std::size_t i = 0; i < world_.particles().count; ++i) {
+            const fluid::Vec3 place = world_.place(i);
+            body({static_cast<double>(place[0]), static_cast<double>(place[2]), world_.mass(i) / density,
+                  static_cast<double>(world_.particles().vx[i])});
+        }
+    }
+    [[nodiscard]] fluid::RiverMeasures measures() const override {
+        const double mass = scene().fluid.rest_density * std::pow(scene().fluid.particle_spacing, 3);
+        return fluid::measure_river(world_.particles(), mass, scene().world.gravity);
+    }
+    [[nodiscard]] double front(double none) const override { return leading_x(world_.particles(), none); }
+    [[nodiscard]] double position_clamps() const override { return static_cast<double>(world_.position_clamps()); }
+    [[nodiscard]] double missed_layers() const override { return static_cast<double>(world_.layers_missed()); }
+    void note(const Cost& cost, Result& result) const override {
+        note_work(cost, "steering", world_.particles().count, result);
+    }
+
+ private:
+    fluid::steering::SteeringWorld world_;
+};
+
 namespace swe = fluid::shallow_water;
 
 class GridOfCells final : public Water {
@@ -62,18 +136,12 @@ class GridOfCells final : public Water {
     }
 
     void advance(Cost& cost) override {
-        const double cpu = process_cpu_time(), wall = wall_time(), frame = 1 / scene().frame_rate;
-        double remaining = frame;
-        while (remaining > 1e-9 * frame) {
+        advance_sub_steps(scene(), cost, [&](double remaining) {
             const swe::StepReport report = swe::step(world_, remaining);
-            remaining -= report.dt;
-            ++cost.steps;
-            cost.particle_steps += static_cast<double>(world_.grid.cells());
             driving_ += report.driving_acceleration * report.dt;
-        }
-        cost.simulated_time += frame;
-        cost.cpu_time += process_cpu_time() - cpu;
-        cost.wall_time += wall_time() - wall;
+            cost.particle_steps += static_cast<double>(world_.grid.cells());
+            return report.dt;
+        });
     }
 
     void add_to(Columns& columns) const override {
@@ -113,13 +181,7 @@ class GridOfCells final : public Water {
     }
 
     void note(const Cost& cost, Result& result) const override {
-        result.model = "shallow_water";
-        result.particles = world_.grid.cells();
-        result.steps = cost.steps;
-        result.particle_steps = cost.particle_steps;
-        result.simulated_time = cost.simulated_time;
-        result.solver_cpu_time = cost.cpu_time;
-        result.solver_wall_time = cost.wall_time;
+        note_work(cost, "shallow_water", world_.grid.cells(), result);
     }
 
  private:
@@ -148,9 +210,10 @@ double Water::volume() const {
 std::unique_ptr<Water> make_water(const Scene& scene) {
     if (scene.fluid.model == FluidModel::dfsph) return std::make_unique<Particles>(scene);
     if (scene.fluid.model == FluidModel::shallow_water) return std::make_unique<GridOfCells>(scene);
+    if (scene.fluid.model == FluidModel::steering) return std::make_unique<Vehicles>(scene);
     throw ConfigurationError(scene.name +
-                             ": /fluid/model: this case needs water that is solved for; allowed: \"dfsph\" and "
-                             "\"shallow_water\".");
+                             ": /fluid/model: this case needs water that is solved for; allowed: \"dfsph\", "
+                             "\"shallow_water\" and \"steering\".");
 }
 
 }  // namespace wade::validation

@@ -21,6 +21,7 @@ PROGRAMS = (
     ("bench_kernels", ("machine/", "kernels/"), False),
     ("bench_fluid", ("fluid/",), True),
     ("bench_shallow_water", ("shallow_water/",), True),
+    ("bench_steering", ("steering/",), True),
     ("bench_crowd", ("crowd/",), False),
     ("bench_coupling", ("coupling/",), True),
     ("bench_protocol", ("protocol/",), True),
