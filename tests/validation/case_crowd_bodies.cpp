@@ -63,7 +63,7 @@ Case crowd_bodies_case() {
                 "1993: v = 1.34 (1 - exp(-1.913 (1/rho - 1/5.4))) m/s, at 0.5, 1, 2 and 3 people/m2. Means of 60 s "
                 "after 30 s. Half of the people the other way in the counterflow. No two may overlap.",
             .reference = "Weidmann 1993",
-            .spacings = marker_spacings,
+            .spacings = {0.25, 2.0 / 11, 0.125},  // redrawn markers come in squares: 64, 121 and 256 a cell
             .quick = true,
             .run = run};
 }
