@@ -96,6 +96,21 @@ TEST_CASE("every default of the schema is a value that the schema allows") {
     CHECK(again.scene.hash == loaded.scene.hash);
 }
 
+TEST_CASE("the defaults that come from the paper and its code keep their values", "[configs][defaults]") {
+    const Scene scene = load_patched("{}").scene;
+    CHECK(scene.world.gravity == 9.81);
+    CHECK(scene.fluid.rest_density == 1000);
+    CHECK(scene.fluid.particle_spacing == 0.4642);  // 100 kg a particle
+    CHECK(scene.crowd.perception_radius == 1);      // markers within it are claimed
+    CHECK(scene.crowd.ragdoll.tau_min == 0.8);
+    CHECK(scene.crowd.ragdoll.speed == 2);
+    CHECK(scene.crowd.ragdoll.depth_speed == 0.75);
+    // Solver settings at which the suites' reports were made.
+    CHECK(scene.fluid.cfl == 0.5);
+    CHECK(scene.fluid.density_solve.tolerance == 5e-4);
+    CHECK(scene.fluid.divergence_solve.tolerance == 1e-3);
+}
+
 TEST_CASE("the hash does not depend on how a scene is written") {
     const auto hash = load_patched(R"({"duration_s": 5, "seed": 3})").scene.hash;
     CHECK(load_patched(R"({"seed": 3, "duration_s": 5.0})").scene.hash == hash);
