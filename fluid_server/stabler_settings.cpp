@@ -1,7 +1,5 @@
 #include "fluid_server/stabler_settings.hpp"
 
-#include <algorithm>
-
 #include "configs/scene_checks.hpp"
 
 namespace wade::fluid {
@@ -12,9 +10,6 @@ namespace {
 constexpr double usual_cfl = 0.5;
 constexpr PressureSolve usual_density{5e-4, 2, 100};
 constexpr PressureSolve usual_divergence{1e-3, 1, 100};
-
-// Half the CFL number below which it alone sets the step, whatever the speed of the water (FluidWorld::time_step).
-constexpr double surely_shorter_cfl = 0.25;
 
 class Changes {
  public:
@@ -43,7 +38,7 @@ std::vector<SettingChange> stabler_settings(const Fluid& fluid) {
     tighten(changes, "/fluid/density_solve", fluid.density_solve, usual_density);
     const bool switched_off = fluid.divergence_solve.max_iterations == 0;
     if (!switched_off) tighten(changes, "/fluid/divergence_solve", fluid.divergence_solve, usual_divergence);
-    if (changes.list.empty()) changes.add("/fluid/cfl", fluid.cfl, std::min(fluid.cfl / 2, surely_shorter_cfl));
+    if (changes.list.empty()) changes.add("/fluid/cfl", fluid.cfl, fluid.cfl / 2);
     return changes.list;
 }
 

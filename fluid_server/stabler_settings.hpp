@@ -14,7 +14,7 @@ struct SettingChange {
 };
 
 // Every solver setting that is looser than its default goes to it; a divergence solve that
-// is switched off stays off. If none is, fluid.cfl is halved, and is at most 0.25 then.
+// is switched off stays off. If none is, fluid.cfl is halved.
 [[nodiscard]] std::vector<SettingChange> stabler_settings(const Fluid& fluid);
 
 // "change /fluid/cfl from 2 to 0.5 and /fluid/density_solve/max_iterations from 1 to 100"

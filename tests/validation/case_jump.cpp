@@ -159,8 +159,9 @@ Case jump_case(int froude, Result (*run_it)(const Request&)) {
     Case c;
     c.name = "jump_fr" + std::to_string(froude);
     c.truth =
-        "Belanger (1828), h_2/h_1 = (sqrt(1 + 8 Fr^2) - 1)/2, for the measured stream, relative to the jump, which "
-        "travels upstream from a wall: on a level bed without friction a standing jump has no place of its own. "
+        "Belanger (1828), h_2/h_1 = (sqrt(1 + 8 Fr^2) - 1)/2, for the measured stream, relative to the jump, whose "
+        "speed follows from the mass that both depths carry. It travels upstream from a wall: on a level bed without "
+        "friction a standing jump has no place of its own. "
         "Layers of particles in the stream: 4, 6, 8.";
     c.reference = "Belanger 1828";
     c.spacings = {depth_1 / 4, depth_1 / 6, depth_1 / 8};

@@ -18,7 +18,7 @@ Fluid default_fluid() {
 
 }  // namespace
 
-TEST_CASE("with the schema's defaults the advice is a CFL number that sets the step alone", "[fluid][advice]") {
+TEST_CASE("with the schema's defaults the advice is half the time step", "[fluid][advice]") {
     Fluid fluid = default_fluid();
     CHECK(advice(fluid) == "change /fluid/cfl from 0.5 to 0.25");
     CHECK(options_of_advice(fluid) == " --set /fluid/cfl=0.25");
