@@ -98,7 +98,13 @@ struct Obstacle {
     double height = 1;
 };
 
-enum class FluidModel { dfsph, kinematic, shallow_water, steering };
+enum class FluidModel {
+    dfsph,
+    kinematic,
+    shallow_water,
+    steering,
+    automatic  // one of the others, by max_impulse_error
+};
 
 enum class VelocityProfile { uniform, logarithmic };
 
@@ -176,6 +182,7 @@ struct PressureSolve {
 
 struct Fluid {
     FluidModel model = FluidModel::dfsph;
+    double max_impulse_error = 0;  // of `automatic`, relative; else 0
     Kinematic kinematic;
     ShallowWaterGrid shallow_water;
     Steering steering;

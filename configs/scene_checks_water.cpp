@@ -174,6 +174,16 @@ void check_kinematic(const Scene& scene, const std::string& source) {
     refuse_key(!channel.velocity_history.empty(), "velocity_history");
 }
 
+// The demand belongs to the choice of the model, and the choice needs it.
+void check_model_choice(const Fluid& fluid, const std::string& source) {
+    const bool chosen = fluid.model == FluidModel::automatic;
+    if (chosen == (fluid.max_impulse_error > 0)) return;
+    refuse(source, "/fluid/max_impulse_error",
+           chosen ? "0: the model \"auto\" is chosen by the error that is allowed; allowed: > 0 and <= 1."
+                  : short_number(fluid.max_impulse_error) +
+                        " has no effect, as /fluid/model names the model; allowed: 0, or the model \"auto\".");
+}
+
 void check_limits(const PressureSolve& solve, const std::string& source, const std::string& pointer) {
     if (solve.max_iterations == 0 || solve.min_iterations <= solve.max_iterations) return;
     refuse(source, pointer + "/min_iterations",
@@ -185,15 +195,18 @@ void check_limits(const PressureSolve& solve, const std::string& source, const s
 
 void check_water(const Scene& scene, const std::string& source) {
     check_flow(scene.channel, source);
+    check_model_choice(scene.fluid, source);
     check_kinematic(scene, source);
     check_shallow_water(scene, source);
     check_steering(scene, source);
     check_limits(scene.fluid.density_solve, source, "/fluid/density_solve");
     check_limits(scene.fluid.divergence_solve, source, "/fluid/divergence_solve");
     if (!carries_water(scene.channel)) return;
-    check_spacing(scene, source);
-    check_periodic(scene, source);
-    check_walls_apart(scene, source);
+    if (scene.fluid.model != FluidModel::automatic) {  // which chooses a spacing that fits
+        check_spacing(scene, source);
+        check_periodic(scene, source);
+        check_walls_apart(scene, source);
+    }
     const std::uint64_t needed = particles_needed(scene);
     if (static_cast<std::uint64_t>(scene.fluid.max_particles) < needed) {
         refuse(source, "/fluid/max_particles",

@@ -42,7 +42,8 @@ constexpr std::array kernels{std::pair{"cubic_spline", KernelKind::cubic_spline}
 constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"filled", InitialRiver::filled}};
 constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}, std::pair{"kinematic", FluidModel::kinematic},
                                   std::pair{"shallow_water", FluidModel::shallow_water},
-                                  std::pair{"steering", FluidModel::steering}};
+                                  std::pair{"steering", FluidModel::steering},
+                                  std::pair{"auto", FluidModel::automatic}};
 constexpr std::array cohesion_forms{std::pair{"equal", CohesionForm::equal},
                                     std::pair{"growing", CohesionForm::growing}};
 constexpr std::array loss_forms{std::pair{"relative", LossForm::relative}, std::pair{"absolute", LossForm::absolute}};
@@ -156,6 +157,7 @@ Steering steering_from(const json& j) {
 Fluid fluid_from(const json& j) {
     Fluid fluid;
     fluid.model = choice_of(j.at("model"), fluid_models);
+    fluid.max_impulse_error = j.at("max_impulse_error");
     fluid.kinematic = kinematic_from(j.at("kinematic"));
     fluid.shallow_water.cell_size = j.at("shallow_water").at("cell_size_m");
     fluid.steering = steering_from(j.at("steering"));

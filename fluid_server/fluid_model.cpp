@@ -23,6 +23,11 @@ std::unique_ptr<FluidModel> make_fluid_model(const Scene& scene) {
     if (scene.fluid.model == wade::FluidModel::steering) {
         return std::make_unique<SteeringModel>(scene);
     }
+    if (scene.fluid.model == wade::FluidModel::automatic) {
+        throw ConfigurationError(scene.name +
+                                 ": /fluid/model: \"auto\" stands for a model that fluid_server chooses first; allowed "
+                                 "here: dfsph, kinematic, shallow_water and steering.");
+    }
     return std::make_unique<DfsphModel>(scene);
 }
 

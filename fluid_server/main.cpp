@@ -5,15 +5,21 @@
 #include <chrono>
 #include <csignal>
 #include <exception>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "configs/command_line.hpp"
+#include "configs/exit_code.hpp"
 #include "configs/peer_support.hpp"
 #include "configs/program.hpp"
 #include "configs/run_control.hpp"
+#include "fluid_server/model_choice/model_choice.hpp"
 #include "fluid_server/report.hpp"
 #include "fluid_server/run_server.hpp"
 #include "fluid_server/state_options.hpp"
@@ -28,7 +34,11 @@ ProgramDescription description() {
         "fluid_server",
         "Computes the water of a scene and sends it to a crowd.\n"
         "SIGUSR1 or an empty line on the terminal: pause or resume. SIGUSR2 or the line \"step [N]\": one more frame, "
-        "then pause. \"quit\": end.",
+        "then pause. \"quit\": end.\n"
+        "With /fluid/model \"auto\" it chooses the model: --check says what and why, --print-config prints the scene "
+        "as "
+        "written, and a run writes it as chosen into --out, scene_as_chosen.json, which repeats the run without a "
+        "choice.",
         {{"--consumers",
           "Consumers in lockstep to wait for before frame 1, 0 to 16; 0: wait for nobody, free-running readers take "
           "what they can",
@@ -93,12 +103,41 @@ RunControl::Hooks control_hooks(shm::Publisher& publisher, RunClock& clock, Cons
     }
 }
 
-void run_scene(const ProgramStart& start, Console& console) {
-    const Scene& scene = start.loaded.scene;
+// A scene whose model is "auto" becomes the one that is chosen for it; the lines say what was chosen and why.
+std::vector<std::string> make_choice(ProgramStart& start) {
+    if (!model_choice::is_open(start.loaded.scene)) return {};
+    model_choice::ModelChoice choice = model_choice::choose_model(start.loaded, start.options.scene_file.string());
+    start.loaded = std::move(choice.scene);
+    return choice.lines;
+}
+
+// What a run with "auto" was; it repeats the run without a choice.
+void keep_choice(const ProgramStart& start, Console& console) {
+    if (!start.options.out) return;
+    const std::filesystem::path file = *start.options.out / "scene_as_chosen.json";
+    const std::filesystem::path part = file.string() + ".part";
+    std::filesystem::create_directories(*start.options.out);
+    std::ofstream out(part);
+    out << start.loaded.canonical_json;
+    out.close();
+    if (!out) throw ConfigurationError("--out: cannot write " + file.string());
+    std::filesystem::rename(part, file);
+    console.line("the scene as chosen: " + file.string());
+}
+
+void choose_for_run(ProgramStart& start, Console& console) {
+    const std::vector<std::string> lines = make_choice(start);
+    for (const std::string& line : lines) console.line(line);
+    if (!lines.empty()) keep_choice(start, console);
+}
+
+void run_scene(ProgramStart& start, Console& console) {
     const RunOptions& options = start.options;
     const auto consumers = static_cast<int>(options.extra("--consumers"));
     if (options.threads > 0) omp_set_num_threads(options.threads);
     if (options.out) console.copy_to(*options.out / "fluid_server.log");
+    choose_for_run(start, console);
+    const Scene& scene = start.loaded.scene;
 
     const std::unique_ptr<fluid::FluidModel> model = make_fluid_model(scene);
     const std::string &from = options.word("--from-state"), &save = options.word("--save-state");
@@ -154,9 +193,12 @@ int main(int argc, char** argv) {
     let_threads_spin_briefly(argv);
     Console console("fluid_server");
     try {
-        const ProgramStart start = start_program(description(), argc, argv);
+        ProgramStart start = start_program(description(), argc, argv);
         if (start.answer) {
             std::cout << *start.answer;
+            if (start.options.check) {
+                for (const std::string& line : make_choice(start)) std::cout << line << '\n';
+            }
             return 0;
         }
         catch_signals();

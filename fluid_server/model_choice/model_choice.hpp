@@ -1,0 +1,31 @@
+#pragma once
+// The model "auto": the cheapest candidate that is estimated to keep /fluid/max_impulse_error.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fluid_server/model_choice/pilot.hpp"
+
+namespace wade::fluid::model_choice {
+
+struct ModelChoice {
+    LoadedScene scene;  // as chosen, with the hash of the scene as written; saved and loaded anew it needs no choice
+    Candidate chosen;
+    std::optional<Meeting> meeting;    // with a pilot, if the scout could run
+    std::optional<PilotResult> pilot;  // if it fits its share
+    bool went_up = false;              // the pilot contradicted the table
+    std::vector<std::string> lines;    // what was chosen and why, for people
+};
+
+[[nodiscard]] inline bool is_open(const Scene& scene) {
+    return scene.fluid.model == wade::FluidModel::automatic;
+}
+
+// Of a scene whose model is "auto". `source` names it in errors: the file. Throws ConfigurationError if no candidate meets
+// the demand; says the smallest error that can be had and its cost. Depends on the scene and the table
+// alone: work is counted in steps, not in time.
+[[nodiscard]] ModelChoice choose_model(const LoadedScene& written, const std::string& source, bool with_pilot = true,
+                                       const std::vector<TableRow>& table = measured_table());
+
+}  // namespace wade::fluid::model_choice
