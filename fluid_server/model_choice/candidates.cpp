@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "configs/exit_code.hpp"
@@ -35,11 +35,10 @@ const TableRow* row_for(const std::vector<TableRow>& table, WaterKind kind, cons
     return best;
 }
 
-// All digits, so that the scene is the same wherever it is read.
+// As few digits as give the same number again.
 std::string exact(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.17g", value);
-    return text;
+    std::array<char, 32> text{};
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
 // Six significant digits are enough for a spacing that is the choice's own, and can be read.

@@ -31,14 +31,21 @@ def command_of(scene, overrides):
     return words
 
 
-def run(scene, overrides, folder, time_limit=1800.0):
-    """The document of a run of the scene (a path relative to the root). One that failed has "error" instead of results."""
+def run(scene, overrides, folder, time_limit=1800.0, only_stored=False):
+    """The document of a run of the scene (a path relative to the root). One that failed has "error" instead of results.
+
+    With only_stored None if it is not there.
+    """
     command = command_of(scene, overrides)
     inputs = (ROOT / scene).read_bytes() + "\0".join(command).encode()
+    if "/fluid/model=auto" in overrides:  # what is chosen is the program's
+        inputs += hashlib.sha256(Path(PROGRAM).read_bytes()).digest()
     name = re.sub(r"[^A-Za-z0-9_.=-]+", "-", Path(scene).stem + "".join(overrides))[:100]
     file = Path(folder) / f"{name}-{hashlib.sha256(inputs).hexdigest()[:12]}.json"
     if file.exists():
         return json.loads(file.read_text())
+    if only_stored:
+        return None
     file.parent.mkdir(parents=True, exist_ok=True)
     print("  " + " ".join(command[1:]), file=sys.stderr, flush=True)
     answer = subprocess.run(
