@@ -131,7 +131,10 @@ ModelChoice choose_model(const LoadedScene& written, const std::string& source, 
     std::string repeat;
     for (const SceneOverride& change : choice.chosen.overrides)
         repeat += " --set " + change.pointer + "=" + change.value;
-    lines.push_back("chosen: " + label(choice.chosen) + "; without a choice the same is:" + repeat);
+    lines.push_back("chosen: " + label(choice.chosen) + "; estimated error: median " + digits(choice.chosen.median, 3) +
+                    ", 95 % " + digits(choice.chosen.p95, 3) + ", by the kind " +
+                    std::string(name_of(choice.chosen.worst)));
+    lines.push_back("without a choice the same is:" + repeat);
     return choice;
 }
 

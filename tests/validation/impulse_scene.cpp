@@ -1,5 +1,4 @@
-// Runs any scene, water and crowd in one process, and writes what the water did to those who stand. A scene whose model is
-// "auto" is run as chosen.
+// Runs any scene, water and crowd in one process, and writes what the water did to those who stand.
 
 #include <omp.h>
 
@@ -9,7 +8,6 @@
 
 #include "configs/command_line.hpp"
 #include "configs/exit_code.hpp"
-#include "fluid_server/model_choice/model_choice.hpp"
 #include "impulse.hpp"
 #include "run.hpp"
 
@@ -56,37 +54,11 @@ void write(const Json& document, const std::string& file) {
     std::filesystem::rename(part, file);
 }
 
-Json choice_of(const fluid::model_choice::ModelChoice& choice) {
-    Json document{{"chosen", fluid::model_choice::label(choice.chosen)},
-                  {"kind", fluid::model_choice::name_of(choice.chosen.worst)},
-                  {"estimated_median", choice.chosen.median},
-                  {"estimated_p95", choice.chosen.p95},
-                  {"went_up", choice.went_up},
-                  {"lines", choice.lines}};
-    if (choice.pilot) {
-        document["pilot"] = {{"difference", choice.pilot->difference},
-                             {"allowed", choice.pilot->allowed},
-                             {"particle_steps", choice.pilot->particle_steps}};
-    }
-    return document;
-}
-
 void run_scene(const ProgramStart& start) {
     if (start.options.threads > 0) omp_set_num_threads(start.options.threads);
-    Scene scene = start.loaded.scene;
-    Json chosen;
-    const double cpu = process_cpu_time();
-    if (fluid::model_choice::is_open(scene)) {
-        const auto choice = fluid::model_choice::choose_model(start.loaded, start.options.scene_file.string());
-        scene = choice.scene.scene;
-        chosen = choice_of(choice);
-        chosen["cpu_s"] = process_cpu_time() - cpu;
-    }
     Result result;
-    const ImpulseRun run = run_impulse(scene, result);
-    Json document = document_of(scene, result, run);
-    if (!chosen.is_null()) document["choice"] = chosen;
-    write(document, start.options.word("--write"));
+    const ImpulseRun run = run_impulse(start.loaded.scene, result);
+    write(document_of(start.loaded.scene, result, run), start.options.word("--write"));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ import runs
 import scenes
 
 HEADER = (
-    "scene,demand,kind,chosen,went_up,estimated_median,estimated_p95,actual_median,actual_p95,held,default_median,"
+    "scene,demand,kind,chosen,pilot,went_up,estimated_median,estimated_p95,actual_median,actual_p95,held,default_median,"
     "particle_steps,cpu_s_per_sim_s,cost_over_default,choice_cpu_s,refused"
 ).split(",")
 
@@ -21,17 +21,23 @@ def cost(document):
     return document["solver_cpu_s"] / document["simulated_s"]
 
 
-def row_of(name, demand, truth, default, document):
+def row_of(name, demand, truth, default, choice, get):
+    """A line of the table; None if the run is not there."""
     row = {"scene": name, "demand": f"{demand:g}"}
     default_median, _ = runs.median_and_p95(runs.standing_of(default), truth)
     row["default_median"] = f"{default_median:.4g}"
+    if "refused" in choice:
+        return row | {"refused": choice["refused"]}
+    document = get(scenes.file_of(name), choice["overrides"])
+    if document is None:
+        return None
     if "error" in document:
-        return row | {"refused": document["error"].replace("\n", " ")}
-    choice = document["choice"]
+        raise SystemExit(f"model_choice: {name} as chosen: {document['error']}")
     median, p95 = runs.median_and_p95(runs.standing_of(document), truth)
     return row | {
         "kind": choice["kind"],
         "chosen": choice["chosen"],
+        "pilot": choice["pilot"],
         "went_up": "yes" if choice["went_up"] else "no",
         "estimated_median": f"{choice['estimated_median']:.4g}",
         "estimated_p95": f"{choice['estimated_p95']:.4g}",
@@ -41,12 +47,12 @@ def row_of(name, demand, truth, default, document):
         "particle_steps": f"{document['particle_steps']:.6g}",
         "cpu_s_per_sim_s": f"{cost(document):.4g}",
         "cost_over_default": f"{cost(document) / cost(default):.3g}",
-        "choice_cpu_s": f"{choice['cpu_s']:.3g}",
+        "choice_cpu_s": f"{choice['cpu_s']:.2g}",
     }
 
 
 def rows_of(name, get):
-    """The lines of a scene; `get` answers a run, or None if it is not there. The choice of one demand may be another's."""
+    """The lines of a scene; `get` answers a run, or None if it is not there. Demands with the same choice share a run."""
     scene = scenes.file_of(name)
     finest, default = get(scene, scenes.finest_overrides(name)), get(scene, [])
     if finest is None or default is None:
@@ -55,12 +61,8 @@ def rows_of(name, get):
         if "error" in document:
             raise SystemExit(f"model_choice: {scene}: {document['error']}")
     truth = runs.standing_of(finest)
-    rows = []
-    for demand in scenes.DEMANDS:
-        document = get(scene, ["/fluid/model=auto", f"/fluid/max_impulse_error={demand:g}"])
-        if document is not None:
-            rows.append(row_of(name, demand, truth, default, document))
-    return rows
+    rows = [row_of(name, d, truth, default, runs.choose(scene, d), get) for d in scenes.DEMANDS]
+    return [row for row in rows if row is not None]
 
 
 def write(rows, out, names):
@@ -75,12 +77,12 @@ def write(rows, out, names):
 
 def main():
     parser = argparse.ArgumentParser(prog="tools/model_choice.sh")
-    parser.add_argument("--program", type=Path, default=runs.PROGRAM)
+    parser.add_argument("--programs", type=Path, default=runs.PROGRAM.parent, help="folder of fluid_server and impulse_scene")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--out", type=Path, default=runs.ROOT / "runs" / "model_choice")
     parser.add_argument("--report-only", action="store_true")
     options = parser.parse_args()
-    runs.PROGRAM = options.program
+    runs.PROGRAM, runs.SERVER = options.programs / "impulse_scene", options.programs / "fluid_server"
     names = scenes.QUICK if options.quick else list(scenes.FINEST)
 
     def get(scene, overrides):

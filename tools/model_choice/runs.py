@@ -12,6 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build" / "release" / "impulse_scene"
+SERVER = ROOT / "build" / "release" / "fluid_server"
 
 
 def write_whole(file, text):
@@ -38,8 +39,6 @@ def run(scene, overrides, folder, time_limit=1800.0, only_stored=False):
     """
     command = command_of(scene, overrides)
     inputs = (ROOT / scene).read_bytes() + "\0".join(command).encode()
-    if "/fluid/model=auto" in overrides:  # what is chosen is the program's
-        inputs += hashlib.sha256(Path(PROGRAM).read_bytes()).digest()
     name = re.sub(r"[^A-Za-z0-9_.=-]+", "-", Path(scene).stem + "".join(overrides))[:100]
     file = Path(folder) / f"{name}-{hashlib.sha256(inputs).hexdigest()[:12]}.json"
     if file.exists():
@@ -57,6 +56,34 @@ def run(scene, overrides, folder, time_limit=1800.0, only_stored=False):
         write_whole(file, json.dumps(document))
         return document
     return json.loads(file.read_text())
+
+
+def choose(scene, demand):
+    """What `fluid_server --check` chooses: a dictionary, or {"refused": why}."""
+    command = [
+        SERVER, scene, "--check", "--threads", "1", "--set", "/fluid/model=auto", "--set", f"/fluid/max_impulse_error={demand:g}",
+    ]
+    before = os.times()
+    answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    after = os.times()
+    if answer.returncode == 2:
+        return {"refused": answer.stderr.strip()}
+    if answer.returncode != 0:
+        raise SystemExit(f"model_choice: {scene}: fluid_server ended with exit code {answer.returncode}: {answer.stderr}")
+    found = re.search(r"^chosen: (.*); estimated error: median (\S+), 95 % (\S+), by the kind (\S+)$", answer.stdout, re.M)
+    same = re.search(r"^without a choice the same is:(.*)$", answer.stdout, re.M)
+    pilot = re.search(r"impulses differ by (\S+) .* at most (\S+);", answer.stdout)
+    return {
+        "chosen": found[1],
+        "estimated_median": float(found[2]),
+        "estimated_p95": float(found[3]),
+        "kind": found[4],
+        "went_up": "contradicts the table" in answer.stdout,
+        "pilot": f"{pilot[1]} of {pilot[2]}" if pilot else "",
+        "overrides": [word for word in same[1].split() if word != "--set"],
+        "cpu_s": after.children_user + after.children_system - before.children_user - before.children_system,
+        "lines": answer.stdout.splitlines(),
+    }
 
 
 def standing_of(document):
