@@ -15,8 +15,7 @@ demand. About ten minutes; a run that is there already, of the same scene and se
 solver take another DIR.
 
 Columns of model_choice.csv: scene; demand; kind, the kind of water that decides; chosen; pilot, the difference
-that it found and the largest one by the estimates; went_up, yes if the pilot contradicted
-the table; estimated_median, estimated_p95; actual_median, actual_p95; held; default_median, error of the default settings;
+that it found and the largest one that is allowed; went_up, yes if the pilot contradicted the first choice; estimated_median, estimated_p95; actual_median, actual_p95; held; default_median, error of the default settings;
 particle_steps, cpu_s_per_sim_s, cost_over_default (CPU time of the solver); choice_cpu_s, CPU time of the choice with its pilot;
 refused, why the demand was refused.
 

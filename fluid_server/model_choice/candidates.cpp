@@ -169,7 +169,7 @@ std::vector<Candidate> front_of(const std::vector<Candidate>& candidates) {
 
 std::optional<std::size_t> choose(const std::vector<Candidate>& front, double demand) {
     for (std::size_t k = 0; k < front.size(); ++k) {
-        if (front[k].median <= demand) return k;
+        if (front[k].median <= demand * (1 + rounding)) return k;
     }
     return std::nullopt;
 }

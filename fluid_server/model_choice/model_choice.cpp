@@ -71,9 +71,10 @@ std::string meeting_line(const std::optional<Meeting>& meeting, double duration)
 
 std::string pilot_line(const PilotResult& p, const Candidate& chosen, const Candidate& better) {
     return "pilot: " + digits(p.time, 2) + " s of such water, chosen against " + label(better) +
-           ": impulses differ by " + digits(p.difference, 2) + " (median of 8), by the estimates at most " +
-           digits(p.allowed, 2) + "; " + digits(p.steps_per_s, 3) + " time steps a second, expected " +
-           digits(chosen.steps_per_s, 3) + "; cost " + digits(100 * p.cost / chosen.cost, 2) + " % of the run";
+           ": impulses differ by " + digits(p.difference, 2) +
+           " (median of 8), by the demand and the estimate at most " + digits(p.allowed, 2) + "; " +
+           digits(p.steps_per_s, 3) + " time steps a second, expected " + digits(chosen.steps_per_s, 3) + "; cost " +
+           digits(100 * p.cost / chosen.cost, 2) + " % of the run";
 }
 
 // Runs scout and pilot of the candidate at `index` and goes one up if they contradict it.
@@ -90,7 +91,8 @@ void check_by_pilot(const LoadedScene& written, const SceneWater& water, const s
     const Candidate& better = front[index + 1];
     const double spent = choice.meeting ? static_cast<double>(choice.meeting->cell_steps) * cell_step_cost : 0;
     std::string why;
-    choice.pilot = run_pilot(written, water, choice.meeting, chosen, better, budget - spent, why);
+    choice.pilot = run_pilot(written, water, choice.meeting, chosen, better, written.scene.fluid.max_impulse_error,
+                             budget - spent, why);
     if (!choice.pilot) {
         choice.lines.push_back("pilot: no comparison with the next better candidate: " + why);
         return;
@@ -99,7 +101,7 @@ void check_by_pilot(const LoadedScene& written, const SceneWater& water, const s
     if (!choice.pilot->contradicts()) return;
     choice.went_up = true;
     ++index;
-    choice.lines.push_back("pilot: contradicts the table, so that the next better candidate is taken: " +
+    choice.lines.push_back("pilot: contradicts the choice, so that the next better candidate is taken: " +
                            label(better) + ", estimated median error " + digits(better.median, 2));
 }
 

@@ -14,7 +14,7 @@ struct ModelChoice {
     Candidate chosen;
     std::optional<Meeting> meeting;    // with a pilot, if the scout could run
     std::optional<PilotResult> pilot;  // if it fits its share
-    bool went_up = false;              // the pilot contradicted the table
+    bool went_up = false;              // the pilot contradicted the first choice
     std::vector<std::string> lines;    // what was chosen and why, for people
 };
 

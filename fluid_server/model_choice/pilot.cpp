@@ -195,7 +195,7 @@ double median_difference(const PatchRun& a, const PatchRun& b) {
 
 std::optional<PilotResult> run_pilot(const LoadedScene& written, const SceneWater& water,
                                      const std::optional<Meeting>& meeting, const Candidate& chosen,
-                                     const Candidate& better, double budget, std::string& why) {
+                                     const Candidate& better, double demand, double budget, std::string& why) {
     const Scene& scene = written.scene;
     const bool met = meeting && meeting->wet > 0;
     const double coarser = std::max(chosen.spacing, better.spacing);
@@ -218,7 +218,7 @@ std::optional<PilotResult> run_pilot(const LoadedScene& written, const SceneWate
         PilotResult result;
         result.time = time;
         result.difference = median_difference(first, second);
-        result.allowed = (chosen.median + better.median) * std::sqrt(table_time / time);
+        result.allowed = (demand + better.median) * std::sqrt(table_time / time);
         result.particle_steps = first.particle_steps + second.particle_steps;
         result.cost = first.particle_steps * chosen.step_cost + second.particle_steps * better.step_cost;
         result.steps_per_s = first.steps / time;

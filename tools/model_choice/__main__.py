@@ -61,7 +61,7 @@ def rows_of(name, get):
         if "error" in document:
             raise SystemExit(f"model_choice: {scene}: {document['error']}")
     truth = runs.standing_of(finest)
-    rows = [row_of(name, d, truth, default, runs.choose(scene, d), get) for d in scenes.DEMANDS]
+    rows = [row_of(name, d, truth, default, runs.choose(scene, d), get) for d in scenes.demands(name)]
     return [row for row in rows if row is not None]
 
 

@@ -78,7 +78,7 @@ def choose(scene, demand):
         "estimated_median": float(found[2]),
         "estimated_p95": float(found[3]),
         "kind": found[4],
-        "went_up": "contradicts the table" in answer.stdout,
+        "went_up": "contradicts the choice" in answer.stdout,
         "pilot": f"{pilot[1]} of {pilot[2]}" if pilot else "",
         "overrides": [word for word in same[1].split() if word != "--set"],
         "cpu_s": after.children_user + after.children_system - before.children_user - before.children_system,

@@ -13,7 +13,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 const std::string obstacle =
-    R"(, "obstacles": [{"x_min_m": 5, "x_max_m": 7, "z_min_m": 3, "z_max_m": 5, "height_m": 2}])";
+    R"(, "obstacles": [{"x_min_m": 3.5, "x_max_m": 5, "z_min_m": 5, "z_max_m": 6.5, "height_m": 2}])";
 
 std::vector<Candidate> front_for(const LoadedScene& scene) {
     return front_of(candidates_of(made_up_table(), scene, water_of(scene.scene)));

@@ -97,17 +97,17 @@ TEST_CASE("the scout says where, when and how deep people meet water") {
     CHECK_FALSE(scout(scene_with(river + R"(, "top": "wall", "height_m": 1)"), water, 1));
 }
 
-TEST_CASE("a pilot that contradicts the table goes one candidate up") {
+TEST_CASE("a pilot that contradicts the choice goes one candidate up") {
     // In water, two models do not agree to one in a million.
     const std::vector<TableRow> wrong = parse_table(header +
                                                     "river,kinematic,0.5,,,,,1e-6,1e-6,30,0.01,4.6\n"
                                                     "river,shallow_water,0.5,,,,,1e-7,1e-7,30,0.1,4.6\n");
-    const ModelChoice choice = choose_model(scene_with(river), "open.json", true, wrong);
+    const ModelChoice choice = choose_model(scene_with(river, "", "1e-5"), "open.json", true, wrong);
     REQUIRE(choice.pilot);
     CHECK(choice.pilot->contradicts());
     CHECK(choice.went_up);
     CHECK(choice.chosen.settings.model == "shallow_water");
-    CHECK_THAT(choice.lines.at(choice.lines.size() - 3), Contains("contradicts the table"));
+    CHECK_THAT(choice.lines.at(choice.lines.size() - 3), Contains("contradicts the choice"));
     CHECK(choice.pilot->cost <= least_pilot);
 }
 
