@@ -14,7 +14,7 @@ from measure import SCENES
 
 def row(**values):
     usual = {
-        "scene": "river", "demand": "0.1", "kind": "river", "chosen": "dfsph, d = 0.2 m", "pilot": "", "went_up": "no",
+        "scene": "river_deep", "demand": "0.1", "kind": "river", "chosen": "dfsph, d = 0.2 m", "pilot": "", "went_up": "no",
         "estimated_median": "0.05", "estimated_p95": "0.2", "actual_median": "0.02", "actual_p95": "0.1", "held": "yes",
         "default_median": "0.2", "particle_steps": "1", "cpu_s_per_sim_s": "1", "cost_over_default": "2", "choice_cpu_s": "0.1",
     }
@@ -65,7 +65,8 @@ class Report(unittest.TestCase):
         lines = "\n".join(report.summary(rows))
         self.assertIn("Of 3 demands in 1 scenes 2 were taken on and 1 refused", lines)
         self.assertIn("**1 of 2 held**", lines)
-        self.assertIn("* river, demand 0.05: dfsph, d = 0.2 m, estimated 0.05, actual 0.07", lines)
+        self.assertIn("* river_deep, demand 0.05: dfsph, d = 0.2 m, estimated 0.05, actual 0.07", lines)
+        self.assertIn("In 2 of 2 dfsph was chosen with less than twice the spacing", lines)
         self.assertIn("refused; allowed: >= 0.4", "\n".join(report.table(rows)))
         self.assertTrue(json.dumps(report.text(rows, ["river_deep"])))
 
