@@ -2,7 +2,7 @@
 
 DEMANDS = (0.05, 0.1, 0.3)
 # Left out where the chosen run would take longer than the finest.
-LEFT_OUT = {("block_small", 0.05), ("block_large", 0.05)}
+LEFT_OUT = {("block_small", 0.05), ("block_large", 0.05), ("block_large", 0.1)}
 QUICK = ("river_shallow", "front_low", "block_front")
 
 FINEST = {
@@ -15,7 +15,7 @@ FINEST = {
     "front_high": 0.09,
     "front_wet": 0.1,
     "block_small": 0.08,
-    "block_large": 0.1,
+    "block_large": 0.125,
     "block_front": 0.09,
     "emitter_history": 0.1,
     "emitter_filled": 0.125,
