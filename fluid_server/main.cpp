@@ -5,8 +5,6 @@
 #include <chrono>
 #include <csignal>
 #include <exception>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -15,7 +13,6 @@
 #include <vector>
 
 #include "configs/command_line.hpp"
-#include "configs/exit_code.hpp"
 #include "configs/peer_support.hpp"
 #include "configs/program.hpp"
 #include "configs/run_control.hpp"
@@ -111,24 +108,11 @@ std::vector<std::string> make_choice(ProgramStart& start) {
     return choice.lines;
 }
 
-// What a run with "auto" was; it repeats the run without a choice.
-void keep_choice(const ProgramStart& start, Console& console) {
-    if (!start.options.out) return;
-    const std::filesystem::path file = *start.options.out / "scene_as_chosen.json";
-    const std::filesystem::path part = file.string() + ".part";
-    std::filesystem::create_directories(*start.options.out);
-    std::ofstream out(part);
-    out << start.loaded.canonical_json;
-    out.close();
-    if (!out) throw ConfigurationError("--out: cannot write " + file.string());
-    std::filesystem::rename(part, file);
-    console.line("the scene as chosen: " + file.string());
-}
-
 void choose_for_run(ProgramStart& start, Console& console) {
     const std::vector<std::string> lines = make_choice(start);
     for (const std::string& line : lines) console.line(line);
-    if (!lines.empty()) keep_choice(start, console);
+    if (lines.empty() || !start.options.out) return;
+    console.line("the scene as chosen: " + model_choice::write_chosen(start.loaded, *start.options.out).string());
 }
 
 void run_scene(ProgramStart& start, Console& console) {
@@ -195,10 +179,10 @@ int main(int argc, char** argv) {
     try {
         ProgramStart start = start_program(description(), argc, argv);
         if (start.answer) {
+            const std::vector<std::string> choice =
+                start.options.check ? make_choice(start) : std::vector<std::string>();
             std::cout << *start.answer;
-            if (start.options.check) {
-                for (const std::string& line : make_choice(start)) std::cout << line << '\n';
-            }
+            for (const std::string& line : choice) std::cout << line << '\n';
             return 0;
         }
         catch_signals();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <system_error>
 
 #include "configs/exit_code.hpp"
 #include "configs/scene_checks.hpp"
@@ -138,6 +140,18 @@ ModelChoice choose_model(const LoadedScene& written, const std::string& source, 
                     std::string(name_of(choice.chosen.worst)));
     lines.push_back("without a choice the same is:" + repeat);
     return choice;
+}
+
+std::filesystem::path write_chosen(const LoadedScene& chosen, const std::filesystem::path& folder) {
+    const std::filesystem::path file = folder / "scene_as_chosen.json", part = folder / "scene_as_chosen.json.part";
+    std::error_code ignored;
+    std::filesystem::create_directories(folder, ignored);
+    std::ofstream out(part);
+    out << chosen.canonical_json;
+    out.close();
+    if (!out) throw ConfigurationError("--out: cannot write " + file.string());
+    std::filesystem::rename(part, file);
+    return file;
 }
 
 }  // namespace wade::fluid::model_choice

@@ -1,6 +1,7 @@
 #pragma once
 // The model "auto": the cheapest candidate that is estimated to keep /fluid/max_impulse_error.
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,5 +28,9 @@ struct ModelChoice {
 // alone: work is counted in steps, not in time.
 [[nodiscard]] ModelChoice choose_model(const LoadedScene& written, const std::string& source, bool with_pilot = true,
                                        const std::vector<TableRow>& table = measured_table());
+
+// Writes a scene as chosen into `folder`/scene_as_chosen.json, whole or not at all; the file, which repeats the run without a
+// choice. Throws ConfigurationError if it cannot be written.
+std::filesystem::path write_chosen(const LoadedScene& chosen, const std::filesystem::path& folder);
 
 }  // namespace wade::fluid::model_choice
