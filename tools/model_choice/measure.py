@@ -28,9 +28,10 @@ SCENES = {
 }
 SPACINGS = (0.4642, 0.2321, 0.1161)
 GRAVITY = 9.81
+SEEDS = range(2, 9)  # chance of the models that draw particles at random; 1 is the scenes' own
 
 HEADER = (
-    "kind,model,spacing_m,tolerance,divergence_tolerance,cfl,kernel,gravity_change,particles,particle_steps,simulated_s,"
+    "kind,model,spacing_m,tolerance,divergence_tolerance,cfl,kernel,chance,particles,particle_steps,simulated_s,"
     "solver_cpu_s,impulse_median,impulse_p95,failure,command"
 ).split(",")
 DEFAULT = {"tolerance": 0.0005, "divergence_tolerance": 0.001, "cfl": 0.5, "kernel": "cubic_spline"}
@@ -41,29 +42,33 @@ def room(kind, spacing):
     return [f"/fluid/max_particles={max(1200, int(84 * 1.125 / spacing**3))}"]
 
 
-def water(model, spacing, cfl=None, gravity_change=0.0):
+def water(model, spacing, cfl=None, chance=""):
     values = [f"/fluid/model={model}", f"/fluid/particle_spacing_m={spacing:g}"]
     if model == "shallow_water":
         values.append(f"/fluid/shallow_water/cell_size_m={spacing:g}")
     if cfl is not None:
         values.append(f"/fluid/cfl={cfl:g}")
-    if gravity_change:
-        values.append(f"/world/gravity_m_s2={GRAVITY * (1 + gravity_change):.10g}")
+    if chance.startswith("seed "):
+        values.append(f"/seed={chance.removeprefix('seed ')}")
+    elif chance:
+        values.append(f"/world/gravity_m_s2={GRAVITY * (1 + float(chance.removeprefix('gravity '))):.10g}")
     return values
 
 
 def points():
-    """What is measured: (kind, model, spacing, cfl, gravity change), the cheap ones first."""
+    """What is measured: (kind, model, spacing, cfl, what is left to chance), the cheap ones first."""
     wanted = []
     for kind in SCENES:
         known = kind in ("river", "dry_front", "lee")  # what the speed-against-error report has
         for d in SPACINGS:
-            wanted.append((kind, "shallow_water", d, 0.5, 0.0))
+            wanted.append((kind, "shallow_water", d, 0.5, ""))
             if d > 0.2:
-                wanted.append((kind, "steering", d, 0.5, 0.0))
-                wanted += [(kind, "dfsph", d, 0.5, change) for change in (-1e-4, 1e-4)]
+                wanted.append((kind, "steering", d, 0.5, ""))
+                wanted += [(kind, "dfsph", d, 0.5, f"gravity {change:g}") for change in (-1e-4, 1e-4)]
+                models = ("shallow_water", "kinematic") if kind == "river" else ("shallow_water",)
+                wanted += [(kind, model, d, 0.5, f"seed {seed}") for model in models for seed in SEEDS]
             if not known or (d < 0.2 and kind != "dry_front"):
-                wanted += [(kind, "dfsph", d, cfl, 0.0) for cfl in (1.0, 0.5)]
+                wanted += [(kind, "dfsph", d, cfl, "") for cfl in (1.0, 0.5)]
     return sorted(wanted, key=lambda p: p[1] == "dfsph" and p[2] < 0.2)
 
 
@@ -79,11 +84,11 @@ def finest(kind, folder):
 
 
 def row_of(point, folder):
-    kind, model, d, cfl, change = point
+    kind, model, d, cfl, chance = point
     scene = SCENES[kind][0]
-    overrides = water(model, d, cfl, change) + room(kind, d)
+    overrides = water(model, d, cfl, chance) + room(kind, d)
     document = run(scene, overrides, folder)
-    row = {"kind": kind, "model": model, "spacing_m": f"{d:g}", "gravity_change": f"{change:g}" if change else ""}
+    row = {"kind": kind, "model": model, "spacing_m": f"{d:g}", "chance": chance}
     if model == "dfsph":
         row |= {k: f"{v:g}" if isinstance(v, float) else v for k, v in (DEFAULT | {"cfl": cfl}).items()}
     row["command"] = " ".join(command_of(scene, overrides))

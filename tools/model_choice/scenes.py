@@ -11,6 +11,8 @@ FINEST = {
     "river_fast": 0.125,
     "river_wide": 0.16,
     "slope": 0.125,
+    "river_brisk": 0.09,
+    "river_calm": 0.13,
     "front_low": 0.06,
     "front_high": 0.09,
     "front_wet": 0.1,

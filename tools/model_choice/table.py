@@ -32,8 +32,8 @@ HEADER = (
 NOTE = """\
 # From which the server chooses a model, see table.hpp. Written by tools/model_choice/table.py, not by hand.
 # Errors of the impulse on people who stand, relative to a fine run of dfsph, in water 1 m deep and with a contact distance of
-# 0.25 m. A row of dfsph has at least the largest error of the default of its spacing and of that with gravity changed by 0.01 %,
-# as differences below that are chance. It is then divided by 1 - d_finest / d, as the finest run, of spacing d_finest, has an error, too,
+# 0.25 m. A row has the largest error that chance makes of it: of dfsph at least that of the default of its spacing, also with
+# gravity changed by 0.01 %, of kinematic and shallow_water that of eight seeds. Of dfsph it is then divided by 1 - d_finest / d, as the finest run, of spacing d_finest, has an error, too,
 # unless a finer run became worse than a coarser one by that.
 """
 
@@ -55,15 +55,15 @@ def rows_of_report():
 
 
 def rows_measured():
-    """The same of what was measured for the choice, and the errors with a changed gravity: (kind, spacing) -> list."""
+    """The same of what was measured for the choice, and errors that differ by chance: (kind, model, spacing) -> list."""
     points, chance = {}, {}
     with open(HOME / "measured.csv", newline="") as file:
         for row in csv.DictReader(file):
             if row["failure"]:
                 continue
             errors = {name: float(row[name]) for name in ("impulse_median", "impulse_p95")}
-            if row["gravity_change"]:
-                chance.setdefault((row["kind"], row["spacing_m"]), []).append(errors)
+            if row["chance"]:
+                chance.setdefault((row["kind"], row["model"], row["spacing_m"]), []).append(errors)
                 continue
             steps = float(row["particle_steps"])
             points[(row["kind"], *(row[name] for name in SETTINGS))] = errors | {
@@ -104,11 +104,10 @@ def table_text():
         point = points[key]
         values = []
         for name in ("impulse_median", "impulse_p95"):
-            least = 0.0
+            same = chance.get((kind, model, spacing), [])
             if model == "dfsph":
-                same = [points.get((kind, model, spacing, *DEFAULT), point), *chance.get((kind, spacing), [])]
-                least = max(p[name] for p in same)
-            error = max(point[name], least)
+                same = [points.get((kind, model, spacing, *DEFAULT), point), *same]
+            error = max(p[name] for p in [point, *same])
             # The addition for the finest run's own error does not make a finer run worse than a coarser one.
             coarser = estimates.get((kind, model, *key[3:], name), float("inf"))
             estimate = min(error * beyond_finest(kind, model, float(spacing)), max(error, coarser))
