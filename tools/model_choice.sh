@@ -7,7 +7,7 @@ set -euo pipefail
 help_if_asked "$@" <<'HELP'
 Usage: tools/model_choice.sh [--quick] [--out DIR] [--report-only]
 
-Runs thirteen scenes (configs/model_choice), none of which the table of the choice was measured with: rivers, fronts, blocks,
+Runs fifteen scenes (configs/model_choice), none of which the table of the choice was measured with: rivers, fronts, blocks,
 emitters, a slope. Each with /fluid/model "auto" and a max_impulse_error of 0.05, 0.1 and 0.3, with the default settings,
 and with a fine spacing as the truth. Writes DIR/report.md, DIR/model_choice.csv (a line a scene and demand) and a plot:
 demanded, estimated and actual error of the impulse on those who stand, and the cost. Held: the actual median is at most the

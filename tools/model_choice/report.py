@@ -17,8 +17,12 @@ Each scene was run with `"model": "auto"` and a `max_impulse_error` of {demands}
 spacing of 0.4642 m), and with dfsph at a fine spacing. Errors are those of the impulse on each person who stands against the
 fine run, relative to its load (`tests/validation/impulse.hpp`). The fine run is our own and no truth; its spacing is in the last
 table. *Held*: the actual median error is at most the demand. None of the scenes is one that the table of the choice
-(`fluid_server/model_choice/table.csv`) was measured with; rules, table and the margin of 1.5 in the estimates were fixed before
-these runs.
+(`fluid_server/model_choice/table.csv`) was measured with.
+
+Rules and the margin of 1.5 in the estimates were fixed before these runs. The table was changed once after them: of the first
+35 demands 29 held, and four of the six others were rivers by the kinematic stream, whose row rested on one seed, a lucky one.
+Since then the rows of models that draw numbers hold the largest error of eight seeds, as those of dfsph held that of a changed
+gravity from the start. The scenes {unseen} were added after that change.
 """
 
 
@@ -64,6 +68,10 @@ def summary(rows):
         f"* The median was at most the estimate in {len(below)} of {len(met)}, the 95th percentile at most its own in "
         f"{len(p95)} of {len(met)}."
     )
+    some = [r for r in met if r["scene"] in scenes.UNSEEN]
+    if some:
+        good = sum(r["held"] == "yes" for r in some)
+        lines.append(f"* In the scenes that were added after the table was changed {good} of {len(some)} held.")
     lines.append(f"* The pilot contradicted the first choice in {sum(r['went_up'] == 'yes' for r in met)} of {len(met)}.")
     distinct = {r["scene"]: float(r["default_median"]) for r in rows}
     for demand in scenes.DEMANDS:
@@ -118,6 +126,7 @@ def references(names):
 
 def text(rows, names):
     demands = ", ".join(f"{d:g}" for d in scenes.DEMANDS[:-1]) + f" and {scenes.DEMANDS[-1]:g}"
-    parts = [INTRO.format(machine=machine_line(), demands=demands).rstrip().split("\n"), summary(rows)]
+    unseen = " and ".join(scenes.UNSEEN)
+    parts = [INTRO.format(machine=machine_line(), demands=demands, unseen=unseen).rstrip().split("\n"), summary(rows)]
     parts += [["![estimate against actual error](estimate_against_actual.png)"], table(rows), references(names)]
     return "\n\n".join("\n".join(part) for part in parts) + "\n"
