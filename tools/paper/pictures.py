@@ -12,7 +12,7 @@ from bands import LEE_AT_S
 
 TOOLS = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(TOOLS))
-from figure import read_water  # noqa: E402
+from run_files import read_water  # noqa: E402
 
 # File of the picture: (case of a set, time in s or None for the whole run, what it shows). Which scenarios the paper's
 # figures 3, 5 and 6 show is not known to us; they are S1 to S12 at some time.
