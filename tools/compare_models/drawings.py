@@ -1,0 +1,142 @@
+"""Pictures of the report: error over cost, the impulse on people, Table 1 by model."""
+
+import math
+
+import paths  # noqa: F401
+
+import plots
+from matplotlib.lines import Line2D
+from outcomes import COMPLETED, missed, worst
+from plots import INK, pyplot
+
+# One colour a model in all pictures, that of its place here; a model of another name comes after them.
+ORDER = ("dfsph", "shallow_water", "steering", "kinematic", "mixed")
+MARKS = {"coarse": "o", "medium": "s", "fine": "D"}
+ACROSS = 4
+LEAST_RATIO, MOST_RATIO = 1e-3, 1e3  # beyond, a point is drawn at the edge; the table has the number
+IMPULSE_ERRORS = {"impulse_median": "impulse, median error", "impulse_p95": "impulse, 95 % of people"}
+
+
+def colour(model, models):
+    places = ordered(models)
+    return plots.COLOURS[places.index(model) % len(plots.COLOURS)]
+
+
+def ordered(models):
+    return [*ORDER, *(model for model in models if model not in ORDER)]
+
+
+def words(model):
+    return {"dfsph": "DFSPH"}.get(model, model.replace("_", " "))
+
+
+def compared_cases(outcomes, limits):
+    """Cases in which at least two models have an error to compare, in their order."""
+    by_case = {}
+    for o in outcomes:
+        if o.status == COMPLETED and o.cost is not None and worst(o, limits) is not None:
+            by_case.setdefault(o.case, set()).add(o.model)
+    return [case for case, models in by_case.items() if len(models) > 1]
+
+
+def draw_points(axes, points, model, models):
+    """points: [(cost, error, level, whether all limits are kept)], coarse to fine."""
+    points = [(max(cost, 1e-6), error, level, kept) for cost, error, level, kept in points]
+    shade = colour(model, models)
+    axes.plot([p[0] for p in points], [p[1] for p in points], color=shade, linewidth=1)
+    for cost, error, level, kept in points:
+        axes.plot(cost, error, MARKS[level], color=shade, markersize=6, markerfacecolor=shade if kept else "white",
+                  markeredgewidth=1.4)
+
+
+def grid_of(count):
+    across = min(ACROSS, count)
+    down = math.ceil(count / across)
+    figure, axes = pyplot.subplots(down, across, figsize=(2.75 * across, 2.3 * down + 0.5), squeeze=False, sharex=True)
+    for panel in list(axes.flat)[count:]:
+        panel.set_axis_off()
+    for column in range(across):  # the lowest panel of each column has the numbers of the axis
+        lowest = axes[(count - 1 - column) // across][column]
+        lowest.tick_params(labelbottom=True)
+        lowest.set_xlabel("CPU s a simulated s", fontsize=8)
+    return figure, axes
+
+
+def legend(figure, models, levels, kept_words=True):
+    handles = [Line2D([], [], color=colour(m, models), marker="o", linewidth=1, label=words(m)) for m in models]
+    handles += [Line2D([], [], color=INK, marker=MARKS[level], linestyle="none", label=level) for level in levels]
+    if kept_words:
+        handles.append(Line2D([], [], color=INK, marker="o", linestyle="none", label="all limits kept"))
+        handles.append(Line2D([], [], color=INK, marker="o", linestyle="none", markerfacecolor="white", label="one missed"))
+        handles.append(Line2D([], [], color=INK, linestyle="--", linewidth=1, label="limit"))
+    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=6, fontsize=8)
+
+
+def levels_of(outcomes):
+    return [level for level in MARKS if any(o.level == level and o.status == COMPLETED for o in outcomes)]
+
+
+def error_over_cost(file, outcomes, models, limits):
+    """A panel a case: the worst error over its limit against the cost. False if there is nothing to compare."""
+    cases = compared_cases(outcomes, limits)
+    if not cases:
+        return False
+    figure, axes = grid_of(len(cases))
+    for panel, case in zip(axes.flat, cases):
+        for model in models:
+            points = []
+            for o in outcomes:
+                its = worst(o, limits) if (o.case, o.model) == (case, model) else None
+                if its is not None and o.cost is not None:
+                    ratio = min(max(its.ratio, LEAST_RATIO), MOST_RATIO)
+                    points.append((o.cost, ratio, o.level, not missed(o, limits)))
+            if points:
+                draw_points(panel, points, model, models)
+        panel.axhline(1, color=INK, linestyle="--", linewidth=1)
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        panel.set_title(case, fontsize=9)
+        panel.tick_params(labelsize=7)
+        panel.margins(0.12)
+    for row in axes:
+        row[0].set_ylabel("worst error / limit", fontsize=8)
+    figure.tight_layout()
+    legend(figure, models, levels_of(outcomes))
+    plots.save(figure, file)
+    return True
+
+
+def impulse_errors(file, outcomes, models):
+    """The error of the impulse on people who stand, by case, over the cost. False without such cases."""
+    cases = list(dict.fromkeys(o.case for o in outcomes if o.status == COMPLETED and o.value("impulse_median") is not None))
+    if not cases:
+        return False
+    figure, axes = pyplot.subplots(2, len(cases), figsize=(3.4 * len(cases), 5), squeeze=False, sharex=True)
+    for row, (metric, name) in zip(axes, IMPULSE_ERRORS.items()):
+        for panel, case in zip(row, cases):
+            for model in models:
+                points = [(o.cost, o.value(metric), o.level, True) for o in outcomes
+                          if (o.case, o.model, o.status) == (case, model, COMPLETED) and o.cost is not None]
+                points = [point for point in points if point[1]]
+                if points:
+                    draw_points(panel, points, model, models)
+            panel.set_xscale("log")
+            panel.set_yscale("log")
+            panel.set_title(case, fontsize=9)
+            panel.tick_params(labelsize=7)
+            panel.margins(0.12)
+        row[0].set_ylabel(name, fontsize=8)
+    for panel in axes[-1]:
+        panel.set_xlabel("CPU s a simulated s", fontsize=8)
+    figure.tight_layout()
+    legend(figure, models, levels_of(outcomes), kept_words=False)
+    plots.save(figure, file)
+    return True
+
+
+def table1_picture(file, paper, of_set):
+    """of_set: [ModelRuns] of one set of scenes."""
+    known = {runs.model: runs.results for runs in of_set}
+    places = ordered(known)
+    used = places[: 1 + max(places.index(model) for model in known)]  # so that each has its colour
+    plots.table1_plot(file, paper, {m: known.get(m, {}) for m in used}, {m: words(m) for m in used})
