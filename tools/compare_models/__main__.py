@@ -10,7 +10,6 @@ from pathlib import Path
 from paths import ROOT
 
 import runs
-import write_report
 from case_runs import LevelRunner, run_cases, water_cases
 from ensembles import PlanError, Programs
 from machine import machine_of
@@ -85,7 +84,7 @@ def parse(arguments):
     return options
 
 
-def compare_cases(options, judge):
+def compare_cases(options):
     """[Outcome], the commits of what was read, and its file in words."""
     program = options.programs / "validate"
     cases = water_cases(runs.list_cases(program))
@@ -133,7 +132,7 @@ def main():
     outcomes, commits, file, table1, failures, interrupted = [], [], "", {}, [], 0
     try:
         if "cases" in options.parts:
-            outcomes, commits, file = compare_cases(options, judge)
+            outcomes, commits, file = compare_cases(options)
         if "table1" in options.parts:
             table1, failures, interrupted = compare_table1(options)
     except KeyboardInterrupt as interrupt:
@@ -143,8 +142,10 @@ def main():
         return error.code
     except subprocess.CalledProcessError as error:
         fail(f"{error.cmd[0]}: exit code {error.returncode}")
+    import write_report  # with matplotlib, which takes a second
+
     folder = options.report_to or options.out
-    write_report.write(folder, command_words(options), outcomes, options.models, judge.thresholds, table1, paper, failures,
+    write_report.write(folder, command_words(options), outcomes, options.models, judge, table1, paper, failures,
                        machine_of(), commits, file)
     say(f"{folder / 'report.md'}, {folder / 'models.csv'}")
     if interrupted:

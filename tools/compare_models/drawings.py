@@ -2,10 +2,11 @@
 
 import math
 
-import paths  # noqa: F401
+import paths  # noqa: F401  it says where the modules of tools/paper are
 
 import plots
 from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
 from outcomes import COMPLETED, missed, worst
 from plots import INK, pyplot
 
@@ -13,6 +14,7 @@ from plots import INK, pyplot
 ORDER = ("dfsph", "shallow_water", "steering", "kinematic", "mixed")
 MARKS = {"coarse": "o", "medium": "s", "fine": "D"}
 ACROSS = 4
+COST = "CPU s a simulated s"
 LEAST_RATIO, MOST_RATIO = 1e-3, 1e3  # beyond, a point is drawn at the edge; the table has the number
 IMPULSE_ERRORS = {"impulse_median": "impulse, median error", "impulse_p95": "impulse, 95 % of people"}
 
@@ -52,24 +54,31 @@ def draw_points(axes, points, model, models):
 def grid_of(count):
     across = min(ACROSS, count)
     down = math.ceil(count / across)
-    figure, axes = pyplot.subplots(down, across, figsize=(2.75 * across, 2.3 * down + 0.5), squeeze=False, sharex=True)
+    figure, axes = pyplot.subplots(down, across, figsize=(2.6 * across + 0.4, 2.3 * down + 0.3), squeeze=False, sharex=True, sharey=True)
     for panel in list(axes.flat)[count:]:
         panel.set_axis_off()
     for column in range(across):  # the lowest panel of each column has the numbers of the axis
         lowest = axes[(count - 1 - column) // across][column]
         lowest.tick_params(labelbottom=True)
-        lowest.set_xlabel("CPU s a simulated s", fontsize=8)
+        lowest.set_xlabel(COST, fontsize=8)
     return figure, axes
 
 
-def legend(figure, models, levels, kept_words=True):
-    handles = [Line2D([], [], color=colour(m, models), marker="o", linewidth=1, label=words(m)) for m in models]
-    handles += [Line2D([], [], color=INK, marker=MARKS[level], linestyle="none", label=level) for level in levels]
-    if kept_words:
-        handles.append(Line2D([], [], color=INK, marker="o", linestyle="none", label="all limits kept"))
-        handles.append(Line2D([], [], color=INK, marker="o", linestyle="none", markerfacecolor="white", label="one missed"))
-        handles.append(Line2D([], [], color=INK, linestyle="--", linewidth=1, label="limit"))
-    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=6, fontsize=8)
+def prepare(panel, title):
+    panel.set_xscale("log")
+    panel.set_yscale("log")
+    panel.yaxis.set_minor_formatter(NullFormatter())
+    panel.set_title(title, fontsize=9)
+    panel.tick_params(labelsize=7)
+    panel.margins(0.1)
+
+
+def legend(figure, models, levels, signs=()):
+    """Models above, what the marks mean below them. signs: further handles."""
+    handles = [Line2D([], [], color=colour(m, models), linewidth=3, label=words(m)) for m in models]
+    marks = [Line2D([], [], color=INK, marker=MARKS[level], linestyle="none", label=level) for level in levels] + list(signs)
+    for height, row in ((1.035, handles), (1.0, marks)):
+        figure.legend(handles=row, loc="lower center", bbox_to_anchor=(0.5, height), ncol=len(row), fontsize=8)
 
 
 def levels_of(outcomes):
@@ -93,15 +102,13 @@ def error_over_cost(file, outcomes, models, limits):
             if points:
                 draw_points(panel, points, model, models)
         panel.axhline(1, color=INK, linestyle="--", linewidth=1)
-        panel.set_xscale("log")
-        panel.set_yscale("log")
-        panel.set_title(case, fontsize=9)
-        panel.tick_params(labelsize=7)
-        panel.margins(0.12)
+        prepare(panel, case)
     for row in axes:
         row[0].set_ylabel("worst error / limit", fontsize=8)
     figure.tight_layout()
-    legend(figure, models, levels_of(outcomes))
+    signs = [Line2D([], [], color=INK, linestyle="--", linewidth=1, label="limit"),
+             Line2D([], [], linestyle="none", label="filled: all limits kept, open: one missed")]
+    legend(figure, models, levels_of(outcomes), signs)
     plots.save(figure, file)
     return True
 
@@ -111,7 +118,7 @@ def impulse_errors(file, outcomes, models):
     cases = list(dict.fromkeys(o.case for o in outcomes if o.status == COMPLETED and o.value("impulse_median") is not None))
     if not cases:
         return False
-    figure, axes = pyplot.subplots(2, len(cases), figsize=(3.4 * len(cases), 5), squeeze=False, sharex=True)
+    figure, axes = pyplot.subplots(2, len(cases), figsize=(3.4 * len(cases), 5), squeeze=False, sharex=True, sharey=True)
     for row, (metric, name) in zip(axes, IMPULSE_ERRORS.items()):
         for panel, case in zip(row, cases):
             for model in models:
@@ -120,16 +127,13 @@ def impulse_errors(file, outcomes, models):
                 points = [point for point in points if point[1]]
                 if points:
                     draw_points(panel, points, model, models)
-            panel.set_xscale("log")
-            panel.set_yscale("log")
-            panel.set_title(case, fontsize=9)
-            panel.tick_params(labelsize=7)
-            panel.margins(0.12)
+            prepare(panel, case)
+            panel.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
         row[0].set_ylabel(name, fontsize=8)
     for panel in axes[-1]:
-        panel.set_xlabel("CPU s a simulated s", fontsize=8)
+        panel.set_xlabel(COST, fontsize=8)
     figure.tight_layout()
-    legend(figure, models, levels_of(outcomes), kept_words=False)
+    legend(figure, models, levels_of(outcomes))
     plots.save(figure, file)
     return True
 

@@ -80,6 +80,19 @@ def factor_to(outcome, outcomes, metric, model="dfsph"):
     return own / its
 
 
+def cheapest_as_exact(outcomes, case, metric):
+    """The cheapest run of a case whose error is no larger than that of DFSPH at the same resolution, but for chance; None
+    without runs of DFSPH."""
+    factors = [(o, factor_to(o, outcomes, metric)) for o in complete(outcomes, case) if o.cost is not None]
+    return min((o for o, factor in factors if factor is not None and factor <= SAME_AS), key=lambda o: o.cost, default=None)
+
+
+def only_guarded(case, reasons):
+    """Whether all limits of a case are only guards against something broken. reasons: {(case, metric): words}."""
+    of_case = [reason for (owner, _), reason in reasons.items() if owner == case and not reason.startswith("reported")]
+    return bool(of_case) and all(reason.startswith("a guard") for reason in of_case)
+
+
 def agrees(result, reference):
     """Whether a scenario of Table 1 ends as by the reference: arrivals within a tenth of the agents, and the mean time of the
     last arrival, where somebody arrives in both, within a tenth. None where one of both is missing."""
@@ -91,6 +104,3 @@ def agrees(result, reference):
         return True  # then few arrive in both
     return abs(result.time[0] / reference.time[0] - 1) <= TIME_SHARE
 
-
-def finite(ratio):
-    return "not measured" if math.isinf(ratio) else f"{ratio:.2g} times"

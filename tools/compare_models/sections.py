@@ -1,6 +1,6 @@
 """The sections of the report: tables, and sentences that follow from them by the rules of rules.py."""
 
-import paths  # noqa: F401
+import paths  # noqa: F401  it says where the modules of the other suites are
 
 import bands
 import rules
@@ -10,7 +10,7 @@ from words import arrived_of, markdown_table, shown, time_of
 
 
 def short(value):
-    return "-" if value is None else f"{value:.2g}"
+    return "-" if value is None else f"{value:.3g}"
 
 
 def seconds(value):
@@ -67,7 +67,7 @@ def cases_section(outcomes, models, limits):
     ) + markdown_table(["case", "resolution", *map(words, models)], lines)
 
 
-def cheapest_section(outcomes, models, limits):
+def cheapest_section(outcomes, models, limits, reasons):
     lines = []
     for case in dict.fromkeys(o.case for o in outcomes):
         able = [m for m in models if any(worst(o, limits) for o in rules.complete(outcomes, case, m))]
@@ -83,26 +83,31 @@ def cheapest_section(outcomes, models, limits):
         else:
             run, its = rules.nearest(outcomes, case, models, limits)
             cells = [f"none; nearest {words(run.model)}, {metric_words(its)}", run.level, seconds(run.cost), ""]
-        lines.append([code(case), *cells, ", ".join(map(words, able))])
+        mark = " \\*" if rules.only_guarded(case, reasons) else ""
+        lines.append([code(case) + mark, *cells, ", ".join(map(words, able))])
     if not lines:
         return ""
     head = ["case", "cheapest that keeps all limits", "resolution", "CPU s a simulated s", "DFSPH costs, times", "models that run"]
     return (
         "## The cheapest model that keeps the limits\n\nOver the models and resolutions that were run; DFSPH costs: at the"
-        " same resolution.\n\n"
+        " same resolution.\n\\*: its limits only guard against a broken coupling; see [the impulse](#impulse-on-people).\n\n"
     ) + markdown_table(head, lines)
 
 
-def grades_sentences(model, outcomes, models, limits):
+def grades_sentences(model, outcomes, limits, reasons):
     """What a model is good for, in a few lines."""
+
+    def starred(case):
+        return code(case) + (" \\*" if rules.only_guarded(case, reasons) else "")
+
     cases = list(dict.fromkeys(o.case for o in outcomes))
     graded = rules.by_grade(outcomes, model, cases, limits)
-    of_grade = {g: [f"{code(run.case)} ({metric_words(its)})" for run, its in pairs] for g, pairs in graded.items()}
+    of_grade = {g: [f"{starred(run.case)} ({metric_words(its)})" for run, its in pairs] for g, pairs in graded.items()}
     total = sum(map(len, graded.values()))
     if total == 0:
         return f"* **{words(model)}**: no case with a limit was run.\n"
     text = f"* **{words(model)}** keeps the limits of {len(graded[rules.GOOD])} of {total} cases that it can run"
-    names = [code(run.case) for run, _ in graded[rules.GOOD]]
+    names = [starred(run.case) for run, _ in graded[rules.GOOD]]
     text += f": {listed(names)}.\n" if names else ".\n"
     if of_grade[rules.CLOSE]:
         text += f"  Near, by a factor of {rules.NEAR:g} at most: {listed(of_grade[rules.CLOSE])}.\n"
@@ -130,17 +135,18 @@ def grades_sentences(model, outcomes, models, limits):
     return text
 
 
-def words_section(outcomes, models, limits, table1):
+def words_section(outcomes, models, limits, reasons, table1):
     text = (
         f"## In words\n\nBy rule, from the tables below. Of each case the resolution counts at which the model is nearest to"
         f" the limits. Good enough: it keeps all of them; near: it\nmisses one by less than a factor of {rules.NEAR:g};"
-        " useless: by more. The limits of the cases `impulse_*` only guard against a broken coupling: for people see"
+        " useless: by more. Limits of cases with \\* only guard against a broken coupling: for people see"
         " [the impulse](#impulse-on-people).\n\n"
     )
-    for model in models:
-        text += grades_sentences(model, outcomes, models, limits)
+    for model in models if outcomes else ():
+        text += grades_sentences(model, outcomes, limits, reasons)
     for model in models:
         text += impulse_sentence(model, outcomes)
+    text += cheapest_impulse_sentence(outcomes)
     for of_set in table1.values():
         text += table1_sentences(of_set)
     return text
@@ -159,6 +165,17 @@ def impulse_sentence(model, outcomes):
     text = f"* Impulse on people by **{words(model)}**, median error over that of DFSPH at the same resolution:"
     text += f" as small ({rules.SAME_AS:g} at most) in {listed(same)}" if same else " nowhere as small"
     return text + (f"; larger in {listed(worse)}.\n" if worse else ".\n")
+
+
+def cheapest_impulse_sentence(outcomes):
+    parts = []
+    for case in dict.fromkeys(o.case for o in outcomes):
+        run = rules.cheapest_as_exact(outcomes, case, "impulse_median")
+        if run is not None:
+            parts.append(f"{code(case)} {words(run.model)} ({run.level})")
+    if not parts:
+        return ""
+    return f"* The cheapest whose impulse is as exact as that of DFSPH at the same resolution: {listed(parts)}.\n"
 
 
 def impulse_section(outcomes, models, picture):

@@ -2,12 +2,11 @@
 
 import json
 import os
-import sys
 import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-from paths import ROOT
+import paths  # noqa: F401  it says where the modules of tools/paper are
 
 import plan
 from ensembles import Ensembles, is_done

@@ -3,7 +3,7 @@
 import csv
 import io
 
-import paths  # noqa: F401
+import paths  # noqa: F401  it says where the modules of the other suites are
 
 import bands
 from outcomes import COMPLETED, Judged

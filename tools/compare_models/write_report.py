@@ -1,6 +1,6 @@
 """report.md, models.csv, models_table1.csv and the pictures."""
 
-import paths  # noqa: F401
+import paths  # noqa: F401  it says where the modules of the other suites are
 
 import drawings
 import sections
@@ -30,15 +30,16 @@ def machine_section(machine, outcomes, commits, recorded_file, command):
     return text
 
 
-def write(folder, command, outcomes, models, limits, table1, paper, failures, machine, commits, recorded_file):
-    """table1: {set: [ModelRuns]}."""
+def write(folder, command, outcomes, models, judge, table1, paper, failures, machine, commits, recorded_file):
+    """judge: a results.Judge; table1: {set: [ModelRuns]}."""
+    limits, reasons = judge.thresholds, judge.reasons
     folder.mkdir(parents=True, exist_ok=True)
     parts = [HEAD.format(command=command)]
     if outcomes or table1:
-        parts.append(sections.words_section(outcomes, models, limits, table1))
+        parts.append(sections.words_section(outcomes, models, limits, reasons, table1))
     if outcomes:
         write_models(folder / "models.csv", outcomes, limits)
-        parts.append(sections.cheapest_section(outcomes, models, limits))
+        parts.append(sections.cheapest_section(outcomes, models, limits, reasons))
         if drawings.error_over_cost(folder / "error_over_cost.png", outcomes, models, limits):
             parts.append(PLOT)
         parts.append(sections.cases_section(outcomes, models, limits))

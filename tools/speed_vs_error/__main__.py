@@ -5,7 +5,6 @@ Needs matplotlib for the plots.
 """
 
 import argparse
-import os
 import subprocess
 import sys
 from dataclasses import replace
