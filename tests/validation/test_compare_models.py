@@ -127,7 +127,7 @@ class Words(unittest.TestCase):
         self.assertIn("**DFSPH** keeps the limits of 1 of 1 cases that it can run: `dam`.", text)
         self.assertIn("**steering** keeps the limits of 0 of 1 cases that it can run.\n  Useless, further off: `dam` (depth 0.3", text)
         self.assertIn("**shallow water** keeps the limits of 0 of 1 cases that it can run.\n  Near, by a factor of 2", text)
-        self.assertIn("at most as dear and at most as wrong in 1 of 1 cases (shallow water in 1)", text)
+        self.assertIn("at most as dear and at most as wrong in 1 of 1 cases that both can run (shallow water in 1)", text)
 
     def test_the_table_says_met_missed_or_cannot(self):
         row = next(line for line in sections.cases_section(self.FOUND, self.MODELS, LIMITS).splitlines() if "`dam`" in line)

@@ -115,7 +115,7 @@ def grades_sentences(model, outcomes, limits, reasons):
         text += f"  Useless, further off: {listed(of_grade[rules.USELESS])}.\n"
     refused = rules.refusals(outcomes, model)
     if refused:
-        text += f"  Cannot run: {listed(map(code, refused))}.\n"
+        text += f"  Cannot run {len(refused)} other cases ([why](#what-a-model-cannot-run)).\n"
     beaten = {}
     compared = 0
     for case in cases:
@@ -130,7 +130,7 @@ def grades_sentences(model, outcomes, limits, reasons):
     lost = sorted({case for found in beaten.values() for case in found}, key=cases.index)
     if compared:
         by = ", ".join(f"{words(name)} in {len(found)}" for name, found in sorted(beaten.items(), key=lambda b: -len(b[1])))
-        text += f"  Another model is at most as dear and at most as wrong in {len(lost)} of {compared} cases"
+        text += f"  Another model is at most as dear and at most as wrong in {len(lost) or 'none'} of {compared} cases that both can run"
         text += f" ({by}).\n" if by else ".\n"
     return text
 
