@@ -73,13 +73,12 @@ class TimedEnsembles(Ensembles):
     """Notes the CPU time of the server of each water in its folder, cost.json, as of the last look before its end."""
 
     def wait_for(self, process, water):
-        last, over = [0.0], threading.Event()
+        times, over = {}, threading.Event()  # by process: the first one may only check the scene
 
         def look():
-            server = None
             while not over.wait(SAMPLED_EVERY_S):
-                server = server or server_below(process.pid)
-                last[0] = max(last[0], cpu_time_of(server) or 0) if server else last[0]
+                server = server_below(process.pid)
+                times[server] = (cpu_time_of(server) if server else None) or times.get(server, 0)
 
         watcher = threading.Thread(target=look, daemon=True)
         watcher.start()
@@ -88,7 +87,7 @@ class TimedEnsembles(Ensembles):
         finally:
             over.set()
             watcher.join()
-        (self.out / water.key / "cost.json").write_text(json.dumps({"server_cpu_s": last[0]}) + "\n")
+        (self.out / water.key / "cost.json").write_text(json.dumps({"server_cpu_s": sum(times.values())}) + "\n")
         return code
 
 

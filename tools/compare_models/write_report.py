@@ -26,7 +26,7 @@ def machine_section(machine, outcomes, commits, recorded_file, command):
         text += f" {', '.join(commits) or 'unknown'}: their CPU times were taken at another time on a machine\n  of the same"
         text += " kind, so that a factor of cost below two or so says little.\n"
     text += "* CPU times of cases are of the solver, one thread, without set-up and measurement; those of Table 1 of the whole"
-    text += " server. On a busy machine they are too long by some ten percent.\n"
+    text += " server, looked up\n  twice a second. They grow with what else the machine does.\n"
     return text
 
 
