@@ -51,7 +51,8 @@ def positive(kind):
         except ValueError:
             value = 0
         if not value > 0:
-            raise argparse.ArgumentTypeError(f'"{text}" is out of range; allowed: {"whole " if kind is int else ""}numbers above 0')
+            numbers = "whole numbers" if kind is int else "numbers"
+            raise argparse.ArgumentTypeError(f'"{text}" is out of range; allowed: {numbers} above 0')
         return value
 
     return read
@@ -80,7 +81,8 @@ def parse(arguments):
     if options.dfsph_campaign and not options.dfsph_campaign.is_dir():
         fail(f"--dfsph-campaign {options.dfsph_campaign}: no such folder")
     if options.validation_csv != "none" and not Path(options.validation_csv).is_file():
-        fail(f'--validation-csv {options.validation_csv}: no such file; allowed: a validation.csv of tools/validate.sh, or "none"')
+        allowed = 'a validation.csv of tools/validate.sh, or "none"'
+        fail(f"--validation-csv {options.validation_csv}: no such file; allowed: {allowed}")
     return options
 
 
@@ -104,8 +106,8 @@ def compare_cases(options):
 
 def compare_table1(options):
     """{set: [ModelRuns]}, failures in words, exit code of a signal."""
-    programs = Programs(options.programs, options.until_s)
-    found, failures, interrupted = run_table(programs, options.out / "table1", Pair(), options.sets, options.models, options)
+    programs, place = Programs(options.programs, options.until_s), options.out / "table1"
+    found, failures, interrupted = run_table(programs, place, Pair(), options.sets, options.models, options)
     by_set = {}
     for model_runs in found:
         by_set.setdefault(model_runs.set, []).append(model_runs)

@@ -55,7 +55,8 @@ class LevelRunner(Runner):
         if document["status"] != "completed":
             return Outcome(**base, status=FAILED, remark=document["error"], commit=document.get("git", ""))
         if document["model"] != point.model:
-            return Outcome(**base, status=REFUSED, remark=f"the case runs {document['model']} whatever model is asked for")
+            remark = f"the case runs {document['model']} whatever model is asked for"
+            return Outcome(**base, status=REFUSED, remark=remark)
         return Outcome(
             **base, status=COMPLETED, metrics=document["metrics"], particles=document["particles"],
             cpu=document["solver_cpu_s"], simulated=document["simulated_s"], commit=document["git"],

@@ -28,7 +28,7 @@ def ordered(models):
     return [*ORDER, *(model for model in models if model not in ORDER)]
 
 
-def words(model):
+def model_words(model):
     return {"dfsph": "DFSPH"}.get(model, model.replace("_", " "))
 
 
@@ -54,7 +54,8 @@ def draw_points(axes, points, model, models):
 def grid_of(count):
     across = min(ACROSS, count)
     down = math.ceil(count / across)
-    figure, axes = pyplot.subplots(down, across, figsize=(2.6 * across + 0.4, 2.3 * down + 0.3), squeeze=False, sharex=True, sharey=True)
+    size = 2.6 * across + 0.4, 2.3 * down + 0.3
+    figure, axes = pyplot.subplots(down, across, figsize=size, squeeze=False, sharex=True, sharey=True)
     for panel in list(axes.flat)[count:]:
         panel.set_axis_off()
     for column in range(across):  # the lowest panel of each column has the numbers of the axis
@@ -75,9 +76,9 @@ def prepare(panel, title):
 
 def legend(figure, models, levels, signs=()):
     """Models above, what the marks mean below them. signs: further handles."""
-    handles = [Line2D([], [], color=colour(m, models), linewidth=3, label=words(m)) for m in models]
-    marks = [Line2D([], [], color=INK, marker=MARKS[level], linestyle="none", label=level) for level in levels] + list(signs)
-    for height, row in ((1.035, handles), (1.0, marks)):
+    handles = [Line2D([], [], color=colour(m, models), linewidth=3, label=model_words(m)) for m in models]
+    marks = [Line2D([], [], color=INK, marker=MARKS[level], linestyle="none", label=level) for level in levels]
+    for height, row in ((1.035, handles), (1.0, marks + list(signs))):
         figure.legend(handles=row, loc="lower center", bbox_to_anchor=(0.5, height), ncol=len(row), fontsize=8)
 
 
@@ -115,15 +116,16 @@ def error_over_cost(file, outcomes, models, limits):
 
 def impulse_errors(file, outcomes, models):
     """The error of the impulse on people who stand, by case, over the cost. False without such cases."""
-    cases = list(dict.fromkeys(o.case for o in outcomes if o.status == COMPLETED and o.value("impulse_median") is not None))
+    known = [o for o in outcomes if o.status == COMPLETED and o.value("impulse_median") is not None]
+    cases = list(dict.fromkeys(o.case for o in known))
     if not cases:
         return False
     figure, axes = pyplot.subplots(2, len(cases), figsize=(3.4 * len(cases), 5), squeeze=False, sharex=True, sharey=True)
     for row, (metric, name) in zip(axes, IMPULSE_ERRORS.items()):
         for panel, case in zip(row, cases):
             for model in models:
-                points = [(o.cost, o.value(metric), o.level, True) for o in outcomes
-                          if (o.case, o.model, o.status) == (case, model, COMPLETED) and o.cost is not None]
+                points = [(o.cost, o.value(metric), o.level, True) for o in known
+                          if (o.case, o.model) == (case, model) and o.cost is not None]
                 points = [point for point in points if point[1]]
                 if points:
                     draw_points(panel, points, model, models)
@@ -143,4 +145,4 @@ def table1_picture(file, paper, of_set):
     known = {runs.model: runs.results for runs in of_set}
     places = ordered(known)
     used = places[: 1 + max(places.index(model) for model in known)]  # so that each has its colour
-    plots.table1_plot(file, paper, {m: known.get(m, {}) for m in used}, {m: words(m) for m in used})
+    plots.table1_plot(file, paper, {m: known.get(m, {}) for m in used}, {m: model_words(m) for m in used})

@@ -21,7 +21,8 @@ def is_default(value, node):
 
 
 def same_scene(old, now):
-    """Two resolved scenes are the same but for keys that the older programs did not know and that have their default now."""
+    """Two resolved scenes are the same but for keys that the older programs did not know and that have their default
+    now."""
     return same_part(what_counts(old), what_counts(now), schema())
 
 

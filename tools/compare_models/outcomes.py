@@ -61,7 +61,8 @@ def judged_metrics(outcome, limits):
 
 
 def worst(outcome, limits):
-    """The metric that is nearest to its limit or furthest above it; None if none has a limit or the run is not complete."""
+    """The metric that is nearest to its limit or furthest above it; None if none has a limit or the run is not
+    complete."""
     if outcome.status != COMPLETED:
         return None
     return max(judged_metrics(outcome, limits), key=lambda judged: judged.ratio, default=None)

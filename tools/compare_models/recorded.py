@@ -11,7 +11,8 @@ COMMIT = re.compile(r"commit ([0-9a-f]+(?:-dirty)?)")
 
 
 def simulated_times(report):
-    """{(case, level): simulated time, s} of the cost tables of report.md, and the commits it names; empty without a report."""
+    """{(case, level): simulated time, s} of the cost tables of report.md, and the commits it names; empty without a
+    report."""
     times, commits, case = {}, [], None
     lines = report.read_text(encoding="utf-8").splitlines() if report.is_file() else []
     for line in lines:
@@ -40,8 +41,9 @@ def read_recorded(file, cases, model="dfsph"):
             key = case.name, level
             if key not in found:
                 found[key] = Outcome(
-                    case.name, level, model, spacing, COMPLETED, particles=int(row["particles"]), cpu=float(row["cpu_s"]),
-                    simulated=times.get(key), source=file.name, commit=" or ".join(commits) or "unknown",
+                    case.name, level, model, spacing, COMPLETED, particles=int(row["particles"]),
+                    cpu=float(row["cpu_s"]), simulated=times.get(key), source=file.name,
+                    commit=" or ".join(commits) or "unknown",
                 )
             if row["metric"] == "run_completed" and row["pass"] == "no":
                 found[key].status, found[key].remark = FAILED, "did not complete"

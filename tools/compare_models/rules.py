@@ -1,7 +1,5 @@
 """What the report concludes, by rule. The numbers here were chosen before the first comparison was made."""
 
-import math
-
 from outcomes import COMPLETED, REFUSED, missed, worst
 
 NEAR = 2.0  # a limit missed by less than this factor is near: what one halving of the spacing mends at first order
@@ -84,7 +82,8 @@ def cheapest_as_exact(outcomes, case, metric):
     """The cheapest run of a case whose error is no larger than that of DFSPH at the same resolution, but for chance; None
     without runs of DFSPH."""
     factors = [(o, factor_to(o, outcomes, metric)) for o in complete(outcomes, case) if o.cost is not None]
-    return min((o for o, factor in factors if factor is not None and factor <= SAME_AS), key=lambda o: o.cost, default=None)
+    exact = [o for o, factor in factors if factor is not None and factor <= SAME_AS]
+    return min(exact, key=lambda o: o.cost, default=None)
 
 
 def only_guarded(case, reasons):
@@ -94,8 +93,8 @@ def only_guarded(case, reasons):
 
 
 def agrees(result, reference):
-    """Whether a scenario of Table 1 ends as by the reference: arrivals within a tenth of the agents, and the mean time of the
-    last arrival, where somebody arrives in both, within a tenth. None where one of both is missing."""
+    """Whether a scenario of Table 1 ends as by the reference: arrivals within a tenth of the agents, and the mean time of
+    the last arrival, where somebody arrives in both, within a tenth. None where one of both is missing."""
     if result is None or reference is None:
         return None
     if abs(result.arrived[0] - reference.arrived[0]) > AGENTS_SHARE * reference.agents:

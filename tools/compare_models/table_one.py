@@ -92,7 +92,8 @@ class TimedEnsembles(Ensembles):
 
 
 def cost_of(water_folder, runs):
-    """What the server of a water took. The time it simulated is that of the crowd that walked for longest, which ends it."""
+    """What the server of a water took. The time it simulated is that of the crowd that walked for longest, which ends
+    it."""
     longest = max(runs, key=lambda run: run.outcome["sim_time_s"]).outcome
     wall = longest["fluid"].get("solver_wall_s")
     try:

@@ -2,16 +2,20 @@
 
 import paths  # noqa: F401  it says where the modules of the other suites are
 
+import conclusions
 import drawings
 import sections
+import table_one_section
 from machine import machine_line
 from run_folder import write_whole
 from tables import write_models, write_table1
 
 HEAD = """# Models of the water in one comparison
 
-Written by `{command}`. Each validation case that a model can run, with its limits of `tests/validation/thresholds.csv`, and the scenes
-of Table 1 of the paper, with nothing changed but `/fluid/model`. `models.csv` and `models_table1.csv` hold the numbers.
+Written by
+`{command}`.
+Each validation case that a model can run, with its limits of `tests/validation/thresholds.csv`, and the scenes of Table 1 of the
+paper, with nothing changed but `/fluid/model`. `models.csv` and `models_table1.csv` hold the numbers.
 """
 
 
@@ -23,7 +27,7 @@ def machine_section(machine, outcomes, commits, recorded_file, command):
         text += f"* Validation cases that were run here: programs of commit {', '.join(own)}.\n"
     if any(o.source for o in outcomes):
         text += f"* Validation cases of DFSPH are those of `{recorded_file}`, programs of commit"
-        text += f" {', '.join(commits) or 'unknown'}: their CPU times were taken at another time on a machine\n  of the same"
+        text += f" {', '.join(commits) or 'unknown'}: their CPU times\n  were taken at another time on a machine of the same"
         text += " kind, so that a factor of cost below two or so says little.\n"
     text += "* CPU times of cases are of the solver, one thread, without set-up and measurement; those of Table 1 of the whole"
     text += " server, looked up\n  twice a second. They grow with what else the machine does.\n"
@@ -36,7 +40,7 @@ def write(folder, command, outcomes, models, judge, table1, paper, failures, mac
     folder.mkdir(parents=True, exist_ok=True)
     parts = [HEAD.format(command=command)]
     if outcomes or table1:
-        parts.append(sections.words_section(outcomes, models, limits, reasons, table1))
+        parts.append(conclusions.words_section(outcomes, models, limits, reasons, table1))
     if outcomes:
         write_models(folder / "models.csv", outcomes, limits)
         parts.append(sections.cheapest_section(outcomes, models, limits, reasons))
@@ -50,7 +54,7 @@ def write(folder, command, outcomes, models, judge, table1, paper, failures, mac
     for scene_set, of_set in table1.items():
         picture = f"table1_{scene_set}.png"
         drawings.table1_picture(folder / picture, paper, of_set)
-        parts.append(sections.table1_section(of_set, paper, picture))
+        parts.append(table_one_section.table1_section(of_set, paper, picture))
     parts.append(sections.refusals_section(outcomes, models))
     parts.append(sections.missing_section(outcomes, failures))
     parts.append(machine_section(machine, outcomes, commits, recorded_file, command))

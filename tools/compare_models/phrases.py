@@ -1,0 +1,28 @@
+"""Words of the report for numbers and names."""
+
+
+def short(value):
+    return "-" if value is None else f"{value:.3g}"
+
+
+def seconds(value):
+    return "-" if value is None else f"{value:.0f}" if value >= 100 else f"{value:.3g}"
+
+
+def percent(value):
+    return "-" if value is None else f"{100 * value:.2g} %"
+
+
+def listed(parts):
+    parts = list(parts)
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}" if parts else "none"
+
+
+def code(name):
+    return f"`{name}`"
+
+
+def metric_words(judged):
+    if judged.value is None:
+        return f"{judged.name} not measured"
+    return f"{judged.name} {short(judged.value)} of {short(judged.limit)}"
