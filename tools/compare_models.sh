@@ -7,7 +7,8 @@ set -euo pipefail
 help_if_asked "$@" <<'HELP'
 Usage: tools/compare_models.sh [--quick] [--out DIR] [--report-to DIR] [--models A,B] [--cases A,B] [--levels L,M]
                                [--parts cases,table1] [--set-of-scenes river,paper] [--seeds N] [--time-limit S]
-                               [--until-s T] [--validation-csv FILE] [--dfsph-campaign DIR] [--report-only]
+                               [--until-s T] [--set MODEL:/POINTER=VALUE] [--validation-csv FILE]
+                               [--dfsph-campaign DIR] [--report-only]
 
 Runs each validation case that a model can run (a case refuses the others by itself) and the scenes of Table 1 of the paper
 with each model of the water, nothing changed but /fluid/model, one run at a time in one thread. Writes report.md, with
@@ -27,6 +28,7 @@ plots and with conclusions that follow from the numbers by rule, models.csv and 
   --time-limit S         wall time after which a run of a case is given up, s; a finer resolution that is expected to
                          take more CPU time is left out and named [600]
   --until-s T            simulated time at which the runs of Table 1 end, s [the scene's, 400]
+  --set MODEL:/POINTER=VALUE  a value of all scenes that a model needs besides; may be given several times
   --validation-csv FILE  table of tools/validate.sh whose runs of DFSPH are taken instead of being made again; none: run
                          all [tests/validation/report/validation.csv]
   --dfsph-campaign DIR   folder of tools/reproduce_paper.sh whose complete runs of the same scenes and seeds are read as those

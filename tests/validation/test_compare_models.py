@@ -146,8 +146,8 @@ class Words(unittest.TestCase):
     def test_rows_of_the_table_hold_value_limit_and_verdict(self):
         rows = [dict(zip(tables.COLUMNS, row)) for o in self.FOUND for row in tables.rows_of(o, LIMITS)]
         self.assertEqual([(row["model"], row["met"], row["status"]) for row in rows],
-                         [("dfsph", "yes", "completed"), ("steering", "no", "completed"), ("shallow_water", "no", "completed"),
-                          ("kinematic", "", "refused")])
+                         [("dfsph", "yes", "completed"), ("steering", "no", "completed"),
+                          ("shallow_water", "no", "completed"), ("kinematic", "", "refused")])
         self.assertEqual((rows[0]["limit"], rows[0]["cpu_s_per_sim_s"], rows[3]["remark"]), ("0.1", "4", "needs a stream"))
 
 
@@ -162,7 +162,7 @@ class Running(unittest.TestCase):
             return coarse
 
         plan = [(self.CASES[0], level) for level in ("coarse", "medium")]
-        runner = SimpleNamespace(outcome=outcome)
+        runner = SimpleNamespace(outcome=outcome, further={})
         return case_runs.run_cases(plan, models, recorded_runs or {}, runner, limit), asked
 
     def test_a_finer_run_that_is_too_dear_is_left_out_and_named(self):
@@ -184,6 +184,12 @@ class Running(unittest.TestCase):
         self.assertEqual((len(found), asked), (4, ["coarse", "medium"]))
         self.assertIs(found[0], kept["dam", "coarse"])
 
+    def test_what_a_model_needs_besides_makes_another_run(self):
+        plain = case_runs.Point("dam", "coarse", 0.1, "mixed")
+        window = case_runs.Point("dam", "coarse", 0.1, "mixed", (("/fluid/mixed/x_min_m", 2),))
+        self.assertEqual(window.overrides(), ["/fluid/model=mixed", "/fluid/mixed/x_min_m=2"])
+        self.assertNotEqual(plain.key(), window.key())
+
     def test_why_a_model_is_refused_is_told_without_file_names(self):
         error = 'validate: /a/b.json: /fluid/model: "kinematic" does not flow; allowed: "dfsph".'
         self.assertEqual(case_runs.reason(error), '"kinematic" does not flow; allowed: "dfsph".')
@@ -194,7 +200,8 @@ class Recorded(unittest.TestCase):
              "dam,dfsph,0.1,10,depth,0.02,1,0.1,yes,3,2.5,somebody\ndam,dfsph,0.1,10,clamps,0,1,0,yes,3,2.5,somebody\n"
              "dam,dfsph,0.05,80,run_completed,0,1,1,no,3,2.5,somebody\ndam,kinematic,0.1,10,depth,0.02,1,0.1,yes,3,2.5,x\n"
              "gone,dfsph,0.1,10,depth,0.02,1,0.1,yes,3,2.5,somebody\n")
-    REPORT = "### dam\n\n| coarse | 10 | 5 | 2.6 s | 1 | 4 |\n\n* A processor, 2 processors; version 0, commit 410a732a0a91-dirty.\n"
+    REPORT = ("### dam\n\n| coarse | 10 | 5 | 2.6 s | 1 | 4 |\n\n"
+              "* A processor, 2 processors; version 0, commit 410a732a0a91-dirty.\n")
 
     def test_runs_are_read_with_time_and_commit(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -204,7 +211,8 @@ class Recorded(unittest.TestCase):
             found, commits = recorded.read_recorded(file, [Case("dam 0.1 0.05")])
         self.assertEqual(set(found), {("dam", "coarse"), ("dam", "medium")})
         coarse = found["dam", "coarse"]
-        self.assertEqual((coarse.simulated, coarse.cpu, coarse.value("depth"), coarse.source), (2.6, 2.5, 0.02, "validation.csv"))
+        self.assertEqual((coarse.simulated, coarse.cpu, coarse.value("depth")), (2.6, 2.5, 0.02))
+        self.assertEqual(coarse.source, "validation.csv")
         self.assertEqual((found["dam", "medium"].status, commits), (FAILED, ["410a732a0a91-dirty"]))
 
     def test_the_committed_table_has_times_for_all_its_runs(self):

@@ -14,8 +14,8 @@ MODELS = ("dfsph", "shallow_water")
 
 
 def compare(out, *options):
-    command = ["/usr/bin/python3", ROOT / "tools" / "compare_models", "--programs", PROGRAMS, "--out", out, "--quick", "--cases",
-               "dam_break,impulse_front", "--models", ",".join(MODELS), "--until-s", "1", *options]
+    command = ["/usr/bin/python3", ROOT / "tools" / "compare_models", "--programs", PROGRAMS, "--out", out, "--quick"]
+    command += ["--cases", "dam_break,impulse_front", "--models", ",".join(MODELS), "--until-s", "1", *options]
     return subprocess.run(list(map(str, command)), capture_output=True, text=True)
 
 
@@ -79,7 +79,8 @@ class ShortComparison(unittest.TestCase):
 
     def test_wrong_words_are_refused_with_what_is_allowed(self):
         for option, word, allowed in (("--models", "no_such", "dfsph"), ("--cases", "no_such", "dam_break"),
-                                      ("--parts", "figures", "table1"), ("--set-of-scenes", "observed", "river")):
+                                      ("--parts", "figures", "table1"),
+                                      ("--set", "steering:/a=1", "MODEL"), ("--set-of-scenes", "observed", "river")):
             answer = compare(self.out, option, word)
             self.assertEqual(answer.returncode, 2, answer.stderr)
             self.assertIn(f"compare_models.sh: {option} {word}", answer.stderr)

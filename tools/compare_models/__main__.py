@@ -11,7 +11,7 @@ from paths import ROOT
 
 import runs
 from case_runs import LevelRunner, run_cases, water_cases
-from ensembles import PlanError, Programs
+from ensembles import Programs
 from machine import machine_of
 from pair_processes import Pair
 from recorded import read_recorded
@@ -44,6 +44,22 @@ def fail(text):
     sys.exit(2)
 
 
+def further_values(words, models):
+    """{model: ((JSON pointer, value), ...)} of MODEL:/POINTER=VALUE."""
+    found = {}
+    for word in words:
+        model, colon, change = word.partition(":")
+        pointer, equals, text = change.partition("=")
+        if not colon or not equals or not pointer.startswith("/") or model not in models:
+            fail(f"--set {word}: allowed: MODEL:/POINTER=VALUE with a model that is compared ({', '.join(models)})")
+        try:
+            value = json.loads(text)
+        except ValueError:
+            value = text
+        found[model] = (*found.get(model, ()), (pointer, value))
+    return found
+
+
 def positive(kind):
     def read(text):
         try:
@@ -72,8 +88,10 @@ def parse(arguments):
     parser.add_argument("--until-s", type=positive(float))
     parser.add_argument("--dfsph-campaign", type=lambda name: Path(name).resolve())
     parser.add_argument("--validation-csv", default=str(VALIDATION / "report" / "validation.csv"))
+    parser.add_argument("--set", action="append", default=[])
     options = parser.parse_args(arguments)
     options.models = one_of("--models", options.models or ",".join(DEFAULT_MODELS), known_models())
+    options.further = further_values(options.set, options.models)
     options.parts = one_of("--parts", options.parts or ",".join(PARTS), PARTS)
     options.sets = one_of("--set-of-scenes", options.set_of_scenes or ",".join(SETS[:1] if options.quick else SETS), SETS)
     options.seeds = options.seeds or (1 if options.quick else 3)
@@ -100,7 +118,7 @@ def compare_cases(options):
         recorded, commits = read_recorded(file, cases)
         file = file.relative_to(ROOT) if file.is_relative_to(ROOT) else file.name
     runner = LevelRunner(program, options.out / "cases", 1, options.time_limit)
-    runner.report_only = options.report_only
+    runner.report_only, runner.further = options.report_only, options.further
     return run_cases(plan, options.models, recorded, runner, options.time_limit), commits, file
 
 
@@ -116,6 +134,7 @@ def compare_table1(options):
 
 def command_words(options):
     words = ["tools/compare_models.sh", "--models", ",".join(options.models)]
+    words += [word for change in options.set for word in ("--set", change)]
     words += ["--quick"] if options.quick else []
     words += ["--cases", options.cases] if options.cases else []
     words += ["--parts", ",".join(options.parts)] if len(options.parts) < len(PARTS) else []
@@ -140,8 +159,6 @@ def main():
     except KeyboardInterrupt as interrupt:
         say("interrupted; the same command goes on from here", sys.stderr)
         return exit_code(interrupt)
-    except PlanError as error:
-        return error.code
     except subprocess.CalledProcessError as error:
         fail(f"{error.cmd[0]}: exit code {error.returncode}")
     import write_report  # with matplotlib, which takes a second

@@ -36,6 +36,8 @@ def cases_section(outcomes, models, limits):
         cells = [by_run.get((case, level, model)) for model in models]
         if any(o is not None and o.status in (COMPLETED, FAILED) for o in cells):
             lines.append([code(case), f"{level}, {spacing:g} m", *(cell_of(o, limits) for o in cells)])
+    if not lines:
+        return ""
     return (
         "## Case by model\n\nmet or **missed**: all limits of the case at this resolution, and of the errors that have one"
         " the one that is nearest to it or furthest\nabove it, as error of limit; then the CPU time of the solver for the"

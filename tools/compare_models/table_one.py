@@ -9,7 +9,7 @@ from pathlib import Path
 import paths  # noqa: F401  it says where the modules of tools/paper are
 
 import plan
-from ensembles import Ensembles, is_done
+from ensembles import Ensembles, PlanError, is_done
 from known_scene import same_scene
 from table1 import Result
 from words import SET_UPS
@@ -43,9 +43,12 @@ class Cost:
     solver_wall: float | None  # wall time of the solver alone
 
 
-def cases_of(scene_set, model, quick):
-    """The scenarios of Table 1 in the water of a model; those of the default model are the very cases of tools/paper."""
-    suffix, changes = (model, (("/fluid/model", model),)) if model != DEFAULT_MODEL else ("", ())
+def cases_of(scene_set, model, quick, further=()):
+    """The scenarios of Table 1 in the water of a model; those of the default model are the very cases of tools/paper.
+
+    further: (JSON pointer, value) that the model needs besides.
+    """
+    suffix, changes = (model, (("/fluid/model", model), *further)) if model != DEFAULT_MODEL else ("", tuple(further))
     names = plan.QUICK if quick else plan.SCENARIOS
     return {name: plan.scenario_case(scene_set, name, suffix, changes) for name in names}
 
@@ -147,6 +150,18 @@ def read_campaign(programs, folder, scene_set, model, quick, seeds):
     return as_model_runs(scene_set, model, cases, campaign, f"runs of {folder.name}")
 
 
+def is_scene(programs, case, ensembles):
+    """Whether the programs take the scene of a case; they say why not, and the failures name its water."""
+    try:
+        programs.resolved(case.water.scene, case.water.changes)
+        programs.resolved(case.scene, case.water.changes + case.changes)
+    except PlanError:
+        if (failure := f"{case.water.key} (the scene is refused)") not in ensembles.failures:
+            ensembles.failures.append(failure)
+        return False
+    return True
+
+
 def run_table(programs, out, pair, scene_sets, models, options):
     """[ModelRuns] of each set and model, and what failed in words. What is complete is not run again."""
     ensembles = TimedEnsembles(programs, out, pair, 1)
@@ -154,10 +169,11 @@ def run_table(programs, out, pair, scene_sets, models, options):
     for scene_set in scene_sets:
         for model in models:
             key = scene_set, model
-            if model == DEFAULT_MODEL and options.dfsph_campaign:
+            if model == DEFAULT_MODEL and options.dfsph_campaign and not options.further.get(model):
                 found[key] = read_campaign(programs, options.dfsph_campaign, *key, options.quick, options.seeds)
             if found.get(key) is None:
-                wanted[key] = cases_of(*key, options.quick)
+                cases = cases_of(*key, options.quick, options.further.get(model, ()))
+                wanted[key] = {name: case for name, case in cases.items() if is_scene(programs, case, ensembles)}
     every = [case for cases in wanted.values() for case in cases.values()]
     if options.report_only:
         ensembles.collect(every)

@@ -12,8 +12,8 @@ from table1 import table_row
 from run_folder import write_whole
 
 COLUMNS = (
-    "case,model,level,spacing_m,status,particles,metric,value,unit,limit,met,cpu_s,simulated_s,cpu_s_per_sim_s,source,commit,"
-    "remark"
+    "case,model,level,spacing_m,status,particles,metric,value,unit,limit,met,cpu_s,simulated_s,cpu_s_per_sim_s,source,"
+    "commit,remark"
 ).split(",")
 
 

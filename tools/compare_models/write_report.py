@@ -14,8 +14,8 @@ HEAD = """# Models of the water in one comparison
 
 Written by
 `{command}`.
-Each validation case that a model can run, with its limits of `tests/validation/thresholds.csv`, and the scenes of Table 1 of the
-paper, with nothing changed but `/fluid/model`. `models.csv` and `models_table1.csv` hold the numbers.
+Each validation case that a model can run, with its limits of `tests/validation/thresholds.csv`, and the scenes of Table 1
+of the paper, with nothing changed but `/fluid/model`. `models.csv` and `models_table1.csv` hold the numbers.
 """
 
 
@@ -63,8 +63,9 @@ def write(folder, command, outcomes, models, judge, table1, paper, failures, mac
 
 PLOT = """## Error over cost
 
-A panel a case that at least two models can run. Up: of all errors that have a limit, the one that is largest against its limit, over
-that limit (below 0.001 drawn at 0.001, above 1000 at 1000); the dashed line is the limit. Left is cheap, below is exact.
+A panel a case that at least two models can run. Up: of all errors that have a limit, the one that is largest against its
+limit, over that limit (below 0.001 drawn at 0.001, above 1000 at 1000); the dashed line is the limit. Left is cheap, below
+is exact.
 
 ![error over cost](error_over_cost.png)
 """
