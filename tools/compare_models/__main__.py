@@ -141,6 +141,7 @@ def command_words(options):
     words += ["--set-of-scenes", ",".join(options.sets)] if len(options.sets) < len(SETS) else []
     words += ["--until-s", f"{options.until_s:g}"] if options.until_s else []
     words += ["--dfsph-campaign", "DIR"] if options.dfsph_campaign else []
+    words += ["--report-only"] if options.report_only else []
     return " ".join(words)
 
 
