@@ -125,11 +125,12 @@ class Words(unittest.TestCase):
 
     def test_sentences_follow_from_the_grades(self):
         text = conclusions.words_section(self.FOUND, self.MODELS, LIMITS, {}, {})
-        self.assertIn("**DFSPH** keeps the limits of 1 of 1 cases that it can run: `dam`.", text)
-        none_kept = "keeps the limits of 0 of 1 cases that it can run.\n"
-        self.assertIn(f"**steering** {none_kept}  Useless, further off: `dam` (depth 0.3", text)
-        self.assertIn(f"**shallow water** {none_kept}  Near, by a factor of 2", text)
-        self.assertIn("at most as dear and at most as wrong in 1 of 1 cases that both can run (shallow water in 1)", text)
+        self.assertIn("### DFSPH\n\n* Of 1 case that it can run: good enough in 1, near in 0, useless in 0.\n", text)
+        by_model = {part.split("\n")[0]: part for part in text.split("### ")[1:]}
+        self.assertIn("good enough in 0, near in 0, useless in 1.\n* Useless: `dam` (depth 0.3 of 0.1).", by_model["steering"])
+        self.assertIn("* Near: `dam` (depth 0.15 of 0.1).", by_model["shallow water"])
+        self.assertIn("Cannot run 1 case (", by_model["kinematic"])
+        self.assertIn("at most as dear and at most as wrong in 1 of 1 case that both can run (shallow water in 1)", text)
 
     def test_the_table_says_met_missed_or_cannot(self):
         table = sections.cases_section(self.FOUND, self.MODELS, LIMITS)

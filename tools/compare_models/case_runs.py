@@ -57,6 +57,8 @@ class LevelRunner(Runner):
         base = {"case": point.case, "level": point.level, "model": point.model, "spacing": point.spacing}
         if document.get("refused"):
             return Outcome(**base, status=REFUSED, remark=reason(document["error"]))
+        if "gave_up_after_s" in document:
+            return Outcome(**base, status=LEFT_OUT, remark=document["error"])
         if document["status"] != "completed":
             return Outcome(**base, status=FAILED, remark=document["error"], commit=document.get("git", ""))
         if document["model"] != point.model:

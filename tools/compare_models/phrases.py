@@ -25,4 +25,11 @@ def code(name):
 def metric_words(judged):
     if judged.value is None:
         return f"{judged.name} not measured"
-    return f"{judged.name} {short(judged.value)} of {short(judged.limit)}"
+    value = short(judged.value)
+    if judged.ratio > 1 and value == short(judged.limit):  # missed by a hair
+        value = f"{judged.value:.5g}"
+    return f"{judged.name} {value} of {short(judged.limit)}"
+
+
+def number_of_cases(count):
+    return "1 case" if count == 1 else f"{count} cases"

@@ -18,6 +18,11 @@ def complete(outcomes, case=None, model=None):
     return [o for o in outcomes if o.status == COMPLETED and case in (None, o.case) and model in (None, o.model)]
 
 
+def judged(outcomes, case, limits):
+    """Runs of a case that have an error with a limit, and a cost."""
+    return [o for o in complete(outcomes, case) if o.cost is not None and worst(o, limits)]
+
+
 def best(outcomes, case, model, limits):
     """The run of a model that is nearest to the limits of a case, with its worst metric; (None, None) without."""
     pairs = [(o, worst(o, limits)) for o in complete(outcomes, case, model)]
@@ -27,7 +32,7 @@ def best(outcomes, case, model, limits):
 
 def cheapest(outcomes, case, limits):
     """The run that costs least a simulated second among those that keep all limits of a case; None if none does."""
-    kept = [o for o in complete(outcomes, case) if worst(o, limits) and not missed(o, limits) and o.cost is not None]
+    kept = [o for o in judged(outcomes, case, limits) if not missed(o, limits)]
     return min(kept, key=lambda o: o.cost, default=None)
 
 
@@ -44,9 +49,9 @@ def beaten_by(outcome, outcomes, limits):
     if own is None or outcome.cost is None:
         return []
     better = []
-    for other in complete(outcomes, outcome.case):
+    for other in judged(outcomes, outcome.case, limits):
         its = worst(other, limits)
-        if other.model == outcome.model or its is None or other.cost is None:
+        if other.model == outcome.model:
             continue
         if other.cost <= outcome.cost and its.ratio <= own.ratio and (other.cost, its.ratio) != (outcome.cost, own.ratio):
             better.append(other)

@@ -57,7 +57,8 @@ def cheapest_section(outcomes, models, limits, reasons):
             reference = next((o for o in rules.complete(outcomes, case, "dfsph") if o.level == winner.level), None)
             cheaper = ""
             if reference and reference.cost and winner.model != "dfsph" and winner.cost:
-                cheaper = f"{reference.cost / winner.cost:.2g}"
+                factor = reference.cost / winner.cost
+                cheaper = f"{factor:.0f}" if factor >= 10 else f"{factor:.2g}"
             cells = [model_words(winner.model), winner.level, seconds(winner.cost), cheaper]
         else:
             run, its = rules.nearest(outcomes, case, models, limits)
