@@ -97,10 +97,15 @@ class Rules(unittest.TestCase):
         self.assertEqual([o.level for o, _ in graded[rules.GOOD]], ["medium"])
         self.assertEqual([o.case for o, _ in graded[rules.USELESS]], ["wave"])
 
-    def test_the_cheapest_as_exact_as_dfsph_forgives_chance_only(self):
-        found = [run("dfsph", 8, 0.10), run("steering", 2, 0.1099), run("shallow_water", 1, 0.1101)]
-        self.assertEqual(rules.cheapest_as_exact(found, "dam", "depth").model, "steering")
-        self.assertIsNone(rules.cheapest_as_exact(found[1:], "dam", "depth"))
+    def test_where_limits_only_guard_dfsph_sets_them(self):
+        found = [run("dfsph", 8, 0.5, case="lee", impulse_median=0.1), run("steering", 1, 0.5, case="lee", impulse_median=0.12)]
+        limits = {("lee", "depth", "coarse"): 1.0, ("lee", "impulse_median", "coarse"): 0.5}
+        reasons = {("lee", "depth"): "a guard", ("lee", "impulse_median"): "a guard against what breaks"}
+        graded = rules.limits_of_people(found, limits, reasons)
+        self.assertAlmostEqual(graded["lee", "impulse_median", "coarse"], 0.11)
+        self.assertEqual([bool(missed(o, graded)) for o in found], [False, True])
+        self.assertEqual(rules.limits_of_people(found[1:], limits, reasons), limits)
+        self.assertEqual(rules.limits_of_people(found, limits, {("lee", "depth"): "two centimetres"}), limits)
 
     def test_guards_are_known_by_their_reason(self):
         reasons = {("a", "x"): "a guard against this", ("a", "y"): "reported: no limit", ("b", "x"): "two centimetres"}

@@ -7,6 +7,11 @@ import rules
 from drawings import model_words
 from phrases import code, listed, metric_words, number_of_cases
 
+GUARDS = (
+    "\\*: the limits of the case only guard against a broken coupling; the model is held against the"
+    " [impulse on people](#impulse-on-people) instead:\nits median error must not be larger than"
+    f" {rules.SAME_AS:g} times that of DFSPH at the same resolution."
+)
 NOT_PUSHED = ("S1", "S2", "S3")  # of Table 1: tau 0, so that they are the same in all water
 
 
@@ -15,15 +20,13 @@ def words_section(outcomes, models, limits, reasons, table1):
     text = (
         "## In words\n\nBy rule, from the tables below. Of each case the resolution counts at which the model is nearest to the"
         f" limits. Good enough: it keeps all of them;\nnear: it misses one by a factor of {rules.NEAR:g} at most; useless: by"
-        " more. Limits of cases with \\* only guard against a broken coupling: for people see\n[the impulse](#impulse-on-people)."
-        "\n"
+        " more.\n" + GUARDS + "\n"
     )
     for model in models:
         lines = list(model_lines(model, outcomes, limits, reasons, table1))
         if lines:
             text += f"\n### {model_words(model)}\n\n" + "".join(f"* {line}\n" for line in lines)
-    exact = cheapest_impulse_sentence(outcomes)
-    return text + (f"\n### People\n\n* {exact}\n" if exact else "")
+    return text
 
 
 def model_lines(model, outcomes, limits, reasons, table1):
@@ -76,24 +79,13 @@ def impulse_lines(model, outcomes):
         return
     same, worse = [], []
     for o in rules.complete(outcomes, model=model):
-        factor = rules.factor_to(o, outcomes, "impulse_median")
+        factor = rules.factor_to(o, outcomes, rules.IMPULSE)
         if factor is not None:
             (same if factor <= rules.SAME_AS else worse).append(f"{code(o.case)} {o.level} ({factor:.2g})")
     if same or worse:
         text = "Impulse on people, median error over that of DFSPH at the same resolution:"
         text += f" as small ({rules.SAME_AS:g} at most) in {listed(same)}" if same else " nowhere as small"
         yield text + (f"; larger in {listed(worse)}." if worse else ".")
-
-
-def cheapest_impulse_sentence(outcomes):
-    parts = []
-    for case in dict.fromkeys(o.case for o in outcomes):
-        run = rules.cheapest_as_exact(outcomes, case, "impulse_median")
-        if run is not None:
-            parts.append(f"{code(case)} {model_words(run.model)} ({run.level})")
-    if not parts:
-        return ""
-    return f"The cheapest whose impulse is as exact as that of DFSPH at the same resolution: {listed(parts)}."
 
 
 def table1_lines(model, of_set):

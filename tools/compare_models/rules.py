@@ -6,6 +6,7 @@ NEAR = 2.0  # a limit missed by less than this factor is near: what one halving 
 SAME_AS = 1.1  # an error that is at most so many times another one is as small: chance moves errors by about as much
 TIME_SHARE, AGENTS_SHARE = 0.1, 0.1  # of Table 1 by DFSPH: outcomes nearer than this are the same
 
+IMPULSE = "impulse_median"
 GOOD, CLOSE, USELESS = "good enough", "near", "useless"
 
 
@@ -83,18 +84,22 @@ def factor_to(outcome, outcomes, metric, model="dfsph"):
     return own / its
 
 
-def cheapest_as_exact(outcomes, case, metric):
-    """The cheapest run of a case whose error is no larger than that of DFSPH at the same resolution, but for chance; None
-    without runs of DFSPH."""
-    factors = [(o, factor_to(o, outcomes, metric)) for o in complete(outcomes, case) if o.cost is not None]
-    exact = [o for o, factor in factors if factor is not None and factor <= SAME_AS]
-    return min(exact, key=lambda o: o.cost, default=None)
-
-
 def only_guarded(case, reasons):
     """Whether all limits of a case are only guards against something broken. reasons: {(case, metric): words}."""
     of_case = [reason for (owner, _), reason in reasons.items() if owner == case and not reason.startswith("reported")]
     return bool(of_case) and all(reason.startswith("a guard") for reason in of_case)
+
+
+def limits_of_people(outcomes, limits, reasons):
+    """The limits by which models are graded. Where those of a case are only guards, the error of DFSPH at the same
+    resolution takes their place, with what chance may do to it: 1.1 times the median error of the impulse."""
+    graded = dict(limits)
+    for o in complete(outcomes, model="dfsph"):
+        error = o.value(IMPULSE)
+        if only_guarded(o.case, reasons) and error is not None:
+            guard = limits.get((o.case, IMPULSE, o.level))
+            graded[o.case, IMPULSE, o.level] = SAME_AS * error if guard is None else min(guard, SAME_AS * error)
+    return graded
 
 
 def agrees(result, reference):

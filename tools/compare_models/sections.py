@@ -3,6 +3,7 @@
 import paths  # noqa: F401  it says where the modules of the other suites are
 
 import rules
+from conclusions import GUARDS
 from drawings import IMPULSE_ERRORS, model_words
 from outcomes import COMPLETED, FAILED, LEFT_OUT, REFUSED, missed, worst
 from phrases import code, metric_words, percent, seconds
@@ -71,15 +72,15 @@ def cheapest_section(outcomes, models, limits, reasons):
     head.append("models that run")
     return (
         "## The cheapest model that keeps the limits\n\nOver the models and resolutions that were run; DFSPH costs: at the"
-        " same resolution.\n\\*: its limits only guard against a broken coupling; see [the impulse](#impulse-on-people).\n\n"
+        " same resolution.\n" + GUARDS + "\n\n"
     ) + markdown_table(head, lines)
 
 
 def impulse_section(outcomes, models, picture):
     lines = []
     for o in outcomes:
-        if o.status == COMPLETED and o.value("impulse_median") is not None:
-            factor = rules.factor_to(o, outcomes, "impulse_median")
+        if o.status == COMPLETED and o.value(rules.IMPULSE) is not None:
+            factor = rules.factor_to(o, outcomes, rules.IMPULSE)
             cells = [code(o.case), f"{o.level}, {o.spacing:g} m", model_words(o.model)]
             cells += [percent(o.value(name)) for name in (*IMPULSE_ERRORS, "outcome_changed")]
             lines.append([*cells, "-" if factor is None or o.model == "dfsph" else f"{factor:.2g}", seconds(o.cpu)])

@@ -4,6 +4,7 @@ import paths  # noqa: F401  it says where the modules of the other suites are
 
 import conclusions
 import drawings
+import rules
 import sections
 import table_one_section
 from machine import machine_line
@@ -37,13 +38,14 @@ def machine_section(machine, outcomes, commits, recorded_file, command):
 def write(folder, command, outcomes, models, judge, table1, paper, failures, machine, commits, recorded_file):
     """judge: a results.Judge; table1: {set: [ModelRuns]}."""
     limits, reasons = judge.thresholds, judge.reasons
+    graded = rules.limits_of_people(outcomes, limits, reasons)
     folder.mkdir(parents=True, exist_ok=True)
     parts = [HEAD.format(command=command)]
     if outcomes or table1:
-        parts.append(conclusions.words_section(outcomes, models, limits, reasons, table1))
+        parts.append(conclusions.words_section(outcomes, models, graded, reasons, table1))
     if outcomes:
         write_models(folder / "models.csv", outcomes, limits)
-        parts.append(sections.cheapest_section(outcomes, models, limits, reasons))
+        parts.append(sections.cheapest_section(outcomes, models, graded, reasons))
         if drawings.error_over_cost(folder / "error_over_cost.png", outcomes, models, limits):
             parts.append(PLOT)
         parts.append(sections.cases_section(outcomes, models, limits))
