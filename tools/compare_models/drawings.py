@@ -15,7 +15,7 @@ ORDER = ("dfsph", "shallow_water", "steering", "kinematic", "mixed")
 MARKS = {"coarse": "o", "medium": "s", "fine": "D"}
 ACROSS = 4
 COST = "CPU s a simulated s"
-LEAST_RATIO, MOST_RATIO = 1e-3, 1e3  # beyond, a point is drawn at the edge; the table has the number
+LEAST_RATIO, MOST_RATIO = 1e-3, 30  # beyond, a point is drawn at the edge; the table has the number
 IMPULSE_ERRORS = {"impulse_median": "impulse, median error", "impulse_p95": "impulse, 95 % of people"}
 
 

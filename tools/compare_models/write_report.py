@@ -66,8 +66,8 @@ def write(folder, command, outcomes, models, judge, table1, paper, failures, mac
 PLOT = """## Error over cost
 
 A panel a case that at least two models can run. Up: of all errors that have a limit, the one that is largest against its
-limit, over that limit (below 0.001 drawn at 0.001, above 1000 at 1000); the dashed line is the limit. Left is cheap, below
-is exact.
+limit, over that limit (below 0.001 drawn at 0.001, above 30 or not measured at 30); the dashed line is the limit. Left is
+cheap, below is exact.
 
 ![error over cost](error_over_cost.png)
 """
