@@ -74,7 +74,7 @@ class ShortComparison(unittest.TestCase):
         answer = compare(second, "--parts", "table1", "--dfsph-campaign", campaign, "--report-only")
         self.assertEqual(answer.returncode, 0, answer.stderr)
         rows = rows_of(second / "models_table1.csv")
-        self.assertEqual({(row["model"], row["source"]) for row in rows}, {("dfsph", "runs of table1")})
+        self.assertEqual({(row["model"], row["source"]) for row in rows}, {("dfsph", "read from a campaign")})
         self.assertEqual({file: file.stat().st_mtime_ns for file in campaign.glob("**/*")}, before)
 
     def test_wrong_words_are_refused_with_what_is_allowed(self):

@@ -147,7 +147,7 @@ def read_campaign(programs, folder, scene_set, model, quick, seeds):
     for case in cases.values():
         for seed in range(1, seeds + 1):
             campaign.take(case, seed, f"read from {folder}")
-    return as_model_runs(scene_set, model, cases, campaign, f"runs of {folder.name}")
+    return as_model_runs(scene_set, model, cases, campaign, "read from a campaign")
 
 
 def is_scene(programs, case, ensembles):
