@@ -10,7 +10,9 @@ def seconds(value):
 
 
 def percent(value):
-    return "-" if value is None else f"{100 * value:.2g} %"
+    if value is None:
+        return "-"
+    return f"{100 * value:.0f} %" if value >= 1 else f"{100 * value:.2g} %"
 
 
 def listed(parts):
