@@ -1,10 +1,5 @@
 #pragma once
 // BioCrowds: agents compete for the markers of the ground and walk towards the mean of those they own.
-//
-//   row of cells r + 1    claim ---.          Rows are taken one by one. A row's markers are claimed and dealt out to
-//   row of cells r        claim ---+-> walk   their owners; then those walkers whose rows are all dealt sum up Eq. 1-3.
-//   row of cells r - 1    (done)              Each thread has a band of walkers' rows and claims what these need, so
-//                                             that nobody writes what another one reads, for any number of threads.
 
 #include <cstddef>
 #include <cstdint>

@@ -37,18 +37,20 @@ Vector2d kept_near(const World& world, const Vector2d& q, double room) {
     return {x, std::clamp(q.y(), -room, world.width + room)};
 }
 
-// Mean cosine of the angle between one's own heading and those of the people near; not below 0.
+// Mean cosine of the angle between one's own heading and those of the people near; not below 0. Summed in whole numbers, so
+// that it does not depend on the order in which people are stored.
 double share_followed(const Bodies& bodies, const Agents& agents, std::span<const std::uint32_t> active, std::size_t k,
                       const Vector2d& p) {
     const Vector2d& own = agents.heading[active[k]];
-    double sum = 0, all = 0;
+    constexpr double unit = 0x1p-40;
+    std::int64_t sum = 0, all = 0;
     bodies.cells.visit_near(p, follow_reach, [&](std::uint32_t j, double dx, double dz) {
         const double square = dx * dx + dz * dz;
         if (j == k || square >= follow_reach * follow_reach) return;
-        sum += own.dot(agents.heading[active[j]]);
-        all += 1;
+        sum += static_cast<std::int64_t>(own.dot(agents.heading[active[j]]) / unit);
+        ++all;
     });
-    return all > 0 ? std::max(0.0, sum / all) : 0.0;
+    return all > 0 ? std::max(0.0, unit * static_cast<double>(sum) / static_cast<double>(all)) : 0.0;
 }
 
 }  // namespace

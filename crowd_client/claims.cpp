@@ -31,23 +31,26 @@ template <typename Real>
 void find_candidates(Candidates<Real>& candidates, const WalkerCells& cells, const WalkerBodies* bodies,
                      const MarkerLanes<Real>& markers, int column, int row) {
     std::size_t n = 1;
+    for (std::vector<Real>* v : {&candidates.x, &candidates.z, &candidates.slowness}) {
+        make_table(*v, n);
+        (*v)[0] = 0;
+    }
     const int first_column = std::max(column - cells.span + 1, 0);
     for (int r = std::max(row - cells.span + 1, 0); r <= row; ++r) {
         const std::uint32_t first = cells.start[cells.grid.index(first_column, r)];
         const std::uint32_t last = cells.start[cells.grid.index(column, r) + 1];
         const std::size_t count = last - first;
         make_room(candidates.entry, n + count);
-        for (std::vector<Real>* v : {&candidates.site_x, &candidates.site_z, &candidates.x, &candidates.z}) {
-            make_room(*v, n + count);
-        }
+        for (std::vector<Real>* v : {&candidates.site_x, &candidates.site_z}) make_room(*v, n + count);
+        for (std::vector<Real>* v : {&candidates.x, &candidates.z}) make_table(*v, n + count);
         for (std::size_t i = 0; i < count; ++i) {
             candidates.entry[n + i] = first + static_cast<std::uint32_t>(i);
             candidates.x[n + i] = candidates.site_x[n + i] = static_cast<Real>(cells.x[first + i] - markers.origin_x);
             candidates.z[n + i] = candidates.site_z[n + i] = static_cast<Real>(cells.z[first + i] - markers.origin_z);
         }
         if (bodies != nullptr) {
-            for (std::vector<Real>* v : {&candidates.vx, &candidates.vz, &candidates.slowness})
-                make_room(*v, n + count);
+            for (std::vector<Real>* v : {&candidates.vx, &candidates.vz}) make_room(*v, n + count);
+            make_table(candidates.slowness, n + count);
             for (std::size_t i = 0; i < count; ++i) {
                 candidates.x[n + i] = static_cast<Real>(bodies->x[first + i] - markers.origin_x);
                 candidates.z[n + i] = static_cast<Real>(bodies->z[first + i] - markers.origin_z);
@@ -111,13 +114,11 @@ void find_contested(Claims<Real>& claims, const MarkerLanes<Real>& markers, cons
         const Reals z = L::load(markers.z.data() + m);
         Integers owner;
         std::memcpy(&owner, claims.owner.data() + m, sizeof owner);
-        Reals time{};  // until the owner is there, s
-        for (std::size_t lane = 0; lane < L::count; ++lane) {
-            const auto o = static_cast<std::size_t>(claims.owner[m + lane]);
-            const Real dx = markers.x[m + lane] - candidates.x[o];
-            const Real dz = markers.z[m + lane] - candidates.z[o];
-            time[lane] = std::sqrt(dx * dx + dz * dz) * candidates.slowness[o];
-        }
+        const Reals own_x = x - look_up(candidates.x, candidates.count, owner);
+        const Reals own_z = z - look_up(candidates.z, candidates.count, owner);
+        // Until the owner is there, s.
+        const Reals time =
+            square_root(own_x * own_x + own_z * own_z) * look_up(candidates.slowness, candidates.count, owner);
         Integers contested{};
         for (std::size_t c = 1; c < candidates.count; ++c) {
             const Reals dx = x - (candidates.x[c] + candidates.vx[c] * time);

@@ -17,7 +17,8 @@ struct WalkerBodies {
     double contest_distance = 0;   // D, m
 };
 
-// The walkers that reach the cell at hand; place 0 stands for nobody. Coordinates as in MarkerLanes.
+// The walkers that reach the cell at hand; place 0 stands for nobody. Coordinates as in MarkerLanes. x, z and slowness are
+// tables for look_up(), 0 at place 0.
 template <typename Real>
 struct Candidates {
     std::size_t count = 0;                     // with nobody

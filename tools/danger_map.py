@@ -14,11 +14,14 @@ import sys
 
 import numpy as np
 
-import figure as top_view  # first, as it picks matplotlib's backend
+import top_view  # first, as it picks matplotlib's backend
 import matplotlib.pyplot as plt
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+
+import run_files
+from figure import subtitle_of, title_of
 
 # Light to dark, so that the order is seen without colours, too; blue and black marks stand out from all of them.
 LEVELS = {
@@ -37,7 +40,7 @@ ENDS = {
 
 def read_cells(path):
     if not path.exists():
-        raise top_view.RunError(f"'{path}' does not exist; run crowd_client with --danger-every-s 1")
+        raise run_files.RunError(f"'{path}' does not exist; run crowd_client with --danger-every-s 1")
     with path.open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
@@ -95,12 +98,12 @@ def met_text(agents):
 
 
 def draw(run, output):
-    manifest = top_view.read_json(run / "manifest.json")
-    outcome = top_view.read_json(run / "outcome.json")
+    manifest = run_files.read_json(run / "manifest.json")
+    outcome = run_files.read_json(run / "outcome.json")
     cells = read_cells(run / "danger.csv")
     scene = manifest["resolved_scene"]
-    agents = top_view.read_agents(run / "agents.csv")
-    paths = top_view.read_paths(run / "trajectories.sqlite", 2**53)
+    agents = run_files.read_agents(run / "agents.csv")
+    paths = run_files.read_paths(run / "trajectories.sqlite", 2**53)
 
     length, width = scene["world"]["length_m"], scene["world"]["width_m"]
     map_wide, left, right, above, below = 10.0, 0.75, 0.25, 1.05, 1.1
@@ -124,8 +127,8 @@ def draw(run, output):
 
     ends = {name: [a for a in agents if a["outcome"] == name] for name in ENDS}
     arrivals = [float(a["time_s"]) for a in ends["arrived"]]
-    subtitle = top_view.subtitle_of(outcome, outcome["sim_time_s"], None, True)
-    figure.text(0.5, 1 - 0.25 / high, top_view.title_of(scene, agents, ends, arrivals), ha="center", va="center",
+    subtitle = subtitle_of(outcome, outcome["sim_time_s"], None, True)
+    figure.text(0.5, 1 - 0.25 / high, title_of(scene, agents, ends, arrivals), ha="center", va="center",
                 fontsize=14, color=top_view.INK)
     figure.text(0.5, 1 - 0.53 / high, f"largest danger level of each cell  \u00b7  {subtitle}", ha="center",
                 va="center", fontsize=8, color="#6b6b72")
@@ -147,7 +150,7 @@ def main():
     output = options.output or options.run / "danger.png"
     try:
         draw(options.run, output)
-    except (top_view.RunError, OSError) as error:
+    except (run_files.RunError, OSError) as error:
         print(f"danger_map.py: {error}", file=sys.stderr)
         return 1
     print(output)

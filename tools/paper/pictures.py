@@ -12,24 +12,24 @@ from bands import LEE_AT_S
 
 TOOLS = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(TOOLS))
-from figure import read_water  # noqa: E402
+from run_files import read_water  # noqa: E402
 
 # File of the picture: (case of a set, time in s or None for the whole run, what it shows). Which scenarios the paper's
 # figures 3, 5 and 6 show is not known to us; they are S1 to S12 at some time.
 FIGURES = {
-    "figure2_switch_10s": ("tau_switch", 10, "Figure 2: tau 0.8, the stream carries everybody"),
-    "figure2_switch_29s": ("tau_switch", 29, "Figure 2: frame 870, tau becomes 0"),
+    "figure2_switch_10s": ("tau_switch", 10, "Figure 2: tau 0.8, the stream carries everybody, 10 s"),
+    "figure2_switch_29s": ("tau_switch", 29, "Figure 2: frame 870 (29 s), tau becomes 0"),
     "figure2_switch_70s": ("tau_switch", 70, "Figure 2: 70 s, near the goal"),
-    "figure3_s4": ("S4", 30, "Figure 3: S4, a weak stream"),
-    "figure5_s5": ("S5", 30, "Figure 5: S5, an effort"),
-    "figure5_s6": ("S6", 45, "Figure 5: S6, most drift"),
-    "figure6_s8": ("S8", 45, "Figure 6: S8, carried"),
-    "figure6_s9": ("S9", 30, "Figure 6: S9, carried away"),
-    "figure7_two_groups_30s": ("two_groups", 30, "Figure 7: two groups"),
-    "figure7_two_groups_60s": ("two_groups", 60, "Figure 7: two groups"),
+    "figure3_s4": ("S4", 30, "Figure 3: S4, a weak stream, 30 s"),
+    "figure5_s5": ("S5", 30, "Figure 5: S5, an effort, 30 s"),
+    "figure5_s6": ("S6", 45, "Figure 5: S6, most drift, 45 s"),
+    "figure6_s8": ("S8", 45, "Figure 6: S8, carried, 45 s"),
+    "figure6_s9": ("S9", 30, "Figure 6: S9, carried away, 30 s"),
+    "figure7_two_groups_30s": ("two_groups", 30, "Figure 7: two groups, 30 s"),
+    "figure7_two_groups_60s": ("two_groups", 60, "Figure 7: two groups, 60 s"),
     "figure8_obstacle_15s": ("obstacle", 15, "Figure 8: the lee at 15 s"),
     "figure8_obstacle_30s": ("obstacle", 30, "Figure 8: the lee at 30 s"),
-    "figure8_no_obstacle_30s": ("no_obstacle", 30, "without the obstacle"),
+    "figure8_no_obstacle_30s": ("no_obstacle", 30, "Beside figure 8: without the obstacle, 30 s"),
 }
 PICTURE_WIDTH, PICTURE_COLOURS = 1100, 128
 DRY_M = 0.05  # on average less water than this is the front's spray

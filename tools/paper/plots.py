@@ -62,7 +62,7 @@ def table1_plot(file, paper, results, names):
     below.set_ylim(-2, 53)
     words = [f"{name}\n\u03c4 {float(row['tau']):g}\n{row['v_f_m_s']} m/s" for name, row in paper.items()]
     below.set_xticks(places, words)
-    figure.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, 0.95), ncol=4)
+    figure.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, 0.95), ncol=6)
     save(figure, file)
 
 

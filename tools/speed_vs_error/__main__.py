@@ -5,12 +5,12 @@ Needs matplotlib for the plots.
 """
 
 import argparse
-import os
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
 
+from machine import machine_of
 from measure import Runner
 from settings import FACTORS, QUICK_FACTORS, ROOT, Setting, default_setting
 from settings import combinations, near_front, one_at_a_time, probes
@@ -92,22 +92,6 @@ def seconds_expected(points, spacing):
     """Of the default at a finer spacing: the particles grow with d^-3, the steps with 1/d."""
     default = next((p for p in points if is_default(p.setting) and not p.failure), None)
     return 0 if default is None else default.run_time * (default.setting.spacing / spacing) ** 4
-
-
-def machine_of():
-    def output(*command):
-        pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
-        return subprocess.run(command, **pipe, text=True, check=False).stdout.strip()
-
-    processor = next((line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
-                      if line.startswith("model name")), "unknown processor")
-    return {
-        "processor": processor,
-        "processors": os.cpu_count(),
-        "load": os.getloadavg()[0],
-        "compiler": output("c++", "--version").splitlines()[0] if output("c++", "--version") else "unknown compiler",
-        "git": output("git", "-C", str(ROOT), "describe", "--always", "--dirty") or "unknown",
-    }
 
 
 def main():

@@ -62,6 +62,9 @@ class Runner:
                 return Measured(setting, particles, repeats=k, metrics={}, failure=document["error"])
         return summary(setting, documents)
 
+    def resolution(self, setting):
+        return ["--spacing", f"{setting.spacing:.10g}"]
+
     def one_run(self, setting, root, k):
         folder = self.folder / setting.key() / f"repeat-{k}"
         fingerprint = self.fingerprint(setting, root)
@@ -75,7 +78,7 @@ class Runner:
         except (OSError, ValueError):
             pass
         folder.mkdir(parents=True, exist_ok=True)
-        command = [self.program, "--case", setting.case, "--spacing", f"{setting.spacing:.10g}"]
+        command = [self.program, "--case", setting.case, *self.resolution(setting)]
         for override in setting.overrides():
             command += ["--set", override]
         command += ["--threads", str(setting.threads), "--out", folder]
@@ -95,6 +98,7 @@ class Runner:
                 document = json.loads(written[0].read_text())
             elif answer.returncode == 2:
                 document["error"] = answer.stderr.strip()[-300:]
+                document["refused"] = True  # the program does not take this scene or this setting
             else:
                 # A crash, or killed from outside, as for memory: noted, but not kept, so that the next sweep tries again.
                 document["error"] = f"`validate` ended with exit code {answer.returncode}: {answer.stderr.strip()[-300:]}"

@@ -1,6 +1,7 @@
 """report.md: what to choose for which error, where the default lies, and what the numbers are made of."""
 
 from front import cheapest_below, distance_to_front
+from machine import machine_line
 from plots import has_plot, plot_name, words
 from settings import default_setting
 from table import is_default
@@ -90,11 +91,6 @@ def layer_lines(group):
         times = p.cpu / points[0][0].cpu
         lines.append(f"| {p.setting.spacing:g} m | {p.particles} | {cost_text(p.cpu)} | {times:.3g} | {e:.3g} |")
     return lines
-
-
-def machine_line(machine):
-    return (f"{machine['processor']}, {machine['processors']} processors, load {machine['load']:.1f} when the report "
-            f"was written; {machine['compiler']}; commit {machine['git']}.")
 
 
 def report_text(groups, machine, remarks, quick):

@@ -10,6 +10,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "tools"))
 
 import figure  # noqa: E402
+import top_view  # noqa: E402
 
 
 def scene(velocity=1.5, history=(), ends="open", goals=((5.0, 9.0),), taus=(0.2,)):
@@ -57,7 +58,7 @@ class Goals(unittest.TestCase):
     def test_the_circle_of_a_goal_at_the_edge_ends_at_the_edge(self):
         drawing, axes = figure.plt.subplots()
         self.addCleanup(figure.plt.close, drawing)
-        figure.draw_goals(axes, scene(goals=((5.0, 10.0), (19.0, 9.0))))
+        top_view.draw_goals(axes, scene(goals=((5.0, 10.0), (19.0, 9.0))))
         self.assertEqual(len(axes.patches), 2)
         for circle in axes.patches:
             seen = circle.get_clip_box().transformed(axes.transData.inverted())
@@ -66,7 +67,7 @@ class Goals(unittest.TestCase):
 
 class Paths(unittest.TestCase):
     def parts(self, points, period=20.0):
-        return [part.tolist() for part in figure.laps_apart(np.array(points), period)]
+        return [part.tolist() for part in top_view.laps_apart(np.array(points), period)]
 
     def test_a_world_with_ends_leaves_them_whole(self):
         self.assertEqual(self.parts([[1.0, 1], [19, 1]], 0), [[[1, 1], [19, 1]]])
@@ -82,8 +83,8 @@ class Paths(unittest.TestCase):
 
     def test_a_goal_laps_away_is_a_direction(self):
         goals = ((5.0, 9.0), (100000.0, 8.0))
-        self.assertEqual(figure.far_goals(scene(ends="periodic", goals=goals)), [(100000.0, 8.0)])
-        self.assertEqual(figure.far_goals(scene(goals=goals)), [])
+        self.assertEqual(top_view.far_goals(scene(ends="periodic", goals=goals)), [(100000.0, 8.0)])
+        self.assertEqual(top_view.far_goals(scene(goals=goals)), [])
 
 
 if __name__ == "__main__":

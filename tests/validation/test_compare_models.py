@@ -1,0 +1,254 @@
+"""The rules of tools/compare_models.sh: what counts as kept, cheapest, near, useless, the same; runs nothing."""
+
+import json
+import math
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from types import SimpleNamespace
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(ROOT / "tools" / "compare_models"))
+
+import paths  # noqa: E402, F401
+
+import case_runs  # noqa: E402
+import conclusions  # noqa: E402
+import known_scene  # noqa: E402
+import recorded  # noqa: E402
+import rules  # noqa: E402
+import sections  # noqa: E402
+import tables  # noqa: E402
+from outcomes import COMPLETED, FAILED, LEFT_OUT, REFUSED, Outcome, judged_metrics, level_of, missed, worst  # noqa: E402
+from runs import Case  # noqa: E402
+
+LIMITS = {("dam", "depth", "coarse"): 0.1, ("dam", "depth", "medium"): 0.05, ("dam", "clamps", "coarse"): 0.0,
+          ("wave", "depth", "coarse"): 0.1, ("wave", "told", "coarse"): None}
+
+
+def run(model, cpu, depth, case="dam", level="coarse", **more):
+    metrics = [{"name": "depth", "value": depth, "unit": "1"}]
+    metrics += [{"name": name, "value": value, "unit": "1"} for name, value in more.items()]
+    return Outcome(case, level, model, 0.1, COMPLETED, metrics=metrics, cpu=cpu, simulated=2.0, commit="abc")
+
+
+class Limits(unittest.TestCase):
+    def test_only_metrics_with_a_limit_are_judged(self):
+        outcome = run("dfsph", 1, 0.05, case="wave", told=9.0, other=9.0)
+        self.assertEqual([judged.name for judged in judged_metrics(outcome, LIMITS)], ["depth"])
+
+    def test_the_worst_is_the_one_furthest_above_its_limit(self):
+        outcome = run("dfsph", 1, 0.05, clamps=3)
+        self.assertEqual((worst(outcome, LIMITS).name, worst(outcome, LIMITS).ratio), ("clamps", math.inf))
+        self.assertEqual([judged.name for judged in missed(outcome, LIMITS)], ["clamps"])
+
+    def test_a_limit_is_kept_at_its_value_and_by_0_where_it_is_0(self):
+        self.assertEqual(missed(run("dfsph", 1, 0.1, clamps=0), LIMITS), [])
+
+    def test_what_could_not_be_measured_is_missed(self):
+        self.assertEqual(missed(run("dfsph", 1, None), LIMITS)[0].ratio, math.inf)
+
+    def test_nothing_to_judge_without_limits_or_result(self):
+        self.assertIsNone(worst(run("dfsph", 1, 0.05, level="fine"), LIMITS))
+        self.assertIsNone(worst(Outcome("dam", "coarse", "dfsph", 0.1, REFUSED), LIMITS))
+
+    def test_cost_is_per_simulated_second(self):
+        self.assertEqual(run("dfsph", 3, 0.1).cost, 1.5)
+        self.assertIsNone(Outcome("dam", "coarse", "dfsph", 0.1, COMPLETED, cpu=3).cost)
+
+    def test_levels_are_told_by_their_spacing_as_tables_round_it(self):
+        self.assertEqual(level_of([0.1, 1 / 15, 0.05], 0.0666667), "medium")
+        self.assertIsNone(level_of([0.1, 1 / 15, 0.05], 0.07))
+
+
+class Rules(unittest.TestCase):
+    def test_grades_end_at_the_limit_and_at_the_factor(self):
+        self.assertEqual([rules.grade(r) for r in (0, 1, 1.01, rules.NEAR, 2.01, math.inf)],
+                         [rules.GOOD, rules.GOOD, rules.CLOSE, rules.CLOSE, rules.USELESS, rules.USELESS])
+
+    def test_the_cheapest_must_keep_all_limits(self):
+        found = [run("dfsph", 8, 0.05), run("shallow_water", 1, 0.02, clamps=0), run("steering", 0.1, 0.3),
+                 run("kinematic", 0.1, 0.01, clamps=1)]
+        self.assertEqual(rules.cheapest(found, "dam", LIMITS).model, "shallow_water")
+        self.assertIsNone(rules.cheapest(found[2:], "dam", LIMITS))
+
+    def test_the_cheapest_may_have_any_resolution(self):
+        found = [run("dfsph", 1, 0.2), run("dfsph", 9, 0.04, level="medium"), run("steering", 5, 0.3)]
+        self.assertEqual(rules.cheapest(found, "dam", LIMITS).level, "medium")
+
+    def test_nearest_where_none_keeps_the_limits(self):
+        found = [run("dfsph", 8, 0.15), run("steering", 1, 0.3), run("steering", 4, 0.06, level="medium")]
+        nearest, its = rules.nearest(found, "dam", ("dfsph", "steering"), LIMITS)
+        self.assertEqual((nearest.model, nearest.level), ("steering", "medium"))
+        self.assertAlmostEqual(its.ratio, 1.2)
+
+    def test_beaten_means_no_dearer_no_more_wrong_and_another_model(self):
+        slow, exact, cheap = run("steering", 4, 0.08), run("dfsph", 8, 0.01), run("shallow_water", 1, 0.08)
+        self.assertEqual([o.model for o in rules.beaten_by(slow, [slow, exact, cheap], LIMITS)], ["shallow_water"])
+        self.assertEqual(rules.beaten_by(exact, [slow, exact, cheap], LIMITS), [])
+        twin = run("dfsph", 4, 0.08)
+        self.assertEqual(rules.beaten_by(slow, [slow, twin, run("steering", 1, 0.01)], LIMITS), [])
+
+    def test_by_grade_takes_the_best_resolution_of_each_case(self):
+        found = [run("steering", 1, 0.3), run("steering", 4, 0.04, level="medium"), run("steering", 1, 0.3, case="wave")]
+        graded = rules.by_grade(found, "steering", ["dam", "wave"], LIMITS)
+        self.assertEqual([o.level for o, _ in graded[rules.GOOD]], ["medium"])
+        self.assertEqual([o.case for o, _ in graded[rules.USELESS]], ["wave"])
+
+    def test_where_limits_only_guard_dfsph_sets_them(self):
+        found = [run("dfsph", 8, 0.5, case="lee", impulse_median=0.1), run("steering", 1, 0.5, case="lee", impulse_median=0.12)]
+        limits = {("lee", "depth", "coarse"): 1.0, ("lee", "impulse_median", "coarse"): 0.5}
+        reasons = {("lee", "depth"): "a guard", ("lee", "impulse_median"): "a guard against what breaks"}
+        graded = rules.limits_of_people(found, limits, reasons)
+        self.assertAlmostEqual(graded["lee", "impulse_median", "coarse"], 0.11)
+        self.assertEqual([bool(missed(o, graded)) for o in found], [False, True])
+        self.assertEqual(rules.limits_of_people(found[1:], limits, reasons), limits)
+        self.assertEqual(rules.limits_of_people(found, limits, {("lee", "depth"): "two centimetres"}), limits)
+
+    def test_guards_are_known_by_their_reason(self):
+        reasons = {("a", "x"): "a guard against this", ("a", "y"): "reported: no limit", ("b", "x"): "two centimetres"}
+        self.assertEqual([rules.only_guarded(case, reasons) for case in "abc"], [True, False, False])
+
+    def test_outcomes_of_table_1_agree_within_a_tenth(self):
+        def result(arrived, time):
+            return SimpleNamespace(arrived=(arrived, arrived, arrived), agents=50, time=time and (time, time, time))
+
+        reference = result(50, 100)
+        self.assertTrue(rules.agrees(result(45, 109.9), reference))
+        self.assertFalse(rules.agrees(result(44, 100), reference))
+        self.assertFalse(rules.agrees(result(50, 89), reference))
+        self.assertTrue(rules.agrees(result(0, None), result(1, 300)))
+        self.assertIsNone(rules.agrees(None, reference))
+
+
+class Words(unittest.TestCase):
+    FOUND = [run("dfsph", 8, 0.05), run("steering", 1, 0.3), run("shallow_water", 0.5, 0.15),
+             Outcome("dam", "coarse", "kinematic", 0.1, REFUSED, "needs a stream")]
+    MODELS = ("dfsph", "shallow_water", "steering", "kinematic")
+
+    def test_sentences_follow_from_the_grades(self):
+        text = conclusions.words_section(self.FOUND, self.MODELS, LIMITS, {}, {})
+        self.assertIn("### DFSPH\n\n* Of 1 case that it can run: good enough in 1, near in 0, useless in 0.\n", text)
+        by_model = {part.split("\n")[0]: part for part in text.split("### ")[1:]}
+        self.assertIn("good enough in 0, near in 0, useless in 1.\n* Useless: `dam` (depth 0.3 of 0.1).", by_model["steering"])
+        self.assertIn("* Near: `dam` (depth 0.15 of 0.1).", by_model["shallow water"])
+        self.assertIn("Cannot run 1 case (", by_model["kinematic"])
+        self.assertIn("at most as dear and at most as wrong in 1 of 1 case that both can run (shallow water in 1)", text)
+
+    def test_the_table_says_met_missed_or_cannot(self):
+        table = sections.cases_section(self.FOUND, self.MODELS, LIMITS)
+        row = next(line for line in table.splitlines() if "`dam`" in line)
+        cells = [cell.strip() for cell in row.strip("|").split("|")]
+        self.assertEqual(cells[2:], ["met: depth 0.05 of 0.1; 8 s", "**missed**: depth 0.15 of 0.1; 0.5 s",
+                                     "**missed**: depth 0.3 of 0.1; 1 s", "cannot"])
+
+    def test_the_cheapest_is_named_with_how_much_dearer_dfsph_is(self):
+        found = [*self.FOUND, run("mixed", 2, 0.02)]
+        table = sections.cheapest_section(found, (*self.MODELS, "mixed"), LIMITS, {})
+        self.assertRegex(table, r"\| `dam` +\| mixed +\| coarse +\| 1 +\| 4 +\|")
+
+    def test_rows_of_the_table_hold_value_limit_and_verdict(self):
+        rows = [dict(zip(tables.COLUMNS, row)) for o in self.FOUND for row in tables.rows_of(o, LIMITS)]
+        self.assertEqual([(row["model"], row["met"], row["status"]) for row in rows],
+                         [("dfsph", "yes", "completed"), ("steering", "no", "completed"),
+                          ("shallow_water", "no", "completed"), ("kinematic", "", "refused")])
+        self.assertEqual((rows[0]["limit"], rows[0]["cpu_s_per_sim_s"], rows[3]["remark"]), ("0.1", "4", "needs a stream"))
+
+
+class Running(unittest.TestCase):
+    CASES = [Case("dam 0.1 0.05 quick=coarse")]
+
+    def plan_with(self, coarse, recorded_runs=None, models=("steering",), limit=100):
+        asked = []
+
+        def outcome(point):
+            asked.append(point.level)
+            return coarse
+
+        plan = [(self.CASES[0], level) for level in ("coarse", "medium")]
+        runner = SimpleNamespace(outcome=outcome, further={})
+        return case_runs.run_cases(plan, models, recorded_runs or {}, runner, limit), asked
+
+    def test_a_finer_run_that_is_too_dear_is_left_out_and_named(self):
+        found, asked = self.plan_with(run("steering", 10, 0.1))
+        self.assertEqual((asked, found[1].status), (["coarse"], LEFT_OUT))
+        self.assertIn("160 s", found[1].remark)
+        self.assertEqual(self.plan_with(run("steering", 5, 0.1))[1], ["coarse", "medium"])
+
+    def test_a_refusal_is_asked_for_once(self):
+        found, asked = self.plan_with(Outcome("dam", "coarse", "steering", 0.1, REFUSED, "because"))
+        self.assertEqual((asked, found[1].status, found[1].remark), (["coarse"], REFUSED, "because"))
+
+    def test_nothing_finer_after_a_failure(self):
+        self.assertEqual(self.plan_with(Outcome("dam", "coarse", "steering", 0.1, FAILED, "fell"))[1], ["coarse"])
+
+    def test_recorded_runs_take_the_place_of_dfsph_only(self):
+        kept = {("dam", "coarse"): run("dfsph", 1, 0.1), ("dam", "medium"): run("dfsph", 1, 0.1, level="medium")}
+        found, asked = self.plan_with(run("steering", 1, 0.2), kept, models=("dfsph", "steering"))
+        self.assertEqual((len(found), asked), (4, ["coarse", "medium"]))
+        self.assertIs(found[0], kept["dam", "coarse"])
+
+    def test_what_a_model_needs_besides_makes_another_run(self):
+        plain = case_runs.Point("dam", "coarse", 0.1, "mixed")
+        window = case_runs.Point("dam", "coarse", 0.1, "mixed", (("/fluid/mixed/x_min_m", 2),))
+        self.assertEqual(window.overrides(), ["/fluid/model=mixed", "/fluid/mixed/x_min_m=2"])
+        self.assertNotEqual(plain.key(), window.key())
+
+    def test_why_a_model_is_refused_is_told_without_file_names(self):
+        error = 'validate: /a/b.json: /fluid/model: "kinematic" does not flow; allowed: "dfsph".'
+        self.assertEqual(case_runs.reason(error), '"kinematic" does not flow; allowed: "dfsph".')
+
+
+class Recorded(unittest.TestCase):
+    TABLE = ("case,model,spacing_m,particles,metric,value,unit,threshold,pass,wall_s,cpu_s,reference\n"
+             "dam,dfsph,0.1,10,depth,0.02,1,0.1,yes,3,2.5,somebody\ndam,dfsph,0.1,10,clamps,0,1,0,yes,3,2.5,somebody\n"
+             "dam,dfsph,0.05,80,run_completed,0,1,1,no,3,2.5,somebody\ndam,kinematic,0.1,10,depth,0.02,1,0.1,yes,3,2.5,x\n"
+             "gone,dfsph,0.1,10,depth,0.02,1,0.1,yes,3,2.5,somebody\n")
+    REPORT = ("### dam\n\n| coarse | 10 | 5 | 2.6 s | 1 | 4 |\n\n"
+              "* A processor, 2 processors; version 0, commit 410a732a0a91-dirty.\n")
+
+    def test_runs_are_read_with_time_and_commit(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "validation.csv"
+            file.write_text(self.TABLE)
+            (Path(folder) / "report.md").write_text(self.REPORT)
+            found, commits = recorded.read_recorded(file, [Case("dam 0.1 0.05")])
+        self.assertEqual(set(found), {("dam", "coarse"), ("dam", "medium")})
+        coarse = found["dam", "coarse"]
+        self.assertEqual((coarse.simulated, coarse.cpu, coarse.value("depth")), (2.6, 2.5, 0.02))
+        self.assertEqual(coarse.source, "validation.csv")
+        self.assertEqual((found["dam", "medium"].status, commits), (FAILED, ["410a732a0a91-dirty"]))
+
+    def test_the_committed_table_has_times_for_all_its_runs(self):
+        file = ROOT / "tests" / "validation" / "report" / "validation.csv"
+        lines = "dam_break 0.1 0.05 0.025", "jump_fr2 0.1 0.0666667 0.05", "impulse_lee 0.4642 0.2321 0.1161"
+        cases = [Case(line) for line in lines]
+        found, commits = recorded.read_recorded(file, cases)
+        self.assertGreaterEqual(len(found), 6)
+        self.assertTrue(all(outcome.cost for outcome in found.values()))
+        self.assertTrue(commits)
+
+
+class Scenes(unittest.TestCase):
+    OLD = {"name": "a", "seed": 1, "fluid": {"model": "dfsph"}, "crowd": {"tau": 0.2}}
+
+    def changed(self, text):
+        return known_scene.same_scene(self.OLD, {**json.loads(json.dumps(self.OLD)), **text})
+
+    def test_a_key_that_is_new_and_has_its_default_is_the_same_scene(self):
+        self.assertTrue(self.changed({"name": "b"}))
+        steering = {"bodies": [], "walls": {"rule": "both"}}
+        self.assertTrue(self.changed({"fluid": {"model": "dfsph", "steering": steering}}))
+
+    def test_any_other_change_is_another_scene(self):
+        self.assertFalse(self.changed({"seed": 2}))
+        self.assertFalse(self.changed({"fluid": {"model": "steering"}}))
+        self.assertFalse(self.changed({"fluid": {}}))
+        self.assertFalse(self.changed({"crowd": {"tau": 0.2, "navigation": {"rule": "travel_time"}}}))
+        self.assertFalse(self.changed({"crowd": {"tau": 0.2, "no_such_key": 0}}))
+
+
+if __name__ == "__main__":
+    unittest.main()

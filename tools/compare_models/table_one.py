@@ -1,0 +1,185 @@
+"""Table 1 of the paper by each model of the water: the scenes of a set as they are, with another /fluid/model."""
+
+import json
+import os
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+
+import paths  # noqa: F401  it says where the modules of tools/paper are
+
+import plan
+from ensembles import Ensembles, PlanError, is_done
+from known_scene import same_scene
+from table1 import Result
+from words import SET_UPS
+
+SETS = ("river", "paper")
+DEFAULT_MODEL = "dfsph"  # of the scenes of these sets
+SAMPLED_EVERY_S = 0.5
+
+
+@dataclass
+class ModelRuns:
+    """Table 1 by one model in one set of scenes."""
+
+    set: str
+    model: str
+    results: dict  # scenario -> Result
+    costs: dict  # name of the water -> Cost
+    commits: tuple  # of the programs that made the runs
+    source: str = ""  # where they were read from; "": made here
+
+    @property
+    def set_up(self):
+        return SET_UPS[self.set]
+
+
+@dataclass
+class Cost:
+    """Of the server of one water, s a simulated second."""
+
+    cpu: float | None  # CPU time; None where nobody took it
+    solver_wall: float | None  # wall time of the solver alone
+
+
+def cases_of(scene_set, model, quick, further=()):
+    """The scenarios of Table 1 in the water of a model; those of the default model are the very cases of tools/paper.
+
+    further: (JSON pointer, value) that the model needs besides.
+    """
+    suffix, changes = (model, (("/fluid/model", model), *further)) if model != DEFAULT_MODEL else ("", tuple(further))
+    names = plan.QUICK if quick else plan.SCENARIOS
+    return {name: plan.scenario_case(scene_set, name, suffix, changes) for name in names}
+
+
+def server_below(pid):
+    """The process fluid_server that a process has started; None while there is none."""
+    try:
+        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+        programs = {child: Path(f"/proc/{child}/cmdline").read_text().split("\0")[0] for child in children}
+        return next((child for child, program in programs.items() if Path(program).name == "fluid_server"), None)
+    except OSError:
+        return None
+
+
+def cpu_time_of(pid):
+    """CPU time of a process so far, s; None if it is gone."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    except OSError:
+        return None
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+class TimedEnsembles(Ensembles):
+    """Notes the CPU time of the server of each water in its folder, cost.json, as of the last look before its end."""
+
+    def wait_for(self, process, water):
+        times, over = {}, threading.Event()  # by process: the first one may only check the scene
+
+        def look():
+            while not over.wait(SAMPLED_EVERY_S):
+                server = server_below(process.pid)
+                times[server] = (cpu_time_of(server) if server else None) or times.get(server, 0)
+
+        watcher = threading.Thread(target=look, daemon=True)
+        watcher.start()
+        try:
+            code = super().wait_for(process, water)
+        finally:
+            over.set()
+            watcher.join()
+        (self.out / water.key / "cost.json").write_text(json.dumps({"server_cpu_s": sum(times.values())}) + "\n")
+        return code
+
+
+def cost_of(water_folder, runs):
+    """What the server of a water took. The time it simulated is that of the crowd that walked for longest, which ends
+    it."""
+    longest = max(runs, key=lambda run: run.outcome["sim_time_s"]).outcome
+    wall = longest["fluid"].get("solver_wall_s")
+    try:
+        cpu = json.loads((water_folder / "cost.json").read_text())["server_cpu_s"]
+    except (OSError, ValueError, KeyError):
+        cpu = 0
+    time = longest["sim_time_s"]
+    return Cost(cpu / time if cpu else None, wall / time if wall else None)
+
+
+def as_model_runs(scene_set, model, cases, ensembles, source=""):
+    """None if there is no complete run."""
+    of_case = {name: ensembles.runs[case.key] for name, case in cases.items() if ensembles.runs.get(case.key)}
+    if not of_case:
+        return None
+    by_water = {}
+    for name, runs in of_case.items():
+        by_water.setdefault(cases[name].water, []).extend(runs)
+    costs = {water.name: cost_of(ensembles.out / water.key, runs) for water, runs in by_water.items()}
+    commits = sorted({run.manifest["git_hash"] for runs in of_case.values() for run in runs})
+    return ModelRuns(scene_set, model, {n: Result(runs) for n, runs in of_case.items()}, costs, tuple(commits), source)
+
+
+class Campaign(Ensembles):
+    """Reads the runs of another folder of this command or of tools/reproduce_paper.sh and changes nothing there.
+
+    A run by programs that did not know some key yet counts if the key has its default now: a feature that is off
+    changes nothing.
+    """
+
+    def __init__(self, programs, folder):
+        super().__init__(programs, folder, None, 1, keep_all=True)
+
+    def has(self, case, seed):
+        folder, scene = self.folder(case, seed), self.programs.scene_of(case, seed)
+        if is_done(folder, scene):
+            return True
+        try:
+            kept = json.loads((folder / "manifest.json").read_text())["resolved_scene"]
+        except (OSError, ValueError, KeyError):
+            return False
+        return same_scene(kept, scene) and is_done(folder, kept)
+
+
+def read_campaign(programs, folder, scene_set, model, quick, seeds):
+    """The runs of a model with the seeds 1 to `seeds`, from a campaign; None if it has none."""
+    cases, campaign = cases_of(scene_set, model, quick), Campaign(programs, folder)
+    for case in cases.values():
+        for seed in range(1, seeds + 1):
+            campaign.take(case, seed, f"read from {folder}")
+    return as_model_runs(scene_set, model, cases, campaign, "read from a campaign")
+
+
+def is_scene(programs, case, ensembles):
+    """Whether the programs take the scene of a case; they say why not, and the failures name its water."""
+    try:
+        programs.resolved(case.water.scene, case.water.changes)
+        programs.resolved(case.scene, case.water.changes + case.changes)
+    except PlanError:
+        if (failure := f"{case.water.key} (the scene is refused)") not in ensembles.failures:
+            ensembles.failures.append(failure)
+        return False
+    return True
+
+
+def run_table(programs, out, pair, scene_sets, models, options):
+    """[ModelRuns] of each set and model, and what failed in words. What is complete is not run again."""
+    ensembles = TimedEnsembles(programs, out, pair, 1)
+    found, wanted = {}, {}
+    for scene_set in scene_sets:
+        for model in models:
+            key = scene_set, model
+            if model == DEFAULT_MODEL and options.dfsph_campaign and not options.further.get(model):
+                found[key] = read_campaign(programs, options.dfsph_campaign, *key, options.quick, options.seeds)
+            if found.get(key) is None:
+                cases = cases_of(*key, options.quick, options.further.get(model, ()))
+                wanted[key] = {name: case for name, case in cases.items() if is_scene(programs, case, ensembles)}
+    every = [case for cases in wanted.values() for case in cases.values()]
+    if options.report_only:
+        ensembles.collect(every)
+    else:
+        ensembles.run({case: (options.seeds, options.seeds) for case in every})
+    for key, cases in wanted.items():
+        found[key] = as_model_runs(*key, cases, ensembles)
+    order = [(scene_set, model) for scene_set in scene_sets for model in models]
+    return [found[key] for key in order if found.get(key)], ensembles.failures, ensembles.interrupted
