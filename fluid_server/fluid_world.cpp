@@ -65,7 +65,7 @@ constexpr double collapse = 0.1;
 
 }  // namespace
 
-FluidWorld::FluidWorld(const Scene& scene)
+FluidWorld::FluidWorld(const Scene& scene, OpenEnds* ends)
     : scene_(scene),
       support_radius_(static_cast<float>(support_radius_of(scene.fluid))),
       volume_(static_cast<float>(std::pow(scene.fluid.particle_spacing, 3))),
@@ -81,11 +81,14 @@ FluidWorld::FluidWorld(const Scene& scene)
       lists_(particles_.capacity()),
       fields_(particles_.capacity()),
       solids_(scene),
+      ends_(ends),
       gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
       gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
-      outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
-                                                     : -std::numeric_limits<float>::infinity()) {
-    fill_scene(particles_, scene);
+      outflow_x_(ends == nullptr && scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
+                                                                        : -std::numeric_limits<float>::infinity()) {
+    if (ends_ == nullptr) {
+        fill_scene(particles_, scene);
+    }
     confined_ = fills_channel(scene, static_cast<double>(particles_.count) * std::pow(scene.fluid.particle_spacing, 3));
     const double layers = std::max(1.0, deepest_water(scene) / scene.fluid.particle_spacing);
     std::visit(
@@ -93,9 +96,9 @@ FluidWorld::FluidWorld(const Scene& scene)
         kernel_);
     initial_speed_ = fastest_particle(particles_);
     if (scene.channel.manning_n > 0) {
-        friction_.emplace(scene);
+        friction_.emplace(scene, ends_ != nullptr);
     }
-    if (scene.channel.flow == Flow::emitter) {
+    if (ends_ == nullptr && scene.channel.flow == Flow::emitter) {
         emitter_.emplace(scene, particles_.count);
         emitter_->emit(particles_, 0);
     }
@@ -145,6 +148,9 @@ StepReport FluidWorld::step(double remaining) {
     const Fluid& fluid = scene_.fluid;
 
     StageClock clock(report.stages);
+    if (ends_ != nullptr) {
+        ends_->begin_step(particles_, report.dt);
+    }
     const std::size_t left = grid_.sort(particles_, outflow_x_);
     if (emitter_) {
         emitter_->recycle(left);
@@ -188,6 +194,9 @@ StepReport FluidWorld::step(double remaining) {
     if (emitter_) {
         emitter_->emit(particles_, dt);
     }
+    if (ends_ != nullptr) {
+        ends_->end_step(particles_, {lists_.x.data(), particles_.count}, report.dt);
+    }
     clock.finished(Stage::advance);
     time_ += report.dt;
     report.sweeps = 1 + (viscosity_ > 0 ? 1 : 0) + report.divergence.sweeps + report.density.sweeps;
@@ -201,6 +210,9 @@ void FluidWorld::apply_forces(float dt, StepReport& report) {
     if (scene_.channel.flow == Flow::recirculating) {
         report.driving_acceleration =
             -driving_acceleration(particles_, velocity_at(scene_.channel, time_ + report.dt), dt);
+    }
+    if (ends_ != nullptr) {
+        report.driving_acceleration = -ends_->acceleration();
     }
     apply_body_force(particles_, static_cast<float>(gravity_x_ - report.driving_acceleration),
                      static_cast<float>(gravity_y_), dt);
