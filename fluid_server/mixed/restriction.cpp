@@ -39,24 +39,29 @@ Restriction::Restriction(const shallow_water::ShallowWater& world)
       flow_z_(world.grid.cells(), 0) {
     const shallow_water::Grid& grid = world.grid;
     const double top = deepest_water(world.scene);
-    const auto is_free = [&](std::size_t i, std::size_t k) {
-        const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k)) + i;
+    const auto is_free = [&](std::ptrdiff_t i, std::ptrdiff_t k) {
+        const std::size_t c = grid.row(k) + static_cast<std::size_t>(i);
         return world.bed.obstacle.empty() || world.bed.obstacle[c] < 0.5 || world.bed.height[c] < top;
     };
     const auto nx = static_cast<std::ptrdiff_t>(grid.nx), nz = static_cast<std::ptrdiff_t>(grid.nz);
-    for (std::size_t k = 0; k < grid.nz; ++k) {
-        for (std::size_t i = 0; i < grid.nx; ++i) {
+    // Integral of the tent over the cell `offset` cells from its middle, in cells.
+    const auto tent_over_cell = [&](std::ptrdiff_t offset) {
+        const auto width = static_cast<double>(reach_), off = std::abs(static_cast<double>(offset));
+        if (offset == 0) return 1 - 1 / (4 * width);
+        return off < width ? 1 - off / width : 1 / (8 * width);
+    };
+    for (std::ptrdiff_t k = 0; k < nz; ++k) {
+        for (std::ptrdiff_t i = 0; i < nx; ++i) {
             if (!is_free(i, k)) continue;
-            double weights = 0;
-            for_each_tent(static_cast<double>(k), reach_, [&](std::ptrdiff_t kk, double wz) {
-                if (!periodic_across_ && (kk < 0 || kk >= nz)) return;
-                for_each_tent(static_cast<double>(i), reach_, [&](std::ptrdiff_t ii, double wx) {
-                    if (ii < 0 || ii >= nx) return;
-                    const auto row = static_cast<std::size_t>(wrapped(kk, grid.nz));
-                    weights += is_free(static_cast<std::size_t>(ii), row) ? wx * wz : 0.0;
-                });
-            });
-            area_[k * grid.nx + i] = weights * grid.cell_area();
+            double sum = 0;
+            for (std::ptrdiff_t kk = k - reach_; kk <= k + reach_; ++kk) {
+                if (!periodic_across_ && (kk < 0 || kk >= nz)) continue;
+                for (std::ptrdiff_t ii = std::max<std::ptrdiff_t>(i - reach_, 0); ii <= std::min(i + reach_, nx - 1);
+                     ++ii) {
+                    if (is_free(ii, wrapped(kk, grid.nz))) sum += tent_over_cell(ii - i) * tent_over_cell(kk - k);
+                }
+            }
+            area_[static_cast<std::size_t>(k * nx + i)] = sum * grid.cell_area();
         }
     }
 }

@@ -4,7 +4,7 @@
 // The mean of the particles round the middle c of a cell has tent-shaped weights of half width W, whole cells and at least
 // two spacings:
 //
-//   h_c = sum_i V_i w_ic / n_c,   (h u)_c = sum_i V_i u_i w_ic / n_c,   n_c = sum of w_cc' and area over the free cells c',
+//   h_c = sum_i V_i w_ic / n_c,   (h u)_c = sum_i V_i u_i w_ic / n_c,   n_c = integral of w over the free cells round c,
 //
 //   w = (1 - |x - x_c| / W) (1 - |z - z_c| / W)
 //

@@ -81,14 +81,13 @@ inline Section section(const MixedWorld& world, double from, double to) {
     return {volume / ((to - from) * grid.z.length()), flow / volume};
 }
 
-inline double fastest(const MixedWorld& world) {
-    const Particles& p = world.particle_water().particles();
-    double v2 = 0;
+inline double root_mean_square_speed(const Particles& p) {
+    double sum = 0;
     for (std::size_t i = 0; i < p.count; ++i) {
         const auto square = [](float v) { return static_cast<double>(v) * static_cast<double>(v); };
-        v2 = std::max(v2, square(p.vx[i]) + square(p.vy[i]) + square(p.vz[i]));
+        sum += square(p.vx[i]) + square(p.vy[i]) + square(p.vz[i]);
     }
-    return std::sqrt(v2);
+    return std::sqrt(sum / static_cast<double>(p.count));
 }
 
 }  // namespace wade::fluid::mixed
