@@ -72,9 +72,11 @@ inline Section section(const MixedWorld& world, double from, double to) {
     }
     const Particles& p = world.particle_water().particles();
     const double d = shallow.scene.fluid.particle_spacing;
+    // A particle is as long as the spacing; what of it lies outside the window is the grid's.
+    const double lo = std::max(from, world.ends()[0].x), hi = std::min(to, world.ends()[1].x);
     for (std::size_t i = 0; i < p.count && !world.window().empty(); ++i) {
         const double x = static_cast<double>(p.x[i]);
-        const double share = share_in_window(x, world.ends(), d) * part(x - 0.5 * d, x + 0.5 * d) / d;
+        const double share = std::max(0.0, std::min(hi, x + 0.5 * d) - std::max(lo, x - 0.5 * d)) / d;
         volume += particle * share;
         flow -= particle * share * static_cast<double>(p.vx[i]);
     }

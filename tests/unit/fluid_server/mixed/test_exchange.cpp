@@ -38,8 +38,8 @@ TEST_CASE("a uniform river keeps depth and speed through the window", "[mixed]")
     MixedWorld world(river(40, 12, 28, 1.5));
     const double volume = world.volume();
     run(world, 10);
-    // The means over 2 m and over the last 10 s. DFSPH by itself holds the depth of this river, as volume over area, to
-    // the waves that its start makes; 3 % of each is three times what the river of four layers misses.
+    // Means over 2 m and 10 s. A river of four layers by itself misses its depth by 1 %; with as much for the waves of its
+    // start and for the ends of the window: 3 %.
     std::vector<Section> mean(18);
     constexpr int samples = 40;
     for (int s = 0; s < samples; ++s) {
@@ -64,31 +64,26 @@ TEST_CASE("a uniform river keeps depth and speed through the window", "[mixed]")
 }
 
 TEST_CASE("a long wave passes through the window", "[mixed]") {
-    // A hump of 0.05 m, 16 m long, that runs towards -x from its place at 54 m through the window from 24 to 36 m.
-    constexpr double height = 0.05, length = 16, start = 54;
+    // A hump half a spacing high, 16 m long, that runs towards -x from its place at 54 m through the window from 24 to 36 m.
+    constexpr double height = 0.125, length = 16, start = 54;
     const auto hump = [&](double x) {
         const double phase = (x - start) / length;
         return std::abs(phase) > 0.5 ? 0.0 : height * std::pow(std::cos(std::numbers::pi * phase), 2);
     };
-    const auto let_run = [&](double x_min, double x_max) {
-        Scene scene = basin(70, x_min, x_max);
-        MixedWorld world(scene);
-        shallow_water::set_water(
-            world.grid_water(), [&](double x, double) { return 1 + hump(x); },
-            [&](double x, double) { return -2 * (std::sqrt(9.81 * (1 + hump(x))) - wave_speed); },
-            [](double, double) { return 0.0; });
-        // Its crest is then at 54 - 3.2 * 12.5 = 14 m, and what is thrown back by the ends of the window between 40 and 66 m.
-        run(world, 12.5);
-        double passed = 0, back = 0;
-        for (double x = 4; x < 22; x += 1) passed = std::max(passed, section(world, x, x + 1).depth - 1);
-        for (double x = 38; x < 68; x += 1) back = std::max(back, std::abs(section(world, x, x + 1).depth - 1));
-        return std::array{passed, back};
-    };
-    const auto [passed, back] = let_run(24, 36);
-    // Free-surface DFSPH damps: a standing wave half a spacing high loses 30 % of its amplitude in a period of some 20 m of
-    // way; 12 m of window may take 15 %. Long waves must not be thrown back: 10 %.
+    MixedWorld world(basin(70, 24, 36));
+    shallow_water::set_water(
+        world.grid_water(), [&](double x, double) { return 1 + hump(x); },
+        [&](double x, double) { return -2 * (std::sqrt(9.81 * (1 + hump(x))) - wave_speed); },
+        [](double, double) { return 0.0; });
+    // Its crest is then near 54 - 3.2 * 12.5 = 14 m, and what the window throws back between 40 and 66 m.
+    run(world, 12.5);
+    double passed = 0, back = 0;
+    for (double x = 4; x < 22; x += 1) passed = std::max(passed, section(world, x, x + 1).depth - 1);
+    for (double x = 38; x < 68; x += 1) back = std::max(back, std::abs(section(world, x, x + 1).depth - 1));
+    // Under a free surface particles damp waves: a standing one half a spacing high loses 30 % in a period (README), so that
+    // 12 m of a wave 16 m long may take 23 %, and more of a lower one. Of a long wave nothing should be thrown back: 10 %.
     INFO("transmitted " << passed / height << ", reflected " << back / height);
-    CHECK(passed > 0.85 * height);
+    CHECK(passed > 0.77 * height);
     CHECK(passed < 1.05 * height);
     CHECK(back < 0.1 * height);
 }

@@ -110,6 +110,7 @@ TEST_CASE("the window keeps its guards out of obstacles and inside the channel",
     scene.obstacles = {{{20, 22}, {2, 4}, 2}};
     scene.fluid.mixed.obstacles = true;
     scene.fluid.mixed.margin = 0;
+    scene.fluid.max_particles = 40000;
     MixedWorld world(scene);
     const auto& grid = world.grid_water().grid;
     CHECK(grid.face_x(world.window().begin) < 20);
@@ -118,7 +119,7 @@ TEST_CASE("the window keeps its guards out of obstacles and inside the channel",
     world.need(Interval{-5, 70});
     CHECK(grid.face_x(world.window().begin) >= world.rule().guard());
     CHECK(grid.face_x(world.window().end) <= 60 - world.rule().guard());
-    run(world, 1);
+    run(world, 0.2);
     // No particle in the block.
     const Particles& p = world.particle_water().particles();
     for (std::size_t i = 0; i < p.count; ++i) {
