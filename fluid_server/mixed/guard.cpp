@@ -15,7 +15,8 @@ namespace {
 constexpr double golden = 0.6180339887498949;
 constexpr double nowhere = -std::numeric_limits<double>::infinity();
 
-// Where the stream is thinner than this share of a spacing it is no guide: what leaves the window goes on by itself.
+// Where the stream is thinner than this share of a spacing it is no guide, nor is it for spray more than a spacing above
+// it: what leaves the window there flies on by itself.
 constexpr double thin = 0.25;
 
 // Drops the particles of which `drop` holds, in stable order.
@@ -117,12 +118,13 @@ void Guards::update(Particles& p, const shallow_water::ShallowWater& world, doub
     for_each_particle(p.count, [&](std::size_t i) {
         if (p.kind[i] == Kind::fluid) return;
         const Stream stream = stream_at(world, static_cast<double>(p.x[i]), static_cast<double>(p.z[i]));
-        if (stream.h < thin * spacing_) {
-            p.vy[i] = 0;
+        const double y = static_cast<double>(p.y[i]);
+        if (stream.h < thin * spacing_ || y > stream.h + spacing_) {
+            p.vy[i] = y > spacing_ ? p.vy[i] - static_cast<float>(world.constants.gravity * dt) : 0;
             return;
         }
         p.vx[i] = static_cast<float>(stream.u);
-        p.vy[i] = static_cast<float>(-static_cast<double>(p.y[i]) * stream.divergence);
+        p.vy[i] = static_cast<float>(-y * stream.divergence);
         p.vz[i] = static_cast<float>(stream.v);
     });
 }

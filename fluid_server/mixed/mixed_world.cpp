@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "configs/mixed_window.hpp"
+#include "fluid_server/filling.hpp"
 #include "fluid_server/inflow.hpp"
 
 namespace wade::fluid::mixed {
@@ -11,7 +11,11 @@ namespace wade::fluid::mixed {
 namespace {
 
 // The scene of the particles: what happens at the ends of the channel is the shallow water's business, except for walls.
-Scene scene_of_particles(Scene scene) {
+// The guards come on top of max_particles, half as deep again as the water, as they may carry a wave.
+Scene scene_of_particles(Scene scene, double guard) {
+    const double d = scene.fluid.particle_spacing;
+    const double volume = 2 * (guard + d) * scene.channel.z.length() * (1.5 * deepest_water(scene) + d);
+    scene.fluid.max_particles += static_cast<int>(std::ceil(volume / std::pow(d, 3)));
     Channel& channel = scene.channel;
     channel.velocity = largest_velocity(channel);
     channel.velocity_history.clear();
@@ -28,7 +32,7 @@ MixedWorld::MixedWorld(const Scene& scene)
       rule_(scene, shallow_.grid),
       guards_(shallow_, rule_.guard()),
       restriction_(shallow_),
-      fluid_(scene_of_particles(scene), this) {
+      fluid_(scene_of_particles(scene, rule_.guard()), this) {
     change_window(rule_.next({}, {}));
 }
 
