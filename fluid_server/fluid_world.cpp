@@ -94,6 +94,9 @@ FluidWorld::FluidWorld(const Scene& scene, OpenEnds* ends)
     std::visit(
         [&](const auto& kernel) { solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_, layers); },
         kernel_);
+    if (ends_ != nullptr) {
+        solver_->pack_inflow();
+    }
     initial_speed_ = fastest_particle(particles_);
     if (scene.channel.manning_n > 0) {
         friction_.emplace(scene, ends_ != nullptr);
@@ -335,7 +338,7 @@ void FluidWorld::advance(float dt, float shift_time, StepReport& report) {
         for (std::size_t i = begin; i < end; ++i) {
             // The lattice of the emitter goes its way.
             Vec3 u{p.vx[i], p.vy[i], p.vz[i]};
-            if (p.kind[i] == Kind::fluid) {
+            if (p.kind[i] == Kind::fluid || ends_ != nullptr) {
                 u = {v.x[i - begin], v.y[i - begin], v.z[i - begin]};
                 u[0] = emitter_ && shift_time > 0 ? emitter_->limit(p.x[i], u[0], dt) : u[0];
             }

@@ -4,7 +4,8 @@
 //   u, v   of the shallow water at the particle's place,      w = -y (du/dx + dv/dz)
 //
 // which is how hydrostatic water moves over a level bed: columns keep their volume, so that the guard keeps its density. As
-// Kind::inflow they have no acceleration of their own, hold the water of the window up and carry it in or away.
+// Kind::inflow they have no acceleration of their own, hold the water of the window up and carry it in or away. The density
+// solve moves them as it moves all (PressureSolver::pack_inflow): in water of one layer a column cannot grow otherwise.
 //
 //       outer edge          window's end
 //   . . . |  o   o   o   o   |  o   o          A fluid particle that leaves the window becomes part of the guard, a particle
