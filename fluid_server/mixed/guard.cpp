@@ -85,7 +85,8 @@ void Guards::fill(Particles& p, const shallow_water::ShallowWater& world) {
     pitch_ = spacing_;
 }
 
-void Guards::update(Particles& p, const shallow_water::ShallowWater& world, double dt) {
+void Guards::update(Particles& p, const shallow_water::ShallowWater& world, double dt,
+                    const std::array<double, 2>& moved) {
     for (std::size_t i = 0; i < p.count; ++i) {
         const double x = static_cast<double>(p.x[i]);
         const bool outside =
@@ -98,7 +99,8 @@ void Guards::update(Particles& p, const shallow_water::ShallowWater& world, doub
                    return end.open && end.s_of(x) > length_;
                });
     });
-    for (End& end : ends_) {
+    for (std::size_t e = 0; e < 2; ++e) {
+        End& end = ends_[e];
         std::fill(outermost_.begin(), outermost_.end(), nowhere);
         for (std::size_t i = 0; i < p.count; ++i) {
             const double s = end.s_of(static_cast<double>(p.x[i]));
@@ -113,7 +115,7 @@ void Guards::update(Particles& p, const shallow_water::ShallowWater& world, doub
             const double u = stream_at(world, end.x + end.side * length_, z).u;
             end.last[k] = std::clamp(end.last[k] + end.side * u * dt, outermost_[k], length_);
         }
-        add_columns(end, p, world);
+        add_columns(end, p, world, moved[e] - (end.open ? 0 : length_));
     }
     for_each_particle(p.count, [&](std::size_t i) {
         if (p.kind[i] == Kind::fluid) return;
@@ -129,24 +131,30 @@ void Guards::update(Particles& p, const shallow_water::ShallowWater& world, doub
     });
 }
 
-void Guards::add_columns(End& end, Particles& p, const shallow_water::ShallowWater& world) {
+// filled: length that the columns fill, m, if it is above 0.
+void Guards::add_columns(End& end, Particles& p, const shallow_water::ShallowWater& world, double filled) {
     const double outer = end.open ? length_ : -0.4 * pitch_;
+    double columns = 0;
+    for (const double last : end.last) columns += std::max(0.0, std::floor((outer - last) / pitch_));
+    const double wanted = filled * static_cast<double>(strips_) / pitch_;
+    const double share = filled > 0 && columns > 0 ? std::clamp(wanted / columns, 0.5, 2.0) : 1.0;
     for (std::size_t k = 0; k < strips_; ++k) {
         while (end.last[k] + pitch_ <= outer) {
             end.last[k] += pitch_;
-            add_column(end, k, end.last[k], p, world);
+            add_column(end, k, end.last[k], share, p, world);
         }
     }
 }
 
-void Guards::add_column(End& end, std::size_t strip, double s, Particles& p, const shallow_water::ShallowWater& world) {
+void Guards::add_column(End& end, std::size_t strip, double s, double share, Particles& p,
+                        const shallow_water::ShallowWater& world) {
     const double x = end.x + end.side * s, z = z_.lo + (static_cast<double>(strip) + 0.5) * width_;
     const Stream stream = stream_at(world, x, z);
     const double ground = width_ * pitch_, volume = std::pow(spacing_, 3);
-    const double wanted = stream.h * ground / volume + end.rest[strip];
+    const double wanted = share * stream.h * ground / volume + end.rest[strip];
     const double number = std::floor(wanted);
     end.rest[strip] = wanted - number;
-    const double height = volume / ground;  // of each particle in the column
+    const double height = volume / (share * ground);  // of each particle in the column
     for (double j = 0; j < number; ++j) {
         const double y = (j + 0.5) * height;
         const Vec3 place{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};

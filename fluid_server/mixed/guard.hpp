@@ -49,15 +49,18 @@ class Guards {
     void fill(Particles& particles, const shallow_water::ShallowWater& world);
 
     // Makes particles fluid in the window and Kind::inflow before it, with the velocity of the stream, drops those beyond
-    // the outer edges and adds columns up to there. dt: since the last call, s.
-    void update(Particles& particles, const shallow_water::ShallowWater& world, double dt);
+    // the outer edges and adds columns up to there. dt: since the last call, s; moved: how far the ends have been moved
+    // outwards since then, m. Columns that fill what is new there have its volume, whatever the gap to those before.
+    void update(Particles& particles, const shallow_water::ShallowWater& world, double dt,
+                const std::array<double, 2>& moved = {});
 
     [[nodiscard]] const std::array<End, 2>& ends() const { return ends_; }
 
  private:
     [[nodiscard]] std::size_t strip_of(double z) const;
-    void add_columns(End& end, Particles& particles, const shallow_water::ShallowWater& world);
-    void add_column(End& end, std::size_t strip, double s, Particles& particles,
+    void add_columns(End& end, Particles& particles, const shallow_water::ShallowWater& world, double filled = 0);
+    // share: of its particles over those of a column of the depth of the water
+    void add_column(End& end, std::size_t strip, double s, double share, Particles& particles,
                     const shallow_water::ShallowWater& world);
 
     Interval z_;

@@ -64,8 +64,9 @@ void MixedWorld::move(const Window& to) {
         return sum;
     };
     const std::array<double, 2> before = volumes();
+    const std::array<double, 2> moved{ends()[0].x - grid.face_x(to.begin), grid.face_x(to.end) - ends()[1].x};
     guards_.move_to(to, grid, rule_.ends_are_walls());
-    fluid_.change_particles([&](Particles& p) { guards_.update(p, shallow_, 0); });
+    fluid_.change_particles([&](Particles& p) { guards_.update(p, shallow_, 0, moved); });
     window_ = to;
     const std::array<double, 2> after = volumes();
     const std::array<std::array<std::size_t, 2>, 2> cells{
