@@ -108,14 +108,20 @@ void Guards::update(Particles& p, const shallow_water::ShallowWater& world, doub
             double& outermost = outermost_[strip_of(static_cast<double>(p.z[i]))];
             outermost = std::max(outermost, s);
         }
+        double outwards = 0;
         for (std::size_t k = 0; k < strips_; ++k) {
             end.last[k] = std::max(end.last[k], outermost_[k]);
-            if (!end.open) continue;
+            if (!end.open) {
+                outwards += 1;
+                continue;
+            }
             const double z = z_.lo + (static_cast<double>(k) + 0.5) * width_;
             const double u = stream_at(world, end.x + end.side * length_, z).u;
+            outwards += end.side * u;
             end.last[k] = std::clamp(end.last[k] + end.side * u * dt, outermost_[k], length_);
         }
-        add_columns(end, p, world, moved[e] - (end.open ? 0 : length_));
+        // Where the stream leads in, the guard ends in a column, and the next ones follow it; else it ends anyhow.
+        add_columns(end, p, world, outwards > 0 ? moved[e] - (end.open ? 0 : length_) : 0);
     }
     for_each_particle(p.count, [&](std::size_t i) {
         if (p.kind[i] == Kind::fluid) return;

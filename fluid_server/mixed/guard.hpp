@@ -50,7 +50,7 @@ class Guards {
 
     // Makes particles fluid in the window and Kind::inflow before it, with the velocity of the stream, drops those beyond
     // the outer edges and adds columns up to there. dt: since the last call, s; moved: how far the ends have been moved
-    // outwards since then, m. Columns that fill what is new there have its volume, whatever the gap to those before.
+    // outwards since then, m. Columns that fill what is new at an end where the stream leads out have its volume, whatever the gap before them.
     void update(Particles& particles, const shallow_water::ShallowWater& world, double dt,
                 const std::array<double, 2>& moved = {});
 
