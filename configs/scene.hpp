@@ -103,6 +103,7 @@ enum class FluidModel {
     kinematic,
     shallow_water,
     steering,
+    mixed,
     automatic  // one of the others, by max_impulse_error
 };
 
@@ -122,6 +123,14 @@ struct Kinematic {
 // The shallow-water model: depth and depth-averaged velocity on a grid.
 struct ShallowWaterGrid {
     double cell_size = 0.5;  // m
+};
+
+// The mixed model: particles in a window of the channel, shallow water elsewhere.
+struct MixedWindow {
+    std::optional<double> x_min, x_max;  // m, where there are particles all the time
+    std::optional<double> margin;        // m, round agents and obstacles; 3 depths of the water if not given
+    double chunk = 4;                    // m, by which the window moves
+    bool obstacles = false;              // whether there are particles round them all the time
 };
 
 // One behaviour of a flock: whom it looks at, and how strong it is.
@@ -185,6 +194,7 @@ struct Fluid {
     double max_impulse_error = 0;  // of `automatic`, relative; else 0
     Kinematic kinematic;
     ShallowWaterGrid shallow_water;
+    MixedWindow mixed;
     Steering steering;
     double particle_spacing = 0;  // d; particle mass = rest_density * d^3
     KernelKind kernel = KernelKind::cubic_spline;

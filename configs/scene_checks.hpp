@@ -20,7 +20,8 @@ void check_boundaries(const Scene& scene, const std::string& source);
 void check_bed(const Scene& scene, const std::string& source);  // a part of the boundaries
 void check_water(const Scene& scene, const std::string& source);
 void check_shallow_water(const Scene& scene, const std::string& source);  // a part of the water
-void check_steering(const Scene& scene, const std::string& source);  // a part of the water
+void check_mixed(const Scene& scene, const std::string& source);          // a part of the water
+void check_steering(const Scene& scene, const std::string& source);       // a part of the water
 void check_crowd(const Scene& scene, const std::string& source);
 
 // Whether the flow brings or starts with water up to channel.depth.

@@ -10,9 +10,13 @@ namespace {
 constexpr double rounding = 1e-9;
 constexpr double most_cells = 1e8;  // about 13 GB
 
+std::string name_of_model(const Scene& scene) {
+    return scene.fluid.model == FluidModel::mixed ? "\"mixed\"" : "\"shallow_water\"";
+}
+
 void check_surface(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
-    const std::string model = "\"shallow_water\" ";
+    const std::string model = name_of_model(scene) + " ";
     if (channel.top != Top::open) {
         refuse(source, "/fluid/model",
                model + "has a free surface, and /channel/top is \"" + (channel.top == Top::wall ? "wall" : "periodic") +
@@ -63,8 +67,8 @@ void check_grid(const Scene& scene, const std::string& source) {
         if (side.length() >= cell * (1 - rounding)) return;
         refuse(source, "/obstacles/" + std::to_string(i),
                "the obstacle is " + short_number(side.length()) + " m long in " + axis + ", less than a cell of " +
-                   short_number(cell) + " m, so that the model \"shallow_water\" would miss it; allowed: >= " +
-                   short_number(cell) + " m, or a smaller " + pointer + ".");
+                   short_number(cell) + " m, so that the model " + name_of_model(scene) +
+                   " would miss it; allowed: >= " + short_number(cell) + " m, or a smaller " + pointer + ".");
     };
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
         check_side(scene.obstacles[i].x, channel.x, i, "x");
@@ -75,14 +79,14 @@ void check_grid(const Scene& scene, const std::string& source) {
 }  // namespace
 
 void check_shallow_water(const Scene& scene, const std::string& source) {
-    if (scene.fluid.model != FluidModel::shallow_water) return;
+    if (scene.fluid.model != FluidModel::shallow_water && scene.fluid.model != FluidModel::mixed) return;
     check_surface(scene, source);
     check_grid(scene, source);
     // Depths are sure to stay positive up to there.
     if (scene.fluid.cfl > 0.5) {
         refuse(source, "/fluid/cfl",
-               short_number(scene.fluid.cfl) +
-                   " is too large for the model \"shallow_water\", dt (s_x / dx + s_z / dz) with the fastest waves s; "
+               short_number(scene.fluid.cfl) + " is too large for the model " + name_of_model(scene) +
+                   ", dt (s_x / dx + s_z / dz) with the fastest waves s; "
                    "allowed: <= 0.5.");
     }
 }

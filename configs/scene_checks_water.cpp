@@ -198,6 +198,7 @@ void check_water(const Scene& scene, const std::string& source) {
     check_model_choice(scene.fluid, source);
     check_kinematic(scene, source);
     check_shallow_water(scene, source);
+    check_mixed(scene, source);
     check_steering(scene, source);
     check_limits(scene.fluid.density_solve, source, "/fluid/density_solve");
     check_limits(scene.fluid.divergence_solve, source, "/fluid/divergence_solve");

@@ -43,6 +43,7 @@ constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"fill
 constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}, std::pair{"kinematic", FluidModel::kinematic},
                                   std::pair{"shallow_water", FluidModel::shallow_water},
                                   std::pair{"steering", FluidModel::steering},
+                                  std::pair{"mixed", FluidModel::mixed},
                                   std::pair{"auto", FluidModel::automatic}};
 constexpr std::array cohesion_forms{std::pair{"equal", CohesionForm::equal},
                                     std::pair{"growing", CohesionForm::growing}};
@@ -154,12 +155,23 @@ Steering steering_from(const json& j) {
     return s;
 }
 
+MixedWindow mixed_from(const json& j) {
+    MixedWindow mixed;
+    if (j.contains("x_min_m")) mixed.x_min = j["x_min_m"].get<double>();
+    if (j.contains("x_max_m")) mixed.x_max = j["x_max_m"].get<double>();
+    if (j.contains("margin_m")) mixed.margin = j["margin_m"].get<double>();
+    mixed.chunk = j.at("chunk_m");
+    mixed.obstacles = j.at("obstacles");
+    return mixed;
+}
+
 Fluid fluid_from(const json& j) {
     Fluid fluid;
     fluid.model = choice_of(j.at("model"), fluid_models);
     fluid.max_impulse_error = j.at("max_impulse_error");
     fluid.kinematic = kinematic_from(j.at("kinematic"));
     fluid.shallow_water.cell_size = j.at("shallow_water").at("cell_size_m");
+    fluid.mixed = mixed_from(j.at("mixed"));
     fluid.steering = steering_from(j.at("steering"));
     fluid.particle_spacing = j.at("particle_spacing_m");
     fluid.kernel = choice_of(j.at("kernel"), kernels);

@@ -27,8 +27,9 @@ double common_length(const Interval& a, const Interval& b) {
 
 }  // namespace
 
-BedFriction::BedFriction(const Scene& scene)
-    : coefficient_(scene.world.gravity * scene.channel.manning_n * scene.channel.manning_n),
+BedFriction::BedFriction(const Scene& scene, bool whole_columns)
+    : whole_columns_(whole_columns),
+      coefficient_(scene.world.gravity * scene.channel.manning_n * scene.channel.manning_n),
       particle_volume_(std::pow(scene.fluid.particle_spacing, 3)),
       least_depth_(0.5 * scene.fluid.particle_spacing),
       x_lo_(static_cast<float>(scene.channel.x.lo)),
@@ -72,7 +73,7 @@ void BedFriction::sum_columns(const Particles& p) {
     std::fill(columns_.begin(), columns_.end(), Column{});
     // One thread, in the order of the particles: the same sums for any number of threads, and a small part of a step.
     for (std::size_t i = 0; i < p.count; ++i) {
-        if (p.kind[i] == Kind::fluid) {
+        if (whole_columns_ || p.kind[i] == Kind::fluid) {
             Column& column = columns_[column_of_[i]];
             column.particles += 1;
             column.vx += static_cast<double>(p.vx[i]);

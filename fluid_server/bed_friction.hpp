@@ -22,8 +22,8 @@ namespace wade::fluid {
 
 class BedFriction {
  public:
-    // Needs channel.manning_n > 0.
-    explicit BedFriction(const Scene& scene);
+    // Needs channel.manning_n > 0. whole_columns: particles that are not moved by the solver belong to the columns, too.
+    explicit BedFriction(const Scene& scene, bool whole_columns = false);
 
     // Multiplies the horizontal velocity of each fluid particle by 1 / (1 + dt k): implicit, so that friction stops the
     // water at most and never turns it round.
@@ -38,6 +38,7 @@ class BedFriction {
     [[nodiscard]] std::uint32_t column_at(float x, float z) const;
     void sum_columns(const Particles& particles);
 
+    bool whole_columns_;
     double coefficient_;      // g n^2, m^(1/3)
     double particle_volume_;  // d^3, m^3
     double least_depth_;      // m

@@ -34,16 +34,17 @@ struct Operator {
     const NeighbourLists& lists;
     const GradientCorrection* correction;
     ParticleFields& f;
+    bool moves_inflow = false;  // or particles inside the emitter keep their velocity
 };
 
 // One number for each particle of a block.
 using BlockOf = std::array<float, block_size>;
 
-// From sum_j p_j g_ij to a_i(p); particles inside the emitter keep their velocity.
+// From sum_j p_j g_ij to a_i(p).
 void finish_acceleration(const std::vector<float>& pressure, const Operator& o, std::size_t begin, std::size_t end) {
     ParticleFields& f = o.f;
     for (std::size_t i = begin; i < end; ++i) {
-        const float moves = o.p.kind[i] == Kind::inflow ? 0.0F : 1.0F;
+        const float moves = o.p.kind[i] == Kind::inflow && !o.moves_inflow ? 0.0F : 1.0F;
         f.ax[i] = -moves * (pressure[i] * f.gx[i] + f.ax[i]);
         f.ay[i] = -moves * (pressure[i] * f.gy[i] + f.ay[i]);
         f.az[i] = -moves * (pressure[i] * f.gz[i] + f.az[i]);
@@ -174,7 +175,8 @@ template <typename Source>
 SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start, const Particles& p,
                                   const NeighbourLists& lists, const GradientCorrection* correction, ParticleFields& f,
                                   float dt, const PressureSolve& settings, Source&& source) {
-    const Operator o{p, lists, correction, f};
+    const bool shifts = &pressure == &p.shift_pressure;
+    const Operator o{p, lists, correction, f, shifts && packs_inflow_};
     for_each_particle(p.count, [&](std::size_t i) { pressure[i] *= warm_start; });
     start_solve(pressure, velocities(p), o,
                 [&](std::size_t i, float rate, std::size_t) { f.source[i] = source(i, rate); });

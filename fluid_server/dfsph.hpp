@@ -70,6 +70,10 @@ class PressureSolver {
           confined_(confined),
           layers_(confined ? 1 : layers) {}
 
+    // From now on the density solve, where it moves positions only, moves Kind::inflow as well: its packing follows the
+    // stream that carries it.
+    void pack_inflow() { packs_inflow_ = true; }
+
     // Corrects the velocities until no particle that is near rest density is being compressed.
     // correction: of the gradients of confined water, or null.
     // step_share: dt over a step of CFL 0.5, at most 1. The tolerance, a change of density, is meant for such a step, and
@@ -96,6 +100,7 @@ class PressureSolver {
     float relaxation_;
     bool confined_;
     double layers_;
+    bool packs_inflow_ = false;
     BlockSums<double> errors_;
 };
 

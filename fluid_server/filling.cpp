@@ -11,16 +11,6 @@ namespace {
 // margin a particle next to a face would see its own image too near and be shot away in the first step.
 constexpr double clearance = 0.45;
 
-bool is_free(const Vec3& x, const std::vector<Obstacle>& obstacles, double spacing) {
-    const double margin = clearance * spacing;
-    return std::none_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& o) {
-        const auto within = [&](float v, const Interval& span) {
-            return static_cast<double>(v) > span.lo - margin && static_cast<double>(v) < span.hi + margin;
-        };
-        return within(x[0], o.x) && within(x[2], o.z) && static_cast<double>(x[1]) < o.height + margin;
-    });
-}
-
 std::uint64_t particles_in(double volume, double spacing) {
     return static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
 }
@@ -83,6 +73,16 @@ void fill_slabs(Particles& particles, const WaterBlock& block, const Surrounding
 }
 
 }  // namespace
+
+bool is_free(const Vec3& x, const std::vector<Obstacle>& obstacles, double spacing) {
+    const double margin = clearance * spacing;
+    return std::none_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& o) {
+        const auto within = [&](float v, const Interval& span) {
+            return static_cast<double>(v) > span.lo - margin && static_cast<double>(v) < span.hi + margin;
+        };
+        return within(x[0], o.x) && within(x[2], o.z) && static_cast<double>(x[1]) < o.height + margin;
+    });
+}
 
 int count_along(double extent, double spacing) {
     return std::max(1, static_cast<int>(std::lround(extent / spacing)));

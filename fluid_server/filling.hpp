@@ -23,6 +23,9 @@ struct Surroundings {
     std::vector<Obstacle> obstacles{};
 };
 
+// Whether a particle of this spacing may be put at a place: its centre is not in an obstacle, nor nearer than 0.45 spacings.
+[[nodiscard]] bool is_free(const Vec3& place, const std::vector<Obstacle>& obstacles, double spacing);
+
 // Fills a block of water with exactly round(volume / d^3) particles moving at its velocity, so that the mass is that of
 // the water to within half a particle; over an uneven bed in slabs one spacing long, and to within one particle. Every
 // site has the volume d^3, so that nothing starts compressed: layers from below, the uppermost with sites left out evenly;

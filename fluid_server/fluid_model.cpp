@@ -3,6 +3,7 @@
 #include "configs/exit_code.hpp"
 #include "fluid_server/dfsph_model.hpp"
 #include "fluid_server/kinematic_stream.hpp"
+#include "fluid_server/mixed/model.hpp"
 #include "fluid_server/shallow_water/model.hpp"
 #include "fluid_server/steering/steering_model.hpp"
 
@@ -19,6 +20,9 @@ std::unique_ptr<FluidModel> make_fluid_model(const Scene& scene) {
     }
     if (scene.fluid.model == wade::FluidModel::shallow_water) {
         return std::make_unique<shallow_water::ShallowWaterModel>(scene);
+    }
+    if (scene.fluid.model == wade::FluidModel::mixed) {
+        return std::make_unique<mixed::MixedModel>(scene);
     }
     if (scene.fluid.model == wade::FluidModel::steering) {
         return std::make_unique<SteeringModel>(scene);

@@ -15,29 +15,14 @@
 #include "fluid_server/gradient_correction.hpp"
 #include "fluid_server/inflow.hpp"
 #include "fluid_server/stabler_settings.hpp"
+#include "fluid_server/time_step.hpp"
 
 namespace wade::fluid {
 
 namespace {
 
-// Explicit viscosity is stable below dt = d^2 / (8 nu) (Morris et al. 1997).
-constexpr double viscous_limit = 0.125;
-
-// Water that falls H reaches 1.4 sqrt(g H), a jet between two fronts a few times that; what is faster by this factor has
-// run away.
-constexpr int runaway = 100;
-
 double length(const std::array<double, 3>& v) {
     return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-// Largest speed of the planes to which water sticks, m/s.
-double fastest_plane(const Channel& channel) {
-    double fastest = 0;
-    for (const NoSlip& wall : channel.no_slip) {
-        fastest = std::max(fastest, length(wall.velocity));
-    }
-    return fastest;
 }
 
 // Largest speed of the particles, m/s.
@@ -48,20 +33,6 @@ double fastest_particle(const Particles& p) {
                                             static_cast<double>(p.vz[i])}));
     }
     return fastest;
-}
-
-// The CFL number of the step that the tolerance of the divergence solve is meant for.
-constexpr double reference_cfl = 0.5;
-
-// What a step may not exceed whatever the CFL number, in spacings. Steps by which pressure can move particles further
-// than 0.6 d tear water of 60 layers apart (tests/stability, deep_column). A particle that goes 0.4 d at the speed it has
-// stays below d/2 when it is accelerated on its way.
-constexpr double pressure_limit = 0.5;
-constexpr double way_limit = 0.4;
-
-// The time in which something of a speed goes a way, s.
-double time_for(double way, double speed) {
-    return speed > 0 ? way / speed : std::numeric_limits<double>::infinity();
 }
 
 // Whether water of a volume, m^3, leaves no free surface: under a lid, or between top and bottom that are one, to 5 %.
@@ -94,7 +65,7 @@ constexpr double collapse = 0.1;
 
 }  // namespace
 
-FluidWorld::FluidWorld(const Scene& scene)
+FluidWorld::FluidWorld(const Scene& scene, OpenEnds* ends)
     : scene_(scene),
       support_radius_(static_cast<float>(support_radius_of(scene.fluid))),
       volume_(static_cast<float>(std::pow(scene.fluid.particle_spacing, 3))),
@@ -110,21 +81,27 @@ FluidWorld::FluidWorld(const Scene& scene)
       lists_(particles_.capacity()),
       fields_(particles_.capacity()),
       solids_(scene),
+      ends_(ends),
       gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
       gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
-      outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
-                                                     : -std::numeric_limits<float>::infinity()) {
-    fill_scene(particles_, scene);
+      outflow_x_(ends == nullptr && scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
+                                                                        : -std::numeric_limits<float>::infinity()) {
+    if (ends_ == nullptr) {
+        fill_scene(particles_, scene);
+    }
     confined_ = fills_channel(scene, static_cast<double>(particles_.count) * std::pow(scene.fluid.particle_spacing, 3));
     const double layers = std::max(1.0, deepest_water(scene) / scene.fluid.particle_spacing);
     std::visit(
         [&](const auto& kernel) { solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_, layers); },
         kernel_);
+    if (ends_ != nullptr) {
+        solver_->pack_inflow();
+    }
     initial_speed_ = fastest_particle(particles_);
     if (scene.channel.manning_n > 0) {
-        friction_.emplace(scene);
+        friction_.emplace(scene, ends_ != nullptr);
     }
-    if (scene.channel.flow == Flow::emitter) {
+    if (ends_ == nullptr && scene.channel.flow == Flow::emitter) {
         emitter_.emplace(scene, particles_.count);
         emitter_->emit(particles_, 0);
     }
@@ -174,6 +151,9 @@ StepReport FluidWorld::step(double remaining) {
     const Fluid& fluid = scene_.fluid;
 
     StageClock clock(report.stages);
+    if (ends_ != nullptr) {
+        ends_->begin_step(particles_, report.dt);
+    }
     const std::size_t left = grid_.sort(particles_, outflow_x_);
     if (emitter_) {
         emitter_->recycle(left);
@@ -217,6 +197,9 @@ StepReport FluidWorld::step(double remaining) {
     if (emitter_) {
         emitter_->emit(particles_, dt);
     }
+    if (ends_ != nullptr) {
+        ends_->end_step(particles_, {lists_.x.data(), particles_.count}, report.dt);
+    }
     clock.finished(Stage::advance);
     time_ += report.dt;
     report.sweeps = 1 + (viscosity_ > 0 ? 1 : 0) + report.divergence.sweeps + report.density.sweeps;
@@ -230,6 +213,9 @@ void FluidWorld::apply_forces(float dt, StepReport& report) {
     if (scene_.channel.flow == Flow::recirculating) {
         report.driving_acceleration =
             -driving_acceleration(particles_, velocity_at(scene_.channel, time_ + report.dt), dt);
+    }
+    if (ends_ != nullptr) {
+        report.driving_acceleration = -ends_->acceleration();
     }
     apply_body_force(particles_, static_cast<float>(gravity_x_ - report.driving_acceleration),
                      static_cast<float>(gravity_y_), dt);
@@ -251,9 +237,6 @@ double FluidWorld::time_step(double remaining) {
     });
     const Extremes all =
         extremes_.total([](Extremes& total, const Extremes& block) { total.max = std::max(total.max, block.max); });
-    // v: what moves particles. sqrt(g H): the speed at which pressure can set them in motion; a step that outruns it
-    // extrapolates the density too far and injects energy.
-    const double d = scene_.fluid.particle_spacing;
     double v = std::max(std::sqrt(all.max), fastest_plane(scene_.channel));
     if (!scene_.channel.velocity_history.empty()) {
         v = std::max(v, largest_velocity(scene_.channel, time_, time_ + remaining));  // what comes in within the step
@@ -266,15 +249,9 @@ double FluidWorld::time_step(double remaining) {
                  " times the " + short_number(expected) + " m/s of the scene's depth and velocity",
              scene_.fluid);
     }
-    double dt = std::min({remaining, time_for(scene_.fluid.cfl * d, v + wave), time_for(pressure_limit * d, wave),
-                          time_for(way_limit * d, v)});
-    if (scene_.fluid.kinematic_viscosity > 0) {
-        dt = std::min(dt, viscous_limit * d * d / scene_.fluid.kinematic_viscosity);
-    }
-    dt = remaining / std::ceil(remaining / dt);
-    const double reference = time_for(reference_cfl * d, v + wave);
-    step_share_ = std::isinf(reference) ? 1 : static_cast<float>(std::min(1.0, dt / reference));
-    return dt;
+    const TimeStep step = longest_step(scene_.fluid, {v, wave}, remaining);
+    step_share_ = step.share;
+    return step.dt;
 }
 
 void FluidWorld::measure_density_error(StepReport& report) {
@@ -343,37 +320,6 @@ void FluidWorld::apply_contact(float dt, StepReport& report) {
     report.contact_force = mass * sums_.total([](double& sum, double a) { sum += a; });
 }
 
-std::array<double, 3> FluidWorld::obstacle_force(std::size_t obstacle) const {
-    std::array<double, 3> force = fluid::obstacle_force(particles_, lists_, static_cast<double>(particle_mass_),
-                                                        viscosity_, static_cast<int>(obstacle));
-    for (std::size_t k = 0; k < 3 && obstacle < contact_forces_.size(); ++k) {
-        force[k] += contact_forces_[obstacle][k];
-    }
-    return force;
-}
-
-double FluidWorld::bed_pressure_force() const {
-    return fluid::bed_pressure_force(particles_, lists_, static_cast<double>(particle_mass_));
-}
-
-std::uint64_t FluidWorld::pairs() const {
-    std::uint64_t n = 0;
-    for (std::size_t b = 0; b < block_count(lists_.count); ++b) {
-        for_each_pair(lists_, b, [&](const ListedPair&) { ++n; });
-    }
-    return n;
-}
-
-std::uint64_t FluidWorld::list_bytes() const {
-    std::uint64_t bytes = 0;
-    for (const NeighbourBlock& block : lists_.blocks) {
-        bytes += block.j.capacity() * sizeof(std::uint32_t) + block.factor.capacity() * sizeof(std::uint16_t) +
-                 block.lanes.capacity() * sizeof(std::uint16_t) +
-                 block.segments.capacity() * sizeof(NeighbourBlock::Segment);
-    }
-    return bytes;
-}
-
 void FluidWorld::advance(float dt, float shift_time, StepReport& report) {
     Particles& p = particles_;
     const ParticleFields& f = fields_;
@@ -392,7 +338,7 @@ void FluidWorld::advance(float dt, float shift_time, StepReport& report) {
         for (std::size_t i = begin; i < end; ++i) {
             // The lattice of the emitter goes its way.
             Vec3 u{p.vx[i], p.vy[i], p.vz[i]};
-            if (p.kind[i] == Kind::fluid) {
+            if (p.kind[i] == Kind::fluid || ends_ != nullptr) {
                 u = {v.x[i - begin], v.y[i - begin], v.z[i - begin]};
                 u[0] = emitter_ && shift_time > 0 ? emitter_->limit(p.x[i], u[0], dt) : u[0];
             }

@@ -14,6 +14,7 @@
 #include "fluid_server/emitter.hpp"
 #include "fluid_server/fluid_state.hpp"
 #include "fluid_server/neighbours.hpp"
+#include "fluid_server/open_ends.hpp"
 #include "fluid_server/particles.hpp"
 #include "fluid_server/solids.hpp"
 #include "fluid_server/stages.hpp"
@@ -36,7 +37,17 @@ struct StepReport {
 class FluidWorld {
  public:
     // Builds the fluid of the scene at t = 0.
-    explicit FluidWorld(const Scene& scene);
+    explicit FluidWorld(const Scene& scene) : FluidWorld(scene, nullptr) {}
+
+    // ends: null, or what stands in place of an emitter and outlives the world. The world is then empty at first and its
+    // channel must not be periodic along x.
+    FluidWorld(const Scene& scene, OpenEnds* ends);
+
+    // Lets `body` add, remove and change particles; between steps.
+    template <typename Body>
+    void change_particles(Body&& body) {
+        body(particles_);
+    }
 
     // Gives every particle the velocity, m/s, of a field at its place; before the first step.
     void set_velocity(const std::function<std::array<double, 3>(const std::array<double, 3>& place)>& field);
@@ -96,6 +107,7 @@ class FluidWorld {
     Solids solids_;
     std::optional<PressureSolver> solver_;
     std::optional<Emitter> emitter_;
+    OpenEnds* ends_;
     std::optional<BedFriction> friction_;
     double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed
     double initial_speed_ = 0;      // of the fastest particle, m/s

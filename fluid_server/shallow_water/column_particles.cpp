@@ -82,6 +82,10 @@ void ColumnParticles::count_with(const ShallowWater& world, double volume) {
         const double* h = world.water.h.data() + grid.row(static_cast<std::ptrdiff_t>(k));
         std::uint64_t sum = 0;
         for (std::size_t i = 0; i < grid.nx; ++i) {
+            if (i >= hidden_begin_ && i < hidden_end_) {
+                particles_[k * grid.nx + i] = 0;
+                continue;
+            }
             const bool wet = h[i] > world.constants.dry;
             const auto n = wet ? static_cast<std::uint32_t>(std::ceil(h[i] * per_depth)) : 0U;
             particles_[k * grid.nx + i] = n;

@@ -36,6 +36,12 @@ class ColumnParticles {
     // Counts the particles of each cell; where they would be more than the capacity, larger and fewer ones are made.
     void count(const ShallowWater& world);
 
+    // Leaves out the cells of these numbers along x, [begin, end), from the next count on.
+    void leave_out(std::size_t begin, std::size_t end) {
+        hidden_begin_ = begin;
+        hidden_end_ = end;
+    }
+
     // Writes the particles of the water that was counted last; returns their number.
     std::uint32_t write(const ShallowWater& world, const shm::FrameFields& slot) const;
 
@@ -51,7 +57,8 @@ class ColumnParticles {
     std::vector<std::uint32_t> particles_;   // by cell
     std::vector<std::uint64_t> row_begin_;   // of its particles in the frame, and their number behind the last
     std::vector<std::uint32_t> across_of_;   // a, by n
-    double film_share_ = 0;                  // mass of all water over that of the cells with particles, less 1
+    std::size_t hidden_begin_ = 0, hidden_end_ = 0;
+    double film_share_ = 0;  // mass of all water over that of the cells with particles, less 1
 };
 
 }  // namespace wade::fluid::shallow_water

@@ -25,6 +25,8 @@ struct Grid {
     [[nodiscard]] std::size_t cells() const { return nx * nz; }
     [[nodiscard]] double cell_area() const { return dx * dz; }
     [[nodiscard]] std::size_t stored() const { return stride * (nz + 2 * ghosts); }
+    // x of the face below cell i of a row, m.
+    [[nodiscard]] double face_x(std::size_t i) const { return x.lo + static_cast<double>(i) * dx; }
     // Place of the first cell of row k, -2 <= k < nz + 2; the ghosts of the row are at -2, -1, nx and nx + 1 from there.
     [[nodiscard]] std::size_t row(std::ptrdiff_t k) const {
         return static_cast<std::size_t>(k + std::ptrdiff_t{ghosts}) * stride + line_values;

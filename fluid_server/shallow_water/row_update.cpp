@@ -170,6 +170,11 @@ void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& te
         world.row_outflow[k] = work.flux_x.mass[0];
         world.row_volume[k] = sum(to.water.h.data() + c, n);
         world.row_momentum[k] = sum(to.water.qx.data() + c, n);
+        for (WatchedFace& watched : world.watched) {
+            const double mass = work.flux_x.mass[watched.face];
+            watched.row_mass[k] = mass;
+            watched.row_momentum[k] = mass * p.u[mass > 0 ? c + watched.face - 1 : c + watched.face];
+        }
         std::swap(work.flux_z[0], work.flux_z[1]);
     }
 }

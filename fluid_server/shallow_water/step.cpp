@@ -111,7 +111,12 @@ bool heun_step(ShallowWater& world, StepReport& report) {
     const auto note_flow = [&] {
         report.inflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_inflow);
         report.outflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_outflow);
+        for (WatchedFace& watched : world.watched) {
+            watched.step_volume += 0.5 * report.dt * world.grid.dz * sum(watched.row_mass);
+            watched.step_momentum += 0.5 * report.dt * world.grid.dz * sum(watched.row_momentum);
+        }
     };
+    for (WatchedFace& watched : world.watched) watched.step_volume = watched.step_momentum = 0;
     euler_step(world, {world.water, world.primitive}, 1, report.dt, discharge, world.stage, world.stage_primitive);
     note_flow();
     const bool positive = stayed_positive(world);
@@ -160,6 +165,16 @@ ShallowWater::ShallowWater(const Scene& its_scene)
     update_primitive(*this);
 }
 
+void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces) {
+    world.watched.clear();
+    for (const std::size_t face : faces) {
+        WatchedFace& watched = world.watched.emplace_back();
+        watched.face = face;
+        watched.row_mass.assign(world.grid.nz, 0);
+        watched.row_momentum.assign(world.grid.nz, 0);
+    }
+}
+
 void update_primitive(ShallowWater& world) {
     const Water& water = world.water;
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
@@ -182,6 +197,10 @@ StepReport step(ShallowWater& world, double remaining) {
         report = {0.5 * report.dt, 0, 0, 0};
     }
     std::swap(world.water, world.next);
+    for (WatchedFace& watched : world.watched) {
+        watched.volume += watched.step_volume;
+        watched.momentum += watched.step_momentum;
+    }
     if (world.scene.channel.flow == Flow::recirculating) {
         report.driving_acceleration = drive(world, report.dt);
         update_primitive(world);

@@ -31,6 +31,15 @@ struct StepReport {
     double inflow = 0, outflow = 0;   // volume that came in at x.hi and left at x.lo, m^3
 };
 
+// Faces across the whole width whose flux is summed up, for whoever hands water over there (mixed/).
+struct WatchedFace {
+    std::size_t face = 0;                        // the lower one of the cells of this number along x
+    double volume = 0;                           // that passed towards +x since this was last set to 0, m^3
+    double momentum = 0;                         // along x, that the water carried with it, over density, m^4/s
+    std::vector<double> row_mass, row_momentum;  // of the stage at hand, m^2/s and m^3/s^2
+    double step_volume = 0, step_momentum = 0;   // of the step at hand
+};
+
 struct ShallowWater {
     explicit ShallowWater(const Scene& its_scene);
 
@@ -52,6 +61,7 @@ struct ShallowWater {
     std::vector<double> row_volume, row_momentum;  // by row: sums of h and of h u
     std::vector<double> row_inflow, row_outflow;   // by row: mass flux at x.hi and x.lo, m^2/s
     std::vector<RowMemory> buffers;                // by thread
+    std::vector<WatchedFace> watched;              // see watch_faces(); usually none
 };
 
 // Advances by the longest time step that is stable, at most `remaining` and a whole part of it. Throws RunError
@@ -61,6 +71,9 @@ StepReport step(ShallowWater& world, double remaining);
 // Sets depth and velocity of each cell from functions of its centre: f(x, z), m and m/s.
 template <typename Depth, typename VelocityX, typename VelocityZ>
 void set_water(ShallowWater& world, Depth&& depth, VelocityX&& u, VelocityZ&& v);
+
+// Sums up the flux through these faces from now on; none: no longer.
+void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces);
 
 // To be called after a change of `water`.
 void update_primitive(ShallowWater& world);

@@ -51,6 +51,27 @@ class FrameMemory {
     std::size_t count_ = 0;
 };
 
+// The way back: hands the agents to the water, as the two programs do with /coupling/agents_stream.
+class WayBack {
+ public:
+    void give(const crowd::CrowdWorld& people, std::uint64_t frame, fluid::FluidModel& water) {
+        if (people.scene.coupling.agents_stream == AgentsStream::off) return;
+        const crowd::Agents& agents = people.agents;
+        x_.clear(), z_.clear(), state_.clear();
+        for (std::size_t id = 0; id < agents.size(); ++id) {
+            x_.push_back(static_cast<float>(agents.position[id].x()));
+            z_.push_back(static_cast<float>(agents.position[id].y()));
+            const bool walks = agents.outcome[id] == Outcome::active;
+            state_.push_back(static_cast<float>(walks ? shm::agent_walking : shm::agent_arrived));
+        }
+        none_.assign(agents.size(), 0);
+        water.take_agents({frame, frame, none_, none_, none_, none_, x_, none_, z_, none_, none_, state_});
+    }
+
+ private:
+    std::vector<float> x_, z_, state_, none_;
+};
+
 bool stands(const crowd::Agents& agents, std::size_t id) {
     return agents.desired_speed[id] == 0 && agents.tau[id] == 0;
 }
@@ -142,6 +163,7 @@ ImpulseRun run_impulse(const Scene& scene, Result& result) {
     const std::unique_ptr<fluid::FluidModel> water = fluid::make_fluid_model(scene);
     crowd::CrowdWorld people = crowd::make_crowd(scene);
     FrameMemory memory(water->capacity());
+    WayBack way_back;
     std::vector<Vector2d> impulse(people.agents.size(), Vector2d::Zero());
     std::vector<double> load(people.agents.size(), 0);
 
@@ -154,6 +176,7 @@ ImpulseRun run_impulse(const Scene& scene, Result& result) {
     for (std::uint64_t frame = 1; frame <= frames; ++frame) {
         const double cpu = process_cpu_time();
         const double wall = wall_time();
+        way_back.give(people, frame, *water);
         const shm::Diagnostics d = water->advance_frame({(frame - 1) * ticks, frame * ticks, per_second});
         memory.take(*water, frame);
         result.solver_cpu_time += process_cpu_time() - cpu;

@@ -28,7 +28,8 @@ Scene scene_for(const Request& request, const std::string& name, const std::vect
     }
     // A grid gets cells as large as the particles are apart, unless the request says otherwise.
     const bool on_grid = std::any_of(request.overrides.begin(), request.overrides.end(), [](const std::string& text) {
-        return text.starts_with("/fluid/model=") && text.find("shallow_water") != std::string::npos;
+        return text.starts_with("/fluid/model=") &&
+               (text.find("shallow_water") != std::string::npos || text.find("mixed") != std::string::npos);
     });
     if (request.spacing > 0 && on_grid) {
         add(assign("/fluid/shallow_water/cell_size_m", request.spacing));

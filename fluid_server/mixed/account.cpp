@@ -1,0 +1,50 @@
+#include "fluid_server/mixed/account.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wade::fluid::mixed {
+
+namespace {
+
+constexpr double largest_change = 0.1;  // of a cell's depth at once
+
+// Sum of h over cells, m.
+double depths_of(const shallow_water::ShallowWater& world, std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t k = 0; k < world.grid.nz; ++k) {
+        const std::size_t row = world.grid.row(static_cast<std::ptrdiff_t>(k));
+        for (std::size_t i = begin; i < end; ++i) sum += world.water.h[row + i];
+    }
+    return sum;
+}
+
+}  // namespace
+
+double volume_in_window(const Particles& p, const std::array<End, 2>& ends, double spacing) {
+    double sum = 0;
+    for (std::size_t i = 0; i < p.count; ++i) sum += share_in_window(static_cast<double>(p.x[i]), ends, spacing);
+    return sum * std::pow(spacing, 3);
+}
+
+double volume_of_cells(const shallow_water::ShallowWater& world, std::size_t begin, std::size_t end) {
+    return depths_of(world, begin, end) * world.grid.cell_area();
+}
+
+double add_to_cells(shallow_water::ShallowWater& world, std::size_t begin, std::size_t end, double wanted) {
+    const double before = depths_of(world, begin, end);
+    if (before <= 0) return 0;
+    const double area = world.grid.cell_area();
+    const double factor = 1 + std::clamp(wanted / (before * area), -largest_change, largest_change);
+    for (std::size_t k = 0; k < world.grid.nz; ++k) {
+        const std::size_t row = world.grid.row(static_cast<std::ptrdiff_t>(k));
+        for (std::size_t i = begin; i < end; ++i) {
+            world.water.h[row + i] *= factor;
+            world.water.qx[row + i] *= factor;
+            world.water.qz[row + i] *= factor;
+        }
+    }
+    return (depths_of(world, begin, end) - before) * area;
+}
+
+}  // namespace wade::fluid::mixed

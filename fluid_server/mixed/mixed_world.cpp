@@ -1,0 +1,119 @@
+#include "fluid_server/mixed/mixed_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fluid_server/filling.hpp"
+#include "fluid_server/inflow.hpp"
+
+namespace wade::fluid::mixed {
+
+namespace {
+
+// The scene of the particles: what happens at the ends of the channel is the shallow water's business, except for walls.
+// The guards come on top of max_particles, half as deep again as the water, as they may carry a wave.
+Scene scene_of_particles(Scene scene, double guard) {
+    const double d = scene.fluid.particle_spacing;
+    const double volume = 2 * (guard + d) * scene.channel.z.length() * (1.5 * deepest_water(scene) + d);
+    scene.fluid.max_particles += static_cast<int>(std::ceil(volume / std::pow(d, 3)));
+    Channel& channel = scene.channel;
+    channel.velocity = largest_velocity(channel);
+    channel.velocity_history.clear();
+    if (channel.flow != Flow::closed) channel.flow = Flow::emitter;
+    return scene;
+}
+
+}  // namespace
+
+MixedWorld::MixedWorld(const Scene& scene)
+    : spacing_(scene.fluid.particle_spacing),
+      shallow_(scene),
+      columns_(shallow_),
+      rule_(scene, shallow_.grid),
+      guards_(shallow_, rule_.guard()),
+      restriction_(shallow_),
+      fluid_(scene_of_particles(scene, rule_.guard()), this) {
+    change_window(rule_.next({}, {}));
+}
+
+void MixedWorld::need(const std::optional<Interval>& agents) {
+    change_window(rule_.next(window_, agents));
+}
+
+double MixedWorld::shallow_step(double remaining) {
+    const shallow_water::StepReport report = shallow_water::step(shallow_, remaining);
+    columns_.drift(shallow_, report.dt);
+    driving_ += report.driving_acceleration * report.dt;
+    inflow_ += report.inflow;
+    outflow_ += report.outflow;
+    return report.dt;
+}
+
+MixedStep MixedWorld::step(double remaining) {
+    MixedStep result;
+    driving_ = 0;
+    if (window_.empty()) {
+        result.dt = shallow_step(remaining);
+    } else {
+        result.particles = fluid_.step(remaining);
+        result.dt = result.particles->dt;
+    }
+    result.driving_acceleration = driving_ / result.dt;
+    return result;
+}
+
+void MixedWorld::begin_step(Particles& particles, double dt) {
+    for (double left = dt; left > 1e-9 * dt;) left -= shallow_step(left);
+    acceleration_ = -driving_ / dt;
+    guards_.update(particles, shallow_, dt);
+}
+
+void MixedWorld::end_step(const Particles& p, std::span<const float> x_before, double dt) {
+    const double particle_volume = std::pow(spacing_, 3), middle = 0.5 * (ends()[0].x + ends()[1].x);
+    std::array<double, 2> gained{}, carried{};  // by the window through each end
+    for (std::size_t i = 0; i < p.count; ++i) {
+        const double from = static_cast<double>(x_before[i]), to = static_cast<double>(p.x[i]);
+        const double change = share_in_window(to, ends(), spacing_) - share_in_window(from, ends(), spacing_);
+        if (change == 0) continue;
+        const std::size_t e = to < middle ? 0 : 1;
+        gained[e] += particle_volume * change;
+        carried[e] += particle_volume * change * static_cast<double>(p.vx[i]);
+    }
+    for (std::size_t e = 0, w = 0; e < 2; ++e) {
+        if (!ends()[e].open) continue;
+        shallow_water::WatchedFace& face = shallow_.watched[w++];
+        const double inwards = -ends()[e].side;
+        EndAccount& account = accounts_[e];
+        account.owed += inwards * face.volume - gained[e];
+        account.most_owed = std::max(account.most_owed, std::abs(account.owed));
+        account.passed += std::abs(face.volume);
+        account.grid_momentum += face.momentum;
+        account.particle_momentum += inwards * carried[e];
+        account.passed_momentum += std::abs(face.momentum);
+        face.volume = face.momentum = 0;
+    }
+    pay(dt);
+    restriction_.apply(shallow_, p, window_, dt);
+    shallow_water::update_primitive(shallow_);
+}
+
+void MixedWorld::pay(double dt) {
+    const double share = -std::expm1(-dt / restriction_.time());
+    const auto reach = static_cast<std::size_t>(std::ceil(rule_.guard() / shallow_.grid.dx));
+    for (std::size_t e = 0; e < 2; ++e) {
+        if (!ends()[e].open) continue;
+        const std::size_t begin = e == 0 ? window_.begin - std::min(reach, window_.begin) : window_.end;
+        const std::size_t end = e == 0 ? window_.begin : std::min(window_.end + reach, shallow_.grid.nx);
+        accounts_[e].owed -= add_to_cells(shallow_, begin, end, share * accounts_[e].owed);
+    }
+}
+
+double MixedWorld::volume() const {
+    const std::size_t all = shallow_.grid.nx;
+    double sum = accounts_[0].owed + accounts_[1].owed;
+    if (window_.empty()) return sum + volume_of_cells(shallow_, 0, all);
+    sum += volume_of_cells(shallow_, 0, window_.begin) + volume_of_cells(shallow_, window_.end, all);
+    return sum + volume_in_window(fluid_.particles(), ends(), spacing_);
+}
+
+}  // namespace wade::fluid::mixed

@@ -1,0 +1,85 @@
+#pragma once
+// Particles where they are needed, shallow water elsewhere.
+//
+//   shallow water   over the whole channel, all the time: it is cheap
+//   particles       in a window (window.hpp), between guards that move as the shallow water does (guard.hpp)
+//   both ways       the guards bring the stream in and carry it away; the cells of the window are drawn to the means of
+//                   the particles (restriction.hpp), so that waves pass both ways; what the two disagree on at the ends
+//                   of the window is booked and paid (account.hpp)
+//
+// One step: the time step of the particles; the shallow water up to its end; guards; a step of the particles, which get the
+// driving acceleration of a recirculating channel from the shallow water; account; restriction.
+
+#include <array>
+#include <optional>
+
+#include "fluid_server/fluid_world.hpp"
+#include "fluid_server/mixed/account.hpp"
+#include "fluid_server/mixed/guard.hpp"
+#include "fluid_server/mixed/restriction.hpp"
+#include "fluid_server/mixed/window.hpp"
+#include "fluid_server/open_ends.hpp"
+#include "fluid_server/shallow_water/column_particles.hpp"
+#include "fluid_server/shallow_water/step.hpp"
+
+namespace wade::fluid::mixed {
+
+struct MixedStep {
+    double dt = 0;                        // s
+    double driving_acceleration = 0;      // m/s^2, towards -x; recirculating channels
+    std::optional<StepReport> particles;  // none while there is no window
+};
+
+class MixedWorld final : private OpenEnds {
+ public:
+    explicit MixedWorld(const Scene& scene);
+
+    // Moves the window to where the agents need it: the extent they need, if any. Between steps.
+    void need(const std::optional<Interval>& agents);
+
+    // Advances by at most `remaining` s.
+    MixedStep step(double remaining);
+
+    [[nodiscard]] const shallow_water::ShallowWater& grid_water() const { return shallow_; }
+    [[nodiscard]] shallow_water::ShallowWater& grid_water() { return shallow_; }
+    [[nodiscard]] const FluidWorld& particle_water() const { return fluid_; }
+    [[nodiscard]] shallow_water::ColumnParticles& columns() { return columns_; }
+    [[nodiscard]] const shallow_water::ColumnParticles& columns() const { return columns_; }
+    [[nodiscard]] const WindowRule& rule() const { return rule_; }
+    [[nodiscard]] const Window& window() const { return window_; }
+    [[nodiscard]] const std::array<End, 2>& ends() const { return guards_.ends(); }
+    [[nodiscard]] const std::array<EndAccount, 2>& accounts() const { return accounts_; }
+    [[nodiscard]] double outflow() const { return outflow_; }  // over the fall, m^3
+    [[nodiscard]] double inflow() const { return inflow_; }    // m^3
+
+    // Of all water, m^3: changes by what enters and leaves the channel only.
+    [[nodiscard]] double volume() const;
+
+ private:
+    void begin_step(Particles& particles, double dt) override;
+    void end_step(const Particles& particles, std::span<const float> x_before, double dt) override;
+    [[nodiscard]] double acceleration() const override { return acceleration_; }
+
+    // One step of the shallow water; its length, s.
+    double shallow_step(double remaining);
+    void change_window(const Window& to);
+    void wake(const Window& window);
+    void sleep();
+    void move(const Window& to);
+    void pay(double dt);
+
+    double spacing_;
+    shallow_water::ShallowWater shallow_;
+    shallow_water::ColumnParticles columns_;
+    WindowRule rule_;
+    Guards guards_;
+    Restriction restriction_;
+    FluidWorld fluid_;
+    Window window_;
+    std::array<EndAccount, 2> accounts_;
+    double acceleration_ = 0;  // m/s^2 along x
+    double driving_ = 0;       // integral of the driving acceleration over the step at hand, m/s
+    double inflow_ = 0, outflow_ = 0;
+};
+
+}  // namespace wade::fluid::mixed
