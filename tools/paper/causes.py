@@ -31,6 +31,10 @@ CAUSES = {
     ("paper", "lee"): (
         "The front reaches the block after 17 s; in the authors' runs it moved at 2.6 v_F. The lee comes as much later."
     ),
+    ("river", "obstacle"): (
+        "Water closes behind the block, which leaves no dry lee, and the stream beside it, which it narrows, is faster than"
+        " without it (see the water met above), so that what the one saves the other takes."
+    ),
     ("river", "lee"): "The river is filled from the start: there is no dry ground, water closes behind the block.",
     ("", "ten times the particles"): (
         "Eq. 9 is not linear in the contact mass, whose scatter falls with the mass of a particle: finer water pushes"
