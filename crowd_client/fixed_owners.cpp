@@ -103,11 +103,14 @@ void FixedOwners::append_runs(const Claiming& claiming, std::uint32_t entry, int
         const Run& run = runs.runs[span * span * of_entry + i];
         if (run.row != static_cast<std::uint16_t>(row)) continue;
         own_.make_room_for(run.count, with_bodies);
+        double* const x = own_.x.data() + own_.count;
+        double* const z = own_.z.data() + own_.count;
+        const double* const from_x = dealt.x.data() + run.begin;
+        const double* const from_z = dealt.z.data() + run.begin;
         for (std::size_t k = 0; k < run.count; k += Lanes<double>::count) {
-            const std::size_t to = own_.count + k, from = run.begin + k;
-            std::memcpy(&own_.x[to], &dealt.x[from], 64);
-            std::memcpy(&own_.z[to], &dealt.z[from], 64);
-            if (with_bodies) std::memcpy(&own_.contested[to], &dealt.contested[from], 64);
+            std::memcpy(x + k, from_x + k, 64);
+            std::memcpy(z + k, from_z + k, 64);
+            if (with_bodies) std::memcpy(&own_.contested[own_.count + k], &dealt.contested[run.begin + k], 64);
         }
         own_.count += run.count;
     }
