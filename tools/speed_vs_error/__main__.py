@@ -11,8 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from machine import machine_of
-from measure import Runner
-from settings import FACTORS, QUICK_FACTORS, ROOT, Setting, default_setting
+from measure import Runner, of_seeds
+from settings import FACTORS, OTHER_MODELS, QUICK_FACTORS, ROOT, SEEDS, Setting, default_setting
 from settings import combinations, near_front, one_at_a_time, probes
 from splishsplash import measure_all
 from table import ERRORS, error_names, error_of, groups_of, is_default, write_table
@@ -23,7 +23,6 @@ CASES = ("impulse_river", "impulse_front", "impulse_lee", "dam_break", "bump_tra
          "spheric2")
 # Two spacings each, or one where the second one alone would take most of the two minutes.
 QUICK_CASES = {"impulse_river": 2, "impulse_front": 2, "impulse_lee": 2, "dam_break": 1}
-KINEMATIC = ("impulse_river",)  # the cases to which a stream of given velocity applies
 
 
 def arguments():
@@ -61,10 +60,11 @@ def listed_cases(program):
 
 
 def sweep(runner, case, spacing, factors):
-    """One factor at a time around the default."""
+    """One factor at a time around the default, and the other models."""
     points = [runner.run(s, ROOT) for s in one_at_a_time(case, spacing, factors)]
-    if case in KINEMATIC:
-        points.append(runner.run(Setting(case=case, spacing=spacing, model="kinematic"), ROOT))
+    for model in OTHER_MODELS.get(case, ()):
+        setting = Setting(case=case, spacing=spacing, model=model)
+        points.append(of_seeds(setting, [runner.run(replace(setting, seed=seed), ROOT) for seed in SEEDS]))
     return points
 
 

@@ -6,11 +6,13 @@ import os
 import statistics
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import settings  # noqa: F401  it says where run_folder is
 from run_folder import program_bytes, say, spheric2_data, write_whole
+
+WALKING = ("outcome_", "end_")  # metrics of people who walk begin so
 
 
 @dataclass
@@ -26,6 +28,7 @@ class Measured:
     metrics: dict = None  # name -> value, None where it could not be measured
     failure: str = ""  # why there is no result
     run_time: float = 0.0  # CPU seconds of the solver, median
+    ranges: dict = None  # name -> smallest and largest value over the seeds of a model that was run with several
 
 
 class Runner:
@@ -132,4 +135,29 @@ def summary(setting, documents):
         rate=median(lambda d: d["particle_steps"] / max(d["solver_wall_s"], 1e-9)),
         repeats=len(documents),
         metrics=metrics,
+    )
+
+
+def of_seeds(setting, runs):
+    """One point of the runs of a model with several seeds.
+
+    Its costs are medians. So are its errors, but for those of people who walk: the seed moves their markers too, and the
+    truth is that of one crowd, the scene's, which the first run has.
+    """
+    failed = next((run for run in runs if run.failure), None)
+    if failed:
+        return replace(failed, setting=setting)
+
+    def median(value):
+        return statistics.median(value(run) for run in runs)
+
+    metrics, ranges = dict(runs[0].metrics), {}
+    for name in (name for name in metrics if not name.startswith(WALKING)):
+        values = [run.metrics[name] for run in runs]
+        if None not in values:
+            metrics[name] = statistics.median(values)
+            ranges[name] = (min(values), max(values))
+    return replace(
+        runs[0], setting=setting, cpu=median(lambda r: r.cpu), wall=median(lambda r: r.wall), rate=median(lambda r: r.rate),
+        run_time=median(lambda r: r.run_time), metrics=metrics, ranges=ranges, repeats=sum(r.repeats for r in runs),
     )

@@ -8,6 +8,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 from settings import default_setting  # noqa: E402
 from table import is_default  # noqa: E402
 
+MARKERS = {"dfsph": "o", "kinematic": "D", "shallow_water": "s", "steering": "^", "mixed": "P", "splishsplash": "X"}
 COLOURS = ("#1b6ca8", "#d1701f", "#3a8a4d", "#8a4d9e", "#777777")
 
 WORDS = {
@@ -17,6 +18,11 @@ WORDS = {
     "end_place_median": "last place of walking agents: median distance from the true one, m",
     "depth_l1": "L1 error of depth / H",
     "speed_l1": "L1 error of speed / sqrt(g H)",
+    "height_rms_*": "RMS error of the heights at the gauges / 0.55 m, mean of the gauges",
+    "pressure_rms_*": "RMS error of the pressure, mean of P1 and P3",
+    "pressure_peak_p*": "relative error of the pressure's peak, mean of P1 and P3",
+    "depth_l2": "L2 error of the depth",
+    "closure": "momentum budget of the block: what is missing of the force",
 }
 
 
@@ -41,17 +47,21 @@ def plot(group, file):
     for k, spacing in enumerate(spacings):
         here = [(p, e) for p, e, _ in shown if p.setting.spacing == spacing]
         colour = COLOURS[k % len(COLOURS)]
-        for model, marker in (("dfsph", "o"), ("other", "D")):
-            some = [(p, e) for p, e in here if (p.setting.model == "dfsph") == (model == "dfsph")]
+        for model, marker in MARKERS.items():
+            some = [(p, e) for p, e in here if p.setting.model == model]
             if some:
-                label = f"d = {spacing:g} m" + ("" if model == "dfsph" else f", {some[0][0].setting.model}")
-                axes.scatter([p.cpu for p, _ in some], [e for _, e in some], s=26, marker=marker, color=colour,
-                             alpha=0.75, linewidths=0, label=label)
+                label = f"d = {spacing:g} m" + ("" if model == "dfsph" else f", {model.replace('_', ' ')}")
+                axes.scatter([p.cpu for p, _ in some], [e for _, e in some], s=26 if model == "dfsph" else 34, marker=marker,
+                             color=colour, alpha=0.75, linewidths=0, label=label)
         for p, e in here:
             if is_default(p.setting):
                 lo, hi = group.spread.get(spacing, (e, e))
                 axes.plot([p.cpu, p.cpu], [max(lo, 1e-3 * hi), hi], color=colour, linewidth=1.2)
                 axes.scatter([p.cpu], [e], s=110, marker="o", facecolors="none", edgecolors=colour, linewidths=1.4)
+    for p, bounds in zip(group.points, group.ranges):
+        if bounds and bounds[0] > 0:
+            colour = COLOURS[spacings.index(p.setting.spacing) % len(COLOURS)]
+            axes.plot([p.cpu, p.cpu], bounds, color=colour, linewidth=0.8)
     best = sorted(((p.cpu, e, p) for p, e, f in shown if f), key=lambda b: b[:2])
     if best:
         axes.plot([c for c, _, _ in best], [e for _, e, _ in best], color="black", linewidth=1, zorder=0, label="front")
@@ -65,7 +75,7 @@ def plot(group, file):
     axes.text(1.02, 0.0, "\n".join(names), transform=axes.transAxes, fontsize=7, va="bottom", ha="left")
     axes.set_xlabel("CPU seconds per simulated second")
     axes.set_ylabel(words(group.metric), fontsize=8)
-    axes.set_title(f"{group.case}: error over cost (ring: default, bar: its chance)", fontsize=10)
+    axes.set_title(f"{group.case}: error over cost (ring: default; bars: chance)", fontsize=10)
     axes.grid(True, which="both", linewidth=0.3, alpha=0.5)
     axes.margins(x=0.15, y=0.12)
     axes.legend(fontsize=7, bbox_to_anchor=(1.01, 1), loc="upper left", frameon=False)

@@ -1,7 +1,8 @@
 """report.md: what to choose for which error, where the default lies, and what the numbers are made of."""
 
-from front import cheapest_below, distance_to_front
+from front import cheapest_below, distance_to_front, front
 from machine import machine_line
+from overall import overall_lines
 from plots import has_plot, plot_name, words
 from settings import default_setting
 from table import is_default
@@ -31,26 +32,30 @@ def choice_table(group):
         if k + 1 < len(choices) and choices[k + 1][1] == best:
             continue
         p = group.points[best]
-        lines.append(f"| {limit:g} | {name_of(p)} | {group.errors[best]:.3g} | {cost_text(p.cpu)} | {p.particles} |")
+        error = f"{group.errors[best]:.3g}"
+        if group.ranges[best] and group.ranges[best][0] < group.ranges[best][1]:
+            error += " ({:.3g} to {:.3g} by seed)".format(*group.ranges[best])
+        lines.append(f"| {limit:g} | {name_of(p)} | {error} | {cost_text(p.cpu)} | {p.particles} |")
     return lines
 
 
 def default_lines(group):
-    """Where the default lies relative to the front, at each spacing."""
+    """Where the default lies relative to the front of DFSPH, at each spacing, and which other model beats it."""
     lines = []
+    solved = [(p.cpu, e if p.setting.model == "dfsph" else None) for p, e in zip(group.points, group.errors)]
+    flags = front(solved)
     for i, point in enumerate(group.points):
         if not is_default(point.setting) or group.errors[i] is None:
             continue
         d = point.setting.spacing
-        if group.flags[i]:
-            lines.append(f"* d = {d:g} m: the default lies on the front (error {group.errors[i]:.3g}, "
-                         f"{cost_text(point.cpu)} per simulated second).")
+        at = f"* d = {d:g} m: the default (error {group.errors[i]:.3g}, {cost_text(point.cpu)} per simulated second) "
+        if flags[i]:
+            lines.append(at + "lies on the front of DFSPH" + other_model(group, i) + ".")
             continue
-        cost, error = distance_to_front(group.pairs(), i)
-        text = (f"* d = {d:g} m: the default is off the front (error {group.errors[i]:.3g}, {cost_text(point.cpu)} per "
-                "simulated second)")
+        cost, error = distance_to_front(solved, i)
+        text = at + "is off the front of DFSPH"
         if cost > 1.05:
-            cheaper = group.points[cheapest_below(group.pairs(), group.errors[i])]
+            cheaper = group.points[cheapest_below(solved, group.errors[i])]
             text += f"; {name_of(cheaper)} is at most as wrong and {cost:.2g} times cheaper"
         best = group.errors[i] / error
         if error > 1.05 and best < group.spread.get(d, (float("inf"), 0))[0]:
@@ -59,11 +64,21 @@ def default_lines(group):
             text += "; at no more than its cost no error is smaller by more than chance"
         if cost <= 1.05 and error <= 1.05:
             text += ", by less than 5 % in cost and error"
-        lines.append(text + ".")
+        lines.append(text + other_model(group, i) + ".")
     for d, (lo, hi) in group.spread.items():
         lines.append(f"* d = {d:g} m, chance: the default with gravity changed by 0.01 % has errors from {lo:.3g} to "
                      f"{hi:.3g}; smaller differences between settings say nothing.")
     return lines
+
+
+def other_model(group, index):
+    """The cheapest point of another model that is at most as wrong as a point, in words; empty if there is none cheaper."""
+    others = [(p.cpu, e if p.setting.model != "dfsph" else None) for p, e in zip(group.points, group.errors)]
+    best = cheapest_below(others, group.errors[index])
+    if best is None or group.points[best].cpu >= group.points[index].cpu:
+        return ""
+    times = group.points[index].cpu / group.points[best].cpu
+    return f"; of the other models {name_of(group.points[best])} is at most as wrong and {times:.2g} times cheaper"
 
 
 def thread_lines(group):
@@ -104,7 +119,8 @@ def report_text(groups, machine, remarks, quick):
         "wrong, and better in one of both. One factor at a time was varied around the default of the scene schema, then "
         "those changes were joined that lie within 10 % of the front alone; a finer spacing takes the settings near the "
         "front of the coarser one. In the plots a ring marks the default, its "
-        "bar what chance does to it.",
+        "bar what chance does to it. The point of another model than DFSPH is the median of five seeds, its bar their range; of "
+        "people who walk it is that of the scene's seed, which moves their markers too.",
         "",
         "The impulse on an agent is the time integral of the momentum of the particles that touch it (Eq. 5), kg m; its "
         "error is the distance from that of our own finest run, relative to the time integral of the momentum's magnitude "
@@ -112,6 +128,7 @@ def report_text(groups, machine, remarks, quick):
         "are lower bounds.",
         "",
     ]
+    lines += overall_lines(groups)
     seen = set()
     for group in groups:
         if group.case not in seen:

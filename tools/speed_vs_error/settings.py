@@ -25,6 +25,18 @@ GRAVITY = 9.81  # m/s2, of every case that is swept
 # Combinations are made of these: the number of threads changes no error.
 COMBINED = ("tolerance", "divergence_tolerance", "cfl", "kernel")
 
+# The other models of the water, by the cases that they can run.
+OTHER_MODELS = {
+    "impulse_river": ("kinematic", "shallow_water", "steering", "mixed"),
+    "impulse_front": ("shallow_water", "steering", "mixed"),
+    "impulse_lee": ("shallow_water", "steering", "mixed"),
+    "dam_break": ("shallow_water", "steering"),
+    "bump_transcritical": ("shallow_water", "steering"),
+    "bump_subcritical": ("shallow_water", "steering"),
+}
+NEEDED = {"mixed": ('/coupling/agents_stream="serial"',)}  # what a model needs besides its name: where the people are
+SEEDS = (1, 2, 3, 4, 5)  # of the models other than DFSPH: some draw the places of their particles
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -39,6 +51,7 @@ class Setting:
     kernel: str = ""
     threads: int = 1
     gravity_change: float = 0.0  # relative; see probes()
+    seed: int = 0  # of another model; 0: that of the scene
 
     def key(self):
         """Name of the folder of its runs: letters, digits, '.', '-' and '_'."""
@@ -47,12 +60,15 @@ class Setting:
             name += f"_tol{self.tolerance:g}_div{self.divergence_tolerance}_cfl{self.cfl:g}_{self.kernel}"
         if self.gravity_change:
             name += f"_g{1 + self.gravity_change:.6g}"
+        if self.seed:
+            name += f"_seed{self.seed}"
         return name
 
     def overrides(self):
         """The values as options of `validate`. Every factor is set, whatever the scene of the case says."""
         if self.model != "dfsph":
-            return [f"/fluid/model={self.model}"]
+            seed = [f"/seed={self.seed}"] if self.seed else []
+            return [f"/fluid/model={self.model}", *NEEDED.get(self.model, ()), *seed]
         values = [
             f"/fluid/density_solve/tolerance={self.tolerance:g}",
             f"/fluid/cfl={self.cfl:g}",

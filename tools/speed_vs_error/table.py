@@ -21,7 +21,7 @@ ERRORS = {
     "impulse_front": IMPULSE_ERRORS,
     "impulse_lee": IMPULSE_ERRORS,
     "dam_break": ("depth_l1", "speed_l1"),
-    "spheric2": ("height_rms_*", "pressure_rms_*"),
+    "spheric2": ("height_rms_*", "pressure_rms_*", "pressure_peak_p*"),
     "bump_subcritical": ("depth_l2",),
     "bump_transcritical": ("depth_l2",),
     "bump_jump": ("depth_l2",),
@@ -39,6 +39,7 @@ class Group:
     errors: list  # None where there is none
     flags: list  # on the front
     spread: dict  # spacing -> smallest and largest error of the default and its probes
+    ranges: list  # smallest and largest error over the seeds; None of a point that has no seeds
 
     def pairs(self):
         return [(p.cpu, e) for p, e in zip(self.points, self.errors)]
@@ -67,7 +68,8 @@ def groups_of(measured):
         for name in names:
             errors = [error_of(p.metrics or {}, name) for p in points]
             flags = front([(p.cpu, e) for p, e in zip(points, errors)])
-            groups.append(Group(case, name, points, errors, flags, spread_of(all_points, name)))
+            ranges = [(p.ranges or {}).get(name) for p in points]
+            groups.append(Group(case, name, points, errors, flags, spread_of(all_points, name), ranges))
     return groups
 
 

@@ -7,8 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from front import cheapest_below, distance_to_front, front
-from measure import Measured, Runner
-from settings import FACTORS, ROOT, combinations, default_setting, near_front, one_at_a_time, probes
+from measure import Measured, Runner, of_seeds
+from overall import beyond_chance, overall_lines
+from settings import FACTORS, ROOT, Setting, combinations, default_setting, near_front, one_at_a_time, probes
 from splishsplash import filled_block
 from table import HEADER, error_of, groups_of, write_table
 
@@ -92,6 +93,47 @@ class Table(unittest.TestCase):
         self.assertEqual([r["on_front"] for r in rows], ["no", "yes", "no", "yes", "yes", "no"])
         self.assertEqual(rows[0]["is_default"], "yes")
         self.assertEqual((rows[2]["error"], rows[2]["failure"]), ("", "a particle, too fast"))
+
+
+    def test_seeds_of_a_model_are_one_point(self):
+        setting = Setting("impulse_river", 0.5, model="kinematic")
+        runs = [
+            Measured(replace(setting, seed=k), 10, cpu, cpu, 1e5, 1, {"impulse_median": error, "outcome_changed": other})
+            for k, cpu, error, other in ((1, 3.0, 0.1, 0.0), (2, 1.0, 0.5, 0.2), (3, 2.0, 0.2, 0.4))
+        ]
+        point = of_seeds(setting, runs)
+        self.assertEqual((point.cpu, point.repeats, point.setting), (2.0, 3, setting))
+        self.assertEqual(point.metrics["impulse_median"], 0.2)
+        self.assertEqual(point.ranges["impulse_median"], (0.1, 0.5))
+        self.assertEqual(point.metrics["outcome_changed"], 0.0)  # of the scene's own crowd
+        self.assertNotIn("outcome_changed", point.ranges)
+        self.assertEqual(len({run.setting.key() for run in runs}), 3)
+
+    def test_a_seed_that_fails_fails_the_point(self):
+        setting = Setting("impulse_river", 0.5, model="kinematic")
+        runs = [Measured(setting, metrics={"impulse_median": 0.1}), Measured(setting, metrics={}, failure="too fast")]
+        self.assertEqual(of_seeds(setting, runs).failure, "too fast")
+
+
+class Overall(unittest.TestCase):
+    def test_within_chance_is_no_difference(self):
+        self.assertEqual([beyond_chance(e, 0.1, 0.2) for e in (0.1, 0.15, 0.2, 0.4, 0.05, 9)], [1, 1, 1, 2, 0.5, 10])
+        self.assertEqual((beyond_chance(0.1, 0.0, 0.0), beyond_chance(0.0, 0.0, 0.1)), (10, 1))
+
+    def test_each_case_counts_once(self):
+        measured = []
+        for case, cost, error in (("dam_break", 0.5, 0.4), ("bump_subcritical", 0.125, 0.1)):
+            default = default_setting(case, 0.1)
+            errors = {"depth_l1": 0.1, "speed_l1": 0.1, "depth_l2": 0.1}
+            measured += [
+                Measured(default, 100, 1.0, metrics=errors),
+                Measured(replace(default, gravity_change=1e-4), 100, 1.0, metrics=errors),
+                Measured(replace(default, cfl=1.0), 100, cost, metrics=dict.fromkeys(errors, error)),
+            ]
+        measured.append(Measured(replace(default_setting("dam_break", 0.1), tolerance=1e-2), 100, 1.0, metrics=errors))
+        lines = overall_lines(groups_of(measured))
+        self.assertIn("| cfl 1 | 0.25 | 2.00 | 2 of 3 | 4 times in dam_break, depth_l1, d = 0.1 m |", lines)
+        self.assertFalse(any("tol 0.01" in line for line in lines))  # of one case only
 
 
 class Running(unittest.TestCase):
