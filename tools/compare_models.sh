@@ -17,7 +17,8 @@ plots and with conclusions that follow from the numbers by rule, models.csv and 
   --quick                the quick cases at one resolution each, and S1, S4, S5 and S8 of configs/river with one seed
   --out DIR              folder of the runs [runs/compare_models in the project]
   --report-to DIR        folder of report, tables and pictures [that of --out]
-  --models A,B           models, as /fluid/model names them [dfsph,shallow_water,steering,kinematic]
+  --models A,B           models, as /fluid/model names them [dfsph,mixed,shallow_water,steering,kinematic]; mixed takes no
+                         part in Table 1, whose crowds share one run of the water
   --cases A,B            only these cases; patterns such as 'wet_bed*' may stand for several
   --levels L,M           resolutions of coarse, medium and fine [coarse,medium]
   --parts A,B            only these of cases and table1

@@ -9,6 +9,7 @@ from outcomes import COMPLETED, FAILED, LEFT_OUT, REFUSED, Outcome
 from measure import Runner
 from runs import LEVELS
 from paths import ROOT
+from water_models import model_overrides
 
 NO_WATER = "crowd_"  # cases that begin so have no water
 
@@ -29,7 +30,7 @@ class Point:
         return f"{self.case}-{self.level}-{self.model}{more}"
 
     def overrides(self):
-        return [f"/fluid/model={self.model}", *(f"{pointer}={json.dumps(value)}" for pointer, value in self.further)]
+        return [*model_overrides(self.model), *(f"{pointer}={json.dumps(value)}" for pointer, value in self.further)]
 
 
 class LevelRunner(Runner):

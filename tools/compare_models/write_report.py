@@ -10,6 +10,7 @@ import table_one_section
 from machine import machine_line
 from run_folder import write_whole
 from tables import write_models, write_table1
+from water_models import FOLLOWS_PEOPLE
 
 HEAD = """# Models of the water in one comparison
 
@@ -17,6 +18,11 @@ Written by
 `{command}`.
 Each validation case that a model can run, with its limits of `tests/validation/thresholds.csv`, and the scenes of Table 1
 of the paper, with nothing changed but `/fluid/model`. `models.csv` and `models_table1.csv` hold the numbers.
+"""
+
+FOLLOWS = """
+Mixed water follows the people of one crowd. The crowds of a scenario of Table 1 share one run of the water, so that mixed
+water has no part in it.
 """
 
 
@@ -41,6 +47,8 @@ def write(folder, command, outcomes, models, judge, table1, paper, failures, mac
     graded = rules.limits_of_people(outcomes, limits, reasons)
     folder.mkdir(parents=True, exist_ok=True)
     parts = [HEAD.format(command=command)]
+    if table1 and any(model in FOLLOWS_PEOPLE for model in models):
+        parts.append(FOLLOWS.lstrip())
     if outcomes or table1:
         parts.append(conclusions.words_section(outcomes, models, graded, reasons, table1))
     if outcomes:

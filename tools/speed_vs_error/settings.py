@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "tools" / "validation"))  # for run_folder
+sys.path.append(str(ROOT / "tools" / "validation"))  # for run_folder and water_models
+
+from water_models import model_overrides  # noqa: E402
 
 # Factors in the order in which the table shows them. They reach from careless to careful on both sides of the default:
 # tolerances 1, 0.1 and 0.01 %, CFL 0.25, 0.5 and 1, both kernels, the divergence solve at three tolerances and off.
@@ -34,7 +36,6 @@ OTHER_MODELS = {
     "bump_transcritical": ("shallow_water", "steering"),
     "bump_subcritical": ("shallow_water", "steering"),
 }
-NEEDED = {"mixed": ('/coupling/agents_stream="serial"',)}  # what a model needs besides its name: where the people are
 SEEDS = (1, 2, 3, 4, 5)  # of the models other than DFSPH: some draw the places of their particles
 
 
@@ -68,7 +69,7 @@ class Setting:
         """The values as options of `validate`. Every factor is set, whatever the scene of the case says."""
         if self.model != "dfsph":
             seed = [f"/seed={self.seed}"] if self.seed else []
-            return [f"/fluid/model={self.model}", *NEEDED.get(self.model, ()), *seed]
+            return [*model_overrides(self.model), *seed]
         values = [
             f"/fluid/density_solve/tolerance={self.tolerance:g}",
             f"/fluid/cfl={self.cfl:g}",
