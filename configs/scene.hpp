@@ -198,6 +198,7 @@ struct Fluid {
     Steering steering;
     double particle_spacing = 0;  // d; particle mass = rest_density * d^3
     KernelKind kernel = KernelKind::cubic_spline;
+    double support_in_spacings = 2;  // of the cubic spline: h / d
     double rest_density = 1000;
     double kinematic_viscosity = 0;
     int max_particles = 100000;

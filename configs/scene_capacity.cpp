@@ -13,7 +13,7 @@ std::uint64_t particles_in(double volume, double spacing) {
 }  // namespace
 
 double support_radius_of(const Fluid& fluid) {
-    return (fluid.kernel == KernelKind::wendland_c2 ? 3 : 2) * fluid.particle_spacing;
+    return (fluid.kernel == KernelKind::wendland_c2 ? 3 : fluid.support_in_spacings) * fluid.particle_spacing;
 }
 
 std::uint64_t river_particles(const Scene& scene) {

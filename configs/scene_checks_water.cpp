@@ -124,13 +124,15 @@ void check_periodic(const Scene& scene, const std::string& source) {
 void check_walls_apart(const Scene& scene, const std::string& source) {
     const double d = scene.fluid.particle_spacing;
     const double nearest = support_radius_of(scene.fluid) - d;
+    const std::string narrower = scene.fluid.kernel == KernelKind::cubic_spline ? "/fluid/support_in_spacings 2"
+                                                                                : "the kernel \"cubic_spline\"";
     const auto check = [&](double gap, const std::string& pointer, const std::string& what) {
         if (gap >= nearest * (1 - rounding)) return;
         refuse(source, pointer,
                what + " " + short_number(gap) + " m apart, nearer than the kernel's support of " +
                    short_number(support_radius_of(scene.fluid)) +
                    " m allows; allowed: >= " + short_number(nearest / d) +
-                   " fluid.particle_spacing_m = " + short_number(nearest) + " m, or the kernel \"cubic_spline\".");
+                   " fluid.particle_spacing_m = " + short_number(nearest) + " m, or " + narrower + ".");
     };
     const Channel& channel = scene.channel;
     if (channel.flow == Flow::closed) check(channel.x.length(), "/channel/x_max_m", "the end walls are");

@@ -175,6 +175,7 @@ Fluid fluid_from(const json& j) {
     fluid.steering = steering_from(j.at("steering"));
     fluid.particle_spacing = j.at("particle_spacing_m");
     fluid.kernel = choice_of(j.at("kernel"), kernels);
+    fluid.support_in_spacings = j.at("support_in_spacings");
     fluid.rest_density = j.at("rest_density_kg_m3");
     fluid.kinematic_viscosity = j.at("viscosity_m2_s");
     fluid.max_particles = j.at("max_particles");

@@ -127,6 +127,7 @@ void check_state_fits(const FluidState& state, const Scene& scene, const std::st
     compare.same("/fluid/model", scene.fluid.model, state.scene.fluid.model);
     compare.same("/fluid/particle_spacing_m", scene.fluid.particle_spacing, state.scene.fluid.particle_spacing);
     compare.same("/fluid/kernel", scene.fluid.kernel, state.scene.fluid.kernel);
+    compare.same("/fluid/support_in_spacings", scene.fluid.support_in_spacings, state.scene.fluid.support_in_spacings);
     compare.same("/fluid/rest_density_kg_m3", scene.fluid.rest_density, state.scene.fluid.rest_density);
     check_channel(scene.channel, state.scene.channel, compare);
     check_obstacles(scene.obstacles, state.scene.obstacles, compare);

@@ -6,7 +6,15 @@
 //   W(r, h) = 8 / (pi h^3) * { 6 (q^3 - q^2) + 1   for 0 <= q <= 1/2
 //                            { 2 (1 - q)^3         for 1/2 < q <= 1,     q = r / h
 //
-// With h = 2 d a cubic lattice of spacing d has exactly its rest density: d^3 sum W = 1.000.
+// With h = 2 d a cubic lattice of spacing d has exactly its rest density: d^3 sum W = 1.000. With a larger support W is
+// divided by that sum, 1.001 at 2.05 d and 1.004 at 2.2 d, so that the lattice has its rest density there too.
+//
+// Stretched by a small strain e at constant volume the lattice has the density 1 + s e^2. Held at rest density it must swell
+// by s e^2 against the pressure: it resists shear like a solid whose stiffness is s times the pressure, at any spacing. Along
+// an axis and along a diagonal s is
+//
+//   h / d    2 (e -> 0)    2 (e = 0.05)    2.05           2.1
+//   s        0.068, 0.046  0.102, 0.044    0.000, 0.000   -0.072, -0.052
 //
 // Wendland's C2 function (Wendland 1995, Dehnen and Aly 2012):
 //
@@ -19,17 +27,36 @@
 
 namespace wade::fluid {
 
+// d^3 sum W over the cubic lattice of spacing d, of W = shape(q) / h^3 with h = ratio d.
+template <typename Shape>
+double lattice_sum(double ratio, Shape&& shape) {
+    const int reach = static_cast<int>(std::ceil(ratio));
+    double sum = 0;
+    for (int i = -reach; i <= reach; ++i) {
+        for (int j = -reach; j <= reach; ++j) {
+            for (int k = -reach; k <= reach; ++k) {
+                const double q = std::sqrt(static_cast<double>(i * i + j * j + k * k)) / ratio;
+                sum += q < 1 ? shape(q) : 0;
+            }
+        }
+    }
+    return sum / (ratio * ratio * ratio);
+}
+
 class CubicSpline {
  public:
-    // A flat free surface of the lattice has 0.85 of rest density.
+    // A flat free surface of the lattice has 0.85 of rest density, with a support of 2.2 d 0.82.
     static constexpr float open_surface_density = 0.8F;
     // Of the Jacobi iteration (Ihmsen et al. 2014). It converges below 2 / 2.82, the largest eigenvalue of the system over
-    // its diagonal on the lattice.
+    // its diagonal on the lattice; with a support of 2.2 d below 2 / 3.29.
     static constexpr float relaxation = 0.5F;
 
-    explicit CubicSpline(float support_radius)
+    // spacings: h / d. At 2 the sum over the lattice, 0.99997, is left as it is.
+    explicit CubicSpline(float support_radius, double spacings = 2)
         : inverse_h_(1.0F / support_radius),
-          norm_(8.0F * inverse_h_ * inverse_h_ * inverse_h_ / std::numbers::pi_v<float>) {}
+          norm_(8.0F * inverse_h_ * inverse_h_ * inverse_h_ / std::numbers::pi_v<float>) {
+        if (spacings > 2) norm_ /= static_cast<float>(lattice_sum(spacings, shape));
+    }
 
     [[nodiscard]] float inverse_support_radius() const { return inverse_h_; }
 
@@ -54,6 +81,10 @@ class CubicSpline {
     }
 
  private:
+    static double shape(double q) {
+        return 8 / std::numbers::pi * (q <= 0.5 ? 6 * q * q * (q - 1) + 1 : 2 * std::pow(1 - q, 3));
+    }
+
     float inverse_h_;
     float norm_;
 };
@@ -68,7 +99,7 @@ class WendlandC2 {
 
     explicit WendlandC2(float support_radius)
         : inverse_h_(1.0F / support_radius),
-          norm_(static_cast<float>(1 / lattice_sum()) * inverse_h_ * inverse_h_ * inverse_h_) {}
+          norm_(static_cast<float>(1 / lattice_sum(spacings, shape)) * inverse_h_ * inverse_h_ * inverse_h_) {}
 
     [[nodiscard]] float inverse_support_radius() const { return inverse_h_; }
 
@@ -87,19 +118,8 @@ class WendlandC2 {
     }
 
  private:
-    // d^3 sum W / norm over the cubic lattice, so that norm = 1 / it makes the sum 1: 1.003 * 2 pi / 21.
-    static double lattice_sum() {
-        double sum = 0;
-        for (int i = -spacings; i <= spacings; ++i) {
-            for (int j = -spacings; j <= spacings; ++j) {
-                for (int k = -spacings; k <= spacings; ++k) {
-                    const double q = std::sqrt(static_cast<double>(i * i + j * j + k * k)) / spacings;
-                    sum += q < 1 ? std::pow(1 - q, 4) * (1 + 4 * q) : 0;
-                }
-            }
-        }
-        return sum / (spacings * spacings * spacings);
-    }
+    // Without 21 / (2 pi): the lattice's sum, 1.003 * 2 pi / 21, takes its place.
+    static double shape(double q) { return std::pow(1 - q, 4) * (1 + 4 * q); }
 
     float inverse_h_;
     float norm_;

@@ -179,7 +179,7 @@ class BlockSearch {
 
 Kernel make_kernel(const Fluid& fluid) {
     const auto h = static_cast<float>(support_radius_of(fluid));
-    return fluid.kernel == KernelKind::wendland_c2 ? Kernel(WendlandC2(h)) : Kernel(CubicSpline(h));
+    return fluid.kernel == KernelKind::wendland_c2 ? Kernel(WendlandC2(h)) : Kernel(CubicSpline(h, fluid.support_in_spacings));
 }
 
 void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& p, float support_radius,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cases.hpp"
+#include "configs/scene_capacity.hpp"
 #include "water_run.hpp"
 
 namespace wade::stability {
@@ -98,7 +99,7 @@ Result backflow(const Request& request) {
 Result rows_behind_inlet(const Request& request) {
     const Scene scene = scene_for(request, "rows_behind_inlet", {"/duration_s=1"});
     const double d = scene.fluid.particle_spacing;
-    const double reach = (scene.fluid.kernel == KernelKind::wendland_c2 ? 3 : 2) * d;
+    const double reach = support_radius_of(scene.fluid);
     double widest_gap = 0;    // pitches
     double shallowest = 1e9;  // m
     double uneven = 0;

@@ -1,6 +1,7 @@
 #pragma once
 // Thin slices: flows that are the same all across are computed between periodic sides as near as the kernel allows.
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -8,14 +9,15 @@
 
 namespace wade::validation {
 
-// Three support radii, m, the least that the loader allows between periodic sides: 6 spacings, or 9 with the wider
-// kernel. kernel: that of the scene's file; an override of the request can ask for the wider one.
+// Three support radii, m, the least that the loader allows between periodic sides, in whole spacings: 6, 9 with the wider
+// kernel, 7 with a wider cubic spline. kernel: that of the scene's file; overrides of the request can ask for wider ones.
 inline double slice_width(const Request& request, KernelKind kernel = KernelKind::cubic_spline) {
-    bool wide = kernel == KernelKind::wendland_c2;
+    double spacings = kernel == KernelKind::wendland_c2 ? 9 : 6;
     for (const std::string& text : request.overrides) {
-        wide = wide || text.find("wendland") != std::string::npos;
+        if (text.find("wendland") != std::string::npos) spacings = 9;
+        if (text.find("/fluid/support_in_spacings=2.") != std::string::npos) spacings = std::max(spacings, 7.0);
     }
-    return (wide ? 9 : 6) * request.spacing;
+    return spacings * request.spacing;
 }
 
 // Overrides that make world, channel and the first `blocks` blocks of water of a scene as wide as the slice.

@@ -49,3 +49,56 @@ TEST_CASE("a cubic lattice has rest density with a support radius of two spacing
     }
     CHECK(sum == Approx(1).margin(5e-4));  // 1.0000 by hand: 0.3183 + 6 * 0.0796 + 12 * 0.0160 + 8 * 0.0015
 }
+
+namespace {
+
+// d^3 sum W of the lattice after x' = xx x + xy y, y' = xy x + yy y.
+double strained_density(double support, double xx, double xy, double yy) {
+    const CubicSpline kernel(static_cast<float>(support), support);
+    double sum = 0;
+    for (int i = -3; i <= 3; ++i) {
+        for (int j = -3; j <= 3; ++j) {
+            for (int k = -3; k <= 3; ++k) {
+                const double x = xx * i + xy * j, y = xy * i + yy * j;
+                sum += static_cast<double>(kernel.value(static_cast<float>(std::sqrt(x * x + y * y + k * k))));
+            }
+        }
+    }
+    return sum;
+}
+
+// Why a standing wave is too fast at any spacing (README, limits). Stretched along an axis by the strain e, or along a
+// diagonal, at constant volume, the lattice has the density 1 + s e^2. To be at rest density it swells by s e^2 against the
+// pressure rho g (h - y) and so lifts the water above. Over potential flow in water h deep, k = pi / L,
+//
+//   e_xx = -e_yy = a k cos(kx) cosh(ky) / sinh(kh),   e_xy = -a k sin(kx) sinh(ky) / sinh(kh),
+//
+// that energy is S times the wave's own, rho g a^2 / 4 per unit of area, with S the mean of both s over
+// (h - y) cosh^2(ky) and (h - y) sinh^2(ky): omega grows by S / 2.
+double faster_by(double support, double e) {
+    const double at_rest = strained_density(support, 1, 0, 1);
+    const double along = (strained_density(support, std::exp(e), 0, std::exp(-e)) / at_rest - 1) / (e * e);
+    const double diagonal =
+        (strained_density(support, std::cosh(e), std::sinh(e), std::cosh(e)) / at_rest - 1) / (e * e);
+    const double kh = std::numbers::pi / 2;  // of the validation case `sloshing`
+    const double both = (std::cosh(2 * kh) - 1) / 4, difference = kh * kh / 2;
+    const double of_along = (both + difference) / 2, of_diagonal = (both - difference) / 2;
+    return (along * of_along + diagonal * of_diagonal) / (of_along + of_diagonal) / 2;
+}
+
+}  // namespace
+
+TEST_CASE("a lattice resists shear as a solid, unless its support radius is 2.05 spacings", "[fluid][kernel]") {
+    // Single precision of the sums over e^2.
+    CHECK(faster_by(2, 0.02) == Approx(0.036).margin(1e-3));
+    CHECK(faster_by(2, 0.05) == Approx(0.043).margin(1e-3));
+    CHECK(std::abs(faster_by(2.05, 0.02)) < 1e-3);
+    CHECK(std::abs(faster_by(2.05, 0.05)) < 3e-3);
+    CHECK(faster_by(2.1, 0.05) < -0.03);  // no place of rest: such a lattice flows
+}
+
+TEST_CASE("the lattice has rest density with a wider support too", "[fluid][kernel]") {
+    for (const double support : {2.01, 2.05, 2.1, 2.2}) {
+        CHECK(strained_density(support, 1, 0, 1) == Approx(1).margin(1e-5));  // single precision
+    }
+}
