@@ -96,6 +96,13 @@ void check_spacing(const Scene& scene, const std::string& source) {
     }
 }
 
+void check_kernel(const Fluid& fluid, const std::string& source) {
+    if (fluid.kernel == KernelKind::cubic_spline || fluid.support_in_spacings == 2) return;
+    refuse(source, "/fluid/support_in_spacings",
+           short_number(fluid.support_in_spacings) +
+               " is for the kernel \"cubic_spline\", and /fluid/kernel is \"wendland_c2\", which reaches 3 d; allowed: 2.");
+}
+
 // A particle's neighbours reach over the support radius, in cells of that size; with fewer than three cells along a
 // periodic axis a particle would meet a neighbour twice, or itself.
 void check_periodic(const Scene& scene, const std::string& source) {
@@ -207,6 +214,7 @@ void check_water(const Scene& scene, const std::string& source) {
     if (!carries_water(scene.channel)) return;
     if (scene.fluid.model != FluidModel::automatic) {  // which chooses a spacing that fits
         check_spacing(scene, source);
+        check_kernel(scene.fluid, source);
         check_periodic(scene, source);
         check_walls_apart(scene, source);
     }

@@ -127,6 +127,17 @@ TEST_CASE("walls too near for a wide kernel are refused") {
                Contains("/channel/x_max_m: the end walls are 2 m apart"));
 }
 
+TEST_CASE("the support radius is that of the cubic spline") {
+    const std::string wider = "/fluid/support_in_spacings=2.1";
+    CHECK(load_patched(emitter, {wider}).scene.fluid.support_in_spacings == 2.1);
+    CHECK_THAT(refusal(emitter, {wider, "/fluid/kernel=wendland_c2"}),
+               Equals("scene.json: /fluid/support_in_spacings: 2.1 is for the kernel \"cubic_spline\", and /fluid/kernel is "
+                      "\"wendland_c2\", which reaches 3 d; allowed: 2."));
+    CHECK_THAT(refusal(emitter, {"/fluid/support_in_spacings=2.3"}), Contains("/fluid/support_in_spacings"));
+    CHECK_THAT(refusal(emitter, {wider, "/channel/z_max_m=10.5"}),
+               Contains("allowed: >= 1.1 fluid.particle_spacing_m = 0.55 m, or /fluid/support_in_spacings 2."));
+}
+
 TEST_CASE("periodic lengths below six spacings are refused") {
     CHECK_THAT(refusal(river, {"/channel/x_max_m=2.9"}),
                Contains("/channel/x_max_m: the recirculating channel's length is 2.9 m") &&
