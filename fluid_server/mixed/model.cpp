@@ -64,20 +64,10 @@ shm::Diagnostics MixedModel::advance_frame(const FrameInterval& interval) {
     }
     const auto elapsed = std::chrono::steady_clock::now() - start;
     world_.columns().count(world_.grid_water());
-    // In the window the cells follow the particles.
-    const shallow_water::Measures all = shallow_water::measure(world_.grid_water());
     d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());
-    if (all.volume > 0) {
-        d.mean_depth_m = all.mean_depth;
-        d.mean_speed_m_s = all.mean_speed;
-    }
-    d.kinetic_energy_j = all.kinetic_energy;
-    d.potential_energy_j = all.potential_energy;
-    const Scene& scene = world_.grid_water().scene;
-    if (scene.channel.flow == Flow::recirculating) d.driving_acceleration_m_s2 = driving / frame_time;
+    // In the window the cells follow the particles.
+    shallow_water::note_water(world_.grid_water(), driving / frame_time, world_.outflow(), d);
     d.position_clamps = world_.particle_water().position_clamps();
-    d.recycled_particles =
-        static_cast<std::uint64_t>(std::max(0.0, world_.outflow() / std::pow(scene.fluid.particle_spacing, 3)));
     return d;
 }
 

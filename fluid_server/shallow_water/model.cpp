@@ -1,5 +1,6 @@
 #include "fluid_server/shallow_water/model.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -34,17 +35,8 @@ shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval)
     }
     const auto elapsed = std::chrono::steady_clock::now() - start;
     particles_.count(world_);
-    const Measures all = measure(world_);
     d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());
-    if (all.volume > 0) {
-        d.mean_depth_m = all.mean_depth;
-        d.mean_speed_m_s = all.mean_speed;
-    }
-    d.kinetic_energy_j = all.kinetic_energy;
-    d.potential_energy_j = all.potential_energy;
-    if (world_.scene.channel.flow == Flow::recirculating) d.driving_acceleration_m_s2 = driving / frame_time;
-    d.recycled_particles =
-        static_cast<std::uint64_t>(std::max(0.0, outflow_ / std::pow(world_.scene.fluid.particle_spacing, 3)));
+    note_water(world_, driving / frame_time, outflow_, d);
     return d;
 }
 
@@ -77,6 +69,19 @@ Measures measure(const ShallowWater& world) {
     sum.potential_energy *= mass_of_depth * world.scene.world.gravity;
     sum.volume *= grid.cell_area();
     return sum;
+}
+
+void note_water(const ShallowWater& world, double driving_acceleration, double outflow, shm::Diagnostics& d) {
+    const Measures all = measure(world);
+    if (all.volume > 0) {
+        d.mean_depth_m = all.mean_depth;
+        d.mean_speed_m_s = all.mean_speed;
+    }
+    d.kinetic_energy_j = all.kinetic_energy;
+    d.potential_energy_j = all.potential_energy;
+    if (world.scene.channel.flow == Flow::recirculating) d.driving_acceleration_m_s2 = driving_acceleration;
+    const double particle_volume = std::pow(world.scene.fluid.particle_spacing, 3);
+    d.recycled_particles = static_cast<std::uint64_t>(std::max(0.0, outflow / particle_volume));
 }
 
 }  // namespace wade::fluid::shallow_water

@@ -36,4 +36,8 @@ struct Measures {
 };
 [[nodiscard]] Measures measure(const ShallowWater& world);
 
+// Writes them into the diagnostics of a frame, with its mean driving acceleration, m/s^2, where the channel has one, and the
+// outflow since t = 0, m^3, in particles.
+void note_water(const ShallowWater& world, double driving_acceleration, double outflow, shm::Diagnostics& d);
+
 }  // namespace wade::fluid::shallow_water
