@@ -13,6 +13,8 @@ SETTINGS = {
     "tolerance_1e-4": ([f"{TOLERANCE}=1e-4"], False),
     "no_divergence_solve": (["/fluid/divergence_solve/max_iterations=0"], False),
     "wendland_c2": (["/fluid/kernel=wendland_c2"], False),
+    "support_2.05": (["/fluid/support_in_spacings=2.05"], False),
+    "support_2.2": (["/fluid/support_in_spacings=2.2"], False),
     "no_viscosity": (["/fluid/viscosity_m2_s=0"], False),
 }
 

@@ -108,6 +108,8 @@ TEST_CASE("a state is refused where its water cannot go on, with key and both va
     refused(
         [](Scene& s) { s.fluid.kernel = KernelKind::wendland_c2; },
         "/fluid/kernel is cubic_spline in this file and wendland_c2 in the scene; allowed in the scene: cubic_spline");
+    refused([](Scene& s) { s.fluid.support_in_spacings = 2.1; },
+            "/fluid/support_in_spacings is 2 in this file and 2.1 in the scene; allowed in the scene: 2");
     refused([](Scene& s) { s.channel.x.lo = -1; },
             "/channel/x_min_m is 0 in this file and -1 in the scene; allowed in the scene: 0");
     refused([](Scene& s) { s.channel.z.hi = 5; },
