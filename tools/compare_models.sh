@@ -17,15 +17,14 @@ plots and with conclusions that follow from the numbers by rule, models.csv and 
   --quick                the quick cases at one resolution each, and S1, S4, S5 and S8 of configs/river with one seed
   --out DIR              folder of the runs [runs/compare_models in the project]
   --report-to DIR        folder of report, tables and pictures [that of --out]
-  --models A,B           models, as /fluid/model names them [dfsph,mixed,shallow_water,steering,kinematic]; mixed takes no
-                         part in Table 1, whose crowds share one run of the water
+  --models A,B           models, as /fluid/model names them [dfsph,mixed,shallow_water,steering,kinematic]
   --cases A,B            only these cases; patterns such as 'wet_bed*' may stand for several
   --levels L,M           resolutions of coarse, medium and fine [coarse,medium]
   --parts A,B            only these of cases and table1
   --set-of-scenes A,B    scenes of Table 1: river (a river 1 m deep that flows), paper (an emitter, dry start)
                          [river,paper; with --quick river]
-  --seeds N              crowds of each scenario of Table 1, with the seeds 1 to N; they share one run of the water
-                         [3, with --quick 1]
+  --seeds N              crowds of each scenario of Table 1, with the seeds 1 to N; they share one run of the water, but
+                         for mixed, which follows people [3, with --quick 1]
   --time-limit S         wall time after which a run of a case is given up, s; a finer resolution that is expected to
                          take more CPU time is left out and named [600]
   --until-s T            simulated time at which the runs of Table 1 end, s [the scene's, 400]

@@ -19,7 +19,6 @@ from results import Judge
 from run_folder import end_children_on_signals, exit_code, say
 from table1 import read_paper
 from table_one import SETS, run_table
-from water_models import FOLLOWS_PEOPLE
 
 VALIDATION = ROOT / "tests" / "validation"
 DEFAULT_MODELS = ("dfsph", "mixed", "shallow_water", "steering", "kinematic")
@@ -126,8 +125,7 @@ def compare_cases(options):
 def compare_table1(options):
     """{set: [ModelRuns]}, failures in words, exit code of a signal."""
     programs, place = Programs(options.programs, options.until_s), options.out / "table1"
-    models = [model for model in options.models if model not in FOLLOWS_PEOPLE]
-    found, failures, interrupted = run_table(programs, place, Pair(), options.sets, models, options)
+    found, failures, interrupted = run_table(programs, place, Pair(), options.sets, options.models, options)
     by_set = {}
     for model_runs in found:
         by_set.setdefault(model_runs.set, []).append(model_runs)

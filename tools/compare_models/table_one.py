@@ -6,12 +6,13 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-import paths  # noqa: F401  it says where the modules of tools/paper are
+from paths import ROOT  # it says where the modules of tools/paper are, too
 
 import plan
 from ensembles import Ensembles, PlanError, is_done
 from known_scene import same_scene
 from table1 import Result
+from water_models import FOLLOWS_PEOPLE, model_changes
 from words import SET_UPS
 
 SETS = ("river", "paper")
@@ -48,7 +49,7 @@ def cases_of(scene_set, model, quick, further=()):
 
     further: (JSON pointer, value) that the model needs besides.
     """
-    suffix, changes = (model, (("/fluid/model", model), *further)) if model != DEFAULT_MODEL else ("", tuple(further))
+    suffix, changes = (model, (*model_changes(model), *further)) if model != DEFAULT_MODEL else ("", tuple(further))
     names = plan.QUICK if quick else plan.SCENARIOS
     return {name: plan.scenario_case(scene_set, name, suffix, changes) for name in names}
 
@@ -76,6 +77,9 @@ class TimedEnsembles(Ensembles):
     """Notes the CPU time of the server of each water in its folder, cost.json, as of the last look before its end."""
 
     def wait_for(self, process, water):
+        return self.wait_and_time(process, water, self.out / water.key)
+
+    def wait_and_time(self, process, water, folder):
         times, over = {}, threading.Event()  # by process: the first one may only check the scene
 
         def look():
@@ -90,20 +94,57 @@ class TimedEnsembles(Ensembles):
         finally:
             over.set()
             watcher.join()
-        (self.out / water.key / "cost.json").write_text(json.dumps({"server_cpu_s": sum(times.values())}) + "\n")
+        (folder / "cost.json").write_text(json.dumps({"server_cpu_s": sum(times.values())}) + "\n")
         return code
+
+
+class OwnWaters(TimedEnsembles):
+    """Each crowd in a run of its own, of water that follows its people."""
+
+    def run_crowds(self, water, missing):
+        for case, seed in missing:
+            folder = self.folder(case, seed)
+            folder.mkdir(parents=True, exist_ok=True)
+            scene = folder / "scene.json"
+            scene.write_text(json.dumps(self.programs.scene_of(case, seed), indent=1) + "\n", encoding="utf-8")
+            launcher = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", self.programs.folder]
+            command = [*launcher, scene, "--out", folder, "--no-figure", "--no-trajectories", "--water-every-s", "0"]
+            command += [*self.programs.until(), "--threads", str(self.threads)]
+            with open(folder / "run.log", "w", encoding="utf-8") as log:
+                process = self.pair.start(command, stdout=log, stderr=log)
+                code = self.wait_and_time(process, water, folder)
+            if code != 0 or self.pair.signal:
+                return code
+        return 0
+
+
+def server_cpu(folder):
+    """CPU time of the server that was noted in a folder, s; None if there is none."""
+    try:
+        return json.loads((folder / "cost.json").read_text())["server_cpu_s"] or None
+    except (OSError, ValueError, KeyError):
+        return None
 
 
 def cost_of(water_folder, runs):
     """What the server of a water took. The time it simulated is that of the crowd that walked for longest, which ends
     it."""
     longest = max(runs, key=lambda run: run.outcome["sim_time_s"]).outcome
-    wall = longest["fluid"].get("solver_wall_s")
-    try:
-        cpu = json.loads((water_folder / "cost.json").read_text())["server_cpu_s"]
-    except (OSError, ValueError, KeyError):
-        cpu = 0
-    time = longest["sim_time_s"]
+    return cost_over(longest["sim_time_s"], server_cpu(water_folder), longest["fluid"].get("solver_wall_s"))
+
+
+def cost_of_own(runs):
+    """The same of runs that have a water each."""
+
+    def total(values):
+        return None if None in values else sum(values)
+
+    cpu = total([server_cpu(run.folder) for run in runs])
+    wall = total([run.outcome["fluid"].get("solver_wall_s") for run in runs])
+    return cost_over(sum(run.outcome["sim_time_s"] for run in runs), cpu, wall)
+
+
+def cost_over(time, cpu, wall):
     return Cost(cpu / time if cpu else None, wall / time if wall else None)
 
 
@@ -115,7 +156,10 @@ def as_model_runs(scene_set, model, cases, ensembles, source=""):
     by_water = {}
     for name, runs in of_case.items():
         by_water.setdefault(cases[name].water, []).extend(runs)
-    costs = {water.name: cost_of(ensembles.out / water.key, runs) for water, runs in by_water.items()}
+    if model in FOLLOWS_PEOPLE:
+        costs = {water.name: cost_of_own(runs) for water, runs in by_water.items()}
+    else:
+        costs = {water.name: cost_of(ensembles.out / water.key, runs) for water, runs in by_water.items()}
     commits = sorted({run.manifest["git_hash"] for runs in of_case.values() for run in runs})
     return ModelRuns(scene_set, model, {n: Result(runs) for n, runs in of_case.items()}, costs, tuple(commits), source)
 
@@ -164,7 +208,7 @@ def is_scene(programs, case, ensembles):
 
 def run_table(programs, out, pair, scene_sets, models, options):
     """[ModelRuns] of each set and model, and what failed in words. What is complete is not run again."""
-    ensembles = TimedEnsembles(programs, out, pair, 1)
+    shared, own = TimedEnsembles(programs, out, pair, 1), OwnWaters(programs, out, pair, 1)
     found, wanted = {}, {}
     for scene_set in scene_sets:
         for model in models:
@@ -173,13 +217,16 @@ def run_table(programs, out, pair, scene_sets, models, options):
                 found[key] = read_campaign(programs, options.dfsph_campaign, *key, options.quick, options.seeds)
             if found.get(key) is None:
                 cases = cases_of(*key, options.quick, options.further.get(model, ()))
-                wanted[key] = {name: case for name, case in cases.items() if is_scene(programs, case, ensembles)}
-    every = [case for cases in wanted.values() for case in cases.values()]
-    if options.report_only:
-        ensembles.collect(every)
-    else:
-        ensembles.run({case: (options.seeds, options.seeds) for case in every})
-    for key, cases in wanted.items():
-        found[key] = as_model_runs(*key, cases, ensembles)
+                wanted[key] = {name: case for name, case in cases.items() if is_scene(programs, case, shared)}
+    for ensembles in (shared, own):
+        of_these = {key: cases for key, cases in wanted.items() if (key[1] in FOLLOWS_PEOPLE) == (ensembles is own)}
+        every = [case for cases in of_these.values() for case in cases.values()]
+        if options.report_only:
+            ensembles.collect(every)
+        elif not shared.interrupted:
+            ensembles.run({case: (options.seeds, options.seeds) for case in every})
+        for key, cases in of_these.items():
+            found[key] = as_model_runs(*key, cases, ensembles)
     order = [(scene_set, model) for scene_set in scene_sets for model in models]
-    return [found[key] for key in order if found.get(key)], ensembles.failures, ensembles.interrupted
+    failures = [*shared.failures, *own.failures]
+    return [found[key] for key in order if found.get(key)], failures, shared.interrupted or own.interrupted

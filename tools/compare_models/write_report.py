@@ -21,8 +21,8 @@ of the paper, with nothing changed but `/fluid/model`. `models.csv` and `models_
 """
 
 FOLLOWS = """
-Mixed water follows the people of one crowd. The crowds of a scenario of Table 1 share one run of the water, so that mixed
-water has no part in it.
+Mixed water follows the people of one crowd: in Table 1 each of its crowds has a run of the water of its own, while those of
+the other models share one.
 """
 
 

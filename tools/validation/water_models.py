@@ -3,9 +3,12 @@
 FOLLOWS_PEOPLE = ("mixed",)  # its particles are where the people of one crowd are, who tell it in every frame
 
 
+def model_changes(model):
+    """(JSON pointer, value) that make a scene's water that of a model."""
+    follows = (("/coupling/agents_stream", "serial"),) if model in FOLLOWS_PEOPLE else ()
+    return (("/fluid/model", model), *follows)
+
+
 def model_overrides(model):
-    """Options --set of `validate` that make a case's water that of a model."""
-    overrides = [f"/fluid/model={model}"]
-    if model in FOLLOWS_PEOPLE:
-        overrides.append('/coupling/agents_stream="serial"')
-    return overrides
+    """The same as values of --set."""
+    return [f"{pointer}={value}" for pointer, value in model_changes(model)]
