@@ -193,7 +193,7 @@ class Running(unittest.TestCase):
     def test_what_a_model_needs_besides_makes_another_run(self):
         plain = case_runs.Point("dam", "coarse", 0.1, "mixed")
         window = case_runs.Point("dam", "coarse", 0.1, "mixed", (("/fluid/mixed/x_min_m", 2),))
-        self.assertEqual(window.overrides(), ["/fluid/model=mixed", '/coupling/agents_stream="serial"', "/fluid/mixed/x_min_m=2"])
+        self.assertEqual(window.overrides(), ["/fluid/model=mixed", "/coupling/agents_stream=serial", "/fluid/mixed/x_min_m=2"])
         self.assertNotEqual(plain.key(), window.key())
 
     def test_why_a_model_is_refused_is_told_without_file_names(self):
