@@ -4,7 +4,7 @@
     tools/model_choice/table.py           write it
     tools/model_choice/table.py --check   exit code 1 if it is not what the measurements give
 
-It is made of tests/validation/speed_vs_error/speed_vs_error.csv (one thread) and, where that has none,
+It is made of tests/validation/speed_vs_error/speed_vs_error.csv (dfsph and kinematic, one thread) and, where that has none,
 tests/validation/model_choice/measured.csv. Standard library only.
 """
 
@@ -22,6 +22,7 @@ from runs import ROOT, write_whole
 TABLE = ROOT / "fluid_server" / "model_choice" / "table.csv"
 REPORT = ROOT / "tests" / "validation" / "speed_vs_error" / "speed_vs_error.csv"
 CASES = {"impulse_river": "river", "impulse_front": "dry_front", "impulse_lee": "lee"}
+OF_REPORT = ("dfsph", "kinematic")  # models whose points are taken from the report; the others were measured for the choice
 SETTINGS = ("model", "spacing_m", "tolerance", "divergence_tolerance", "cfl", "kernel")
 DEFAULT = ("0.0005", "0.001", "0.5", "cubic_spline")
 HEADER = (
@@ -43,7 +44,7 @@ def rows_of_report():
     points = {}
     with open(REPORT, newline="") as file:
         for row in csv.DictReader(file):
-            if row["case"] not in CASES or row["threads"] != "1" or row["failure"]:
+            if row["case"] not in CASES or row["model"] not in OF_REPORT or row["threads"] != "1" or row["failure"]:
                 continue
             key = (CASES[row["case"]], *(row[name] for name in SETTINGS))
             point = points.setdefault(key, {})
