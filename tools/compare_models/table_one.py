@@ -101,16 +101,21 @@ class TimedEnsembles(Ensembles):
 class OwnWaters(TimedEnsembles):
     """Each crowd in a run of its own, of water that follows its people."""
 
+    run_folder = None  # of the run that began last
+
+    def log(self, water):
+        return self.run_folder / "run.log"
+
     def run_crowds(self, water, missing):
         for case, seed in missing:
-            folder = self.folder(case, seed)
+            folder = self.run_folder = self.folder(case, seed)
             folder.mkdir(parents=True, exist_ok=True)
             scene = folder / "scene.json"
             scene.write_text(json.dumps(self.programs.scene_of(case, seed), indent=1) + "\n", encoding="utf-8")
             launcher = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", self.programs.folder]
             command = [*launcher, scene, "--out", folder, "--no-figure", "--no-trajectories", "--water-every-s", "0"]
             command += [*self.programs.until(), "--threads", str(self.threads)]
-            with open(folder / "run.log", "w", encoding="utf-8") as log:
+            with open(self.log(water), "w", encoding="utf-8") as log:
                 process = self.pair.start(command, stdout=log, stderr=log)
                 code = self.wait_and_time(process, water, folder)
             if code != 0 or self.pair.signal:
