@@ -77,10 +77,10 @@ def compared(points):
 def join(runner, case, spacing, coarser, points):
     """Settings that differ from the default in several factors, and the probes of chance.
 
-    At the coarsest spacing: those that join what alone lies near the front. Finer: those that were near the front there.
+    At the coarsest spacing: those that join what alone lies near the front. Finer: those that were on the front there.
     """
     if coarser:
-        near = [replace(s, spacing=spacing) for s in near_front(compared(coarser))]
+        near = [replace(s, spacing=spacing) for s in near_front(compared(coarser), slack=0)]
     else:
         near = combinations(default_setting(case, spacing), near_front(compared(points)))
     there = {p.setting for p in points}

@@ -117,7 +117,7 @@ def report_text(groups, machine, remarks, quick):
         "Cost is CPU time of the solver per simulated second, median of the repeats, so that it depends little on what "
         "else the machine does. A point is on the front if no other point of its case is at most as dear and at most as "
         "wrong, and better in one of both. One factor at a time was varied around the default of the scene schema, then "
-        "those changes were joined that lie within 10 % of the front alone; a finer spacing takes the settings near the "
+        "those changes were joined that lie within 10 % of the front alone; a finer spacing takes the settings on the "
         "front of the coarser one. In the plots a ring marks the default, its "
         "bar what chance does to it. The point of another model than DFSPH is the median of five seeds, its bar their range; of "
         "people who walk it is that of the scene's seed, which moves their markers too.",
