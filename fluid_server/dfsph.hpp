@@ -18,6 +18,7 @@
 // A sweep finds sum_j p_j g_ij or sum_j u_j . (R g_ij) (sweeps.hpp; R is symmetric); the share of i itself follows from
 // sum_j g_ij, which is found once a step.
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -60,15 +61,14 @@ class PressureSolver {
     // confined: the water fills its space and has no open side. The pressure is then known up to a constant and the system
     //     can only be solved for sources whose mean is zero; the mean, that of an SPH density over disordered particles,
     //     is subtracted.
-    // layers: of particles in the deepest water. What each of n layers yields adds up to an error n d tolerance / dt of the
-    //     velocity above; held against g dt, what weight gives in a step of a fixed CFL number, it grows with n squared.
-    //     So beyond ten layers the tolerance of the divergence solve shrinks with their square; under a lid weight
-    //     moves nothing.
-    PressureSolver(float open_surface_density, float relaxation, bool confined, double layers)
-        : open_surface_density_(confined ? 0 : open_surface_density),
-          relaxation_(relaxation),
-          confined_(confined),
-          layers_(confined ? 1 : layers) {}
+    PressureSolver(float open_surface_density, float relaxation, bool confined)
+        : open_surface_density_(confined ? 0 : open_surface_density), relaxation_(relaxation), confined_(confined) {}
+
+    // Layers of particles in the deepest water from now on, 1 before. What each of n layers yields adds up to an error
+    // n d tolerance / dt of the velocity above; held against g dt, what weight gives in a step of a fixed CFL number, it grows
+    // with n squared. So beyond ten layers the tolerance of the divergence solve shrinks with their square; under a lid
+    // weight moves nothing.
+    void set_layers(double layers) { layers_ = confined_ ? 1 : std::max(1.0, layers); }
 
     // From now on the density solve, where it moves positions only, moves Kind::inflow as well: its packing follows the
     // stream that carries it.
@@ -99,7 +99,7 @@ class PressureSolver {
     float open_surface_density_;
     float relaxation_;
     bool confined_;
-    double layers_;
+    double layers_ = 1;
     bool packs_inflow_ = false;
     BlockSums<double> errors_;
 };

@@ -84,16 +84,15 @@ FluidWorld::FluidWorld(const Scene& scene, OpenEnds* ends)
       ends_(ends),
       gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
       gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
+      depth_(scene),
       outflow_x_(ends == nullptr && scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
                                                                         : -std::numeric_limits<float>::infinity()) {
     if (ends_ == nullptr) {
         fill_scene(particles_, scene);
     }
     confined_ = fills_channel(scene, static_cast<double>(particles_.count) * std::pow(scene.fluid.particle_spacing, 3));
-    const double layers = std::max(1.0, deepest_water(scene) / scene.fluid.particle_spacing);
-    std::visit(
-        [&](const auto& kernel) { solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_, layers); },
-        kernel_);
+    std::visit([&](const auto& kernel) { solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_); },
+               kernel_);
     if (ends_ != nullptr) {
         solver_->pack_inflow();
     }
@@ -227,20 +226,26 @@ void FluidWorld::apply_forces(float dt, StepReport& report) {
 double FluidWorld::time_step(double remaining) {
     extremes_.begin(particles_.count);
     for_each_block(particles_.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
-        float fastest = 0;
+        float fastest = 0, highest = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const float v2 = particles_.vx[i] * particles_.vx[i] + particles_.vy[i] * particles_.vy[i] +
                              particles_.vz[i] * particles_.vz[i];
             fastest = std::max(fastest, v2);
+            highest = std::max(highest, particles_.y[i]);
         }
         extremes_[b].max = static_cast<double>(fastest);
+        extremes_[b].highest = static_cast<double>(highest);
     });
-    const Extremes all =
-        extremes_.total([](Extremes& total, const Extremes& block) { total.max = std::max(total.max, block.max); });
+    const Extremes all = extremes_.total([](Extremes& total, const Extremes& block) {
+        total.max = std::max(total.max, block.max);
+        total.highest = std::max(total.highest, block.highest);
+    });
     double v = std::max(std::sqrt(all.max), fastest_plane(scene_.channel));
     if (!scene_.channel.velocity_history.empty()) {
         v = std::max(v, largest_velocity(scene_.channel, time_, time_ + remaining));  // what comes in within the step
     }
+    const double depth = depth_.now(particles_, all.highest);
+    solver_->set_layers(depth / scene_.fluid.particle_spacing);
     const double wave = std::sqrt(scene_.world.gravity * deepest_water(scene_));
     const double expected =
         std::max({wave, largest_velocity(scene_.channel), fastest_plane(scene_.channel), initial_speed_});
@@ -249,7 +254,7 @@ double FluidWorld::time_step(double remaining) {
                  " times the " + short_number(expected) + " m/s of the scene's depth and velocity",
              scene_.fluid);
     }
-    const TimeStep step = longest_step(scene_.fluid, {v, wave}, remaining);
+    const TimeStep step = longest_step(scene_.fluid, {v, wave, std::sqrt(scene_.world.gravity * depth)}, remaining);
     step_share_ = step.share;
     return step.dt;
 }

@@ -18,6 +18,7 @@
 #include "fluid_server/particles.hpp"
 #include "fluid_server/solids.hpp"
 #include "fluid_server/stages.hpp"
+#include "fluid_server/water_depth.hpp"
 
 namespace wade::fluid {
 
@@ -110,13 +111,14 @@ class FluidWorld {
     OpenEnds* ends_;
     std::optional<BedFriction> friction_;
     double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed
+    WaterDepth depth_;
     double initial_speed_ = 0;      // of the fastest particle, m/s
     float outflow_x_;               // particles that are not beyond it have left
     std::uint64_t position_clamps_ = 0;
     double time_ = 0;
 
     struct Extremes {
-        double sum = 0, max = 0;
+        double sum = 0, max = 0, highest = 0;
     };
     struct Guards {
         std::uint64_t clamps = 0, not_finite = 0;

@@ -27,7 +27,7 @@ double fastest_plane(const Channel& channel) {
 TimeStep longest_step(const Fluid& fluid, const WaterSpeeds& speeds, double remaining) {
     const double d = fluid.particle_spacing, v = speeds.fastest, wave = speeds.wave;
     double dt = std::min(
-        {remaining, time_for(fluid.cfl * d, v + wave), time_for(pressure_limit * d, wave), time_for(way_limit * d, v)});
+        {remaining, time_for(fluid.cfl * d, v + wave), time_for(pressure_limit * d, speeds.pressure), time_for(way_limit * d, v)});
     if (fluid.kinematic_viscosity > 0) {
         dt = std::min(dt, viscous_limit * d * d / fluid.kinematic_viscosity);
     }

@@ -23,8 +23,10 @@ inline constexpr int runaway = 100;
 
 struct WaterSpeeds {
     double fastest = 0;  // of what moves particles: of the fastest particle, plane or inflow, m/s
-    double wave = 0;  // sqrt(g H), m/s: the speed at which pressure can set particles in motion; a step that outruns it
-                      // extrapolates the density too far and injects energy
+    double wave = 0;     // sqrt(g H) of the scene's depth, m/s: counts in the CFL number
+    // sqrt(g H) of the water as it stands (water_depth.hpp), m/s: the speed at which pressure can set particles in motion; a
+    // step that outruns it extrapolates the density too far and injects energy.
+    double pressure = 0;
 };
 
 struct TimeStep {
