@@ -4,8 +4,9 @@
     tools/model_choice/table.py           write it
     tools/model_choice/table.py --check   exit code 1 if it is not what the measurements give
 
-It is made of tests/validation/speed_vs_error/speed_vs_error.csv (dfsph and kinematic, one thread) and, where that has none,
-tests/validation/model_choice/measured.csv. Standard library only.
+It is made of tests/validation/model_choice/speed_vs_error.csv (dfsph and kinematic, one thread), the edition of the
+speed-against-error report with which its choices were checked, and, where that has none, of measured.csv beside it.
+Standard library only.
 """
 
 import argparse
@@ -20,7 +21,7 @@ from measure import HOME, SCENES
 from runs import ROOT, write_whole
 
 TABLE = ROOT / "fluid_server" / "model_choice" / "table.csv"
-REPORT = ROOT / "tests" / "validation" / "speed_vs_error" / "speed_vs_error.csv"
+REPORT = ROOT / "tests" / "validation" / "model_choice" / "speed_vs_error.csv"
 CASES = {"impulse_river": "river", "impulse_front": "dry_front", "impulse_lee": "lee"}
 OF_REPORT = ("dfsph", "kinematic")  # models whose points are taken from the report; the others were measured for the choice
 SETTINGS = ("model", "spacing_m", "tolerance", "divergence_tolerance", "cfl", "kernel")

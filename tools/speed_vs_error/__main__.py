@@ -64,7 +64,12 @@ def sweep(runner, case, spacing, factors):
     points = [runner.run(s, ROOT) for s in one_at_a_time(case, spacing, factors)]
     for model in OTHER_MODELS.get(case, ()):
         setting = Setting(case=case, spacing=spacing, model=model)
-        points.append(of_seeds(setting, [runner.run(replace(setting, seed=seed), ROOT) for seed in SEEDS]))
+        runs = []
+        for seed in SEEDS:
+            runs.append(runner.run(replace(setting, seed=seed), ROOT))
+            if runs[-1].failure:  # which is that of the point
+                break
+        points.append(of_seeds(setting, runs))
     return points
 
 
