@@ -12,8 +12,8 @@ namespace wade::fluid::HWY_NAMESPACE {
 void SumMoments(std::size_t b, const Particles& p, const NeighbourLists& lists, const MatrixArrays& sums) {
     const NeighbourBlock& block = lists.blocks[b];
     const V minus_unit = all(-lists.factor_unit);
-    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
-        Factors factors(block, cluster, lane);
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        Factors factors(block, cluster);
         const Vec3V x = load(places(p), i);
         MatrixV total{hn::Zero(lanes), hn::Zero(lanes), hn::Zero(lanes),
                       hn::Zero(lanes), hn::Zero(lanes), hn::Zero(lanes)};
@@ -40,15 +40,15 @@ void SumMoments(std::size_t b, const Particles& p, const NeighbourLists& lists, 
     });
 }
 
-// Calls body(vector's first particle, its first lane in the block, segment, j, (R L_i R + L_j) (x~_i - x_j) times the factor)
+// Calls body(vector's first particle, segment, j, (R L_i R + L_j) (x~_i - x_j) times the factor)
 // for each entry, and after each segment end_of_segment(rotation), after each vector end_of_vector(first particle).
 template <typename Entry, typename EndOfSegment, typename EndOfVector>
 HWY_INLINE void for_each_corrected(std::size_t b, const Particles& p, const NeighbourLists& lists,
                                    const ConstMatrixArrays& l, Entry&& entry, EndOfSegment&& end_of_segment,
                                    EndOfVector&& end_of_vector) {
     const NeighbourBlock& block = lists.blocks[b];
-    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
-        Factors factors(block, cluster, lane);
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        Factors factors(block, cluster);
         const Vec3V x = load(places(p), i);
         const MatrixV li = load(l, i);
         for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {

@@ -1,6 +1,7 @@
 #include "fluid_server/neighbours.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "configs/scene_capacity.hpp"
 #include "fluid_server/sweeps.hpp"
@@ -9,9 +10,10 @@ namespace wade::fluid {
 
 namespace {
 
-ClusterPlaces places_of(const Particles& p, std::size_t begin, std::size_t end) {
+ClusterPlaces places_of(const Particles& p, std::size_t begin, std::size_t end, std::size_t size) {
     ClusterPlaces places;
-    for (std::size_t l = 0; l < cluster_size; ++l) {
+    places.size = size;
+    for (std::size_t l = 0; l < size; ++l) {
         const std::size_t i = std::min(begin + l, end - 1);
         places.x[l] = p.x[i], places.y[l] = p.y[i], places.z[l] = p.z[i];
     }
@@ -20,7 +22,8 @@ ClusterPlaces places_of(const Particles& p, std::size_t begin, std::size_t end) 
 
 ClusterPlaces mapped(const ClusterPlaces& places, const RigidMap& map) {
     ClusterPlaces image;
-    for (std::size_t l = 0; l < cluster_size; ++l) {
+    image.size = places.size;
+    for (std::size_t l = 0; l < places.size; ++l) {
         const Vec3 x = map({places.x[l], places.y[l], places.z[l]});
         image.x[l] = x[0], image.y[l] = x[1], image.z[l] = x[2];
     }
@@ -29,10 +32,10 @@ ClusterPlaces mapped(const ClusterPlaces& places, const RigidMap& map) {
 
 Box box_round(const ClusterPlaces& places) {
     Box box{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
-    const auto grow = [&](std::size_t axis, const std::array<float, cluster_size>& x) {
-        for (const float v : x) {
-            box.lo[axis] = std::min(box.lo[axis], v);
-            box.hi[axis] = std::max(box.hi[axis], v);
+    const auto grow = [&](std::size_t axis, const std::array<float, largest_cluster>& x) {
+        for (std::size_t l = 0; l < places.size; ++l) {
+            box.lo[axis] = std::min(box.lo[axis], x[l]);
+            box.hi[axis] = std::max(box.hi[axis], x[l]);
         }
     };
     grow(0, places.x), grow(1, places.y), grow(2, places.z);
@@ -54,62 +57,74 @@ std::vector<std::uint32_t>& room_for_candidates() {
     return room;
 }
 
+// As vector::resize to at least `size`, with less room to spare.
+template <typename T>
+void make_room(std::vector<T>& list, std::size_t size) {
+    if (list.size() >= size) return;
+    if (list.capacity() < size) list.reserve(size + size / 16);
+    list.resize(list.capacity());
+}
+
 // Finds the lists of one block.
 class BlockSearch {
  public:
     BlockSearch(const CellGrid& grid, const Solids& solids, const Particles& particles, float support_radius,
-                NeighbourBlock& block)
-        : grid_(grid), solids_(solids), p_(particles), h_(support_radius), block_(block) {}
+                std::size_t cluster_size, NeighbourBlock& block)
+        : grid_(grid), solids_(solids), p_(particles), h_(support_radius), size_(cluster_size), block_(block) {}
 
     void find(std::size_t begin, std::size_t end) {
         entries_ = 0;
         block_.segments.clear();
-        block_.first_segment.fill(0);
-        for (std::size_t c = 0; c < clusters_per_block; ++c) {
-            const std::size_t first = begin + c * cluster_size;
+        block_.first_segment[0] = 0;
+        for (std::size_t c = 0; c < block_size / size_; ++c) {
+            const std::size_t first = begin + c * size_;
             if (first < end) {
-                add_cluster(first, std::min(first + cluster_size, end));
+                add_cluster(first, std::min(first + size_, end));
             }
             block_.first_segment[c + 1] = static_cast<std::uint32_t>(block_.segments.size());
         }
+        make_room(block_.lanes, entries_);
     }
 
  private:
     void add_cluster(std::size_t begin, std::size_t end) {
-        const ClusterPlaces places = places_of(p_, begin, end);
+        const ClusterPlaces places = places_of(p_, begin, end, size_);
         const Box box = box_round(places);
         const bool by_obstacle = solids_.obstacle_near(box);
-        add_segments(places, {}, by_obstacle);
+        add_segments(places, places, box, {}, by_obstacle);
         solids_.mirrors_near(box, block_.mirrors);
         for (const Mirror& mirror : block_.mirrors) {
-            add_segments(places, mirror, by_obstacle);
+            const ClusterPlaces image = mapped(places, mirror.map());
+            add_segments(places, image, box_round(image), mirror, by_obstacle);
         }
     }
 
-    // The segments of what is seen in a mirror: one, and one for each periodic border across which some of it lies.
-    void add_segments(const ClusterPlaces& places, const Mirror& mirror, bool by_obstacle) {
-        const RigidMap map = mirror.map();
-        const Box near = grown(box_round(mapped(places, map)));
+    // The segments of what is seen in a mirror, or without one: one, and one for each periodic border across which some of it
+    // lies. image: of the places in the mirror; box: round the image.
+    void add_segments(const ClusterPlaces& places, const ClusterPlaces& image, const Box& box, const Mirror& mirror,
+                      bool by_obstacle) {
+        const Box near = grown(box);
         grid_.for_each_period(near.lo, near.hi, [&](const Vec3& period) {
-            NeighbourBlock::Segment segment;
+            const std::size_t first = entries_;
+            NeighbourBlock::Segment& segment = block_.segments.emplace_back();
             segment.obstacle = static_cast<std::int16_t>(mirror.obstacle);
             segment.obstacle_axis = static_cast<std::int16_t>(mirror.obstacle_axis);
             segment.by_sight = by_obstacle || mirror.facet >= 0;
             segment.viscous = mirror.viscous;
-            segment.map = map;
-            for (std::size_t k = 0; k < 3; ++k) {
-                segment.map.shift[k] -= period[k];  // instead of shifting the particles
+            segment.map = mirror.map();
+            if (period == Vec3{}) {
+                append(image, box);
+                if (segment.by_sight) keep_seen(places, image, mirror, period, by_obstacle, first);
+            } else {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    segment.map.shift[k] -= period[k];  // instead of shifting the particles
+                }
+                const ClusterPlaces shifted = mapped(places, segment.map);
+                append(shifted, box_round(shifted));
+                if (segment.by_sight) keep_seen(places, shifted, mirror, period, by_obstacle, first);
             }
-            const std::size_t first = entries_;
-            const ClusterPlaces image = mapped(places, segment.map);
-            append(image);
-            if (segment.by_sight) {
-                keep_seen(places, image, mirror, period, by_obstacle, first);
-            }
-            if (entries_ > first) {
-                segment.end = static_cast<std::uint32_t>(entries_);
-                block_.segments.push_back(segment);
-            }
+            segment.end = static_cast<std::uint32_t>(entries_);
+            if (entries_ == first) block_.segments.pop_back();
         });
     }
 
@@ -121,37 +136,32 @@ class BlockSearch {
         return box;
     }
 
-    // Appends the particles that are nearer than the support radius to one of these places.
-    void append(const ClusterPlaces& places) {
-        const Box box = box_round(places);
+    // Appends the particles that are nearer than the support radius to one of these places, which lie in the box.
+    void append(const ClusterPlaces& places, const Box& box) {
         const Box near = grown(box);
         block_.runs.clear();
-        std::size_t most = cluster_size;
+        std::size_t most = largest_cluster;
         grid_.for_each_run(near.lo, near.hi, [&](std::uint32_t begin, std::uint32_t end) {
             block_.runs.push_back({begin, end});
             most += end - begin;
         });
         std::vector<std::uint32_t>& room = room_for_candidates();
-        room.resize(std::max(room.size(), most));
-        const std::size_t found = append_near(places, box, h_, p_, block_.runs, room.data());
-        const std::size_t end = entries_ + found;
-        if (block_.j.size() < end) {
-            block_.j.resize(end + end / 16);
-            block_.lanes.resize(block_.j.size());
-        }
-        std::copy_n(room.begin(), found, block_.j.begin() + static_cast<std::ptrdiff_t>(entries_));
-        entries_ = end;
+        make_room(room, most);
+        const std::span candidates{room.data(), find_near_box(box, h_, p_, block_.runs, room.data())};
+        make_room(block_.j, entries_ + candidates.size() + 1);
+        entries_ += find_near_places(places, h_, p_, candidates, block_.j.data() + entries_);
     }
 
     // Keeps of the entries from `first` on those that some lane sees, and notes which do.
     void keep_seen(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Vec3& period,
                    bool by_obstacle, std::size_t first) {
+        make_room(block_.lanes, entries_);
         std::size_t kept = first;
         for (std::size_t k = first; k < entries_; ++k) {
             const std::uint32_t j = block_.j[k];
             const Vec3 at{p_.x[j] + period[0], p_.y[j] + period[1], p_.z[j] + period[2]};
             unsigned lanes = 0;
-            for (std::size_t l = 0; l < cluster_size; ++l) {
+            for (std::size_t l = 0; l < size_; ++l) {
                 const float dx = image.x[l] - p_.x[j];
                 const float dy = image.y[l] - p_.y[j];
                 const float dz = image.z[l] - p_.z[j];
@@ -171,6 +181,7 @@ class BlockSearch {
     const Solids& solids_;
     const Particles& p_;
     float h_;
+    std::size_t size_;  // of a cluster
     NeighbourBlock& block_;
     std::size_t entries_ = 0;
 };
@@ -179,14 +190,15 @@ class BlockSearch {
 
 Kernel make_kernel(const Fluid& fluid) {
     const auto h = static_cast<float>(support_radius_of(fluid));
-    return fluid.kernel == KernelKind::wendland_c2 ? Kernel(WendlandC2(h)) : Kernel(CubicSpline(h, fluid.support_in_spacings));
+    return fluid.kernel == KernelKind::wendland_c2 ? Kernel(WendlandC2(h))
+                                                   : Kernel(CubicSpline(h, fluid.support_in_spacings));
 }
 
 void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& p, float support_radius,
                      NeighbourLists& lists) {
     lists.count = p.count;
     for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
-        BlockSearch(grid, solids, p, support_radius, lists.blocks[b]).find(begin, end);
+        BlockSearch(grid, solids, p, support_radius, lists.cluster_size, lists.blocks[b]).find(begin, end);
     });
 }
 

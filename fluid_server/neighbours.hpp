@@ -1,9 +1,10 @@
 #pragma once
 // Neighbour lists of clusters.
 //
-// A cluster is `cluster_size` particles that follow one another in the sorted arrays and so lie close together. It has one
-// list: the particles that at least one of its own may see. A sweep works on the whole cluster at once, one particle a
-// lane, and takes the particles of the list one after the other:
+// A cluster is as many particles as a vector of the processor has lanes, 16 with AVX-512 and 8 with AVX2, that follow one
+// another in the sorted arrays and so lie close together. It has one list: the particles that at least one of its own may
+// see. A sweep works on the whole cluster at once, one particle a lane, and takes the particles of the list one after the
+// other:
 //
 //                       lanes: the cluster's particles
 //   list    j = 17    [ g  g  0  g  g  g  .  .  0  g ]    g: a neighbour nearer than the support radius
@@ -35,17 +36,20 @@ namespace wade::fluid {
 using Kernel = std::variant<CubicSpline, WendlandC2>;
 [[nodiscard]] Kernel make_kernel(const Fluid& fluid);
 
-static_assert(block_size % cluster_size == 0, "a block holds whole clusters");
-inline constexpr std::size_t clusters_per_block = block_size / cluster_size;
+static_assert(block_size % largest_cluster == 0, "a block holds whole clusters");
+
+// Particles of a cluster on this processor: a power of two, at most largest_cluster.
+[[nodiscard]] std::size_t cluster_size_here();
 
 // A stretch of sorted particles.
 struct Run {
     std::uint32_t begin = 0, end = 0;
 };
 
-// The places of a cluster's particles, or of their images, m; where it has fewer, the last one is there again.
+// The places of a cluster's particles, or of their images, m; the last cluster may have fewer, and its last place again.
 struct ClusterPlaces {
-    std::array<float, cluster_size> x{}, y{}, z{};
+    std::size_t size = 0;
+    std::array<float, largest_cluster> x{}, y{}, z{};
 };
 
 // The lists of the clusters of one block.
@@ -58,14 +62,14 @@ struct NeighbourBlock {
         RigidMap map;           // of the cluster's places
         ImageVelocity viscous;  // for viscosity
     };
-    std::array<std::uint32_t, clusters_per_block + 1> first_segment{};
+    std::vector<std::uint32_t> first_segment;  // of each cluster, and one past the last
     std::vector<Segment> segments;
     std::vector<std::uint32_t> j;  // entries: a particle each
     std::vector<std::uint16_t>
         lanes;  // of each entry, bit l: lane l is near and sees it; from sum_kernel (sweeps.hpp) on
-    std::vector<std::uint16_t> factor;  // of each entry's near lanes: (dW/dr) / r in NeighbourLists::factor_unit
-    std::array<std::uint32_t, clusters_per_block> first_factor{};
-    std::vector<Mirror> mirrors;  // room for the search
+    std::vector<std::uint16_t> factor;        // of each entry's near lanes: (dW/dr) / r in NeighbourLists::factor_unit
+    std::vector<std::uint32_t> first_factor;  // of each cluster
+    std::vector<Mirror> mirrors;              // room for the search
     std::vector<Run> runs;
 };
 
@@ -76,12 +80,19 @@ inline constexpr float largest_factor_units = 65535;
 // are the same bits, so that the forces between the two stay opposite.
 struct NeighbourLists {
     std::vector<NeighbourBlock> blocks;
+    std::size_t cluster_size = cluster_size_here();
     std::size_t count = 0;       // of particles that have lists
     float factor_unit = 0;       // V (dW/dr) / r that one unit stands for, 1/m^2, negative
     std::vector<float> x, y, z;  // places that the lists were made for, while the particles are elsewhere; m
 
     explicit NeighbourLists(std::size_t capacity)
-        : blocks(block_count(capacity)), x(padded(capacity)), y(padded(capacity)), z(padded(capacity)) {}
+        : blocks(block_count(capacity)), x(padded(capacity)), y(padded(capacity)), z(padded(capacity)) {
+        for (NeighbourBlock& block : blocks) {
+            block.first_segment.resize(clusters_per_block() + 1);
+            block.first_factor.resize(clusters_per_block());
+        }
+    }
+    [[nodiscard]] std::size_t clusters_per_block() const { return block_size / cluster_size; }
 };
 
 // First entry of a cluster of a block.
@@ -118,13 +129,13 @@ struct ListedPair {
 template <typename Body>
 void for_each_pair(const NeighbourLists& lists, std::size_t b, Body&& body) {
     const NeighbourBlock& block = lists.blocks[b];
-    for (std::size_t c = 0; c < clusters_per_block; ++c) {
-        const std::size_t begin = b * block_size + c * cluster_size;
+    for (std::size_t c = 0; c < lists.clusters_per_block(); ++c) {
+        const std::size_t begin = b * block_size + c * lists.cluster_size;
         std::size_t next = block.first_factor[c];
         for_each_segment(block, c, [&](const NeighbourBlock::Segment& segment, std::size_t first, std::size_t last) {
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
-                for (std::size_t l = 0; l < cluster_size; ++l) {
+                for (std::size_t l = 0; l < lists.cluster_size; ++l) {
                     const std::size_t i = begin + l;
                     if ((block.lanes[k] >> l & 1U) == 0) {
                         continue;

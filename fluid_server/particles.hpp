@@ -15,12 +15,12 @@ enum class Kind : std::uint8_t {
     inflow  // still inside the emitter: moves with the emitter's velocity
 };
 
-// Sweeps work on clusters of this many particles that follow one another.
-inline constexpr std::size_t cluster_size = 16;
+// Sweeps work on clusters of particles that follow one another, one a lane of a vector: no more than this.
+inline constexpr std::size_t largest_cluster = 16;
 
 // Length of an array of one number a particle, of which sweeps may touch whole clusters.
 inline std::size_t padded(std::size_t capacity) {
-    return (capacity / cluster_size + 2) * cluster_size;
+    return (capacity / largest_cluster + 2) * largest_cluster;
 }
 
 // One entry a particle in every array; only the first `count` are alive. Sizes are fixed at construction.

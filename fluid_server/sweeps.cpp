@@ -13,6 +13,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace wade::fluid::HWY_NAMESPACE {
 
+// 2^23: between it and its double a float has whole numbers only, in its last bits. A number that it is added to is rounded.
+constexpr float ones_from = 8388608;
+
 // 1 / sqrt(a) to the last bits: one step of Newton's method from the processor's estimate of 12 bits or more.
 HWY_INLINE V reciprocal_sqrt(V a) {
     const V y = hn::ApproximateReciprocalSqrt(a);
@@ -39,39 +42,24 @@ HWY_INLINE Shape shape(const WendlandC2&, V q, V) {
     return {hn::Mul(hn::Mul(u3, u), hn::MulAdd(all(4), q, all(1))), u3};
 }
 
-// The vectors of a cluster.
-constexpr std::size_t parts = cluster_size / hn::MaxLanes(lanes);
-
-// What one vector of a cluster sums up over its list.
-struct VectorSums {
-    Vec3V x;     // places
-    Vec3V seen;  // mapped by the segment
-    V density, squares;
-    Vec3V gradient, of_segment;
-};
-
-// Writes the factors of a vector's lanes for which near holds, and tells which these are.
-HWY_INLINE unsigned put(const hn::Vec<hn::Rebind<std::int32_t, Lanes>>& units, std::uint16_t* to) {
-    const hn::Rebind<std::int32_t, Lanes> whole;
-    const hn::Rebind<std::uint16_t, Lanes> stored;
-    const auto near = hn::Gt(units, hn::Zero(whole));
-    hn::StoreU(hn::DemoteTo(stored, hn::Compress(units, near)), stored, to);
-    std::uint64_t bits = 0;
-    hn::StoreMaskBits(whole, near, reinterpret_cast<std::uint8_t*>(&bits));
-    return static_cast<unsigned>(bits);
-}
-
-// As vector::insert at the end, with less room to spare where it must grow.
-inline void append(const std::uint16_t* begin, const std::uint16_t* end, std::vector<std::uint16_t>& to) {
-    const std::size_t size = to.size() + static_cast<std::size_t>(end - begin);
-    if (to.capacity() < size) to.reserve(size + size / 16);
-    to.insert(to.end(), begin, end);
+// Copies a thread's room to the list, with a little room to spare where that must grow.
+inline void keep(const std::uint16_t* begin, const std::uint16_t* end, std::vector<std::uint16_t>& list) {
+    const auto size = static_cast<std::size_t>(end - begin);
+    if (list.capacity() < size) list.reserve(size + size / 16);
+    list.assign(begin, end);
 }
 
 // Room of a thread.
 inline std::vector<std::uint16_t>& room_for_factors() {
     thread_local std::vector<std::uint16_t> room;
     return room;
+}
+
+// The particles at whose lane of `seen_by` a bit is set.
+HWY_INLINE hn::Mask<Lanes> lanes_of(std::uint16_t seen_by) {
+    const hn::RebindToUnsigned<Lanes> bits;
+    const auto lane_bit = hn::Shl(hn::Set(bits, 1U), hn::Iota(bits, 0));
+    return hn::RebindMask(lanes, hn::TestBit(hn::Set(bits, static_cast<std::uint32_t>(seen_by)), lane_bit));
 }
 
 template <typename AnyKernel>
@@ -81,68 +69,49 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
     const V inverse_h2 = all(kernel.inverse_support_radius() * kernel.inverse_support_radius());
     const V units = all(largest_factor_units);
     const V unit = all(lists.factor_unit);
-    std::vector<std::uint16_t>& factors_of_cluster = room_for_factors();
-    block.factor.clear();
-    for (std::size_t c = 0; c < clusters_per_block && b * block_size + c * cluster_size < p.count; ++c) {
-        const std::size_t i = b * block_size + c * cluster_size;
-        block.first_factor[c] = static_cast<std::uint32_t>(block.factor.size());
-        const std::size_t entries = end_of_entries(block, c) - first_entry(block, c);
-        factors_of_cluster.resize(std::max(factors_of_cluster.size(), (entries + 1) * cluster_size));
-        std::uint16_t* to = factors_of_cluster.data();
-        VectorSums v[parts];
-        for (std::size_t part = 0; part < parts; ++part) {
-            v[part] = {load(places(p), i + part * hn::MaxLanes(lanes)),
-                       zero3(),
-                       hn::Zero(lanes),
-                       hn::Zero(lanes),
-                       zero3(),
-                       zero3()};
-        }
-        for_each_segment(block, c, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
-            for (VectorSums& a : v) a.seen = apply(s.map, a.x), a.of_segment = zero3();
+    const std::size_t entries = block.segments.empty() ? 0 : block.segments.back().end;
+    std::vector<std::uint16_t>& factors = room_for_factors();
+    if (factors.size() < (entries + 1) * cluster_size) factors.resize((entries + 1) * cluster_size);
+    std::uint16_t* to = factors.data();
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        block.first_factor[cluster] = static_cast<std::uint32_t>(to - factors.data());
+        const Vec3V x = load(places(p), i);
+        V density = hn::Zero(lanes), squares = hn::Zero(lanes);
+        Vec3V gradient = zero3();
+        for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(s.map, x);
+            Vec3V sum = zero3();
             for (std::size_t k = first; k < last; ++k) {
-                unsigned near = 0;
-                for (std::size_t part = 0; part < parts; ++part) {
-                    VectorSums& a = v[part];
-                    const auto lane = static_cast<unsigned>(part * hn::MaxLanes(lanes));
-                    const Vec3V way = way_from(a.seen, p, block.j[k]);
-                    const V r2 = dot(way, way);
-                    // A distance of zero counts as a tiny one, so that its inverse stays finite.
-                    const V q2 = hn::Max(hn::Mul(r2, inverse_h2), all(1e-12F));
-                    const V inverse_q = reciprocal_sqrt(q2);
-                    Shape w = shape(kernel, hn::Mul(q2, inverse_q), inverse_q);
-                    if (s.by_sight) {
-                        const hn::RebindToUnsigned<Lanes> bits;
-                        const auto lane_bit = hn::Shl(hn::Set(bits, 1U), hn::Iota(bits, lane));
-                        const auto seen_by = hn::RebindMask(
-                            lanes, hn::TestBit(hn::Set(bits, static_cast<std::uint32_t>(block.lanes[k])), lane_bit));
-                        w = {hn::IfThenElseZero(seen_by, w.value), hn::IfThenElseZero(seen_by, w.factor)};
-                    }
-                    const auto whole = hn::NearestInt(hn::Mul(w.factor, units));
-                    const unsigned near_lanes = put(whole, to);
-                    to += std::popcount(near_lanes);
-                    near |= near_lanes << lane;
-                    const V factor = hn::ConvertTo(lanes, whole);
-                    a.density = hn::Add(a.density, w.value);
-                    a.of_segment = add_product(factor, way, a.of_segment);
-                    a.squares = hn::MulAdd(hn::Mul(factor, factor), r2, a.squares);
+                const Vec3V way = way_from(seen, p, block.j[k]);
+                const V r2 = dot(way, way);
+                // A distance of zero counts as a tiny one, so that its inverse stays finite.
+                const V q2 = hn::Max(hn::Mul(r2, inverse_h2), all(1e-12F));
+                const V inverse_q = reciprocal_sqrt(q2);
+                Shape w = shape(kernel, hn::Mul(q2, inverse_q), inverse_q);
+                if (s.by_sight) {
+                    const auto seen_by = lanes_of(block.lanes[k]);
+                    w = {hn::IfThenElseZero(seen_by, w.value), hn::IfThenElseZero(seen_by, w.factor)};
                 }
+                const V with_ones = hn::Add(hn::Mul(w.factor, units), all(ones_from));
+                const V factor = hn::Sub(with_ones, all(ones_from));
+                const unsigned near = bits_of(hn::Gt(factor, hn::Zero(lanes)));
+                const Whole whole;
+                put_together(hn::And(hn::BitCast(whole, with_ones), hn::Set(whole, 0xFFFF)), near, to);
+                to += std::popcount(near);
                 block.lanes[k] = static_cast<std::uint16_t>(near);
+                density = hn::Add(density, w.value);
+                sum = add_product(factor, way, sum);
+                squares = hn::MulAdd(hn::Mul(factor, factor), r2, squares);
             }
-            for (VectorSums& a : v) a.gradient = plus(a.gradient, apply(s.map.rotation, a.of_segment));
+            gradient = plus(gradient, apply(s.map.rotation, sum));
         });
-        for (std::size_t part = 0; part < parts; ++part) {
-            const VectorSums& a = v[part];
-            const std::size_t at = i + part * hn::MaxLanes(lanes);
-            hn::StoreU(hn::Mul(all(volume * kernel.value(0)), a.density), lanes, sums.density + at);
-            hn::StoreU(hn::Mul(hn::Mul(unit, unit), a.squares), lanes, sums.squares + at);
-            store(times(unit, a.gradient), sums.gradient, at);
-        }
-        append(factors_of_cluster.data(), to, block.factor);
-    }
+        hn::StoreU(hn::Mul(all(volume * kernel.value(0)), density), lanes, sums.density + i);
+        hn::StoreU(hn::Mul(hn::Mul(unit, unit), squares), lanes, sums.squares + i);
+        store(times(unit, gradient), sums.gradient, i);
+    });
     // A vector that is loaded may reach beyond the last.
-    factors_of_cluster.assign(cluster_size, 0);
-    append(factors_of_cluster.data(), factors_of_cluster.data() + cluster_size, block.factor);
+    std::fill_n(to, cluster_size, std::uint16_t{0});
+    keep(factors.data(), to + cluster_size, block.factor);
 }
 
 void SumKernel(std::size_t b, const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
@@ -157,8 +126,8 @@ void SumKernel(std::size_t b, const Particles& p, const Kernel& kernel, float vo
 void SumGradients(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
                   const VectorArrays& sums) {
     const NeighbourBlock& block = lists.blocks[b];
-    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
-        Factors factors(block, cluster, lane);
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        Factors factors(block, cluster);
         const Vec3V x = load(places(p), i);
         Vec3V total = zero3();
         for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
@@ -178,8 +147,8 @@ void SumGradients(std::size_t b, const Particles& p, const NeighbourLists& lists
 void SumDivergence(std::size_t b, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
                    float* sums) {
     const NeighbourBlock& block = lists.blocks[b];
-    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
-        Factors factors(block, cluster, lane);
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        Factors factors(block, cluster);
         const Vec3V x = load(places(p), i);
         V sum = hn::Zero(lanes);
         for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
@@ -197,8 +166,8 @@ void SumDivergence(std::size_t b, const Particles& p, const NeighbourLists& list
 void SumGradientsAndDivergence(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
                                const VectorArrays& gradients, const ConstVectorArrays& u, float* divergences) {
     const NeighbourBlock& block = lists.blocks[b];
-    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
-        Factors factors(block, cluster, lane);
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        Factors factors(block, cluster);
         const Vec3V x = load(places(p), i);
         Vec3V total = zero3();
         V divergence = hn::Zero(lanes);
@@ -223,8 +192,8 @@ void SumGradientsAndDivergence(std::size_t b, const Particles& p, const Neighbou
 void SumShear(std::size_t b, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
               const VectorArrays& sums) {
     const NeighbourBlock& block = lists.blocks[b];
-    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t lane) {
-        Factors factors(block, cluster, lane);
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        Factors factors(block, cluster);
         const Vec3V ui = load(u, i);
         Vec3V total = zero3();
         for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
@@ -248,38 +217,45 @@ void SumShear(std::size_t b, const Particles& p, const NeighbourLists& lists, co
     });
 }
 
-std::size_t AppendNear(const ClusterPlaces& places, const Box& box, float support_radius, const Particles& p,
-                       std::span<const Run> runs, std::uint32_t* out) {
-    const hn::RebindToUnsigned<Lanes> index;
+std::size_t FindNearBox(const Box& box, float support_radius, const Particles& p, std::span<const Run> runs,
+                        std::uint32_t* out) {
+    const hn::Rebind<std::int32_t, Lanes> index;
+    const auto numbers = hn::Iota(index, 0);
     const V h2 = all(support_radius * support_radius);
-    // First those near the box, a particle of the runs a lane.
-    std::size_t near_box = 0;
-    const auto gap = [&](const std::vector<float>& x, std::size_t m, std::size_t axis) {
-        const V at = hn::LoadU(lanes, x.data() + m);
-        return hn::Max(hn::Max(hn::Sub(all(box.lo[axis]), at), hn::Sub(at, all(box.hi[axis]))), hn::Zero(lanes));
+    const Vec3V lo{all(box.lo[0]), all(box.lo[1]), all(box.lo[2])}, hi{all(box.hi[0]), all(box.hi[1]), all(box.hi[2])};
+    const auto gap = [](V at, V least, V most) {
+        return hn::Max(hn::Max(hn::Sub(least, at), hn::Sub(at, most)), hn::Zero(lanes));
     };
+    std::size_t found = 0;
     for (const Run& run : runs) {
-        for (std::size_t m = run.begin; m < run.end; m += hn::Lanes(lanes)) {
-            const Vec3V way{gap(p.x, m, 0), gap(p.y, m, 1), gap(p.z, m, 2)};
-            const auto near = hn::And(hn::Lt(dot(way, way), h2), hn::FirstN(lanes, run.end - m));
-            near_box += hn::CompressStore(hn::Iota(index, static_cast<std::uint32_t>(m)), hn::RebindMask(index, near),
-                                          index, out + near_box);
+        const auto end = hn::Set(index, static_cast<std::int32_t>(run.end));
+        // A particle of the run a lane.
+        for (std::size_t m = run.begin; m < run.end; m += cluster_size) {
+            const Vec3V x = load(places(p), m);
+            const Vec3V way{gap(x.x, lo.x, hi.x), gap(x.y, lo.y, hi.y), gap(x.z, lo.z, hi.z)};
+            const auto here = hn::Add(numbers, hn::Set(index, static_cast<std::int32_t>(m)));
+            const auto near = hn::And(hn::RebindMask(index, hn::Lt(dot(way, way), h2)), hn::Lt(here, end));
+            found += hn::CompressStore(here, near, index, reinterpret_cast<std::int32_t*>(out) + found);
         }
     }
-    // Then, of these, those near a place, a place a lane.
-    std::size_t kept = 0;
-    const ConstVectorArrays x{places.x.data(), places.y.data(), places.z.data()};
-    for (std::size_t k = 0; k < near_box; ++k) {
-        const std::uint32_t j = out[k];
-        bool near = false;
-        for (std::size_t lane = 0; lane < cluster_size; lane += hn::Lanes(lanes)) {
-            const Vec3V way = way_from(load(x, lane), p, j);
-            near = near || !hn::AllFalse(lanes, hn::Lt(dot(way, way), h2));
-        }
-        out[kept] = j;
-        kept += near ? 1U : 0U;
+    return found;
+}
+
+std::size_t FindNearPlaces(const ClusterPlaces& places, float support_radius, const Particles& p,
+                           std::span<const std::uint32_t> candidates, std::uint32_t* out) {
+    const V h2 = all(support_radius * support_radius);
+    const Vec3V x = load(ConstVectorArrays{places.x.data(), places.y.data(), places.z.data()}, 0);
+    std::size_t found = 0;
+    for (const std::uint32_t j : candidates) {
+        const Vec3V way = way_from(x, p, j);
+        out[found] = j;
+        found += hn::AllFalse(lanes, hn::Lt(dot(way, way), h2)) ? 0U : 1U;
     }
-    return kept;
+    return found;
+}
+
+std::size_t ClusterSize() {
+    return cluster_size;
 }
 
 }  // namespace wade::fluid::HWY_NAMESPACE
@@ -288,16 +264,23 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace wade::fluid {
 
-HWY_EXPORT(AppendNear);
+HWY_EXPORT(FindNearBox);
+HWY_EXPORT(FindNearPlaces);
+HWY_EXPORT(ClusterSize);
 HWY_EXPORT(SumKernel);
 HWY_EXPORT(SumGradients);
 HWY_EXPORT(SumDivergence);
 HWY_EXPORT(SumGradientsAndDivergence);
 HWY_EXPORT(SumShear);
 
-std::size_t append_near(const ClusterPlaces& places, const Box& box, float support_radius, const Particles& p,
-                        std::span<const Run> runs, std::uint32_t* out) {
-    return HWY_DYNAMIC_DISPATCH(AppendNear)(places, box, support_radius, p, runs, out);
+std::size_t find_near_box(const Box& box, float support_radius, const Particles& p, std::span<const Run> runs,
+                          std::uint32_t* out) {
+    return HWY_DYNAMIC_DISPATCH(FindNearBox)(box, support_radius, p, runs, out);
+}
+
+std::size_t find_near_places(const ClusterPlaces& places, float support_radius, const Particles& p,
+                             std::span<const std::uint32_t> candidates, std::uint32_t* out) {
+    return HWY_DYNAMIC_DISPATCH(FindNearPlaces)(places, support_radius, p, candidates, out);
 }
 
 void sum_kernel(std::size_t block, const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
@@ -324,6 +307,10 @@ void sum_gradients_and_divergence(std::size_t block, const Particles& p, const N
 void sum_shear(std::size_t block, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
                const VectorArrays& sums) {
     HWY_DYNAMIC_DISPATCH(SumShear)(block, p, lists, u, sums);
+}
+
+std::size_t cluster_size_here() {
+    return HWY_DYNAMIC_DISPATCH(ClusterSize)();
 }
 
 std::string_view instruction_set() {

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "fluid_server/sweeps.hpp"
 
@@ -22,10 +23,13 @@ namespace wade::fluid::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// One particle a lane. Where a vector has fewer lanes than a cluster has particles, its parts go through the list in turn.
-using Lanes = hn::CappedTag<float, cluster_size>;
+// One particle a lane.
+using Lanes = hn::CappedTag<float, largest_cluster>;
 using V = hn::Vec<Lanes>;
 constexpr Lanes lanes;
+
+constexpr std::size_t cluster_size = hn::MaxLanes(lanes);
+static_assert(largest_cluster % cluster_size == 0);
 
 struct Vec3V {
     V x, y, z;
@@ -98,62 +102,100 @@ HWY_INLINE Vec3V way_from(const Vec3V& x, const Particles& p, std::size_t j) {
     return {hn::Sub(x.x, all(p.x[j])), hn::Sub(x.y, all(p.y[j])), hn::Sub(x.z, all(p.z[j]))};
 }
 
-// Where a vector has fewer than 16 lanes: for each mask of 8 lanes, the place of lane l's value among those that are kept.
-struct Places8 {
-    alignas(64) std::array<std::array<std::int32_t, 8>, 256> of_mask{};
-    constexpr Places8() {
-        for (std::size_t mask = 0; mask < 256; ++mask) {
-            for (std::size_t l = 1; l < 8; ++l) {
-                of_mask[mask][l] = of_mask[mask][l - 1] + static_cast<std::int32_t>(mask >> (l - 1) & 1U);
-            }
-        }
+// The lanes for which a mask holds, a bit each.
+HWY_INLINE unsigned bits_of(hn::Mask<Lanes> mask) {
+    std::conditional_t<(cluster_size > 8), std::uint16_t, std::uint8_t> bits = 0;
+    hn::StoreMaskBits(lanes, mask, reinterpret_cast<std::uint8_t*>(&bits));
+    return bits;
+}
+
+// Which bytes make 8 values of 16 bits of 8 others, for each mask of 8 lanes.
+struct Moves8 {
+    alignas(64) std::array<std::array<std::uint8_t, 16>, 256> of_mask{};
+
+    constexpr void set(std::size_t mask, std::size_t to, std::size_t from) {
+        of_mask[mask][2 * to] = static_cast<std::uint8_t>(2 * from);
+        of_mask[mask][2 * to + 1] = static_cast<std::uint8_t>(2 * from + 1);
     }
 };
+// The values of the mask's lanes one after the other, then zeros.
+constexpr Moves8 moves_together() {
+    Moves8 moves;
+    for (std::size_t mask = 0; mask < 256; ++mask) {
+        moves.of_mask[mask].fill(0x80);
+        for (std::size_t l = 0, place = 0; l < 8; ++l) {
+            if ((mask >> l & 1U) != 0) moves.set(mask, place++, l);
+        }
+    }
+    return moves;
+}
+// Back: the first values to the mask's lanes, zeros to the others.
+constexpr Moves8 moves_apart() {
+    Moves8 moves;
+    for (std::size_t mask = 0; mask < 256; ++mask) {
+        moves.of_mask[mask].fill(0x80);
+        for (std::size_t l = 0, place = 0; l < 8; ++l) {
+            if ((mask >> l & 1U) != 0) moves.set(mask, l, place++);
+        }
+    }
+    return moves;
+}
 
-// The factors of a vector of lanes, entry after entry.
+// Factors as the lists keep them, in units of NeighbourLists::factor_unit.
+using Stored = hn::Rebind<std::uint16_t, Lanes>;
+using Whole = hn::Rebind<std::int32_t, Lanes>;
+
+// Writes the values of the mask's lanes, whole numbers below 65536, one after the other; up to cluster_size of them are written.
+HWY_INLINE void put_together(hn::Vec<Whole> whole, unsigned mask, std::uint16_t* to) {
+#if HWY_TARGET <= HWY_AVX3
+    const hn::Vec<Whole> moved{_mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), whole.raw)};
+    hn::StoreU(hn::DemoteTo(Stored(), moved), Stored(), to);
+#else
+    static constexpr Moves8 moves = moves_together();
+    const hn::Repartition<std::uint8_t, Stored> bytes;
+    const auto move = hn::LoadU(bytes, moves.of_mask[mask].data());
+    const auto moved = hn::TableLookupBytesOr0(hn::BitCast(bytes, hn::DemoteTo(Stored(), whole)), move);
+    hn::StoreU(hn::BitCast(Stored(), moved), Stored(), to);
+#endif
+}
+
+// The values from `from` on in the mask's lanes, 0 in the others.
+HWY_INLINE hn::Vec<Whole> spread(const std::uint16_t* from, unsigned mask) {
+    const auto stored = hn::LoadU(Stored(), from);
+#if HWY_TARGET <= HWY_AVX3
+    return hn::Vec<Whole>{_mm512_maskz_expand_epi32(static_cast<__mmask16>(mask), hn::PromoteTo(Whole(), stored).raw)};
+#else
+    static constexpr Moves8 moves = moves_apart();
+    const hn::Repartition<std::uint8_t, Stored> bytes;
+    const auto move = hn::LoadU(bytes, moves.of_mask[mask].data());
+    return hn::PromoteTo(Whole(), hn::BitCast(Stored(), hn::TableLookupBytesOr0(hn::BitCast(bytes, stored), move)));
+#endif
+}
+
+// The factors of a cluster, entry after entry.
 class Factors {
  public:
-    HWY_INLINE Factors(const NeighbourBlock& block, std::size_t cluster, std::size_t lane)
-        : block_(block), next_(block.factor.data() + block.first_factor[cluster]), lane_(lane) {}
+    HWY_INLINE Factors(const NeighbourBlock& block, std::size_t cluster)
+        : block_(block), next_(block.factor.data() + block.first_factor[cluster]) {}
 
     // Those of the next entry, which is number `entry`, in units of NeighbourLists::factor_unit; 0 in lanes that have none.
     HWY_INLINE V take(std::size_t entry) {
         const unsigned mask = block_.lanes[entry];
-        const std::uint16_t* const from = next_ + std::popcount(mask & ((1U << lane_) - 1));
+        const std::uint16_t* const from = next_;
         next_ += std::popcount(mask);
-        return hn::ConvertTo(lanes, spread(hn::PromoteTo(whole, hn::LoadU(stored, from)), mask >> lane_));
+        return hn::ConvertTo(lanes, spread(from, mask));
     }
 
  private:
-    using Whole = hn::Vec<hn::Rebind<std::int32_t, Lanes>>;
-    static constexpr hn::Rebind<std::uint16_t, Lanes> stored{};
-    static constexpr hn::Rebind<std::int32_t, Lanes> whole{};
-
-    // Moves the first values of v, in their order, to the lanes of the mask.
-    static HWY_INLINE Whole spread(Whole v, unsigned mask) {
-#if HWY_TARGET <= HWY_AVX3
-        return Whole{_mm512_maskz_expand_epi32(static_cast<__mmask16>(mask), v.raw)};
-#else
-        static constexpr Places8 places;
-        mask &= (1U << hn::MaxLanes(lanes)) - 1;
-        const std::uint8_t bits[8] = {static_cast<std::uint8_t>(mask)};
-        const Whole moved = hn::TableLookupLanes(v, hn::SetTableIndices(whole, places.of_mask[mask].data()));
-        return hn::IfThenElseZero(hn::LoadMaskBits(whole, bits), moved);
-#endif
-    }
-
     const NeighbourBlock& block_;
     const std::uint16_t* next_;
-    std::size_t lane_;
 };
 
-// Calls body(first particle of the vector, cluster, its first lane in it) for all particles of a block.
+// Calls body(first particle, cluster) for the clusters of a block.
 template <typename Body>
 HWY_INLINE void for_each_vector(std::size_t count, std::size_t b, Body&& body) {
-    for (std::size_t c = 0; c < clusters_per_block && b * block_size + c * cluster_size < count; ++c) {
-        for (std::size_t lane = 0; lane < cluster_size; lane += hn::Lanes(lanes)) {
-            body(b * block_size + c * cluster_size + lane, c, lane);
-        }
+    for (std::size_t c = 0; c < block_size / cluster_size && b * block_size + c * cluster_size < count; ++c) {
+        body(b * block_size + c * cluster_size, c);
     }
 }
 

@@ -43,7 +43,7 @@ HWY_INLINE void sum_flock_of(std::size_t b, const Particles& p, const NeighbourL
     const V cohesion2 = all(s.cohesion_radius * s.cohesion_radius);
     const V pull_from2 = all(s.no_pull_within * s.no_pull_within);
     const V per_loss_radius = all(1 / s.loss_radius);
-    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster, std::size_t) {
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
         const Vec3V x = load(places(p), i);
         const Vec3V v = load(velocity, i);
         FlockSums sums{zero3(), zero3(), hn::Zero(lanes), zero3(), hn::Zero(lanes)};

@@ -12,10 +12,10 @@ void SteeringWorld::for_each_neighbour(OnPair&& on_pair) const {
     const Particles& p = particles_;
     for (std::size_t b = 0; b < block_count(lists_.count); ++b) {
         const NeighbourBlock& block = lists_.blocks[b];
-        for (std::size_t c = 0; c < clusters_per_block; ++c) {
-            const std::size_t begin = b * block_size + c * cluster_size;
+        for (std::size_t c = 0; c < lists_.clusters_per_block(); ++c) {
+            const std::size_t begin = b * block_size + c * lists_.cluster_size;
             for_each_segment(block, c, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
-                for (std::size_t i = begin; i < std::min(begin + cluster_size, lists_.count); ++i) {
+                for (std::size_t i = begin; i < std::min(begin + lists_.cluster_size, lists_.count); ++i) {
                     for (std::size_t k = first; k < last; ++k) {
                         const std::size_t j = block.j[k];
                         const double dx = static_cast<double>(p.x[i] + s.map.shift[0] - p.x[j]);

@@ -52,7 +52,8 @@ class Files(unittest.TestCase):
 
     def test_repetitions_of_a_kernel_become_a_median(self):
         runs = [
-            {"name": "kernels/sort/100", "run_name": "kernels/sort/100", "run_type": kind, "ns_per_item": value, "cpu_time": 1}
+            {"name": "kernels/sort/100", "run_name": "kernels/sort/100", "run_type": kind, "threads": 1,
+             "ns_per_item": value, "cpu_time": 1}  # fmt: skip
             for kind, value in (("iteration", 9.0), ("iteration", 5.0), ("iteration", 6.0), ("aggregate", 99.0))
         ]
         (found,) = kernels.results_of({"benchmarks": runs})
@@ -77,14 +78,16 @@ class Programs(unittest.TestCase):
     def test_a_kernel_is_measured_and_reported_with_its_page(self):
         with tempfile.TemporaryDirectory() as folder:
             command = ["/usr/bin/python3", ROOT / "tools" / "bench" / "bench.py", "--programs", PROGRAMS, "--quick"]
-            for only in ("machine/fma_peak", "kernels/contacts"):
+            for only, threads in (("machine/fma_peak", [1, 2]), ("kernels/contacts", [1])):
                 done = subprocess.run([*command, "--only", only, "--json", f"{folder}/a.json", "--out", f"{folder}/page"],
                                       capture_output=True, text=True)  # fmt: skip
                 self.assertEqual(done.returncode, 0, done.stderr)
-                (found,) = json.loads(Path(folder, "a.json").read_text())["results"]
-                self.assertLessEqual(FIELDS, set(found))
-                self.assertEqual(found["name"], only)
-                self.assertLessEqual(found["min"], found["median"])
+                measured = json.loads(Path(folder, "a.json").read_text())["results"]
+                self.assertEqual([found["threads"] for found in measured], threads)
+                for found in measured:
+                    self.assertLessEqual(FIELDS, set(found))
+                    self.assertEqual(found["name"], only)
+                    self.assertLessEqual(found["min"], found["median"])
                 self.assertIn(only, Path(folder, "page", "bench.md").read_text())
             done = subprocess.run([*command, "--only", "kernels/pressure_sweep", "--json", f"{folder}/b.json"],
                                   capture_output=True, text=True)  # fmt: skip

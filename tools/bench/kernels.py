@@ -32,7 +32,8 @@ def results_of(found):
             runs.setdefault(run["run_name"], []).append(run)
     results = []
     for full_name, repetitions in runs.items():
-        room, kernel, *size = full_name.split("/")
+        room, kernel, *more = full_name.split("/")
+        size = [word for word in more if word.isdigit()]
         name = f"{room}/{kernel}"
         items = "ns_per_agent" if name in OF_AGENTS else "ns_per_particle"
         unit, counter = FIGURES.get(name, (items, "ns_per_item"))
@@ -42,7 +43,7 @@ def results_of(found):
             {
                 "name": name,
                 "size": int(size[0]) if size else 0,
-                "threads": 1,
+                "threads": repetitions[0]["threads"],
                 "median": median(series),
                 "min": series[0],
                 "max": series[-1],

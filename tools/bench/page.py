@@ -9,6 +9,8 @@ from machine import machine_text  # noqa: E402
 from results import number  # noqa: E402
 
 STAGE = "_ns_per_particle_step"
+RATES = ("gflops", "gb_s", "particle_steps_per_s", "cell_steps_per_s", "agent_steps_per_s", "sim_s_per_wall_s")
+ALONE = ("machine/fma_peak", "machine/stream")
 SWEEPS = ("kernels/pressure_sweep", "kernels/rate_sweep", "kernels/kernel_sweep")
 
 # A pair costs a pressure or rate sweep this many vector operations a lane at least: three differences of places, the factor
@@ -18,8 +20,9 @@ OPERATIONS_OF_A_PAIR = 11
 BYTES_OF_A_PARTICLE = 28
 
 
-def named(results, name):
-    return [r for r in results if r["name"] == name]
+def named(results, name, threads=1):
+    """Those with one thread, unless another number is asked for."""
+    return [r for r in results if r["name"] == name and r["threads"] == threads]
 
 
 def figure_of(results, name):
@@ -155,6 +158,29 @@ def growth(results):
     return markdown(("name", "from", "to", "threads", "cost of an item, times"), rows) if rows else []
 
 
+def gain_of(one, two):
+    """How many times as much is done in the same time."""
+    return two["median"] / one["median"] if one["unit"] in RATES else one["median"] / two["median"]
+
+
+def second_processor(results):
+    """Lines: what two threads gain, beside what two programs gain that need not wait for each other."""
+    rows = []
+    for one in [r for r in results if r["threads"] == 1]:
+        for two in named(results, one["name"], 2):
+            if two["size"] == one["size"] and (one["unit"] in RATES or one["unit"].startswith("ns_per_")):
+                free = "they share nothing" if one["name"] in ALONE else "they wait for nothing" if one["name"] in SWEEPS else ""
+                rows.append((one["name"], number(one["size"]), f"{gain_of(one, two):.2f}", free))
+    if not rows:
+        return []
+    text = [
+        "Work in the same time with two threads, times that with one. The first rows bound the others: where two copies that need not wait for each other do not do twice as "
+        "much, the two processors share something, such as a core or its clock.",
+        "",
+    ]
+    return text + markdown(("name", "size", "times", ""), rows)
+
+
 def features(results):
     rows = [
         (r["name"].split("/")[1].replace("_", " "), f"{r['median']:.3f}", f"{r['min']:.3f} to {r['max']:.3f}", r["pairs"],
@@ -235,6 +261,7 @@ def write_page(folder, machine, results, quick):
         ("Profile of a step, ns of wall time a particle-step", profile(results), draw_profile, "profile.png"),
         ("Sweeps beside the bounds of the machine", bounds(results), draw_roofline, "roofline.png"),
         ("Bytes of a step", bytes_of_steps(results), None, None),
+        ("What a second processor gains", second_processor(results), None, None),
         ("Growth with size", growth(results), None, None),
         ("Features that are off and on", features(results), None, None),
     )

@@ -64,7 +64,7 @@ TEST_CASE("the search finds exactly the pairs that a double loop finds", "[fluid
         }
         std::vector<std::uint32_t> found;
         const NeighbourBlock& block = lists.blocks[i / block_size];
-        for_each_segment(block, i % block_size / cluster_size,
+        for_each_segment(block, i % block_size / lists.cluster_size,
                          [&](const NeighbourBlock::Segment& segment, std::size_t first, std::size_t last) {
                              const PlaneMap& r = segment.map.rotation;
                              if (r.xx < 0 || r.yy < 0 || r.zz < 0) {
@@ -97,13 +97,13 @@ TEST_CASE("every particle of a list is near some particle of its cluster", "[flu
     NeighbourLists lists(p.capacity());
     find_neighbours(grid, Solids(scene), p, h, lists);
     int far = 0;
-    for (std::size_t i = 0; i < p.count; i += cluster_size) {
+    for (std::size_t i = 0; i < p.count; i += lists.cluster_size) {
         const NeighbourBlock& block = lists.blocks[i / block_size];
-        for_each_segment(block, i % block_size / cluster_size,
+        for_each_segment(block, i % block_size / lists.cluster_size,
                          [&](const NeighbourBlock::Segment& segment, std::size_t first, std::size_t last) {
                              for (std::size_t k = first; k < last; ++k) {
                                  float nearest = Box::inf;
-                                 for (std::size_t l = i; l < std::min(i + cluster_size, p.count); ++l) {
+                                 for (std::size_t l = i; l < std::min(i + lists.cluster_size, p.count); ++l) {
                                      const Vec3 at = segment.map({p.x[l], p.y[l], p.z[l]});
                                      nearest =
                                          std::min(nearest, std::hypot(at[0] - p.x[block.j[k]], at[1] - p.y[block.j[k]],
