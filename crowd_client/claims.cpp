@@ -79,17 +79,18 @@ void claim(Claims<Real>& claims, const MarkerLanes<Real>& markers, const Candida
     for (std::size_t m = 0; m < places; m += L::count) {
         const Reals x = L::load(markers.x.data() + m);
         const Reals z = L::load(markers.z.data() + m);
-        Reals best = above_limit - Reals{};
+        Reals best = above_limit;
         Integers owner{};
         for (std::size_t c = 1; c < candidates.count; ++c) {
             const Reals dx = x - candidates.site_x[c];
             const Reals dz = z - candidates.site_z[c];
             const Reals distance = dx * dx + dz * dz;
+            const Integers nearer = distance < best;
             ties |= distance == best;
-            owner = distance < best ? static_cast<Integer>(c) - Integers{} : owner;
-            best = distance < best ? distance : best;
+            owner = choose<Integer>(nearer, static_cast<Integer>(c), owner);
+            best = choose(nearer, distance, best);
         }
-        std::memcpy(claims.owner.data() + m, &owner, sizeof owner);
+        L::store(claims.owner.data() + m, owner);
     }
     Integer any = 0;
     for (std::size_t lane = 0; lane < L::count; ++lane) any |= ties[lane];
@@ -112,8 +113,7 @@ void find_contested(Claims<Real>& claims, const MarkerLanes<Real>& markers, cons
     for (std::size_t m = 0; m < places; m += L::count) {
         const Reals x = L::load(markers.x.data() + m);
         const Reals z = L::load(markers.z.data() + m);
-        Integers owner;
-        std::memcpy(&owner, claims.owner.data() + m, sizeof owner);
+        const Integers owner = L::load(claims.owner.data() + m);
         const Reals own_x = x - look_up(candidates.x, candidates.count, owner);
         const Reals own_z = z - look_up(candidates.z, candidates.count, owner);
         // Until the owner is there, s.
@@ -126,7 +126,7 @@ void find_contested(Claims<Real>& claims, const MarkerLanes<Real>& markers, cons
             const Integers close = dx * dx + dz * dz < limit;
             contested |= close & (owner != static_cast<Integer>(c));
         }
-        L::store(claims.contested.data() + m, contested ? Reals{} + 1 : Reals{});
+        L::store(claims.contested.data() + m, choose<Real>(contested, 1, 0));
     }
 }
 

@@ -8,15 +8,19 @@ namespace {
 
 using L = Lanes<float>;
 
-// The sum over the lanes, always in one order.
-template <typename Number, typename Vector>
-Number total(const Vector& v) {
-    static_assert(L::count == 16);
-    std::array<Number, 16> s;
-    std::memcpy(s.data(), &v, sizeof v);
-    for (std::size_t k = 0; k < 8; ++k) s[k] += s[k + 8];
-    for (std::size_t k = 0; k < 4; ++k) s[k] += s[k + 4];
-    return (s[0] + s[2]) + (s[1] + s[3]);
+// The sum over the lanes, always in one order: halves are added until four lanes are left.
+template <typename Number>
+Number total(const Vector<Number>& v) {
+    using Eight [[gnu::vector_size(8 * sizeof(Number))]] = Number;
+    using Four [[gnu::vector_size(4 * sizeof(Number))]] = Number;
+    static_assert(Vector<Number>::count == 16);
+    Eight eights[2];
+    std::memcpy(&eights, &v.part, sizeof eights);
+    const Eight eight = eights[0] + eights[1];
+    Four fours[2];
+    std::memcpy(&fours, &eight, sizeof fours);
+    const Four four = fours[0] + fours[1];
+    return (four[0] + four[2]) + (four[1] + four[3]);
 }
 
 }  // namespace
@@ -85,15 +89,14 @@ void DrawnOwners::weigh(bool with_bodies) {
     const std::size_t places = L::padded(markers_.count), size = candidates_.count;
     for (std::vector<float>* v : {&weight_, &x_, &z_}) make_room(*v, places);
     for (std::size_t m = 0; m < places; m += L::count) {
-        L::Integers owner;
-        std::memcpy(&owner, claims_.owner.data() + m, sizeof owner);
+        const L::Integers owner = L::load(claims_.owner.data() + m);
         const L::Reals x = L::load(markers_.x.data() + m) - look_up(candidates_.x, size, owner);
         const L::Reals z = L::load(markers_.z.data() + m) - look_up(candidates_.z, size, owner);
         const L::Reals along = look_up(goal_x_, size, owner) * x + look_up(goal_z_, size, owner) * z;
         const L::Reals square = x * x + z * z;
-        const L::Reals distance = square_root(square > 1e-20F ? square : 1e-20F - L::Reals{});
+        const L::Reals distance = square_root(choose<float>(1e-20F < square, square, 1e-20F));
         const L::Reals ahead = distance + along;
-        L::Reals f = (ahead > 0 ? ahead : L::Reals{}) / (distance + distance * distance);
+        L::Reals f = choose<float>(0 < ahead, ahead, 0) / (distance + distance * distance);
         if (with_bodies) {
             f *= 1 - look_up(discount_, size, owner) * L::load(claims_.contested.data() + m);
         }
@@ -120,12 +123,10 @@ void DrawnOwners::add_to_owners(const Claiming& claiming, const RowBand& band, i
                                        Sums s = sums[k];
                                        const auto whose = static_cast<std::int32_t>(candidate + k);
                                        for (std::size_t m = 0; m < places; m += L::count) {
-                                           L::Integers owner;
-                                           std::memcpy(&owner, owners + m, sizeof owner);
-                                           const L::Integers own = owner == whose;
-                                           s.weight = own ? s.weight + L::load(weight + m) : s.weight;
-                                           s.x = own ? s.x + L::load(x + m) : s.x;
-                                           s.z = own ? s.z + L::load(z + m) : s.z;
+                                           const L::Integers own = L::load(owners + m) == whose;
+                                           s.weight = choose(own, s.weight + L::load(weight + m), s.weight);
+                                           s.x = choose(own, s.x + L::load(x + m), s.x);
+                                           s.z = choose(own, s.z + L::load(z + m), s.z);
                                            s.owned += own;
                                            if constexpr (with_bodies)
                                                s.contested += own & (L::load(contested + m) != 0);
@@ -144,15 +145,15 @@ void DrawnOwners::finish(const Claiming& claiming, std::uint32_t entry, std::uin
         s.owned += other.owned, s.contested += other.contested;
     }
     const std::uint32_t k = claiming.cells.walker[entry];
-    const float weight = total<float>(s.weight);
+    const float weight = total(s.weight);
     claiming.motion.vector[k] = Vector2d::Zero();
     if (weight > 0) {
-        claiming.motion.vector[k] = {static_cast<double>(total<float>(s.x) / weight),
-                                     static_cast<double>(total<float>(s.z) / weight)};
+        claiming.motion.vector[k] = {static_cast<double>(total(s.x) / weight),
+                                     static_cast<double>(total(s.z) / weight)};
     }
-    claiming.motion.owned[k] = static_cast<std::uint32_t>(-total<std::int32_t>(s.owned));
+    claiming.motion.owned[k] = static_cast<std::uint32_t>(-total(s.owned));
     if (claiming.bodies != nullptr) {
-        claiming.motion.contested[k] = static_cast<std::uint32_t>(-total<std::int32_t>(s.contested));
+        claiming.motion.contested[k] = static_cast<std::uint32_t>(-total(s.contested));
     }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Vectors of 64 bytes, the compiler's own: it splits them where the processor's registers are shorter, so that the lanes,
-// and with them all results, are the same everywhere.
+// Vectors of 64 bytes, in as many registers as the processor needs for them, so that the lanes, and with them all results,
+// are the same everywhere.
 
 #include <array>
 #include <cmath>
@@ -10,35 +10,105 @@
 #include <type_traits>
 #include <vector>
 
-#if defined(__AVX512F__)
+#if defined(__AVX2__)
 #include <immintrin.h>
 #endif
 
-// Where the registers are shorter, functions that are not inlined return such vectors in memory. All of them are compiled
+// Functions that are not inlined return such vectors in memory where the registers are shorter. All of them are compiled
 // with the same options, so that the warning that this depends on the processor says nothing here.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace wade::crowd {
 
+#if defined(__AVX512F__)
+inline constexpr std::size_t register_bytes = 64;
+#elif defined(__AVX2__)
+inline constexpr std::size_t register_bytes = 32;
+#else
+inline constexpr std::size_t register_bytes = 16;
+#endif
+
+// The compiler's own vectors of a whole register are fast, those of several are taken apart number by number.
+template <typename Number>
+struct Vector {
+    static constexpr std::size_t count = 64 / sizeof(Number);
+    static constexpr std::size_t parts = 64 / register_bytes;
+    static constexpr std::size_t in_part = count / parts;
+    using Part [[gnu::vector_size(register_bytes)]] = Number;
+    using Integer = std::conditional_t<sizeof(Number) == 4, std::int32_t, std::int64_t>;
+    using Mask = Vector<Integer>;  // of a lane: all bits or none
+
+    Part part[parts];
+
+    Vector() = default;
+    Vector(Number value) {  // NOLINT: the same in all lanes
+        for (Part& p : part) p = value - Part{};
+    }
+    Number operator[](std::size_t lane) const { return part[lane / in_part][lane % in_part]; }
+
+    template <typename Result, typename Operation>
+    static Result of_parts(const Vector& a, const Vector& b, Operation&& operation) {
+        Result r;
+        for (std::size_t k = 0; k < parts; ++k) r.part[k] = operation(a.part[k], b.part[k]);
+        return r;
+    }
+    friend Vector operator+(const Vector& a, const Vector& b) {
+        return of_parts<Vector>(a, b, [](const Part& u, const Part& v) { return u + v; });
+    }
+    friend Vector operator-(const Vector& a, const Vector& b) {
+        return of_parts<Vector>(a, b, [](const Part& u, const Part& v) { return u - v; });
+    }
+    friend Vector operator*(const Vector& a, const Vector& b) {
+        return of_parts<Vector>(a, b, [](const Part& u, const Part& v) { return u * v; });
+    }
+    friend Vector operator/(const Vector& a, const Vector& b) {
+        return of_parts<Vector>(a, b, [](const Part& u, const Part& v) { return u / v; });
+    }
+    friend Vector operator&(const Vector& a, const Vector& b) {
+        return of_parts<Vector>(a, b, [](const Part& u, const Part& v) { return u & v; });
+    }
+    friend Vector operator|(const Vector& a, const Vector& b) {
+        return of_parts<Vector>(a, b, [](const Part& u, const Part& v) { return u | v; });
+    }
+    Vector& operator+=(const Vector& v) { return *this = *this + v; }
+    Vector& operator*=(const Vector& v) { return *this = *this * v; }
+    Vector& operator|=(const Vector& v) { return *this = *this | v; }
+    friend Mask operator==(const Vector& a, const Vector& b) {
+        return of_parts<Mask>(a, b, [](const Part& u, const Part& v) { return u == v; });
+    }
+    friend Mask operator!=(const Vector& a, const Vector& b) {
+        return of_parts<Mask>(a, b, [](const Part& u, const Part& v) { return u != v; });
+    }
+    friend Mask operator<(const Vector& a, const Vector& b) {
+        return of_parts<Mask>(a, b, [](const Part& u, const Part& v) { return u < v; });
+    }
+};
+
+// Lane by lane: a where the mask is set, else b.
+template <typename Number>
+inline Vector<Number> choose(const typename Vector<Number>::Mask& mask, const Vector<Number>& a,
+                             const Vector<Number>& b) {
+    Vector<Number> r;
+    for (std::size_t k = 0; k < Vector<Number>::parts; ++k) r.part[k] = mask.part[k] ? a.part[k] : b.part[k];
+    return r;
+}
+
 template <typename Real>
 struct Lanes {
-    static constexpr std::size_t count = 64 / sizeof(Real);
-    using Integer = std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t>;
-    using Reals [[gnu::vector_size(64)]] = Real;
-    using Integers [[gnu::vector_size(64)]] = Integer;
+    static constexpr std::size_t count = Vector<Real>::count;
+    using Integer = typename Vector<Real>::Integer;
+    using Reals = Vector<Real>;
+    using Integers = Vector<Integer>;
 
-    static Reals load(const Real* from) {
-        Reals v;
-        std::memcpy(&v, from, sizeof v);
+    template <typename Number>
+    static Vector<Number> load(const Number* from) {
+        Vector<Number> v;
+        for (std::size_t k = 0; k < v.parts; ++k) std::memcpy(&v.part[k], from + k * v.in_part, register_bytes);
         return v;
     }
-    static void store(Real* to, const Reals& v) { std::memcpy(to, &v, sizeof v); }
-
-    // 0, 1, 2, ... lane by lane.
-    static Integers number() {
-        Integers v;
-        for (std::size_t lane = 0; lane < count; ++lane) v[lane] = static_cast<Integer>(lane);
-        return v;
+    template <typename Number>
+    static void store(Number* to, const Vector<Number>& v) {
+        for (std::size_t k = 0; k < v.parts; ++k) std::memcpy(to + k * v.in_part, &v.part[k], register_bytes);
     }
 
     // n rounded up to whole vectors.
@@ -55,44 +125,58 @@ void make_table(std::vector<Real>& table, std::size_t size) {
 
 // table[index] lane by lane; 0 <= index < size.
 template <typename Real>
-inline typename Lanes<Real>::Reals look_up(const std::vector<Real>& table, std::size_t size,
-                                           const typename Lanes<Real>::Integers& index) {
-    using L = Lanes<Real>;
+inline Vector<Real> look_up(const std::vector<Real>& table, std::size_t size,
+                            const typename Vector<Real>::Mask& index) {
+    static_cast<void>(size);
+    Vector<Real> v;
 #if defined(__AVX512F__)
     if constexpr (sizeof(Real) == 4) {
-        const auto places = reinterpret_cast<__m512i>(index);
-        if (size <= 2 * L::count) {
-            const __m512 low = _mm512_loadu_ps(table.data()), high = _mm512_loadu_ps(table.data() + L::count);
-            return reinterpret_cast<typename L::Reals>(_mm512_permutex2var_ps(low, places, high));
+        const auto places = reinterpret_cast<__m512i>(index.part[0]);
+        if (size <= 2 * v.count) {
+            const __m512 low = _mm512_loadu_ps(table.data()), high = _mm512_loadu_ps(table.data() + v.count);
+            v.part[0] = _mm512_permutex2var_ps(low, places, high);
+        } else {
+            v.part[0] = _mm512_mask_i32gather_ps(_mm512_setzero_ps(), __mmask16{0xffff}, places, table.data(), 4);
         }
-        return reinterpret_cast<typename L::Reals>(
-            _mm512_mask_i32gather_ps(_mm512_setzero_ps(), __mmask16{0xffff}, places, table.data(), 4));
+        return v;
+    }
+#elif defined(__AVX2__)
+    if constexpr (sizeof(Real) == 4) {
+        const __m256 all = _mm256_castsi256_ps(_mm256_set1_epi32(-1));
+        for (std::size_t k = 0; k < v.parts; ++k) {
+            const auto places = reinterpret_cast<__m256i>(index.part[k]);
+            v.part[k] = _mm256_mask_i32gather_ps(_mm256_setzero_ps(), table.data(), places, all, 4);
+        }
+        return v;
     }
 #endif
-    static_cast<void>(size);
-    typename L::Reals v;
-    for (std::size_t lane = 0; lane < L::count; ++lane) v[lane] = table[static_cast<std::size_t>(index[lane])];
+    for (std::size_t k = 0; k < v.parts; ++k) {
+        for (std::size_t l = 0; l < v.in_part; ++l) v.part[k][l] = table[static_cast<std::size_t>(index.part[k][l])];
+    }
     return v;
 }
 
-template <typename Reals>
-inline Reals square_root(const Reals& v) {
+template <typename Real>
+inline Vector<Real> square_root(const Vector<Real>& v) {
+    Vector<Real> roots;
+    for (std::size_t k = 0; k < v.parts; ++k) {
 #if defined(__AVX512F__)
-    if constexpr (std::is_same_v<Reals, Lanes<float>::Reals>) {
-        return reinterpret_cast<Reals>(_mm512_maskz_sqrt_ps(__mmask16{0xffff}, reinterpret_cast<__m512>(v)));
-    } else {
-        return reinterpret_cast<Reals>(_mm512_maskz_sqrt_pd(__mmask8{0xff}, reinterpret_cast<__m512d>(v)));
-    }
+        if constexpr (sizeof(Real) == 4) {
+            roots.part[k] = _mm512_maskz_sqrt_ps(__mmask16{0xffff}, v.part[k]);
+        } else {
+            roots.part[k] = _mm512_maskz_sqrt_pd(__mmask8{0xff}, v.part[k]);
+        }
+#elif defined(__AVX2__)
+        if constexpr (sizeof(Real) == 4) {
+            roots.part[k] = _mm256_sqrt_ps(v.part[k]);
+        } else {
+            roots.part[k] = _mm256_sqrt_pd(v.part[k]);
+        }
 #else
-    using Real = std::remove_cvref_t<decltype(v[0])>;
-    std::array<Real, sizeof(Reals) / sizeof(Real)> s;
-    std::memcpy(s.data(), &v, sizeof s);
-#pragma omp simd
-    for (std::size_t lane = 0; lane < s.size(); ++lane) s[lane] = std::sqrt(s[lane]);
-    Reals roots;
-    std::memcpy(&roots, s.data(), sizeof s);
-    return roots;
+        for (std::size_t l = 0; l < v.in_part; ++l) roots.part[k][l] = std::sqrt(v.part[k][l]);
 #endif
+    }
+    return roots;
 }
 
 // Gives working memory at least n places; what was in it is lost or not.

@@ -51,9 +51,14 @@ bool sees(const Solids& solids, const Vec3& x, const Vec3& y, const Mirror& mirr
            (mirror.obstacle < 0 ? solids.visible(x, mirror.reflect(y)) : solids.sees_image(x, y, mirror));
 }
 
-// Room of a thread.
-std::vector<std::uint32_t>& room_for_candidates() {
-    thread_local std::vector<std::uint32_t> room;
+// Room of a thread for the search.
+struct Room {
+    std::vector<Mirror> mirrors;
+    std::vector<Run> runs;
+    std::vector<std::uint32_t> candidates;
+};
+Room& room_of_thread() {
+    thread_local Room room;
     return room;
 }
 
@@ -92,8 +97,8 @@ class BlockSearch {
         const Box box = box_round(places);
         const bool by_obstacle = solids_.obstacle_near(box);
         add_segments(places, places, box, {}, by_obstacle);
-        solids_.mirrors_near(box, block_.mirrors);
-        for (const Mirror& mirror : block_.mirrors) {
+        solids_.mirrors_near(box, room_.mirrors);
+        for (const Mirror& mirror : room_.mirrors) {
             const ClusterPlaces image = mapped(places, mirror.map());
             add_segments(places, image, box_round(image), mirror, by_obstacle);
         }
@@ -106,7 +111,7 @@ class BlockSearch {
         const Box near = grown(box);
         grid_.for_each_period(near.lo, near.hi, [&](const Vec3& period) {
             const std::size_t first = entries_;
-            NeighbourBlock::Segment& segment = block_.segments.emplace_back();
+            NeighbourBlock::Segment& segment = one_more_segment();
             segment.obstacle = static_cast<std::int16_t>(mirror.obstacle);
             segment.obstacle_axis = static_cast<std::int16_t>(mirror.obstacle_axis);
             segment.by_sight = by_obstacle || mirror.facet >= 0;
@@ -128,6 +133,12 @@ class BlockSearch {
         });
     }
 
+    NeighbourBlock::Segment& one_more_segment() {
+        std::vector<NeighbourBlock::Segment>& all = block_.segments;
+        if (all.size() == all.capacity()) all.reserve(all.size() + all.size() / 16 + 4);
+        return all.emplace_back();
+    }
+
     [[nodiscard]] Box grown(Box box) const {
         for (std::size_t k = 0; k < 3; ++k) {
             box.lo[k] -= h_;
@@ -139,15 +150,15 @@ class BlockSearch {
     // Appends the particles that are nearer than the support radius to one of these places, which lie in the box.
     void append(const ClusterPlaces& places, const Box& box) {
         const Box near = grown(box);
-        block_.runs.clear();
+        room_.runs.clear();
         std::size_t most = largest_cluster;
         grid_.for_each_run(near.lo, near.hi, [&](std::uint32_t begin, std::uint32_t end) {
-            block_.runs.push_back({begin, end});
+            room_.runs.push_back({begin, end});
             most += end - begin;
         });
-        std::vector<std::uint32_t>& room = room_for_candidates();
-        make_room(room, most);
-        const std::span candidates{room.data(), find_near_box(box, h_, p_, block_.runs, room.data())};
+        make_room(room_.candidates, most);
+        std::uint32_t* const to = room_.candidates.data();
+        const std::span candidates{to, find_near_box(box, h_, p_, room_.runs, to)};
         make_room(block_.j, entries_ + candidates.size() + 1);
         entries_ += find_near_places(places, h_, p_, candidates, block_.j.data() + entries_);
     }
@@ -183,6 +194,7 @@ class BlockSearch {
     float h_;
     std::size_t size_;  // of a cluster
     NeighbourBlock& block_;
+    Room& room_ = room_of_thread();
     std::size_t entries_ = 0;
 };
 

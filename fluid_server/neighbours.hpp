@@ -69,8 +69,6 @@ struct NeighbourBlock {
         lanes;  // of each entry, bit l: lane l is near and sees it; from sum_kernel (sweeps.hpp) on
     std::vector<std::uint16_t> factor;        // of each entry's near lanes: (dW/dr) / r in NeighbourLists::factor_unit
     std::vector<std::uint32_t> first_factor;  // of each cluster
-    std::vector<Mirror> mirrors;              // room for the search
-    std::vector<Run> runs;
 };
 
 // A factor in units of NeighbourLists::factor_unit is at most this.
