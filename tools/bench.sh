@@ -5,7 +5,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
 help_if_asked "$@" <<'HELP'
-Usage: tools/bench.sh [--quick] [--only NAME] [--threads N] [--json FILE] [--compare FILE] [--out DIR]
+Usage: tools/bench.sh [--quick] [--only NAME] [--threads N] [--json FILE] [--compare FILE] [--out DIR] [--from FILE]
 
 Measures the water, the crowd, the coupling, the protocol and whole runs, each several times, and prints medians with
 counts of the work and the errors beside them. Builds the programs first.
@@ -16,7 +16,8 @@ counts of the work and the errors beside them. Builds the programs first.
   --json FILE     the results as {machine, results: [{name, size, threads, median, min, max, unit, ...}]}
   --compare FILE  how many times as fast as in FILE, which --json has written, by name, size and threads
   --out DIR       DIR/bench.json and the page DIR/bench.md with its pictures: rates and errors, profile of a step by
-                  stages, and how far from what the processor and the memory of this machine allow
+                  stages, goals, and how far from what the processor and the memory of this machine allow
+  --from FILE     measures nothing: writes the page of --out anew from the bench.json of another day
 
 Names: fluid/river, fluid/growth, fluid/dam_break, fluid/dam_break_733_steps, fluid/column_at_rest, shallow_water/..., steering/..., crowd/..., coupling/contacts,
 protocol/..., kernels/..., machine/..., features/..., end_to_end/s05, end_to_end/s05_depth_1, end_to_end/river_s05, end_to_end/fine.

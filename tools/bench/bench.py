@@ -37,7 +37,10 @@ def arguments():
     parser.add_argument("--json")
     parser.add_argument("--compare")
     parser.add_argument("--out")
+    parser.add_argument("--from", dest="source")
     chosen = parser.parse_args()
+    if chosen.source and not chosen.out:
+        parser.error("--from needs --out")
     if chosen.threads < 0:
         parser.error(f"--threads {chosen.threads}, allowed: 1 or more")
     return chosen
@@ -105,6 +108,16 @@ def main():
         except (OSError, ValueError, KeyError) as error:
             print(f"bench.sh: --compare {chosen.compare}: {error}", file=sys.stderr)
             return 2
+    if chosen.source:
+        import page  # matplotlib is slow to load
+
+        try:
+            before = read(chosen.source)
+            page.write_page(Path(chosen.out), before["machine"], before["results"], chosen.quick)
+        except (OSError, ValueError, KeyError) as error:
+            print(f"bench.sh: --from {chosen.source}: {error}", file=sys.stderr)
+            return 2
+        return 0
     here = machine()
     print(machine_text(here))
     if here["busy"]:

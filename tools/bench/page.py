@@ -5,11 +5,11 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
+import goals  # noqa: E402
 from machine import machine_text  # noqa: E402
-from results import number  # noqa: E402
+from results import larger_is_faster, number, speed_up  # noqa: E402
 
 STAGE = "_ns_per_particle_step"
-RATES = ("gflops", "gb_s", "particle_steps_per_s", "cell_steps_per_s", "agent_steps_per_s", "sim_s_per_wall_s")
 ALONE = ("machine/fma_peak", "machine/stream")
 SWEEPS = ("kernels/pressure_sweep", "kernels/rate_sweep", "kernels/kernel_sweep")
 
@@ -158,19 +158,14 @@ def growth(results):
     return markdown(("name", "from", "to", "threads", "cost of an item, times"), rows) if rows else []
 
 
-def gain_of(one, two):
-    """How many times as much is done in the same time."""
-    return two["median"] / one["median"] if one["unit"] in RATES else one["median"] / two["median"]
-
-
 def second_processor(results):
     """Lines: what two threads gain, beside what two programs gain that need not wait for each other."""
     rows = []
     for one in [r for r in results if r["threads"] == 1]:
         for two in named(results, one["name"], 2):
-            if two["size"] == one["size"] and (one["unit"] in RATES or one["unit"].startswith("ns_per_")):
+            if two["size"] == one["size"] and (larger_is_faster(one["unit"]) or one["unit"].startswith("ns_per_")):
                 free = "they share nothing" if one["name"] in ALONE else "they wait for nothing" if one["name"] in SWEEPS else ""
-                rows.append((one["name"], number(one["size"]), f"{gain_of(one, two):.2f}", free))
+                rows.append((one["name"], number(one["size"]), f"{speed_up(one, two):.2f}", free))
     if not rows:
         return []
     text = [
@@ -179,6 +174,19 @@ def second_processor(results):
         "",
     ]
     return text + markdown(("name", "size", "times", ""), rows)
+
+
+def goals_of(results):
+    rows = goals.rows_of(results, OPERATIONS_OF_A_PAIR)
+    if not rows:
+        return []
+    text = [
+        "Goals set for two cores of 2.5 GHz before anything was built, judged by the median. The last column: particle-steps a second if each sweep of the two solves took only what "
+        f"{OPERATIONS_OF_A_PAIR} operations a lane cost a core that makes multiply-adds at its peak, all else as measured.",
+        "",
+    ]
+    heads = ("name", "size", "threads", "goal", "median", "best", "unit", "reached", "with the solves at the bound")
+    return text + markdown(heads, rows)
 
 
 def features(results):
@@ -256,6 +264,7 @@ def write_page(folder, machine, results, quick):
     if machine["busy"]:
         lines += ["", "**Other programs used the machine: times are too long, only ratios within a program mean something.**"]
     sections = (
+        ("Goals", goals_of(results), None, None),
         ("All figures", rates(results), None, None),
         ("Work and error of the water", errors(results), None, None),
         ("Profile of a step, ns of wall time a particle-step", profile(results), draw_profile, "profile.png"),
