@@ -2,10 +2,14 @@
 
 import functools
 import json
+from pathlib import Path
 
-from paths import ROOT
+ROOT = Path(__file__).resolve().parents[2]
 
-from ensembles import what_counts
+
+def what_counts(scene):
+    """The scene without the words that change no result."""
+    return {key: value for key, value in scene.items() if key not in ("name", "description")}
 
 
 @functools.cache
