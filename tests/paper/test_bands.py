@@ -13,7 +13,7 @@ from limits import contact_mass, limit_velocity, loss_velocity, of_limit  # noqa
 
 def result(arrived, time=None, agents=50):
     times = None if time is None else (time, time - 1, time + 1)
-    return SimpleNamespace(arrived=(arrived, arrived - 1, arrived + 1), time=times, agents=agents)
+    return SimpleNamespace(arrived=(arrived, arrived - 1, arrived + 1), time=times, agents=agents, mark="")
 
 
 def scene(tau, velocity, rule="difference"):

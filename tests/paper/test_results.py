@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 import struct
 import sys
 import tempfile
@@ -10,8 +11,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools" / "paper"))
 
+import plan  # noqa: E402
 from ensembles import is_done  # noqa: E402
-from pictures import lee_length, longest_lee  # noqa: E402
+from pictures import lee_length, lee_of, longest_lee, note_what_is_seen  # noqa: E402
+from record import record_of  # noqa: E402
 from table1 import COLUMNS, Result, Run, read_paper, table_row, write_table  # noqa: E402
 
 SCENE = {
@@ -41,7 +44,7 @@ class Results(unittest.TestCase):
         folder = Path(tempfile.mkdtemp(dir=self.temporary.name))
         times = [agent[3] for agent in agents if agent[2] == "arrived"]
         outcome = {name: sum(agent[2] == name for agent in agents) for name in ("arrived", "dead", "active")}
-        outcome.update(status=status, agents=len(agents), last_arrival_s=max(times, default=None))
+        outcome.update(status=status, agents=len(agents), last_arrival_s=max(times, default=None), step_rate_hz=30.0)
         (folder / "outcome.json").write_text(json.dumps(outcome))
         (folder / "manifest.json").write_text(json.dumps({"resolved_scene": SCENE, "git_hash": "abc"}))
         with open(folder / "agents.csv", "w", newline="", encoding="utf-8") as file:
@@ -51,7 +54,8 @@ class Results(unittest.TestCase):
         return folder
 
     def run_of(self, **changed):
-        return Run("paper", "S5", 1, self.run_folder(**changed))
+        folder = self.run_folder(**changed)
+        return Run(plan.scenario_case("paper", "S5"), "S5", 1, *record_of(folder), folder)
 
     def test_means_over_runs_and_groups(self):
         nobody = [(i, "ab"[i // 2], "dead", 10.0, 1.0, 1.5) for i in range(4)]
@@ -107,6 +111,11 @@ class Results(unittest.TestCase):
         self.water_file(run, depths)
         self.assertEqual(lee_length(run), 24)
         self.assertEqual(longest_lee(run), (24, 15))
+        self.assertIsNone(lee_of(Result([run])))
+        note_what_is_seen(run)
+        shutil.rmtree(run.folder)
+        self.assertEqual(lee_of(Result([run])), [24, 24, 15], "what is kept is enough")
+        run.folder.mkdir()
         for row in range(27):
             for x in range(50):
                 depths[row][x] = 0.0

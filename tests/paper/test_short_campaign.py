@@ -7,6 +7,7 @@ import csv
 import json
 import os
 import re
+import shutil
 import statistics
 import subprocess
 import sys
@@ -19,9 +20,9 @@ PROGRAMS = Path(os.environ.get("WADE_PROGRAMS", ROOT / "build" / "release"))
 SCENARIOS, SEEDS = ("S1", "S4", "S5", "S8"), (1, 2)
 
 
-def reproduce(out):
+def reproduce(out, *more):
     command = ["/usr/bin/python3", ROOT / "tools" / "paper" / "reproduce.py", "--programs", PROGRAMS, "--out", out, "--quick",
-               "--seeds", str(len(SEEDS)), "--max-seeds", str(len(SEEDS)), "--set-of-scenes", "observed", "--threads", "1"]
+               "--seeds", str(len(SEEDS)), "--max-seeds", str(len(SEEDS)), "--set-of-scenes", "observed", "--threads", "1", *more]
     return subprocess.run(list(map(str, command)), capture_output=True, text=True)
 
 
@@ -109,19 +110,67 @@ class ShortCampaign(unittest.TestCase):
         for picture in pictures:
             self.assertTrue((self.out / picture).is_file(), picture)
 
-    def test_what_is_complete_is_not_run_again(self):
-        lost = next(self.out.glob("observed/*/s4-seed2")) / "outcome.json"
+    def copy(self, *left_out):
+        """A copy of the campaign, as a fresh clone has it if its run folders are left out."""
+        out = Path(tempfile.mkdtemp(dir=self.temporary.name)) / "copy"
+        shutil.copytree(self.out, out, ignore=shutil.ignore_patterns(*left_out))
+        return out
+
+    def ran(self, answer):
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        return [line.split(":")[0] for line in answer.stderr.splitlines() if line.endswith("(run)")]
+
+    def without_wall_times(self, report):
+        return re.sub(r"^Figures, not judged.*$", "", report, flags=re.MULTILINE)
+
+    def test_a_run_that_is_lost_is_run_again_and_no_other(self):
+        out = self.copy()
+        lost = next(out.glob("observed/*/s4-seed2")) / "outcome.json"
         before = lost.read_text()
         lost.unlink()
-        again = reproduce(self.out)
-        self.assertEqual(again.returncode, 0, again.stderr)
-        ran = [line.split(":")[0] for line in again.stderr.splitlines() if line.endswith("(run)")]
-        self.assertEqual(ran, ["observed/v0.5/s4 seed 2"])
+        self.assertEqual(self.ran(reproduce(out)), [], "the store has it")
+        self.assertEqual((out / "report.md").read_text(), self.report)
+        store = out / "runs.jsonl"
+        lines = store.read_text().splitlines(keepends=True)
+        store.write_text("".join(line for line in lines if '"observed/v0.5/s4","seed":2' not in line))
+        self.assertEqual(self.ran(reproduce(out)), ["observed/v0.5/s4 seed 2"])
         for key in ("arrived", "last_arrival_s", "frame_hash"):
             self.assertEqual(json.loads(lost.read_text())[key], json.loads(before)[key], key)
-        # wall times apart
-        strip = re.compile(r"^Figures, not judged.*$", re.MULTILINE)
-        self.assertEqual(strip.sub("", (self.out / "report.md").read_text()), strip.sub("", self.report))
+        self.assertEqual(self.without_wall_times((out / "report.md").read_text()), self.without_wall_times(self.report))
+
+    def test_the_store_alone_gives_the_same_report(self):
+        out = self.copy("observed", "*.png", "*.md", "table1.csv")
+        self.assertEqual([file.name for file in out.iterdir()], ["runs.jsonl"])
+        self.assertEqual(self.ran(reproduce(out)), [])
+        for name in ("runs.jsonl", "report.md", "table1.csv", "table1.png"):
+            self.assertEqual((out / name).read_bytes(), (self.out / name).read_bytes(), name)
+
+    def test_folders_alone_give_the_store(self):
+        out = self.copy("runs.jsonl", "report.md")
+        self.assertEqual(self.ran(reproduce(out, "--report-only")), [])
+        self.assertEqual((out / "table1.csv").read_bytes(), (self.out / "table1.csv").read_bytes())
+        kept = [{**json.loads(line), "program": ""} for line in (self.out / "runs.jsonl").read_text().splitlines()]
+        again = [{**json.loads(line), "program": ""} for line in (out / "runs.jsonl").read_text().splitlines()]
+        self.assertEqual(again, kept)
+
+    def test_results_of_another_program_are_marked(self):
+        out = self.copy("observed")
+        store = out / "runs.jsonl"
+        lines = [json.loads(line) for line in store.read_text().splitlines()]
+        for line in lines:
+            if line.get("run") == "observed/v1.5/s5" and line["seed"] == 2:
+                line.update(program="0123456789abcdef", commit="0ld")
+        store.write_text("".join(json.dumps(line) + "\n" for line in lines))
+        self.assertEqual(self.ran(reproduce(out)), [])
+        report = (out / "report.md").read_text()
+        self.assertIn(": 1 of commit 0ld, of 8 runs.", report)
+        marked = {row for row, cells in rows_of(section(report, "Table 1")).items() if "\\*" in "".join(cells)}
+        self.assertEqual(marked, {"S5"})
+        self.assertIn("observed/v1.5\\*", rows_of(section(report, "The runs of the fluid")))
+        with open(out / "table1.csv", newline="", encoding="utf-8") as file:
+            commits = {row["scenario"]: len(row["commits"].split()) for row in csv.DictReader(file)}
+        self.assertEqual(commits, {"S1": 1, "S4": 1, "S5": 2, "S8": 1})
+        self.assertNotIn("\\*", self.report)
 
 
 if __name__ == "__main__":

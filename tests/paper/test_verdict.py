@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools" / "paper"))
 
-from verdict import checks_of, verdict_text  # noqa: E402
+from verdict import checks_of, path_hash, verdict_text  # noqa: E402
 
 PATH = [(0, 0, 75.0, 10.0, 0.0, 1.0), (1, 0, 75.0, 10.04, 0.0, 1.0)]
 RIVER = {"S1": 50, "S2": 50, "S3": 50, "S4": 50, "S5": 50, "S6": 12, "S7": 3, "S8": 2, "S9": 0, "S10": 7}
@@ -30,9 +30,8 @@ class Verdict(unittest.TestCase):
         database.close()
         fluid = {"position_clamps": clamps, "resident_bytes": 90_000_000}
         outcome = {"arrived": arrived, "agents": 50, "last_arrival_s": last if arrived else None, "fluid": fluid}
-        return SimpleNamespace(
-            set=scene_set, scenario=scenario, seed=seed, folder=folder, outcome=outcome, speed=lambda: 2.5
-        )
+        outcome["path_hash"] = path_hash(folder)
+        return SimpleNamespace(set=scene_set, scenario=scenario, seed=seed, outcome=outcome, speed=lambda: 2.5)
 
     def river(self, **changed):
         """All twelve runs of the river set, as they should be but for the arrivals that are named."""

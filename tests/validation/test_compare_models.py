@@ -113,7 +113,7 @@ class Rules(unittest.TestCase):
 
     def test_outcomes_of_table_1_agree_within_a_tenth(self):
         def result(arrived, time):
-            return SimpleNamespace(arrived=(arrived, arrived, arrived), agents=50, time=time and (time, time, time))
+            return SimpleNamespace(arrived=(arrived, arrived, arrived), agents=50, time=time and (time, time, time), mark="")
 
         reference = result(50, 100)
         self.assertTrue(rules.agrees(result(45, 109.9), reference))

@@ -165,7 +165,7 @@ def as_model_runs(scene_set, model, cases, ensembles, source=""):
         costs = {water.name: cost_of_own(runs) for water, runs in by_water.items()}
     else:
         costs = {water.name: cost_of(ensembles.out / water.key, runs) for water, runs in by_water.items()}
-    commits = sorted({run.manifest["git_hash"] for runs in of_case.values() for run in runs})
+    commits = sorted({run.outcome["commit"] for runs in of_case.values() for run in runs})
     return ModelRuns(scene_set, model, {n: Result(runs) for n, runs in of_case.items()}, costs, tuple(commits), source)
 
 

@@ -46,8 +46,8 @@ def in_words(interval, digits=1):
 
 def outcome_in_words(result):
     if result.arrived[0] == 0:
-        return "nobody"
-    return f"{in_words(result.time)} s, {in_words(result.arrived)} arrive"
+        return "nobody" + result.mark
+    return f"{in_words(result.time)} s, {in_words(result.arrived)} arrive{result.mark}"
 
 
 def asked_of(scenario):
@@ -97,7 +97,7 @@ def judge_two_groups(result):
     judgement = Judgement("two groups", "nobody of the upstream group arrives (8 in all in the paper)")
     if result is not None:
         crossing, upstream = result.arrived_of("walkers"), result.arrived_of("upstream")
-        judgement.found = f"{in_words(crossing)} of 50 cross, {in_words(upstream)} of 50 go upstream"
+        judgement.found = f"{in_words(crossing)} of 50 cross, {in_words(upstream)} of 50 go upstream{result.mark}"
         judgement.holds = upstream[0] <= SLACK
     return judgement
 
@@ -115,7 +115,8 @@ def judge_switch(result):
 def judge_obstacle(with_it, without):
     judgement = Judgement("obstacle", "more arrive than without it, the intervals apart (26 against 8 in the paper)")
     if with_it is not None and without is not None:
-        judgement.found = f"{in_words(with_it.arrived)} against {in_words(without.arrived)} of {with_it.agents}"
+        arrived = [in_words(result.arrived) + result.mark for result in (with_it, without)]
+        judgement.found = f"{' against '.join(arrived)} of {with_it.agents}"
         judgement.holds = with_it.arrived[1] > without.arrived[2]
     return judgement
 
@@ -136,7 +137,7 @@ def judge_particles(pairs):
     known = {name: pair for name, pair in pairs.items() if None not in pair}
     if known:
         judgement.found = "; ".join(
-            f"{name} {in_words(fine.arrived)} against {in_words(coarse.arrived)}"
+            f"{name} {in_words(fine.arrived)}{fine.mark} against {in_words(coarse.arrived)}{coarse.mark}"
             for name, (coarse, fine) in known.items()
         )
         judgement.holds = all(

@@ -4,10 +4,14 @@ import json
 import subprocess
 import sys
 import time
+from functools import cached_property
 from pathlib import Path
 
 from intervals import precise_enough
+from known_scene import what_counts
+from pictures import note_what_is_seen
 from progress import Progress, most_work, work_done
+from record import Version, record_of
 from table1 import Run
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -33,6 +37,10 @@ class Programs:
         self.folder, self.until_s = folder, until_s
         self.known = {}
 
+    @cached_property
+    def version(self):
+        return Version(self.folder)
+
     def resolved(self, scene, changes):
         """The scene with these (pointer, value) changes as the programs will run it."""
         key = (scene, repr(changes))
@@ -55,11 +63,6 @@ class Programs:
         return {**water, **{key: own[key] for key in CROWDS_OWN if key in own}, "seed": seed}
 
 
-def what_counts(scene):
-    """The scene without the words that change no result."""
-    return {key: value for key, value in scene.items() if key not in ("name", "description")}
-
-
 def is_done(folder, scene):
     """Whether the folder holds a complete run of this very scene, by programs that wrote all that the report reads."""
     try:
@@ -80,10 +83,14 @@ def crowd_entry(name, scene, water):
 
 
 class Ensembles:
-    """Results by case, and how they were obtained."""
+    """Results by case, and how they were obtained.
 
-    def __init__(self, programs, out, pair, threads, keep_all=False):
+    store: where the results of single runs are kept; without it they are in the run folders alone.
+    """
+
+    def __init__(self, programs, out, pair, threads, keep_all=False, store=None):
         self.programs, self.out, self.pair, self.threads, self.keep_all = programs, out, pair, threads, keep_all
+        self.store = store
         self.runs = {}  # of a case's key: its runs in the order of their seeds
         self.failures = []  # waters in words
         self.interrupted = 0  # exit code after a signal
@@ -93,7 +100,14 @@ class Ensembles:
         return self.out / case.water.key / f"{case.name}-seed{seed}"
 
     def has(self, case, seed):
+        return self.kept(case, seed) is not None or self.has_folder(case, seed)
+
+    def has_folder(self, case, seed):
         return is_done(self.folder(case, seed), self.programs.scene_of(case, seed))
+
+    def kept(self, case, seed):
+        """The record of a run in the store; None if it has none of this scene."""
+        return self.store.find(case.key, seed, self.programs.scene_of(case, seed)) if self.store else None
 
     def run(self, wanted):
         """Runs cases with their first seeds, and those whose intervals are still wide with more.
@@ -127,9 +141,20 @@ class Ensembles:
         """Takes what is complete, and runs nothing."""
         for case in cases:
             folder = self.out / case.water.key
-            seeds = [path.name.rpartition("-seed")[2] for path in folder.glob(f"{case.name}-seed*")]
-            for seed in sorted(int(seed) for seed in seeds if seed.isdigit()):
+            names = [path.name.rpartition("-seed")[2] for path in folder.glob(f"{case.name}-seed*")]
+            seeds = {int(name) for name in names if name.isdigit()} | self.store.seeds(case.key)
+            for seed in sorted(seeds):
                 self.take(case, seed, "done before")
+
+    def left_out(self, cases):
+        """How many runs in the store are of other scenes than these cases have now, and how many were not asked for."""
+        of_key, changed, unasked = {case.key: case for case in cases}, 0, 0
+        for (key, seed), records in self.store.rows.items():
+            taken = any(run.seed == seed for run in self.runs.get(key, []))
+            same = key not in of_key or self.kept(of_key[key], seed) is not None
+            changed += len(records) - 1 if same else len(records)
+            unasked += same and not taken
+        return changed, unasked
 
     def next_round(self, cases, wanted, done):
         """The (case, seed) that come next; counts them in `done`."""
@@ -208,15 +233,32 @@ class Ensembles:
 
     def take(self, case, seed, how):
         """Takes a complete run into the results."""
-        folder = self.folder(case, seed)
         if not self.has(case, seed) or any(run.seed == seed for run in self.runs.get(case.key, [])):
             return
-        run = Run(case.water.set, scenario_name(case), seed, folder)
+        record = self.kept(case, seed)
+        run = self.read(case, seed, how) if record is None else self.run_of(case, seed, record)
+        self.runs.setdefault(case.key, []).append(run)
+        print(f"{case.key} seed {seed}: {run.in_words()} ({how})", file=sys.stderr, flush=True)
+
+    def run_of(self, case, seed, record):
+        """A run that is in the store; its folder need not be there any more."""
+        folder = self.folder(case, seed) if self.has_folder(case, seed) else None
+        other = not self.programs.version.made(record)
+        return Run(case, scenario_name(case), seed, record, self.programs.scene_of(case, seed), folder, other)
+
+    def read(self, case, seed, how):
+        """Reads a run from its folder, and puts it into the store."""
+        folder = self.folder(case, seed)
+        record, scene = record_of(folder, self.programs.version.fingerprint if self.store and how == "run" else "")
+        run = Run(case, scenario_name(case), seed, record, scene, folder)
         if not self.keeps_pictures(case, seed):
             for name in PICTURE_FILES:
                 (folder / name).unlink(missing_ok=True)
-        self.runs.setdefault(case.key, []).append(run)
-        print(f"{case.key} seed {seed}: {run.in_words()} ({how})", file=sys.stderr, flush=True)
+        if self.store:
+            run.other = not self.programs.version.made(record)
+            note_what_is_seen(run)
+            self.store.add(case.key, seed, scene, record)
+        return run
 
 
 def name_of(case, seed):

@@ -21,7 +21,7 @@ def others_section(context):
             if case.name == "two_groups":
                 for group in ("walkers", "upstream"):
                     cells = [f"{name}: {group}", SET_UPS[scene_set], time_of(result) if group == "walkers" else "-"]
-                    cells += [in_words(result.arrived_of(group)), shown(dead_of(result, group), 1), met_of(result)]
+                    cells += [in_words(result.arrived_of(group)) + result.mark, shown(dead_of(result, group), 1), met_of(result)]
                     lines.append(cells)
                 continue
             cells = [name, SET_UPS[scene_set], time_of(result), arrived_of(result), shown(result.dead, 1)]
@@ -36,8 +36,7 @@ def others_section(context):
 
 
 def dead_of(result, group):
-    counts = [sum(a["group"] == group and a["outcome"] == "dead" for a in run.agents) for run in result.runs]
-    return statistics.fmean(counts)
+    return statistics.fmean(run.outcome["groups"][group]["dead"] for run in result.runs)
 
 
 def when_paper_counts(context):
@@ -59,7 +58,7 @@ def when_paper_counts(context):
             else:
                 words = "never"
             some = f" (in {len(times)} of {len(result.runs)} runs)" if 0 < len(times) < len(result.runs) else ""
-            lines.append([name, SET_UPS[scene_set], str(count), words + some])
+            lines.append([name, SET_UPS[scene_set], str(count), words + some + result.mark])
     head = ["scenario", "set", "arrive in the paper", "so many have arrived in ours"]
     text = "When the paper's numbers are reached, should its runs have been cut off in time:\n\n"
     return text + markdown_table(head, lines)
@@ -102,9 +101,10 @@ def losses_section(context):
         cells = [words, str(count)]
         for case_of, values in ((plan.depth_case, plan.DEPTHS), (plan.push_case, plan.PUSHES)):
             known = [(v, context.get(case_of(name, v))) for v in sorted((*values, 1))]
+            mark = max((r.mark for _, r in known if r is not None), default="")
             means = [(v, (r.arrived_of(group) if group else r.arrived)[0]) for v, r in known if r is not None]
             at = value_at(means, count)
-            cells.append("-" if at is None else f"{at:.2f}")
+            cells.append("-" if at is None else f"{at:.2f}{mark}")
         lines.append(cells)
     both, alone = context.other("observed", "two_groups"), context.get(plan.phase_case(0.6, 1.5))
     if all(line[2] == "-" and line[3] == "-" for line in lines):
@@ -118,7 +118,7 @@ def losses_section(context):
     if both and alone:
         crossing = in_words(both.arrived_of("walkers"))
         text += (
-            f"\nThe other group is not what stops them: {crossing} of 50 cross with it, {arrived_of(alone)} without it"
+            f"\nThe other group is not what stops them: {crossing}{both.mark} of 50 cross with it, {arrived_of(alone)} without it"
             " (same tau and water).\n"
         )
     return text

@@ -13,6 +13,7 @@ from bands import LEE_AT_S
 TOOLS = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(TOOLS))
 from run_files import read_water  # noqa: E402
+from verdict import DRY, path_hash  # noqa: E402
 
 # File of the picture: (case of a set, time in s or None for the whole run, what it shows). Which scenarios the paper's
 # figures 3, 5 and 6 show is not known to us; they are S1 to S12 at some time.
@@ -45,8 +46,27 @@ def case_of(scene_set, name):
 def first_run(results, case):
     """The run with the first seed if it still holds what pictures need."""
     result = results.get(case.key) if case is not None else None
-    runs = [run for run in result.runs if (run.folder / "trajectories.sqlite").exists()] if result else []
+    runs = [run for run in result.runs if run.folder and has_paths(run.folder)] if result else []
     return runs[0] if runs else None
+
+
+def has_paths(folder):
+    return (folder / "trajectories.sqlite").exists()
+
+
+def note_what_is_seen(run):
+    """Adds to the record of a run what the report reads from its paths and its water, which take too much room."""
+    if run.scenario in DRY and has_paths(run.folder):
+        run.outcome["path_hash"] = path_hash(run.folder)
+    length = lee_length(run) if run.scene["obstacles"] and (run.folder / "water.bin").exists() else None
+    if length is not None:
+        run.outcome["lee"] = [length, *longest_lee(run)]
+
+
+def lee_of(result):
+    """(length of the lee at 15 s, m; greatest length, m; when, s) of the first run that had its water kept, or None."""
+    lees = [run.outcome["lee"] for run in result.runs if run.outcome.get("lee")] if result else []
+    return lees[0] if lees else None
 
 
 def draw(run, file, time, pair):
@@ -80,19 +100,27 @@ def shrink(file):
 
 
 def draw_figures(results, sets, out, pair):
-    """Draws each picture from the first set that has its run; returns [(set, file's name, words)]."""
+    """Draws each picture from the first set that has its run; returns [(set, file's name, words)].
+
+    Where that run is kept without its paths, a picture that is there stays; without one the file's name is None.
+    """
     drawn = []
     for stem, (name, time, words) in FIGURES.items():
+        file = out / "figures" / f"{stem}.png"
         for scene_set in sets:
-            run = first_run(results, case_of(scene_set, name))
-            if run is None:
-                continue
-            file = out / "figures" / f"{stem}.png"
-            file.parent.mkdir(exist_ok=True)
-            if draw(run, file, time, pair):
-                shrink(file)
-                drawn.append((scene_set, f"figures/{file.name}", words))
-            break
+            case = case_of(scene_set, name)
+            run = first_run(results, case)
+            if run is not None:
+                file.parent.mkdir(exist_ok=True)
+                if draw(run, file, time, pair):
+                    shrink(file)
+                    drawn.append((scene_set, f"figures/{file.name}", words))
+                break
+            if case is not None and case.key in results:
+                before = file.exists()
+                words += ", drawn before; the paths of its run are gone" if before else ""
+                drawn.append((scene_set, f"figures/{file.name}" if before else None, words))
+                break
     return drawn
 
 

@@ -21,9 +21,10 @@ import report  # noqa: E402
 import studies  # noqa: E402
 from ensembles import Ensembles, PlanError, Programs  # noqa: E402
 from pair_processes import Pair  # noqa: E402
-from pictures import case_of, draw_figures, draw_runs, first_run, lee_length, longest_lee  # noqa: E402
+from pictures import case_of, draw_figures, draw_runs, lee_of  # noqa: E402
 from scatter import scatter_section  # noqa: E402
-from table1 import Result, read_paper, table_row, write_table  # noqa: E402
+from store import Store, StoreError  # noqa: E402
+from table1 import COLUMNS, Result, read_paper, table_row, write_table  # noqa: E402
 from verdict import checks_of, verdict_text  # noqa: E402
 from words import SET_UPS  # noqa: E402
 
@@ -89,7 +90,7 @@ def wanted_cases(options):
 
 
 def rows_of(context, cases):
-    """Rows for table1.csv of cases that are scenarios of Table 1."""
+    """Rows for table1.csv of cases that are scenarios of Table 1, with the commits of the programs."""
     rows = []
     for case in cases:
         result = context.get(case)
@@ -100,18 +101,16 @@ def rows_of(context, cases):
         in_band = bands.judge_scenario(scenario, result).holds if plain else None
         base = context.scenario(case.water.set, "S1")
         time = base.time[0] if base and base.time else None
-        rows.append(table_row(case.water.set, scenario, result, context.paper[scenario], time, in_band))
+        row = table_row(case.water.set, scenario, result, context.paper[scenario], time, in_band)
+        rows.append({**row, "commits": " ".join(result.commits)})
     return rows
 
 
-def write_report(options, ensembles, paper, drawn):
+def write_report(options, ensembles, wanted, paper, drawn):
     results = {key: Result(runs) for key, runs in ensembles.runs.items()}
     sets = [scene_set for scene_set in options.sets if any(key.startswith(f"{scene_set}/") for key in results)]
-    lee = {}
-    for scene_set in sets:
-        run = first_run(results, case_of(scene_set, "obstacle"))
-        if run is not None:
-            lee[scene_set] = lee_length(run), *longest_lee(run)
+    obstacles = {scene_set: case_of(scene_set, "obstacle") for scene_set in sets}
+    lee = {scene_set: lee_of(results.get(case.key)) for scene_set, case in obstacles.items() if case is not None}
     context = report.Context(results, sets, paper, lee)
     cut_short = options.until_s is not None
 
@@ -119,10 +118,11 @@ def write_report(options, ensembles, paper, drawn):
     rows = rows_of(context, table)
     for row in rows if cut_short else ():
         row["in_band"] = ""
-    write_table(options.out / "table1.csv", rows)
+    columns = *COLUMNS, "commits"
+    write_table(options.out / "table1.csv", rows, columns)
     readings = [case for part in ("rules", "readings") for case in plan.cases_of(part, sets)]
     if any(context.get(case) for case in readings):
-        write_table(options.out / "readings.csv", rows_of(context, readings))
+        write_table(options.out / "readings.csv", rows_of(context, readings), columns)
 
     by_set = {s: {n: r for n in plan.SCENARIOS if (r := context.scenario(s, n))} for s in sets}
     if any(by_set.values()):
@@ -143,8 +143,8 @@ def write_report(options, ensembles, paper, drawn):
         sections += [losses.losses_section(context)]
         sections += [studies.variations_section(context), causes.disagreement_section(context)]
     sections += [frame.figures_section(drawn), verdict_text(checks, judged, cut_short)]
-    sections.append(frame.runs_section(all_runs, ensembles.failures))
-    text = frame.head_text(options, all_runs) + "\n".join(section for section in sections if section)
+    sections.append(frame.runs_section(all_runs, ensembles.failures, ensembles.left_out(wanted)))
+    text = frame.head_text(options, all_runs, ensembles.programs.version) + "\n".join(section for section in sections if section)
     (options.out / "report.md").write_text(text, encoding="utf-8")
     print(text)
     print(f"{options.out / 'table1.csv'}, {options.out / 'report.md'}")
@@ -158,14 +158,20 @@ def main():
         options.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         sys.exit(f"reproduce_paper.sh: --out: cannot write to {options.out}: {error.strerror}")
+    try:
+        store = Store(options.out / "runs.jsonl")
+    except StoreError as error:
+        print(f"reproduce_paper.sh: {error}", file=sys.stderr)
+        return 2
     pair = Pair()
     programs = Programs(options.programs, options.until_s)
-    ensembles = Ensembles(programs, options.out, pair, options.threads, options.keep_all)
+    ensembles = Ensembles(programs, options.out, pair, options.threads, options.keep_all, store)
     try:
         wanted = wanted_cases(options)
         ensembles.collect(wanted) if options.report_only else ensembles.run(wanted)
     except PlanError as error:
         return error.code
+    store.tidy()
     if ensembles.interrupted:
         return ensembles.interrupted
     drawn, results = [], {key: Result(runs) for key, runs in ensembles.runs.items()}
@@ -173,7 +179,7 @@ def main():
         draw_runs(results, options.sets, pair)
     if "figures" in options.parts and options.until_s is None:
         drawn = draw_figures(results, options.sets, options.out, pair)
-    return write_report(options, ensembles, paper, drawn)
+    return write_report(options, ensembles, wanted, paper, drawn)
 
 
 if __name__ == "__main__":

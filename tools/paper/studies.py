@@ -14,13 +14,14 @@ def outcome(result):
     if result is None:
         return "-"
     if result.arrived[0] == 0:
-        return "nobody"
-    return time_of(result) + (f"; {arrived_of(result)} arrive" if result.arrived[0] < result.agents else "")
+        return "nobody" + result.mark
+    some = f"; {in_words(result.arrived)} arrive" if result.arrived[0] < result.agents else ""
+    return time_of(result) + some + result.mark
 
 
 def crossing(result):
     """Arrivals of those who cross the river where two groups walk, of 50."""
-    return "-" if result is None else in_words(result.arrived_of("walkers"))
+    return "-" if result is None else in_words(result.arrived_of("walkers")) + result.mark
 
 
 def readings_section(context):
@@ -85,9 +86,10 @@ def phase_section(context, out):
     rows = [(tau, velocity, len(r.runs), *r.arrived, r.dead, r.time[0] if r.time else "", of_limit(r.scene))
             for (tau, velocity), r in results.items()]
     with open(out / "phase.csv", "w", encoding="utf-8") as file:
-        file.write("tau,v_f_m_s,seeds,arrived_mean,arrived_lo,arrived_hi,dead_mean,time_s_mean,v_f_over_limit\n")
-        for row in rows:
-            file.write(",".join(f"{value:.6g}" if isinstance(value, float) else str(value) for value in row) + "\n")
+        file.write("tau,v_f_m_s,seeds,arrived_mean,arrived_lo,arrived_hi,dead_mean,time_s_mean,v_f_over_limit,commits\n")
+        for row, result in zip(rows, results.values()):
+            cells = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in row]
+            file.write(",".join([*cells, " ".join(result.commits)]) + "\n")
     above = [row for row in rows if row[-1] > 1]
     across = [row for row in above if row[3] >= 0.5 * some.agents]
     far = max((row[-1] for row in across), default=None)

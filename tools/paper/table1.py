@@ -1,11 +1,11 @@
 """What runs come to: one run, all runs of a case, and the rows of table1.csv."""
 
 import csv
-import json
 import statistics
 
 from intervals import arrival_interval, bootstrap_mean
 from limits import in_words
+from record import arrival_times
 
 COLUMNS = (
     "set,scenario,tau,v_f_m_s,contact_rule,initial_river,frame_rate_hz,gravity_m_s2,spacing_m,particle_mass_kg,"
@@ -14,16 +14,16 @@ COLUMNS = (
 ).split(",")
 
 
-class Run:
-    """What one complete run folder says."""
+OTHER = "\\*"  # marks what runs of other programs than the present ones went into
 
-    def __init__(self, scene_set, scenario, seed, folder):
-        self.set, self.scenario, self.seed, self.folder = scene_set, scenario, seed, folder
-        self.outcome = json.loads((folder / "outcome.json").read_text())
-        self.manifest = json.loads((folder / "manifest.json").read_text())
-        self.scene = self.manifest["resolved_scene"]
-        with open(folder / "agents.csv", newline="", encoding="utf-8") as file:
-            self.agents = list(csv.DictReader(file))
+
+class Run:
+    """One complete run: what is kept of it, its scene, and its folder, None if that is not there any more."""
+
+    def __init__(self, case, scenario, seed, record, scene, folder=None, other=False):
+        self.set, self.water, self.scenario, self.seed = case.water.set, case.water.key, scenario, seed
+        self.outcome, self.scene, self.folder = record, scene, folder
+        self.other = other  # made by other programs than the present ones
 
     def in_words(self):
         last = self.outcome["last_arrival_s"]
@@ -37,8 +37,7 @@ class Run:
 
     def arrival_times(self, group=None):
         """Sorted times at which agents of a group, or all, arrived, s."""
-        rows = (agent for agent in self.agents if group in (None, agent["group"]))
-        return sorted(float(agent["time_s"]) for agent in rows if agent["outcome"] == "arrived")
+        return arrival_times(self.outcome, group)
 
 
 class Result:
@@ -54,10 +53,12 @@ class Result:
         last = [run.outcome["last_arrival_s"] for run in runs if run.outcome["last_arrival_s"] is not None]
         self.time = bootstrap_mean(last) if last else None
         self.depth, self.speed = water_met(runs)
+        self.mark = OTHER if any(run.other for run in runs) else ""
+        self.commits = sorted({run.outcome["commit"] for run in runs})
 
     def arrived_of(self, group):
         """(mean, low, high) of the arrivals of one group."""
-        size = sum(agent["group"] == group for agent in self.runs[0].agents)
+        size = self.runs[0].outcome["groups"][group]["agents"]
         return arrival_interval([len(run.arrival_times(group)) for run in self.runs], size)
 
     def arrived_by(self, time):
@@ -68,11 +69,11 @@ class Result:
 def water_met(runs):
     """Means over all agents that met water: the mean depth in which each stood, m, and the mean of its depth times speed
     over that depth, m/s; (None, None) if none did."""
-    met = [(float(agent["mean_depth_m"]), float(agent["mean_dv_m2_s"])) for run in runs for agent in run.agents]
-    wet = [(depth, dv) for depth, dv in met if depth > 0]
+    met = [run.outcome["water_met"] for run in runs if run.outcome["water_met"][0]]
+    wet = sum(agents for agents, _, _ in met)
     if not wet:
         return None, None
-    return statistics.fmean(depth for depth, _ in wet), statistics.fmean(dv / depth for depth, dv in wet)
+    return sum(agents * depth for agents, depth, _ in met) / wet, sum(agents * speed for agents, _, speed in met) / wet
 
 
 def read_paper(file):

@@ -4,6 +4,7 @@ import hashlib
 import sqlite3
 import struct
 
+DRY = ("S1", "S2", "S3")
 DRY_TIME_S = (38, 50)  # last arrival of S1 to S3, whose agents the water cannot push (tau = 0); 46 s in the paper
 # Arrivals in the set "river": which numbers hold, and in words.
 RIVER_ARRIVALS = (
@@ -36,24 +37,24 @@ def names_of(runs):
     return ", ".join(dict.fromkeys(run.scenario for run in runs))
 
 
-def path_hash(run):
+def path_hash(folder):
     """Hash of every bit of the agents' rows in trajectories.sqlite."""
     digest = hashlib.sha256()
-    database = sqlite3.connect(f"file:{run.folder / 'trajectories.sqlite'}?mode=ro", uri=True)
+    database = sqlite3.connect(f"file:{folder / 'trajectories.sqlite'}?mode=ro", uri=True)
     try:
         sql = "SELECT frame, id, pos_x, pos_y, ori_x, ori_y FROM trajectory_data ORDER BY frame, id"
         for row in database.execute(sql):
             digest.update(struct.pack("<qqdddd", *row))
     finally:
         database.close()
-    return digest.hexdigest()
+    return digest.hexdigest()[:16]
 
 
 def same_paths(scene_set, runs):
     """Runs of the same seed have bit-identical paths; nothing to tell where no seed was run twice."""
     by_seed = {}
     for run in runs:
-        if not (run.folder / "trajectories.sqlite").exists():
+        if not run.outcome.get("path_hash"):
             continue  # further seeds keep no paths
         by_seed.setdefault(run.seed, []).append(run)
     compared = [group for group in by_seed.values() if len(group) > 1]
@@ -61,8 +62,8 @@ def same_paths(scene_set, runs):
         return []
     exceptions = []
     for first, *others in compared:
-        expected = path_hash(first)
-        exceptions += [f"{name_of(run)} differs from {first.scenario}" for run in others if path_hash(run) != expected]
+        differ = [run for run in others if run.outcome["path_hash"] != first.outcome["path_hash"]]
+        exceptions += [f"{name_of(run)} differs from {first.scenario}" for run in differ]
     together = [run for group in compared for run in group]
     return [Check(f"{scene_set} {names_of(together)}: bit-identical paths", exceptions)]
 
@@ -111,7 +112,7 @@ def checks_of(runs):
     checks = []
     for scene_set in dict.fromkeys(run.set for run in runs):
         of_set = [run for run in runs if run.set == scene_set]
-        dry = [run for run in of_set if run.scenario in ("S1", "S2", "S3")]
+        dry = [run for run in of_set if run.scenario in DRY]
         checks += same_paths(scene_set, dry) + dry_times(scene_set, dry)
         if scene_set == "river":
             checks += river_arrivals(of_set)

@@ -23,7 +23,7 @@ def time_of(result):
 
 
 def arrived_of(result):
-    return "-" if result is None else in_words(result.arrived)
+    return "-" if result is None else in_words(result.arrived) + result.mark
 
 
 def met_of(result):
