@@ -13,7 +13,8 @@ Runs the scenarios of the paper with many seeds, in four set-ups: configs/observ
 kinematic, cheap), configs/paper (as they ran it), configs/river (as the paper describes it) and configs/manning (that
 river on a slope with friction, with four layers of particles, about ten times the cost). One run of the fluid
 serves all crowds of a water. Writes DIR/report.md, DIR/table1.csv, DIR/readings.csv, DIR/phase.csv and pictures, and
-prints the report.
+prints the report. DIR/runs.jsonl keeps what each run came to, a line each; it is all that goes on, or is drawn again,
+needs: --out tests/paper/report goes on with the campaign of the repository.
 
   --out DIR             [runs/reproduce_paper in the project]
   --seeds N             crowds of each scenario, with the seeds 1 to N; the parts phase, depth, push, rules,
@@ -40,10 +41,14 @@ prints the report.
   --threads N           threads of each program [2]
   --until-s T           simulated time at which each run ends, s [the scene's, 400]; such runs are not judged
   --keep-all            keep paths and pictures of the water of all runs, not only those of seed 1 of unchanged scenes
-  --report-only         run nothing: the report of what is complete in DIR, with all seeds that are there
+  --report-only         run nothing: the report of what is complete in DIR, with all seeds that are there, from
+                        runs.jsonl and from run folders, which it adds to that file
 Tells before it starts what is ahead in particle-steps, every minute how far a water is, after each the time to go at most.
-A crowd in DIR that is complete and whose scene is still the same is not run again. What was not run has no part in
-the report. Exit code 1: a run failed, or the verdict has a no (the bands are reported, they do not count).
+A crowd that is complete, in runs.jsonl or as a folder in DIR, and whose scene is still the same is not run again,
+whichever version of the programs ran it; the report marks results of another version than the present one with a star.
+An empty DIR has all runs by the present one. Run folders hold what pictures in the paper's style need; without them
+such a picture stays as it was drawn before. What was not run has no part in the report. Exit code 1: a run failed, or
+the verdict has a no (the bands are reported, they do not count); 2: runs.jsonl or a scene is not valid.
 HELP
 
 "$root/tools/install_dependencies.sh" || exit 1
