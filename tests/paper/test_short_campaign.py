@@ -153,6 +153,13 @@ class ShortCampaign(unittest.TestCase):
         again = [{**json.loads(line), "program": ""} for line in (out / "runs.jsonl").read_text().splitlines()]
         self.assertEqual(again, kept)
 
+    def test_a_report_of_nothing_does_not_replace_one(self):
+        out = self.copy("observed", "runs.jsonl")
+        answer = reproduce(out, "--report-only")
+        self.assertEqual(answer.returncode, 1)
+        self.assertIn("no run in", answer.stderr)
+        self.assertEqual((out / "report.md").read_text(), self.report)
+
     def test_results_of_another_program_are_marked(self):
         out = self.copy("observed")
         store = out / "runs.jsonl"

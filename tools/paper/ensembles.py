@@ -142,7 +142,8 @@ class Ensembles:
         for case in cases:
             folder = self.out / case.water.key
             names = [path.name.rpartition("-seed")[2] for path in folder.glob(f"{case.name}-seed*")]
-            seeds = {int(name) for name in names if name.isdigit()} | self.store.seeds(case.key)
+            seeds = {int(name) for name in names if name.isdigit()}
+            seeds |= self.store.seeds(case.key) if self.store else set()
             for seed in sorted(seeds):
                 self.take(case, seed, "done before")
 

@@ -174,6 +174,8 @@ def main():
     store.tidy()
     if ensembles.interrupted:
         return ensembles.interrupted
+    if options.report_only and not ensembles.runs:
+        sys.exit(f"reproduce_paper.sh: --report-only: no run in {options.out} is complete; the report stays as it is")
     drawn, results = [], {key: Result(runs) for key, runs in ensembles.runs.items()}
     if "table1" in options.parts:
         draw_runs(results, options.sets, pair)
