@@ -50,7 +50,7 @@ def figures_section(drawn):
     text = (
         "## Figures in the paper's style\n\nSeed 1. Water blue, paths red, goals as stars. The paper's times are known"
         " for figures 2 and 8; which scenarios its figures 3, 5 and 6\nshow is not known to us: scenarios of Table 1"
-        " stand for them.\n\n"
+        " stand for them. Drawn before: the paths of its run are gone, the picture stays.\n\n"
     )
     text += "".join(f"{words} (set-up {SET_UPS[set_]}):\n\n![{words}]({file})\n\n" for set_, file, words in there)
     return text + (f"Not drawn, as the paths of their runs are gone: {gone}.\n\n" if gone else "")

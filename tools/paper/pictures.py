@@ -102,7 +102,8 @@ def shrink(file):
 def draw_figures(results, sets, out, pair):
     """Draws each picture from the first set that has its run; returns [(set, file's name, words)].
 
-    Where that run is kept without its paths, a picture that is there stays; without one the file's name is None.
+    Where that run is kept without its paths, a picture that is there stays, and its words say so; without one the file's
+    name is None.
     """
     drawn = []
     for stem, (name, time, words) in FIGURES.items():
@@ -118,7 +119,7 @@ def draw_figures(results, sets, out, pair):
                 break
             if case is not None and case.key in results:
                 before = file.exists()
-                words += ", drawn before; the paths of its run are gone" if before else ""
+                words += ", drawn before" if before else ""
                 drawn.append((scene_set, f"figures/{file.name}" if before else None, words))
                 break
     return drawn
