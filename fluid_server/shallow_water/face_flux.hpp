@@ -1,5 +1,6 @@
 #pragma once
-// From cells to the flux through the faces between them: reconstruction and Riemann solver, a row of faces at a time.
+// From cells to the flux through the faces between them: reconstruction and Riemann solver. Here are the rows that these
+// read and write, in face_flux-inl.hpp the formulas.
 //
 // Each cell is given straight profiles of depth h, surface eta = h + b and velocity. At a face they leave a state on the
 // lower side, l, and on the upper side, r, whose beds may differ. The hydrostatic reconstruction (Audusse, Bouchut,
@@ -19,11 +20,13 @@
 
 namespace wade::fluid::shallow_water {
 
-// Cells, or slopes of cells, one after the other; `normal` to the faces and `along` them are the velocities.
+// Cells, one after the other; `normal` to the faces and `along` them are the velocities.
 struct Cells {
     const double *h, *eta, *normal, *along;
+    [[nodiscard]] Cells from(std::size_t i) const { return {h + i, eta + i, normal + i, along + i}; }
 };
-struct SlopeRow {
+// Cells to be written, or what each quantity rises from the centre of a cell to its upper face.
+struct CellRow {
     double *h, *eta, *normal, *along;
     [[nodiscard]] operator Cells() const { return {h, eta, normal, along}; }  // NOLINT(google-explicit-constructor)
 };
@@ -38,14 +41,5 @@ struct FluxConstants {
     double gravity = 9.81;  // across the bed, m/s^2
     double dry = 1e-5;      // depth up to which a cell counts as dry, m
 };
-
-// Change of each quantity over a cell, of n cells whose neighbours below and above are given.
-void limited_slopes(const Cells& below, const Cells& here, const Cells& above, std::size_t n, const SlopeRow& slopes);
-
-// Flux through n faces, from `lower` to `upper` cells.
-// wall: null, or by face 1 if the upper cell, -1 if the lower cell, is part of an obstacle and the other is not. Where its
-// top is dry and no lower than the water beside it the face is a wall: the water meets its mirror image.
-void face_fluxes(const Cells& lower, const Cells& lower_slopes, const Cells& upper, const Cells& upper_slopes,
-                 const double* wall, std::size_t n, const FluxConstants& constants, const FluxRow& flux);
 
 }  // namespace wade::fluid::shallow_water

@@ -4,49 +4,62 @@
 #include <cmath>
 #include <utility>
 
-namespace wade::fluid::shallow_water {
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fluid_server/shallow_water/row_update.cpp"
+#include <hwy/foreach_target.h>
 
-namespace {
+#include "fluid_server/shallow_water/face_flux-inl.hpp"
 
-constexpr double least_depth_of_friction = 1e-3;  // m
+HWY_BEFORE_NAMESPACE();
+namespace wade::fluid::shallow_water::HWY_NAMESPACE {
 
-// h^(-4/3) to single precision: Newton's method for h^(-1/3) from h^(-3/8); for h from 1e-4 to 1e4.
-inline double friction_of_depth(double h) {
-    const auto x = static_cast<float>(h > least_depth_of_friction ? h : least_depth_of_friction);
-    const float root = std::sqrt(x), fourth = std::sqrt(root), eighth = std::sqrt(fourth);
-    float y = 1 / (fourth * eighth);
-    for (int k = 0; k < 5; ++k) y = y * (4 - x * (y * y * y)) * (1.0F / 3);
-    const float y2 = y * y;
-    return static_cast<double>(y2 * y2);
+// h^(-4/3) in single precision, of a film that of 1 mm: Newton's method for h^(-1/3) from h^(-3/8); for h up to 1e4.
+HWY_INLINE F friction_of_depth(F h) {
+    const F x = hn::Max(h, all(1e-3F));
+    const F root = hn::Sqrt(x), fourth = hn::Sqrt(root), eighth = hn::Sqrt(fourth);
+    F y = all(1.0F) / (fourth * eighth);
+    for (int k = 0; k < 5; ++k) y = y * (all(4.0F) - x * (y * y * y)) * all(1.0F / 3);
+    const F y2 = y * y;
+    return y2 * y2;
 }
 
-// Rows of a thread's own, carved from one buffer: slopes and fluxes.
+// 1 / (1 + dt k) of n cells.
+void find_slowing(Cells cells, std::size_t n, double drag_factor, double* slowed) {
+    const V one = all(1.0), drag = all(drag_factor);
+    const auto put = [&](std::size_t i, V friction) {
+        const V u = load(cells.normal + i), v = load(cells.along + i);
+        store(one / (one + drag * hn::Sqrt(u * u + v * v) * friction), slowed + i);
+    };
+    for (std::size_t i = 0; i < n; i += float_lanes) {
+        const F friction = friction_of_depth(narrow(load(cells.h + i), load(cells.h + i + lanes)));
+        put(i, widen_lower(friction));
+        put(i + lanes, widen_upper(friction));
+    }
+}
+
+// Rows of a thread's own, carved from one buffer: rises and fluxes.
 struct Workspace {
-    SlopeRow slopes_x{};                 // cells -1 to nx, here from 0
-    std::array<SlopeRow, 2> slopes_z{};  // of the row at hand and of the one above
-    FluxRow flux_x{};                    // faces 0 to nx
-    std::array<FluxRow, 2> flux_z{};     // below and above the row at hand
+    CellRow rise_x{};                 // cells -1 to nx, here from 0
+    std::array<CellRow, 2> rise_z{};  // of the row at hand and of the one above
+    FluxRow flux_x{};                 // faces 0 to nx
+    std::array<FluxRow, 2> flux_z{};  // below and above the row at hand
 
     Workspace(RowMemory& buffer, std::size_t nx) {
         const std::size_t length = whole_lines(nx + 2) + line_values;
         buffer.resize(24 * length);
         double* next = buffer.data();
         const auto take = [&] { return std::exchange(next, next + length); };
-        for (SlopeRow* row : {&slopes_x, &slopes_z[0], &slopes_z[1]}) *row = {take(), take(), take(), take()};
+        for (CellRow* row : {&rise_x, &rise_z[0], &rise_z[1]}) *row = {take(), take(), take(), take()};
         for (FluxRow* row : {&flux_x, &flux_z[0], &flux_z[1]}) *row = {take(), take(), take(), take()};
     }
 };
 
 // Cells from place c on, with u or v as the velocity normal to the faces.
-Cells along_x(const Primitive& p, std::size_t c) {
+inline Cells along_x(const Primitive& p, std::size_t c) {
     return {p.h.data() + c, p.eta.data() + c, p.u.data() + c, p.v.data() + c};
 }
-Cells across(const Primitive& p, std::size_t c) {
+inline Cells across(const Primitive& p, std::size_t c) {
     return {p.h.data() + c, p.eta.data() + c, p.v.data() + c, p.u.data() + c};
-}
-
-Cells shifted(const SlopeRow& row, std::size_t by) {
-    return {row.h + by, row.eta + by, row.normal + by, row.along + by};
 }
 
 struct RowOf {
@@ -57,76 +70,57 @@ struct RowTo {
     double *depth, *eta, *u, *v;
 };
 
-// Returns the smallest depth.
+// Returns the smallest depth. What is taken by value is the function's own, so that no store changes its pointers.
 template <bool friction>
-double mix_row(const StageTerms& terms, const Grid& grid, std::size_t n, const Cells& cells, const double* slope_x,
-               const double* slope_z, const FluxRow& x, const FluxRow& below, const FluxRow& above, const RowOf& from,
-               const RowOf& base, const double* bed, const RowTo& to) {
-    // Pointers of the loop's own, so that the compiler knows that no store changes them.
-    const double *const u = cells.normal, *const v = cells.along;
-    const double *const old_h = from.h, *const old_qx = from.qx, *const old_qz = from.qz;
-    const double *const base_h = base.h, *const base_qx = base.qx, *const base_qz = base.qz;
-    const double *const mass_x = x.mass, *const along_x = x.along;
-    const double *const lower_x = x.into_lower, *const upper_x = x.into_upper;
-    const double *const mass_above = above.mass, *const along_above = above.along;
-    const double *const mass_below = below.mass, *const along_below = below.along;
-    const double *const lower_above = above.into_lower, *const upper_below = below.into_upper;
-    double *const to_h = to.h, *const to_qx = to.qx, *const to_qz = to.qz;
-    double *const depth = to.depth, *const eta = to.eta, *const new_u = to.u, *const new_v = to.v;
-    const double g = terms.constants.gravity, dry = terms.constants.dry, dt = terms.dt, share = terms.share;
-    const double per_x = dt / grid.dx, per_z = dt / grid.dz, kept = 1 - share, push = dt * terms.acceleration;
-    const double drag = dt * g * terms.manning_n * terms.manning_n;
-    double least = 0;
-#pragma omp simd reduction(min : least)
-    for (std::size_t i = 0; i < n; ++i) {
-        const double h = old_h[i], weight = g * h;
-        double new_h = h - per_x * (mass_x[i + 1] - mass_x[i]) - per_z * (mass_above[i] - mass_below[i]);
-        double qx = old_qx[i] - per_x * (lower_x[i + 1] - upper_x[i] + weight * slope_x[i]) -
-                    per_z * (along_above[i] - along_below[i]) + push * h;
-        double qz = old_qz[i] - per_x * (along_x[i + 1] - along_x[i]) -
-                    per_z * (lower_above[i] - upper_below[i] + weight * slope_z[i]);
+double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const double* slowed, const double* rise_x,
+               const double* rise_z, FluxRow x, FluxRow below, FluxRow above, RowOf from, RowOf base, const double* bed,
+               RowTo to) {
+    const V per_x = all(terms.dt / dx), per_z = all(terms.dt / dz), push = all(terms.dt * terms.acceleration);
+    const V share = all(terms.share), kept = all(1 - terms.share), dry = all(terms.constants.dry);
+    const V twice_g = all(2 * terms.constants.gravity);
+    const V zero = all(0.0), one = all(1.0);
+    V least = zero;
+    for (std::size_t i = 0; i < n; i += lanes) {
+        const V h = load(from.h + i), weight = twice_g * h;  // times a rise, which is half of the change over the cell
+        V new_h = h - per_x * (load(x.mass + i + 1) - load(x.mass + i)) -
+                  per_z * (load(above.mass + i) - load(below.mass + i));
+        V qx = load(from.qx + i) -
+               per_x * (load(x.into_lower + i + 1) - load(x.into_upper + i) + weight * load(rise_x + i)) -
+               per_z * (load(above.along + i) - load(below.along + i)) + push * h;
+        V qz = load(from.qz + i) - per_x * (load(x.along + i + 1) - load(x.along + i)) -
+               per_z * (load(above.into_lower + i) - load(below.into_upper + i) + weight * load(rise_z + i));
         if constexpr (friction) {
-            const double speed = std::sqrt(u[i] * u[i] + v[i] * v[i]);
-            const double slowed = 1 / (1 + drag * speed * friction_of_depth(h));
-            qx *= slowed;
-            qz *= slowed;
+            qx = qx * load(slowed + i);
+            qz = qz * load(slowed + i);
         }
-        new_h = kept * base_h[i] + share * new_h;
-        qx = kept * base_qx[i] + share * qx;
-        qz = kept * base_qz[i] + share * qz;
-        least = new_h < least ? new_h : least;
+        new_h = kept * load(base.h + i) + share * new_h;
+        qx = kept * load(base.qx + i) + share * qx;
+        qz = kept * load(base.qz + i) + share * qz;
+        least = hn::Min(first(n - i, new_h), least);
         // Rounding may leave a dry cell at -1e-20 m; a film has no velocity.
-        new_h = new_h > 0 ? new_h : 0.0;
-        const bool wet = new_h > dry;
-        qx = wet ? qx : 0.0;
-        qz = wet ? qz : 0.0;
-        const double inverse = 1 / (wet ? new_h : 1.0);
-        to_h[i] = new_h;
-        to_qx[i] = qx;
-        to_qz[i] = qz;
-        depth[i] = new_h;
-        eta[i] = new_h + bed[i];
-        new_u[i] = qx * inverse;
-        new_v[i] = qz * inverse;
+        new_h = hn::Max(new_h, zero);
+        const auto wet = new_h > dry;
+        qx = hn::IfThenElseZero(wet, qx);
+        qz = hn::IfThenElseZero(wet, qz);
+        const V inverse = one / hn::IfThenElse(wet, new_h, one);
+        store(new_h, to.h + i);
+        store(qx, to.qx + i);
+        store(qz, to.qz + i);
+        store(new_h, to.depth + i);
+        store(new_h + load(bed + i), to.eta + i);
+        store(qx * inverse, to.u + i);
+        store(qz * inverse, to.v + i);
     }
-    return least;
+    return hn::GetLane(hn::MinOfLanes(doubles, least));
 }
 
-double sum(const double* values, std::size_t n) {
-    double total = 0;
-#pragma omp simd reduction(+ : total)
-    for (std::size_t i = 0; i < n; ++i) total += values[i];
-    return total;
-}
-
-}  // namespace
-
-void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
-                 RowMemory& buffer, const BandTo& to) {
+void UpdateBand(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
+                RowMemory& buffer, const BandTo& to) {
     const Grid& grid = world.grid;
     const Primitive& p = from.primitive;
-    const auto row_from = [](const Water& water, std::size_t c) {
-        return RowOf{water.h.data() + c, water.qx.data() + c, water.qz.data() + c};
+    // The depths of `from.water` are those of its primitive as well, whose rows are in the cache.
+    const auto row_from = [](const RowMemory& h, const Water& water, std::size_t c) {
+        return RowOf{h.data() + c, water.qx.data() + c, water.qz.data() + c};
     };
     const auto row_to = [&](std::size_t c) {
         Primitive& q = to.primitive;
@@ -138,38 +132,42 @@ void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& te
     const auto row_of = [&](std::size_t k, std::ptrdiff_t offset) {
         return grid.row(static_cast<std::ptrdiff_t>(k) + offset);
     };
-    const auto slopes_of_row = [&](std::size_t c, const SlopeRow& slopes) {
-        limited_slopes(across(p, c - grid.stride), across(p, c), across(p, c + grid.stride), n, slopes);
+    const auto rises_of_row = [&](std::size_t c, const CellRow& rise) {
+        find_rises(across(p, c - grid.stride), across(p, c), across(p, c + grid.stride), n, rise);
     };
     const auto fluxes_above_row = [&](std::size_t c, const FluxRow& flux) {
-        face_fluxes(across(p, c), work.slopes_z[0], across(p, c + grid.stride), work.slopes_z[1],
+        find_fluxes(across(p, c), work.rise_z[0], across(p, c + grid.stride), work.rise_z[1],
                     world.wall_z.empty() ? nullptr : world.wall_z.data() + c + grid.stride, n, terms.constants, flux);
     };
     if (begin == end) return;
-    slopes_of_row(row_of(begin, -1), work.slopes_z[0]);
-    slopes_of_row(row_of(begin, 0), work.slopes_z[1]);
+    rises_of_row(row_of(begin, -1), work.rise_z[0]);
+    rises_of_row(row_of(begin, 0), work.rise_z[1]);
     fluxes_above_row(row_of(begin, -1), work.flux_z[0]);
     for (std::size_t k = begin; k < end; ++k) {
         const std::size_t c = row_of(k, 0);
-        std::swap(work.slopes_z[0], work.slopes_z[1]);
-        slopes_of_row(c + grid.stride, work.slopes_z[1]);
+        std::swap(work.rise_z[0], work.rise_z[1]);
+        rises_of_row(c + grid.stride, work.rise_z[1]);
         fluxes_above_row(c, work.flux_z[1]);
 
-        limited_slopes(along_x(p, c - 2), along_x(p, c - 1), along_x(p, c), n + 2, work.slopes_x);
-        face_fluxes(along_x(p, c - 1), work.slopes_x, along_x(p, c), shifted(work.slopes_x, 1),
+        find_rises(along_x(p, c - 2), along_x(p, c - 1), along_x(p, c), n + 2, work.rise_x);
+        find_fluxes(along_x(p, c - 1), work.rise_x, along_x(p, c), Cells(work.rise_x).from(1),
                     world.wall_x.empty() ? nullptr : world.wall_x.data() + c, n + 1, terms.constants, work.flux_x);
         if (world.scene.channel.flow == Flow::emitter) {
             set_inflow(work.flux_x, n, terms.discharge, world.scene.channel.depth, p.h[c + n - 1], p.u[c + n - 1],
                        terms.constants.gravity);
         }
-        const auto mix = terms.manning_n > 0 ? mix_row<true> : mix_row<false>;
-        world.row_least[k] = mix(terms, grid, n, along_x(p, c), work.slopes_x.eta + 1, work.slopes_z[0].eta,
-                                 work.flux_x, work.flux_z[0], work.flux_z[1], row_from(from.water, c),
-                                 row_from(from.base, c), world.bed.height.data() + c, row_to(c));
+        const bool friction = terms.manning_n > 0;
+        double* const slowed = work.rise_x.h;  // which is no longer needed
+        if (friction) {
+            const double drag = terms.dt * terms.constants.gravity * terms.manning_n * terms.manning_n;
+            find_slowing(along_x(p, c), n, drag, slowed);
+        }
+        const auto mix = friction ? mix_row<true> : mix_row<false>;
+        world.row_least[k] = mix(terms, grid.dx, grid.dz, n, slowed, work.rise_x.eta + 1, work.rise_z[0].eta,
+                                 work.flux_x, work.flux_z[0], work.flux_z[1], row_from(p.h, from.water, c),
+                                 row_from(from.base.h, from.base, c), world.bed.height.data() + c, row_to(c));
         world.row_inflow[k] = work.flux_x.mass[n];
         world.row_outflow[k] = work.flux_x.mass[0];
-        world.row_volume[k] = sum(to.water.h.data() + c, n);
-        world.row_momentum[k] = sum(to.water.qx.data() + c, n);
         for (WatchedFace& watched : world.watched) {
             const double mass = work.flux_x.mass[watched.face];
             watched.row_mass[k] = mass;
@@ -179,8 +177,28 @@ void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& te
     }
 }
 
+}  // namespace wade::fluid::shallow_water::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace wade::fluid::shallow_water {
+
+HWY_EXPORT(UpdateBand);
+
+void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
+                 RowMemory& buffer, const BandTo& to) {
+    HWY_DYNAMIC_DISPATCH(UpdateBand)(world, from, terms, begin, end, buffer, to);
+}
+
+double sum_of_row(const double* values, std::size_t n) {
+    double total = 0;
+#pragma omp simd reduction(+ : total)
+    for (std::size_t i = 0; i < n; ++i) total += values[i];
+    return total;
+}
+
 void find_primitive(const double* h, const double* qx, const double* qz, const double* bed, std::size_t n, double dry,
-                    const SlopeRow& primitive) {
+                    const CellRow& primitive) {
     double *const depth = primitive.h, *const eta = primitive.eta, *const u = primitive.normal,
                   *const v = primitive.along;
 #pragma omp simd
@@ -208,3 +226,4 @@ double fastest_of_row(const Cells& cells, std::size_t n, double gravity, double 
 }
 
 }  // namespace wade::fluid::shallow_water
+#endif

@@ -28,13 +28,15 @@ struct BandTo {
     Primitive& primitive;  // without ghosts
 };
 
-// to = (1 - share) base + share (from + dt L(from)) / (1 + dt k) in rows [begin, end). Writes sums of the rows in the world.
+// to = (1 - share) base + share (from + dt L(from)) / (1 + dt k) in rows [begin, end). Writes what the world keeps by row.
 void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
                  RowMemory& buffer, const BandTo& to);
 
+[[nodiscard]] double sum_of_row(const double* values, std::size_t n);
+
 // Depth, surface and velocity of n cells; the velocity is 0 up to the depth `dry`.
 void find_primitive(const double* h, const double* qx, const double* qz, const double* bed, std::size_t n, double dry,
-                    const SlopeRow& primitive);
+                    const CellRow& primitive);
 
 // The largest (|u| + c) per_dx + (|v| + c) per_dz of a row, 1/s; NaN or infinite if a value is. cells: normal is u.
 [[nodiscard]] double fastest_of_row(const Cells& cells, std::size_t n, double gravity, double per_dx, double per_dz);

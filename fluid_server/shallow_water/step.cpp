@@ -24,7 +24,7 @@ constexpr double dry_share = 1e-5;
 // A step of 1/1000 that still empties a cell too far is taken.
 constexpr int most_halvings = 10;
 
-// 1 or -1 at faces between an obstacle and a cell that is none, see face_fluxes().
+// 1 or -1 at faces between an obstacle and a cell that is none, see find_fluxes().
 void find_walls(ShallowWater& world) {
     const Grid& grid = world.grid;
     if (world.bed.obstacle.empty()) return;
@@ -128,6 +128,13 @@ bool heun_step(ShallowWater& world, StepReport& report) {
 // Gives all water the velocity along x that it lacks to v_F; returns the acceleration towards -x.
 double drive(ShallowWater& world, double dt) {
     const Grid& grid = world.grid;
+    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
+            world.row_volume[k] = sum_of_row(world.water.h.data() + c, grid.nx);
+            world.row_momentum[k] = sum_of_row(world.water.qx.data() + c, grid.nx);
+        }
+    });
     const double volume = sum(world.row_volume);
     if (volume <= 0) return 0;
     const double lack = -velocity_at(world.scene.channel, world.time + dt) - sum(world.row_momentum) / volume;

@@ -55,7 +55,7 @@ struct ShallowWater {
     // Of the step at hand; kept for their memory.
     Water stage, next;
     Primitive stage_primitive;
-    RowMemory wall_x, wall_z;         // see face_fluxes(), of faces along x and across; empty without obstacles
+    RowMemory wall_x, wall_z;         // of faces along x and across, see find_fluxes(); empty without obstacles
     std::vector<double> row_fastest;  // by row: largest s_x / dx + s_z / dz, 1/s
     std::vector<double> row_least;    // by row: smallest depth, below 0 where a step was too long
     std::vector<double> row_volume, row_momentum;  // by row: sums of h and of h u

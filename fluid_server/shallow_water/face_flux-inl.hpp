@@ -1,0 +1,151 @@
+// From cells to the flux through the faces between them, a vector of them at a time: see face_flux.hpp.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "fluid_server/shallow_water/face_flux.hpp"
+#include "fluid_server/shallow_water/lanes-inl.hpp"
+
+// Once for each instruction set.
+#if defined(WADE_SHALLOW_WATER_FACE_FLUX_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef WADE_SHALLOW_WATER_FACE_FLUX_INL_HPP
+#undef WADE_SHALLOW_WATER_FACE_FLUX_INL_HPP
+#else
+#define WADE_SHALLOW_WATER_FACE_FLUX_INL_HPP
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace wade::fluid::shallow_water::HWY_NAMESPACE {
+
+// Half of the mean of the differences to both neighbours, at most the smaller one, which the limiter allows twice.
+HWY_INLINE V limited_rise(V below, V here, V above) {
+    const V to_lower = here - below, to_upper = above - here;
+    const V least = hn::Min(hn::Min(hn::Abs(to_lower), hn::Abs(to_upper)), all(0.25) * hn::Abs(to_lower + to_upper));
+    return hn::IfThenElseZero(to_lower * to_upper > all(0.0), hn::CopySignToAbs(least, to_lower));
+}
+
+// The rises of n cells whose neighbours below and above are given.
+inline void find_rises(Cells below, Cells here, Cells above, std::size_t n, CellRow rise) {
+    for (std::size_t i = 0; i < n; i += lanes) {
+        store(limited_rise(load(below.h + i), load(here.h + i), load(above.h + i)), rise.h + i);
+        store(limited_rise(load(below.eta + i), load(here.eta + i), load(above.eta + i)), rise.eta + i);
+        store(limited_rise(load(below.normal + i), load(here.normal + i), load(above.normal + i)), rise.normal + i);
+        store(limited_rise(load(below.along + i), load(here.along + i), load(above.along + i)), rise.along + i);
+    }
+}
+
+// What the sweeps over some faces hand on. Each sweep is a short loop of its own, as a processor works on several vectors
+// at a time only where these have few instructions.
+struct Faces {
+    static constexpr std::size_t count = 128;
+    template <typename T>
+    using Row = std::array<T, count>;
+    alignas(line_bytes) Row<double> h_l, h_r, u_l, u_r;                             // on the common bed
+    alignas(line_bytes) Row<float> signed_h_l, signed_h_r, narrow_u_l, narrow_u_r;  // the same; h < 0 of dry sides
+    alignas(line_bytes) Row<float> lean, spread;                                    // see combine_fluxes()
+};
+
+// States on both sides of n faces, and their hydrostatic reconstruction. wall: see find_fluxes(); only read with obstacles.
+template <bool obstacles>
+void reconstruct(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, const double* wall, std::size_t n,
+                 double dry_depth, Faces& faces) {
+    const V zero = all(0.0), dry = all(dry_depth);
+    for (std::size_t i = 0; i < n; i += lanes) {
+        const V eta_l = load(lower.eta + i) + load(lower_rise.eta + i);
+        const V eta_r = load(upper.eta + i) - load(upper_rise.eta + i);
+        const V depth_l = load(lower.h + i) + load(lower_rise.h + i);
+        const V depth_r = load(upper.h + i) - load(upper_rise.h + i);
+        V u_l = load(lower.normal + i) + load(lower_rise.normal + i);
+        V u_r = load(upper.normal + i) - load(upper_rise.normal + i);
+        const V bed = hn::Max(eta_l - depth_l, eta_r - depth_r);
+        V h_l = hn::Max(zero, eta_l - bed);
+        V h_r = hn::Max(zero, eta_r - bed);
+        if constexpr (obstacles) {
+            const V side = load(wall + i);
+            const auto above = hn::And(side > zero, hn::And(depth_r <= dry, eta_l <= eta_r));
+            const auto below = hn::And(side < zero, hn::And(depth_l <= dry, eta_r <= eta_l));
+            h_l = hn::IfThenElse(above, depth_l, hn::IfThenElse(below, depth_r, h_l));
+            h_r = hn::IfThenElse(above, depth_l, hn::IfThenElse(below, depth_r, h_r));
+            u_r = hn::IfThenElse(above, hn::Neg(u_l), u_r);
+            u_l = hn::IfThenElse(below, hn::Neg(u_r), u_l);
+        }
+        store(h_l, &faces.h_l[i]);
+        store(h_r, &faces.h_r[i]);
+        store(u_l, &faces.u_l[i]);
+        store(u_r, &faces.u_r[i]);
+        store_narrow(hn::IfThenElse(h_l <= dry, hn::Neg(h_l), h_l), &faces.signed_h_l[i]);
+        store_narrow(hn::IfThenElse(h_r <= dry, hn::Neg(h_r), h_r), &faces.signed_h_r[i]);
+        store_narrow(u_l, &faces.narrow_u_l[i]);
+        store_narrow(u_r, &faces.narrow_u_r[i]);
+    }
+}
+
+// Fastest waves of n faces; single precision is enough for them, and has twice the lanes.
+inline void find_waves(std::size_t n, float gravity, Faces& faces) {
+    const F zero = all(0.0F), half = all(0.5F), g = all(gravity);
+    for (std::size_t i = 0; i < n; i += float_lanes) {
+        const F h_l = load(&faces.signed_h_l[i]), h_r = load(&faces.signed_h_r[i]);
+        const F u_l = load(&faces.narrow_u_l[i]), u_r = load(&faces.narrow_u_r[i]);
+        const F c_l = hn::Sqrt(g * hn::Abs(h_l)), c_r = hn::Sqrt(g * hn::Abs(h_r));
+        const F u_star = half * (u_l + u_r) + (c_l - c_r);
+        const F c_star = hn::Max(zero, half * (c_l + c_r) + all(0.25F) * (u_l - u_r));
+        F s_l = hn::Min(u_l - c_l, u_star - c_star);
+        F s_r = hn::Max(u_r + c_r, u_star + c_star);
+        s_l = hn::IfThenElse(h_l <= zero, hn::Min(s_l, u_r - (c_r + c_r)), s_l);
+        s_r = hn::IfThenElse(h_r <= zero, hn::Max(s_r, u_l + (c_l + c_l)), s_r);
+        s_l = hn::Min(s_l, zero);
+        s_r = hn::Max(s_r, zero);
+        const F range = hn::Max(s_r - s_l, all(1e-20F));
+        store(half * (s_r + s_l) / range, &faces.lean[i]);
+        store(s_l * s_r / range, &faces.spread[i]);
+    }
+}
+
+// F = (s_r F_l - s_l F_r + s_l s_r (U_r - U_l)) / (s_r - s_l), in a form that is F_l to the bit if F_l = F_r, lets
+// no mass through a mirror, and gives mirrored states the mirrored flux.
+inline void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, std::size_t n, double gravity,
+                           const Faces& faces, FluxRow flux) {
+    const V zero = all(0.0), half = all(0.5), half_g = all(0.5 * gravity);
+    for (std::size_t i = 0; i < n; i += lanes) {
+        const V h_l = load(&faces.h_l[i]), h_r = load(&faces.h_r[i]);
+        const V u_l = load(&faces.u_l[i]), u_r = load(&faces.u_r[i]);
+        const V lean = load_wide(&faces.lean[i]), spread = load_wide(&faces.spread[i]);
+        const V q_l = h_l * u_l, q_r = h_r * u_r;
+        const V pressure_l = half_g * h_l * h_l, pressure_r = half_g * h_r * h_r;
+        const V f_l = q_l * u_l + pressure_l, f_r = q_r * u_r + pressure_r;
+        const V mass = half * (q_l + q_r) + lean * (q_l - q_r) + spread * (h_r - h_l);
+        const V momentum = half * (f_l + f_r) + lean * (f_l - f_r) + spread * (q_r - q_l);
+        const V along_l = load(lower.along + i) + load(lower_rise.along + i);
+        const V along_r = load(upper.along + i) - load(upper_rise.along + i);
+        store(mass, flux.mass + i);
+        store(mass * hn::IfThenElse(mass > zero, along_l, along_r), flux.along + i);
+        store(momentum - pressure_l, flux.into_lower + i);
+        store(momentum - pressure_r, flux.into_upper + i);
+    }
+}
+
+// Flux through n faces, from `lower` to `upper` cells.
+// wall: null, or by face 1 if the upper cell, -1 if the lower cell, is part of an obstacle and the other is not. Where its
+// top is dry and no lower than the water beside it the face is a wall: the water meets its mirror image.
+inline void find_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, const double* wall, std::size_t n,
+                        const FluxConstants& constants, const FluxRow& flux) {
+    Faces faces;
+    for (std::size_t i = 0; i < n; i += Faces::count) {
+        const std::size_t m = std::min(Faces::count, n - i);
+        const Cells l = lower.from(i), dl = lower_rise.from(i), r = upper.from(i), dr = upper_rise.from(i);
+        if (wall != nullptr) {
+            reconstruct<true>(l, dl, r, dr, wall + i, m, constants.dry, faces);
+        } else {
+            reconstruct<false>(l, dl, r, dr, nullptr, m, constants.dry, faces);
+        }
+        find_waves(m, static_cast<float>(constants.gravity), faces);
+        combine_fluxes(l, dl, r, dr, m, constants.gravity, faces,
+                       {flux.mass + i, flux.along + i, flux.into_lower + i, flux.into_upper + i});
+    }
+}
+
+}  // namespace wade::fluid::shallow_water::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
