@@ -62,17 +62,82 @@ HWY_INLINE hn::Mask<Lanes> lanes_of(std::uint16_t seen_by) {
     return hn::RebindMask(lanes, hn::TestBit(hn::Set(bits, static_cast<std::uint32_t>(seen_by)), lane_bit));
 }
 
+// Entries that the first sweep has in hand at once, for three short loops, each a function of its own: a processor works on
+// several entries at a time, and a compiler keeps all in registers, only where there is little to do for each.
+struct Batch {
+    static constexpr std::size_t size = 32;
+    // A number a lane, of one entry.
+    struct Entry {
+        alignas(4 * cluster_size) std::array<float, cluster_size> lane;
+    };
+    std::array<Entry, size> squared_distance;
+    std::array<Entry, size> factor;  // plus ones_from: in whole units
+};
+
+// |x~_i - x_j|^2 of n entries.
+HWY_NOINLINE void find_distances(Vec3V seen, const Particles& p, const std::uint32_t* j, std::size_t n, Batch& batch) {
+    for (std::size_t e = 0; e < n; ++e) {
+        const Vec3V way = way_from(seen, p, j[e]);
+        hn::Store(dot(way, way), lanes, batch.squared_distance[e].lane.data());
+    }
+}
+
+// Factors of n entries. Returns the density with their kernels added. seen_by: the lanes that see each, if by_sight.
+template <bool by_sight, typename AnyKernel>
+HWY_NOINLINE V find_factors(AnyKernel kernel, const std::uint16_t* seen_by, std::size_t n, V density, Batch& batch) {
+    const V inverse_h2 = all(kernel.inverse_support_radius() * kernel.inverse_support_radius());
+    for (std::size_t e = 0; e < n; ++e) {
+        // A distance of zero counts as a tiny one, so that its inverse stays finite.
+        const V r2 = hn::Load(lanes, batch.squared_distance[e].lane.data());
+        const V q2 = hn::Max(hn::Mul(r2, inverse_h2), all(1e-12F));
+        const V inverse_q = reciprocal_sqrt(q2);
+        Shape w = shape(kernel, hn::Mul(q2, inverse_q), inverse_q);
+        if constexpr (by_sight) {
+            const auto seen = lanes_of(seen_by[e]);
+            w = {hn::IfThenElseZero(seen, w.value), hn::IfThenElseZero(seen, w.factor)};
+        }
+        density = hn::Add(density, w.value);
+        const V units = hn::Mul(w.factor, all(largest_factor_units));
+        hn::Store(hn::Add(units, all(ones_from)), lanes, batch.factor[e].lane.data());
+    }
+    return density;
+}
+
+// Writes the factors of n entries and which lanes have one, and adds to their sums. Returns one past the last factor.
+struct FactorSums {
+    Vec3V gradient;  // sum_j g~_ij
+    V squares;       // sum_j |g_ij|^2
+};
+HWY_NOINLINE std::uint16_t* keep_factors(Vec3V seen, const Particles& p, const std::uint32_t* j, std::size_t n,
+                                         const Batch& batch, std::uint16_t* to, std::uint16_t* near_lanes,
+                                         FactorSums& sums) {
+    const Whole whole;
+    Vec3V gradient = sums.gradient;
+    V squares = sums.squares;
+    for (std::size_t e = 0; e < n; ++e) {
+        const V rounded = hn::Load(lanes, batch.factor[e].lane.data());
+        const V factor = hn::Sub(rounded, all(ones_from));
+        const unsigned near = bits_of(hn::Gt(factor, hn::Zero(lanes)));
+        put_together(hn::And(hn::BitCast(whole, rounded), hn::Set(whole, 0xFFFF)), near, to);
+        to += std::popcount(near);
+        near_lanes[e] = static_cast<std::uint16_t>(near);
+        gradient = add_product(factor, way_from(seen, p, j[e]), gradient);
+        squares = hn::MulAdd(hn::Mul(factor, factor), hn::Load(lanes, batch.squared_distance[e].lane.data()), squares);
+    }
+    sums = {gradient, squares};
+    return to;
+}
+
 template <typename AnyKernel>
 HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel& kernel, float volume,
                               NeighbourLists& lists, const KernelSums& sums) {
     NeighbourBlock& block = lists.blocks[b];
-    const V inverse_h2 = all(kernel.inverse_support_radius() * kernel.inverse_support_radius());
-    const V units = all(largest_factor_units);
     const V unit = all(lists.factor_unit);
     const std::size_t entries = block.segments.empty() ? 0 : block.segments.back().end;
     std::vector<std::uint16_t>& factors = room_for_factors();
     if (factors.size() < (entries + 1) * cluster_size) factors.resize((entries + 1) * cluster_size);
     std::uint16_t* to = factors.data();
+    Batch batch;
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
         block.first_factor[cluster] = static_cast<std::uint32_t>(to - factors.data());
         const Vec3V x = load(places(p), i);
@@ -80,30 +145,18 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
         Vec3V gradient = zero3();
         for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
             const Vec3V seen = apply(s.map, x);
-            Vec3V sum = zero3();
-            for (std::size_t k = first; k < last; ++k) {
-                const Vec3V way = way_from(seen, p, block.j[k]);
-                const V r2 = dot(way, way);
-                // A distance of zero counts as a tiny one, so that its inverse stays finite.
-                const V q2 = hn::Max(hn::Mul(r2, inverse_h2), all(1e-12F));
-                const V inverse_q = reciprocal_sqrt(q2);
-                Shape w = shape(kernel, hn::Mul(q2, inverse_q), inverse_q);
-                if (s.by_sight) {
-                    const auto seen_by = lanes_of(block.lanes[k]);
-                    w = {hn::IfThenElseZero(seen_by, w.value), hn::IfThenElseZero(seen_by, w.factor)};
-                }
-                const V with_ones = hn::Add(hn::Mul(w.factor, units), all(ones_from));
-                const V factor = hn::Sub(with_ones, all(ones_from));
-                const unsigned near = bits_of(hn::Gt(factor, hn::Zero(lanes)));
-                const Whole whole;
-                put_together(hn::And(hn::BitCast(whole, with_ones), hn::Set(whole, 0xFFFF)), near, to);
-                to += std::popcount(near);
-                block.lanes[k] = static_cast<std::uint16_t>(near);
-                density = hn::Add(density, w.value);
-                sum = add_product(factor, way, sum);
-                squares = hn::MulAdd(hn::Mul(factor, factor), r2, squares);
+            FactorSums of_segment{zero3(), squares};
+            for (std::size_t k = first; k < last; k += Batch::size) {
+                const std::size_t n = std::min(Batch::size, last - k);
+                const std::uint32_t* const j = block.j.data() + k;
+                std::uint16_t* const seen_by = block.lanes.data() + k;
+                find_distances(seen, p, j, n, batch);
+                density = s.by_sight ? find_factors<true>(kernel, seen_by, n, density, batch)
+                                     : find_factors<false>(kernel, seen_by, n, density, batch);
+                to = keep_factors(seen, p, j, n, batch, to, seen_by, of_segment);
             }
-            gradient = plus(gradient, apply(s.map.rotation, sum));
+            squares = of_segment.squares;
+            gradient = plus(gradient, apply(s.map.rotation, of_segment.gradient));
         });
         hn::StoreU(hn::Mul(all(volume * kernel.value(0)), density), lanes, sums.density + i);
         hn::StoreU(hn::Mul(hn::Mul(unit, unit), squares), lanes, sums.squares + i);
@@ -217,10 +270,15 @@ void SumShear(std::size_t b, const Particles& p, const NeighbourLists& lists, co
     });
 }
 
+// The bits of the first n lanes, of all if there are fewer.
+HWY_INLINE unsigned first_lanes(std::size_t n) {
+    return n < cluster_size ? (1U << n) - 1 : ~0U;
+}
+
 std::size_t FindNearBox(const Box& box, float support_radius, const Particles& p, std::span<const Run> runs,
                         std::uint32_t* out) {
-    const hn::Rebind<std::int32_t, Lanes> index;
-    const auto numbers = hn::Iota(index, 0);
+    const Numbers numbers;
+    const auto first_numbers = hn::Iota(numbers, 0);
     const V h2 = all(support_radius * support_radius);
     const Vec3V lo{all(box.lo[0]), all(box.lo[1]), all(box.lo[2])}, hi{all(box.hi[0]), all(box.hi[1]), all(box.hi[2])};
     const auto gap = [](V at, V least, V most) {
@@ -228,14 +286,14 @@ std::size_t FindNearBox(const Box& box, float support_radius, const Particles& p
     };
     std::size_t found = 0;
     for (const Run& run : runs) {
-        const auto end = hn::Set(index, static_cast<std::int32_t>(run.end));
         // A particle of the run a lane.
         for (std::size_t m = run.begin; m < run.end; m += cluster_size) {
             const Vec3V x = load(places(p), m);
             const Vec3V way{gap(x.x, lo.x, hi.x), gap(x.y, lo.y, hi.y), gap(x.z, lo.z, hi.z)};
-            const auto here = hn::Add(numbers, hn::Set(index, static_cast<std::int32_t>(m)));
-            const auto near = hn::And(hn::RebindMask(index, hn::Lt(dot(way, way), h2)), hn::Lt(here, end));
-            found += hn::CompressStore(here, near, index, reinterpret_cast<std::int32_t*>(out) + found);
+            const unsigned of_run = first_lanes(run.end - m);
+            const unsigned near = bits_of(hn::Lt(dot(way, way), h2)) & of_run;
+            put_together(hn::Add(first_numbers, hn::Set(numbers, static_cast<std::uint32_t>(m))), near, out + found);
+            found += static_cast<std::size_t>(std::popcount(near));
         }
     }
     return found;

@@ -159,6 +159,36 @@ HWY_INLINE void put_together(hn::Vec<Whole> whole, unsigned mask, std::uint16_t*
 #endif
 }
 
+// Numbers of particles.
+using Numbers = hn::Rebind<std::uint32_t, Lanes>;
+
+// The lanes of each mask of 8 lanes, one after the other. Highway 1.0's own compression copies such a table with each call.
+struct Lanes8 {
+    alignas(64) std::array<std::array<std::uint8_t, 8>, 256> of_mask{};
+};
+constexpr Lanes8 lanes_together() {
+    Lanes8 lanes_of;
+    for (std::size_t mask = 0; mask < 256; ++mask) {
+        for (std::uint8_t l = 0, place = 0; l < 8; ++l) {
+            if ((mask >> l & 1U) != 0) lanes_of.of_mask[mask][place++] = l;
+        }
+    }
+    return lanes_of;
+}
+
+// Writes the numbers of the mask's lanes one after the other; cluster_size numbers are written.
+HWY_INLINE void put_together(hn::Vec<Numbers> numbers, unsigned mask, std::uint32_t* to) {
+#if HWY_TARGET <= HWY_AVX3
+    const hn::Vec<Numbers> moved{_mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), numbers.raw)};
+#else
+    static constexpr Lanes8 table = lanes_together();
+    const hn::Rebind<std::uint8_t, Lanes> bytes;
+    const auto from = hn::PromoteTo(Numbers(), hn::LoadU(bytes, table.of_mask[mask].data()));
+    const auto moved = hn::TableLookupLanes(numbers, hn::IndicesFromVec(Numbers(), from));
+#endif
+    hn::StoreU(moved, Numbers(), to);
+}
+
 // The values from `from` on in the mask's lanes, 0 in the others.
 HWY_INLINE hn::Vec<Whole> spread(const std::uint16_t* from, unsigned mask) {
     const auto stored = hn::LoadU(Stored(), from);
