@@ -12,8 +12,7 @@ solutions, published experiments and tables. Writes DIR/validation.csv, DIR/repo
 observed order of convergence, and DIR/runs/ with the numbers of each run.
 
   --quick       only the quick cases, at one resolution each, as the tests run them; a few minutes. bump_jump is not among
-                them, as it takes too long at any resolution. The tests (ctest) run uniform_river at medium too, in a third of
-                the width
+                them, as it takes two. The tests (ctest) run uniform_river at medium too, in a third of the width
   --out DIR     [runs/validation in the project]
   --cases A,B   only these; patterns such as 'wet_bed*' may stand for several
   --levels L,M  only these of coarse, medium and fine
