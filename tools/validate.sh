@@ -24,7 +24,8 @@ observed order of convergence, and DIR/runs/ with the numbers of each run.
   --list        lists the cases and ends
 A run that is complete and whose program and scenes are still the same is not repeated, so that the command goes on where
 it was stopped. The program counts by its bytes without the commit that it names: a commit, or changes not yet committed,
-repeat runs only if they change what is computed. Exit code 1: a run failed, or a value is above its threshold and not among
+repeat runs only if they change what is computed. tests/validation/report has the runs of its report, so that
+--out tests/validation/report goes on with it (without the curves of spheric2, which hold measured series). Exit code 1: a run failed, or a value is above its threshold and not among
 the known failures. Exit code 2: wrong options; 130, 143: interrupted.
 
 Columns of validation.csv, a line a metric: case, model; spacing_m; particles; metric, value, unit; threshold; pass, yes or no

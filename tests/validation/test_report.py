@@ -170,6 +170,16 @@ class Reporting(unittest.TestCase):
         plan = [(case, level) for case, level in runs.plan(CASES, "wave,crowd", "", False, False)]
         self.assertEqual(results.print_summary(plan, found, self.judge), 1)
 
+    def test_a_picture_whose_curves_are_not_there_stays_as_it_was_drawn(self):
+        self.put(run_of("wave", "coarse", 0.1, 0.1))
+        found = results.read_runs(self.out / "runs", CASES)
+        report.write(found, CASES, self.judge, lambda case: "now", self.out)
+        drawn = (self.out / "figures" / "wave.png").read_bytes()
+        (self.out / "runs" / "wave-coarse-line.csv").unlink()
+        report.write(found, CASES, self.judge, lambda case: "now", self.out)
+        self.assertEqual((self.out / "figures" / "wave.png").read_bytes(), drawn)
+        self.assertIn("![wave](figures/wave.png)", (self.out / "report.md").read_text())
+
     def test_what_was_not_run_is_listed_with_what_it_would_cost(self):
         one, two = run_of("wave", "coarse", 0.1, 0.1), run_of("wave", "medium", 0.05, 0.1)
         two["solver_cpu_s"] = 8 * one["solver_cpu_s"]

@@ -106,9 +106,10 @@ def png_of(figure):
 
 
 def draw(runs):
-    """PNG of one case's runs, coarse to fine; None if they hold no curves."""
+    """PNG of one case's runs, coarse to fine; None if they hold no curves, or a curve's file is missing, as those of spheric2
+    are in the repository."""
     panels = panels_of(runs)
-    if not panels:
+    if not panels or not all((run["folder"] / curve["file"]).exists() for run in runs for curve in run["curves"]):
         return None
     across = min(COLUMNS, len(panels))
     down = math.ceil(len(panels) / across)

@@ -181,10 +181,10 @@ def write(runs, cases, judge, fingerprint_of, folder):
         lines += missing
     lines += ["", "## Cases", ""]
     for case, of_case in by_case(runs, cases):
-        png = plots.draw(of_case)
+        png, picture = plots.draw(of_case), figures / f"{case.name}.png"
         if png:
-            write_whole(figures / f"{case.name}.png", png)
-        lines += case_section(case, of_case, judge, fingerprint_of, png is not None)
+            write_whole(picture, png)
+        lines += case_section(case, of_case, judge, fingerprint_of, picture.exists())
     lines += ["## Machine", ""]
     lines += machine_lines(runs)
     write_whole(folder / "report.md", "\n".join(lines) + "\n")
