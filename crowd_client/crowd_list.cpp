@@ -50,9 +50,9 @@ bool ends_like_a_file(const std::string& name) {
 
 void check_keys(const json& entry, const std::string& where) {
     for (const auto& [key, value] : entry.items()) {
-        if (key == "name" || key == "set") continue;
+        if (key == "name" || key == "set" || key == "pictures") continue;
         throw ConfigurationError(where + ": unknown key \"" + key + "\"; the nearest known key is \"" +
-                                 nearest_name(key, {"name", "set"}) + "\".");
+                                 nearest_name(key, {"name", "set", "pictures"}) + "\".");
     }
 }
 
@@ -80,6 +80,14 @@ std::string name_of(const json& entry, const std::string& where, std::set<std::s
                                  "other.");
     }
     return name.get<std::string>();
+}
+
+bool pictures_of(const json& entry, const std::string& who) {
+    const json pictures = entry.value("pictures", json(true));
+    if (!pictures.is_boolean()) {
+        throw ConfigurationError(who + ": /pictures: " + shown(pictures) + " is not allowed; allowed: true or false.");
+    }
+    return pictures.get<bool>();
 }
 
 bool is_own(const std::string& pointer) {
@@ -143,7 +151,8 @@ std::vector<ListedCrowd> load_crowds_text(std::string_view text, const std::file
     for (std::size_t i = 0; i < document.size(); ++i) {
         const std::string name = name_of(document[i], source + ": /" + std::to_string(i), taken);
         const std::string who = source + ": crowd \"" + name + "\"";
-        crowds.push_back({name, load_one(in_order[i], who, scene_file, overrides)});
+        const bool pictures = pictures_of(document[i], who);
+        crowds.push_back({name, load_one(in_order[i], who, scene_file, overrides), pictures});
         demand_same_water(water_document, json::parse(crowds.back().loaded.canonical_json), who);
     }
     return crowds;

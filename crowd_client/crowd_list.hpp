@@ -3,11 +3,13 @@
 //
 //   [
 //     { "name": "s05-seed1" },
-//     { "name": "weak-seed3", "set": { "/seed": 3, "/crowd/tau": 0.5, "/coupling/contact_rule": "sum" } }
+//     { "name": "weak-seed3", "set": { "/seed": 3, "/crowd/tau": 0.5, "/coupling/contact_rule": "sum" },
+//       "pictures": false }
 //   ]
 //
 // Comments are allowed. A key of "set" is a JSON pointer, its value that of the scene there, as with --set; they are set in
-// the order in which they are written.
+// the order in which they are written. "pictures": whether what only pictures need is stored, trajectories.sqlite and
+// water.bin, as far as the options ask for it; true if it is absent.
 
 #include <filesystem>
 #include <string>
@@ -22,6 +24,7 @@ struct ListedCrowd {
     std::string name;  // also of its run folder: letters, digits, '_', '-' and '.', not like an option ("-x") or a file
                        // ("x.csv"), and one of its own for each crowd in any mixture of capital and small letters
     LoadedScene loaded;  // the scene with what this crowd sets
+    bool pictures = true;
 };
 
 // Reads the list. A crowd may change /seed, /name, /description, /events and what lies below /crowd and /coupling, the

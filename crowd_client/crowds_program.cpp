@@ -25,6 +25,7 @@ namespace {
 struct Member {
     std::string name;
     RunLabels labels;
+    Record kept;
     std::unique_ptr<RunFolder> folder;  // none once it is finished
 };
 
@@ -47,19 +48,21 @@ Ensemble make_ensemble(const ProgramStart& start) {
         all.runs.push_back({.crowd = make_crowd(listed_crowd.loaded.scene), .summary = {}});
         RunLabels labels = labels_of(start);
         labels.canonical_scene = std::move(listed_crowd.loaded.canonical_json);
-        all.members.push_back({std::move(listed_crowd.name), std::move(labels), nullptr});
+        const Record asked = record_of(start.options);
+        all.members.push_back({std::move(listed_crowd.name), std::move(labels),
+                               listed_crowd.pictures ? asked : without_pictures(asked), nullptr});
     }
     return all;
 }
 
-void open_folders(Ensemble& all, const ProgramStart& start) {
+void open_folders(Ensemble& all) {
     make_run_folder(all.out);
     std::error_code ignored;
     std::filesystem::remove(all.out / "crowds.csv", ignored);
     for (std::size_t k = 0; k < all.runs.size(); ++k) {
         Member& member = all.members[k];
-        member.folder = std::make_unique<RunFolder>(all.out / member.name, all.runs[k].crowd, member.labels,
-                                                    record_of(start.options));
+        member.folder =
+            std::make_unique<RunFolder>(all.out / member.name, all.runs[k].crowd, member.labels, member.kept);
     }
 }
 
@@ -161,7 +164,9 @@ std::string check_of_crowds(const ProgramStart& start) {
 int run_list_of_crowds(const ProgramStart& start, Console& console) {
     Ensemble all = make_ensemble(start);
     std::vector<std::size_t> files;
-    for (const CrowdRun& run : all.runs) files.push_back(files_kept_open(run.crowd.scene, record_of(start.options)));
+    for (std::size_t k = 0; k < all.runs.size(); ++k) {
+        files.push_back(files_kept_open(all.runs[k].crowd.scene, all.members[k].kept));
+    }
     allow_open_files(files);
     RunControl control(start.options.word("--commands"));
     int code = static_cast<int>(ExitCode::ok);
@@ -170,7 +175,7 @@ int run_list_of_crowds(const ProgramStart& start, Console& console) {
         if (code == static_cast<int>(ExitCode::ok)) code = exit_code_of<shm::Error>(error);
     };
     try {
-        open_folders(all, start);
+        open_folders(all);
         take_part(all, start, control, console);
     } catch (const std::exception& error) {
         note(error);

@@ -24,7 +24,7 @@ void allow_open_files(std::span<const std::size_t> per_crowd) {
                                  std::to_string(needed) + " files open, but this process may have " +
                                  std::to_string(limit.rlim_max) + " (ulimit -Hn); allowed: the first " +
                                  std::to_string(fitting) +
-                                 " crowds of the list, or fewer files with --no-trajectories and --water-every-s 0.");
+                                 " crowds of the list, or fewer files with \"pictures\": false.");
     }
     limit.rlim_cur = std::max(limit.rlim_cur, needed);
     ::setrlimit(RLIMIT_NOFILE, &limit);

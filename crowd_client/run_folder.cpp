@@ -11,6 +11,10 @@
 
 namespace wade::crowd {
 
+Record without_pictures(const Record& record) {
+    return {.water_interval = 0, .danger_window = record.danger_window, .trajectories = false};
+}
+
 std::size_t files_kept_open(const Scene& scene, const Record& kept) {
     constexpr std::size_t of_a_database = 3;  // with its log and the index of that
     return (kept.trajectories ? of_a_database : 0) + (kept.water_interval > 0 ? 1 : 0) + (has_ragdolls(scene) ? 1 : 0);

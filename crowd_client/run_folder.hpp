@@ -22,6 +22,9 @@ struct Record {
     bool trajectories = true;   // trajectories.sqlite
 };
 
+// Without what only pictures need: trajectories and snapshots of the water.
+[[nodiscard]] Record without_pictures(const Record& record);
+
 // How many files the folder of such a run keeps open until it is finished.
 [[nodiscard]] std::size_t files_kept_open(const Scene& scene, const Record& kept);
 

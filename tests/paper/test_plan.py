@@ -50,8 +50,9 @@ class Plan(unittest.TestCase):
     def test_a_crowd_names_only_what_it_has_otherwise_than_its_water(self):
         water = {"seed": 1, "crowd": {"tau": 0}, "coupling": {"contact_rule": "difference"}, "name": "s01", "world": {}}
         scene = {**water, "seed": 3, "crowd": {"tau": 0.2}}
-        entry = crowd_entry("s04-seed3", scene, water)
-        self.assertEqual(entry, {"name": "s04-seed3", "set": {"/crowd": {"tau": 0.2}, "/seed": 3}})
+        entry = crowd_entry("s04-seed3", scene, water, pictures=False)
+        changes = {"/crowd": {"tau": 0.2}, "/seed": 3}
+        self.assertEqual(entry, {"name": "s04-seed3", "set": changes, "pictures": False})
 
 
 if __name__ == "__main__":

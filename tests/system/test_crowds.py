@@ -67,6 +67,17 @@ class Crowds(SystemTest):
         names = {file.name for file in (self.folder / "many" / "a").iterdir()}
         self.assertEqual(names, {"agents.csv", "manifest.json", "outcome.json", "water.bin"})
 
+    def test_a_crowd_may_do_without_pictures_and_ends_the_same(self):
+        entries = [{"name": "plain", "pictures": False}, {"name": "drawn"}]
+        (self.folder / "crowds.json").write_text(json.dumps(entries))
+        server = self.server()
+        client = self.client("--crowds", self.folder / "crowds.json", "--reproducible", out=self.folder / "many")
+        self.assert_ended_well(server, client)
+        plain, drawn = (Run(self.folder / "many" / entry["name"]) for entry in entries)
+        self.assertEqual({file.name for file in plain.folder.iterdir()}, {"agents.csv", "manifest.json", "outcome.json"})
+        self.assertTrue((drawn.folder / "trajectories.sqlite").exists() and (drawn.folder / "water.bin").exists())
+        self.assertEqual(plain.bytes_of("agents.csv"), drawn.bytes_of("agents.csv"))
+
     def test_crowd_whose_files_cannot_be_written_fails_alone(self):
         # "blocked" and "same" are over in one frame, "later" walks on.
         blocked = self.folder / "many" / "blocked" / "agents.csv" / "not_empty"

@@ -19,7 +19,6 @@ ROOT = Path(__file__).resolve().parents[2]
 CROWDS_OWN = ("crowd", "coupling", "events", "name", "description")
 PATIENCE_S = "300"  # a hundred crowds take a while to set out their markers, and for a frame
 TOLD_EVERY_S = 60  # how far a water is, where its progress goes to a file
-PICTURE_FILES = ("trajectories.sqlite", "water.bin")  # what only pictures need
 
 
 class PlanError(Exception):
@@ -76,10 +75,10 @@ def is_done(folder, scene):
     return complete and what_counts(manifest.get("resolved_scene") or {}) == what_counts(scene)
 
 
-def crowd_entry(name, scene, water):
+def crowd_entry(name, scene, water, pictures):
     """One element of the file of --crowds: what this crowd has otherwise than the water's scene."""
     keys = [key for key in (*CROWDS_OWN, "seed") if scene.get(key) != water.get(key)]
-    return {"name": name, "set": {f"/{key}": scene.get(key) for key in keys}}
+    return {"name": name, "set": {f"/{key}": scene.get(key) for key in keys}, "pictures": pictures}
 
 
 class Ensembles:
@@ -204,15 +203,15 @@ class Ensembles:
         folder = self.out / water.key
         folder.mkdir(parents=True, exist_ok=True)
         base = self.programs.resolved(water.scene, water.changes)
-        entries = [crowd_entry(name_of(*run), self.programs.scene_of(*run), base) for run in missing]
+        entries = [
+            crowd_entry(name_of(*run), self.programs.scene_of(*run), base, self.keeps_pictures(*run)) for run in missing
+        ]
         (folder / "crowds.json").write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
         words = [word for pointer, value in water.changes for word in ("--set", f"{pointer}={json.dumps(value)}")]
         launcher = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", self.programs.folder]
         command = [*launcher, water.scene, "--crowds", folder / "crowds.json", "--out", folder, "--no-figure", *words]
         command += [*self.programs.until(), "--threads", str(self.threads)]
         command += ["--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
-        if not any(self.keeps_pictures(*run) for run in missing):
-            command += ["--no-trajectories", "--water-every-s", "0"]
         print(f"{water.key}: {len(missing)} crowds", file=sys.stderr, flush=True)
         with open(self.log(water), "w", encoding="utf-8") as log:
             process = self.pair.start(command, stdout=log, stderr=None if sys.stderr.isatty() else log)
@@ -252,9 +251,6 @@ class Ensembles:
         folder = self.folder(case, seed)
         record, scene = record_of(folder, self.programs.version.fingerprint if self.store and how == "run" else "")
         run = Run(case, scenario_name(case), seed, record, scene, folder)
-        if not self.keeps_pictures(case, seed):
-            for name in PICTURE_FILES:
-                (folder / name).unlink(missing_ok=True)
         if self.store:
             run.other = not self.programs.version.made(record)
             note_what_is_seen(run)

@@ -117,6 +117,15 @@ TEST_CASE("Errors in what a crowd sets name the list, the crowd, the key, the va
                   {"list.json: crowd \"a\": ", "/events/0/agent: there is no agent 99; allowed: 0 to 49"});
     check_refusal(R"([{"name": "a", "set": [1]}])", {"list.json: crowd \"a\": /set: expected an object"});
     check_refusal(R"([{"name": "a", "sett": {}}])", {"list.json: /0: unknown key \"sett\"", "\"set\""});
+    check_refusal(R"([{"name": "a", "pictures": 1}])",
+                  {"list.json: crowd \"a\": /pictures: 1 is not allowed; allowed: true or false"});
+}
+
+TEST_CASE("A crowd has pictures unless it says otherwise") {
+    const auto crowds = crowds_of(R"([{"name": "a"}, {"name": "b", "pictures": false}, {"name": "c", "pictures": true}])");
+    CHECK(crowds[0].pictures);
+    CHECK_FALSE(crowds[1].pictures);
+    CHECK(crowds[2].pictures);
 }
 
 TEST_CASE("A list is not empty and a list") {
