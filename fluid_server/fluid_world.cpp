@@ -171,26 +171,38 @@ StepReport FluidWorld::step(double remaining) {
     measure_density_error(report);
     clock.finished(Stage::density);
 
-    apply_forces(dt, report);
-    clock.finished(Stage::forces);
     const bool split = fluid.divergence_solve.max_iterations > 0;
-    if (split) {
-        report.divergence =
-            solver_->solve_divergence(particles_, lists_, correction, fields_, dt, step_share_, fluid.divergence_solve);
-        clock.finished(Stage::divergence_solve);
+    const float theta = confined_ && split ? midpoint_theta(step_share_) : 0;
+    if (theta > 0) {
+        start_.keep(particles_);
+    }
+    apply_forces(dt / (1 + theta), dt, report);
+    clock.finished(Stage::forces);
+    const auto touch_solids = [&] {
         apply_contact(dt, report);
         clock.finished(Stage::contact);
+    };
+    if (split) {
+        report.divergence = solver_->solve_divergence(particles_, lists_, correction, fields_, dt / (1 + theta),
+                                                      step_share_ / (1 + theta), fluid.divergence_solve);
+        clock.finished(Stage::divergence_solve);
+        if (theta == 0) {
+            touch_solids();
+        }
         report.density = solver_->solve_density(particles_.shift_pressure, particles_, lists_, correction, fields_, dt,
                                                 fluid.density_solve);
         clock.finished(Stage::density_solve);
+        if (theta > 0) {
+            go_on_from_midpoint(particles_, start_, theta);
+            touch_solids();
+        }
         advance(dt, dt, report);
     } else {
         report.density = solver_->solve_density(particles_.pressure, particles_, lists_, correction, fields_, dt,
                                                 fluid.density_solve);
         apply_acceleration(particles_, fields_, dt);
         clock.finished(Stage::density_solve);
-        apply_contact(dt, report);
-        clock.finished(Stage::contact);
+        touch_solids();
         advance(dt, 0, report);
     }
     if (emitter_) {
@@ -205,9 +217,9 @@ StepReport FluidWorld::step(double remaining) {
     return report;
 }
 
-void FluidWorld::apply_forces(float dt, StepReport& report) {
+void FluidWorld::apply_forces(float duration, float dt, StepReport& report) {
     if (viscosity_ > 0) {
-        apply_viscosity(particles_, lists_, fields_, static_cast<float>(viscosity_), dt);
+        apply_viscosity(particles_, lists_, fields_, static_cast<float>(viscosity_), duration);
     }
     if (scene_.channel.flow == Flow::recirculating) {
         report.driving_acceleration =
@@ -217,9 +229,9 @@ void FluidWorld::apply_forces(float dt, StepReport& report) {
         report.driving_acceleration = -ends_->acceleration();
     }
     apply_body_force(particles_, static_cast<float>(gravity_x_ - report.driving_acceleration),
-                     static_cast<float>(gravity_y_), dt);
+                     static_cast<float>(gravity_y_), duration);
     if (friction_) {
-        friction_->apply(particles_, dt);
+        friction_->apply(particles_, duration);
     }
 }
 

@@ -13,6 +13,7 @@
 #include "fluid_server/dfsph.hpp"
 #include "fluid_server/emitter.hpp"
 #include "fluid_server/fluid_state.hpp"
+#include "fluid_server/midpoint.hpp"
 #include "fluid_server/neighbours.hpp"
 #include "fluid_server/open_ends.hpp"
 #include "fluid_server/particles.hpp"
@@ -84,7 +85,8 @@ class FluidWorld {
     [[nodiscard]] std::uint64_t position_clamps() const { return position_clamps_; }
 
  private:
-    void apply_forces(float dt, StepReport& report);
+    // Lets them act for `duration`; what drives the stream gives it its speed within dt.
+    void apply_forces(float duration, float dt, StepReport& report);
     [[nodiscard]] double time_step(double remaining);
     void measure_density_error(StepReport& report);
     [[nodiscard]] Places places(std::size_t begin) const;  // from a particle on
@@ -105,6 +107,7 @@ class FluidWorld {
     NeighbourLists lists_;
     ParticleFields fields_;
     GradientCorrection correction_;  // of confined water
+    StartVelocities start_;          // of confined water
     Solids solids_;
     std::optional<PressureSolver> solver_;
     std::optional<Emitter> emitter_;
