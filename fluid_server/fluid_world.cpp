@@ -192,7 +192,7 @@ StepReport FluidWorld::step(double remaining) {
         report.density = solver_->solve_density(particles_.shift_pressure, particles_, lists_, correction, fields_, dt,
                                                 fluid.density_solve);
         clock.finished(Stage::density_solve);
-        if (theta > 0) {
+        if (theta > 0) {  // only now: how densities change in a step is what the velocities in its middle say
             go_on_from_midpoint(particles_, start_, theta);
             touch_solids();
         }
