@@ -15,7 +15,8 @@ with each model of the water, nothing changed but /fluid/model, one run at a tim
 plots and with conclusions that follow from the numbers by rule, models.csv and models_table1.csv.
 
   --quick                the quick cases at one resolution each, and S1, S4, S5 and S8 of configs/river with one seed
-  --out DIR              folder of the runs [runs/compare_models in the project]
+  --out DIR              folder of the runs [runs/compare_models in the project]; DIR/table1/runs.jsonl and the files result.json
+                         below DIR/cases are all that a report needs
   --report-to DIR        folder of report, tables and pictures [that of --out]
   --models A,B           models, as /fluid/model names them [dfsph,mixed,shallow_water,steering,kinematic]
   --cases A,B            only these cases; patterns such as 'wet_bed*' may stand for several
@@ -31,8 +32,8 @@ plots and with conclusions that follow from the numbers by rule, models.csv and 
   --set MODEL:/POINTER=VALUE  a value of all scenes that a model needs besides; may be given several times
   --validation-csv FILE  table of tools/validate.sh whose runs of DFSPH are taken instead of being made again; none: run
                          all [tests/validation/report/validation.csv]
-  --dfsph-campaign DIR   folder of tools/reproduce_paper.sh whose complete runs of the same scenes and seeds are read as those
-                         of DFSPH; nothing is changed in it
+  --dfsph-campaign DIR   folder of tools/reproduce_paper.sh, or of Table 1 of this command, whose complete runs of the same
+                         scenes and seeds are read as those of DFSPH; its runs.jsonl is enough, and nothing is changed in it
   --report-only          run nothing: the report of what is complete in DIR
 A run that is complete and whose program and scenes are still the same is not repeated, so that the command goes on where it
 was stopped. Shallow water, steering and kinematic take about an hour on one core, most of it steering water in Table 1;

@@ -2,6 +2,7 @@
 
 import csv
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -77,6 +78,17 @@ class ShortComparison(unittest.TestCase):
         rows = rows_of(second / "models_table1.csv")
         self.assertEqual({(row["model"], row["source"]) for row in rows}, {("dfsph", "read from a campaign")})
         self.assertEqual({file: file.stat().st_mtime_ns for file in campaign.glob("**/*")}, before)
+
+    def test_what_was_kept_of_the_runs_is_enough_for_the_report(self):
+        kept = self.out.with_name("kept")
+        for file in [self.out / "table1" / "runs.jsonl", *self.out.glob("cases/*/*/result.json")]:
+            (kept / file.relative_to(self.out)).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(file, kept / file.relative_to(self.out))
+        answer = compare(kept, "--report-only")
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        for table in ("models.csv", "models_table1.csv"):
+            self.assertEqual(rows_of(kept / table), rows_of(self.out / table))
+        self.assertEqual(len(list(kept.glob("**/outcome.json"))), 0)
 
     def test_wrong_words_are_refused_with_what_is_allowed(self):
         for option, word, allowed in (("--models", "no_such", "dfsph"), ("--cases", "no_such", "dam_break"),

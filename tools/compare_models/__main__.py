@@ -17,6 +17,7 @@ from pair_processes import Pair
 from recorded import read_recorded
 from results import Judge
 from run_folder import end_children_on_signals, exit_code, say
+from store import StoreError
 from table1 import read_paper
 from table_one import SETS, run_table
 
@@ -157,6 +158,8 @@ def main():
             outcomes, commits, file = compare_cases(options)
         if "table1" in options.parts:
             table1, failures, interrupted = compare_table1(options)
+    except StoreError as error:
+        fail(error)
     except KeyboardInterrupt as interrupt:
         say("interrupted; the same command goes on from here", sys.stderr)
         return exit_code(interrupt)

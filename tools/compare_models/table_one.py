@@ -11,6 +11,7 @@ from paths import ROOT  # it says where the modules of tools/paper are, too
 import plan
 from ensembles import Ensembles, PlanError, is_done
 from known_scene import same_scene
+from store import Store
 from table1 import Result
 from water_models import FOLLOWS_PEOPLE, model_changes
 from words import SET_UPS
@@ -18,6 +19,7 @@ from words import SET_UPS
 SETS = ("river", "paper")
 DEFAULT_MODEL = "dfsph"  # of the scenes of these sets
 SAMPLED_EVERY_S = 0.5
+SERVER_CPU = "server_cpu_s"  # of the water of a run, kept with the run
 
 
 @dataclass
@@ -27,7 +29,7 @@ class ModelRuns:
     set: str
     model: str
     results: dict  # scenario -> Result
-    costs: dict  # name of the water -> Cost
+    costs: dict  # key of the water -> Cost
     commits: tuple  # of the programs that made the runs
     source: str = ""  # where they were read from; "": made here
 
@@ -74,7 +76,11 @@ def cpu_time_of(pid):
 
 
 class TimedEnsembles(Ensembles):
-    """Notes the CPU time of the server of each water in its folder, cost.json, as of the last look before its end."""
+    """Notes the CPU time of the server of each water in its folder, cost.json, as of the last look before its end, and
+    keeps it with each run."""
+
+    def kept_besides(self, case, _seed):
+        return {SERVER_CPU: server_cpu(self.out / case.water.key)}
 
     def wait_for(self, process, water):
         return self.wait_and_time(process, water, self.out / water.key)
@@ -103,6 +109,9 @@ class OwnWaters(TimedEnsembles):
 
     run_folder = None  # of the run that began last
 
+    def kept_besides(self, case, seed):
+        return {SERVER_CPU: server_cpu(self.folder(case, seed))}
+
     def log(self, water):
         return self.run_folder / "run.log"
 
@@ -126,16 +135,16 @@ class OwnWaters(TimedEnsembles):
 def server_cpu(folder):
     """CPU time of the server that was noted in a folder, s; None if there is none."""
     try:
-        return json.loads((folder / "cost.json").read_text())["server_cpu_s"] or None
+        return json.loads((folder / "cost.json").read_text())[SERVER_CPU] or None
     except (OSError, ValueError, KeyError):
         return None
 
 
-def cost_of(water_folder, runs):
+def cost_of(runs):
     """What the server of a water took. The time it simulated is that of the crowd that walked for longest, which ends
     it."""
     longest = max(runs, key=lambda run: run.outcome["sim_time_s"]).outcome
-    return cost_over(longest["sim_time_s"], server_cpu(water_folder), longest["fluid"].get("solver_wall_s"))
+    return cost_over(longest["sim_time_s"], longest.get(SERVER_CPU), longest["fluid"].get("solver_wall_s"))
 
 
 def cost_of_own(runs):
@@ -144,7 +153,7 @@ def cost_of_own(runs):
     def total(values):
         return None if None in values else sum(values)
 
-    cpu = total([server_cpu(run.folder) for run in runs])
+    cpu = total([run.outcome.get(SERVER_CPU) for run in runs])
     wall = total([run.outcome["fluid"].get("solver_wall_s") for run in runs])
     return cost_over(sum(run.outcome["sim_time_s"] for run in runs), cpu, wall)
 
@@ -161,25 +170,35 @@ def as_model_runs(scene_set, model, cases, ensembles, source=""):
     by_water = {}
     for name, runs in of_case.items():
         by_water.setdefault(cases[name].water, []).extend(runs)
-    if model in FOLLOWS_PEOPLE:
-        costs = {water.name: cost_of_own(runs) for water, runs in by_water.items()}
-    else:
-        costs = {water.name: cost_of(ensembles.out / water.key, runs) for water, runs in by_water.items()}
+    cost = cost_of_own if model in FOLLOWS_PEOPLE else cost_of
+    costs = {water.key: cost(runs) for water, runs in by_water.items()}
     commits = sorted({run.outcome["commit"] for runs in of_case.values() for run in runs})
     return ModelRuns(scene_set, model, {n: Result(runs) for n, runs in of_case.items()}, costs, tuple(commits), source)
 
 
+class RunsToRead(Store):
+    """runs.jsonl of another campaign."""
+
+    def add(self, *_):
+        """Changes nothing there."""
+
+
 class Campaign(Ensembles):
-    """Reads the runs of another folder of this command or of tools/reproduce_paper.sh and changes nothing there.
+    """Reads the runs of another folder of this command or of tools/reproduce_paper.sh, from its runs.jsonl and its run
+    folders, and changes nothing there.
 
     A run by programs that did not know some key yet counts if the key has its default now: a feature that is off
     changes nothing.
     """
 
     def __init__(self, programs, folder):
-        super().__init__(programs, folder, None, 1, keep_all=True)
+        super().__init__(programs, folder, None, 1, keep_all=True, store=RunsToRead(folder / "runs.jsonl"))
 
-    def has(self, case, seed):
+    def kept_besides(self, case, seed):
+        own = server_cpu(self.folder(case, seed))
+        return {SERVER_CPU: server_cpu(self.out / case.water.key) if own is None else own}
+
+    def has_folder(self, case, seed):
         folder, scene = self.folder(case, seed), self.programs.scene_of(case, seed)
         if is_done(folder, scene):
             return True
@@ -213,10 +232,13 @@ def is_scene(programs, case, ensembles):
 
 def run_table(programs, out, pair, scene_sets, models, options):
     """[ModelRuns] of each set and model, and what failed in words. What is complete is not run again."""
-    if options.report_only:  # takes what older programs made, too
+    out.mkdir(parents=True, exist_ok=True)
+    store = Store(out / "runs.jsonl")
+    if options.report_only:
         shared, own = Campaign(programs, out), Campaign(programs, out)
     else:
-        shared, own = TimedEnsembles(programs, out, pair, 1), OwnWaters(programs, out, pair, 1)
+        shared = TimedEnsembles(programs, out, pair, 1, store=store)
+        own = OwnWaters(programs, out, pair, 1, store=store)
     found, wanted = {}, {}
     for scene_set in scene_sets:
         for model in models:
@@ -235,6 +257,8 @@ def run_table(programs, out, pair, scene_sets, models, options):
             ensembles.run({case: (options.seeds, options.seeds) for case in every})
         for key, cases in of_these.items():
             found[key] = as_model_runs(*key, cases, ensembles)
+    if not options.report_only:
+        store.tidy()
     order = [(scene_set, model) for scene_set in scene_sets for model in models]
     failures = [*shared.failures, *own.failures]
     return [found[key] for key in order if found.get(key)], failures, shared.interrupted or own.interrupted

@@ -55,7 +55,7 @@ def write_table1(file, all_runs, paper):
         time = base.time[0] if base and base.time else None
         for name, result in runs.results.items():
             row = table_row(runs.set, name, result, paper[name], time, bands.judge_scenario(name, result).holds)
-            cost = runs.costs[result.runs[0].folder.parent.name]
+            cost = runs.costs[result.runs[0].water]
             cells = [f"{v:.6g}" if isinstance(v, float) else v for v in (row[column] for column in TABLE1_COLUMNS)]
             rows.append([runs.model, *cells, number(cost.cpu, 4), number(cost.solver_wall, 4), " ".join(runs.commits),
                          runs.source or "run"])

@@ -250,12 +250,17 @@ class Ensembles:
         """Reads a run from its folder, and puts it into the store."""
         folder = self.folder(case, seed)
         record, scene = record_of(folder, self.programs.version.fingerprint if self.store and how == "run" else "")
+        record.update(self.kept_besides(case, seed))
         run = Run(case, scenario_name(case), seed, record, scene, folder)
         if self.store:
             run.other = not self.programs.version.made(record)
             note_what_is_seen(run)
             self.store.add(case.key, seed, scene, record)
         return run
+
+    def kept_besides(self, _case, _seed):
+        """What is kept of a run besides the results of the crowd."""
+        return {}
 
 
 def name_of(case, seed):
