@@ -82,3 +82,23 @@ TEST_CASE("vortices of water without viscosity lose less than Euler steps alone 
     CHECK(rate < 0.8 * euler);
     CHECK(rate > -0.1 * euler);
 }
+
+// Without viscosity it does tremble, with Euler steps as with these: 4 % of sqrt(g H) after 2 s, 5 % from 4 s on. Errors of
+// the solves that are thrown from step to step would not stop there.
+TEST_CASE("the weight of water under a lid does not shake it to pieces", "[fluid][midpoint]") {
+    Scene scene = test::tank(1, 1, 1, 0.1);
+    scene.channel.top = Top::wall;
+    scene.channel.height = 1;
+    scene.fluid.kernel = KernelKind::wendland_c2;
+    scene.fluid.kinematic_viscosity = 0;
+    scene.fluid.cfl = 0.5;
+    FluidWorld world(scene);
+    REQUIRE(world.particles().count == 1000);
+    for (int frame = 0; frame < 60; ++frame) {
+        for (double left = 1.0 / 30; left > 1e-9;) {
+            left -= world.step(left).dt;
+        }
+        CAPTURE(frame);
+        CHECK(std::sqrt(squared_speed(world.particles())) < 0.1 * std::sqrt(9.81));
+    }
+}
