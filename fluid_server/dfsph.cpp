@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "fluid_server/sweeps.hpp"
 
@@ -27,6 +28,26 @@ constexpr double usual_layers = 10;
 // by so much. Without it water that has once been loosened could not fall back; with all of it the fall has no
 // resistance and water at rest trembles.
 constexpr float gap_closing = 0.1F;
+
+// A Jacobi iteration finds the short waves of the pressure at once and the long ones of deep water last. From this
+// iteration on a solve goes on in the direction in which its pressure moved (Nesterov 1983, as Beck and Teboulle 2009 have
+// it for what must not be negative), from the pressure q of an iteration to
+//   q' = max(0, y + omega error / (dt^2 A)),   y' = q' + beta (q' - q),
+// whose beta grows from 0 towards 1. It begins anew once that leads back (O'Donoghue and Candes 2015) or the error grows, as
+// it would for ever in water that is crushed.
+constexpr int first_with_momentum = 4;
+
+class Momentum {
+ public:
+    float next_beta() {
+        const float next = (1 + std::sqrt(1 + 4 * t_ * t_)) / 2;
+        return (std::exchange(t_, next) - 1) / next;
+    }
+    void begin_anew() { t_ = 1; }
+
+ private:
+    float t_ = 1;
+};
 
 // What the sweeps of a solve work on. correction: of the gradients of confined water, or null.
 struct Operator {
@@ -107,6 +128,10 @@ void start_solve(const std::vector<float>& pressure, const ConstVectorArrays& u,
     });
 }
 
+double total_of(const BlockSums<double>& sums) {
+    return sums.total([](double& sum, double of_block) { sum += of_block; });
+}
+
 ConstVectorArrays velocities(const Particles& p) {
     return {p.vx.data(), p.vy.data(), p.vz.data()};
 }
@@ -185,20 +210,38 @@ SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start
     }
     SolveResult result;
     const float dt2 = dt * dt;
-    while (result.iterations < settings.max_iterations) {
+    Momentum momentum;
+    for (bool last = settings.max_iterations == 0; !last;) {
+        const bool carries = result.iterations >= first_with_momentum;
+        if (result.iterations == first_with_momentum) {
+            earlier_ = pressure;
+        }
+        const float beta = carries ? momentum.next_beta() : 0;
         errors_.begin(p.count);
+        turns_.begin(p.count);
         for_each_density_rate(accelerations(f), o, [&](std::size_t i, float rate, std::size_t b) {
             const float error = f.source[i] + dt2 * rate;  // compression that is left after the step
             errors_[b] += static_cast<double>(std::max(error, 0.0F));
-            pressure[i] = std::max(0.0F, pressure[i] + relaxation_ * error * f.inverse_diagonal[i] / dt2);
+            const float from = pressure[i];
+            const float found = std::max(0.0F, from + relaxation_ * error * f.inverse_diagonal[i] / dt2);
+            pressure[i] = found;
+            if (carries) {
+                const float moved = found - earlier_[i];
+                turns_[b] += static_cast<double>((from - found) * moved);
+                pressure[i] += beta * moved;
+                earlier_[i] = found;
+            }
         });
-        pressure_acceleration(pressure, o);
         ++result.iterations;
-        const double total = errors_.total([](double& sum, double e) { sum += e; });
-        result.error = p.count == 0 ? 0 : total / static_cast<double>(p.count);
-        if (result.iterations >= settings.min_iterations && result.error <= settings.tolerance) {
-            break;
+        const double error = p.count == 0 ? 0 : total_of(errors_) / static_cast<double>(p.count);
+        const bool grows = error > std::exchange(result.error, error);
+        const bool solved = result.iterations >= settings.min_iterations && result.error <= settings.tolerance;
+        last = solved || result.iterations == settings.max_iterations;
+        if (carries && (last || grows || total_of(turns_) > 0)) {
+            std::copy_n(earlier_.begin(), p.count, pressure.begin());
+            momentum.begin_anew();
         }
+        pressure_acceleration(pressure, o);
     }
     result.sweeps = (correction != nullptr ? 2 : 1) + 2 * result.iterations;
     return result;
@@ -207,8 +250,7 @@ SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start
 void PressureSolver::subtract_mean(std::vector<float>& source, std::size_t n) {
     errors_.begin(n);
     for_each_particle(n, [&](std::size_t i) { errors_[i / block_size] += static_cast<double>(source[i]); });
-    const double total = errors_.total([](double& sum, double e) { sum += e; });
-    const auto mean = static_cast<float>(n == 0 ? 0 : total / static_cast<double>(n));
+    const auto mean = static_cast<float>(n == 0 ? 0 : total_of(errors_) / static_cast<double>(n));
     for_each_particle(n, [&](std::size_t i) { source[i] -= mean; });
 }
 

@@ -102,6 +102,8 @@ class PressureSolver {
     double layers_ = 1;
     bool packs_inflow_ = false;
     BlockSums<double> errors_;
+    BlockSums<double> turns_;     // by how much momentum leads back
+    std::vector<float> earlier_;  // pressure of the iteration before, where there is momentum
 };
 
 }  // namespace wade::fluid
