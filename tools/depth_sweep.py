@@ -5,7 +5,8 @@
 
 Runs N x N depths (0.25 to 1.5 m) and velocities (0.5 to 5 m/s), one water at a time with a crowd for each tau and seed in
 it, and writes DIR/depth_sweep.csv and DIR/depth_sweep.png. What is in the table already is not run again, so that a
-sweep that was cut off goes on. Meant for the kinematic water of configs/observed. Build first (tools/run.sh).
+sweep that was cut off goes on. Meant for the kinematic water of configs/observed. Build first (tools/run.sh). The part
+`plane` of tools/reproduce_paper.sh is this sweep.
 """
 
 import argparse
@@ -26,12 +27,13 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tools" / "paper"))
+sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools" / "paper")]
 
 from limits import limits_of  # noqa: E402
+from pair_processes import end_with_parent  # noqa: E402
 
 COLUMNS = ("scene", "tau", "depth_m", "v_f_m_s", "dv_m2_s", "level", "seed", "agents", "arrived", "dead", "active",
-           "last_arrival_s", "level_met", "agents_at_level_met")
+           "last_arrival_s", "level_met", "agents_at_level_met", "commit")
 SPACING = 0.4642  # m, that of the paper; shallower water takes particles of its own depth, as it needs a layer
 BOUNDS = {"low": 0.0, "moderate": 0.5, "high": 0.75, "very_high": 1.0}  # m2/s, Table 2
 LINES = ((0.5, "moderate", ":"), (0.75, "high", "--"), (1.0, "very high", "-"))
@@ -47,27 +49,31 @@ def rounded(value):
 
 def run_water(options, depth, speed, crowds):
     """Runs one water with these crowds, a list of (tau, seed); their rows of the table."""
-    folder = options.out / "run"
+    folder = options.out / "depth_sweep_run"
     shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
     names = {f"tau{tau:g}-seed{seed}": (tau, seed) for tau, seed in crowds}
-    listed = options.out / "crowds.json"
+    listed = folder / "crowds.json"
     listed.write_text(json.dumps([{"name": name, "set": {"/crowd/tau": tau, "/seed": seed}}
                                   for name, (tau, seed) in names.items()], indent=1), encoding="utf-8")
     command = [sys.executable, ROOT / "tools" / "run_pair.py", "--programs", options.programs, options.scene,
-               "--out", folder, "--crowds", listed, "--no-trajectories", "--no-figure", "--threads", "1",
+               "--out", folder / "crowds", "--crowds", listed, "--no-trajectories", "--no-figure", "--threads", "1",
                "--danger-every-s", "1", "--water-every-s", "0", "--set", f"/channel/depth_m={depth}",
                "--set", f"/channel/velocity_m_s={speed}", "--set",
                f"/fluid/particle_spacing_m={min(SPACING, depth)}"]
     if options.until_s:
         command += ["--until-s", str(options.until_s)]
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, preexec_fn=end_with_parent)
     if done.returncode != 0:
         sys.exit(f"depth_sweep.py: {' '.join(map(str, command))} ended with {done.returncode}:\n{done.stderr}")
-    return [row_of(folder / name, depth, speed, *crowd) for name, crowd in names.items()]
+    rows = [row_of(folder / "crowds" / name, depth, speed, *crowd) for name, crowd in names.items()]
+    shutil.rmtree(folder)
+    return rows
 
 
 def row_of(folder, depth, speed, tau, seed):
     outcome = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
+    commit = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["git_hash"]
     with (folder / "agents.csv").open(newline="", encoding="utf-8") as file:
         met = collections.Counter(agent["danger_level"] for agent in csv.DictReader(file))
     level_met, count = met.most_common(1)[0]
@@ -76,14 +82,17 @@ def row_of(folder, depth, speed, tau, seed):
             "level": level_of(product), "seed": seed, "agents": outcome["agents"], "arrived": outcome["arrived"],
             "dead": outcome["dead"], "active": outcome["active"],
             "last_arrival_s": "" if outcome["last_arrival_s"] is None else outcome["last_arrival_s"],
-            "level_met": level_met, "agents_at_level_met": count}
+            "level_met": level_met, "agents_at_level_met": count, "commit": commit}
 
 
 def read_table(path):
     if not path.exists():
         return []
     with path.open(newline="", encoding="utf-8") as file:
-        return [row for row in csv.DictReader(file) if None not in row.values()]
+        table = csv.DictReader(file)
+        if tuple(table.fieldnames or COLUMNS) != COLUMNS:
+            sys.exit(f"{path}: its columns are {','.join(table.fieldnames)}, expected are {','.join(COLUMNS)}")
+        return [row for row in table if None not in row.values()]
 
 
 def key_of(row):

@@ -12,13 +12,13 @@ Usage: tools/reproduce_paper.sh [--out DIR] [--seeds N] [--max-seeds N] [--quick
 Runs the scenarios of the paper with many seeds, in four set-ups: configs/observed (the water of the authors' logs,
 kinematic, cheap), configs/paper (as they ran it), configs/river (as the paper describes it) and configs/manning (that
 river on a slope with friction, with four layers of particles, about ten times the cost). One run of the fluid
-serves all crowds of a water. Writes DIR/report.md, DIR/table1.csv, DIR/readings.csv, DIR/phase.csv and pictures, and
-prints the report. DIR/runs.jsonl keeps what each run came to, a line each; it is all that goes on, or is drawn again,
-needs: --out tests/paper/report goes on with the campaign of the repository.
+serves all crowds of a water. Writes DIR/report.md, DIR/table1.csv, DIR/readings.csv, DIR/phase.csv, DIR/depth_sweep.csv and
+pictures, and prints the report. DIR/runs.jsonl keeps what each run came to, a line each; it and DIR/depth_sweep.csv are
+all that going on, or drawing the report again, needs: --out tests/paper/report goes on with the campaign of the repository.
 
   --out DIR             [runs/reproduce_paper in the project]
-  --seeds N             crowds of each scenario, with the seeds 1 to N; the parts phase, depth, push, rules,
-                        readings and variations take half as many [10, with --quick 1]
+  --seeds N             crowds of each scenario, with the seeds 1 to N; the parts phase, depth, push, plane,
+                        rules, readings and variations take half as many [10, with --quick 1]
   --max-seeds N         more seeds, N at most, where an interval of 95 % is still wider than a tenth of the agents or of
                         the mean time; each round is a further run of the fluid [3 times --seeds in the set observed,
                         --seeds in the others]
@@ -34,6 +34,7 @@ needs: --out tests/paper/report goes on with the campaign of the repository.
                           goal        time of S1 over the goal radius, the one number fitted (set observed)
                           depth       outcomes over the depth of the water (set observed)
                           push        outcomes over the speed with which the water pushes (set observed)
+                          plane       who arrives over the plane of depth and v_F (set observed; tools/depth_sweep.py)
                           variations  500 and 5,000 agents, several goals and groups, a village
                           figures     pictures in the paper's style, at its times
   --set-of-scenes SET   observed, paper, river, manning, both (paper and river) or all [all, with --quick all but

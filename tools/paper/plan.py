@@ -162,6 +162,7 @@ PARTS = {
     "goal": "time of S1 over the goal radius, the one number fitted (set observed)",
     "depth": "outcomes over the depth of the water (set observed)",
     "push": "outcomes over the speed with which the water pushes (set observed)",
+    "plane": "who arrives over the plane of depth and v_F (set observed)",
     "variations": "500 and 5,000 agents, several goals and groups, a village",
     "figures": "pictures in the paper's style",
 }
@@ -185,6 +186,6 @@ def cases_of(part, sets, quick=False):
         return [other_case(scene_set, name) for scene_set in sets for name in VARIATIONS if has_scene(scene_set, name)]
     if "observed" not in sets:
         return []
-    return {"phase": phase_cases, "figures": list,
+    return {"phase": phase_cases, "figures": list, "plane": list,
             "depth": lambda: sweep_cases(depth_case, DEPTHS), "push": lambda: sweep_cases(push_case, PUSHES),
             "goal": lambda: [goal_case(radius) for radius in GOAL_RADII]}[part]()

@@ -16,6 +16,7 @@ import causes  # noqa: E402
 import frame  # noqa: E402
 import losses  # noqa: E402
 import plan  # noqa: E402
+import plane  # noqa: E402
 import plots  # noqa: E402
 import report  # noqa: E402
 import studies  # noqa: E402
@@ -134,12 +135,13 @@ def write_report(options, ensembles, wanted, paper, drawn):
     sections = [report.table1_section(context)]
     if not cut_short:
         sections.insert(0, report.bands_section(context))
-        sections += [report.limit_section(context), losses.others_section(context)]
+        sections += [report.limit_section(context), plane.danger_section(context), losses.others_section(context)]
         sections += [losses.s6_section(context, options.out)]
         sections.append("" if options.quick else scatter_section())
         sections += [studies.readings_section(context), studies.particles_section(context)]
         sections += [studies.phase_section(context, options.out), studies.goal_section(context, options.out)]
         sections += [studies.depth_section(context, options.out), studies.push_section(context, options.out)]
+        sections += ["" if options.quick else plane.plane_section(options.out, ensembles.programs)]
         sections += [losses.losses_section(context)]
         sections += [studies.variations_section(context), causes.disagreement_section(context)]
     sections += [frame.figures_section(drawn), verdict_text(checks, judged, cut_short)]
@@ -174,6 +176,12 @@ def main():
     store.tidy()
     if ensembles.interrupted:
         return ensembles.interrupted
+    if "plane" in options.parts and "observed" in options.sets and not options.report_only:
+        code = plane.run_plane(options, pair)
+        if pair.signal:
+            return 128 + pair.signal
+        if code != 0:
+            ensembles.failures.append(f"the sweep of the part plane (exit code {code})")
     if options.report_only and not ensembles.runs:
         sys.exit(f"reproduce_paper.sh: --report-only: no run in {options.out} is complete; the report stays as it is")
     drawn, results = [], {key: Result(runs) for key, runs in ensembles.runs.items()}

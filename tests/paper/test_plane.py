@@ -1,0 +1,86 @@
+"""The sections of tools/paper/plane.py on depth times velocity, on a sweep that is made up."""
+
+import csv
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+TOOLS = Path(__file__).resolve().parents[2] / "tools"
+sys.path[:0] = [str(TOOLS), str(TOOLS / "paper")]
+
+import depth_sweep  # noqa: E402
+import plane  # noqa: E402
+from test_limits import SCENE  # noqa: E402
+
+# depth, m: number of 10 that arrive at 0.5, 1 and 2 m/s
+ARRIVED = {0.5: (10, 10, 10), 1.0: (10, 8, 2), 1.5: (6, 0, 0)}
+SPEEDS = (0.5, 1.0, 2.0)
+
+
+def rows_of_sweep(tau=0.8):
+    for depth, numbers in ARRIVED.items():
+        for speed, arrived in zip(SPEEDS, numbers):
+            product = depth * speed
+            yield {"scene": "made_up", "tau": tau, "depth_m": depth, "v_f_m_s": speed, "dv_m2_s": product,
+                   "level": depth_sweep.level_of(product), "seed": 1, "agents": 10, "arrived": arrived,
+                   "dead": 10 - arrived, "active": 0, "last_arrival_s": 50.0, "level_met": "low",
+                   "agents_at_level_met": 10, "commit": "abc"}
+
+
+class Programs:
+    """Stands for the programs, which resolve a scene."""
+
+    @staticmethod
+    def resolved(_scene, _changes):
+        return SCENE
+
+
+class Plane(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory(prefix="wade-test-")
+        self.addCleanup(temporary.cleanup)
+        self.out = Path(temporary.name)
+
+    def write(self, columns=depth_sweep.COLUMNS):
+        with (self.out / "depth_sweep.csv").open("w", newline="", encoding="utf-8") as file:
+            table = csv.DictWriter(file, columns, extrasaction="ignore")
+            table.writeheader()
+            table.writerows(rows_of_sweep())
+
+    def test_half_arrive_between_two_velocities(self):
+        products, depths = plane.half_products(list(rows_of_sweep()))
+        self.assertEqual(depths, 3)
+        self.assertEqual(set(products), {1.0, 1.5}, "in 0.5 m all arrive at every velocity")
+        self.assertAlmostEqual(products[1.0], 2**0.5, msg="half-way between 1 and 2 m/s in the logarithm")
+        self.assertAlmostEqual(products[1.5], 1.5 * 0.5 * 2 ** (1 / 6), msg="a sixth of the way from 6 of 10 to none")
+
+    def test_levels_count_points_and_people(self):
+        levels = plane.by_level(list(rows_of_sweep()))
+        self.assertEqual({level: points for level, (points, _) in levels.items()},
+                         {"low": 1, "moderate": 2, "high": 1, "very_high": 5})
+        self.assertEqual(levels["high"][1], 0.6)
+        self.assertEqual(levels["very_high"][1], (10 + 8 + 2 + 0 + 0) / 50)
+
+    def test_the_section_draws_the_sweep_and_names_its_commit(self):
+        self.write()
+        text = plane.plane_section(self.out, Programs)
+        self.assertIn("seeds 1 to 1, commit abc", text)
+        self.assertIn("half of the people arrive at H v_F of 0.84 to 1.41 m2/s, at 2 of 3 depths", text)
+        self.assertIn("stand against up to 0.53 m2/s", text)
+        self.assertGreater((self.out / "depth_sweep.png").stat().st_size, 10000)
+
+    def test_without_a_sweep_there_is_no_section(self):
+        self.assertEqual(plane.plane_section(self.out, Programs), "")
+
+    def test_a_table_with_other_columns_is_refused_and_stays(self):
+        self.write(depth_sweep.COLUMNS[:-1])
+        before = (self.out / "depth_sweep.csv").read_bytes()
+        with self.assertRaises(SystemExit) as refused:
+            plane.plane_section(self.out, Programs)
+        self.assertIn("expected are scene,tau,depth_m", str(refused.exception))
+        self.assertEqual((self.out / "depth_sweep.csv").read_bytes(), before)
+
+
+if __name__ == "__main__":
+    unittest.main()
