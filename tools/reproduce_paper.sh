@@ -27,6 +27,7 @@ all that going on, or drawing the report again, needs: --out tests/paper/report 
                           table1      S1 to S12 beside the paper's Table 1
                           others      two groups, obstacle, switch of tau
                           places      the obstacle in other places
+                          block       the obstacle in a dry start with faster water (set paper)
                           rules       contact rule of the text, continuous coupling
                           readings    spacings, frame rates, starts, gravity
                           particles   ten times the particles

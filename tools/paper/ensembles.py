@@ -228,8 +228,10 @@ class Ensembles:
                     print(f"{water.key}: {said[-1]}" if said else f"{water.key}: starts", file=sys.stderr, flush=True)
 
     def keeps_pictures(self, case, seed):
-        """Whether a run keeps its paths and pictures of its water: the first seed of scenes as they are."""
-        return self.keep_all or (seed == 1 and not case.changes and not case.water.changes)
+        """Whether a run keeps its paths and pictures of its water: the first seed of scenes as they are, and of the
+        obstacle, whose lee is seen in the water."""
+        plain = not case.changes and not case.water.changes
+        return self.keep_all or (seed == 1 and (plain or case.name == "obstacle"))
 
     def take(self, case, seed, how):
         """Takes a complete run into the results."""

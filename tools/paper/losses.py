@@ -12,12 +12,11 @@ def others_section(context):
     head = ["scenario", "set", "time of the last arrival, s", "arrived", "dead", "water met"]
     lines = []
     for scene_set in context.sets:
-        for case in plan.others_cases(scene_set) + plan.places_cases(scene_set):
+        for case in plan.others_cases(scene_set):
             result = context.get(case)
             if result is None:
                 continue
-            place = case.water.name.rpartition("-x")[2] if "-x" in case.water.name else ""
-            name = case.name.replace("_", " ") + (f" at x {place} m" if place else "")
+            name = case.name.replace("_", " ")
             if case.name == "two_groups":
                 for group in ("walkers", "upstream"):
                     cells = [f"{name}: {group}", SET_UPS[scene_set], time_of(result) if group == "walkers" else "-"]

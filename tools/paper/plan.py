@@ -30,8 +30,9 @@ DEPTHS = (0.8, 1.2, 1.5, 2.0)  # m, beside 1
 PUSHES = (1.2, 1.4, 1.6, 1.8, 2.2)  # speed with which the water pushes, over v_F, beside 1
 SPACINGS = (0.5, 0.25)  # m, beside 0.4642
 MAX_PARTICLES = 300000  # enough for the smallest of them
+BLOCK_PUSH = 1.4  # speed of the emitter over v_F beside 1: that of PUSHES which comes nearest to the paper's times
 FRAME_RATES = (15, 60)  # 1/s, beside 30
-OBSTACLE_PLACES = (40, 50)  # m, x_min beside 60
+OBSTACLE_PLACES = (40, 50, 67, 74)  # m, x_min beside 60; the agents start from 65 to 86 m, and drift downstream, towards 0
 SWEPT = (*PUSHED, "two_groups", "no_obstacle", "tau_switch")
 FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
 
@@ -44,11 +45,32 @@ def others_cases(scene_set):
     return [other_case(scene_set, name) for name in OTHERS if has_scene(scene_set, name)]
 
 
+def block_case(scene_set, place=None, push=1):
+    """The obstacle at an x_min, m, by default where its scene has it, in water that is `push` times as fast."""
+    faster = () if push == 1 else (("/channel/velocity_m_s", round(push * 1.5, 6)),)
+    moved = () if place is None else (("/obstacles/0/x_min_m", place), ("/obstacles/0/x_max_m", place + 7))
+    suffix = ("" if push == 1 else f"-push{push:g}") + ("" if place is None else f"-x{place:g}")
+    return other_case(scene_set, "obstacle", suffix, (*faster, *moved))
+
+
+def no_block_case(scene_set, push=1):
+    """The same without the obstacle."""
+    if push == 1:
+        return other_case(scene_set, "no_obstacle")
+    return other_case(scene_set, "no_obstacle", f"-push{push:g}", (("/channel/velocity_m_s", round(push * 1.5, 6)),))
+
+
 def places_cases(scene_set):
     """The obstacle elsewhere along the river: where it stood is not published."""
-    places = [(("/obstacles/0/x_min_m", x), ("/obstacles/0/x_max_m", x + 7)) for x in OBSTACLE_PLACES]
-    cases = [other_case(scene_set, "obstacle", f"-x{place[0][1]:g}", place) for place in places]
-    return cases if has_scene(scene_set, "obstacle") else []
+    return [block_case(scene_set, place) for place in OBSTACLE_PLACES] if has_scene(scene_set, "obstacle") else []
+
+
+def block_cases(scene_set):
+    """The obstacle in a dry start whose water is faster, as that of the authors' logs is."""
+    if scene_set != "paper":
+        return []
+    places = [None, *(place for place in OBSTACLE_PLACES if place > 60)]
+    return [no_block_case(scene_set, BLOCK_PUSH), *(block_case(scene_set, place, BLOCK_PUSH) for place in places)]
 
 
 def contact_cases(scene_set):
@@ -155,6 +177,7 @@ PARTS = {
     "table1": "S1 to S12 beside the paper's Table 1, with the bands",
     "others": "two groups, obstacle, switch of tau",
     "places": "the obstacle in other places",
+    "block": "the obstacle in a dry start with faster water (set paper)",
     "rules": "contact rule of the text, continuous coupling",
     "readings": "spacings, frame rates, starts, gravity",
     "particles": "ten times the particles",
@@ -176,6 +199,8 @@ def cases_of(part, sets, quick=False):
         return [case for scene_set in sets for case in others_cases(scene_set)]
     if part == "places":
         return [case for scene_set in sets for case in places_cases(scene_set)]
+    if part == "block":
+        return [case for scene_set in sets for case in block_cases(scene_set)]
     if part == "rules":
         return [case for scene_set in sets for case in contact_cases(scene_set) + continuous_cases(scene_set)]
     if part == "readings":

@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
 import bands  # noqa: E402
+import block  # noqa: E402
 import causes  # noqa: E402
 import frame  # noqa: E402
 import losses  # noqa: E402
@@ -136,7 +137,7 @@ def write_report(options, ensembles, wanted, paper, drawn):
     if not cut_short:
         sections.insert(0, report.bands_section(context))
         sections += [report.limit_section(context), plane.danger_section(context), losses.others_section(context)]
-        sections += [losses.s6_section(context, options.out)]
+        sections += [block.block_section(context), losses.s6_section(context, options.out)]
         sections.append("" if options.quick else scatter_section())
         sections += [studies.readings_section(context), studies.particles_section(context)]
         sections += [studies.phase_section(context, options.out), studies.goal_section(context, options.out)]
