@@ -1,20 +1,20 @@
 """Section of report.md on the obstacle: where it stands, and how fast the water is."""
 
 import plan
-from bands import LEE_AT_S, LEE_LENGTH_M, in_words, judge_obstacle
+from bands import LEE_AT_S, LEE_LENGTH_M, in_words, judge_lee, judge_obstacle
 from pictures import lee_of
 from words import SET_UPS, arrived_of, markdown_table, met_of
 
 PLACES = sorted((*plan.OBSTACLE_PLACES, 60))  # x_min, m; 60 is that of the scenes
 
 
-def rows_of(context):
+def rows_of(context, sets):
     """[(what it is, Result without the obstacle, {place: Result with it})] of the waters that have runs with it."""
     rows = []
-    for scene_set in context.sets:
+    for scene_set in sets:
         if not plan.has_scene(scene_set, "obstacle"):
             continue
-        pushes = (1, plan.BLOCK_PUSH) if plan.block_cases(scene_set) else (1,)
+        pushes = (1, plan.EMITTER_PUSH) if plan.block_cases(scene_set) else (1,)
         for push in pushes:
             words = SET_UPS[scene_set] + ("" if push == 1 else f", emitter at {push:g} v_F")
             cases = {place: plan.block_case(scene_set, None if place == 60 else place, push) for place in PLACES}
@@ -31,13 +31,26 @@ def saving_places(row):
     return [place for place, result in by_place.items() if judge_obstacle(result, without).holds]
 
 
+def long_lees(row):
+    """The places at which the lee is as long as the band asks for."""
+    return [place for place, result in row[2].items() if judge_lee(lee_of(result)).holds]
+
+
+def elsewhere(context, scene_set, band):
+    """Where the band of the obstacle or of its lee is met after all, as a sentence of the causes; "" if nowhere."""
+    met_at = {"obstacle": saving_places, "lee": long_lees}.get(band)
+    found = [] if met_at is None else [(row[0], met_at(row)) for row in rows_of(context, [scene_set])]
+    words = [f"at x {', '.join(f'{place:g}' for place in places)} m ({water})" for water, places in found if places]
+    return f" The band is met {', '.join(words)}: see The place of the obstacle." if words else ""
+
+
 def lee_words(result):
     lee = None if result is None else lee_of(result)
     return "-" if lee is None else f"{lee[0]:.0f}; {lee[1]:.0f} m at {lee[2]} s"
 
 
 def block_section(context):
-    rows = rows_of(context)
+    rows = rows_of(context, context.sets)
     if not rows:
         return ""
     head = ["water", "without it", *(f"x {place:g} m" for place in PLACES), "water met without it"]

@@ -3,6 +3,7 @@
 import bands
 import plan
 from bands import in_words
+from block import elsewhere
 from report import judgements_of
 from words import SET_UPS
 
@@ -79,6 +80,6 @@ def disagreement_section(context):
                 general = CAUSES.get(("", judgement.name), "No cause is known.")
                 cause = CAUSES.get((scene_set, judgement.name), general)
                 words = f"* {SET_UPS[scene_set]}, {judgement.name}: {judgement.found}; asked for: {judgement.asked}."
-                lines.append(f"{words} {cause}\n")
+                lines.append(f"{words} {cause}{elsewhere(context, scene_set, judgement.name)}\n")
     text = "".join(lines) + beside_bands(context)
     return "## What does not agree, and why\n\n" + text if text else ""

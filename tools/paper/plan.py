@@ -30,7 +30,7 @@ DEPTHS = (0.8, 1.2, 1.5, 2.0)  # m, beside 1
 PUSHES = (1.2, 1.4, 1.6, 1.8, 2.2)  # speed with which the water pushes, over v_F, beside 1
 SPACINGS = (0.5, 0.25)  # m, beside 0.4642
 MAX_PARTICLES = 300000  # enough for the smallest of them
-BLOCK_PUSH = 1.4  # speed of the emitter over v_F beside 1: that of PUSHES which comes nearest to the paper's times
+EMITTER_PUSH = 1.4  # speed of the emitter over v_F beside 1: that of PUSHES which comes nearest to the paper's times
 FRAME_RATES = (15, 60)  # 1/s, beside 30
 OBSTACLE_PLACES = (40, 50, 67, 74)  # m, x_min beside 60; the agents start from 65 to 86 m, and drift downstream, towards 0
 SWEPT = (*PUSHED, "two_groups", "no_obstacle", "tau_switch")
@@ -45,19 +45,22 @@ def others_cases(scene_set):
     return [other_case(scene_set, name) for name in OTHERS if has_scene(scene_set, name)]
 
 
+def faster(scenario, push):
+    """The changes of an emitter's water that is `push` times as fast as v_F."""
+    velocity = velocity_of(scenario) if scenario in SCENARIOS else OTHERS_V_F.get(scenario, 1.5)
+    return () if push == 1 else (("/channel/velocity_m_s", round(push * velocity, 6)),)
+
+
 def block_case(scene_set, place=None, push=1):
     """The obstacle at an x_min, m, by default where its scene has it, in water that is `push` times as fast."""
-    faster = () if push == 1 else (("/channel/velocity_m_s", round(push * 1.5, 6)),)
     moved = () if place is None else (("/obstacles/0/x_min_m", place), ("/obstacles/0/x_max_m", place + 7))
     suffix = ("" if push == 1 else f"-push{push:g}") + ("" if place is None else f"-x{place:g}")
-    return other_case(scene_set, "obstacle", suffix, (*faster, *moved))
+    return other_case(scene_set, "obstacle", suffix, (*faster("obstacle", push), *moved))
 
 
 def no_block_case(scene_set, push=1):
     """The same without the obstacle."""
-    if push == 1:
-        return other_case(scene_set, "no_obstacle")
-    return other_case(scene_set, "no_obstacle", f"-push{push:g}", (("/channel/velocity_m_s", round(push * 1.5, 6)),))
+    return other_case(scene_set, "no_obstacle", "" if push == 1 else f"-push{push:g}", faster("no_obstacle", push))
 
 
 def places_cases(scene_set):
@@ -70,7 +73,7 @@ def block_cases(scene_set):
     if scene_set != "paper":
         return []
     places = [None, *(place for place in OBSTACLE_PLACES if place > 60)]
-    return [no_block_case(scene_set, BLOCK_PUSH), *(block_case(scene_set, place, BLOCK_PUSH) for place in places)]
+    return [no_block_case(scene_set, EMITTER_PUSH), *(block_case(scene_set, place, EMITTER_PUSH) for place in places)]
 
 
 def contact_cases(scene_set):
@@ -111,8 +114,17 @@ def reading_of(scene_set, suffix, changes):
     return [*cases, other_case(scene_set, "two_groups", f"-{suffix}" if suffix else "", changes)]
 
 
+def emitter_cases(scene_set):
+    """The scenarios that the water pushes, and two groups, in a dry start whose water is faster."""
+    if scene_set != "paper":
+        return []
+    suffix = f"push{EMITTER_PUSH:g}"
+    cases = [scenario_case(scene_set, name, suffix, faster(name, EMITTER_PUSH)) for name in PUSHED]
+    return [*cases, other_case(scene_set, "two_groups", f"-{suffix}", faster("two_groups", EMITTER_PUSH))]
+
+
 def reading_cases(scene_set):
-    cases = []
+    cases = emitter_cases(scene_set)
     for suffix, changes in water_readings(scene_set).values():
         solved = suffix in ("g9.81", "filled", "d0.5") and scene_set != "manning"  # whose spacing is what its depth needs
         if scene_set in KINEMATIC or solved:

@@ -32,6 +32,8 @@ def readings_section(context):
         rows["coupling rule `continuous`"] = plan.continuous_cases(scene_set)
         for words, (suffix, changes) in plan.water_readings(scene_set).items():
             rows[words] = plan.reading_of(scene_set, suffix, changes)
+        if emitter := plan.emitter_cases(scene_set):
+            rows[f"emitter at {plan.EMITTER_PUSH:g} v_F"] = emitter
         lines = []
         for words, cases in rows.items():
             results = [context.get(case) for case in cases]
