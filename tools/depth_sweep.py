@@ -5,7 +5,7 @@
 
 Runs N x N depths (0.25 to 1.5 m) and velocities (0.5 to 5 m/s), one water at a time with a crowd for each tau and seed in
 it, and writes DIR/depth_sweep.csv and DIR/depth_sweep.png. What is in the table already is not run again, so that a
-sweep that was cut off goes on. Meant for the kinematic water of configs/observed. Build first (tools/run.sh). The part
+sweep that was cut off goes on; it is taken as it is, so that another scene or other programs want another DIR. Meant for the kinematic water of configs/observed. Build first (tools/run.sh). The part
 `plane` of tools/reproduce_paper.sh is this sweep.
 """
 
@@ -33,10 +33,14 @@ from limits import limits_of  # noqa: E402
 from pair_processes import end_with_parent  # noqa: E402
 
 COLUMNS = ("scene", "tau", "depth_m", "v_f_m_s", "dv_m2_s", "level", "seed", "agents", "arrived", "dead", "active",
-           "last_arrival_s", "level_met", "agents_at_level_met", "commit")
+           "last_arrival_s", "level_met", "agents_at_level_met", "commit", "until_s")
 SPACING = 0.4642  # m, that of the paper; shallower water takes particles of its own depth, as it needs a layer
 BOUNDS = {"low": 0.0, "moderate": 0.5, "high": 0.75, "very_high": 1.0}  # m2/s, Table 2
 LINES = ((0.5, "moderate", ":"), (0.75, "high", "--"), (1.0, "very high", "-"))
+
+
+class TableError(Exception):
+    """A table of another version of this program, or of runs of another length."""
 
 
 def level_of(depth_speed):
@@ -66,7 +70,8 @@ def run_water(options, depth, speed, crowds):
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, preexec_fn=end_with_parent)
     if done.returncode != 0:
         sys.exit(f"depth_sweep.py: {' '.join(map(str, command))} ended with {done.returncode}:\n{done.stderr}")
-    rows = [row_of(folder / "crowds" / name, depth, speed, *crowd) for name, crowd in names.items()]
+    cut = {"until_s": options.until_s or ""}
+    rows = [row_of(folder / "crowds" / name, depth, speed, *crowd) | cut for name, crowd in names.items()]
     shutil.rmtree(folder)
     return rows
 
@@ -91,8 +96,18 @@ def read_table(path):
     with path.open(newline="", encoding="utf-8") as file:
         table = csv.DictReader(file)
         if tuple(table.fieldnames or COLUMNS) != COLUMNS:
-            sys.exit(f"{path}: its columns are {','.join(table.fieldnames)}, expected are {','.join(COLUMNS)}")
+            raise TableError(f"{path}: its columns are {','.join(table.fieldnames)}, expected are {','.join(COLUMNS)}; take it"
+                             " away, or write to another folder")
         return [row for row in table if None not in row.values()]
+
+
+def rows_to_go_on_with(path, until_s):
+    """Keys of the rows that are in the table. TableError if they are of runs of another length."""
+    rows = read_table(path)
+    lengths = {row["until_s"] for row in rows} - {str(until_s or "")}
+    if lengths:
+        raise TableError(f"{path}: holds runs with --until-s {lengths.pop() or 'of the scene'}; write to another folder")
+    return {key_of(row) for row in rows}
 
 
 def key_of(row):
@@ -205,7 +220,10 @@ def main():
         parser.error(f"--points: {options.points}, allowed is 2 to 50")
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / "depth_sweep.csv"
-    done = {key_of(row) for row in read_table(path)}
+    try:
+        done = rows_to_go_on_with(path, options.until_s)
+    except TableError as error:
+        sys.exit(f"depth_sweep.py: {error}")
     with path.open("a", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, COLUMNS)
         if path.stat().st_size == 0:

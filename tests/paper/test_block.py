@@ -23,11 +23,11 @@ def context(results):
     return Context({case.key: result(*values) for case, values in results.items()}, ["observed", "paper"], {})
 
 
-NEAR, FAR = (plan.block_case("paper", place, plan.EMITTER_PUSH) for place in (67, 74))
+NEAR, FAR = (plan.block_case("paper", place, plan.BLOCK_PUSH) for place in (67, 74))
 RESULTS = {
     plan.no_block_case("paper"): (50,),
-    plan.block_case("paper"): (49, [0, 30, 35]),
-    plan.no_block_case("paper", plan.EMITTER_PUSH): (7,),
+    plan.block_case("paper", plan.OBSTACLE_AT): (49, [0, 30, 35]),
+    plan.no_block_case("paper", plan.BLOCK_PUSH): (7,),
     NEAR: (10, [14, 26, 20]),
     FAR: (17, [20, 20, 15]),
 }
@@ -35,22 +35,22 @@ RESULTS = {
 
 class Block(unittest.TestCase):
     def test_each_water_is_held_against_its_own_crossing_without_the_obstacle(self):
-        rows = block.rows_of(context(RESULTS), ["paper"])
-        self.assertEqual([row[0] for row in rows], ["as run", "as run, emitter at 1.4 v_F"])
-        self.assertEqual([row[1].arrived[0] for row in rows], [50, 7])
-        self.assertEqual([list(row[2]) for row in rows], [[60], [67, 74]])
+        waters = block.waters_of(context(RESULTS), ["paper"])
+        self.assertEqual([water.words for water in waters], ["as run", "as run, emitter at 1.4 v_F"])
+        self.assertEqual([water.without.arrived[0] for water in waters], [50, 7])
+        self.assertEqual([list(water.by_place) for water in waters], [[60], [67, 74]])
 
     def test_a_place_saves_people_where_the_intervals_are_apart(self):
-        rows = block.rows_of(context(RESULTS), ["paper"])
-        self.assertEqual([block.saving_places(row) for row in rows], [[], [74]], "10 of 8 to 12, 7 of 5 to 9: not apart")
-        self.assertEqual([block.long_lees(row) for row in rows], [[], [74]])
+        waters = block.waters_of(context(RESULTS), ["paper"])
+        self.assertEqual([water.saving_places() for water in waters], [[], [74]], "8 to 12 and 5 to 9 are not apart")
+        self.assertEqual([water.places_with_long_lee() for water in waters], [[], [74]])
 
     def test_the_causes_say_where_a_band_is_met_after_all(self):
-        words = block.elsewhere(context(RESULTS), "paper", "obstacle")
-        self.assertEqual(words, " The band is met at x 74 m (as run, emitter at 1.4 v_F): see The place of the obstacle.")
-        self.assertEqual(block.elsewhere(context(RESULTS), "paper", "S8"), "", "another band has nothing to do with it")
+        words = block.met_elsewhere(context(RESULTS), "paper", "obstacle")
+        self.assertIn("the band is met: x 74 m (as run, emitter at 1.4 v_F); see The place of the obstacle.", words)
+        self.assertEqual(block.met_elsewhere(context(RESULTS), "paper", "S8"), "", "another band has nothing to do with it")
         few = {case: values for case, values in RESULTS.items() if case is not FAR}
-        self.assertEqual(block.elsewhere(context(few), "paper", "obstacle"), "")
+        self.assertEqual(block.met_elsewhere(context(few), "paper", "obstacle"), "")
 
     def test_the_section_shows_arrivals_and_lees(self):
         text = block.block_section(context(RESULTS))
@@ -62,8 +62,8 @@ class Block(unittest.TestCase):
         self.assertEqual(block.block_section(context({})), "")
 
     def test_faster_water_without_the_obstacle_is_that_of_the_readings(self):
-        waters = {case.water for case in plan.emitter_cases("paper")}
-        self.assertIn(plan.no_block_case("paper", plan.EMITTER_PUSH).water, waters)
+        waters = {case.water for case in plan.emitter_cases("paper", plan.BLOCK_PUSH)}
+        self.assertIn(plan.no_block_case("paper", plan.BLOCK_PUSH).water, waters)
 
 
 if __name__ == "__main__":

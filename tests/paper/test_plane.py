@@ -5,6 +5,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 
 TOOLS = Path(__file__).resolve().parents[2] / "tools"
 sys.path[:0] = [str(TOOLS), str(TOOLS / "paper")]
@@ -25,11 +26,13 @@ def rows_of_sweep(tau=0.8):
             yield {"scene": "made_up", "tau": tau, "depth_m": depth, "v_f_m_s": speed, "dv_m2_s": product,
                    "level": depth_sweep.level_of(product), "seed": 1, "agents": 10, "arrived": arrived,
                    "dead": 10 - arrived, "active": 0, "last_arrival_s": 50.0, "level_met": "low",
-                   "agents_at_level_met": 10, "commit": "abc"}
+                   "agents_at_level_met": 10, "commit": "abc", "until_s": ""}
 
 
 class Programs:
     """Stands for the programs, which resolve a scene."""
+
+    version = SimpleNamespace(commit="def")
 
     @staticmethod
     def resolved(_scene, _changes):
@@ -65,7 +68,8 @@ class Plane(unittest.TestCase):
     def test_the_section_draws_the_sweep_and_names_its_commit(self):
         self.write()
         text = plane.plane_section(self.out, Programs)
-        self.assertIn("seeds 1 to 1, commit abc", text)
+        self.assertIn("9 points, depths of 0.5 to 1.5 m and v_F of 0.5 to 2 m/s", text)
+        self.assertIn("seeds 1 to 1, programs of commit abc\\*", text)
         self.assertIn("half of the people arrive at H v_F of 0.84 to 1.41 m2/s, at 2 of 3 depths", text)
         self.assertIn("stand against up to 0.53 m2/s", text)
         self.assertGreater((self.out / "depth_sweep.png").stat().st_size, 10000)
@@ -73,13 +77,17 @@ class Plane(unittest.TestCase):
     def test_without_a_sweep_there_is_no_section(self):
         self.assertEqual(plane.plane_section(self.out, Programs), "")
 
-    def test_a_table_with_other_columns_is_refused_and_stays(self):
+    def test_a_table_with_other_columns_is_named_and_stays(self):
         self.write(depth_sweep.COLUMNS[:-1])
         before = (self.out / "depth_sweep.csv").read_bytes()
-        with self.assertRaises(SystemExit) as refused:
-            plane.plane_section(self.out, Programs)
-        self.assertIn("expected are scene,tau,depth_m", str(refused.exception))
+        self.assertIn("expected are scene,tau,depth_m", plane.plane_section(self.out, Programs))
         self.assertEqual((self.out / "depth_sweep.csv").read_bytes(), before)
+
+    def test_runs_of_another_length_are_not_gone_on_with(self):
+        self.write()
+        self.assertEqual(len(depth_sweep.rows_to_go_on_with(self.out / "depth_sweep.csv", None)), 9)
+        with self.assertRaisesRegex(depth_sweep.TableError, "--until-s of the scene"):
+            depth_sweep.rows_to_go_on_with(self.out / "depth_sweep.csv", 5.0)
 
 
 if __name__ == "__main__":

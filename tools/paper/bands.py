@@ -131,17 +131,22 @@ def judge_lee(lee):
     return judgement
 
 
+def crossing_of(name, result):
+    """Arrivals of those who cross the river: all, where there is no other group."""
+    return result.arrived_of("walkers") if name == "two groups" else result.arrived
+
+
 def judge_particles(pairs):
     """pairs: {scenario: (coarse, fine)}."""
     judgement = Judgement("ten times the particles", "each number of arrivals within 10 % of the coarse result")
     known = {name: pair for name, pair in pairs.items() if None not in pair}
     if known:
+        arrived = {name: [crossing_of(name, result) for result in pair] for name, pair in known.items()}
         judgement.found = "; ".join(
-            f"{name} {in_words(fine.arrived)}{fine.mark} against {in_words(coarse.arrived)}{coarse.mark}"
+            f"{name} {in_words(arrived[name][1])}{fine.mark} against {in_words(arrived[name][0])}{coarse.mark}"
             for name, (coarse, fine) in known.items()
         )
         judgement.holds = all(
-            abs(fine.arrived[0] - coarse.arrived[0]) <= max(PARTICLES_SHARE * coarse.arrived[0], SLACK)
-            for coarse, fine in known.values()
+            abs(fine[0] - coarse[0]) <= max(PARTICLES_SHARE * coarse[0], SLACK) for coarse, fine in arrived.values()
         )
     return judgement

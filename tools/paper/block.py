@@ -1,47 +1,60 @@
 """Section of report.md on the obstacle: where it stands, and how fast the water is."""
 
+from dataclasses import dataclass
+
 import plan
 from bands import LEE_AT_S, LEE_LENGTH_M, in_words, judge_lee, judge_obstacle
 from pictures import lee_of
+from table1 import Result
 from words import SET_UPS, arrived_of, markdown_table, met_of
 
-PLACES = sorted((*plan.OBSTACLE_PLACES, 60))  # x_min, m; 60 is that of the scenes
+PLACES = sorted((*plan.OBSTACLE_PLACES, plan.OBSTACLE_AT))  # x_min, m
 
 
-def rows_of(context, sets):
-    """[(what it is, Result without the obstacle, {place: Result with it})] of the waters that have runs with it."""
-    rows = []
+@dataclass(frozen=True)
+class Water:
+    """A water in which the crowd has walked without the obstacle, and with it in some places."""
+
+    words: str
+    without: Result
+    by_place: dict  # of x_min, m: Result
+
+    def saving_places(self):
+        """The places at which the obstacle saves people by the measure of its band."""
+        return [place for place, result in self.by_place.items() if judge_obstacle(result, self.without).holds]
+
+    def places_with_long_lee(self):
+        """The places at which the lee is as long as its band asks for."""
+        return [place for place, result in self.by_place.items() if judge_lee(lee_of(result)).holds]
+
+
+def waters_of(context, sets):
+    waters = []
     for scene_set in sets:
         if not plan.has_scene(scene_set, "obstacle"):
             continue
-        pushes = (1, plan.EMITTER_PUSH) if plan.block_cases(scene_set) else (1,)
-        for push in pushes:
+        for push in (1, plan.BLOCK_PUSH) if plan.block_cases(scene_set) else (1,):
             words = SET_UPS[scene_set] + ("" if push == 1 else f", emitter at {push:g} v_F")
-            cases = {place: plan.block_case(scene_set, None if place == 60 else place, push) for place in PLACES}
-            known = {place: result for place, case in cases.items() if (result := context.get(case)) is not None}
+            results = {place: context.get(plan.block_case(scene_set, place, push)) for place in PLACES}
+            known = {place: result for place, result in results.items() if result is not None}
             without = context.get(plan.no_block_case(scene_set, push))
             if known and without is not None:
-                rows.append((words, without, known))
-    return rows
+                waters.append(Water(words, without, known))
+    return waters
 
 
-def saving_places(row):
-    """The places at which the obstacle saves people by the band's own measure."""
-    _, without, by_place = row
-    return [place for place, result in by_place.items() if judge_obstacle(result, without).holds]
+def listed(places):
+    return f"x {', '.join(f'{place:g}' for place in places)} m"
 
 
-def long_lees(row):
-    """The places at which the lee is as long as the band asks for."""
-    return [place for place, result in row[2].items() if judge_lee(lee_of(result)).holds]
-
-
-def elsewhere(context, scene_set, band):
-    """Where the band of the obstacle or of its lee is met after all, as a sentence of the causes; "" if nowhere."""
-    met_at = {"obstacle": saving_places, "lee": long_lees}.get(band)
-    found = [] if met_at is None else [(row[0], met_at(row)) for row in rows_of(context, [scene_set])]
-    words = [f"at x {', '.join(f'{place:g}' for place in places)} m ({water})" for water, places in found if places]
-    return f" The band is met {', '.join(words)}: see The place of the obstacle." if words else ""
+def met_elsewhere(context, scene_set, band):
+    """Where else the band of the obstacle or of its lee is met, as a sentence of the causes; "" if nowhere."""
+    places_of = {"obstacle": Water.saving_places, "lee": Water.places_with_long_lee}.get(band)
+    if places_of is None:
+        return ""
+    found = [(water.words, places_of(water)) for water in waters_of(context, [scene_set])]
+    words = [f"{listed(places)} ({water})" for water, places in found if places]
+    return f" In other places, tried afterwards, the band is met: {', '.join(words)}; see The place of the obstacle." if words else ""
 
 
 def lee_words(result):
@@ -49,33 +62,38 @@ def lee_words(result):
     return "-" if lee is None else f"{lee[0]:.0f}; {lee[1]:.0f} m at {lee[2]} s"
 
 
-def block_section(context):
-    rows = rows_of(context, context.sets)
-    if not rows:
-        return ""
-    head = ["water", "without it", *(f"x {place:g} m" for place in PLACES), "water met without it"]
-    arrivals = [
-        [words, arrived_of(without), *(arrived_of(known.get(place)) for place in PLACES), met_of(without)]
-        for words, without, known in rows
+def found_words(water):
+    saved = water.saving_places()
+    most = max(water.by_place, key=lambda place: water.by_place[place].arrived[0])
+    found = f"more arrive with it, the intervals apart, at {listed(saved)}" if saved else "at none of the places run do more arrive with it"
+    return f"* {water.words}: {found}; the most, {in_words(water.by_place[most].arrived)}, at {listed([most])}.\n"
+
+
+def table(waters, cell_of, first=None):
+    """A line for each water, a column for each place, of what has anything to show."""
+    head = ["water", *([first[0]] if first else []), *map(lambda place: listed([place]), PLACES)]
+    lines = [
+        [water.words, *([first[1](water.without)] if first else []), *(cell_of(water.by_place.get(place)) for place in PLACES)]
+        for water in waters
     ]
-    lees = [[words, *(lee_words(known.get(place)) for place in PLACES)] for words, _, known in rows]
-    lees = [line for line in lees if any(cell != "-" for cell in line[1:])]
+    return markdown_table(head, [line for line in lines if any(cell != "-" for cell in line[1:])])
+
+
+def block_section(context):
+    waters = waters_of(context, context.sets)
+    if not waters:
+        return ""
     text = (
-        "## The place of the obstacle\n\nWhere the block of 7 x 7 m stood is not published; 60 m is assumed. The 52 people start"
-        " from x 65 to 86 m and drift towards x 0 while they cross.\nArrivals, of 52 (paper: 26 with it, 8 without):\n\n"
+        "## The place of the obstacle\n\nWhere the block of 7 x 7 m stood is not published. The scenes assume x"
+        f" {plan.OBSTACLE_AT} m; the other places were tried after that result, and so was the\nspeed of the emitter, which"
+        " was chosen by the times of Table 1. 52 people start from x 65 to 86 m for a goal at x 75 m and drift towards x 0.\n"
+        "Arrivals, of 52 (the paper: 26 with the block, 8 without it); `-`: not run:\n\n"
     )
-    text += markdown_table(head, arrivals) + "\n"
-    for row in rows:
-        saved = saving_places(row)
-        most = max(row[2], key=lambda place: row[2][place].arrived[0])
-        found = f"more arrive with it than without it, the intervals apart, at x {', '.join(f'{place:g}' for place in saved)} m"
+    text += table(waters, arrived_of, ("without it", arrived_of)) + "\n" + "".join(map(found_words, waters))
+    text += "\nWater met:\n\n" + table(waters, met_of, ("without it", met_of))
+    if any(lee_of(result) for water in waters for result in water.by_place.values()):
         text += (
-            f"* {row[0]}: {found if saved else 'at none of these places do more arrive with it, the intervals apart'}; the most,"
-            f" {in_words(row[2][most].arrived)}, at x {most:g} m.\n"
-        )
-    if lees:
-        text += (
-            f"\nLength of the dry lee at {LEE_AT_S} s, m (the paper's picture has at least {LEE_LENGTH_M} m), and the longest of"
-            " the first two minutes:\n\n"
-        ) + markdown_table(["water", *head[2:-1]], lees)
+            f"\nLength of the dry lee at {LEE_AT_S} s, m, of seed 1 (the paper's picture has at least {LEE_LENGTH_M} m), and the"
+            " longest of the first two minutes; `-`: not kept, or not run:\n\n"
+        ) + table(waters, lee_words)
     return text

@@ -48,7 +48,7 @@ def when_paper_counts(context):
         ("obstacle", 26, lambda s: plan.other_case(s, "obstacle")),
     ):
         for scene_set in context.sets:
-            result = context.get(case_of(scene_set)) if plan.has_scene(scene_set, name) else None
+            result = context.get(case_of(scene_set)) if plan.has_scene(scene_set, name.replace(" ", "_")) else None
             if result is None:
                 continue
             times = [run.arrival_times()[count - 1] for run in result.runs if len(run.arrival_times()) >= count]

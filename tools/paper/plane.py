@@ -8,8 +8,9 @@ import sys
 from pathlib import Path
 
 import plan
-from depth_sweep import BOUNDS, draw, level_of, limit_in_words, limit_of, read_table, shares
+from depth_sweep import BOUNDS, TableError, draw, level_of, limit_in_words, limit_of, read_table, shares
 from losses import value_at
+from table1 import OTHER
 from waters import CONFIGS
 from words import SET_UPS, markdown_table
 
@@ -22,7 +23,6 @@ def run_plane(options, pair):
     """The sweep in the set as observed, into the report's folder. Returns its exit code."""
     words = ["--scene", SCENE, "--taus", ",".join(map(str, TAUS)), "--seeds", f"1-{max(1, options.seeds // 2)}"]
     words += ["--out", options.out, "--programs", options.programs]
-    words += ["--until-s", options.until_s] if options.until_s else []
     return pair.start(list(map(str, [sys.executable, TOOL, *words])), stdout=sys.stderr).wait()
 
 
@@ -52,8 +52,8 @@ def danger_section(context):
     bounds = ", ".join(f"{level.replace('_', ' ')} from {bound:g}" for level, bound in BOUNDS.items())
     text = (
         f"## Danger levels\n\nTable 2 of the paper (Viseu) grades water by depth times velocity, m2/s: {bounds}. Met: mean depth"
-        " times mean speed of\n`Water met` in the table above. The levels know nothing of tau, which decides here:"
-        " people of tau 0 walk through water of the highest level.\n\n"
+        " times mean speed of\nthe water that the people met, the front among it, so that it may lie a level below what was"
+        " asked for.\nA level alone does not say who arrives: people of tau 0 walk through water of the highest.\n\n"
     )
     return text + markdown_table(head, lines)
 
@@ -80,7 +80,10 @@ def by_level(rows):
 def plane_section(out, programs):
     """Draws the sweep that is in the folder of the report, if there is one, and says what it shows. programs: those of
     the ensembles, which resolve a scene."""
-    rows = read_table(out / "depth_sweep.csv")
+    try:
+        rows = read_table(out / "depth_sweep.csv")
+    except TableError as error:
+        return f"## Depth times velocity\n\nNot drawn: {error}.\n"
     if not rows:
         return ""
     scene = programs.resolved(SCENE, ())
@@ -88,6 +91,8 @@ def plane_section(out, programs):
     taus = sorted({float(row["tau"]) for row in rows})
     of_tau = {tau: [row for row in rows if float(row["tau"]) == tau] for tau in taus}
     seeds, commits = sorted({int(row["seed"]) for row in rows}), sorted({row["commit"] for row in rows})
+    commits = [commit + (OTHER if commit != programs.version.commit else "") for commit in commits]
+    depths, speeds, share = shares(rows)
     levels = {tau: by_level(of_tau[tau]) for tau in taus}
     lines = []
     for level in BOUNDS:
@@ -96,10 +101,10 @@ def plane_section(out, programs):
             words = [level.replace("_", " "), str(max(found[0] for found in known if found))]
             lines.append([*words, *("-" if found is None else f"{100 * found[1]:.0f}" for found in known)])
     text = (
-        f"## Depth times velocity\n\nWho arrives over depths of {rows[0]['depth_m']} to {rows[-1]['depth_m']} m and v_F of"
-        f" {rows[0]['v_f_m_s']} to {rows[-1]['v_f_m_s']} m/s, set as observed, simulated with the pair\n(`depth_sweep.csv`;"
-        f" seeds {seeds[0]} to {seeds[-1]}, commit {', '.join(commits)}). Water shallower than a particle's spacing has"
-        " smaller particles.\n\n"
+        f"## Depth times velocity\n\nWho arrives at {(share == share).sum()} points, depths of {depths[0]:g} to {depths[-1]:g} m and"
+        f" v_F of {speeds[0]:g} to {speeds[-1]:g} m/s, set as observed,\nsimulated with the pair (`depth_sweep.csv`; seeds"
+        f" {seeds[0]} to {seeds[-1]}, programs of commit {', '.join(commits)}). Water shallower\nthan the particles' spacing"
+        " has smaller particles. The shares of a level are means over its points and depend on where these lie.\n\n"
     )
     text += markdown_table(["level of H v_F", "points", *(f"tau {tau:g}: arrive, %" for tau in taus)], lines) + "\n"
     text += "".join(half_words(tau, of_tau[tau], scene) for tau in taus)

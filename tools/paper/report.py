@@ -75,10 +75,17 @@ def closest(context, by_set):
         if judged:
             scores[scene_set] = met / len(judged)
     text = "\n".join(lines) + "\n"
+    common = [row for row in zip(*by_set.values()) if all(judgement.holds is not None for judgement in row)]
+    if len(by_set) > 1 and common:
+        counts = [f"{SET_UPS[name]} {sum(row[i].holds for row in common)}" for i, name in enumerate(by_set)]
+        text += f"\nOf the {len(common)} bands judged in each of them: {', '.join(counts)}."
+        text += " S1 to S3 hold by construction: nothing pushes at tau 0, and the goal radius is fitted on S1.\n"
     missed = [row[0].name for row in zip(*by_set.values()) if not any(judgement.holds for judgement in row)]
     judged = [row[0].name for row in zip(*by_set.values()) if any(judgement.holds is not None for judgement in row)]
     missed = [name for name in missed if name in judged]
     every = "Each band that was judged is met by at least one set."
+    if "obstacle" in missed:
+        missed[missed.index("obstacle")] = f"obstacle (at x {plan.OBSTACLE_AT} m; for other places see The place of the obstacle)"
     text += f"\nMet by no set: {', '.join(missed)}.\n" if missed else f"\n{every}\n"
     if len(scores) > 1:
         best = max(scores, key=scores.get)

@@ -21,6 +21,7 @@ import plane  # noqa: E402
 import plots  # noqa: E402
 import report  # noqa: E402
 import studies  # noqa: E402
+import summary  # noqa: E402
 from ensembles import Ensembles, PlanError, Programs  # noqa: E402
 from pair_processes import Pair  # noqa: E402
 from pictures import case_of, draw_figures, draw_runs, lee_of  # noqa: E402
@@ -91,6 +92,11 @@ def wanted_cases(options):
     return wanted
 
 
+def wants_plane(options):
+    """The sweep over depth and v_F; of runs that are cut short it would say nothing."""
+    return "plane" in options.parts and "observed" in options.sets and options.until_s is None
+
+
 def rows_of(context, cases):
     """Rows for table1.csv of cases that are scenarios of Table 1, with the commits of the programs."""
     rows = []
@@ -135,14 +141,14 @@ def write_report(options, ensembles, wanted, paper, drawn):
     checks = [] if cut_short else checks_of(judged)
     sections = [report.table1_section(context)]
     if not cut_short:
-        sections.insert(0, report.bands_section(context))
+        sections[:0] = [summary.summary_section(context), report.bands_section(context)]
         sections += [report.limit_section(context), plane.danger_section(context), losses.others_section(context)]
         sections += [block.block_section(context), losses.s6_section(context, options.out)]
         sections.append("" if options.quick else scatter_section())
         sections += [studies.readings_section(context), studies.particles_section(context)]
         sections += [studies.phase_section(context, options.out), studies.goal_section(context, options.out)]
         sections += [studies.depth_section(context, options.out), studies.push_section(context, options.out)]
-        sections += ["" if options.quick else plane.plane_section(options.out, ensembles.programs)]
+        sections += [plane.plane_section(options.out, ensembles.programs) if wants_plane(options) else ""]
         sections += [losses.losses_section(context)]
         sections += [studies.variations_section(context), causes.disagreement_section(context)]
     sections += [frame.figures_section(drawn), verdict_text(checks, judged, cut_short)]
@@ -177,7 +183,7 @@ def main():
     store.tidy()
     if ensembles.interrupted:
         return ensembles.interrupted
-    if "plane" in options.parts and "observed" in options.sets and not options.report_only:
+    if wants_plane(options) and not options.report_only:
         code = plane.run_plane(options, pair)
         if pair.signal:
             return 128 + pair.signal

@@ -32,8 +32,8 @@ def readings_section(context):
         rows["coupling rule `continuous`"] = plan.continuous_cases(scene_set)
         for words, (suffix, changes) in plan.water_readings(scene_set).items():
             rows[words] = plan.reading_of(scene_set, suffix, changes)
-        if emitter := plan.emitter_cases(scene_set):
-            rows[f"emitter at {plan.EMITTER_PUSH:g} v_F"] = emitter
+        for push in plan.EMITTER_PUSHES:
+            rows[f"emitter at {push:g} v_F"] = plan.emitter_cases(scene_set, push)
         lines = []
         for words, cases in rows.items():
             results = [context.get(case) for case in cases]
@@ -51,7 +51,9 @@ def readings_section(context):
     return (
         "## Readings\n\nTime of the last arrival, s, and how many of 50 arrive where not all do. `sum` is the paper's"
         " text (contact within 0.75 m, 1767 kg a metre of depth), `difference` its\nauthors' program (0.25 m, 196 kg)."
-        " Paper: S4 54 s, S5 93 s, S6 160 s with 35, S7 97 s, S8 nobody, S10 140 s,\ntwo groups 8 in all.\n\n"
+        " Paper: S4 54 s, S5 93 s, S6 160 s with 35, S7 97 s, S8 nobody, S10 140 s,\ntwo groups 8 in all. `continuous` is Eq. 9 as a"
+        " differential equation with the same steady state (`crowd_client/README.md` shows either rule at 15 to 120"
+        " frames/s).\n\n"
     ) + text
 
 
@@ -62,14 +64,15 @@ def particles_section(context):
             results = context.get(coarse), context.get(fine)
             if all(results):
                 cells = [SET_UPS[scene_set], fine.name.replace("_", " ")]
-                lines.append([*cells, *map(outcome, results), *map(met_of, results)])
+                told = crossing if fine.name == "two_groups" else outcome
+                lines.append([*cells, *map(told, results), *map(met_of, results)])
     if not lines:
         return ""
     head = ["set", "scenario", "27,000 particles", "270,000 particles", "water met", "water met"]
     return (
         "## Ten times the particles\n\nThe mean contact mass does not depend on the particles' size, its scatter does,"
         " and Eq. 9 is concave in it: with fewer, heavier particles\nan agent is often untouched and walks freely for"
-        " a frame, so that it gets further than its mean contact mass would allow.\n\n"
+        " a frame, so that it gets further than its mean contact mass would allow. Of the two groups: those who cross.\n\n"
     ) + markdown_table(head, lines)
 
 

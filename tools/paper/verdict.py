@@ -133,7 +133,7 @@ def figures(runs):
 
 def verdict_text(checks, runs, cut_short=False):
     """The section of report.md; `cut_short` runs are not judged."""
-    text = "## Verdict\n\n"
+    text = "## Verdict\n\nWhat runs must show whatever the paper says; the bands do not count here.\n\n"
     if cut_short:
         text += "None: --until-s ends the runs before their time.\n"
     elif not checks:
