@@ -29,20 +29,22 @@ all that going on, or drawing the report again, needs: --out tests/paper/report 
                           places      the obstacle in other places
                           block       the obstacle in a dry start with faster water (set paper)
                           rules       contact rule of the text, continuous coupling
-                          readings    spacings, frame rates, starts, gravity
+                          readings    spacings, frame rates, starts, gravity, speed of the emitter
                           particles   ten times the particles
                           phase       who arrives over the plane of tau and v_F (set observed)
                           goal        time of S1 over the goal radius, the one number fitted (set observed)
                           depth       outcomes over the depth of the water (set observed)
                           push        outcomes over the speed with which the water pushes (set observed)
-                          plane       who arrives over the plane of depth and v_F (set observed; tools/depth_sweep.py)
+                          plane       who arrives over the plane of depth and v_F (set observed): tools/depth_sweep.py with
+                                      one thread, after all else; its cost is not told beforehand
                           variations  500 and 5,000 agents, several goals and groups, a village
                           figures     pictures in the paper's style, at its times
   --set-of-scenes SET   observed, paper, river, manning, both (paper and river) or all [all, with --quick all but
                         manning]
   --threads N           threads of each program [2]
   --until-s T           simulated time at which each run ends, s [the scene's, 400]; such runs are not judged
-  --keep-all            keep paths and pictures of the water of all runs, not only those of seed 1 of unchanged scenes
+  --keep-all            keep paths and pictures of the water of all runs, not only those of seed 1 of unchanged scenes and of
+                        the obstacle
   --report-only         run nothing: the report of what is complete in DIR, with all seeds that are there, from
                         runs.jsonl and from run folders, which it adds to that file
 Tells before it starts what is ahead in particle-steps, every minute how far a water is, after each the time to go at most.

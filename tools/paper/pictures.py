@@ -30,6 +30,8 @@ FIGURES = {
     "figure7_two_groups_60s": ("two_groups", 60, "Figure 7: two groups, 60 s"),
     "figure8_obstacle_15s": ("obstacle", 15, "Figure 8: the lee at 15 s"),
     "figure8_obstacle_30s": ("obstacle", 30, "Figure 8: the lee at 30 s"),
+    "figure8_obstacle_x74_15s": ("obstacle_x74", 15, "Beside figure 8: block at x 74 m, emitter at 1.4 v_F, 15 s"),
+    "figure8_obstacle_x74_30s": ("obstacle_x74", 30, "Beside figure 8: block at x 74 m, emitter at 1.4 v_F, 30 s"),
     "figure8_no_obstacle_30s": ("no_obstacle", 30, "Beside figure 8: without the obstacle, 30 s"),
 }
 PICTURE_WIDTH, PICTURE_COLOURS = 1100, 128
@@ -40,6 +42,8 @@ LEE_PIECE_M, LEE_SHARE = 2, 0.25  # pieces of 2 m, as one particle fills a cell 
 def case_of(scene_set, name):
     if name in plan.SCENARIOS:
         return plan.scenario_case(scene_set, name)
+    if name == "obstacle_x74":
+        return plan.block_case(scene_set, 74, plan.BLOCK_PUSH) if plan.block_cases(scene_set) else None
     return plan.other_case(scene_set, name) if plan.has_scene(scene_set, name) else None
 
 

@@ -193,7 +193,7 @@ PARTS = {
     "places": "the obstacle in other places",
     "block": "the obstacle in a dry start with faster water (set paper)",
     "rules": "contact rule of the text, continuous coupling",
-    "readings": "spacings, frame rates, starts, gravity",
+    "readings": "spacings, frame rates, starts, gravity, speed of the emitter",
     "particles": "ten times the particles",
     "phase": "who arrives over the plane of tau and v_F (set observed)",
     "goal": "time of S1 over the goal radius, the one number fitted (set observed)",
