@@ -117,7 +117,5 @@ def half_words(tau, rows, scene):
     if not products:
         return f"* tau {tau:g}: at no depth does the share that arrives pass a half. {stands}.\n"
     low, high = min(products.values()), max(products.values())
-    return (
-        f"* tau {tau:g}: half of the people arrive at H v_F of {low:.2f} to {high:.2f} m2/s, at {len(products)} of"
-        f" {depths} depths (elsewhere no velocity of the sweep divides them). {stands}.\n"
-    )
+    where = "at every depth" if len(products) == depths else f"at {len(products)} of {depths} depths, elsewhere at no velocity of the sweep"
+    return f"* tau {tau:g}: half of the people arrive at H v_F of {low:.2f} to {high:.2f} m2/s ({where}). {stands}.\n"
