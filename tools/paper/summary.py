@@ -49,8 +49,8 @@ def losses_line(context):
     if not lines:
         return ""
     return (
-        f"* Arrivals in S6 and of those who cross in two groups, of 50 each (paper: 35, and 8 in all): {'; '.join(lines)}. The"
-        " paper's water pushed harder than v_F.\n"
+        f"* Arrivals in S6 and of those who cross in two groups, of 50 each (paper: 35, and 8 in all): {'; '.join(lines)}. Water at"
+        " v_F loses too few.\n"
     )
 
 
