@@ -9,6 +9,7 @@ TOOLS = Path(__file__).resolve().parents[2] / "tools"
 sys.path[:0] = [str(TOOLS), str(TOOLS / "paper")]
 
 import causes  # noqa: E402
+import losses  # noqa: E402
 import plan  # noqa: E402
 import summary  # noqa: E402
 from report import Context  # noqa: E402
@@ -74,6 +75,17 @@ class Causes(unittest.TestCase):
         found = {case: result(0) for case in plan.contact_cases("paper")}
         text = causes.contact_rule(context(found, "paper"))
         self.assertIn("as run 0.0 (0.0 to 1.0) arrive in S5, 1 of 6 bands of S4 to S10", text)
+
+
+class Losses(unittest.TestCase):
+    def test_every_number_of_the_paper_has_its_line(self):
+        run = SimpleNamespace(arrival_times=lambda group=None: [float(second) for second in range(40)])
+        found = SimpleNamespace(runs=[run], mark="")
+        cases = [plan.scenario_case("paper", "S6")]
+        cases += [plan.other_case("paper", name) for name in ("two_groups", "no_obstacle", "obstacle")]
+        lines = losses.when_paper_counts(context(dict.fromkeys(cases, found), "paper")).splitlines()[4:]
+        self.assertEqual([line.split("|")[1].strip() for line in lines], ["S6", "two groups", "no obstacle", "obstacle"])
+        self.assertIn("after 34 to 34 s", lines[0])
 
 
 if __name__ == "__main__":
