@@ -116,13 +116,17 @@ def reading_of(scene_set, suffix, changes):
     return [*cases, other_case(scene_set, "two_groups", f"-{suffix}" if suffix else "", changes)]
 
 
+def emitter_case(scenario, push):
+    """A scenario of Table 1 in a dry start whose water is faster."""
+    return scenario_case("paper", scenario, f"push{push:g}", faster(scenario, push))
+
+
 def emitter_cases(scene_set, push):
     """The scenarios that the water pushes, and two groups, in a dry start whose water is faster."""
     if scene_set != "paper":
         return []
-    suffix = f"push{push:g}"
-    cases = [scenario_case(scene_set, name, suffix, faster(name, push)) for name in PUSHED]
-    return [*cases, other_case(scene_set, "two_groups", f"-{suffix}", faster("two_groups", push))]
+    groups = other_case(scene_set, "two_groups", f"-push{push:g}", faster("two_groups", push))
+    return [*(emitter_case(name, push) for name in PUSHED), groups]
 
 
 def reading_cases(scene_set):
