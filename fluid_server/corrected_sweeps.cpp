@@ -17,8 +17,8 @@ void SumMoments(std::size_t b, const Particles& p, const NeighbourLists& lists, 
         const Vec3V x = load(places(p), i);
         MatrixV total{hn::Zero(lanes), hn::Zero(lanes), hn::Zero(lanes),
                       hn::Zero(lanes), hn::Zero(lanes), hn::Zero(lanes)};
-        for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(s.map, x);
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(view.map, x);
             MatrixV m{hn::Zero(lanes), hn::Zero(lanes), hn::Zero(lanes),
                       hn::Zero(lanes), hn::Zero(lanes), hn::Zero(lanes)};
             for (std::size_t k = first; k < last; ++k) {
@@ -27,7 +27,7 @@ void SumMoments(std::size_t b, const Particles& p, const NeighbourLists& lists, 
                 m = {hn::MulAdd(g.x, way.x, m.xx), hn::MulAdd(g.y, way.y, m.yy), hn::MulAdd(g.z, way.z, m.zz),
                      hn::MulAdd(g.x, way.y, m.xy), hn::MulAdd(g.x, way.z, m.xz), hn::MulAdd(g.y, way.z, m.yz)};
             }
-            m = conjugate(s.map.rotation, m);
+            m = conjugate(view.map.rotation, m);
             total = {hn::Add(total.xx, m.xx), hn::Add(total.yy, m.yy), hn::Add(total.zz, m.zz),
                      hn::Add(total.xy, m.xy), hn::Add(total.xz, m.xz), hn::Add(total.yz, m.yz)};
         });
@@ -40,7 +40,7 @@ void SumMoments(std::size_t b, const Particles& p, const NeighbourLists& lists, 
     });
 }
 
-// Calls body(vector's first particle, segment, j, (R L_i R + L_j) (x~_i - x_j) times the factor)
+// Calls body(vector's first particle, j, (R L_i R + L_j) (x~_i - x_j) times the factor)
 // for each entry, and after each segment end_of_segment(rotation), after each vector end_of_vector(first particle).
 template <typename Entry, typename EndOfSegment, typename EndOfVector>
 HWY_INLINE void for_each_corrected(std::size_t b, const Particles& p, const NeighbourLists& lists,
@@ -51,9 +51,9 @@ HWY_INLINE void for_each_corrected(std::size_t b, const Particles& p, const Neig
         Factors factors(block, cluster);
         const Vec3V x = load(places(p), i);
         const MatrixV li = load(l, i);
-        for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(s.map, x);
-            const MatrixV own = conjugate(s.map.rotation, li);
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(view.map, x);
+            const MatrixV own = conjugate(view.map.rotation, li);
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
                 const MatrixV both{hn::Add(own.xx, all(l[0][j])), hn::Add(own.yy, all(l[1][j])),
@@ -61,7 +61,7 @@ HWY_INLINE void for_each_corrected(std::size_t b, const Particles& p, const Neig
                                    hn::Add(own.xz, all(l[4][j])), hn::Add(own.yz, all(l[5][j]))};
                 entry(j, times(factors.take(k), product(both, way_from(seen, p, j))));
             }
-            end_of_segment(s.map.rotation);
+            end_of_segment(view.map.rotation);
         });
         end_of_vector(i);
     });

@@ -156,10 +156,10 @@ double bed_pressure_force(const Particles& p, const NeighbourLists& lists, doubl
     forces.begin(lists.count);
     for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
         for_each_pair(lists, b, [&](const ListedPair& pair) {
-            if (pair.segment.map.rotation.yy > 0 || p.kind[pair.i] == Kind::inflow) {
+            if (pair.view.map.rotation.yy > 0 || p.kind[pair.i] == Kind::inflow) {
                 return;
             }
-            const float gy = pair.segment.map.rotation(pair.gradient)[1];
+            const float gy = pair.view.map.rotation(pair.gradient)[1];
             forces[b] -= static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * gy) * particle_mass;
         });
     });
@@ -173,7 +173,7 @@ std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& l
     for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
         std::array<double, 3>& force = forces[b];
         for_each_pair(lists, b, [&](const ListedPair& pair) {
-            const NeighbourBlock::Segment& face = pair.segment;
+            const NeighbourBlock::View& face = pair.view;
             if (face.obstacle != obstacle || p.kind[pair.i] == Kind::inflow) {
                 return;
             }

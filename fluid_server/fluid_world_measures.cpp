@@ -28,9 +28,9 @@ std::uint64_t FluidWorld::pairs() const {
 std::uint64_t FluidWorld::list_bytes() const {
     std::uint64_t bytes = 0;
     for (const NeighbourBlock& block : lists_.blocks) {
-        bytes += block.j.capacity() * sizeof(std::uint32_t) + block.factor.capacity() * sizeof(std::uint16_t) +
-                 block.lanes.capacity() * sizeof(std::uint16_t) +
-                 block.segments.capacity() * sizeof(NeighbourBlock::Segment);
+        const auto add = [&bytes]<typename T>(const std::vector<T>& list) { bytes += list.capacity() * sizeof(T); };
+        add(block.j), add(block.factor), add(block.segments), add(block.views);
+        std::visit(add, block.lanes);
     }
     return bytes;
 }

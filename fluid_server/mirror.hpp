@@ -12,6 +12,8 @@ using Vec3 = std::array<float, 3>;
 struct PlaneMap {
     float xx = 1, xy = 0, yy = 1, zz = 1;
 
+    bool operator==(const PlaneMap&) const = default;
+
     [[nodiscard]] Vec3 operator()(const Vec3& u) const {
         return {xx * u[0] + xy * u[1], xy * u[0] + yy * u[1], zz * u[2]};
     }
@@ -27,6 +29,8 @@ struct RigidMap {
     PlaneMap rotation;
     Vec3 shift{};  // m
 
+    bool operator==(const RigidMap&) const = default;
+
     [[nodiscard]] Vec3 operator()(const Vec3& x) const {
         const Vec3 r = rotation(x);
         return {r[0] + shift[0], r[1] + shift[1], r[2] + shift[2]};
@@ -39,6 +43,8 @@ struct ImageVelocity {
     PlaneMap map;
     Vec3 shift{};
     bool sticks = false;  // one of the faces so far is one where water sticks
+
+    bool operator==(const ImageVelocity&) const = default;
 };
 
 // A reflection across one, two or three faces. Those normal to the axes: x_k -> 2 plane_k - x_k. One of them may be a

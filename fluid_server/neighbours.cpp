@@ -70,6 +70,13 @@ void make_room(std::vector<T>& list, std::size_t size) {
     list.resize(list.capacity());
 }
 
+// As vector::push_back, with less room to spare.
+template <typename T>
+void add(std::vector<T>& list, const T& one_more) {
+    if (list.size() == list.capacity()) list.reserve(list.size() + list.size() / 16 + 4);
+    list.push_back(one_more);
+}
+
 // Finds the lists of one block.
 class BlockSearch {
  public:
@@ -80,6 +87,7 @@ class BlockSearch {
     void find(std::size_t begin, std::size_t end) {
         entries_ = 0;
         block_.segments.clear();
+        block_.views.clear();
         block_.first_segment[0] = 0;
         for (std::size_t c = 0; c < block_size / size_; ++c) {
             const std::size_t first = begin + c * size_;
@@ -88,7 +96,7 @@ class BlockSearch {
             }
             block_.first_segment[c + 1] = static_cast<std::uint32_t>(block_.segments.size());
         }
-        make_room(block_.lanes, entries_);
+        make_room_for_lanes();
     }
 
  private:
@@ -111,32 +119,36 @@ class BlockSearch {
         const Box near = grown(box);
         grid_.for_each_period(near.lo, near.hi, [&](const Vec3& period) {
             const std::size_t first = entries_;
-            NeighbourBlock::Segment& segment = one_more_segment();
-            segment.obstacle = static_cast<std::int16_t>(mirror.obstacle);
-            segment.obstacle_axis = static_cast<std::int16_t>(mirror.obstacle_axis);
-            segment.by_sight = by_obstacle || mirror.facet >= 0;
-            segment.viscous = mirror.viscous;
-            segment.map = mirror.map();
+            NeighbourBlock::View view{mirror.map(), mirror.viscous, static_cast<std::int16_t>(mirror.obstacle),
+                                      static_cast<std::int16_t>(mirror.obstacle_axis),
+                                      by_obstacle || mirror.facet >= 0};
             if (period == Vec3{}) {
                 append(image, box);
-                if (segment.by_sight) keep_seen(places, image, mirror, period, by_obstacle, first);
+                if (view.by_sight) keep_seen(places, image, mirror, period, by_obstacle, first);
             } else {
                 for (std::size_t k = 0; k < 3; ++k) {
-                    segment.map.shift[k] -= period[k];  // instead of shifting the particles
+                    view.map.shift[k] -= period[k];  // instead of shifting the particles
                 }
-                const ClusterPlaces shifted = mapped(places, segment.map);
+                const ClusterPlaces shifted = mapped(places, view.map);
                 append(shifted, box_round(shifted));
-                if (segment.by_sight) keep_seen(places, shifted, mirror, period, by_obstacle, first);
+                if (view.by_sight) keep_seen(places, shifted, mirror, period, by_obstacle, first);
             }
-            segment.end = static_cast<std::uint32_t>(entries_);
-            if (entries_ == first) block_.segments.pop_back();
+            if (entries_ > first) {
+                add(block_.segments, {static_cast<std::uint32_t>(entries_), number_of(view)});
+            }
         });
     }
 
-    NeighbourBlock::Segment& one_more_segment() {
-        std::vector<NeighbourBlock::Segment>& all = block_.segments;
-        if (all.size() == all.capacity()) all.reserve(all.size() + all.size() / 16 + 4);
-        return all.emplace_back();
+    void make_room_for_lanes() {
+        std::visit([this](auto& masks) { make_room(masks, entries_); }, block_.lanes);
+    }
+
+    // Where a view stands among those of the block.
+    std::uint32_t number_of(const NeighbourBlock::View& view) {
+        std::vector<NeighbourBlock::View>& views = block_.views;
+        const auto at = std::find(views.begin(), views.end(), view) - views.begin();
+        if (static_cast<std::size_t>(at) == views.size()) add(views, view);
+        return static_cast<std::uint32_t>(at);
     }
 
     [[nodiscard]] Box grown(Box box) const {
@@ -166,7 +178,7 @@ class BlockSearch {
     // Keeps of the entries from `first` on those that some lane sees, and notes which do.
     void keep_seen(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Vec3& period,
                    bool by_obstacle, std::size_t first) {
-        make_room(block_.lanes, entries_);
+        make_room_for_lanes();
         std::size_t kept = first;
         for (std::size_t k = first; k < entries_; ++k) {
             const std::uint32_t j = block_.j[k];
@@ -182,7 +194,7 @@ class BlockSearch {
                 }
             }
             block_.j[kept] = j;
-            block_.lanes[kept] = static_cast<std::uint16_t>(lanes);
+            set_lanes_of_entry(block_, kept, lanes);
             kept += lanes != 0 ? 1U : 0U;
         }
         entries_ = kept;

@@ -11,11 +11,12 @@
 //           j = 18    [ g  g  g  g  0  g  .  .  g  g ]    0: too far away; the kernel is zero there
 //
 // so that nothing is gathered. What every sweep needs, the factor of the kernel gradient, is kept for each g of this table
-// in 16 bits, one after the other, with a bit a place that tells g from 0: an entry costs the list 6 bytes, a neighbour 2.
+// in 16 bits, one after the other, with a bit a place that tells g from 0: an entry costs the list 5 bytes (with 16 lanes 6),
+// a neighbour 2.
 //
-// A list has segments: the first holds neighbours, each further one the neighbours seen in a mirror (solids.hpp) or beyond
-// a periodic border. There it is the cluster that moves: its lanes are mapped, x -> R x + shift, and the list names
-// ordinary particles. With x~ the mapped place, V grad W at the image is R g~ where g~ = V grad W(x~_i - x_j).
+// A list has segments: the first holds neighbours, each further one the neighbours in another view: in a mirror
+// (solids.hpp) or beyond a periodic border. There it is the cluster that moves: its lanes are mapped, x -> R x + shift, and
+// the list names ordinary particles. With x~ the mapped place, V grad W at the image is R g~ where g~ = V grad W(x~_i - x_j).
 
 #include <algorithm>
 #include <array>
@@ -52,21 +53,30 @@ struct ClusterPlaces {
     std::array<float, largest_cluster> x{}, y{}, z{};
 };
 
+// A mask of lanes for each entry of a list, bit l for lane l: of clusters of up to 8 particles, or of larger ones.
+using LaneMasks = std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>>;
+
 // The lists of the clusters of one block.
 struct NeighbourBlock {
-    struct Segment {
-        std::uint32_t end = 0;       // one past its last entry; the first is the end of the segment before
-        std::int16_t obstacle = -1;  // in whose face the images are seen, or -1
+    // How clusters of the block see the neighbours of a segment: as they are, in a mirror, or beyond a border.
+    struct View {
+        RigidMap map;                // of a cluster's places
+        ImageVelocity viscous;       // for viscosity
+        std::int16_t obstacle = -1;  // in whose face images are seen, or -1
         std::int16_t obstacle_axis = 0;
         bool by_sight = false;  // not every near lane sees every entry: `lanes` says which do
-        RigidMap map;           // of the cluster's places
-        ImageVelocity viscous;  // for viscosity
+
+        bool operator==(const View&) const = default;
+    };
+    struct Segment {
+        std::uint32_t end = 0;   // one past its last entry; the first is the end of the segment before
+        std::uint32_t view = 0;  // in `views`
     };
     std::vector<std::uint32_t> first_segment;  // of each cluster, and one past the last
     std::vector<Segment> segments;
+    std::vector<View> views;       // each once
     std::vector<std::uint32_t> j;  // entries: a particle each
-    std::vector<std::uint16_t>
-        lanes;  // of each entry, bit l: lane l is near and sees it; from sum_kernel (sweeps.hpp) on
+    LaneMasks lanes;               // of each entry: which lanes are near and see it; from sum_kernel (sweeps.hpp) on
     std::vector<std::uint16_t> factor;        // of each entry's near lanes: (dW/dr) / r in NeighbourLists::factor_unit
     std::vector<std::uint32_t> first_factor;  // of each cluster
 };
@@ -88,10 +98,19 @@ struct NeighbourLists {
         for (NeighbourBlock& block : blocks) {
             block.first_segment.resize(clusters_per_block() + 1);
             block.first_factor.resize(clusters_per_block());
+            if (cluster_size > 8) block.lanes.emplace<std::vector<std::uint16_t>>();
         }
     }
     [[nodiscard]] std::size_t clusters_per_block() const { return block_size / cluster_size; }
 };
+
+// The lanes of an entry of a block.
+inline unsigned lanes_of_entry(const NeighbourBlock& block, std::size_t entry) {
+    return std::visit([entry](const auto& masks) { return unsigned{masks[entry]}; }, block.lanes);
+}
+inline void set_lanes_of_entry(NeighbourBlock& block, std::size_t entry, unsigned lanes) {
+    std::visit([&]<typename Mask>(std::vector<Mask>& masks) { masks[entry] = static_cast<Mask>(lanes); }, block.lanes);
+}
 
 // First entry of a cluster of a block.
 inline std::size_t first_entry(const NeighbourBlock& block, std::size_t cluster) {
@@ -104,20 +123,21 @@ inline std::size_t end_of_entries(const NeighbourBlock& block, std::size_t clust
     return first_entry(block, cluster + 1);
 }
 
-// Calls body(segment, first entry, one past its last) for each segment of a cluster of a block.
+// Calls body(view, first entry, one past its last) for each segment of a cluster of a block.
 template <typename Body>
 void for_each_segment(const NeighbourBlock& block, std::size_t cluster, Body&& body) {
     std::size_t first = first_entry(block, cluster);
     for (std::uint32_t s = block.first_segment[cluster]; s < block.first_segment[cluster + 1]; ++s) {
-        body(block.segments[s], first, static_cast<std::size_t>(block.segments[s].end));
-        first = block.segments[s].end;
+        const NeighbourBlock::Segment& segment = block.segments[s];
+        body(block.views[segment.view], first, static_cast<std::size_t>(segment.end));
+        first = segment.end;
     }
 }
 
 // A particle i and one that it sees, j.
 struct ListedPair {
     std::size_t i, j;
-    const NeighbourBlock::Segment& segment;
+    const NeighbourBlock::View& view;
     float factor;   // V (dW/dr) / r, 1/m^2
     Vec3 gradient;  // g~_ij, 1/m
 };
@@ -130,20 +150,21 @@ void for_each_pair(const NeighbourLists& lists, std::size_t b, Body&& body) {
     for (std::size_t c = 0; c < lists.clusters_per_block(); ++c) {
         const std::size_t begin = b * block_size + c * lists.cluster_size;
         std::size_t next = block.first_factor[c];
-        for_each_segment(block, c, [&](const NeighbourBlock::Segment& segment, std::size_t first, std::size_t last) {
+        for_each_segment(block, c, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
+                const unsigned lanes = lanes_of_entry(block, k);
                 for (std::size_t l = 0; l < lists.cluster_size; ++l) {
                     const std::size_t i = begin + l;
-                    if ((block.lanes[k] >> l & 1U) == 0) {
+                    if ((lanes >> l & 1U) == 0) {
                         continue;
                     }
                     const float factor = lists.factor_unit * static_cast<float>(block.factor[next++]);
                     if (i < lists.count) {
-                        const Vec3 seen = segment.map({lists.x[i], lists.y[i], lists.z[i]});
+                        const Vec3 seen = view.map({lists.x[i], lists.y[i], lists.z[i]});
                         body(ListedPair{i,
                                         j,
-                                        segment,
+                                        view,
                                         factor,
                                         {factor * (seen[0] - lists.x[j]), factor * (seen[1] - lists.y[j]),
                                          factor * (seen[2] - lists.z[j])}});

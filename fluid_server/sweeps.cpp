@@ -56,7 +56,7 @@ inline std::vector<std::uint16_t>& room_for_factors() {
 }
 
 // The particles at whose lane of `seen_by` a bit is set.
-HWY_INLINE hn::Mask<Lanes> lanes_of(std::uint16_t seen_by) {
+HWY_INLINE hn::Mask<Lanes> lanes_of(LaneMask seen_by) {
     const hn::RebindToUnsigned<Lanes> bits;
     const auto lane_bit = hn::Shl(hn::Set(bits, 1U), hn::Iota(bits, 0));
     return hn::RebindMask(lanes, hn::TestBit(hn::Set(bits, static_cast<std::uint32_t>(seen_by)), lane_bit));
@@ -84,7 +84,7 @@ HWY_NOINLINE void find_distances(Vec3V seen, const Particles& p, const std::uint
 
 // Factors of n entries. Returns the density with their kernels added. seen_by: the lanes that see each, if by_sight.
 template <bool by_sight, typename AnyKernel>
-HWY_NOINLINE V find_factors(AnyKernel kernel, const std::uint16_t* seen_by, std::size_t n, V density, Batch& batch) {
+HWY_NOINLINE V find_factors(AnyKernel kernel, const LaneMask* seen_by, std::size_t n, V density, Batch& batch) {
     const V inverse_h2 = all(kernel.inverse_support_radius() * kernel.inverse_support_radius());
     for (std::size_t e = 0; e < n; ++e) {
         // A distance of zero counts as a tiny one, so that its inverse stays finite.
@@ -109,9 +109,10 @@ struct FactorSums {
     V squares;       // sum_j |g_ij|^2
 };
 HWY_NOINLINE std::uint16_t* keep_factors(Vec3V seen, const Particles& p, const std::uint32_t* j, std::size_t n,
-                                         const Batch& batch, std::uint16_t* to, std::uint16_t* near_lanes,
+                                         const Batch& batch, std::uint16_t* to, LaneMask* near_lanes,
                                          FactorSums& sums) {
     const Whole whole;
+    const ConstVectorArrays at = places(p);
     Vec3V gradient = sums.gradient;
     V squares = sums.squares;
     for (std::size_t e = 0; e < n; ++e) {
@@ -120,8 +121,8 @@ HWY_NOINLINE std::uint16_t* keep_factors(Vec3V seen, const Particles& p, const s
         const unsigned near = bits_of(hn::Gt(factor, hn::Zero(lanes)));
         put_together(hn::And(hn::BitCast(whole, rounded), hn::Set(whole, 0xFFFF)), near, to);
         to += std::popcount(near);
-        near_lanes[e] = static_cast<std::uint16_t>(near);
-        gradient = add_product(factor, way_from(seen, p, j[e]), gradient);
+        near_lanes[e] = static_cast<LaneMask>(near);
+        gradient = add_product(factor, way_from(seen, at, j[e]), gradient);
         squares = hn::MulAdd(hn::Mul(factor, factor), hn::Load(lanes, batch.squared_distance[e].lane.data()), squares);
     }
     sums = {gradient, squares};
@@ -137,26 +138,27 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
     std::vector<std::uint16_t>& factors = room_for_factors();
     if (factors.size() < (entries + 1) * cluster_size) factors.resize((entries + 1) * cluster_size);
     std::uint16_t* to = factors.data();
+    LaneMask* const masks = lane_masks(block);
     Batch batch;
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
         block.first_factor[cluster] = static_cast<std::uint32_t>(to - factors.data());
         const Vec3V x = load(places(p), i);
         V density = hn::Zero(lanes), squares = hn::Zero(lanes);
         Vec3V gradient = zero3();
-        for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(s.map, x);
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(view.map, x);
             FactorSums of_segment{zero3(), squares};
             for (std::size_t k = first; k < last; k += Batch::size) {
                 const std::size_t n = std::min(Batch::size, last - k);
                 const std::uint32_t* const j = block.j.data() + k;
-                std::uint16_t* const seen_by = block.lanes.data() + k;
+                LaneMask* const seen_by = masks + k;
                 find_distances(seen, p, j, n, batch);
-                density = s.by_sight ? find_factors<true>(kernel, seen_by, n, density, batch)
-                                     : find_factors<false>(kernel, seen_by, n, density, batch);
+                density = view.by_sight ? find_factors<true>(kernel, seen_by, n, density, batch)
+                                        : find_factors<false>(kernel, seen_by, n, density, batch);
                 to = keep_factors(seen, p, j, n, batch, to, seen_by, of_segment);
             }
             squares = of_segment.squares;
-            gradient = plus(gradient, apply(s.map.rotation, of_segment.gradient));
+            gradient = plus(gradient, apply(view.map.rotation, of_segment.gradient));
         });
         hn::StoreU(hn::Mul(all(volume * kernel.value(0)), density), lanes, sums.density + i);
         hn::StoreU(hn::Mul(hn::Mul(unit, unit), squares), lanes, sums.squares + i);
@@ -183,15 +185,15 @@ void SumGradients(std::size_t b, const Particles& p, const NeighbourLists& lists
         Factors factors(block, cluster);
         const Vec3V x = load(places(p), i);
         Vec3V total = zero3();
-        for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(s.map, x);
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(view.map, x);
             Vec3V sum = zero3();
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
                 const V weight = hn::Mul(factors.take(k), all(scalar[j]));
                 sum = add_product(weight, way_from(seen, p, j), sum);
             }
-            total = plus(total, apply(s.map.rotation, sum));
+            total = plus(total, apply(view.map.rotation, sum));
         });
         store(times(all(lists.factor_unit), total), sums, i);
     });
@@ -204,8 +206,8 @@ void SumDivergence(std::size_t b, const Particles& p, const NeighbourLists& list
         Factors factors(block, cluster);
         const Vec3V x = load(places(p), i);
         V sum = hn::Zero(lanes);
-        for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(s.map, x);
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(view.map, x);
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
                 const Vec3V uj{all(u.x[j]), all(u.y[j]), all(u.z[j])};
@@ -224,8 +226,8 @@ void SumGradientsAndDivergence(std::size_t b, const Particles& p, const Neighbou
         const Vec3V x = load(places(p), i);
         Vec3V total = zero3();
         V divergence = hn::Zero(lanes);
-        for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(s.map, x);
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(view.map, x);
             Vec3V sum = zero3();
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
@@ -235,7 +237,7 @@ void SumGradientsAndDivergence(std::size_t b, const Particles& p, const Neighbou
                 const Vec3V uj{all(u.x[j]), all(u.y[j]), all(u.z[j])};
                 divergence = hn::MulAdd(factor, dot(uj, way), divergence);
             }
-            total = plus(total, apply(s.map.rotation, sum));
+            total = plus(total, apply(view.map.rotation, sum));
         });
         store(times(all(lists.factor_unit), total), gradients, i);
         hn::StoreU(hn::Mul(all(lists.factor_unit), divergence), lanes, divergences + (i - b * block_size));
@@ -249,7 +251,7 @@ void SumShear(std::size_t b, const Particles& p, const NeighbourLists& lists, co
         Factors factors(block, cluster);
         const Vec3V ui = load(u, i);
         Vec3V total = zero3();
-        for_each_segment(block, cluster, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
             // u_i - (M u_j + shift): M is taken out of the sum over j.
             V weights = hn::Zero(lanes);
             Vec3V weighted = zero3();
@@ -259,7 +261,7 @@ void SumShear(std::size_t b, const Particles& p, const NeighbourLists& lists, co
                 weights = hn::Add(weights, weight);
                 weighted = add_product(weight, Vec3V{all(u.x[j]), all(u.y[j]), all(u.z[j])}, weighted);
             }
-            const ImageVelocity& image = s.viscous;
+            const ImageVelocity& image = view.viscous;
             const Vec3V own{hn::Sub(ui.x, all(image.shift[0])), hn::Sub(ui.y, all(image.shift[1])),
                             hn::Sub(ui.z, all(image.shift[2]))};
             const Vec3V mirrored = apply(image.map, weighted);

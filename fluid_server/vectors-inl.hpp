@@ -98,13 +98,27 @@ HWY_INLINE MatrixV conjugate(const PlaneMap& r, const MatrixV& m) {
 }
 
 // x~_i - x_j
+HWY_INLINE Vec3V way_from(const Vec3V& x, const ConstVectorArrays& places, std::size_t j) {
+    return {hn::Sub(x.x, all(places.x[j])), hn::Sub(x.y, all(places.y[j])), hn::Sub(x.z, all(places.z[j]))};
+}
 HWY_INLINE Vec3V way_from(const Vec3V& x, const Particles& p, std::size_t j) {
-    return {hn::Sub(x.x, all(p.x[j])), hn::Sub(x.y, all(p.y[j])), hn::Sub(x.z, all(p.z[j]))};
+    return way_from(x, places(p), j);
 }
 
-// The lanes for which a mask holds, a bit each.
+// A mask of lanes as the lists keep it, a bit each.
+using LaneMask = std::conditional_t<(cluster_size > 8), std::uint16_t, std::uint8_t>;
+
+// The masks of a block's entries.
+HWY_INLINE const LaneMask* lane_masks(const NeighbourBlock& block) {
+    return std::get<std::vector<LaneMask>>(block.lanes).data();
+}
+HWY_INLINE LaneMask* lane_masks(NeighbourBlock& block) {
+    return std::get<std::vector<LaneMask>>(block.lanes).data();
+}
+
+// The lanes for which a mask holds.
 HWY_INLINE unsigned bits_of(hn::Mask<Lanes> mask) {
-    std::conditional_t<(cluster_size > 8), std::uint16_t, std::uint8_t> bits = 0;
+    LaneMask bits = 0;
     hn::StoreMaskBits(lanes, mask, reinterpret_cast<std::uint8_t*>(&bits));
     return bits;
 }
@@ -206,18 +220,18 @@ HWY_INLINE hn::Vec<Whole> spread(const std::uint16_t* from, unsigned mask) {
 class Factors {
  public:
     HWY_INLINE Factors(const NeighbourBlock& block, std::size_t cluster)
-        : block_(block), next_(block.factor.data() + block.first_factor[cluster]) {}
+        : masks_(lane_masks(block)), next_(block.factor.data() + block.first_factor[cluster]) {}
 
     // Those of the next entry, which is number `entry`, in units of NeighbourLists::factor_unit; 0 in lanes that have none.
     HWY_INLINE V take(std::size_t entry) {
-        const unsigned mask = block_.lanes[entry];
+        const unsigned mask = masks_[entry];
         const std::uint16_t* const from = next_;
         next_ += std::popcount(mask);
         return hn::ConvertTo(lanes, spread(from, mask));
     }
 
  private:
-    const NeighbourBlock& block_;
+    const LaneMask* masks_;
     const std::uint16_t* next_;
 };
 

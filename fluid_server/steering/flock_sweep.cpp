@@ -56,44 +56,43 @@ HWY_INLINE void sum_flock_of(std::size_t b, const Particles& p, const NeighbourL
             forward = times(hn::IfThenZeroElse(stands, flock_reciprocal_sqrt(hn::Max(v2, all(1e-30F)))), v);
             factor_i = hn::LoadU(lanes, radius_factor.data() + i);
         }
-        for_each_segment(
-            block, cluster, [&](const NeighbourBlock::Segment& segment, std::size_t first, std::size_t last) {
-                const Vec3V seen{hn::Add(x.x, all(segment.map.shift[0])), hn::Add(x.y, all(segment.map.shift[1])),
-                                 hn::Add(x.z, all(segment.map.shift[2]))};
-                for (std::size_t k = first; k < last; ++k) {
-                    const std::size_t j = block.j[k];
-                    const Vec3V way = way_from(seen, p, j);
-                    const Vec3V vj{all(p.vx[j]), all(p.vy[j]), all(p.vz[j])};
-                    const V r2 = hn::Max(dot(way, way), tiny);
-                    const V inverse_r = flock_reciprocal_sqrt(r2);
-                    const V r = hn::Mul(r2, inverse_r);
-                    V reach2 = radius2;
-                    V from2 = pull_from2;
-                    if constexpr (!plain) {
-                        const V mean = hn::Mul(all(0.5F), hn::Add(factor_i, all(radius_factor[j])));
-                        reach2 = hn::Mul(reach2, hn::Mul(mean, mean));
-                        from2 = hn::Mul(from2, hn::Mul(mean, mean));
-                    }
-                    const V q2 = hn::Min(hn::Mul(reach2, hn::Mul(inverse_r, inverse_r)), most);
-                    V push = hn::Mul(all(s.separation), hn::Max(hn::Sub(q2, all(1)), hn::Zero(lanes)));
-                    const auto pulls = hn::And(hn::Lt(r2, cohesion2), hn::Ge(r2, from2));
-                    V pull = hn::IfThenElseZero(pulls, hn::MulAdd(all(s.pull_growth), r2, all(s.pull)));
-                    if constexpr (!plain) {
-                        const V ahead = hn::Mul(hn::Sub(hn::Zero(lanes), dot(forward, way)), inverse_r);
-                        push = hn::IfThenElseZero(looks_at(ahead, s.separation_cos, stands), push);
-                        pull = hn::IfThenElseZero(looks_at(ahead, s.cohesion_cos, stands), pull);
-                        const auto follows = hn::And(hn::And(hn::Lt(r, all(s.alignment_radius)), hn::Gt(r2, tiny)),
-                                                     looks_at(ahead, s.alignment_cos, stands));
-                        const V one = hn::IfThenElseZero(follows, all(1));
-                        sums.seen = hn::Add(sums.seen, one);
-                        sums.seen_velocity = add_product(one, vj, sums.seen_velocity);
-                    }
-                    sums.force = add_product(hn::Mul(hn::Sub(push, pull), inverse_r), way, sums.force);
-                    const V near = hn::Max(hn::NegMulAdd(r, per_loss_radius, all(1)), hn::Zero(lanes));
-                    sums.loss = hn::Add(sums.loss, near);
-                    sums.lost = add_product(near, vj, sums.lost);
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen{hn::Add(x.x, all(view.map.shift[0])), hn::Add(x.y, all(view.map.shift[1])),
+                             hn::Add(x.z, all(view.map.shift[2]))};
+            for (std::size_t k = first; k < last; ++k) {
+                const std::size_t j = block.j[k];
+                const Vec3V way = way_from(seen, p, j);
+                const Vec3V vj{all(p.vx[j]), all(p.vy[j]), all(p.vz[j])};
+                const V r2 = hn::Max(dot(way, way), tiny);
+                const V inverse_r = flock_reciprocal_sqrt(r2);
+                const V r = hn::Mul(r2, inverse_r);
+                V reach2 = radius2;
+                V from2 = pull_from2;
+                if constexpr (!plain) {
+                    const V mean = hn::Mul(all(0.5F), hn::Add(factor_i, all(radius_factor[j])));
+                    reach2 = hn::Mul(reach2, hn::Mul(mean, mean));
+                    from2 = hn::Mul(from2, hn::Mul(mean, mean));
                 }
-            });
+                const V q2 = hn::Min(hn::Mul(reach2, hn::Mul(inverse_r, inverse_r)), most);
+                V push = hn::Mul(all(s.separation), hn::Max(hn::Sub(q2, all(1)), hn::Zero(lanes)));
+                const auto pulls = hn::And(hn::Lt(r2, cohesion2), hn::Ge(r2, from2));
+                V pull = hn::IfThenElseZero(pulls, hn::MulAdd(all(s.pull_growth), r2, all(s.pull)));
+                if constexpr (!plain) {
+                    const V ahead = hn::Mul(hn::Sub(hn::Zero(lanes), dot(forward, way)), inverse_r);
+                    push = hn::IfThenElseZero(looks_at(ahead, s.separation_cos, stands), push);
+                    pull = hn::IfThenElseZero(looks_at(ahead, s.cohesion_cos, stands), pull);
+                    const auto follows = hn::And(hn::And(hn::Lt(r, all(s.alignment_radius)), hn::Gt(r2, tiny)),
+                                                 looks_at(ahead, s.alignment_cos, stands));
+                    const V one = hn::IfThenElseZero(follows, all(1));
+                    sums.seen = hn::Add(sums.seen, one);
+                    sums.seen_velocity = add_product(one, vj, sums.seen_velocity);
+                }
+                sums.force = add_product(hn::Mul(hn::Sub(push, pull), inverse_r), way, sums.force);
+                const V near = hn::Max(hn::NegMulAdd(r, per_loss_radius, all(1)), hn::Zero(lanes));
+                sums.loss = hn::Add(sums.loss, near);
+                sums.lost = add_product(near, vj, sums.lost);
+            }
+        });
         // A particle is in its own list: in the absolute form of the loss it is no neighbour of its own.
         const V relative = all(s.loss_relative);
         const V own = hn::Sub(sums.loss, hn::Sub(all(1), relative));

@@ -14,13 +14,13 @@ void SteeringWorld::for_each_neighbour(OnPair&& on_pair) const {
         const NeighbourBlock& block = lists_.blocks[b];
         for (std::size_t c = 0; c < lists_.clusters_per_block(); ++c) {
             const std::size_t begin = b * block_size + c * lists_.cluster_size;
-            for_each_segment(block, c, [&](const NeighbourBlock::Segment& s, std::size_t first, std::size_t last) {
+            for_each_segment(block, c, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
                 for (std::size_t i = begin; i < std::min(begin + lists_.cluster_size, lists_.count); ++i) {
                     for (std::size_t k = first; k < last; ++k) {
                         const std::size_t j = block.j[k];
-                        const double dx = static_cast<double>(p.x[i] + s.map.shift[0] - p.x[j]);
-                        const double dy = static_cast<double>(p.y[i] + s.map.shift[1] - p.y[j]);
-                        const double dz = static_cast<double>(p.z[i] + s.map.shift[2] - p.z[j]);
+                        const double dx = static_cast<double>(p.x[i] + view.map.shift[0] - p.x[j]);
+                        const double dy = static_cast<double>(p.y[i] + view.map.shift[1] - p.y[j]);
+                        const double dz = static_cast<double>(p.z[i] + view.map.shift[2] - p.z[j]);
                         const double r = std::sqrt(dx * dx + dy * dy + dz * dz);
                         if (r > 0 && r < settings_.reach) on_pair(i, j, r);
                     }

@@ -96,14 +96,15 @@ void count_pairs(benchmark::State& state, const Water& water) {
         const fluid::NeighbourBlock& block = water.lists.blocks[b];
         const std::size_t used = block.segments.empty() ? 0 : block.segments.back().end;
         entries += static_cast<double>(used);
-        for (std::size_t k = 0; k < used; ++k) pairs += std::popcount(block.lanes[k]);
+        for (std::size_t k = 0; k < used; ++k) pairs += std::popcount(fluid::lanes_of_entry(block, k));
     }
     const auto n = static_cast<double>(water.particles.count), lanes = static_cast<double>(water.lists.cluster_size);
     const auto same_for_all = [](double value) { return benchmark::Counter(value, benchmark::Counter::kAvgThreads); };
     state.counters["pairs_per_particle"] = same_for_all(pairs / n);
     state.counters["lanes_in_use_percent"] = same_for_all(100 * pairs / (entries * lanes));
     // An entry is a particle and a mask of lanes, a pair a factor.
-    const double bytes = entries * (sizeof(std::uint32_t) + sizeof(std::uint16_t)) + pairs * sizeof(std::uint16_t);
+    const double bytes_of_mask = lanes > 8 ? 2 : 1;
+    const double bytes = entries * (sizeof(std::uint32_t) + bytes_of_mask) + pairs * sizeof(std::uint16_t);
     state.counters["list_bytes_per_particle"] = same_for_all(bytes / n);
     state.counters["useful_pairs_per_s"] =
         benchmark::Counter(pairs * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);

@@ -65,12 +65,12 @@ TEST_CASE("the search finds exactly the pairs that a double loop finds", "[fluid
         std::vector<std::uint32_t> found;
         const NeighbourBlock& block = lists.blocks[i / block_size];
         for_each_segment(block, i % block_size / lists.cluster_size,
-                         [&](const NeighbourBlock::Segment& segment, std::size_t first, std::size_t last) {
-                             const PlaneMap& r = segment.map.rotation;
+                         [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+                             const PlaneMap& r = view.map.rotation;
                              if (r.xx < 0 || r.yy < 0 || r.zz < 0) {
                                  return;  // images in the walls
                              }
-                             const Vec3 at = segment.map({p.x[i], p.y[i], p.z[i]});
+                             const Vec3 at = view.map({p.x[i], p.y[i], p.z[i]});
                              for (std::size_t k = first; k < last; ++k) {
                                  const std::uint32_t j = block.j[k];
                                  const float dx = at[0] - p.x[j];
@@ -100,11 +100,11 @@ TEST_CASE("every particle of a list is near some particle of its cluster", "[flu
     for (std::size_t i = 0; i < p.count; i += lists.cluster_size) {
         const NeighbourBlock& block = lists.blocks[i / block_size];
         for_each_segment(block, i % block_size / lists.cluster_size,
-                         [&](const NeighbourBlock::Segment& segment, std::size_t first, std::size_t last) {
+                         [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
                              for (std::size_t k = first; k < last; ++k) {
                                  float nearest = Box::inf;
                                  for (std::size_t l = i; l < std::min(i + lists.cluster_size, p.count); ++l) {
-                                     const Vec3 at = segment.map({p.x[l], p.y[l], p.z[l]});
+                                     const Vec3 at = view.map({p.x[l], p.y[l], p.z[l]});
                                      nearest =
                                          std::min(nearest, std::hypot(at[0] - p.x[block.j[k]], at[1] - p.y[block.j[k]],
                                                                       at[2] - p.z[block.j[k]]));

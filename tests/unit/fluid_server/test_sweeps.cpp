@@ -146,7 +146,7 @@ TEST_CASE("the forces between two particles are opposite to the last bit of thei
     lists.x = corner.particles.x, lists.y = corner.particles.y, lists.z = corner.particles.z;
     for (std::size_t b = 0; b < block_count(lists.count); ++b) {
         for_each_pair(lists, b, [&](const ListedPair& pair) {
-            const PlaneMap& r = pair.segment.map.rotation;
+            const PlaneMap& r = pair.view.map.rotation;
             if (r.xx > 0 && r.yy > 0 && r.zz > 0) {
                 own[pair.i].emplace_back(pair.j, pair.factor);
             }
