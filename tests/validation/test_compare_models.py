@@ -137,6 +137,11 @@ class Words(unittest.TestCase):
         self.assertIn("Cannot run 1 case (", by_model["kinematic"])
         self.assertIn("at most as dear and at most as wrong in 1 of 1 case that both can run (shallow water in 1)", text)
 
+    def test_equal_numbers_are_told_in_the_order_of_names(self):
+        better = ("steering", "mixed", "kinematic", "shallow_water")
+        text = conclusions.words_section([run("dfsph", 8, 0.3), *(run(model, 1, 0.1) for model in better)], ["dfsph"], LIMITS, {}, {})
+        self.assertIn("(kinematic in 1, mixed in 1, shallow water in 1, steering in 1).", text)
+
     def test_the_table_says_met_missed_or_cannot(self):
         table = sections.cases_section(self.FOUND, self.MODELS, LIMITS)
         row = next(line for line in table.splitlines() if "`dam`" in line)

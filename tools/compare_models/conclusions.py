@@ -69,9 +69,15 @@ def beaten_lines(model, outcomes, cases, limits):
                 beaten.setdefault(name, []).append(case)
     lost = {case for found in beaten.values() for case in found}
     if compared:
-        by = [f"{model_words(name)} in {len(found)}" for name, found in sorted(beaten.items(), key=lambda b: -len(b[1]))]
+        by = [f"{model_words(name)} in {len(found)}" for name, found in sorted(beaten.items(), key=often_first)]
         text = f"Another model is at most as dear and at most as wrong in {len(lost) or 'none'} of {number_of_cases(compared)}"
         yield text + " that both can run" + (f" ({', '.join(by)})." if by else ".")
+
+
+def often_first(beaten):
+    """An order for (model, cases beaten in): many cases first, equal numbers by the model's name."""
+    model, cases = beaten
+    return -len(cases), model
 
 
 def impulse_lines(model, outcomes):
