@@ -50,20 +50,6 @@ struct RowEntries {
     return true;
 }
 
-// Calls body(row, first, last, candidate) for the entries [first, last) of each row that reach a cell; `candidate` is the
-// place of the first among the candidates, which stand in this order.
-template <typename Body>
-void for_each_row_of_candidates(const WalkerCells& cells, int column, int row, Body&& body) {
-    const int first_column = std::max(column - cells.span + 1, 0);
-    std::size_t candidate = 1;
-    for (int r = std::max(row - cells.span + 1, 0); r <= row; ++r) {
-        const std::uint32_t first = cells.start[cells.grid.index(first_column, r)];
-        const std::uint32_t last = cells.start[cells.grid.index(column, r) + 1];
-        body(r, first, last, candidate);
-        candidate += last - first;
-    }
-}
-
 // Walks over a band. `Owners` keeps what the last `span` rows have dealt:
 //   begin_row(claiming, band, row)         before the cells of a row
 //   deal_cell(claiming, band, column, row) claims the markers of a cell and deals them out

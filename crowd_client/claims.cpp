@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 namespace wade::crowd {
 namespace {
@@ -25,43 +26,49 @@ std::size_t nearest_by_order(const Candidates<Real>& candidates, const WalkerCel
     return owner;
 }
 
+// Room for `count` candidates in tables, 0 for nobody.
+template <typename Real>
+void begin_tables(std::initializer_list<std::vector<Real>*> tables, std::size_t count) {
+    for (std::vector<Real>* table : tables) {
+        make_table(*table, count);
+        (*table)[0] = 0;
+    }
+}
+
+// What the entries [first, last) have, from a place of a table on, counted from an origin.
+template <typename Real>
+void copy_run(std::vector<Real>& table, std::size_t place, const std::vector<double>& entries, std::uint32_t first,
+              std::uint32_t last, double origin) {
+    Real* const to = table.data() + place;
+    const double* const from = entries.data() + first;
+    for (std::uint32_t k = 0; k < last - first; ++k) to[k] = static_cast<Real>(from[k] - origin);
+}
+
 }  // namespace
 
 template <typename Real>
 void find_candidates(Candidates<Real>& candidates, const WalkerCells& cells, const WalkerBodies* bodies,
                      const MarkerLanes<Real>& markers, int column, int row) {
-    std::size_t n = 1;
-    for (std::vector<Real>* v : {&candidates.x, &candidates.z, &candidates.slowness}) {
-        make_table(*v, n);
-        (*v)[0] = 0;
-    }
-    const int first_column = std::max(column - cells.span + 1, 0);
-    for (int r = std::max(row - cells.span + 1, 0); r <= row; ++r) {
-        const std::uint32_t first = cells.start[cells.grid.index(first_column, r)];
-        const std::uint32_t last = cells.start[cells.grid.index(column, r) + 1];
-        const std::size_t count = last - first;
-        make_room(candidates.entry, n + count);
-        for (std::vector<Real>* v : {&candidates.site_x, &candidates.site_z}) make_room(*v, n + count);
-        for (std::vector<Real>* v : {&candidates.x, &candidates.z}) make_table(*v, n + count);
-        for (std::size_t i = 0; i < count; ++i) {
-            candidates.entry[n + i] = first + static_cast<std::uint32_t>(i);
-            candidates.x[n + i] = candidates.site_x[n + i] = static_cast<Real>(cells.x[first + i] - markers.origin_x);
-            candidates.z[n + i] = candidates.site_z[n + i] = static_cast<Real>(cells.z[first + i] - markers.origin_z);
-        }
-        if (bodies != nullptr) {
-            for (std::vector<Real>* v : {&candidates.vx, &candidates.vz}) make_room(*v, n + count);
-            make_table(candidates.slowness, n + count);
-            for (std::size_t i = 0; i < count; ++i) {
-                candidates.x[n + i] = static_cast<Real>(bodies->x[first + i] - markers.origin_x);
-                candidates.z[n + i] = static_cast<Real>(bodies->z[first + i] - markers.origin_z);
-                candidates.vx[n + i] = static_cast<Real>(bodies->vx[first + i]);
-                candidates.vz[n + i] = static_cast<Real>(bodies->vz[first + i]);
-                candidates.slowness[n + i] = static_cast<Real>(bodies->slowness[first + i]);
-            }
-        }
-        n += count;
-    }
-    candidates.count = n;
+    Candidates<Real>& c = candidates;
+    c.count = 1;
+    for_each_run(cells, column, row,
+                 [&](int, std::uint32_t first, std::uint32_t last, std::size_t) { c.count += last - first; });
+    c.with_bodies = bodies != nullptr;
+    make_room(c.entry, c.count);
+    begin_tables({&c.site_x, &c.site_z}, c.count);
+    if (c.with_bodies) begin_tables({&c.body_x, &c.body_z, &c.vx, &c.vz, &c.slowness}, c.count);
+    for_each_run(cells, column, row, [&](int, std::uint32_t first, std::uint32_t last, std::size_t before) {
+        const std::size_t place = 1 + before;
+        for (std::uint32_t e = first; e < last; ++e) c.entry[place + e - first] = e;
+        copy_run(c.site_x, place, cells.x, first, last, markers.origin_x);
+        copy_run(c.site_z, place, cells.z, first, last, markers.origin_z);
+        if (bodies == nullptr) return;
+        copy_run(c.body_x, place, bodies->x, first, last, markers.origin_x);
+        copy_run(c.body_z, place, bodies->z, first, last, markers.origin_z);
+        copy_run(c.vx, place, bodies->vx, first, last, 0);
+        copy_run(c.vz, place, bodies->vz, first, last, 0);
+        copy_run(c.slowness, place, bodies->slowness, first, last, 0);
+    });
 }
 
 template <typename Real>
@@ -114,15 +121,15 @@ void find_contested(Claims<Real>& claims, const MarkerLanes<Real>& markers, cons
         const Reals x = L::load(markers.x.data() + m);
         const Reals z = L::load(markers.z.data() + m);
         const Integers owner = L::load(claims.owner.data() + m);
-        const Reals own_x = x - look_up(candidates.x, candidates.count, owner);
-        const Reals own_z = z - look_up(candidates.z, candidates.count, owner);
+        const Reals own_x = x - look_up(candidates.body_x, candidates.count, owner);
+        const Reals own_z = z - look_up(candidates.body_z, candidates.count, owner);
         // Until the owner is there, s.
         const Reals time =
             square_root(own_x * own_x + own_z * own_z) * look_up(candidates.slowness, candidates.count, owner);
         Integers contested{};
         for (std::size_t c = 1; c < candidates.count; ++c) {
-            const Reals dx = x - (candidates.x[c] + candidates.vx[c] * time);
-            const Reals dz = z - (candidates.z[c] + candidates.vz[c] * time);
+            const Reals dx = x - (candidates.body_x[c] + candidates.vx[c] * time);
+            const Reals dz = z - (candidates.body_z[c] + candidates.vz[c] * time);
             const Integers close = dx * dx + dz * dz < limit;
             contested |= close & (owner != static_cast<Integer>(c));
         }

@@ -17,14 +17,20 @@ struct WalkerBodies {
     double contest_distance = 0;   // D, m
 };
 
-// The walkers that reach the cell at hand; place 0 stands for nobody. Coordinates as in MarkerLanes. x, z and slowness are
-// tables for look_up(), 0 at place 0.
+// The walkers that reach the cell at hand, in the order of for_each_run() from place 1 on; place 0 stands for nobody.
+// Coordinates as in MarkerLanes. Sites, places and slowness are tables for look_up(), 0 at place 0.
 template <typename Real>
 struct Candidates {
-    std::size_t count = 0;                     // with nobody
-    std::vector<std::uint32_t> entry;          // of WalkerCells
-    std::vector<Real> site_x, site_z;          // m
-    std::vector<Real> x, z, vx, vz, slowness;  // as WalkerBodies; x, z are those of the site where there are none
+    std::size_t count = 0;             // with nobody
+    std::vector<std::uint32_t> entry;  // of WalkerCells
+    std::vector<Real> site_x, site_z;  // m
+
+    bool with_bodies = false;
+    std::vector<Real> body_x, body_z, vx, vz, slowness;  // as WalkerBodies; only with bodies
+
+    // Where they stand, m.
+    [[nodiscard]] const std::vector<Real>& x() const { return with_bodies ? body_x : site_x; }
+    [[nodiscard]] const std::vector<Real>& z() const { return with_bodies ? body_z : site_z; }
 };
 
 // By marker of a cell.

@@ -8,19 +8,24 @@ namespace {
 
 using L = Lanes<float>;
 
-// The sum over the lanes, always in one order: halves are added until four lanes are left.
-template <typename Number>
-Number total(const Vector<Number>& v) {
-    using Eight [[gnu::vector_size(8 * sizeof(Number))]] = Number;
-    using Four [[gnu::vector_size(4 * sizeof(Number))]] = Number;
-    static_assert(Vector<Number>::count == 16);
-    Eight eights[2];
-    std::memcpy(&eights, &v.part, sizeof eights);
-    const Eight eight = eights[0] + eights[1];
-    Four fours[2];
-    std::memcpy(&fours, &eight, sizeof fours);
-    const Four four = fours[0] + fours[1];
-    return (four[0] + four[2]) + (four[1] + four[3]);
+// The sum of both and over their lanes, always in one order: halves are added until one is left.
+template <typename Number, std::size_t lanes>
+Number total(const std::array<Number, lanes>& a, const std::array<Number, lanes>& b) {
+    static_assert(lanes == 16);
+    std::array<Number, lanes / 2> sums;
+    for (std::size_t k = 0; k < lanes / 2; ++k) sums[k] = (a[k] + b[k]) + (a[k + lanes / 2] + b[k + lanes / 2]);
+    for (std::size_t half = lanes / 4; half > 0; half /= 2) {
+        for (std::size_t k = 0; k < half; ++k) sums[k] += sums[k + half];
+    }
+    return sums[0];
+}
+
+constexpr OwnerSums nothing{};
+
+MarkerShare load_four(const float* from) {
+    MarkerShare v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
 }
 
 }  // namespace
@@ -58,31 +63,39 @@ void DrawnOwners::deal_cell(const Claiming& claiming, const RowBand& band, int c
     if (with_bodies) find_contested(claims_, markers_, candidates_, claiming.walkers.contest_distance);
     pair_tests += markers_.count * (candidates_.count - 1);
 
-    look_up_goals(claiming, band, column, row);
+    look_up_owners(claiming, band, column, row);
     weigh(with_bodies);
     if (with_bodies) {
-        add_to_owners<true>(claiming, band, column, row);
+        add_to_owners<true>();
     } else {
-        add_to_owners<false>(claiming, band, column, row);
+        add_to_owners<false>();
     }
 }
 
 // Rows of other bands belong to other threads: what is weighed for them here is added to nobody.
-void DrawnOwners::look_up_goals(const Claiming& claiming, const RowBand& band, int column, int row) {
+void DrawnOwners::look_up_owners(const Claiming& claiming, const RowBand& band, int column, int row) {
+    const bool with_bodies = claiming.bodies != nullptr;
     for (std::vector<float>* table : {&goal_x_, &goal_z_, &discount_}) {
         make_table(*table, candidates_.count);
         (*table)[0] = 0;
     }
-    for_each_row_of_candidates(claiming.cells, column, row,
-                               [&](int r, std::uint32_t first, std::uint32_t last, std::size_t candidate) {
-                                   if (!band.has(r)) return;
-                                   const Row& here = row_of(claiming, r);
-                                   const std::size_t from = first - here.first, n = last - first;
-                                   std::copy_n(here.goal_x.data() + from, n, goal_x_.data() + candidate);
-                                   std::copy_n(here.goal_z.data() + from, n, goal_z_.data() + candidate);
-                                   if (claiming.bodies == nullptr) return;
-                                   std::copy_n(here.discount.data() + from, n, discount_.data() + candidate);
-                               });
+    make_room(sums_of_, candidates_.count);
+    sums_of_[0] = &nobody_;
+    for_each_run(claiming.cells, column, row, [&](int r, std::uint32_t first, std::uint32_t last, std::size_t before) {
+        const std::size_t place = 1 + before, n = last - first;
+        if (!band.has(r)) {
+            std::fill_n(sums_of_.data() + place, n, &nobody_);
+            return;
+        }
+        Row& here = row_of(claiming, r);
+        const std::size_t from = first - here.first;
+        for (std::size_t k = 0; k < n; ++k) {
+            sums_of_[place + k] = &here.sums[from + k];
+            goal_x_[place + k] = here.goal_x[from + k];
+            goal_z_[place + k] = here.goal_z[from + k];
+            if (with_bodies) discount_[place + k] = here.discount[from + k];
+        }
+    });
 }
 
 void DrawnOwners::weigh(bool with_bodies) {
@@ -90,8 +103,8 @@ void DrawnOwners::weigh(bool with_bodies) {
     for (std::vector<float>* v : {&weight_, &x_, &z_}) make_room(*v, places);
     for (std::size_t m = 0; m < places; m += L::count) {
         const L::Integers owner = L::load(claims_.owner.data() + m);
-        const L::Reals x = L::load(markers_.x.data() + m) - look_up(candidates_.x, size, owner);
-        const L::Reals z = L::load(markers_.z.data() + m) - look_up(candidates_.z, size, owner);
+        const L::Reals x = L::load(markers_.x.data() + m) - look_up(candidates_.x(), size, owner);
+        const L::Reals z = L::load(markers_.z.data() + m) - look_up(candidates_.z(), size, owner);
         const L::Reals along = look_up(goal_x_, size, owner) * x + look_up(goal_z_, size, owner) * z;
         const L::Reals square = x * x + z * z;
         const L::Reals distance = square_root(choose<float>(1e-20F < square, square, 1e-20F));
@@ -106,55 +119,44 @@ void DrawnOwners::weigh(bool with_bodies) {
     }
 }
 
+// A marker is added in the lane that it was weighed in.
 template <bool with_bodies>
-void DrawnOwners::add_to_owners(const Claiming& claiming, const RowBand& band, int column, int row) {
-    const std::size_t places = L::padded(markers_.count);
+void DrawnOwners::add_to_owners() {
     const std::int32_t* const owners = claims_.owner.data();
-    const float* const weight = weight_.data();
-    const float* const x = x_.data();
-    const float* const z = z_.data();
     const float* const contested = with_bodies ? claims_.contested.data() : nullptr;
-    for_each_row_of_candidates(claiming.cells, column, row,
-                               [&](int r, std::uint32_t first, std::uint32_t last, std::size_t candidate) {
-                                   if (!band.has(r)) return;
-                                   Row& here = row_of(claiming, r);
-                                   Sums* const sums = here.sums.data() + (first - here.first);
-                                   for (std::uint32_t k = 0; k < last - first; ++k) {
-                                       Sums s = sums[k];
-                                       const auto whose = static_cast<std::int32_t>(candidate + k);
-                                       for (std::size_t m = 0; m < places; m += L::count) {
-                                           const L::Integers own = L::load(owners + m) == whose;
-                                           s.weight = choose(own, s.weight + L::load(weight + m), s.weight);
-                                           s.x = choose(own, s.x + L::load(x + m), s.x);
-                                           s.z = choose(own, s.z + L::load(z + m), s.z);
-                                           s.owned += own;
-                                           if constexpr (with_bodies)
-                                               s.contested += own & (L::load(contested + m) != 0);
-                                       }
-                                       sums[k] = s;
-                                   }
-                               });
+    OwnerSums* const* const sums_of = sums_of_.data();
+    for (std::size_t m = 0; m < markers_.count; m += 4) {  // up to three beyond the last are nobody's
+        const auto weight = load_four(&weight_[m]), x = load_four(&x_[m]), z = load_four(&z_[m]);
+        const MarkerShare one = {1, 1, 1, 1};
+        const MarkerShare first_weight_x = __builtin_shufflevector(weight, x, 0, 4, 1, 5);
+        const MarkerShare last_weight_x = __builtin_shufflevector(weight, x, 2, 6, 3, 7);
+        const MarkerShare first_z_one = __builtin_shufflevector(z, one, 0, 4, 1, 5);
+        const MarkerShare last_z_one = __builtin_shufflevector(z, one, 2, 6, 3, 7);
+        const std::array<MarkerShare, 4> shares = {__builtin_shufflevector(first_weight_x, first_z_one, 0, 1, 4, 5),
+                                                   __builtin_shufflevector(first_weight_x, first_z_one, 2, 3, 6, 7),
+                                                   __builtin_shufflevector(last_weight_x, last_z_one, 0, 1, 4, 5),
+                                                   __builtin_shufflevector(last_weight_x, last_z_one, 2, 3, 6, 7)};
+        for (std::size_t k = 0; k < 4; ++k) {
+            const std::size_t lane = (m + k) % L::count;
+            OwnerSums& sums = *sums_of[owners[m + k]];
+            sums.shares[lane] += shares[k];
+            if constexpr (with_bodies) sums.contested[lane] += contested[m + k] != 0 ? 1 : 0;
+        }
+    }
 }
 
 void DrawnOwners::finish(const Claiming& claiming, std::uint32_t entry, std::uint32_t image, int row) {
     const Row& here = row_of(claiming, row);
-    Sums s = here.sums[entry - here.first];
-    if (image != WalkerCells::none) {
-        const Sums& other = here.sums[image - here.first];
-        s.weight += other.weight, s.x += other.x, s.z += other.z;
-        s.owned += other.owned, s.contested += other.contested;
-    }
+    const OwnerSums& own = here.sums[entry - here.first];
+    const OwnerSums& other = image != WalkerCells::none ? here.sums[image - here.first] : nothing;
+    const MarkerShare all = total(own.shares, other.shares);
+    const float weight = all[0], x = all[1], z = all[2], owned = all[3];
     const std::uint32_t k = claiming.cells.walker[entry];
-    const float weight = total(s.weight);
     claiming.motion.vector[k] = Vector2d::Zero();
-    if (weight > 0) {
-        claiming.motion.vector[k] = {static_cast<double>(total(s.x) / weight),
-                                     static_cast<double>(total(s.z) / weight)};
-    }
-    claiming.motion.owned[k] = static_cast<std::uint32_t>(-total(s.owned));
-    if (claiming.bodies != nullptr) {
-        claiming.motion.contested[k] = static_cast<std::uint32_t>(-total(s.contested));
-    }
+    if (weight > 0) claiming.motion.vector[k] = {static_cast<double>(x / weight), static_cast<double>(z / weight)};
+    claiming.motion.owned[k] = static_cast<std::uint32_t>(owned);
+    if (claiming.bodies == nullptr) return;
+    claiming.motion.contested[k] = static_cast<std::uint32_t>(total(own.contested, other.contested));
 }
 
 }  // namespace wade::crowd

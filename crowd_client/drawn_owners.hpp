@@ -16,6 +16,15 @@
 
 namespace wade::crowd {
 
+// What a marker gives its owner: f, f a along x and z, and 1.
+using MarkerShare [[gnu::vector_size(16)]] = float;
+
+// What an entry owns, lane by lane.
+struct OwnerSums {
+    std::array<MarkerShare, Lanes<float>::count> shares{};
+    std::array<std::int32_t, Lanes<float>::count> contested{};  // how many; with bodies only
+};
+
 // Of one thread.
 class DrawnOwners {
  public:
@@ -28,16 +37,10 @@ class DrawnOwners {
  private:
     using L = Lanes<float>;
 
-    // Of the markers that an entry owns, lane by lane.
-    struct Sums {
-        L::Reals weight{}, x{}, z{};       // sums of f and f a
-        L::Integers owned{}, contested{};  // how many, negative
-    };
-
     // Of the entries of a row.
     struct Row {
         std::uint32_t first = 0;
-        std::vector<Sums> sums;
+        std::vector<OwnerSums> sums;
         std::vector<float> goal_x, goal_z;  // direction of the goal; zero on it
         std::vector<float> discount;        // with bodies only
     };
@@ -45,17 +48,19 @@ class DrawnOwners {
     [[nodiscard]] Row& row_of(const Claiming& claiming, int row) {
         return rows_[static_cast<std::size_t>(row % claiming.cells.span)];
     }
-    void look_up_goals(const Claiming& claiming, const RowBand& band, int column, int row);
+    void look_up_owners(const Claiming& claiming, const RowBand& band, int column, int row);
     void weigh(bool with_bodies);
     template <bool with_bodies>
-    void add_to_owners(const Claiming& claiming, const RowBand& band, int column, int row);
+    void add_to_owners();
 
     MarkerLanes<float> markers_;
     Candidates<float> candidates_;
     Claims<float> claims_;
     std::vector<float> goal_x_, goal_z_, discount_;  // by candidate
+    std::vector<OwnerSums*> sums_of_;                // by candidate
     std::vector<float> weight_, x_, z_;              // by marker: f and f a
     std::array<Row, 3> rows_;
+    OwnerSums nobody_;  // what is dealt to nobody, and to walkers of other bands
 };
 
 }  // namespace wade::crowd

@@ -62,27 +62,28 @@ void FixedOwners::deal_markers(const Claiming& claiming, const RowBand& band, in
         upper[c] = first + in_lower;
         return first;
     };
-    for_each_row_of_candidates(
-        claiming.cells, column, row, [&](int r, std::uint32_t first, std::uint32_t last, std::size_t candidate) {
-            Runs& runs = runs_[static_cast<std::size_t>(r) % span];
-            for (std::uint32_t e = first; e < last; ++e, ++candidate) {
-                const std::uint32_t begin = first_place(candidate);
-                // Rows of other bands belong to other threads.
-                if (begin == place || !band.has(r)) continue;
-                const std::size_t i = e - runs.first;
-                runs.runs[span * span * i + runs.count[i]++] = {begin, static_cast<std::uint16_t>(place - begin),
-                                                                static_cast<std::uint16_t>(row)};
-            }
-        });
+    for_each_run(claiming.cells, column, row, [&](int r, std::uint32_t first, std::uint32_t last, std::size_t before) {
+        Runs& runs = runs_[static_cast<std::size_t>(r) % span];
+        for (std::uint32_t e = first; e < last; ++e) {
+            const std::uint32_t begin = first_place(1 + before + e - first);
+            // Rows of other bands belong to other threads.
+            if (begin == place || !band.has(r)) continue;
+            const std::size_t i = e - runs.first;
+            runs.runs[span * span * i + runs.count[i]++] = {begin, static_cast<std::uint16_t>(place - begin),
+                                                            static_cast<std::uint16_t>(row)};
+        }
+    });
     dealt.count = place;
     // Nobody's markers, those of candidate 0, go behind the others, where the next cell writes over them.
     first_place(0);
 
+    const double* const owner_x = candidates_.x().data();
+    const double* const owner_z = candidates_.z().data();
     const auto deal = [&](std::size_t m, std::uint32_t* next) {
         const auto o = static_cast<std::size_t>(owner[m]);
         const std::uint32_t to = next[o]++;
-        dealt.x[to] = markers_.x[m] - candidates_.x[o];
-        dealt.z[to] = markers_.z[m] - candidates_.z[o];
+        dealt.x[to] = markers_.x[m] - owner_x[o];
+        dealt.z[to] = markers_.z[m] - owner_z[o];
         if (with_bodies) dealt.contested[to] = claims_.contested[m];
     };
     for (std::size_t m = 0; m < half; ++m) {

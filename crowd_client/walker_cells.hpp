@@ -7,6 +7,8 @@
 //      |    |C:::|::::|      and of its own row, each the cells left of it and its own column.
 //      +----+----+----+
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -44,5 +46,19 @@ struct WalkerCells {
 // Each site must be in the world or less than 2 m - radius outside.
 void sort_walkers(WalkerCells& cells, const GroundGrid& grid, std::span<const Vector2d> sites, double radius,
                   double period);
+
+// Calls body(row, first, last, before) for each run of walkers that reach a cell: the entries [first, last), whose corner
+// cells are in `row`; `before` entries were in earlier runs.
+template <typename Body>
+void for_each_run(const WalkerCells& cells, int column, int row, Body&& body) {
+    const int first_column = std::max(column - cells.span + 1, 0);
+    std::size_t before = 0;
+    for (int r = std::max(row - cells.span + 1, 0); r <= row; ++r) {
+        const std::uint32_t first = cells.start[cells.grid.index(first_column, r)];
+        const std::uint32_t last = cells.start[cells.grid.index(column, r) + 1];
+        body(r, first, last, before);
+        before += last - first;
+    }
+}
 
 }  // namespace wade::crowd
