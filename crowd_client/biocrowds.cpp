@@ -25,7 +25,8 @@ namespace {
 
 void sort_bodies(WalkerBodies& bodies, const WalkerCells& cells, const Walkers& walkers) {
     const std::size_t n = cells.entries();
-    for (std::vector<double>* v : {&bodies.x, &bodies.z, &bodies.vx, &bodies.vz, &bodies.slowness}) v->resize(n);
+    for (std::vector<double>* v : {&bodies.x, &bodies.z, &bodies.vx, &bodies.vz, &bodies.slowness})
+        v->resize(n + beyond_fours);
     for (std::size_t e = 0; e < n; ++e) {
         const std::uint32_t k = cells.walker[e];
         bodies.x[e] = walkers.position[k].x() + (cells.shift.empty() ? 0.0 : cells.shift[e]);

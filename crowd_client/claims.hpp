@@ -9,7 +9,8 @@
 
 namespace wade::crowd {
 
-// What a cell needs to know of the walkers beside their sites where markers can be contested; by entry of WalkerCells.
+// What a cell needs to know of the walkers beside their sites where markers can be contested; by entry of WalkerCells,
+// to copy_in_fours().
 struct WalkerBodies {
     std::vector<double> x, z;      // where they stand, m
     std::vector<double> vx, vz;    // displacement of the last step / dt, m/s
@@ -22,7 +23,6 @@ struct WalkerBodies {
 template <typename Real>
 struct Candidates {
     std::size_t count = 0;             // with nobody
-    std::vector<std::uint32_t> entry;  // of WalkerCells
     std::vector<Real> site_x, site_z;  // m
 
     bool with_bodies = false;
@@ -48,7 +48,7 @@ void find_candidates(Candidates<Real>& candidates, const WalkerCells& cells, con
 // Gives each marker to its owner.
 template <typename Real>
 void claim(Claims<Real>& claims, const MarkerLanes<Real>& markers, const Candidates<Real>& candidates,
-           const WalkerCells& cells, double radius);
+           const WalkerCells& cells, int column, int row, double radius);
 
 // Marks the owned markers that another candidate j will be within D of when the owner, walking freely, reaches them:
 // |a - (p_j + v_j t)| < D with t = |a - p| / v0, p and v0 of the owner.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace wade::crowd {
 namespace {
@@ -37,8 +38,8 @@ void DrawnOwners::begin_row(const Claiming& claiming, const RowBand& band, int r
     Row& here = row_of(claiming, row);
     here.first = entries.first;
     here.sums.assign(n, {});
-    make_room(here.goal_x, n);
-    make_room(here.goal_z, n);
+    make_room(here.goal_x, n + beyond_fours);
+    make_room(here.goal_z, n + beyond_fours);
     for (std::size_t i = 0; i < n; ++i) {
         const Vector2d& way = claiming.walkers.goal_offset[claiming.cells.walker[entries.first + i]];
         const auto x = static_cast<float>(way.x()), z = static_cast<float>(way.y());
@@ -48,7 +49,7 @@ void DrawnOwners::begin_row(const Claiming& claiming, const RowBand& band, int r
         here.goal_z[i] = z * scale;
     }
     if (claiming.bodies == nullptr) return;
-    make_room(here.discount, n);
+    make_room(here.discount, n + beyond_fours);
     for (std::size_t i = 0; i < n; ++i) {
         here.discount[i] = static_cast<float>(claiming.walkers.discount[claiming.cells.walker[entries.first + i]]);
     }
@@ -58,12 +59,12 @@ void DrawnOwners::deal_cell(const Claiming& claiming, const RowBand& band, int c
     draw_markers(markers_, claiming.markers.drawn, column, row);
     if (markers_.count == 0) return;
     find_candidates(candidates_, claiming.cells, claiming.bodies, markers_, column, row);
-    claim(claims_, markers_, candidates_, claiming.cells, claiming.radius);
+    look_up_owners(claiming, band, column, row);
+    claim(claims_, markers_, candidates_, claiming.cells, column, row, claiming.radius);
     const bool with_bodies = claiming.bodies != nullptr;
     if (with_bodies) find_contested(claims_, markers_, candidates_, claiming.walkers.contest_distance);
     pair_tests += markers_.count * (candidates_.count - 1);
 
-    look_up_owners(claiming, band, column, row);
     weigh(with_bodies);
     if (with_bodies) {
         add_to_owners<true>();
@@ -76,7 +77,7 @@ void DrawnOwners::deal_cell(const Claiming& claiming, const RowBand& band, int c
 void DrawnOwners::look_up_owners(const Claiming& claiming, const RowBand& band, int column, int row) {
     const bool with_bodies = claiming.bodies != nullptr;
     for (std::vector<float>* table : {&goal_x_, &goal_z_, &discount_}) {
-        make_table(*table, candidates_.count);
+        make_table(*table, candidates_.count + beyond_fours);
         (*table)[0] = 0;
     }
     make_room(sums_of_, candidates_.count);
@@ -89,12 +90,10 @@ void DrawnOwners::look_up_owners(const Claiming& claiming, const RowBand& band, 
         }
         Row& here = row_of(claiming, r);
         const std::size_t from = first - here.first;
-        for (std::size_t k = 0; k < n; ++k) {
-            sums_of_[place + k] = &here.sums[from + k];
-            goal_x_[place + k] = here.goal_x[from + k];
-            goal_z_[place + k] = here.goal_z[from + k];
-            if (with_bodies) discount_[place + k] = here.discount[from + k];
-        }
+        std::iota(sums_of_.data() + place, sums_of_.data() + place + n, here.sums.data() + from);
+        copy_in_fours(goal_x_.data() + place, here.goal_x.data() + from, n, 0.0F);
+        copy_in_fours(goal_z_.data() + place, here.goal_z.data() + from, n, 0.0F);
+        if (with_bodies) copy_in_fours(discount_.data() + place, here.discount.data() + from, n, 0.0F);
     });
 }
 

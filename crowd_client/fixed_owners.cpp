@@ -28,7 +28,7 @@ void FixedOwners::deal_cell(const Claiming& claiming, const RowBand& band, int c
     read_markers(markers_, claiming.markers, column, row);
     if (markers_.count == 0) return;
     find_candidates(candidates_, claiming.cells, claiming.bodies, markers_, column, row);
-    claim(claims_, markers_, candidates_, claiming.cells, claiming.radius);
+    claim(claims_, markers_, candidates_, claiming.cells, column, row, claiming.radius);
     if (claiming.bodies != nullptr) {
         find_contested(claims_, markers_, candidates_, claiming.walkers.contest_distance);
     }

@@ -203,4 +203,18 @@ void make_room(std::vector<T>& memory, std::size_t n) {
     if (memory.size() < n) memory.resize(n + n / 2);
 }
 
+// to[k] = from[k] - origin for n numbers, by fours: up to three beyond are read and written.
+template <typename To, typename From>
+inline void copy_in_fours(To* to, const From* from, std::size_t n, From origin) {
+    using FourFrom [[gnu::vector_size(4 * sizeof(From))]] = From;
+    using FourTo [[gnu::vector_size(4 * sizeof(To))]] = To;
+    for (std::size_t k = 0; k < n; k += 4) {
+        FourFrom four;
+        std::memcpy(&four, from + k, sizeof four);
+        const FourTo moved = __builtin_convertvector(four - origin, FourTo);
+        std::memcpy(to + k, &moved, sizeof moved);
+    }
+}
+inline constexpr std::size_t beyond_fours = 3;
+
 }  // namespace wade::crowd

@@ -106,6 +106,7 @@ Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displaceme
         if (!may_fall) target.x() = std::max(target.x(), 0.0);
     }
     target.y() = std::clamp(target.y(), 0.0, world.width);
+    if (walls.boxes.empty()) return target;
 
     // Each face met takes one component away, so two faces end a step; further turns serve boxes that are met while
     // sliding along another. What is left after the last turn is given up: the point is then where it last touched.

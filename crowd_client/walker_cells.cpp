@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "crowd_client/lanes.hpp"
+
 namespace wade::crowd {
 namespace {
 
@@ -72,8 +74,8 @@ void sort_walkers(WalkerCells& cells, const GroundGrid& grid, std::span<const Ve
         before += count;
     }
     cells.walker.resize(entries);
-    cells.x.resize(entries);
-    cells.z.resize(entries);
+    cells.x.resize(entries + beyond_fours);
+    cells.z.resize(entries + beyond_fours);
     cells.shift.resize(ring ? entries : 0);
     for (std::size_t i = 0; i < entries; ++i) {
         const std::uint32_t to = cells.start[cells.cell[i] + std::size_t{1}]++;
