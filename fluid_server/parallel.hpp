@@ -1,10 +1,14 @@
 #pragma once
 // Loops over particles, split into blocks of fixed size.
 //
-// Blocks do not depend on the number of threads, a block is worked by one thread, and sums are combined in the order
+// Blocks do not depend on the number of threads, a block is worked by one thread, whichever it is, and sums are combined in the order
 // of the blocks: the same bits for any number of threads.
 
+#include <omp.h>
+
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cstddef>
 #include <vector>
 
@@ -13,20 +17,49 @@ namespace wade::fluid {
 inline constexpr std::size_t block_size = 256;
 
 // With fewer blocks than this the threads would wait for one another longer than they work.
-inline constexpr std::ptrdiff_t serial_below = 12;
+inline constexpr std::size_t serial_below = 12;
+
+// More threads than this do not share a loop.
+inline constexpr std::size_t most_shares = 128;
 
 inline std::size_t block_count(std::size_t n) {
     return (n + block_size - 1) / block_size;
 }
 
-// Calls body(begin, end, block) for each block of [0, n), in parallel where there is enough to share.
+// Blocks [next, end) that one thread is to work, on a cache line of its own.
+struct alignas(64) BlockShare {
+    std::atomic<std::size_t> next{0};
+    std::size_t end = 0;
+};
+
+// Calls body(begin, end, block) for each block of [0, n), in parallel where there is enough to share. Each thread works
+// the blocks of its own share of the range, side by side in memory, and then helps those that are behind: on a shared
+// machine threads are not equally fast.
 template <typename Body>
 void for_each_block(std::size_t n, Body&& body) {
-    const auto blocks = static_cast<std::ptrdiff_t>(block_count(n));
-#pragma omp parallel for schedule(static) if (blocks >= serial_below)
-    for (std::ptrdiff_t b = 0; b < blocks; ++b) {
-        const std::size_t begin = static_cast<std::size_t>(b) * block_size;
-        body(begin, std::min(begin + block_size, n), static_cast<std::size_t>(b));
+    const std::size_t blocks = block_count(n);
+    const auto work = [&](std::size_t b) { body(b * block_size, std::min((b + 1) * block_size, n), b); };
+    const auto threads = std::min(static_cast<std::size_t>(omp_get_max_threads()), most_shares);
+    if (blocks < serial_below || threads == 1) {
+        for (std::size_t b = 0; b < blocks; ++b) work(b);
+        return;
+    }
+    std::array<BlockShare, most_shares> shares;
+    for (std::size_t s = 0; s < threads; ++s) {
+        shares[s].next.store(s * blocks / threads, std::memory_order_relaxed);
+        shares[s].end = (s + 1) * blocks / threads;
+    }
+#pragma omp parallel num_threads(static_cast <int>(threads))
+    {
+        const auto own = static_cast<std::size_t>(omp_get_thread_num());
+        for (std::size_t k = 0; k < threads; ++k) {
+            BlockShare& share = shares[(own + k) % threads];
+            for (;;) {
+                const std::size_t b = share.next.fetch_add(1, std::memory_order_relaxed);
+                if (b >= share.end) break;
+                work(b);
+            }
+        }
     }
 }
 

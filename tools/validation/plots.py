@@ -46,8 +46,11 @@ def panels_of(runs):
     return panels
 
 
-# Truths that are a formula of somebody, not points that were measured.
-FORMULAS = {
+# Truths that somebody else has computed, not measured.
+COMPUTED = {
+    ("cavity_100", "measured_"): ("ko", "Ghia et al. 1982"),
+    ("cavity_400", "measured_"): ("ko", "Ghia et al. 1982"),
+    ("cavity_1000", "measured_"): ("ko", "Ghia et al. 1982"),
     ("crowd_rimea_04", "measured_"): ("k-", "Weidmann 1993"),
     ("crowd_rimea_12", "measured_"): ("k-", "1.9 b, Seyfried et al. 2009"),
     ("crowd_rimea_12", "reference_"): ("k--", "1.3 b, SFPE handbook"),
@@ -68,7 +71,7 @@ def truths_of(columns, column):
 def draw_truth(axes, case, x, columns, column):
     styles = {"exact_": ("k-", "exact"), "measured_": ("ko", "measured"), "reference_": ("k--", "reference")}
     for prefix, name in truths_of(columns, column):
-        style, words = FORMULAS.get((case, prefix), styles[prefix])
+        style, words = COMPUTED.get((case, prefix), styles[prefix])
         axes.plot(x, columns[name], style, label=words, linewidth=1, markersize=3, zorder=3, fillstyle="none")
 
 
