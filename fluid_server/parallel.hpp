@@ -1,8 +1,8 @@
 #pragma once
 // Loops over particles, split into blocks of fixed size.
 //
-// Blocks do not depend on the number of threads, a block is worked by one thread, whichever it is, and sums are combined in the order
-// of the blocks: the same bits for any number of threads.
+// Blocks do not depend on the number of threads, a block is worked by one thread, whichever it is, and sums are combined
+// in the order of the blocks: the same bits for any number of threads.
 
 #include <omp.h>
 
