@@ -158,6 +158,32 @@ void rate_sweep(benchmark::State& state) {
     count_pairs(state, water);
 }
 
+// What a step asks of the lists of a river, on lists that were searched wider than the support radius by a skin: it would
+// spare the next step its search as long as no two particles have come nearer than that. One first sweep and five of both
+// kinds of a solve, as many as the river's steps have.
+void sweeps_with_skin(benchmark::State& state, double spacings) {
+    Water& water = water_of(state.range(0));
+    const float skin = static_cast<float>(spacings * water.scene.fluid.particle_spacing);
+    fluid::find_neighbours(water.grid, water.solids, water.particles, water.support_radius + skin, water.lists);
+    const fluid::Particles& p = water.particles;
+    fluid::ParticleFields& f = water.fields;
+    std::array<float, fluid::block_size> sums;
+    for (auto _ : state) {
+        fluid::compute_density_and_diagonal(p, water.kernel, water.volume, water.lists, f);
+        for (int k = 0; k < 5; ++k) {
+            for (std::size_t b = 0; b < water.blocks(); ++b) {
+                fluid::sum_gradients(b, p, water.lists, p.pressure.data(), {f.ax.data(), f.ay.data(), f.az.data()});
+                fluid::sum_divergence(b, p, water.lists, {p.vx.data(), p.vy.data(), p.vz.data()}, sums.data());
+            }
+        }
+        benchmark::DoNotOptimize(sums.data());
+    }
+    count_items(state, p.count);
+    count_pairs(state, water);
+    fluid::find_neighbours(water.grid, water.solids, water.particles, water.support_radius, water.lists);
+    fluid::compute_density_and_diagonal(p, water.kernel, water.volume, water.lists, f);
+}
+
 // A crowd all over a river, and the water round it.
 struct Flood {
     Scene scene;
@@ -232,6 +258,10 @@ BENCHMARK(kernel_sweep)->Name("kernels/kernel_sweep")->Apply(add_sizes);
 BENCHMARK(pressure_sweep)->Name("kernels/pressure_sweep")->Apply(add_sizes);
 // Two at once, which share what they read and wait for nothing: what a second thread can gain at most.
 BENCHMARK(rate_sweep)->Name("kernels/rate_sweep")->Apply(add_sizes)->UseRealTime()->Threads(1)->Threads(2);
+BENCHMARK_CAPTURE(sweeps_with_skin, none, 0.0)->Name("kernels/sweeps_without_skin")->Arg(100'000);
+BENCHMARK_CAPTURE(sweeps_with_skin, tenth, 0.1)->Name("kernels/sweeps_with_skin_of_0.1")->Arg(100'000);
+BENCHMARK_CAPTURE(sweeps_with_skin, fifth, 0.2)->Name("kernels/sweeps_with_skin_of_0.2")->Arg(100'000);
+BENCHMARK_CAPTURE(sweeps_with_skin, two_fifths, 0.4)->Name("kernels/sweeps_with_skin_of_0.4")->Arg(100'000);
 BENCHMARK(bins)->Name("kernels/bins")->Arg(100'000);
 BENCHMARK(contacts)->Name("kernels/contacts")->Arg(5'000);
 BENCHMARK(dry_crowd_step)->Name("kernels/dry_crowd_step")->Arg(5'000);
