@@ -106,7 +106,7 @@ Parsed parse(const ProgramDescription& program, int argc, const char* const* arg
     app.add_option("--session", options.session,
                    "Name under which the two programs meet [wade-<uid>-<first 8 hex digits of the scene hash>]")
         ->option_text("NAME");
-    app.add_option("--out", out, "Run folder [runs/<scene>-<time>/]")->option_text("DIR");
+    app.add_option("--out", out, "Run folder [" + program.without_out + "]")->option_text("DIR");
     app.add_flag("--reproducible", options.reproducible, "Write no times and no host names into outputs");
     app.add_option("--threads", options.threads, "Threads, 1 to 1024; 0: one for each processor [0]")
         ->check(within(0, 1024, true))

@@ -65,6 +65,7 @@ struct ProgramDescription {
     std::string name;
     std::string purpose;  // one sentence, shown by --help
     std::vector<ProgramOption> extras = {};
+    std::string without_out = "runs/<scene>-<time>/";  // shown by --help: where outputs go without --out
 };
 
 struct ProgramStart {

@@ -1,6 +1,7 @@
 #include "configs/scene_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -102,10 +103,15 @@ std::string read_text_file(const std::filesystem::path& file, const std::string&
     errno = 0;
     std::ifstream in(file, std::ios::binary);
     if (!in) fail(errno != 0 ? std::strerror(errno) : "unknown reason");
-    std::ostringstream text;
-    text << in.rdbuf();
+    constexpr std::size_t longest = std::size_t{64} << 20;  // /dev/zero never ends
+    std::string text;
+    std::array<char, 1 << 16> piece;
+    while (in.read(piece.data(), piece.size()) || in.gcount() > 0) {
+        text.append(piece.data(), static_cast<std::size_t>(in.gcount()));
+        if (text.size() > longest) fail("it is longer than 64 MiB");
+    }
     if (in.bad()) fail("the read was cut short");
-    return text.str();
+    return text;
 }
 
 json parse_scene_text(std::string_view text, const std::string& source) {
@@ -146,7 +152,7 @@ void merge_over(json& lower, const json& upper) {
     }
 }
 
-json resolve_scene_text(std::string_view text, const std::filesystem::path& file) {
+std::vector<json> scene_layers(std::string_view text, const std::filesystem::path& file) {
     std::vector<Link> chain;
     std::string current(text);
     std::filesystem::path current_file = file;
@@ -166,12 +172,18 @@ json resolve_scene_text(std::string_view text, const std::filesystem::path& file
         current_file = parent;
     }
 
+    std::vector<json> layers;
+    for (auto link = chain.rbegin(); link != chain.rend(); ++link) layers.push_back(std::move(link->document));
+    return layers;
+}
+
+json merge_layers(const std::vector<json>& layers) {
     json merged = json::object();
-    for (auto link = chain.rbegin(); link != chain.rend(); ++link) {
+    for (const json& layer : layers) {
         // A scene that took over its parent's name would write its results under that name.
         merged.erase("name");
         merged.erase("description");
-        merge_over(merged, link->document);
+        merge_over(merged, layer);
     }
     merged.erase("extends");
     merged.erase("$schema");

@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace wade {
 
@@ -14,9 +15,13 @@ namespace wade {
 // Lays `upper` over `lower`: objects merge key by key, everything else is replaced.
 void merge_over(nlohmann::json& lower, const nlohmann::json& upper);
 
-// Parses the text of `file` and merges it over the files that it extends, each checked against the schema on its own.
-// name and description are those of `file` alone; the result has neither "extends" nor "$schema".
-[[nodiscard]] nlohmann::json resolve_scene_text(std::string_view text, const std::filesystem::path& file);
+// Parses the text of `file` and reads the files that it extends, each checked against the schema on its own; `file` is the
+// last.
+[[nodiscard]] std::vector<nlohmann::json> scene_layers(std::string_view text, const std::filesystem::path& file);
+
+// Merges each over those before it. name and description are those of the last alone; the result has neither "extends"
+// nor "$schema".
+[[nodiscard]] nlohmann::json merge_layers(const std::vector<nlohmann::json>& layers);
 
 // The contents of a file; throws ConfigurationError with the system's reason, beginning with `context`.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& file, const std::string& context);

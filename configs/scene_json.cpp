@@ -40,7 +40,8 @@ constexpr std::array planes{std::pair{"bed", Plane::bed},
 constexpr std::array kernels{std::pair{"cubic_spline", KernelKind::cubic_spline},
                              std::pair{"wendland_c2", KernelKind::wendland_c2}};
 constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"filled", InitialRiver::filled}};
-constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph}, std::pair{"kinematic", FluidModel::kinematic},
+constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph},
+                                  std::pair{"kinematic", FluidModel::kinematic},
                                   std::pair{"shallow_water", FluidModel::shallow_water},
                                   std::pair{"steering", FluidModel::steering},
                                   std::pair{"mixed", FluidModel::mixed},
@@ -256,7 +257,7 @@ std::uint64_t frame_at(double time, double frame_rate) {
 constexpr const char* count_schema = "/properties/crowd/properties/groups/items/properties/count";
 
 // Here, as groups that take the value do not know where it was written, and there may be none.
-void check_limits(const json& crowd, const char* key, const std::string& source) {
+void check_limits(const json& crowd, const std::string& key, const std::string& source) {
     const json& limits = crowd[key];
     if (!limits.is_object() || limits["min"] <= limits["max"]) return;
     throw ConfigurationError(source + ": /crowd/" + key + ": min " + limits["min"].dump() + " is above max " +
@@ -264,14 +265,14 @@ void check_limits(const json& crowd, const char* key, const std::string& source)
 }
 
 // Gives the crowd's value of `key` to the groups that have none.
-void inherit(json& crowd, const char* key, bool was_set, const std::string& source) {
+void inherit(json& crowd, const std::string& key, bool must_be_used, const std::string& source) {
     bool used = crowd["groups"].empty();
     for (json& group : crowd["groups"]) {
         if (group.contains(key)) continue;
         group[key] = crowd[key];
         used = true;
     }
-    if (was_set && !used) {
+    if (must_be_used && !used) {
         throw ConfigurationError(source + ": /crowd/" + key + ": " + crowd[key].dump() +
                                  " has no effect, as every group sets its own; set /crowd/groups/0/" + key +
                                  " instead.");
@@ -293,12 +294,16 @@ void count_agents(json& group, std::size_t index, const std::string& source) {
 
 }  // namespace
 
-void resolve_shorthands(json& document, const json& as_written, const std::string& source) {
+const std::vector<std::string>& inherited_by_groups() {
+    static const std::vector<std::string> keys = {"tau", "mass_kg", "desired_speed_m_s"};
+    return keys;
+}
+
+void resolve_shorthands(json& document, const std::vector<std::string>& must_be_used, const std::string& source) {
     json& crowd = document["crowd"];
-    const json crowd_as_written = as_written.value("crowd", json::object());
-    for (const char* key : {"tau", "mass_kg", "desired_speed_m_s"}) {
+    for (const std::string& key : inherited_by_groups()) {
         check_limits(crowd, key, source);
-        inherit(crowd, key, crowd_as_written.contains(key), source);
+        inherit(crowd, key, std::count(must_be_used.begin(), must_be_used.end(), key) > 0, source);
         crowd.erase(key);
     }
     for (std::size_t i = 0; i < crowd["groups"].size(); ++i) count_agents(crowd["groups"][i], i, source);

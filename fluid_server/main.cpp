@@ -51,7 +51,8 @@ ProgramDescription description() {
          {.name = "--save-state",
           .help = "Write the state of the water into FILE at the end of the run, however it ends but for a numerical "
                   "failure, which leaves numerical_failure.state in --out or here",
-          .word = Word{"FILE"}}}};
+          .word = Word{"FILE"}}},
+        "none: no log; what a failure leaves goes here"};
 }
 
 Pace pace_of(const std::string& word) {

@@ -205,6 +205,14 @@ void write_state(const std::filesystem::path& file, const FluidState& state, con
     replace_file(file, bytes);
 }
 
+bool is_state_or_new(const std::filesystem::path& file) {
+    if (!std::filesystem::exists(std::filesystem::symlink_status(file))) return true;
+    if (!std::filesystem::is_regular_file(file)) return false;
+    char begin[sizeof magic] = {};
+    std::ifstream in(file, std::ios::binary);
+    return in.read(begin, sizeof begin) && std::memcmp(begin, magic, sizeof magic) == 0;
+}
+
 FluidState read_state(const std::filesystem::path& file) {
     const std::string bytes = bytes_of(file);
     const Header h = checked_header(file, bytes);

@@ -37,6 +37,9 @@ void replace_file(const std::filesystem::path& file, std::string_view content);
 // Writes the state; `scene_json` is the canonical JSON of state.scene. Throws as replace_file().
 void write_state(const std::filesystem::path& file, const FluidState& state, const std::string& scene_json);
 
+// Whether a state may be written there: nothing is there, or a state.
+[[nodiscard]] bool is_state_or_new(const std::filesystem::path& file);
+
 // Reads a state. Throws ConfigurationError (exit code 2) with file, field, value and what is allowed unless every part
 // of the file is what it must be.
 [[nodiscard]] FluidState read_state(const std::filesystem::path& file);

@@ -43,8 +43,12 @@ void check_can_save_state(FluidModel& model, const std::filesystem::path& file) 
                                  "; allowed: dfsph, the only model that has a state");
     }
     const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-    if (std::filesystem::is_directory(folder) && !std::filesystem::is_directory(file)) return;
-    throw ConfigurationError("--save-state " + file.string() + ": allowed: a file in a folder that exists");
+    if (!std::filesystem::is_directory(folder) || std::filesystem::is_directory(file)) {
+        throw ConfigurationError("--save-state " + file.string() + ": allowed: a file in a folder that exists");
+    }
+    if (is_state_or_new(file)) return;
+    throw ConfigurationError("--save-state " + file.string() +
+                             ": the file is there and no state of the water; allowed: a new file or a state");
 }
 
 std::string save_state(FluidModel& model, const LoadedScene& loaded, const std::filesystem::path& file) {

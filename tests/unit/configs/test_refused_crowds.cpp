@@ -125,6 +125,22 @@ TEST_CASE("groups that set no tau, mass or speed take the crowd's") {
     CHECK(groups.at(1).desired_speed == 2);
 }
 
+TEST_CASE("groups are given their own tau, mass or speed over the crowd's") {
+    const auto tau_of = [](const LoadedScene& loaded) { return loaded.scene.crowd.groups.at(0).tau; };
+    const std::string crowd_has_it = R"({"crowd": {"tau": 0.2, "groups": [)" + group("a", 1, 1) + "]}}";
+    CHECK(tau_of(load_patched(crowd_has_it, {"/crowd/groups/0/tau=0.9"})) == 0.9);
+    CHECK(tau_of(load_patched(crowd_has_it, {"/crowd/tau=0.3"})) == 0.3);
+    const TemporaryFolder folder;
+    std::string parent = dry_scene;
+    parent.insert(parent.size() - 1, R"(, "crowd": {"tau": 0.2, "groups": [)" + group("a", 1, 1) + "]}");
+    folder.write("parent.json", parent);
+    const std::string own = R"({"groups": [)" + group("b", 5, 5, R"(, "tau": 0.9)") + "]}";
+    CHECK(tau_of(wade::load_scene(folder.write("child.json", R"({"extends": "parent.json", "crowd": )" + own + "}"))) ==
+          0.9);
+    CHECK_THAT(refusal(crowd_has_it, {"/crowd/groups/0/tau=0.9", "/crowd/tau=0.3"}),
+               Contains("/crowd/tau: 0.3 has no effect"));
+}
+
 TEST_CASE("a crowd's tau that no group takes is refused") {
     CHECK_THAT(
         refusal(crowd(group("a", 1, 1, R"(, "tau": 0.9)")), {"/crowd/tau=0.2"}),
