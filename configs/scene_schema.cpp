@@ -106,10 +106,19 @@ void check_string(const json& value, const json& schema, const std::string& poin
     }
 }
 
+// What a file must have that extends no other one, the schema's "else", every merged scene must have.
+json schema_of_merged_scenes() {
+    json schema = json::parse(scene_schema_text());
+    schema.merge_patch(json(schema["else"]));
+    schema.erase("if");
+    schema.erase("else");
+    return schema;
+}
+
 }  // namespace
 
 const json& scene_schema() {
-    static const json schema = json::parse(scene_schema_text());
+    static const json schema = schema_of_merged_scenes();
     return schema;
 }
 

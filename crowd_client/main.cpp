@@ -135,6 +135,7 @@ void take_part(Run& run, RunFolder& folder, const RunOptions& options, RunContro
             console.warning(std::to_string(steps) + " steps, more than a second, were walked through frame " +
                             std::to_string(frame.frame) + " alone; water that runs in real time leaves fewer gaps");
         }
+        folder.keep_results(crowd, run.summary, run.labels);
         if (console.progress_due(static_cast<double>(crowd.steps) * crowd.dt)) {
             console.progress(progress_line(crowd, frame, run.clock.seconds()));
         }

@@ -59,6 +59,16 @@ void RunFolder::record(const CrowdWorld& crowd, const WaterView& water) {
     }
 }
 
+void RunFolder::keep_results(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {
+    const double begin = clock_.seconds();
+    if (begin < next_results_) return;
+    write_whole_file(folder_ / "agents.csv", agents_csv(crowd, danger_ ? &*danger_ : nullptr));
+    if (danger_) write_whole_file(folder_ / "danger.csv", danger_csv(*danger_));
+    write_whole_file(folder_ / "outcome.json", outcome_json(crowd, summary, labels));
+    const double end = clock_.seconds();
+    next_results_ = end + std::max(results_interval, 100 * (end - begin));
+}
+
 void RunFolder::record_event(const TauEvent& event) {
     played_.push_back(event);
     if (!events_) events_.emplace(folder_ / "events.jsonl");

@@ -10,6 +10,7 @@
 #include "crowd_client/output_file.hpp"
 #include "crowd_client/ragdoll_file.hpp"
 #include "crowd_client/report.hpp"
+#include "crowd_client/stopwatch.hpp"
 #include "crowd_client/trajectory_file.hpp"
 #include "crowd_client/water_snapshots.hpp"
 
@@ -35,6 +36,7 @@ struct Record {
 //   outcome.json, manifest.json      say "running" from the start, rewritten as a whole at the end
 //   agents.csv                       written at the end, be it good or bad
 //   danger.csv                       the same, absent unless levels of danger are recorded
+//                                    outcome.json, agents.csv and danger.csv are also kept up to date by keep_results()
 //   .reserve                         space for the last four, so that a disk that fills up keeps none of them out
 class RunFolder {
  public:
@@ -44,6 +46,10 @@ class RunFolder {
 
     // Logs the state after a step. Throws OutputError.
     void record(const CrowdWorld& crowd, const WaterView& water);
+
+    // Writes the results as they stand, so that a killed run loses little of who arrived: every two seconds of wall time, or
+    // as seldom as makes it a hundredth of it. Throws OutputError.
+    void keep_results(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);
 
     // Logs an event that was not in the scene, so that the scene as it was played repeats the run. Throws OutputError.
     void record_event(const TauEvent& event);
@@ -55,6 +61,8 @@ class RunFolder {
     [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
 
  private:
+    static constexpr double results_interval = 2;  // s
+
     std::filesystem::path folder_;
     std::optional<ReservedSpace> reserve_;
     std::optional<TrajectoryFile> trajectories_;
@@ -65,6 +73,8 @@ class RunFolder {
     std::string canonical_scene_;
     std::vector<TauEvent> played_;  // that were recorded
     std::uint64_t steps_per_snapshot_ = 0;
+    Stopwatch clock_;
+    double next_results_ = results_interval;  // on the clock, s
 };
 
 // runs/<scene>-<UTC time>, with a number appended if that exists.

@@ -10,6 +10,7 @@ packages=(
   spin clang libclang-rt-14-dev           # the protocol's model and the fuzzer of its header
   libzmq3-dev pkgconf                     # what the protocol is measured against
   python3 python3-numpy python3-matplotlib python3-pil  # scripts, system tests, pictures
+  python3-jsonschema                      # the test that scenes keep their schema
 )
 
 # Headers for the producer in Node; a node from elsewhere often brings them along.

@@ -49,6 +49,13 @@ def rows(schema, prefix=""):
             yield from rows(member["items"], f"{key}[].")
 
 
+def of_whole_scenes(schema):
+    """The schema with what it asks of files that extend no other one asked of all."""
+    whole = schema["else"]
+    channel = schema["properties"]["channel"] | whole["properties"]["channel"]
+    return schema | {"required": whole["required"], "properties": schema["properties"] | {"channel": channel}}
+
+
 def table(schema):
     lines = ["| key | unit | range | default | meaning |", "|---|---|---|---|---|"]
     for key, unit, allowed, default, meaning in rows(schema):
@@ -71,7 +78,7 @@ def main():
     before, rest = text.split(BEGIN)
     after = rest.split(END)[1]
     schema = json.loads((folder / "scene.schema.json").read_text(encoding="utf-8"))
-    wanted = f"{before}{BEGIN}\n{table(schema)}\n{END}{after}"
+    wanted = f"{before}{BEGIN}\n{table(of_whole_scenes(schema))}\n{END}{after}"
     if text == wanted:
         return
     if arguments.check:

@@ -7,7 +7,7 @@ import signal
 import subprocess
 import unittest
 
-from harness import ENDLESS, SystemTest
+from harness import ENDLESS, SystemTest, wait_until
 
 LIMIT_BYTES = 300_000  # the trajectories of the small scene outgrow it after a few simulated seconds
 
@@ -52,6 +52,17 @@ class Ends(SystemTest):
                 rows = dict(client.run.query("SELECT frame, COUNT(*) FROM trajectory_data GROUP BY frame"))
                 self.assertEqual(set(rows), set(range(max(rows) + 1)))
                 self.assertEqual(client.run.outcome()["status"], "running")
+
+    def test_killed_client_leaves_results_as_they_stood(self):
+        server, client = self.started(1)
+        wait_until(lambda: client.run.outcome()["frames"] > 0 or not client.running(), "results of a run that goes on")
+        self.assertTrue(client.running(), client.messages())
+        client.send(signal.SIGKILL)
+        client.wait()
+        self.assert_ends(server, 4, "died")
+        outcome = client.run.outcome()
+        self.assertEqual(outcome["status"], "running")
+        self.assertEqual(len(client.run.agents()), outcome["agents"])
 
     def test_interrupted_client_tells_the_server(self):
         for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
