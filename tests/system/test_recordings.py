@@ -85,6 +85,21 @@ class RoundTrip(RecordingTest):
     def test_recorded_run_is_the_run_without_a_recorder(self):
         self.assert_same_folders(self.pair("--reproducible", *SHORT), self.recorded_run(*SHORT))
 
+    def test_an_older_recording_stays_until_a_frame_comes(self):
+        self.recorded_run(*SHORT)
+        older = self.file.read_bytes()
+        server, recorder = self.server("--consumers", "2"), self.recorder()
+        wait_until(lambda: "recording session" in recorder.messages() or not recorder.running(), "the recorder")
+        recorder.send(signal.SIGINT)
+        self.assert_ends(recorder, 130, "no frame came", "still the recording that was there")
+        self.assertEqual(self.file.read_bytes(), older)
+        server.send(signal.SIGTERM)
+        server.wait()
+
+    def test_a_recorder_that_meets_nobody_leaves_no_file(self):
+        self.assert_ends(self.recorder("--attach-timeout-s", "0.2"), 3)
+        self.assertFalse(self.file.exists())
+
     def test_replay_at_any_depth_gives_the_same_folder(self):
         live = self.recorded_run(*SHORT)
         for depth in ("1", "3"):

@@ -38,7 +38,9 @@ void demand_replaceable(int fd, const std::filesystem::path& file) {
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, int compression)
     : path_(file), compression_(compression) {
-    fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    is_new_ = fd_ >= 0;
+    if (!is_new_) fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (fd_ < 0) refuse(file, std::strerror(errno));
     try {
         if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
@@ -51,13 +53,12 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, int compress
 }
 
 RecordingWriter::~RecordingWriter() {
+    if (is_new_ && file_bytes_ == 0) ::unlink(path_.c_str());
     ::close(fd_);
 }
 
 void RecordingWriter::begin(const shm::StreamInfo& info) {
     kind_ = info.kind;
-    if (::ftruncate(fd_, 0) != 0 && errno != EINVAL)  // EINVAL: a device or a pipe
-        throw std::system_error(errno, std::generic_category(), "emptying the recording " + path_.string());
     struct {
         FileHead head{};
         shm::Header page;
@@ -68,10 +69,24 @@ void RecordingWriter::begin(const shm::StreamInfo& info) {
     start.head.endian_tag = shm::endian_tag;
     start.page = shm::make_header(info, info.session_id);
     start.head.crc32c = shm::crc32c(bytes_of(start));
-    write_all(bytes_of(start));
+    const auto bytes = bytes_of(start);
+    start_.assign(bytes.begin(), bytes.end());
+    if (!keeps_older()) write_start();
+}
+
+bool RecordingWriter::keeps_older() const {
+    return !start_.empty() && !is_new_;
+}
+
+void RecordingWriter::write_start() {
+    if (::ftruncate(fd_, 0) != 0 && errno != EINVAL)  // EINVAL: a device or a pipe
+        throw std::system_error(errno, std::generic_category(), "emptying the recording " + path_.string());
+    write_all(start_);
+    start_.clear();
 }
 
 void RecordingWriter::append(const shm::Frame& frame) {
+    if (keeps_older()) write_start();
     shm::SlotDescriptor descriptor{};
     descriptor.sequence = 2 * frame.frame;
     descriptor.frame = frame.frame;
@@ -92,6 +107,7 @@ void RecordingWriter::append(const shm::Frame& frame) {
 }
 
 void RecordingWriter::finish(EndReason reason, int code, std::string_view text) {
+    if (keeps_older()) return;
     EndBody end{};
     end.frames = frames_;
     end.hash = hash_;

@@ -22,8 +22,11 @@ class RecordingWriter {
     RecordingWriter(const RecordingWriter&) = delete;
     RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-    // Starts the recording of a stream; an older one is gone. Errors: as append().
+    // Starts the recording of a stream; an older one stays until the first frame. Errors: as append().
     void begin(const shm::StreamInfo& info);
+
+    // Whether the file still holds an older recording, as no frame has come.
+    [[nodiscard]] bool keeps_older() const;
 
     // Once this returns the frame survives the death of this process.
     // Errors: std::system_error, for example when the disk is full; the file then ends after the frame before.
@@ -37,14 +40,17 @@ class RecordingWriter {
     [[nodiscard]] std::uint64_t file_bytes() const { return file_bytes_; }
 
  private:
+    void write_start();
     void write_record(RecordKind kind, std::uint32_t encoding);
     void write_all(std::span<const std::byte> bytes);
 
     std::filesystem::path path_;
     int fd_ = -1;
+    bool is_new_ = false;  // the file was made here; it goes again if nothing is written
     shm::StreamKind kind_ = shm::stream_fluid;
     int compression_;
     std::uint64_t frames_ = 0, hash_ = 0, plain_bytes_ = 0, file_bytes_ = 0;
+    std::vector<std::byte> start_;   // until it is written
     std::vector<std::byte> record_;  // RecordHead and body
 };
 

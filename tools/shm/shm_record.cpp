@@ -95,6 +95,10 @@ int record(Options& o, Console& console) {
     console.line("recording session '" + o.session + "' of '" + subscriber->info().producer_name + "' into " + o.file);
 
     const auto summary = [&](const std::string& why) {
+        if (writer.keeps_older()) {
+            console.line("no frame came, so that " + o.file + " is still the recording that was there; " + why);
+            return;
+        }
         console.line(std::to_string(writer.frames()) + " frames, " + megabytes(writer.plain_bytes()) +
                      " of particles in " + megabytes(writer.file_bytes()) + "; " + why);
     };
