@@ -26,6 +26,33 @@ def is_given(arguments, name):
     return any(argument == name or argument.startswith(name + "=") for argument in arguments)
 
 
+def values_of(arguments, name):
+    """All values that a program's option has among its arguments, as "NAME VALUE" or "NAME=VALUE"."""
+    values = [argument.partition("=")[2] for argument in arguments if argument.startswith(name + "=")]
+    return values + [value for argument, value in zip(arguments, arguments[1:]) if argument == name]
+
+
+def suit_to_latest(theirs):
+    """With --mode latest nobody is waited for: adds what the producer needs for it, refuses what does not go with it.
+
+    theirs: {program: its arguments}. Water that is sent as fast as it comes would be over before the crowd has joined.
+    """
+    if "latest" not in values_of(theirs["crowd_client"], "--mode"):
+        return
+    if "shm_replay" in theirs:
+        raise UsageError("--mode latest and --replay exclude one another: a replay that waits for nobody is over at once")
+    server = theirs.get("fluid_server")
+    if server is None:
+        return
+    consumers, clocks = values_of(server, "--consumers"), values_of(server, "--clock")
+    for value in consumers:
+        if value.isdigit() and int(value) > 0:
+            raise UsageError(f"--mode latest and --consumers {value} exclude one another; allowed is --consumers 0")
+    if "fast" in clocks:
+        raise UsageError("--mode latest and --clock fast exclude one another; allowed is --clock real_time or variable")
+    server += ([] if consumers else ["--consumers", "0"]) + ([] if clocks else ["--clock", "real_time"])
+
+
 def split_arguments(arguments, programs):
     """Sorts arguments into (scene or None, own options, {program: its arguments}).
 

@@ -15,7 +15,7 @@ import sys
 import time
 from pathlib import Path
 
-from pair_arguments import ROOT, UsageError, find_scene, is_given, options_of, split_arguments
+from pair_arguments import ROOT, UsageError, find_scene, is_given, options_of, split_arguments, suit_to_latest, values_of
 from pair_outcome import crowd_folders, crowds_summary, forget_earlier, has_frames, left_from_earlier, summary
 from pair_processes import Pair, meaning, wait_for_own_segment, wait_until_joined
 
@@ -52,7 +52,8 @@ def new_run_folder(scene_name):
 def producer_command(run, folder, session):
     """The command line of whatever sends the water."""
     own, arguments = run.own, run.arguments
-    consumers = 2 if "--record" in own else 1
+    latest = "latest" in values_of(arguments["crowd_client"], "--mode")
+    consumers = 0 if latest else 2 if "--record" in own else 1
     counted = ["--consumers", str(consumers)] if consumers > 1 else []
     if run.producer == "fluid_server":
         server = [run.programs / "fluid_server", run.scene]
@@ -93,6 +94,7 @@ class Run:
         self.producer, names = programs_of(arguments)
         options = {name: options_of(self.programs / name) for name in names}
         scene, self.own, self.arguments = split_arguments(arguments, options)
+        suit_to_latest(self.arguments)
         self.scene = find_scene(scene)
         self.resolved = None
 

@@ -84,6 +84,30 @@ class RunScript(Launcher):
             with self.subTest(arguments):
                 self.assert_ends(self.run_sh("run", *arguments), 2, *texts)
 
+    def test_crowd_that_takes_the_latest_frames_gets_water_that_does_not_wait(self):
+        for out, *options in (("plain",), ("clock", "--clock=real_time"), ("consumers", "--consumers", "0")):
+            with self.subTest(out):
+                run_sh = self.run_sh(out, *SHORT, "--mode", "latest", *options)
+                self.assert_ended_well(run_sh)
+                outcome = run_sh.run.outcome()
+                self.assertEqual((outcome["status"], outcome["mode"]), ("completed", "latest"))
+                self.assertGreater(outcome["frames"], 1)
+                self.assertIn("waiting for nobody", (run_sh.run.folder / "fluid_server.log").read_text())
+
+    def test_many_crowds_can_take_the_latest_frames(self):
+        run_sh = self.run_sh("run", *SHORT, "--mode=latest", *self.list_of_crowds("a", "b"))
+        self.assert_ended_well(run_sh)
+        self.assertIn("b: completed", self.output_of(run_sh))
+
+    def test_water_that_waits_or_hurries_does_not_go_with_the_latest_frames(self):
+        for arguments in (
+            ["--consumers", "1"], ["--consumers=2"], ["--clock", "fast"], ["--clock=fast"], ["--replay", "a.wrec"],
+        ):
+            with self.subTest(arguments):
+                name = arguments[0].partition("=")[0]
+                self.assert_ends(self.run_sh("run", "--mode", "latest", *arguments), 2, "--mode latest", name, "exclude")
+                self.assertFalse((self.folder / "run").exists())
+
     def test_failed_producer_is_reported_with_its_code_and_log(self):
         run_sh = self.run_sh("run", "--producer", "sh -c 'echo no water today; exit 9'")
         self.assert_ends(run_sh, 9, "exit code 9", "no water today")
