@@ -1,12 +1,21 @@
 """The command line of a run: whose option is whose, read from the programs' own --help."""
 
 import re
+import shlex
 import subprocess
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 DEFAULT_SCENE = ROOT / "configs" / "paper" / "s05.json"
-OWN_VALUES = ("--out", "--session", "--programs", "--record", "--replay", "--producer")
+# What each of them takes, for those who give it nothing.
+OWN_VALUES = {
+    "--out": "a folder",
+    "--session": "1 to 200 letters, digits, '.', '_' and '-'",
+    "--programs": "the folder of the programs",
+    "--record": "a file",
+    "--replay": "a recording",
+    "--producer": "a command as in a shell",
+}
 OWN_SWITCHES = ("--no-figure",)
 
 
@@ -53,6 +62,20 @@ def suit_to_latest(theirs):
     server += ([] if consumers else ["--consumers", "0"]) + ([] if clocks else ["--clock", "real_time"])
 
 
+def own_value(name, value):
+    """The value of an own option, unless it is empty or, for --producer, no command."""
+    wrong = not value
+    if name == "--producer":
+        try:
+            words = shlex.split(value)
+            wrong = not words or not words[0]
+        except ValueError as error:
+            raise UsageError(f"{name}: {value} is not allowed ({error}); allowed: {OWN_VALUES[name]}") from error
+    if wrong:
+        raise UsageError(f'{name}: "{value}" is not allowed; allowed: {OWN_VALUES[name]}')
+    return value
+
+
 def split_arguments(arguments, programs):
     """Sorts arguments into (scene or None, own options, {program: its arguments}).
 
@@ -80,8 +103,13 @@ def split_arguments(arguments, programs):
                 raise UsageError(f"{name}: a value is missing")
             value = rest.pop(0)
             words.append(value)
-        if name in OWN_VALUES + OWN_SWITCHES:
-            own[name] = value or True
+        if name in OWN_VALUES:
+            own[name] = own_value(name, value)
+            continue
+        if name in OWN_SWITCHES:
+            if equals:
+                raise UsageError(f"{name}: no value is allowed")
+            own[name] = True
             continue
         nobody = name not in takes_value
         unknown = unknown or nobody

@@ -108,6 +108,27 @@ class RunScript(Launcher):
                 self.assert_ends(self.run_sh("run", "--mode", "latest", *arguments), 2, "--mode latest", name, "exclude")
                 self.assertFalse((self.folder / "run").exists())
 
+    def test_empty_values_are_refused_before_anything_starts(self):
+        for arguments, *texts in (
+            (["--out="], "--out", "a folder"),
+            (["--out", ""], "--out", "a folder"),
+            (["--session", ""], "--session", "1 to 200 letters"),
+            (["--session="], "--session", "1 to 200 letters"),
+            (["--record="], "--record", "a file"),
+            (["--replay="], "--replay", "a recording"),
+            (["--producer", ""], "--producer", "a command"),
+            (["--producer", " "], "--producer", "a command"),
+            (["--producer", "''"], "--producer", "a command"),
+            (["--producer", '"'], "--producer", "No closing quotation", "a command"),
+            (["--no-figure=1"], "--no-figure: no value is allowed"),
+            (["--no-figure="], "--no-figure: no value is allowed"),
+        ):
+            with self.subTest(arguments):
+                run_sh = self.run_sh("run", *arguments)
+                self.assert_ends(run_sh, 2, *texts)
+                self.assertNotIn("Traceback", run_sh.messages())
+                self.assertFalse((self.folder / "run").exists())
+
     def test_failed_producer_is_reported_with_its_code_and_log(self):
         run_sh = self.run_sh("run", "--producer", "sh -c 'echo no water today; exit 9'")
         self.assert_ends(run_sh, 9, "exit code 9", "no water today")
