@@ -8,6 +8,7 @@ whole run is drawn, with the water of its last snapshot; with it, everything as 
 """
 
 import argparse
+import os
 import pathlib
 import re
 import sys
@@ -20,6 +21,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from run_files import RunError, read_agents, read_json, read_paths, read_water
 from top_view import ARRIVED, DEAD, INK, PATH, PERSON, STAR, WATER, far_goals, speeds_of
+
+ENDINGS = (".png", ".pdf", ".eps", ".ps")  # of pictures that can be written
 
 
 def short_name(name):
@@ -149,9 +152,19 @@ def draw(run, time, output):
     figure.text(0.5, 1 - 0.53 / high, subtitle_of(outcome, end_time, water, whole_run), ha="center",
                 va="center", fontsize=8, color="#6b6b72")
     add_legend(figure, ends, scene, water)
-    # No date or version in the file, so that the same run gives the same bytes.
-    figure.savefig(output, metadata={"Software": None})
+    save(figure, output)
     plt.close(figure)
+
+
+def save(figure, output):
+    """Writes a picture whole or not at all: under another name first, so that a full disk leaves no part of it."""
+    part = output.with_name(f".{output.stem}-{os.getpid()}{output.suffix}")
+    try:
+        # No date or version in the file, so that the same run gives the same bytes.
+        figure.savefig(part, metadata={"Software": None})
+        part.replace(output)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def main():
@@ -163,6 +176,8 @@ def main():
     if options.time is not None and not options.time >= 0:
         parser.error(f"--time: {options.time} s, allowed is 0 or more")
     output = options.output or options.run / "figure.png"
+    if output.suffix.lower() not in ENDINGS:
+        parser.error(f"--output: {output}, allowed are names that end in {', '.join(ENDINGS)}")
     try:
         draw(options.run, options.time, output)
     except (RunError, OSError) as error:

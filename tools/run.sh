@@ -23,7 +23,7 @@ fluid_server and crowd_client, waits for both, prints the outcome and draws DIR/
   --from-state FILE   the water goes on from a state that --save-state FILE or a numerical failure has written
   --mode latest       the crowd takes the newest frame and the water waits for nobody; fluid_server gets --consumers 0 and
                       --clock real_time, unless you give them. Not with --consumers 1 and more, --clock fast, --replay
-  --no-figure         do not draw figure.png
+  --no-figure         do not draw figure.png; nor is it drawn with --no-trajectories, which leaves no paths
   --check             only check the scene
 Other options go to the programs that have them; see --help of build/release/fluid_server, crowd_client, shm_record
 and shm_replay. Started from a terminal, the crowd takes commands typed there (pause, step, tau ...; see crowd_client

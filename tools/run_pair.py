@@ -177,7 +177,9 @@ def carry_out(run):
     if "--record" in own:
         print(f"recording: {own['--record']}")
     if "--no-figure" not in own and not many and not pair.signal and has_frames(folder):
-        if draw(folder, pair):
+        if is_given(run.arguments["crowd_client"], "--no-trajectories"):
+            print("no picture: --no-trajectories leaves no paths to draw")
+        elif draw(folder, pair):
             print(f"picture: {folder / 'figure.png'}")
         else:
             print("run.sh: the picture could not be drawn", file=sys.stderr)

@@ -57,6 +57,12 @@ class Scripts(SystemTest):
         self.assertIn(f"system_small: completed; {outcome['arrived']} of 6 arrived", said)
         self.assertIn(str(folder / "figure.png"), said)
 
+    def test_run_sh_without_paths_says_that_there_is_no_picture(self):
+        run_sh = self.run_sh(SMALL, "--until-s", "1", "--no-trajectories")
+        self.assert_ended_well(run_sh)
+        self.assertIn("no picture: --no-trajectories", self.output_of(run_sh))
+        self.assertEqual(list((self.folder / "run").glob("*.png")), [])
+
     def test_run_sh_makes_a_session_of_its_own(self):
         first, second = (
             self.script(RUN, "configs/paper/s01.json", "--until-s", "2", "--no-figure", "--out", self.folder / name)

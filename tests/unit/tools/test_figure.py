@@ -1,8 +1,13 @@
 """The picture of a run: what its title says and how paths are drawn in a world without ends."""
 
+import contextlib
+import io
+import resource
 import sys
+import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -52,6 +57,42 @@ class Title(unittest.TestCase):
             with self.subTest(taus=taus):
                 title = figure.title_of(scene(taus=taus), ["one agent"], {"arrived": [], "dead": []}, [])
                 self.assertEqual(title, f"S5: \u03c4 {text}, $v_F$ 1.5 m/s \u2013 0 of 1 arrived")
+
+
+class File(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory(prefix="wade-test-")
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+        self.drawing, _ = figure.plt.subplots()
+        self.addCleanup(figure.plt.close, self.drawing)
+
+    def test_each_ending_that_is_allowed_can_be_written(self):
+        for ending in figure.ENDINGS:
+            output = self.folder / f"picture{ending}"
+            figure.save(self.drawing, output)
+            self.assertGreater(output.stat().st_size, 0)
+        self.assertEqual(len(list(self.folder.iterdir())), len(figure.ENDINGS))
+
+    def test_full_disk_leaves_the_older_picture_and_no_part_of_the_new_one(self):
+        output = self.folder / "figure.png"
+        output.write_bytes(b"older")
+        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+        self.addCleanup(resource.setrlimit, resource.RLIMIT_FSIZE, limits)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1]))
+        with self.assertRaises(OSError):
+            figure.save(self.drawing, output)
+        self.assertEqual([file.name for file in self.folder.iterdir()], ["figure.png"])
+        self.assertEqual(output.read_bytes(), b"older")
+
+    def test_other_endings_are_refused_with_those_that_are_allowed(self):
+        for name in ("x.txt", "x", "x.svg"):
+            said = io.StringIO()
+            with self.subTest(name), mock.patch("sys.argv", ["figure.py", str(self.folder), "--output", name]):
+                with contextlib.redirect_stderr(said), self.assertRaises(SystemExit) as end:
+                    figure.main()
+                self.assertEqual(end.exception.code, 2)
+                self.assertIn(".png, .pdf, .eps, .ps", said.getvalue())
 
 
 class Goals(unittest.TestCase):
