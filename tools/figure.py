@@ -43,7 +43,8 @@ def tau_text(scene):
     return text
 
 
-def title_of(scene, agents, ends, arrivals):
+def title_of(scene, agents, ends, arrivals, cut_off=False):
+    """cut_off: the run left no outcome, so that nothing is said of who arrived."""
     parts = []
     if agents:
         parts.append(f"\u03c4 {tau_text(scene)}")
@@ -53,6 +54,8 @@ def title_of(scene, agents, ends, arrivals):
     title = f"{short_name(scene['name'])}: " + ", ".join(parts) if parts else short_name(scene["name"])
     if not agents:
         return title
+    if cut_off:
+        return f"{title} \u2013 cut off, no outcome"
     result = [f"{len(ends['arrived'])} of {len(agents)} arrived"]
     if arrivals:
         result.append(f"last after {max(arrivals):.0f} s")
@@ -74,7 +77,7 @@ def subtitle_of(outcome, time, water, whole_run):
     return "  \u00b7  ".join(parts)
 
 
-def add_legend(figure, ends, scene, water):
+def add_legend(figure, ends, scene, water, cut_off=False):
     handles = []
     if water and np.any(water[4] > 0):
         handles.append(Patch(facecolor=(*WATER, 0.6), label="water"))
@@ -89,7 +92,8 @@ def add_legend(figure, ends, scene, water):
     }
     for outcome, style in marks.items():
         if ends[outcome]:
-            handles.append(Line2D([], [], linestyle="none", label=f"{outcome} ({len(ends[outcome])})", **style))
+            name = "last seen" if cut_off else outcome
+            handles.append(Line2D([], [], linestyle="none", label=f"{name} ({len(ends[outcome])})", **style))
     far = len(far_goals(scene))
     if far:
         handles.append(Line2D([], [], linestyle="none", marker=">", markersize=9, markerfacecolor=STAR,
@@ -147,11 +151,12 @@ def draw(run, time, output):
     for spine in axes.spines.values():
         spine.set_visible(False)
     people = agents if agents else list(lines)
-    figure.text(0.5, 1 - 0.25 / high, title_of(scene, people, ends, arrivals), ha="center", va="center",
-                fontsize=14, color=INK)
+    cut_off = outcome["status"] == "running"  # a run that is killed writes no other
+    figure.text(0.5, 1 - 0.25 / high, title_of(scene, people, ends, arrivals, cut_off), ha="center",
+                va="center", fontsize=14, color=INK)
     figure.text(0.5, 1 - 0.53 / high, subtitle_of(outcome, end_time, water, whole_run), ha="center",
                 va="center", fontsize=8, color="#6b6b72")
-    add_legend(figure, ends, scene, water)
+    add_legend(figure, ends, scene, water, cut_off)
     save(figure, output)
     plt.close(figure)
 

@@ -5,10 +5,17 @@ import json
 import os
 import signal
 import subprocess
+import sys
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from harness import ENDLESS, PROGRAMS, ROOT, SMALL, Run, SystemTest, wait_until
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(ROOT / "tools"))
+
+import figure  # noqa: E402
 
 RUN = ROOT / "tools" / "run.sh"
 REPRODUCE = ROOT / "tools" / "reproduce_paper.sh"
@@ -62,6 +69,20 @@ class Scripts(SystemTest):
         self.assert_ended_well(run_sh)
         self.assertIn("no picture: --no-trajectories", self.output_of(run_sh))
         self.assertEqual(list((self.folder / "run").glob("*.png")), [])
+
+    def test_killed_crowd_is_drawn_as_cut_off(self):
+        run_sh = self.run_sh(SMALL, *ENDLESS)
+        self.wait_for_frame(30, run_sh)
+        client = next(pid for pid in children_of(run_sh.process.pid) if "crowd_client" in command_of(pid))
+        os.kill(client, signal.SIGKILL)
+        self.assertNotEqual(run_sh.wait(), 0)
+        self.assertEqual(Run(self.folder / "run").outcome()["status"], "running")
+        with mock.patch.object(figure, "save") as save:
+            figure.draw(self.folder / "run", None, None)
+        drawing = save.call_args.args[0]
+        title, *_ = [text.get_text() for text in drawing.texts]
+        self.assertTrue(title.endswith("cut off, no outcome"), title)
+        self.assertIn("last seen (6)", [text.get_text() for text in drawing.legends[0].get_texts()])
 
     def test_run_sh_makes_a_session_of_its_own(self):
         first, second = (
