@@ -26,13 +26,14 @@ COLUMNS = (
     "agents",
     "arrived",
     "dead",
+    "active",
     "last_arrival_s",
     "frames",
     "frame_hash",
     "wall_time_s",
     "folder",
 )
-TABLE = ("scene", "seed", "status", "arrived", "last_arrival_s", "frame_hash")
+TABLE = ("scene", "seed", "status", "arrived", "dead", "active", "last_arrival_s", "frame_hash")
 
 
 class Job:
@@ -98,12 +99,16 @@ def parse(arguments):
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / f"many-{time.strftime('%Y%m%d-%H%M%S')}")
     parser.add_argument("--seeds", type=seed_range, default=[None])
     parser.add_argument("--figures", action="store_true")
-    options = parser.parse_args(arguments)
+    options, others = parser.parse_known_args(arguments)
+    if others:
+        parser.error(f"{others[0]}: options of the runs stand behind --, for example: SCENE... -- {' '.join(others)}")
     if not any(word.split("=")[0] == "--threads" for word in common):
         common += ["--threads", str(max(1, len(os.sched_getaffinity(0)) // options.jobs))]
     for name in ("--out", "--session", "--record", "--commands"):
         if any(word.split("=")[0] == name for word in common):
             parser.error(f"{name} is not allowed behind --: the runs would share what each needs for itself")
+    if options.seeds != [None] and is_given(common, "--seed"):
+        parser.error("--seeds and, behind --, --seed exclude one another: all runs would have the same seed")
     if is_given(common, "--crowds"):
         parser.error("--crowds is not allowed behind --: a run of many crowds has an outcome for each, and no line in "
                      "this table; tools/run.sh runs it, and a crowd can have a seed of its own")

@@ -224,7 +224,11 @@ class RunMany(Launcher):
             beside = Run(Path(row["folder"]))
             for name in ("outcome.json", "agents.csv", "trajectories.sqlite", "water.bin"):
                 self.assertEqual(beside.bytes_of(name), alone.bytes_of(name), name)
-        self.assertIn("scenes-small  7     completed", self.output_of(many))
+        said = self.output_of(many)
+        self.assertIn("scenes-small  7     completed", said)
+        self.assertEqual(said.split("\n")[0].split()[3:6], ["arrived", "dead", "active"])
+        for row in rows:
+            self.assertEqual(sum(int(row[name]) for name in ("arrived", "dead", "active")), int(row["agents"]))
 
     def test_failing_run_does_not_stop_the_others(self):
         many = self.many("--jobs", "1", SMALL, SCENES / "absent.json", SMALL, "--", *SHORT)
@@ -253,6 +257,11 @@ class RunMany(Launcher):
             (["--seeds", "3-1", SMALL], "--seeds", "3-1"),
             (["--jobs", "0", SMALL], "--jobs", "whole numbers from 1"),
             ([], "scenes"),
+            (["--seeds", "1-2", SMALL, "--until-s", "60"], "--until-s", "behind --", "-- --until-s"),
+            (["--seeds", "1-2", "--until-s=60", SMALL], "behind --", "-- --until-s=60"),
+            ([SMALL, "--treads", "2"], "--treads", "behind --"),
+            (["--seeds", "1-2", SMALL, "--", "--seed", "3"], "--seeds", "--seed exclude one another"),
+            (["--seeds", "1-2", SMALL, "--", "--seed=3"], "--seeds", "--seed exclude one another"),
             ([SMALL, "--", "--out", "x"], "--out"),
             ([SMALL, "--", "--crowds", "list.json"], "--crowds is not allowed", "tools/run.sh"),
             ([SMALL, "--", "--crowds=list.json"], "--crowds is not allowed"),
