@@ -30,6 +30,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools" / "paper")]
 
 from limits import limits_of  # noqa: E402
+from pair_arguments import find_scene  # noqa: E402
 from pair_processes import end_with_parent  # noqa: E402
 
 COLUMNS = ("scene", "tau", "depth_m", "v_f_m_s", "dv_m2_s", "level", "seed", "agents", "arrived", "dead", "active",
@@ -74,6 +75,21 @@ def run_water(options, depth, speed, crowds):
     rows = [row_of(folder / "crowds" / name, depth, speed, *crowd) | cut for name, crowd in names.items()]
     shutil.rmtree(folder)
     return rows
+
+
+def resolved_scene(options):
+    """The scene as crowd_client resolves it, which says itself what is wrong with one; then the program ends with 2."""
+    try:
+        answer = subprocess.run([options.programs / "crowd_client", options.scene, "--print-config"],
+                                stdout=subprocess.PIPE, text=True)
+    except OSError as error:
+        print(f"depth_sweep.py: --programs: cannot start {error.filename}: {error.strerror}; tools/run.sh builds it",
+              file=sys.stderr)
+        sys.exit(2)
+    if answer.returncode != 0:
+        print(f"depth_sweep.py: --scene: {options.scene} cannot be used", file=sys.stderr)
+        sys.exit(2)
+    return json.loads(answer.stdout)
 
 
 def row_of(folder, depth, speed, tau, seed):
@@ -218,6 +234,8 @@ def main():
     options = parser.parse_args()
     if not 2 <= options.points <= 50:
         parser.error(f"--points: {options.points}, allowed is 2 to 50")
+    options.scene = find_scene(options.scene)
+    scene = resolved_scene(options)
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / "depth_sweep.csv"
     try:
@@ -239,8 +257,6 @@ def main():
                 file.flush()
                 print(f"H {depth:g} m, v_F {speed:g} m/s ({rows[0]['level']}): "
                       + ", ".join(f"{row['arrived']} of {row['agents']}" for row in rows), flush=True)
-    scene = json.loads(subprocess.run([options.programs / "crowd_client", options.scene, "--print-config"], check=True,
-                                      capture_output=True, text=True).stdout)
     draw(read_table(path), scene, options.out / "depth_sweep.png")
     print(options.out / "depth_sweep.png")
 

@@ -205,6 +205,21 @@ class RunScript(Launcher):
         self.assertIn('"tau":0.7', (self.folder / "run" / "events.jsonl").read_text().replace(" ", ""))
 
 
+class DepthSweep(Launcher):
+    def test_wrong_choices_are_refused_and_leave_nothing(self):
+        sweep, out = ROOT / "tools" / "depth_sweep.py", self.folder / "sweep"
+        for arguments, *texts in (
+            (["--scene", "nosuch", "--programs", PROGRAMS], "--scene: nosuch"),
+            (["--programs", self.folder / "nosuch"], "--programs: cannot start", "tools/run.sh"),
+        ):
+            with self.subTest(arguments):
+                program = self.script(sweep, "--out", out, *arguments)
+                self.assert_ends(program, 2, *texts)
+                self.assertNotIn("Traceback", program.messages())
+                self.assertNotIn("run_pair.py", program.messages())
+                self.assertFalse(out.exists())
+
+
 class RunMany(Launcher):
     def many(self, *arguments):
         return self.script(RUN_MANY, "--out", self.folder / "many", *arguments)

@@ -59,6 +59,19 @@ def listed_cases(program):
     return cases
 
 
+def wanted_cases(options, there):
+    """The cases to run; ends the program with 2 if one that was asked for by name cannot be."""
+    if options.cases is None:
+        return list(QUICK_CASES if options.quick else CASES)
+    wanted = options.cases.split(",")
+    unknown = [case for case in wanted if case not in there or case not in ERRORS]
+    if unknown:
+        allowed = ", ".join(case for case in there if case in ERRORS)
+        say(f'speed_vs_error.sh: --cases: "{unknown[0]}" is not allowed; allowed: {allowed}', sys.stderr)
+        sys.exit(2)
+    return wanted
+
+
 def sweep(runner, case, spacing, factors):
     """One factor at a time around the default, and the other models."""
     points = [runner.run(s, ROOT) for s in one_at_a_time(case, spacing, factors)]
@@ -113,15 +126,13 @@ def main():
 def sweep_all(options):
     there = listed_cases(options.validate)
     factors = QUICK_FACTORS if options.quick else FACTORS
-    wanted = options.cases.split(",") if options.cases else list(QUICK_CASES if options.quick else CASES)
+    wanted = wanted_cases(options, there)
     remarks = []
     measured = []
     options.out.mkdir(parents=True, exist_ok=True)
     runner = Runner(options.validate, options.out / "points", options.repeats, options.time_limit)
     for case in wanted:
         if case not in there or case not in ERRORS:
-            if options.cases:
-                sys.exit(f"speed_vs_error.sh: --cases {case}: allowed: {', '.join(c for c in CASES if c in there)}")
             remarks.append(f"Case {case} is not in this version of `validate` and was left out.")
             continue
         spacings, too_long = there[case]

@@ -1,6 +1,8 @@
 """Front, settings and table of the sweep; runs nothing. /usr/bin/python3 -m unittest test_speed_vs_error"""
 
 import csv
+import subprocess
+import sys
 import tempfile
 import unittest
 from dataclasses import replace
@@ -38,6 +40,22 @@ class Front(unittest.TestCase):
     def test_distance(self):
         cost, error = distance_to_front([(1, 1), (4, 1), (3, 0.5)], 1)
         self.assertEqual((cost, error), (4, 2))
+
+
+class CommandLine(unittest.TestCase):
+    def test_a_case_that_is_not_there_is_refused_and_leaves_nothing(self):
+        with tempfile.TemporaryDirectory(prefix="wade-test-") as folder:
+            program, out = Path(folder) / "validate", Path(folder) / "out"
+            program.write_text("#!/bin/sh\necho dam_break 0.1 0.05\necho no_error_of_its_own 0.1\n")
+            program.chmod(0o755)
+            for cases in ("nosuch", "dam_break,nosuch", "no_error_of_its_own", ""):
+                with self.subTest(cases):
+                    command = [sys.executable, Path(__file__).parent, "--validate", program, "--out", out, "--cases", cases]
+                    answer = subprocess.run(command, capture_output=True, text=True)
+                    self.assertEqual(answer.returncode, 2, answer.stderr)
+                    self.assertEqual(answer.stderr, f'speed_vs_error.sh: --cases: "{cases.split(",")[-1]}" is not allowed; '
+                                                    "allowed: dam_break\n")
+                    self.assertFalse(out.exists())
 
 
 class Settings(unittest.TestCase):
