@@ -14,7 +14,8 @@ fluid_server and crowd_client, waits for both, prints the outcome and draws DIR/
   --out DIR           run folder [runs/<scene>-<time>/ in the project]; the server's log is DIR/fluid_server.log, that
                       of another producer DIR/producer.log
   --record FILE       shm_record writes the water into FILE, frame by frame
-  --replay FILE       shm_replay plays FILE in place of fluid_server
+  --replay FILE       shm_replay plays FILE in place of fluid_server; with --any-scene also the water of another scene,
+                      which the crowd else refuses
   --producer COMMAND  another producer of water in place of fluid_server, for example './my_producer --session {session}';
                       {session}, {scene} and {consumers} stand for what the run has; without {session} the words
                       --session NAME are added at the end

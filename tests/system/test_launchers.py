@@ -5,6 +5,7 @@ import json
 import os
 import pty
 import signal
+import subprocess
 import threading
 import unittest
 from pathlib import Path
@@ -56,6 +57,14 @@ class RunScript(Launcher):
         self.assert_ended_well(replay)
         self.assert_same_results(live.run, replay.run)
         self.assertIn("240 frames played", (replay.run.folder / "producer.log").read_text())
+
+    def test_replay_of_another_scene_needs_any_scene_as_the_help_says(self):
+        file = self.folder / "run.wrec"
+        self.assert_ended_well(self.run_sh("live", *SHORT, "--record", file))
+        other = ["--set", "/crowd/tau=0.5", "--replay", file]
+        self.assert_ends(self.run_sh("refused", *SHORT, *other), 6, "different scenes")
+        self.assert_ended_well(self.run_sh("replay", *SHORT, *other, "--any-scene"))
+        self.assertIn("--any-scene", subprocess.run([RUN, "--help"], capture_output=True, text=True, check=True).stdout)
 
     def test_any_command_can_be_the_producer(self):
         file = self.folder / "run.wrec"
