@@ -25,7 +25,7 @@ fluid_server and crowd_client, waits for both, prints the outcome and draws DIR/
   --mode latest       the crowd takes the newest frame and the water waits for nobody; fluid_server gets --consumers 0 and
                       --clock real_time, unless you give them. Not with --consumers 1 and more, --clock fast, --replay
   --no-figure         do not draw figure.png; nor is it drawn with --no-trajectories, which leaves no paths
-  --check             only check the scene
+  --check             only check the scene and the options of both programs
 Other options go to the programs that have them; see --help of build/release/fluid_server, crowd_client, shm_record
 and shm_replay. Started from a terminal, the crowd takes commands typed there (pause, step, tau ...; see crowd_client
 --help); SIGUSR1 and SIGUSR2 are passed on to it.

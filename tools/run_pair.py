@@ -40,6 +40,13 @@ def resolved_scene(program, scene, arguments):
     return (json.loads(answer.stdout), 0) if answer.returncode == 0 else (None, answer.returncode)
 
 
+def check_state(arguments):
+    """Refuses a state of the water that cannot be read; what it holds is looked at when the run starts."""
+    for name in values_of(arguments, "--from-state"):
+        if not os.access(name, os.R_OK) or Path(name).is_dir():
+            raise UsageError(f"--from-state: {name} cannot be read; allowed: a state that --save-state FILE has written")
+
+
 def new_run_folder(scene_name):
     stem = ROOT / "runs" / f"{scene_name.replace('/', '_') or 'scene'}-{time.strftime('%Y%m%d-%H%M%S')}"
     folder, n = stem, 1
@@ -97,6 +104,7 @@ class Run:
         suit_to_latest(self.arguments)
         self.scene = find_scene(scene)
         self.resolved = None
+        check_state(self.arguments.get("fluid_server", []))
 
     def check_scene(self):
         """Reads the scene as the programs do; returns the exit code of the one that refuses it, else 0."""
@@ -189,13 +197,26 @@ def carry_out(run):
     return code
 
 
+def answer(run):
+    """Prints what the programs say to --check, both, or else the crowd; the exit code of the one that refuses, else 0."""
+    said = []
+    for name in ("fluid_server", "crowd_client"):
+        if name in run.arguments:
+            command = [run.programs / name, run.scene, *run.arguments[name]]
+            program = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+            if program.returncode != 0:
+                return program.returncode
+            lines = program.stdout.splitlines()
+            both = "--check" in run.arguments["crowd_client"]
+            said = [*said, *(line for line in lines if line not in said)] if both else lines
+    print("\n".join(said))
+    return 0
+
+
 def main():
     try:
         run = Run(sys.argv[1:])
-        client = run.arguments["crowd_client"]
-        if any(answer in client for answer in ANSWERS):
-            return subprocess.run([run.programs / "crowd_client", run.scene, *client]).returncode
-        return carry_out(run)
+        return answer(run) if any(word in run.arguments["crowd_client"] for word in ANSWERS) else carry_out(run)
     except UsageError as error:
         print(f"run.sh: {error} (tools/run.sh --help shows the options)", file=sys.stderr)
         return 2

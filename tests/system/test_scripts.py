@@ -110,6 +110,28 @@ class Scripts(SystemTest):
         self.assertIn("system_small", self.output_of(run_sh))
         self.assertFalse((self.folder / "run").exists())
 
+    def test_run_sh_check_asks_both_programs(self):
+        for arguments, *texts in (
+            (["--clock", "nosuch"], "fluid_server: --clock", "real_time"),
+            (["--from-state", "/nonexistent"], "--from-state: /nonexistent cannot be read"),
+            ([f"--from-state={self.folder}"], "--from-state", "cannot be read"),
+            (["--mode", "nosuch"], "crowd_client: --mode", "latest"),
+        ):
+            for question in ("--check", "--print-config"):
+                with self.subTest(arguments, question=question):
+                    run_sh = self.run_sh(SMALL, question, *arguments)
+                    self.assert_ends(run_sh, 2, *texts)
+                    self.assertEqual(self.output_of(run_sh), "")
+
+    def test_run_sh_prints_the_scene_once(self):
+        for question in ("--check", "--version"):
+            run_sh = self.run_sh(SMALL, question)
+            self.assert_ended_well(run_sh)
+            self.assertEqual(len(self.output_of(run_sh).splitlines()), 1)
+        run_sh = self.run_sh(SMALL, "--print-config")
+        self.assert_ended_well(run_sh)
+        self.assertEqual(json.loads(self.output_of(run_sh))["name"], "system_small")
+
     def test_run_sh_refuses_a_session_in_use(self):
         server = self.server(*ENDLESS)
         self.wait_for_segment()
