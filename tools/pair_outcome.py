@@ -10,13 +10,18 @@ def forget_earlier(folder):
         (folder / name).unlink(missing_ok=True)
 
 
+def state_of(path):
+    """What tells a file from a later one of that name; None if there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_ino, status.st_mtime_ns
+
+
 def crowd_folders(folder):
     """The run folders of crowds, {name: what tells this outcome from a later one of that name}."""
-    found = {}
-    for outcome in folder.glob("*/outcome.json"):
-        status = outcome.stat()
-        found[outcome.parent.name] = (status.st_ino, status.st_mtime_ns)
-    return found
+    return {outcome.parent.name: state_of(outcome) for outcome in folder.glob("*/outcome.json")}
 
 
 def left_from_earlier(folder, before):

@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 
 from pair_arguments import ROOT, UsageError, find_scene, is_given, options_of, split_arguments, suit_to_latest, values_of
-from pair_outcome import crowd_folders, crowds_summary, forget_earlier, has_frames, left_from_earlier, summary
+from pair_outcome import crowd_folders, crowds_summary, forget_earlier, has_frames, left_from_earlier, state_of, summary
 from pair_processes import Pair, meaning, wait_for_own_segment, wait_until_joined
 
 ANSWERS = ("--check", "--print-config", "--version")  # one program answers and nothing is run
@@ -155,6 +155,8 @@ def carry_out(run):
     own = run.own
     folder = Path(own["--out"]) if "--out" in own else new_run_folder(run.resolved["name"])
     session = own.get("--session") or f"wade-{os.getuid()}-{os.getpid()}-{secrets.token_hex(4)}"
+    recording = Path(own["--record"]) if "--record" in own else None
+    earlier_recording = recording and state_of(recording)
     pair = Pair()
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -182,8 +184,8 @@ def carry_out(run):
     if left:
         print(f"of an earlier run, not of this one: {', '.join(left)}")
     print(f"run folder{'s below' if many else ''}: {folder}")
-    if "--record" in own:
-        print(f"recording: {own['--record']}")
+    if recording and state_of(recording) not in (None, earlier_recording):
+        print(f"recording: {recording}")
     if "--no-figure" not in own and not many and not pair.signal and has_frames(folder):
         if is_given(run.arguments["crowd_client"], "--no-trajectories"):
             print("no picture: --no-trajectories leaves no paths to draw")

@@ -93,6 +93,15 @@ class RunScript(Launcher):
             with self.subTest(arguments):
                 self.assert_ends(self.run_sh("run", *arguments), 2, *texts)
 
+    def test_recording_that_was_not_written_is_not_named(self):
+        other = self.folder / "notes.txt"
+        other.write_text("no recording, and so not replaced")
+        for file in (self.folder / "no" / "such" / "folder.wrec", other):
+            with self.subTest(file):
+                run_sh = self.run_sh("run", *SHORT, "--record", file)
+                self.assert_ends(run_sh, 2, file.name)
+                self.assertNotIn("recording:", self.output_of(run_sh))
+
     def test_crowd_that_takes_the_latest_frames_gets_water_that_does_not_wait(self):
         for out, *options in (("plain",), ("clock", "--clock=real_time"), ("consumers", "--consumers", "0")):
             with self.subTest(out):
