@@ -112,6 +112,15 @@ class RunScript(Launcher):
                 self.assertGreater(outcome["frames"], 1)
                 self.assertIn("waiting for nobody", (run_sh.run.folder / "fluid_server.log").read_text())
 
+    def test_latest_frames_of_another_producer_beside_a_recorder(self):
+        file = self.folder / "run.wrec"
+        server = f"{PROGRAMS / 'fluid_server'} {{scene}} --until-s 1 --clock real_time --consumers {{consumers}}"
+        run_sh = self.run_sh("run", *SHORT, "--mode", "latest", "--record", file, "--producer", server)
+        self.assert_ended_well(run_sh)
+        self.assertEqual(run_sh.run.outcome()["mode"], "latest")
+        self.assertIn(f"recording: {file}", self.output_of(run_sh))
+        self.assertIn("waiting for nobody", (run_sh.run.folder / "producer.log").read_text())
+
     def test_many_crowds_can_take_the_latest_frames(self):
         run_sh = self.run_sh("run", *SHORT, "--mode=latest", *self.list_of_crowds("a", "b"))
         self.assert_ended_well(run_sh)
