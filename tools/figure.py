@@ -43,8 +43,8 @@ def tau_text(scene):
     return text
 
 
-def title_of(scene, agents, ends, arrivals, cut_off=False):
-    """cut_off: the run left no outcome, so that nothing is said of who arrived."""
+def title_of(scene, agents, ends, arrivals, cut_off=""):
+    """cut_off: "so far" if the run was, and its results are those of a moment before, "unknown" if it left none."""
     parts = []
     if agents:
         parts.append(f"\u03c4 {tau_text(scene)}")
@@ -54,13 +54,15 @@ def title_of(scene, agents, ends, arrivals, cut_off=False):
     title = f"{short_name(scene['name'])}: " + ", ".join(parts) if parts else short_name(scene["name"])
     if not agents:
         return title
-    if cut_off:
+    if cut_off == "unknown":
         return f"{title} \u2013 cut off, no outcome"
     result = [f"{len(ends['arrived'])} of {len(agents)} arrived"]
     if arrivals:
         result.append(f"last after {max(arrivals):.0f} s")
     if ends["dead"]:
         result.append(f"{len(ends['dead'])} dead")
+    if cut_off:
+        result.append("then cut off")
     return f"{title} \u2013 " + ", ".join(result)
 
 
@@ -77,7 +79,7 @@ def subtitle_of(outcome, time, water, whole_run):
     return "  \u00b7  ".join(parts)
 
 
-def add_legend(figure, ends, scene, water, cut_off=False):
+def add_legend(figure, ends, scene, water, cut_off=""):
     handles = []
     if water and np.any(water[4] > 0):
         handles.append(Patch(facecolor=(*WATER, 0.6), label="water"))
@@ -92,7 +94,7 @@ def add_legend(figure, ends, scene, water, cut_off=False):
     }
     for outcome, style in marks.items():
         if ends[outcome]:
-            name = "last seen" if cut_off else outcome
+            name = "last seen" if cut_off and outcome == "active" else outcome
             handles.append(Line2D([], [], linestyle="none", label=f"{name} ({len(ends[outcome])})", **style))
     far = len(far_goals(scene))
     if far:
@@ -151,7 +153,9 @@ def draw(run, time, output):
     for spine in axes.spines.values():
         spine.set_visible(False)
     people = agents if agents else list(lines)
-    cut_off = outcome["status"] == "running"  # a run that is killed writes no other
+    cut_off = ""
+    if outcome["status"] == "running":  # a run that is killed writes no other
+        cut_off = "so far" if agents else "unknown"
     figure.text(0.5, 1 - 0.25 / high, title_of(scene, people, ends, arrivals, cut_off), ha="center",
                 va="center", fontsize=14, color=INK)
     figure.text(0.5, 1 - 0.53 / high, subtitle_of(outcome, end_time, water, whole_run), ha="center",

@@ -60,14 +60,15 @@ class Title(unittest.TestCase):
 
 
     def test_a_run_that_was_cut_off_claims_no_outcome(self):
-        for cut_off, text in ((True, "cut off, no outcome"), (False, "0 of 1 arrived")):
+        outcomes = (("unknown", "cut off, no outcome"), ("so far", "0 of 1 arrived, then cut off"), ("", "0 of 1 arrived"))
+        for cut_off, text in outcomes:
             with self.subTest(text):
                 title = figure.title_of(scene(), ["one agent"], {"arrived": [], "dead": []}, [], cut_off)
                 self.assertEqual(title, f"S5: \u03c4 0.2, $v_F$ 1.5 m/s \u2013 {text}")
 
     def test_the_legend_of_a_run_that_was_cut_off_counts_whom_it_saw_last(self):
         ends = {"arrived": [], "dead": [], "active": [(1, 2)]}
-        for cut_off, label in ((False, "active (1)"), (True, "last seen (1)")):
+        for cut_off, label in (("", "active (1)"), ("so far", "last seen (1)")):
             drawing, _ = figure.plt.subplots()
             self.addCleanup(figure.plt.close, drawing)
             figure.add_legend(drawing, ends, scene(), None, cut_off)
