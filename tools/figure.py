@@ -20,7 +20,7 @@ import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from run_files import RunError, read_agents, read_json, read_paths, read_water
-from top_view import ARRIVED, DEAD, INK, PATH, PERSON, STAR, WATER, far_goals, speeds_of
+from top_view import ARRIVED, DEAD, INK, PATH, PERSON, STAR, far_goals, speeds_of
 
 ENDINGS = (".png", ".pdf", ".eps", ".ps")  # of pictures that can be written
 
@@ -79,10 +79,8 @@ def subtitle_of(outcome, time, water, whole_run):
     return "  \u00b7  ".join(parts)
 
 
-def add_legend(figure, ends, scene, water, cut_off=""):
+def add_legend(figure, ends, scene, cut_off=""):
     handles = []
-    if water and np.any(water[4] > 0):
-        handles.append(Patch(facecolor=(*WATER, 0.6), label="water"))
     if scene["crowd"]["groups"]:
         handles.append(Line2D([], [], color=PATH, linewidth=1.4, label="path"))
         handles.append(Line2D([], [], color=PATH, marker="o", markerfacecolor="white", markersize=4, linestyle="none",
@@ -130,16 +128,19 @@ def draw(run, time, output):
     world = scene["world"]
     length, width = world["length_m"], world["width_m"]
     # Inches: the map, and round it room for title, labels and legend.
-    map_wide, left, right, above, below = 10.0, 0.75, 0.25, 0.85, 0.92
+    map_wide, left, right, above, below = 10.0, 0.75, 0.85, 0.85, 0.92
     map_high = float(np.clip(map_wide * width / length, 2.2, 11.0))
     wide, high = left + map_wide + right, above + map_high + below
     figure, axes = plt.subplots(figsize=(wide, high), dpi=160)
     figure.subplots_adjust(left=left / wide, right=1 - right / wide, bottom=below / high, top=1 - above / high)
     figure.patch.set_facecolor("white")
     top_view.draw_ground(axes, scene)
-    if water:
-        top_view.draw_water(axes, water)
-    top_view.draw_flow(axes, scene)
+    cells = top_view.water_cells(water, scene) if water else None
+    mesh = top_view.draw_water(axes, cells, scene) if water else None
+    if mesh:
+        place = ((left + map_wide + 0.1) / wide, below / high, 0.12 / wide, min(map_high, 4.0) / high)
+        top_view.draw_depth_bar(figure, place, mesh)
+    top_view.draw_flow(axes, scene, cells)
     top_view.draw_obstacles(axes, scene)
     top_view.draw_people(axes, ends, lines, top_view.period_of(scene))
     top_view.draw_goals(axes, scene)
@@ -160,7 +161,7 @@ def draw(run, time, output):
                 va="center", fontsize=14, color=INK)
     figure.text(0.5, 1 - 0.53 / high, subtitle_of(outcome, end_time, water, whole_run), ha="center",
                 va="center", fontsize=8, color="#6b6b72")
-    add_legend(figure, ends, scene, water, cut_off)
+    add_legend(figure, ends, scene, cut_off)
     save(figure, output)
     plt.close(figure)
 

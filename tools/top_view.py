@@ -1,16 +1,19 @@
 """The layers of the top view of a run: ground, water, stream, obstacles, paths, goals."""
 
+import math
+
 import matplotlib
 import numpy as np
 
 matplotlib.use("Agg")
-from matplotlib.collections import LineCollection, PolyCollection  # noqa: E402
+from matplotlib.collections import LineCollection  # noqa: E402
+from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
 from matplotlib.patches import Circle, Rectangle  # noqa: E402
 
 GROUND = "#f1ece1"
 BED = "#ded6c6"
 BANK = "#b5a98f"
-WATER = np.array([0x1F, 0x77, 0xC4]) / 255
+WATER = LinearSegmentedColormap.from_list("water", ["#d5e8f5", "#86b8df", "#4587c6", "#123f7a"])
 PATH = "#d62728"
 PERSON = "#7f0d12"
 ARRIVED = "#2b8a3e"
@@ -18,7 +21,8 @@ DEAD = "#16161a"
 STAR = "#ffc928"
 INK = "#2a2a2e"
 
-MAX_SQUARES = 120_000  # above this a picture of squares is slower to draw than it is better to look at
+ROUND_STEPS = (1, 1.5, 2, 3, 5, 7.5, 10)
+WET_M = 0.001  # less water than the file of snapshots resolves
 MAX_PATH_POINTS = 1500  # of one agent; more would not be seen
 
 
@@ -76,31 +80,87 @@ def draw_ground(axes, scene):
         )
 
 
-def draw_water(axes, water):
+def depth_scale(scene):
+    """Depth of the darkest water, m: the same in all pictures of a scene, a round number half as deep again as it names."""
+    channel = scene["channel"]
+    named = [block["depth_m"] for block in channel["water_blocks"]]
+    if channel["flow"] != "closed":
+        named.append(channel["depth_m"])
+    wanted = 1.5 * max(named, default=1.0)
+    power = 10.0 ** math.floor(math.log10(wanted) + 1e-9)
+    return power * next(step for step in ROUND_STEPS if step * power >= wanted * (1 - 1e-9))
+
+
+def edges_of(start, cell, count, end):
+    """Borders of cells, the last one cut off where the channel ends."""
+    return np.minimum(start + cell * np.arange(count + 1), end)
+
+
+def passable(x_edges, z_edges, obstacles):
+    """Cells whose middle is in no obstacle."""
+    x, z = (edges[:-1] + np.diff(edges) / 2 for edges in (x_edges, z_edges))
+    free = np.ones((len(z), len(x)), dtype=bool)
+    for box in obstacles:
+        free &= ~np.outer((z > box["z_min_m"]) & (z < box["z_max_m"]), (x > box["x_min_m"]) & (x < box["x_max_m"]))
+    return free
+
+
+def exchanged(depth, free, size):
+    """Depth of rows of cells after neighbours have exchanged a quarter of their difference; the volume stays."""
+    flow = 0.25 * np.diff(depth, axis=1) * np.minimum(size[1:], size[:-1]) * (free[:, 1:] & free[:, :-1])
+    return depth + (np.pad(flow, ((0, 0), (0, 1))) - np.pad(flow, ((0, 0), (1, 0)))) / size
+
+
+def water_cells(water, scene):
+    """Borders of the cells along x and z, cut to the channel, and the depth in each, m, as (rows of z, columns of x).
+
+    A particle counts in the one cell that it lies in, so that even water is chequered where cells hold few of them. It is
+    spread over the neighbours, the more so the fewer particles (by spacing) a cell has.
+    """
     _, x0, z0, cell, depth = water
-    full = max(float(np.percentile(depth[depth > 0], 98)), 1e-3) if np.any(depth > 0) else 1.0
-    opacity = np.where(depth > 0, 0.16 + 0.46 * np.minimum(depth / full, 1.0), 0.0)
-    z_index, x_index = np.nonzero(depth > 0)
-    if len(x_index) > MAX_SQUARES:
-        colours = np.empty(depth.shape + (4,))
-        colours[..., :3] = WATER
-        colours[..., 3] = opacity
-        rows, columns = depth.shape
-        extent = (x0, x0 + columns * cell, z0, z0 + rows * cell)
-        axes.imshow(colours, origin="lower", extent=extent, interpolation="nearest", zorder=3, aspect="equal")
-        return
-    margin = 0.06 * cell
-    corner = np.stack([x0 + x_index * cell + margin, z0 + z_index * cell + margin], axis=1)
-    side = cell - 2 * margin
-    squares = corner[:, None, :] + side * np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
-    colours = np.column_stack([np.tile(WATER, (len(x_index), 1)), opacity[z_index, x_index]])
-    axes.add_collection(
-        PolyCollection(squares, facecolors=colours, edgecolors="none", antialiased=False, rasterized=True, zorder=3)
-    )
+    channel, spacing = scene["channel"], scene["fluid"]["particle_spacing_m"]
+    x_edges = edges_of(x0, cell, depth.shape[1], channel["x_max_m"])
+    z_edges = edges_of(z0, cell, depth.shape[0], channel["z_max_m"])
+    wide, high = np.diff(x_edges), np.diff(z_edges)
+    depth = depth * cell**2 / np.outer(high, wide)  # the file's depth is that over a whole cell
+    free = passable(x_edges, z_edges, scene.get("obstacles", []))
+    for _ in range(round(3.5 * (spacing / cell) ** 2)):
+        depth = exchanged(depth, free, wide)
+        depth = exchanged(depth.T, free.T, high).T
+    return x_edges, z_edges, depth
 
 
-def draw_flow(axes, scene):
-    """Arrows that show where the stream runs."""
+def draw_water(axes, cells, scene):
+    """The water, of which cells is what water_cells gives; None if all is dry."""
+    x_edges, z_edges, depth = cells
+    if not np.any(depth >= WET_M):
+        return None
+    return axes.pcolormesh(x_edges, z_edges, np.ma.masked_less(depth, WET_M), cmap=WATER, vmin=0, vmax=depth_scale(scene),
+                           edgecolors="none", antialiased=False, rasterized=True, zorder=3)
+
+
+def draw_depth_bar(figure, place, mesh):
+    """A slim colour bar of the depth of the water; place: left, bottom, width and height in shares of the figure."""
+    full = mesh.get_clim()[1]
+    deeper = np.max(mesh.get_array()) > full
+    bar = figure.colorbar(mesh, cax=figure.add_axes(place), extend="max" if deeper else "neither",
+                          ticks=np.linspace(0, full, 6))
+    bar.set_label("depth of the water, m", fontsize=8, color=INK)
+    bar.ax.tick_params(labelsize=8, colors=INK, length=3)
+    bar.outline.set_visible(False)
+
+
+def is_wet(cells, x, z):
+    """Whether there is water at a point; cells as water_cells gives them, None if nothing is known of the water."""
+    if cells is None:
+        return True
+    x_edges, z_edges, depth = cells
+    column, row = (np.searchsorted(edges, at) - 1 for edges, at in ((x_edges, x), (z_edges, z)))
+    return depth[np.clip(row, 0, depth.shape[0] - 1), np.clip(column, 0, depth.shape[1] - 1)] >= WET_M
+
+
+def draw_flow(axes, scene, cells):
+    """Arrows that show where the stream runs, where there is water."""
     channel = scene["channel"]
     if channel["flow"] == "closed" or speeds_of(scene)[1] == 0:
         return
@@ -111,6 +171,8 @@ def draw_flow(axes, scene):
             x = channel["x_min_m"] + x_share * length
             z = channel["z_min_m"] + z_share * width
             half = 0.018 * length
+            if not (is_wet(cells, x - half, z) and is_wet(cells, x + half, z)):
+                continue
             axes.annotate(
                 "", xy=(x - half, z), xytext=(x + half, z), zorder=4,
                 arrowprops={"arrowstyle": "-|>,head_width=0.18,head_length=0.36", "color": "white", "alpha": 0.85,

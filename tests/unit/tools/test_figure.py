@@ -71,7 +71,7 @@ class Title(unittest.TestCase):
         for cut_off, label in (("", "active (1)"), ("so far", "last seen (1)")):
             drawing, _ = figure.plt.subplots()
             self.addCleanup(figure.plt.close, drawing)
-            figure.add_legend(drawing, ends, scene(), None, cut_off)
+            figure.add_legend(drawing, ends, scene(), cut_off)
             self.assertIn(label, [text.get_text() for text in drawing.legends[0].get_texts()])
 
 
@@ -109,6 +109,100 @@ class File(unittest.TestCase):
                     figure.main()
                 self.assertEqual(end.exception.code, 2)
                 self.assertIn(".png, .pdf, .eps, .ps", said.getvalue())
+
+
+def water_scene(length=27.0, width=13.5, spacing=0.4642, depth=1.0, obstacles=(), blocks=(), flow="emitter"):
+    channel = {"x_min_m": 0.0, "x_max_m": length, "z_min_m": 2.0, "z_max_m": 2.0 + width, "flow": flow, "depth_m": depth,
+               "velocity_m_s": 1.5, "velocity_history": [], "water_blocks": [{"depth_m": block} for block in blocks]}
+    return {"world": {"length_m": length, "width_m": width + 4, "ends": "open"}, "channel": channel,
+            "fluid": {"particle_spacing_m": spacing}, "obstacles": list(obstacles)}
+
+
+def counted(x, z, described, cell=0.5):
+    """What read_water gives of columns of water, each of spacing by spacing and 1 m, in these places."""
+    channel, spacing = described["channel"], described["fluid"]["particle_spacing_m"]
+    shape = [int(np.ceil((channel[f"{axis}_max_m"] - channel[f"{axis}_min_m"]) / cell - 1e-9)) for axis in "zx"]
+    depth = np.zeros(shape)
+    np.add.at(depth, (((z - channel["z_min_m"]) / cell).astype(int), ((x - channel["x_min_m"]) / cell).astype(int)),
+              spacing**2 / cell**2)
+    return 0.0, channel["x_min_m"], channel["z_min_m"], cell, depth
+
+
+def lattice(described):
+    """Places of columns of water that fill the channel evenly, as many as the spacing asks for."""
+    channel, spacing = described["channel"], described["fluid"]["particle_spacing_m"]
+    sides = []
+    for axis in "xz":
+        low, high = channel[f"{axis}_min_m"], channel[f"{axis}_max_m"]
+        count = round((high - low) / spacing)
+        sides.append(low + (np.arange(count) + 0.5) * (high - low) / count)
+    x, z = np.meshgrid(*sides)
+    return x.ravel(), z.ravel()
+
+
+def volume(cells):
+    x_edges, z_edges, depth = cells
+    return float(np.sum(depth * np.outer(np.diff(z_edges), np.diff(x_edges))))
+
+
+class Water(unittest.TestCase):
+    def test_even_water_looks_even_and_none_of_it_is_lost(self):
+        described = water_scene()
+        x, z = lattice(described)
+        # 29 rows in 27 cells: two rows of a straight lattice share a cell with another, which a spread of two cells dims.
+        for shaken, most in ((0.0, 0.15), (0.5, 0.1)):
+            with self.subTest(shaken=shaken):
+                shift = shaken * described["fluid"]["particle_spacing_m"] * (np.random.default_rng(1).random((2, len(x))) - 0.5)
+                water = counted(np.clip(x + shift[0], 0, 26.99), np.clip(z + shift[1], 2, 15.49), described)
+                cells = top_view.water_cells(water, described)
+                self.assertAlmostEqual(volume(cells), float(water[4].sum()) * 0.25, places=9)
+                self.assertGreater(cells[2].min(), 0.7, "no holes")
+                self.assertLess(cells[2].std(), most)
+                self.assertLess(cells[2].std(), 0.4 * water[4].std())
+
+    def test_a_cell_that_the_particles_fill_evenly_is_left_as_it_is(self):
+        described = water_scene(length=1.0, width=1.0, spacing=0.1)
+        depth = np.array([[1.0, 0.0], [0.5, 0.25]])
+        np.testing.assert_array_equal(top_view.water_cells((0.0, 0.0, 2.0, 0.5, depth), described)[2], depth)
+
+    def test_cells_end_where_the_channel_ends_and_hold_the_whole_water(self):
+        described = water_scene(length=1.2, width=0.28125, spacing=0.3)
+        x_edges, z_edges, depth = top_view.water_cells((0.0, 0.0, 2.0, 0.5, np.array([[0.5625, 0.5625, 0.225]])), described)
+        np.testing.assert_allclose(x_edges, [0, 0.5, 1, 1.2])
+        np.testing.assert_allclose(z_edges, [2, 2.28125])
+        np.testing.assert_allclose(depth, [[1, 1, 1]], rtol=1e-12)
+
+    def test_water_is_not_spread_into_an_obstacle(self):
+        box = {"x_min_m": 10.0, "x_max_m": 14.0, "z_min_m": 5.0, "z_max_m": 9.0}
+        described = water_scene(obstacles=[box])
+        depth = np.ones((27, 54))
+        depth[6:14, 20:28] = 0
+        np.testing.assert_array_equal(top_view.water_cells((0.0, 0.0, 2.0, 0.5, depth), described)[2], depth)
+
+    def test_the_scale_is_that_of_the_scene_whatever_the_water(self):
+        self.assertEqual(top_view.depth_scale(water_scene(depth=1.0)), 1.5)
+        self.assertEqual(top_view.depth_scale(water_scene(depth=1.0, blocks=(2.0,))), 3)
+        self.assertAlmostEqual(top_view.depth_scale(water_scene(depth=1.0, blocks=(0.05,), flow="closed")), 0.075)
+        for named in (0.003, 0.1, 0.7, 4.0, 65.0):
+            full = top_view.depth_scale(water_scene(depth=named))
+            self.assertTrue(1.5 * named * (1 - 1e-9) <= full <= 2.6 * named, f"{full} of {named}")
+        drawing, axes = figure.plt.subplots()
+        self.addCleanup(figure.plt.close, drawing)
+        for depth in (0.02, 1.0, 2.0):
+            mesh = top_view.draw_water(axes, (np.array([0.0, 1]), np.array([0.0, 1]), np.array([[depth]])), water_scene())
+            self.assertEqual(mesh.get_clim(), (0, 1.5))
+        self.assertIsNone(top_view.draw_water(axes, (np.array([0.0, 1]), np.array([0.0, 1]), np.zeros((1, 1))), water_scene()))
+
+    def test_arrows_of_the_stream_are_where_there_is_water(self):
+        described = water_scene()
+        depth = np.ones((27, 54))
+        for dry, count in ((0, 12), (27, 6), (54, 0)):
+            drawing, axes = figure.plt.subplots()
+            self.addCleanup(figure.plt.close, drawing)
+            depth[:, :dry] = 0
+            cells = (np.arange(0, 27.1, 0.5), np.arange(2, 15.6, 0.5), depth)
+            top_view.draw_flow(axes, described, cells)
+            self.assertEqual(len(axes.texts), count)
 
 
 class Goals(unittest.TestCase):
