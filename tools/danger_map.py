@@ -115,7 +115,7 @@ def draw(run, output):
     wet = draw_levels(axes, cells)
     top_view.draw_obstacles(axes, scene)
     draw_people(axes, agents, paths, top_view.period_of(scene))
-    top_view.draw_goals(axes, scene)
+    top_view.draw_goals(axes, scene, by_group=False)
     axes.set_xlim(-0.01 * length, 1.01 * length)
     axes.set_ylim(-0.02 * width, 1.02 * width)
     axes.set_aspect("equal")

@@ -80,10 +80,13 @@ def subtitle_of(outcome, time, water, whole_run):
 
 
 def add_legend(figure, ends, scene, cut_off=""):
+    """What the marks mean; above it, where colours tell the groups apart, the groups."""
     handles = []
+    colours = top_view.group_colours(scene)
+    common = INK if colours else PATH  # of what stands for the paths of all groups
     if scene["crowd"]["groups"]:
-        handles.append(Line2D([], [], color=PATH, linewidth=1.4, label="path"))
-        handles.append(Line2D([], [], color=PATH, marker="o", markerfacecolor="white", markersize=4, linestyle="none",
+        handles.append(Line2D([], [], color=common, linewidth=1.4, label="path"))
+        handles.append(Line2D([], [], color=common, marker="o", markerfacecolor="white", markersize=4, linestyle="none",
                               label="start"))
     marks = {
         "active": {"marker": "o", "color": PERSON, "markersize": 5},
@@ -94,18 +97,21 @@ def add_legend(figure, ends, scene, cut_off=""):
         if ends[outcome]:
             name = "last seen" if cut_off and outcome == "active" else outcome
             handles.append(Line2D([], [], linestyle="none", label=f"{name} ({len(ends[outcome])})", **style))
-    far = len(far_goals(scene))
-    if far:
-        handles.append(Line2D([], [], linestyle="none", marker=">", markersize=9, markerfacecolor=STAR,
-                              markeredgecolor=INK, markeredgewidth=0.6, label="goal, laps away"))
-    if len({(g["goal"]["x_m"], g["goal"]["z_m"]) for g in scene["crowd"]["groups"]}) > far:
-        handles.append(Line2D([], [], linestyle="none", marker="*", markersize=11, markerfacecolor=STAR,
-                              markeredgecolor=INK, markeredgewidth=0.6, label="goal"))
+    goals = {(g["goal"]["x_m"], g["goal"]["z_m"]) for g in scene["crowd"]["groups"]}
+    far = set(far_goals(scene))
+    for marker, size, label, of in ((">", 9, "goal, laps away", far), ("*", 11, "goal", goals - far)):
+        if of:
+            fill = STAR if STAR in {top_view.goal_colour(scene, goal) for goal in of} else "white"
+            handles.append(Line2D([], [], linestyle="none", marker=marker, markersize=size, markerfacecolor=fill,
+                                  markeredgecolor=INK, markeredgewidth=0.6, label=label))
     if scene.get("obstacles"):
         handles.append(Patch(facecolor="#8d8d93", edgecolor=INK, hatch="////", label="obstacle"))
-    if handles:
-        figure.legend(handles=handles, loc="lower center", ncol=len(handles), frameon=False, fontsize=8.5,
-                      handletextpad=0.5, columnspacing=1.6)
+    groups = [Line2D([], [], color=colour, linewidth=2.4, label=group["name"])
+              for colour, group in zip(colours or [], scene["crowd"]["groups"])]
+    for row, inches in ((handles, 0.03), (groups, 0.25)):
+        if row:
+            figure.legend(handles=row, loc="lower center", ncol=len(row), frameon=False, fontsize=8.5, handletextpad=0.5,
+                          columnspacing=1.6, bbox_to_anchor=(0.5, inches / figure.get_figheight()))
 
 
 def draw(run, time, output):
@@ -128,7 +134,7 @@ def draw(run, time, output):
     world = scene["world"]
     length, width = world["length_m"], world["width_m"]
     # Inches: the map, and round it room for title, labels and legend.
-    map_wide, left, right, above, below = 10.0, 0.75, 0.85, 0.85, 0.92
+    map_wide, left, right, above, below = 10.0, 0.75, 0.85, 0.85, 1.1 if top_view.group_colours(scene) else 0.92
     map_high = float(np.clip(map_wide * width / length, 2.2, 11.0))
     wide, high = left + map_wide + right, above + map_high + below
     figure, axes = plt.subplots(figsize=(wide, high), dpi=160)
@@ -142,7 +148,7 @@ def draw(run, time, output):
         top_view.draw_depth_bar(figure, place, mesh)
     top_view.draw_flow(axes, scene, cells)
     top_view.draw_obstacles(axes, scene)
-    top_view.draw_people(axes, ends, lines, top_view.period_of(scene))
+    top_view.draw_people(axes, ends, lines, scene)
     top_view.draw_goals(axes, scene)
 
     axes.set_xlim(-0.01 * length, 1.01 * length)

@@ -9,6 +9,7 @@ matplotlib.use("Agg")
 from matplotlib.collections import LineCollection  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
 from matplotlib.patches import Circle, Rectangle  # noqa: E402
+from matplotlib.patheffects import withStroke  # noqa: E402
 
 GROUND = "#f1ece1"
 BED = "#ded6c6"
@@ -19,6 +20,8 @@ PERSON = "#7f0d12"
 ARRIVED = "#2b8a3e"
 DEAD = "#16161a"
 STAR = "#ffc928"
+# Of paths and goals where there are several groups: Tol's "muted" colours without the one that is lost on water.
+GROUPS = ("#cc6677", "#332288", "#999933", "#117733", "#aa4499", "#44aa99", "#882255", "#ddcc77")
 INK = "#2a2a2e"
 
 ROUND_STEPS = (1, 1.5, 2, 3, 5, 7.5, 10)
@@ -77,6 +80,7 @@ def draw_ground(axes, scene):
         axes.annotate(
             "fall", (0, (z0 + z1) / 2), xytext=(5, 0), textcoords="offset points",
             rotation=90, ha="left", va="center", fontsize=8, color=INK, zorder=9,
+            path_effects=[withStroke(linewidth=2, foreground="white")],  # seen on dark colours, too
         )
 
 
@@ -196,12 +200,36 @@ def far_goals(scene):
     return sorted(goal for goal in goals if period_of(scene) and not 0 <= goal[0] <= period_of(scene))
 
 
-def draw_goals(axes, scene):
+def group_colours(scene):
+    """A colour for each group, in their order; None if there is one group, or more than can be told apart."""
+    count = len(scene["crowd"]["groups"])
+    return GROUPS[:count] if 1 < count <= len(GROUPS) else None
+
+
+def path_colours(scene, agents):
+    """Colours of the paths of these agents (ids). Ids run through the groups in their order."""
+    colours = group_colours(scene)
+    if colours is None:
+        return [PATH] * len(agents)
+    ends = np.cumsum([group["count"] for group in scene["crowd"]["groups"]])
+    return [colours[np.searchsorted(ends, agent, side="right")] for agent in agents]
+
+
+def goal_colour(scene, goal):
+    """The colour of the group that walks there; that of all goals if there is no such, or several do."""
+    colours = group_colours(scene) or []
+    of = {colour for colour, g in zip(colours, scene["crowd"]["groups"]) if (g["goal"]["x_m"], g["goal"]["z_m"]) == goal}
+    return of.pop() if len(of) == 1 else STAR
+
+
+def draw_goals(axes, scene, by_group=True):
+    """Goals, below the people, who may have arrived in the midst of a star; in the colours of the groups, or all alike."""
     crowd, length = scene["crowd"], scene["world"]["length_m"]
+    style = {"markeredgecolor": INK, "markeredgewidth": 0.8, "zorder": 8, "clip_on": False}
     for x, z in far_goals(scene):
         axes.plot(
-            length if x > length else 0, z, marker=">" if x > length else "<", markersize=13, markerfacecolor=STAR,
-            markeredgecolor=INK, markeredgewidth=0.8, zorder=12, clip_on=False,
+            length if x > length else 0, z, marker=">" if x > length else "<", markersize=13,
+            markerfacecolor=goal_colour(scene, (x, z)) if by_group else STAR, **style,
         )
     for goal in sorted({(g["goal"]["x_m"], g["goal"]["z_m"]) for g in crowd["groups"]} - set(far_goals(scene))):
         # Cut off at the edge of the world, where nobody walks and the picture has its title.
@@ -211,8 +239,7 @@ def draw_goals(axes, scene):
         )
         reach.set_clip_path(Rectangle((0, 0), length, scene["world"]["width_m"], transform=axes.transData))
         axes.plot(
-            *goal, marker="*", markersize=19, markerfacecolor=STAR, markeredgecolor=INK, markeredgewidth=0.8, zorder=12,
-            clip_on=False,
+            *goal, marker="*", markersize=19, markerfacecolor=goal_colour(scene, goal) if by_group else STAR, **style,
         )
 
 
@@ -234,19 +261,22 @@ def people_at(agents, paths, end_time, whole_run):
     return ends, lines
 
 
-def draw_people(axes, ends, lines, period):
-    parts = [part for points in lines.values() for part in laps_apart(points, period)]
+def draw_people(axes, ends, lines, scene):
+    colours = path_colours(scene, list(lines))
+    parts = [(thinned(part), colour) for points, colour in zip(lines.values(), colours)
+             for part in laps_apart(points, period_of(scene))]
     axes.add_collection(
-        LineCollection([thinned(part) for part in parts], colors=PATH, linewidths=0.9, alpha=0.78, zorder=6,
-                       capstyle="round", joinstyle="round")
+        LineCollection([part for part, _ in parts], colors=[colour for _, colour in parts], linewidths=0.9, alpha=0.78,
+                       zorder=6, capstyle="round", joinstyle="round")
     )
     if lines:
         starts = np.array([points[0] for points in lines.values()])
-        axes.scatter(*starts.T, s=9, facecolors="white", edgecolors=PATH, linewidths=0.7, zorder=7, clip_on=False)
+        axes.scatter(*starts.T, s=9, facecolors="white", edgecolors=colours, linewidths=0.7, zorder=7, clip_on=False)
     styles = {
         "active": {"s": 17, "c": PERSON, "edgecolors": "white", "linewidths": 0.5},
         "arrived": {"s": 20, "c": ARRIVED, "edgecolors": "white", "linewidths": 0.5},
-        "dead": {"s": 30, "c": DEAD, "marker": "x", "linewidths": 1.5},
+        "dead": {"s": 30, "c": DEAD, "marker": "x", "linewidths": 1.5,
+                 "path_effects": [withStroke(linewidth=3, foreground="white")]},  # many lie on the black fall
     }
     for outcome, style in styles.items():
         if ends[outcome]:

@@ -205,6 +205,38 @@ class Water(unittest.TestCase):
             self.assertEqual(len(axes.texts), count)
 
 
+class Groups(unittest.TestCase):
+    def scene_of(self, goals, counts):
+        described = scene(goals=goals)
+        for group, count in zip(described["crowd"]["groups"], counts):
+            group["count"] = count
+        return described
+
+    def test_one_group_and_more_than_there_are_colours_look_as_ever(self):
+        self.assertEqual(top_view.path_colours(self.scene_of(((5.0, 9.0),), [3]), [0, 1]), [top_view.PATH] * 2)
+        many = self.scene_of([(float(x), 9.0) for x in range(9)], [1] * 9)
+        self.assertEqual(top_view.path_colours(many, [8]), [top_view.PATH])
+        self.assertEqual(top_view.goal_colour(many, (3.0, 9.0)), top_view.STAR)
+
+    def test_paths_have_the_colour_of_their_group_and_of_its_goal(self):
+        described = self.scene_of(((5.0, 9.0), (7.0, 9.0), (7.0, 9.0)), [2, 1, 3])
+        first, second, third = top_view.GROUPS[:3]
+        self.assertEqual(top_view.path_colours(described, range(6)), [first, first, second, third, third, third])
+        self.assertEqual(top_view.path_colours(described, [5, 1]), [third, first])
+        self.assertEqual(top_view.goal_colour(described, (5.0, 9.0)), first)
+        self.assertEqual(top_view.goal_colour(described, (7.0, 9.0)), top_view.STAR, "a goal of two groups")
+
+    def test_people_lie_over_the_star_at_which_they_arrived(self):
+        described = self.scene_of(((5.0, 9.0),), [1])
+        drawing, axes = figure.plt.subplots()
+        self.addCleanup(figure.plt.close, drawing)
+        top_view.draw_goals(axes, described)
+        star = axes.lines[0].get_zorder()
+        ends = {"arrived": [np.array([5.0, 8.5])], "dead": [], "active": []}
+        top_view.draw_people(axes, ends, {0: np.array([[5.0, 1.0], [5.0, 8.5]])}, described)
+        self.assertGreater(axes.collections[-1].get_zorder(), star)
+
+
 class Goals(unittest.TestCase):
     def test_the_circle_of_a_goal_at_the_edge_ends_at_the_edge(self):
         drawing, axes = figure.plt.subplots()
