@@ -26,9 +26,9 @@ from figure import subtitle_of, title_of
 # Light to dark, so that the order is seen without colours, too; blue and black marks stand out from all of them.
 LEVELS = {
     "low": ("#ffffcc", "low, < 0.5 m²/s"),
-    "moderate": ("#fed976", "moderate, < 0.75"),
-    "high": ("#fd8d3c", "high, < 1"),
-    "very_high": ("#b10026", "very high, ≥ 1"),
+    "moderate": ("#fed976", "moderate, < 0.75 m²/s"),
+    "high": ("#fd8d3c", "high, < 1 m²/s"),
+    "very_high": ("#b10026", "very high, ≥ 1 m²/s"),
 }
 PATH = "#3a3a40"
 ENDS = {
