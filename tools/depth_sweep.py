@@ -5,8 +5,9 @@
 
 Runs N x N depths (0.25 to 1.5 m) and velocities (0.5 to 5 m/s), one water at a time with a crowd for each tau and seed in
 it, and writes DIR/depth_sweep.csv and DIR/depth_sweep.png. What is in the table already is not run again, so that a
-sweep that was cut off goes on; it is taken as it is, so that another scene or other programs want another DIR. Meant for the kinematic water of configs/observed. Build first (tools/run.sh). The part
-`plane` of tools/reproduce_paper.sh is this sweep.
+sweep that was cut off goes on; it is taken as it is, so that another scene or other programs want another DIR. Meant for
+the kinematic water of configs/observed. Build first (tools/run.sh). The part `plane` of tools/reproduce_paper.sh is this
+sweep.
 """
 
 import argparse
@@ -25,6 +26,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import PercentFormatter  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools" / "paper")]
@@ -191,18 +193,19 @@ def draw(rows, scene, output):
     taus = sorted({float(row["tau"]) for row in rows})
     columns = min(2, len(taus))
     lines = math.ceil(len(taus) / columns)
-    high = 1.4 + 4.3 * lines  # inches
+    legend = 0.75 if columns > 1 else 1.1  # inches below; its four entries stand in as many columns as the planes
+    high = 0.65 + legend + 4.3 * lines
     figure, grid = plt.subplots(lines, columns, figsize=(1 + 5.6 * columns, high), dpi=150, squeeze=False,
                                 layout="constrained")
-    figure.get_layout_engine().set(rect=(0, 0.75 / high, 1, 1 - 0.75 / high))  # below is the legend
+    figure.get_layout_engine().set(rect=(0, legend / high, 1, 1 - legend / high))
     for axes, tau in zip(grid.flat, taus):
         colours = draw_plane(axes, [row for row in rows if float(row["tau"]) == tau], tau, limit_of(scene, tau))
     for axes in grid.flat[len(taus):]:
         axes.remove()
     seeds = sorted({int(row["seed"]) for row in rows})
     figure.suptitle(f"{rows[0]['scene']}: share that arrives, %  (seeds {', '.join(map(str, seeds))})", fontsize=12)
-    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="lower center", ncol=2, frameon=False, fontsize=9)
-    figure.colorbar(colours, ax=grid, label="share that arrives")
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="lower center", ncol=columns, frameon=False, fontsize=9)
+    figure.colorbar(colours, ax=grid, label="share that arrives, %", format=PercentFormatter(1, symbol=""))
     figure.savefig(output, metadata={"Software": None})
     plt.close(figure)
 

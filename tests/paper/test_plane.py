@@ -6,6 +6,7 @@ import tempfile
 import unittest
 from pathlib import Path
 from types import SimpleNamespace
+from unittest import mock
 
 TOOLS = Path(__file__).resolve().parents[2] / "tools"
 sys.path[:0] = [str(TOOLS), str(TOOLS / "paper")]
@@ -73,6 +74,17 @@ class Plane(unittest.TestCase):
         self.assertIn("half of the people arrive at H v_F of 0.84 to 1.41 m2/s (at 2 of 3 depths, elsewhere", text)
         self.assertIn("stand against up to 0.53 m2/s", text)
         self.assertGreater((self.out / "depth_sweep.png").stat().st_size, 10000)
+
+    def test_the_legend_lies_within_the_picture_for_one_tau_and_for_two(self):
+        rows = [{name: str(value) for name, value in row.items()} for row in rows_of_sweep()]
+        for taus in ((0.8,), (0.2, 0.8)):
+            with self.subTest(taus=taus), mock.patch.object(depth_sweep.plt, "close"):
+                chosen = [{**row, "tau": str(tau)} for row in rows for tau in taus]
+                depth_sweep.draw(chosen, SCENE, self.out / "plane.png")
+            drawing = depth_sweep.plt.gcf()
+            self.addCleanup(depth_sweep.plt.close, drawing)
+            legend = drawing.legends[0].get_window_extent()
+            self.assertTrue(drawing.bbox.x0 <= legend.x0 and legend.x1 <= drawing.bbox.x1, f"{legend} in {drawing.bbox}")
 
     def test_without_a_sweep_there_is_no_section(self):
         self.assertEqual(plane.plane_section(self.out, Programs), "")
