@@ -1,6 +1,6 @@
 #include "configs/scene_loader.hpp"
 
-#include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -24,41 +24,25 @@ std::uint64_t fnv1a(std::string_view text) {
     return hash;
 }
 
-// The last of the layers, and behind them the overrides as one, that has a value of the crowd, or of any group; -1: none.
-struct LastSet {
-    int crowd = -1, groups = -1;
-};
-
-LastSet last_set(const std::vector<nlohmann::json>& layers, const std::vector<SceneOverride>& overrides,
-                 const std::string& key) {
-    LastSet last;
-    for (int k = 0; k < static_cast<int>(layers.size()); ++k) {
-        const nlohmann::json& layer = layers[static_cast<std::size_t>(k)];
-        if (!layer.contains("crowd")) continue;
-        const nlohmann::json& crowd = layer["crowd"];
-        if (crowd.contains(key)) last.crowd = k;
-        const nlohmann::json groups = crowd.value("groups", nlohmann::json::array());
-        if (std::any_of(groups.begin(), groups.end(), [&](const auto& group) { return group.contains(key); })) {
-            last.groups = k;
+// Whether a value of the crowd, if every group has it itself, is an oversight: it is where it was written with the groups'
+// or over them, not where groups were given their own over an extended scene or by an override.
+bool must_be_used(const std::string& key, const std::vector<nlohmann::json>& layers,
+                  const std::vector<SceneOverride>& overrides, const nlohmann::json& merged) {
+    if (!merged.contains("crowd") || !merged["crowd"].contains(key)) return false;
+    std::ptrdiff_t crowd = -1, groups = -1;  // the last layer that sets it; the overrides are one behind the others
+    const auto last = static_cast<std::ptrdiff_t>(layers.size());
+    for (std::ptrdiff_t k = 0; k < last; ++k) {
+        const nlohmann::json its = layers[static_cast<std::size_t>(k)].value("crowd", nlohmann::json::object());
+        if (its.contains(key)) crowd = k;
+        for (const auto& group : its.value("groups", nlohmann::json::array())) {
+            if (group.contains(key)) groups = k;
         }
     }
     for (const SceneOverride& change : overrides) {
-        if (change.pointer.starts_with("/crowd/" + key)) last.crowd = static_cast<int>(layers.size());
-        if (change.pointer.starts_with("/crowd/groups/")) last.groups = static_cast<int>(layers.size());
+        if (change.pointer == "/crowd" || change.pointer.starts_with("/crowd/" + key)) crowd = last;
+        if (change.pointer == "/crowd" || change.pointer.starts_with("/crowd/groups")) groups = last;
     }
-    return last;
-}
-
-// A value of the crowd that every group has itself is an oversight where it was written with the groups' or over them. A
-// group that was given its own over an extended scene, or by an override, is none.
-std::vector<std::string> values_that_must_be_used(const std::vector<nlohmann::json>& layers,
-                                                  const std::vector<SceneOverride>& overrides) {
-    std::vector<std::string> keys;
-    for (const std::string& key : inherited_by_groups()) {
-        const LastSet last = last_set(layers, overrides, key);
-        if (last.crowd >= 0 && last.crowd >= last.groups) keys.push_back(key);
-    }
-    return keys;
+    return crowd >= groups;
 }
 
 // What a scene is called does not change what happens in it.
@@ -80,8 +64,12 @@ LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& 
         document["name"] = file.stem().string();
         check_against_schema(document["name"], scene_schema()["properties"]["name"], "/name", source);
     }
+    std::vector<std::string> to_be_used;
+    for (const std::string& key : inherited_by_groups()) {
+        if (must_be_used(key, layers, overrides, document)) to_be_used.push_back(key);
+    }
     complete_with_defaults(document, scene_schema(), "", source);
-    resolve_shorthands(document, values_that_must_be_used(layers, overrides), source);
+    resolve_shorthands(document, to_be_used, source);
 
     LoadedScene loaded;
     loaded.scene = scene_from_json(document);

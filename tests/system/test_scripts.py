@@ -77,6 +77,7 @@ class Scripts(SystemTest):
         os.kill(client, signal.SIGKILL)
         self.assertNotEqual(run_sh.wait(), 0)
         self.assertEqual(Run(self.folder / "run").outcome()["status"], "running")
+        (self.folder / "run" / "agents.csv").unlink(missing_ok=True)  # of a run that had gone on for some seconds
         with mock.patch.object(figure, "save") as save:
             figure.draw(self.folder / "run", None, None)
         drawing = save.call_args.args[0]

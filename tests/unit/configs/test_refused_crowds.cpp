@@ -130,6 +130,8 @@ TEST_CASE("groups are given their own tau, mass or speed over the crowd's") {
     const std::string crowd_has_it = R"({"crowd": {"tau": 0.2, "groups": [)" + group("a", 1, 1) + "]}}";
     CHECK(tau_of(load_patched(crowd_has_it, {"/crowd/groups/0/tau=0.9"})) == 0.9);
     CHECK(tau_of(load_patched(crowd_has_it, {"/crowd/tau=0.3"})) == 0.3);
+    CHECK(tau_of(load_patched(crowd_has_it, {R"(/crowd={"groups": [)" + group("b", 5, 5, R"(, "tau": 0.9)") + "]}"})) ==
+          0.9);
     const TemporaryFolder folder;
     std::string parent = dry_scene;
     parent.insert(parent.size() - 1, R"(, "crowd": {"tau": 0.2, "groups": [)" + group("a", 1, 1) + "]}");
