@@ -1,5 +1,6 @@
 #include "configs/scene_capacity.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace wade {
@@ -14,6 +15,16 @@ std::uint64_t particles_in(double volume, double spacing) {
 
 double support_radius_of(const Fluid& fluid) {
     return (fluid.kernel == KernelKind::wendland_c2 ? 3 : fluid.support_in_spacings) * fluid.particle_spacing;
+}
+
+double deepest_water(const Scene& scene) {
+    const Channel& channel = scene.channel;
+    const bool by_blocks = channel.flow == Flow::closed || !channel.water_blocks.empty();
+    double depth = by_blocks ? 0 : channel.depth;
+    for (const WaterBlock& block : channel.water_blocks) {
+        depth = std::max(depth, block.y_min + block.depth);
+    }
+    return depth;
 }
 
 std::uint64_t river_particles(const Scene& scene) {

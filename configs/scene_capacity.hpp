@@ -1,5 +1,5 @@
 #pragma once
-// How far fluid particles reach, and how many of them a scene needs.
+// How far fluid particles reach, how deep water is, and how many particles a scene needs.
 
 #include <cstdint>
 
@@ -9,6 +9,9 @@ namespace wade {
 
 // h, the distance at which the kernel ends, m: 2 d for the cubic spline, 3 d for Wendland's.
 [[nodiscard]] double support_radius_of(const Fluid& fluid);
+
+// The greatest height of water that the scene speaks of, m: sets the scale of wave speeds and of the grid.
+[[nodiscard]] double deepest_water(const Scene& scene);
 
 // Number of particles that fill the channel: length * width * depth / d^3, rounded.
 [[nodiscard]] std::uint64_t river_particles(const Scene& scene);

@@ -31,7 +31,7 @@ void check_place(const Scene& scene, const std::string& source) {
 void check_room(const Scene& scene, const std::string& source) {
     const Interval& x = scene.channel.x;
     const double cell = x.length() / static_cast<double>(cells_along(x, scene.fluid.shallow_water.cell_size));
-    const double guard = guard_length(scene.fluid, cell);
+    const double guard = guard_length(scene, cell);
     if (scene.channel.flow != Flow::closed && x.length() < 2 * guard + 4 * cell) {
         refuse(source, "/fluid/model",
                "\"mixed\" needs a guard of " + short_number(guard) +

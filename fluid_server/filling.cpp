@@ -111,14 +111,4 @@ void fill_scene(Particles& particles, const Scene& scene) {
     }
 }
 
-double deepest_water(const Scene& scene) {
-    const Channel& channel = scene.channel;
-    const bool by_blocks = channel.flow == Flow::closed || !channel.water_blocks.empty();
-    double depth = by_blocks ? 0 : channel.depth;
-    for (const WaterBlock& block : channel.water_blocks) {
-        depth = std::max(depth, block.y_min + block.depth);
-    }
-    return depth;
-}
-
 }  // namespace wade::fluid

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "configs/scene.hpp"
+#include "configs/scene_capacity.hpp"
 #include "fluid_server/bed_profile.hpp"
 #include "fluid_server/particles.hpp"
 #include "fluid_server/solids.hpp"
@@ -36,8 +37,5 @@ void fill_block(Particles& particles, const WaterBlock& block, const Surrounding
 
 // Fills what the scene wants filled at t = 0: its river, its blocks of water.
 void fill_scene(Particles& particles, const Scene& scene);
-
-// The greatest height of water that the scene speaks of, m: sets the scale of wave speeds and of the grid.
-double deepest_water(const Scene& scene);
 
 }  // namespace wade::fluid

@@ -63,6 +63,15 @@ constexpr double collapse = 0.1;
     throw RunError(ExitCode::numerical_failure, what + "; " + advice(fluid));
 }
 
+// " at (x, y, z) m"
+std::string place_of_fastest(const Particles& p) {
+    const auto square = [&](std::size_t i) { return p.vx[i] * p.vx[i] + p.vy[i] * p.vy[i] + p.vz[i] * p.vz[i]; };
+    std::size_t fastest = 0;
+    for (std::size_t i = 1; i < p.count; ++i) fastest = square(i) > square(fastest) ? i : fastest;
+    const auto text = [](float v) { return short_number(static_cast<double>(v)); };
+    return " at (" + text(p.x[fastest]) + ", " + text(p.y[fastest]) + ", " + text(p.z[fastest]) + ") m";
+}
+
 }  // namespace
 
 FluidWorld::FluidWorld(const Scene& scene, OpenEnds* ends)
@@ -262,8 +271,9 @@ double FluidWorld::time_step(double remaining) {
     const double expected =
         std::max({wave, largest_velocity(scene_.channel), fastest_plane(scene_.channel), initial_speed_});
     if (expected > 0 && v > runaway * expected) {
-        fail("a fluid particle moves at " + short_number(v) + " m/s, more than " + std::to_string(runaway) +
-                 " times the " + short_number(expected) + " m/s of the scene's depth and velocity",
+        fail("a fluid particle" + place_of_fastest(particles_) + " moves at " + short_number(v) + " m/s, more than " +
+                 std::to_string(runaway) + " times the " + short_number(expected) +
+                 " m/s of the scene's depth and velocity",
              scene_.fluid);
     }
     const TimeStep step = longest_step(scene_.fluid, {v, wave, std::sqrt(scene_.world.gravity * depth)}, remaining);

@@ -30,7 +30,7 @@ std::ptrdiff_t cells_up(double cells) {
 WindowRule::WindowRule(const Scene& scene, const shallow_water::Grid& grid)
     : scene_(scene),
       grid_(grid),
-      guard_(guard_length(scene.fluid, grid.dx)),
+      guard_(guard_length(scene, grid.dx)),
       margin_(scene.fluid.mixed.margin.value_or(margin_in_depths * deepest_water(scene))),
       chunk_(std::max(1L, std::lround(scene.fluid.mixed.chunk / grid.dx))),
       ends_are_walls_(scene.channel.flow == Flow::closed) {
