@@ -10,17 +10,18 @@
 namespace wade {
 
 // Cells that the mean of the particles round the middle of a cell reaches to each side: two spacings, so that it spans four,
-// and whole cells.
-[[nodiscard]] inline int cells_of_mean(const Fluid& fluid, double cell) {
-    return std::max(1, static_cast<int>(std::ceil(2 * fluid.particle_spacing / cell - 1e-9)));
+// and 0.45 times the depth, as water that is uneven over less does not move as shallow water; whole cells.
+[[nodiscard]] inline int cells_of_mean(const Scene& scene, double cell) {
+    const double reach = std::max(2 * scene.fluid.particle_spacing, 0.45 * deepest_water(scene));
+    return std::max(1, static_cast<int>(std::ceil(reach / cell - 1e-9)));
 }
 
 // Length of a guard, m: a support radius, so that particles in the window miss no neighbour, a spacing for what moves within
-// a step, no less than the mean reaches, and two thirds of the depth: within about the depth water beside a guard is not
-// hydrostatic, and before a guard of eight layers of particles that was a third as long as deep it sped up without end.
+// a step, no less than the mean reaches, and two thirds of the depth: before guards of eight layers of particles that were a
+// third as long as deep the stream sped up until the water failed.
 [[nodiscard]] inline double guard_length(const Scene& scene, double cell) {
     const Fluid& fluid = scene.fluid;
-    return std::max({support_radius_of(fluid) + fluid.particle_spacing, cells_of_mean(fluid, cell) * cell,
+    return std::max({support_radius_of(fluid) + fluid.particle_spacing, cells_of_mean(scene, cell) * cell,
                      2.0 / 3 * deepest_water(scene)});
 }
 

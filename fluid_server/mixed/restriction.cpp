@@ -28,7 +28,7 @@ std::ptrdiff_t wrapped(std::ptrdiff_t c, std::size_t n) {
 }  // namespace
 
 Restriction::Restriction(const shallow_water::ShallowWater& world)
-    : reach_(cells_of_mean(world.scene.fluid, std::max(world.grid.dx, world.grid.dz))),
+    : reach_(cells_of_mean(world.scene, std::max(world.grid.dx, world.grid.dz))),
       time_(static_cast<double>(reach_) * world.grid.dx /
             std::sqrt(world.constants.gravity * std::max(deepest_water(world.scene), 1e-3))),
       periodic_across_(world.scene.channel.sides == Sides::periodic),
