@@ -15,15 +15,14 @@ double overlap(const Interval& a, double lo, double hi) {
     return std::max(0.0, std::min(a.hi, hi) - std::max(a.lo, lo));
 }
 
-// Area of a cell that obstacles leave free; of one that they fill but for a quarter all of it, as the little water in
-// what is left, or over the obstacles, would count too much.
-double free_area(const DangerGrid& grid, std::size_t column, std::size_t row, const std::vector<Obstacle>& obstacles) {
-    const double x = grid.x0 + static_cast<double>(column) * grid.step_x;
-    const double z = grid.z0 + static_cast<double>(row) * grid.step_z;
+// Part of a cell that obstacles leave free.
+double free_share(const GroundCells& grid, std::size_t cell, const std::vector<Obstacle>& obstacles) {
+    const double x = grid.x0 + static_cast<double>(cell % grid.columns) * grid.step_x;
+    const double z = grid.z0 + static_cast<double>(cell / grid.columns) * grid.step_z;
     const double all = grid.step_x * grid.step_z;
     double left = all;
     for (const Obstacle& o : obstacles) left -= overlap(o.x, x, x + grid.step_x) * overlap(o.z, z, z + grid.step_z);
-    return left < 0.25 * all ? all : left;
+    return left / all;
 }
 
 }  // namespace
@@ -54,7 +53,7 @@ void add_step(Exposure& exposure, double depth, const Vector2d& discharge, std::
     if (exposure.open_steps >= block_steps) close_block(exposure, block_steps);
 }
 
-DangerGrid DangerGrid::over(const Channel& channel) {
+GroundCells danger_grid(const Channel& channel) {
     const double cell = std::max(wanted_cell, std::sqrt(channel.x.length() * channel.z.length() / most_cells));
     const auto count = [&](double length) { return std::max(1.0, std::round(length / cell)); };
     const double columns = count(channel.x.length()), rows = count(channel.z.length());
@@ -66,38 +65,41 @@ DangerGrid DangerGrid::over(const Channel& channel) {
             static_cast<std::size_t>(rows)};
 }
 
-std::size_t DangerGrid::cell_of(double x, double z) const {
-    const double c = std::floor((x - x0) / step_x), r = std::floor((z - z0) / step_z);
-    const bool inside = c >= 0 && c < static_cast<double>(columns) && r >= 0 && r < static_cast<double>(rows);
-    return inside ? static_cast<std::size_t>(r) * columns + static_cast<std::size_t>(c) : columns * rows;
-}
-
 DangerRecord::DangerRecord(const Scene& scene, std::size_t agents, double window)
-    : grid_(DangerGrid::over(scene.channel)),
+    : grid_(danger_grid(scene.channel)),
+      rest_density_(scene.fluid.rest_density),
       dt_(1 / scene.crowd.step_rate),
       block_steps_(static_cast<std::uint64_t>(std::max(1LL, std::llround(window * scene.crowd.step_rate)))),
-      cells_(grid_.columns * grid_.rows),
+      cells_(grid_.cells()),
       agents_(agents),
       mass_(cells_.size()),
       momentum_(cells_.size()) {
-    for (std::size_t row = 0; row < grid_.rows; ++row) {
-        for (std::size_t column = 0; column < grid_.columns; ++column) {
-            mass_of_depth_.push_back(scene.fluid.rest_density * free_area(grid_, column, row, scene.obstacles));
-        }
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+        const double free = free_share(grid_, c, scene.obstacles);
+        // Of a cell that obstacles fill but for a quarter all counts, as the little water in what is left, or over the
+        // obstacles, would count too much.
+        const double counted = free < 0.25 ? 1 : free;
+        mass_of_depth_.push_back(rest_density_ * counted * grid_.step_x * grid_.step_z);
+        filled_.push_back(free < 1e-9);
     }
 }
 
 void DangerRecord::sum_up(const WaterView& water) {
     std::fill(mass_.begin(), mass_.end(), 0.0);
     std::fill(momentum_.begin(), momentum_.end(), Vector2d::Zero());
+    Footprints footprints(rest_density_);
     for (std::size_t i = 0; i < water.size(); ++i) {
-        const std::size_t cell = grid_.cell_of(water.origin_x + water.scale_x * static_cast<double>(water.px[i]),
-                                               water.origin_z + water.scale_z * static_cast<double>(water.pz[i]));
-        if (cell == cells_.size()) continue;
+        const double x = water.origin_x + water.scale_x * static_cast<double>(water.px[i]);
+        const double z = water.origin_z + water.scale_z * static_cast<double>(water.pz[i]);
         const double mass = static_cast<double>(water.mass[i]);
-        mass_[cell] += mass;
-        momentum_[cell] += mass * Vector2d(water.scale_x * static_cast<double>(water.vx[i]),
-                                           water.scale_z * static_cast<double>(water.vz[i]));
+        const Vector2d velocity(water.scale_x * static_cast<double>(water.vx[i]),
+                                water.scale_z * static_cast<double>(water.vz[i]));
+        deal_footprint(grid_, x, z, footprints.width(mass), [&](std::size_t met, double share) {
+            // Water beside an obstacle stands on its own side of the face.
+            const std::size_t cell = filled_[met] ? grid_.cell_of(x, z) : met;
+            mass_[cell] += share * mass;
+            momentum_[cell] += share * mass * velocity;
+        });
     }
 }
 
@@ -129,7 +131,7 @@ std::string exposure_times(const Exposure& exposure, double dt) {
 }
 
 std::string danger_csv(const DangerRecord& record) {
-    const DangerGrid& grid = record.grid();
+    const GroundCells& grid = record.grid();
     std::string csv = "x_min_m,x_max_m,z_min_m,z_max_m,danger_level,max_depth_m,max_speed_m_s,max_dv_m2_s,";
     csv += std::string(exposure_columns) + '\n';
     for (std::size_t c = 0; c < record.cells().size(); ++c) {

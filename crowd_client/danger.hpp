@@ -1,12 +1,13 @@
 #pragma once
 // The levels of danger that the water reached, cell by cell and agent by agent.
 //
-// A cell of 2 x 2 m holds a few particles, so that its depth of one moment scatters by a quarter. Depth and discharge are
-// therefore averaged over blocks of time, for an agent along its way, and levels are those of the means:
+// A cell of 2 x 2 m holds a few particles, so that its depth of one moment scatters. Depth and discharge are therefore
+// averaged over blocks of time, for an agent along its way, and levels are those of the means:
 //
-//   depth h = mean of sum m / (rho A)       discharge q = mean of sum m v / (rho A)       speed |q| / h, depth times speed |q|
+//   depth h = mean of sum w m / (rho A)     discharge q = mean of sum w m v / (rho A)     speed |q| / h, depth times speed |q|
 //
-// m, v of the particles in a cell, A its area without obstacles, rho the rest density of the water.
+// m, v of the particles, w the part of each that lies in the cell (footprint.hpp), A the area of the cell without obstacles,
+// rho the rest density of the water.
 
 #include <array>
 #include <cstddef>
@@ -17,6 +18,7 @@
 
 #include "crowd_client/agents.hpp"
 #include "crowd_client/danger_level.hpp"
+#include "crowd_client/footprint.hpp"
 #include "crowd_client/water_view.hpp"
 
 namespace wade::crowd {
@@ -42,14 +44,7 @@ void add_step(Exposure& exposure, double depth, const Vector2d& discharge, std::
 void close_block(Exposure& exposure, std::uint64_t block_steps);
 
 // Cells of about 2 x 2 m, 1.33 to 2.67 m, that fill the channel exactly, so that no bank cuts any; at most a million.
-struct DangerGrid {
-    double x0 = 0, z0 = 0;          // corner of the channel, m
-    double step_x = 2, step_z = 2;  // m
-    std::size_t columns = 1, rows = 1;
-    [[nodiscard]] static DangerGrid over(const Channel& channel);
-    // The cell of a place, or columns * rows outside the channel.
-    [[nodiscard]] std::size_t cell_of(double x, double z) const;
-};
+[[nodiscard]] GroundCells danger_grid(const Channel& channel);
 
 class DangerRecord {
  public:
@@ -60,7 +55,7 @@ class DangerRecord {
     void add(const Agents& agents, std::span<const std::uint32_t> active, const WaterView& water);
     void close();  // at the end of the run
 
-    [[nodiscard]] const DangerGrid& grid() const { return grid_; }
+    [[nodiscard]] const GroundCells& grid() const { return grid_; }
     [[nodiscard]] const std::vector<Exposure>& cells() const { return cells_; }    // row by row (z)
     [[nodiscard]] const std::vector<Exposure>& agents() const { return agents_; }  // by id
     [[nodiscard]] double dt() const { return dt_; }
@@ -68,10 +63,12 @@ class DangerRecord {
  private:
     void sum_up(const WaterView& water);
 
-    DangerGrid grid_;
-    double dt_;  // s
+    GroundCells grid_;
+    double rest_density_;  // kg/m3
+    double dt_;            // s
     std::uint64_t block_steps_;
     std::vector<double> mass_of_depth_;  // kg of water in a cell for a metre of depth
+    std::vector<bool> filled_;           // by an obstacle
     std::vector<Exposure> cells_, agents_;
     std::vector<double> mass_;  // of the step at hand, kg
     std::vector<Vector2d> momentum_;

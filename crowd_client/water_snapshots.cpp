@@ -27,27 +27,25 @@ double cell_size(const Scene& scene) {
     return std::max({0.5, scene.fluid.particle_spacing, std::sqrt(area / 1e6)});
 }
 
-std::uint32_t cells_along(double length, double cell) {
-    return static_cast<std::uint32_t>(std::max(1.0, std::ceil(length / cell - 1e-9)));
+GroundCells grid_over(const Scene& scene) {
+    const Interval &x = scene.channel.x, &z = scene.channel.z;
+    const double cell = cell_size(scene);
+    const auto along = [&](double length) {
+        return static_cast<std::size_t>(std::max(1.0, std::ceil(length / cell - 1e-9)));
+    };
+    return {x.lo, z.lo, cell, cell, along(x.length()), along(z.length())};
 }
 
 }  // namespace
 
 WaterSnapshots::WaterSnapshots(const std::filesystem::path& file, const Scene& scene)
-    : file_(file),
-      x0_(scene.channel.x.lo),
-      z0_(scene.channel.z.lo),
-      cell_(cell_size(scene)),
-      columns_(cells_along(scene.channel.x.length(), cell_)),
-      rows_(cells_along(scene.channel.z.length(), cell_)),
-      rest_density_(scene.fluid.rest_density),
-      mass_(static_cast<std::size_t>(columns_) * rows_) {
+    : file_(file), grid_(grid_over(scene)), rest_density_(scene.fluid.rest_density), mass_(grid_.cells()) {
     std::string header = "WADEWAT1";
-    put(header, columns_);
-    put(header, rows_);
-    put(header, cell_);
-    put(header, x0_);
-    put(header, z0_);
+    put(header, static_cast<std::uint32_t>(grid_.columns));
+    put(header, static_cast<std::uint32_t>(grid_.rows));
+    put(header, grid_.step_x);
+    put(header, grid_.x0);
+    put(header, grid_.z0);
     put(header, max_depth);
     header.resize(header_bytes, '\0');
     file_.append(header);
@@ -55,18 +53,20 @@ WaterSnapshots::WaterSnapshots(const std::filesystem::path& file, const Scene& s
 
 void WaterSnapshots::write(std::uint64_t step, double time, const WaterView& water) {
     std::fill(mass_.begin(), mass_.end(), 0.0);
+    Footprints footprints(rest_density_);
     for (std::size_t i = 0; i < water.size(); ++i) {
-        const double c = std::floor((water.origin_x + water.scale_x * static_cast<double>(water.px[i]) - x0_) / cell_);
-        const double r = std::floor((water.origin_z + water.scale_z * static_cast<double>(water.pz[i]) - z0_) / cell_);
-        if (!(c >= 0 && c < columns_ && r >= 0 && r < rows_)) continue;
-        mass_[static_cast<std::size_t>(r) * columns_ + static_cast<std::size_t>(c)] +=
-            static_cast<double>(water.mass[i]);
+        const double x = water.origin_x + water.scale_x * static_cast<double>(water.px[i]);
+        const double z = water.origin_z + water.scale_z * static_cast<double>(water.pz[i]);
+        const double mass = static_cast<double>(water.mass[i]);
+        deal_footprint(grid_, x, z, footprints.width(mass),
+                       [&](std::size_t cell, double share) { mass_[cell] += share * mass; });
     }
     record_.clear();
     put(record_, step);
     put(record_, time);
+    const double mass_of_depth = rest_density_ * grid_.step_x * grid_.step_z;
     for (const double mass : mass_) {
-        const double depth = std::min(mass / (rest_density_ * cell_ * cell_), max_depth);
+        const double depth = std::min(mass / mass_of_depth, max_depth);
         put(record_, static_cast<std::uint16_t>(std::lround(depth * millimetres)));
     }
     file_.append(record_);

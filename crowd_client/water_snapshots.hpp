@@ -3,7 +3,8 @@
 //
 // Little-endian. Header, 64 bytes: "WADEWAT1", u32 columns, u32 rows, f64 cell size (m), f64 x and z of the grid's
 // corner (m), f64 largest depth that can be stored (m), zeros. Then one record a snapshot: u64 step of the crowd, f64 time (s),
-// columns * rows u16, row by row (z), depth in millimetres.
+// columns * rows u16, row by row (z), depth in millimetres: volume of the particles over the area of the cell, each dealt to
+// the cells that it covers (footprint.hpp).
 
 #include <cstdint>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "configs/scene.hpp"
+#include "crowd_client/footprint.hpp"
 #include "crowd_client/output_file.hpp"
 #include "crowd_client/water_view.hpp"
 
@@ -26,9 +28,7 @@ class WaterSnapshots {
 
  private:
     AppendFile file_;
-    double x0_, z0_;
-    double cell_;
-    std::uint32_t columns_, rows_;
+    GroundCells grid_;
     double rest_density_;
     std::vector<double> mass_;
     std::string record_;

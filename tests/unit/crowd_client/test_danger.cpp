@@ -119,7 +119,7 @@ TEST_CASE("Cells fill the channel exactly") {
     Channel channel;
     channel.x = {0, 100};
     channel.z = {11.5, 38.5};
-    const DangerGrid grid = DangerGrid::over(channel);
+    const GroundCells grid = danger_grid(channel);
     CHECK(grid.columns == 50);
     CHECK(grid.rows == 14);
     CHECK(grid.step_x == 2);
@@ -130,7 +130,7 @@ TEST_CASE("Cells fill the channel exactly") {
         CHECK(grid.cell_of(p.x(), p.y()) == grid.columns * grid.rows);
     }
     channel.x.hi = channel.z.hi = 100000;
-    const DangerGrid large = DangerGrid::over(channel);
+    const GroundCells large = danger_grid(channel);
     CHECK(large.columns * large.rows <= 1001000);  // a million up to the rounding of rows and columns
 }
 
@@ -144,6 +144,48 @@ TEST_CASE("An obstacle takes its share of a cell") {
     Recorded sliver(scene, 1.0 / 30);
     sliver.add(water_of(0.5, 0.5));
     CHECK(sliver.record.cells()[0].max_depth == Approx(0.5));
+}
+
+TEST_CASE("A lattice has its depth in every cell, whatever its spacing") {
+    Scene scene = two_cells();
+    scene.channel.x = {10, 22};
+    scene.channel.z = {20, 26};
+    const double d = 0.4;  // 5 particles along a cell
+    for (const double offset : {0.05, 0.2, 0.37}) {
+        Recorded run(scene, 1.0 / 30);
+        MadeUpWater water;
+        for (double x = 10 + offset; x < 22; x += d) {
+            for (double z = 20 + 0.5 * d; z < 26; z += d) water.add(x, z, 1000 * d * d * d, -2, 0);
+        }
+        run.add(water);
+        const GroundCells& grid = run.record.grid();
+        for (std::size_t c = 0; c < grid.cells(); ++c) {
+            const std::size_t column = c % grid.columns;
+            if (column == 0 || column + 1 == grid.columns) continue;  // whose lattice ends anywhere
+            CHECK(run.record.cells()[c].max_depth == Approx(d));
+            CHECK(run.record.cells()[c].max_depth_speed == Approx(2 * d));
+        }
+    }
+}
+
+TEST_CASE("A particle counts in the cells that it covers, and its water beside an obstacle not under it") {
+    Scene scene = two_cells();
+    scene.channel.x = {10, 16};
+    scene.channel.z = {20, 24};
+    MadeUpWater water;
+    water.add(11.875, 21.75, 125, 0, 1);  // 0.5 m wide: 3/4 of it along x, all across in the first cell
+    Recorded run(scene, 1.0 / 30);
+    run.add(water);
+    CHECK(run.record.cells()[0].max_depth == Approx(0.75 * 0.125 / 4));
+    CHECK(run.record.cells()[1].max_depth == Approx(0.25 * 0.125 / 4));
+    CHECK(run.record.cells()[1].max_depth_speed == Approx(0.25 * 0.125 / 4));
+    for (std::size_t dry = 2; dry < 6; ++dry) CHECK(run.record.cells()[dry].largest == DangerLevel::none);
+
+    scene.obstacles.push_back({{12, 14}, {20, 22}, 1});
+    Recorded beside(scene, 1.0 / 30);
+    beside.add(water);
+    CHECK(beside.record.cells()[0].max_depth == Approx(0.125 / 4));
+    CHECK(beside.record.cells()[1].largest == DangerLevel::none);
 }
 
 TEST_CASE("danger.csv has a line for each cell") {

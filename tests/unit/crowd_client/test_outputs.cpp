@@ -186,10 +186,9 @@ TEST_CASE("Snapshots hold the depth of each cell") {
     {
         WaterSnapshots snapshots(file, scene);
         testing::MadeUpWater water;
-        water.add(10.1, 20.1, 62.5, 0, 0);  // cell (0, 0): 62.5 kg on 0.25 m2 = 0.25 m
-        water.add(11.9, 21.4, 125, 0, 0);   // cell (3, 2): 0.5 m
-        water.add(11.9, 21.4, 1e9, 0, 0);   // more than fits
-        water.add(9.9, 20.1, 62.5, 0, 0);   // outside
+        water.add(10.1, 20.1, 62.5, 0, 0);                               // cell (0, 0): 62.5 kg on 0.25 m2 = 0.25 m
+        for (int i = 0; i < 200; ++i) water.add(11.9, 21.4, 125, 0, 0);  // cell (3, 2): 100 m, more than fits
+        water.add(9.9, 20.1, 62.5, 0, 0);                                // outside
         snapshots.write(30, 1.0, water.view());
         snapshots.write(60, 2.0, testing::MadeUpWater{}.view());
     }
