@@ -201,8 +201,10 @@ SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start
                                   const NeighbourLists& lists, const GradientCorrection* correction, ParticleFields& f,
                                   float dt, const PressureSolve& settings, Source&& source) {
     const bool shifts = &pressure == &p.shift_pressure;
-    const Operator o{p, lists, correction, f, shifts && packs_inflow_};
-    for_each_particle(p.count, [&](std::size_t i) { pressure[i] *= warm_start; });
+    const Operator o{p, lists, correction, f, shifts && guides_inflow_};
+    const bool inflow_is_given = !shifts && guides_inflow_;
+    const auto is_given = [&](std::size_t i) { return inflow_is_given && p.kind[i] == Kind::inflow; };
+    for_each_particle(p.count, [&](std::size_t i) { pressure[i] *= is_given(i) ? 1 : warm_start; });
     start_solve(pressure, velocities(p), o,
                 [&](std::size_t i, float rate, std::size_t) { f.source[i] = source(i, rate); });
     if (confined_) {
@@ -220,7 +222,8 @@ SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start
         errors_.begin(p.count);
         turns_.begin(p.count);
         for_each_density_rate(accelerations(f), o, [&](std::size_t i, float rate, std::size_t b) {
-            const float error = f.source[i] + dt2 * rate;  // compression that is left after the step
+            // Compression that is left after the step.
+            const float error = is_given(i) ? 0 : f.source[i] + dt2 * rate;
             errors_[b] += static_cast<double>(std::max(error, 0.0F));
             const float from = pressure[i];
             const float found = std::max(0.0F, from + relaxation_ * error * f.inverse_diagonal[i] / dt2);

@@ -70,9 +70,10 @@ class PressureSolver {
     // weight moves nothing.
     void set_layers(double layers) { layers_ = confined_ ? 1 : std::max(1.0, layers); }
 
-    // From now on the density solve, where it moves positions only, moves Kind::inflow as well: its packing follows the
-    // stream that carries it.
-    void pack_inflow() { packs_inflow_ = true; }
+    // From now on Kind::inflow is carried by a stream that gives it velocity and pressure. The divergence solve keeps that
+    // pressure: particles that cannot yield would gather more and more of it, and burst into those beside them that can.
+    // The density solve, where it moves positions only, moves Kind::inflow as well: its packing follows the stream.
+    void guide_inflow() { guides_inflow_ = true; }
 
     // Corrects the velocities until no particle that is near rest density is being compressed.
     // correction: of the gradients of confined water, or null.
@@ -100,7 +101,7 @@ class PressureSolver {
     float relaxation_;
     bool confined_;
     double layers_ = 1;
-    bool packs_inflow_ = false;
+    bool guides_inflow_ = false;
     BlockSums<double> errors_;
     BlockSums<double> turns_;     // by how much momentum leads back
     std::vector<float> earlier_;  // pressure of the iteration before, where there is momentum

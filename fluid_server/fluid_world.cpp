@@ -103,7 +103,7 @@ FluidWorld::FluidWorld(const Scene& scene, OpenEnds* ends)
     std::visit([&](const auto& kernel) { solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_); },
                kernel_);
     if (ends_ != nullptr) {
-        solver_->pack_inflow();
+        solver_->guide_inflow();
     }
     initial_speed_ = fastest_particle(particles_);
     if (scene.channel.manning_n > 0) {

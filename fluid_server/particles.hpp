@@ -12,7 +12,7 @@ namespace wade::fluid {
 
 enum class Kind : std::uint8_t {
     fluid,  // moved by the solver
-    inflow  // still inside the emitter: moves with the emitter's velocity
+    inflow  // still inside the emitter, or in a guard (mixed/): moves with a velocity that it is given
 };
 
 // Sweeps work on clusters of particles that follow one another, one a lane of a vector: no more than this.

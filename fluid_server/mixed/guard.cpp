@@ -129,8 +129,10 @@ void Guards::update(Particles& p, const shallow_water::ShallowWater& world, doub
         const double y = static_cast<double>(p.y[i]);
         if (stream.h < thin * spacing_ || y > stream.h + spacing_) {
             p.vy[i] = y > spacing_ ? p.vy[i] - static_cast<float>(world.constants.gravity * dt) : 0;
+            p.pressure[i] = 0;
             return;
         }
+        p.pressure[i] = static_cast<float>(world.constants.gravity * std::max(0.0, stream.h - y));
         p.vx[i] = static_cast<float>(stream.u);
         p.vy[i] = static_cast<float>(-y * stream.divergence);
         p.vz[i] = static_cast<float>(stream.v);

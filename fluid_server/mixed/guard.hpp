@@ -1,11 +1,12 @@
 #pragma once
 // The guards: particles before an open end of the window that move as the shallow water does,
 //
-//   u, v   of the shallow water at the particle's place,      w = -y (du/dx + dv/dz)
+//   u, v   of the shallow water at the particle's place,      w = -y (du/dx + dv/dz),      p = g (h - y)
 //
 // which is how hydrostatic water moves over a level bed: columns keep their volume, so that the guard keeps its density. As
-// Kind::inflow they have no acceleration of their own, hold the water of the window up and carry it in or away. The density
-// solve moves them as it moves all (PressureSolver::pack_inflow): in water of one layer a column cannot grow otherwise.
+// Kind::inflow they have no acceleration of their own, hold the water of the window up by that pressure and carry it in or
+// away (PressureSolver::guide_inflow). The density solve moves them as it moves all: in water of one layer a column cannot
+// grow otherwise.
 //
 //       outer edge          window's end
 //   . . . |  o   o   o   o   |  o   o          A fluid particle that leaves the window becomes part of the guard, a particle

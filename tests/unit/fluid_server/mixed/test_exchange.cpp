@@ -39,7 +39,7 @@ TEST_CASE("a uniform river keeps depth and speed through the window", "[mixed]")
     const double volume = world.volume();
     run(world, 10);
     // Means over 2 m and 10 s. A river of four layers by itself misses its depth by 1 %; with as much for the waves of its
-    // start and for the ends of the window: 3 %.
+    // start and the ends of the window: 2 %. Guards that gathered pressure of their own made it 2.5 %.
     std::vector<Section> mean(18);
     constexpr int samples = 40;
     for (int s = 0; s < samples; ++s) {
@@ -52,8 +52,8 @@ TEST_CASE("a uniform river keeps depth and speed through the window", "[mixed]")
     }
     for (std::size_t i = 0; i < mean.size(); ++i) {
         INFO("from x = " << 2 + 2 * i);
-        CHECK(mean[i].depth == Approx(1).epsilon(0.03));
-        CHECK(mean[i].speed == Approx(1.5).epsilon(0.03));
+        CHECK(mean[i].depth == Approx(1).epsilon(0.02));
+        CHECK(mean[i].speed == Approx(1.5).epsilon(0.02));
     }
     CHECK(world.volume() == Approx(volume).epsilon(1e-11));
     const Closure closure = closure_of(world);
