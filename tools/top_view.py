@@ -118,8 +118,8 @@ def exchanged(depth, free, size):
 def water_cells(water, scene):
     """Borders of the cells along x and z, cut to the channel, and the depth in each, m, as (rows of z, columns of x).
 
-    A particle counts in the one cell that it lies in, so that even water is chequered where cells hold few of them. It is
-    spread over the neighbours, the more so the fewer particles (by spacing) a cell has.
+    Where cells hold few particles that lie anyhow, single ones make the water speckled. Neighbours exchange a part of it, the
+    more so the fewer particles (by spacing) a cell has.
     """
     _, x0, z0, cell, depth = water
     channel, spacing = scene["channel"], scene["fluid"]["particle_spacing_m"]
@@ -128,7 +128,7 @@ def water_cells(water, scene):
     wide, high = np.diff(x_edges), np.diff(z_edges)
     depth = depth * cell**2 / np.outer(high, wide)  # the file's depth is that over a whole cell
     free = passable(x_edges, z_edges, scene.get("obstacles", []))
-    for _ in range(round(3.5 * (spacing / cell) ** 2)):
+    for _ in range(round(1.2 * (spacing / cell) ** 2)):
         depth = exchanged(depth, free, wide)
         depth = exchanged(depth.T, free.T, high).T
     return x_edges, z_edges, depth

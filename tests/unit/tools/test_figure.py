@@ -118,13 +118,23 @@ def water_scene(length=27.0, width=13.5, spacing=0.4642, depth=1.0, obstacles=()
             "fluid": {"particle_spacing_m": spacing}, "obstacles": list(obstacles)}
 
 
+def parts_in_cells(places, width, start, cell, count):
+    """Of an interval of this width round each place the part in each cell; what lies beyond the cells is dealt to the rest."""
+    low = np.maximum(places - width / 2 - start, 0) / cell
+    high = np.minimum((places + width / 2 - start) / cell, count)
+    cells = np.arange(count)
+    overlap = np.minimum(high[:, None], cells + 1) - np.maximum(low[:, None], cells)
+    return np.maximum(overlap, 0) / (high - low)[:, None]
+
+
 def counted(x, z, described, cell=0.5):
     """What read_water gives of columns of water, each of spacing by spacing and 1 m, in these places."""
     channel, spacing = described["channel"], described["fluid"]["particle_spacing_m"]
-    shape = [int(np.ceil((channel[f"{axis}_max_m"] - channel[f"{axis}_min_m"]) / cell - 1e-9)) for axis in "zx"]
-    depth = np.zeros(shape)
-    np.add.at(depth, (((z - channel["z_min_m"]) / cell).astype(int), ((x - channel["x_min_m"]) / cell).astype(int)),
-              spacing**2 / cell**2)
+    parts = []
+    for axis, places in (("z", z), ("x", x)):
+        low, high = channel[f"{axis}_min_m"], channel[f"{axis}_max_m"]
+        parts.append(parts_in_cells(places, spacing, low, cell, int(np.ceil((high - low) / cell - 1e-9))))
+    depth = parts[0].T @ parts[1] * spacing**2 / cell**2
     return 0.0, channel["x_min_m"], channel["z_min_m"], cell, depth
 
 
@@ -149,8 +159,8 @@ class Water(unittest.TestCase):
     def test_even_water_looks_even_and_none_of_it_is_lost(self):
         described = water_scene()
         x, z = lattice(described)
-        # 29 rows in 27 cells: two rows of a straight lattice share a cell with another, which a spread of two cells dims.
-        for shaken, most in ((0.0, 0.15), (0.5, 0.1)):
+        # A lattice is even but for the spacing that the channel stretches; particles that are shaken by half a spacing show.
+        for shaken, most in ((0.0, 0.02), (0.5, 0.1)):
             with self.subTest(shaken=shaken):
                 shift = shaken * described["fluid"]["particle_spacing_m"] * (np.random.default_rng(1).random((2, len(x))) - 0.5)
                 water = counted(np.clip(x + shift[0], 0, 26.99), np.clip(z + shift[1], 2, 15.49), described)
@@ -158,7 +168,7 @@ class Water(unittest.TestCase):
                 self.assertAlmostEqual(volume(cells), float(water[4].sum()) * 0.25, places=9)
                 self.assertGreater(cells[2].min(), 0.7, "no holes")
                 self.assertLess(cells[2].std(), most)
-                self.assertLess(cells[2].std(), 0.4 * water[4].std())
+                self.assertLess(cells[2].std(), 0.7 * water[4].std())
 
     def test_a_cell_that_the_particles_fill_evenly_is_left_as_it_is(self):
         described = water_scene(length=1.0, width=1.0, spacing=0.1)
