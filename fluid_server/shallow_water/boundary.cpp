@@ -9,12 +9,15 @@ namespace wade::fluid::shallow_water {
 namespace {
 
 void copy_cell(Primitive& state, std::size_t to, std::size_t from) {
-    for (RowMemory* field : {&state.h, &state.eta, &state.u, &state.v}) (*field)[to] = (*field)[from];
+    for (RowMemory* field : {&state.h, &state.eta, &state.u, &state.v}) {
+        if (!field->empty()) (*field)[to] = (*field)[from];
+    }
 }
 
-void mirror_cell(Primitive& state, std::size_t to, std::size_t from, RowMemory& normal) {
-    copy_cell(state, to, from);
-    normal[to] = -normal[to];
+void copy_cells(Primitive& state, std::size_t to, std::size_t from, std::size_t n) {
+    for (RowMemory* field : {&state.h, &state.eta, &state.u, &state.v}) {
+        if (!field->empty()) std::copy_n(field->data() + from, n, field->data() + to);
+    }
 }
 
 // The water in the ghost cells below the fall, from the cell before it.
@@ -23,47 +26,33 @@ void fall(Primitive& state, std::size_t to, std::size_t from, double gravity) {
     const double c = std::sqrt(gravity * state.h[from]);
     if (-state.u[from] >= c) return;
     const double critical = std::max(0.0, (2 * c - state.u[from]) / 3);
-    const double bed = state.eta[from] - state.h[from];
+    const double bed = state.surface()[from] - state.h[from];
     state.h[to] = critical * critical / gravity;
-    state.eta[to] = bed + state.h[to];
+    if (!state.eta.empty()) state.eta[to] = bed + state.h[to];
     state.u[to] = -critical;
 }
 
-// Places of a line of n cells, `step` apart, of which the first is at `first`: its ghosts and where they come from.
-struct Line {
-    std::size_t first, step, n;
-    [[nodiscard]] std::size_t at(std::ptrdiff_t i) const {
-        return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(first) + i * static_cast<std::ptrdiff_t>(step));
-    }
-};
-
-void wrap_line(Primitive& state, const Line& line) {
-    const auto n = static_cast<std::ptrdiff_t>(line.n);
+// Calls copy(ghost, its original) for the ghosts of n cells, or rows.
+template <typename Copy>
+void wrap(std::size_t cells, Copy&& copy) {
+    const auto n = static_cast<std::ptrdiff_t>(cells);
     for (std::ptrdiff_t g = 1; g <= 2; ++g) {
-        copy_cell(state, line.at(-g), line.at(((-g) % n + n) % n));
-        copy_cell(state, line.at(n - 1 + g), line.at((g - 1) % n));
+        copy(-g, ((-g) % n + n) % n);
+        copy(n - 1 + g, (g - 1) % n);
     }
 }
 
-// In a line of one cell the image of the image is the cell itself.
-void mirror_line(Primitive& state, const Line& line, RowMemory& normal) {
-    const auto n = static_cast<std::ptrdiff_t>(line.n);
+// The same, and mirror(ghost) where the ghost is the mirror image of the original. Of a single cell the image of the image
+// is the cell itself.
+template <typename Copy, typename Mirror>
+void reflect(std::size_t cells, Copy&& copy, Mirror&& mirror) {
+    const auto n = static_cast<std::ptrdiff_t>(cells);
     for (std::ptrdiff_t g = 1; g <= 2; ++g) {
-        if (g <= n) {
-            mirror_cell(state, line.at(-g), line.at(g - 1), normal);
-            mirror_cell(state, line.at(n - 1 + g), line.at(n - g), normal);
-        } else {
-            copy_cell(state, line.at(-g), line.at(0));
-            copy_cell(state, line.at(n - 1 + g), line.at(0));
-        }
-    }
-}
-
-void fall_and_inflow_line(Primitive& state, const Line& line, double gravity) {
-    const auto n = static_cast<std::ptrdiff_t>(line.n);
-    for (std::ptrdiff_t g = 1; g <= 2; ++g) {
-        fall(state, line.at(-g), line.at(0), gravity);
-        copy_cell(state, line.at(n - 1 + g), line.at(n - 1));  // its flux is given
+        copy(-g, std::min(g, n) - 1);
+        copy(n - 1 + g, n - std::min(g, n));
+        if (g > n) continue;
+        mirror(-g);
+        mirror(n - 1 + g);
     }
 }
 
@@ -89,22 +78,36 @@ double depth_on_wave(double q, double h, double u, double g) {
 
 void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity) {
     for (std::size_t k = 0; k < grid.nz; ++k) {
-        const Line row{grid.row(static_cast<std::ptrdiff_t>(k)), 1, grid.nx};
+        const std::size_t row = grid.row(static_cast<std::ptrdiff_t>(k)), last = row + grid.nx - 1;
+        const auto copy = [&](std::ptrdiff_t to, std::ptrdiff_t from) {
+            copy_cell(state, row + static_cast<std::size_t>(to), row + static_cast<std::size_t>(from));
+        };
+        const auto mirror = [&](std::ptrdiff_t i) {
+            double& u = state.u[row + static_cast<std::size_t>(i)];
+            u = -u;
+        };
         if (channel.flow == Flow::emitter) {
-            fall_and_inflow_line(state, row, gravity);
+            for (std::size_t g = 1; g <= 2; ++g) {
+                fall(state, row - g, row, gravity);
+                copy_cell(state, last + g, last);  // its flux is given
+            }
         } else if (channel.flow == Flow::closed) {
-            mirror_line(state, row, state.u);
+            reflect(grid.nx, copy, mirror);
         } else {
-            wrap_line(state, row);
+            wrap(grid.nx, copy);
         }
     }
-    for (std::size_t i = 0; i < grid.nx; ++i) {
-        const Line column{grid.row(0) + i, grid.stride, grid.nz};
-        if (channel.sides == Sides::periodic) {
-            wrap_line(state, column);
-        } else {
-            mirror_line(state, column, state.v);
-        }
+    const auto copy = [&](std::ptrdiff_t to, std::ptrdiff_t from) {
+        copy_cells(state, grid.row(to), grid.row(from), grid.nx);
+    };
+    const auto mirror = [&](std::ptrdiff_t k) {
+        double* const v = state.v.data() + grid.row(k);
+        for (std::size_t i = 0; i < grid.nx; ++i) v[i] = -v[i];
+    };
+    if (channel.sides == Sides::periodic) {
+        wrap(grid.nz, copy);
+    } else {
+        reflect(grid.nz, copy, mirror);
     }
 }
 

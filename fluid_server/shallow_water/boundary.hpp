@@ -20,10 +20,15 @@ namespace wade::fluid::shallow_water {
 
 // The state by cell that fluxes are made from, ghosts included.
 struct Primitive {
-    RowMemory h, eta, u, v;  // depth and height of the surface, m; velocity along x and across, m/s
+    RowMemory h;     // depth, m
+    RowMemory eta;   // height of the surface, m; empty on a level bed, see surface()
+    RowMemory u, v;  // velocity along x and across, m/s
 
-    explicit Primitive(const Grid& grid)
-        : h(grid.stored(), 0), eta(grid.stored(), 0), u(grid.stored(), 0), v(grid.stored(), 0) {}
+    Primitive(const Grid& grid, const Bed& bed)
+        : h(grid.stored(), 0), eta(bed.level ? 0 : grid.stored(), 0), u(grid.stored(), 0), v(grid.stored(), 0) {}
+
+    // Over a level bed the surface is as high as the water is deep.
+    [[nodiscard]] const RowMemory& surface() const { return eta.empty() ? h : eta; }
 };
 
 // Fills the ghost cells.

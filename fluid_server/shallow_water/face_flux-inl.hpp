@@ -29,7 +29,9 @@ HWY_INLINE V limited_rise(V below, V here, V above) {
 inline void find_rises(Cells below, Cells here, Cells above, std::size_t n, CellRow rise) {
     for (std::size_t i = 0; i < n; i += lanes) {
         store(limited_rise(load(below.h + i), load(here.h + i), load(above.h + i)), rise.h + i);
-        store(limited_rise(load(below.eta + i), load(here.eta + i), load(above.eta + i)), rise.eta + i);
+        if (rise.eta != rise.h) {
+            store(limited_rise(load(below.eta + i), load(here.eta + i), load(above.eta + i)), rise.eta + i);
+        }
         store(limited_rise(load(below.normal + i), load(here.normal + i), load(above.normal + i)), rise.normal + i);
         store(limited_rise(load(below.along + i), load(here.along + i), load(above.along + i)), rise.along + i);
     }
@@ -41,16 +43,17 @@ struct Faces {
     static constexpr std::size_t count = 128;
     template <typename T>
     using Row = std::array<T, count>;
-    alignas(line_bytes) Row<double> h_l, h_r, u_l, u_r;                             // on the common bed
-    alignas(line_bytes) Row<float> signed_h_l, signed_h_r, narrow_u_l, narrow_u_r;  // the same; h < 0 of dry sides
-    alignas(line_bytes) Row<float> lean, spread;                                    // see combine_fluxes()
+    alignas(line_bytes) Row<double> h_l, h_r, u_l, u_r;  // on the common bed
+    alignas(line_bytes) Row<float> lean, spread;         // see combine_fluxes()
 };
 
-// States on both sides of n faces, and their hydrostatic reconstruction. wall: see find_fluxes(); only read with obstacles.
+// States on both sides of n faces, and their hydrostatic reconstruction. Returns the smallest depth.
+// wall: see find_fluxes(); only read with obstacles.
 template <bool obstacles>
-void reconstruct(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, const double* wall, std::size_t n,
-                 double dry_depth, Faces& faces) {
+double reconstruct(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, const double* wall, std::size_t n,
+                   double dry_depth, Faces& faces) {
     const V zero = all(0.0), dry = all(dry_depth);
+    V least = all(1e300);
     for (std::size_t i = 0; i < n; i += lanes) {
         const V eta_l = load(lower.eta + i) + load(lower_rise.eta + i);
         const V eta_r = load(upper.eta + i) - load(upper_rise.eta + i);
@@ -74,26 +77,41 @@ void reconstruct(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, c
         store(h_r, &faces.h_r[i]);
         store(u_l, &faces.u_l[i]);
         store(u_r, &faces.u_r[i]);
-        store_narrow(hn::IfThenElse(h_l <= dry, hn::Neg(h_l), h_l), &faces.signed_h_l[i]);
-        store_narrow(hn::IfThenElse(h_r <= dry, hn::Neg(h_r), h_r), &faces.signed_h_r[i]);
-        store_narrow(u_l, &faces.narrow_u_l[i]);
-        store_narrow(u_r, &faces.narrow_u_r[i]);
+        least = hn::Min(least, hn::Min(h_l, h_r));
     }
+    return hn::GetLane(hn::MinOfLanes(doubles, least));
 }
 
-// Fastest waves of n faces; single precision is enough for them, and has twice the lanes.
-inline void find_waves(std::size_t n, float gravity, Faces& faces) {
-    const F zero = all(0.0F), half = all(0.5F), g = all(gravity);
+// Two vectors in single precision.
+HWY_INLINE F load_narrow(const double* from) {
+    return narrow(load(from), load(from + lanes));
+}
+
+// The same of depths, negative where it is dry.
+HWY_INLINE F load_signed(const double* from, V dry) {
+    const V lower = load(from), upper = load(from + lanes);
+    return narrow(hn::IfThenElse(lower <= dry, hn::Neg(lower), lower),
+                  hn::IfThenElse(upper <= dry, hn::Neg(upper), upper));
+}
+
+// Fastest waves of n faces; single precision is enough for them, and has twice the lanes. any_dry: whether a side may be.
+template <bool any_dry>
+void find_waves(std::size_t n, const FluxConstants& constants, Faces& faces) {
+    const V dry = all(constants.dry);
+    const F zero = all(0.0F), half = all(0.5F), g = all(static_cast<float>(constants.gravity));
     for (std::size_t i = 0; i < n; i += float_lanes) {
-        const F h_l = load(&faces.signed_h_l[i]), h_r = load(&faces.signed_h_r[i]);
-        const F u_l = load(&faces.narrow_u_l[i]), u_r = load(&faces.narrow_u_r[i]);
+        const F h_l = any_dry ? load_signed(&faces.h_l[i], dry) : load_narrow(&faces.h_l[i]);
+        const F h_r = any_dry ? load_signed(&faces.h_r[i], dry) : load_narrow(&faces.h_r[i]);
+        const F u_l = load_narrow(&faces.u_l[i]), u_r = load_narrow(&faces.u_r[i]);
         const F c_l = hn::Sqrt(g * hn::Abs(h_l)), c_r = hn::Sqrt(g * hn::Abs(h_r));
         const F u_star = half * (u_l + u_r) + (c_l - c_r);
         const F c_star = hn::Max(zero, half * (c_l + c_r) + all(0.25F) * (u_l - u_r));
         F s_l = hn::Min(u_l - c_l, u_star - c_star);
         F s_r = hn::Max(u_r + c_r, u_star + c_star);
-        s_l = hn::IfThenElse(h_l <= zero, hn::Min(s_l, u_r - (c_r + c_r)), s_l);
-        s_r = hn::IfThenElse(h_r <= zero, hn::Max(s_r, u_l + (c_l + c_l)), s_r);
+        if constexpr (any_dry) {
+            s_l = hn::IfThenElse(h_l <= zero, hn::Min(s_l, u_r - (c_r + c_r)), s_l);
+            s_r = hn::IfThenElse(h_r <= zero, hn::Max(s_r, u_l + (c_l + c_l)), s_r);
+        }
         s_l = hn::Min(s_l, zero);
         s_r = hn::Max(s_r, zero);
         const F range = hn::Max(s_r - s_l, all(1e-20F));
@@ -134,12 +152,13 @@ inline void find_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_
     for (std::size_t i = 0; i < n; i += Faces::count) {
         const std::size_t m = std::min(Faces::count, n - i);
         const Cells l = lower.from(i), dl = lower_rise.from(i), r = upper.from(i), dr = upper_rise.from(i);
-        if (wall != nullptr) {
-            reconstruct<true>(l, dl, r, dr, wall + i, m, constants.dry, faces);
+        const double least = wall != nullptr ? reconstruct<true>(l, dl, r, dr, wall + i, m, constants.dry, faces)
+                                             : reconstruct<false>(l, dl, r, dr, nullptr, m, constants.dry, faces);
+        if (least > constants.dry) {
+            find_waves<false>(m, constants, faces);
         } else {
-            reconstruct<false>(l, dl, r, dr, nullptr, m, constants.dry, faces);
+            find_waves<true>(m, constants, faces);
         }
-        find_waves(m, static_cast<float>(constants.gravity), faces);
         combine_fluxes(l, dl, r, dr, m, constants.gravity, faces,
                        {flux.mass + i, flux.along + i, flux.into_lower + i, flux.into_upper + i});
     }

@@ -84,6 +84,7 @@ Bed make_bed(const Scene& scene, const Grid& grid) {
             bed.obstacle[c] = 1;
         }
     });
+    bed.level = std::all_of(bed.height.begin(), bed.height.end(), [](double b) { return b == 0; });
     return bed;
 }
 

@@ -48,6 +48,7 @@ struct Water {
 struct Bed {
     RowMemory height;    // b, m: the mean of bed_points over the cell, or the top of an obstacle
     RowMemory obstacle;  // 1 in cells whose centre lies in an obstacle, else 0; empty if there is none
+    bool level = false;  // whether all heights are 0
 };
 [[nodiscard]] Bed make_bed(const Scene& scene, const Grid& grid);
 

@@ -40,9 +40,6 @@ HWY_INLINE F all(float value) {
 HWY_INLINE V load(const double* from) {
     return hn::LoadU(doubles, from);
 }
-HWY_INLINE F load(const float* from) {
-    return hn::LoadU(floats, from);
-}
 HWY_INLINE void store(V v, double* to) {
     hn::StoreU(v, doubles, to);
 }
@@ -50,11 +47,7 @@ HWY_INLINE void store(F v, float* to) {
     hn::StoreU(v, floats, to);
 }
 
-// Between a vector of doubles and half as many floats as a vector has.
-HWY_INLINE void store_narrow(V v, float* to) {
-    const hn::Half<Floats> half;
-    hn::StoreU(hn::DemoteTo(half, v), half, to);
-}
+// Half as many floats as a vector has.
 HWY_INLINE V load_wide(const float* from) {
     return hn::PromoteTo(doubles, hn::LoadU(hn::Half<Floats>(), from));
 }

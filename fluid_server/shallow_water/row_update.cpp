@@ -44,30 +44,33 @@ struct Workspace {
     FluxRow flux_x{};                 // faces 0 to nx
     std::array<FluxRow, 2> flux_z{};  // below and above the row at hand
 
-    Workspace(RowMemory& buffer, std::size_t nx) {
+    Workspace(RowMemory& buffer, std::size_t nx, bool level_bed) {
         const std::size_t length = whole_lines(nx + 2) + line_values;
         buffer.resize(24 * length);
         double* next = buffer.data();
         const auto take = [&] { return std::exchange(next, next + length); };
         for (CellRow* row : {&rise_x, &rise_z[0], &rise_z[1]}) *row = {take(), take(), take(), take()};
+        if (level_bed) {  // the surface rises as the depth does
+            for (CellRow* row : {&rise_x, &rise_z[0], &rise_z[1]}) row->eta = row->h;
+        }
         for (FluxRow* row : {&flux_x, &flux_z[0], &flux_z[1]}) *row = {take(), take(), take(), take()};
     }
 };
 
 // Cells from place c on, with u or v as the velocity normal to the faces.
 inline Cells along_x(const Primitive& p, std::size_t c) {
-    return {p.h.data() + c, p.eta.data() + c, p.u.data() + c, p.v.data() + c};
+    return {p.h.data() + c, p.surface().data() + c, p.u.data() + c, p.v.data() + c};
 }
 inline Cells across(const Primitive& p, std::size_t c) {
-    return {p.h.data() + c, p.eta.data() + c, p.v.data() + c, p.u.data() + c};
+    return {p.h.data() + c, p.surface().data() + c, p.v.data() + c, p.u.data() + c};
 }
 
 struct RowOf {
     const double *h, *qx, *qz;
 };
 struct RowTo {
-    double *h, *qx, *qz;
-    double *depth, *eta, *u, *v;
+    double *h, *qx, *qz;          // h null: only the depth
+    double *depth, *eta, *u, *v;  // eta null: on a level bed
 };
 
 // Returns the smallest depth. What is taken by value is the function's own, so that no store changes its pointers.
@@ -103,11 +106,11 @@ double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const doub
         qx = hn::IfThenElseZero(wet, qx);
         qz = hn::IfThenElseZero(wet, qz);
         const V inverse = one / hn::IfThenElse(wet, new_h, one);
-        store(new_h, to.h + i);
+        if (to.h != nullptr) store(new_h, to.h + i);
         store(qx, to.qx + i);
         store(qz, to.qz + i);
         store(new_h, to.depth + i);
-        store(new_h + load(bed + i), to.eta + i);
+        if (to.eta != nullptr) store(new_h + load(bed + i), to.eta + i);
         store(qx * inverse, to.u + i);
         store(qz * inverse, to.v + i);
     }
@@ -118,17 +121,16 @@ void UpdateBand(ShallowWater& world, const BandFrom& from, const StageTerms& ter
                 RowMemory& buffer, const BandTo& to) {
     const Grid& grid = world.grid;
     const Primitive& p = from.primitive;
-    // The depths of `from.water` are those of its primitive as well, whose rows are in the cache.
-    const auto row_from = [](const RowMemory& h, const Water& water, std::size_t c) {
-        return RowOf{h.data() + c, water.qx.data() + c, water.qz.data() + c};
+    const auto row_from = [](const RowMemory& h, const RowMemory& qx, const RowMemory& qz, std::size_t c) {
+        return RowOf{h.data() + c, qx.data() + c, qz.data() + c};
     };
     const auto row_to = [&](std::size_t c) {
         Primitive& q = to.primitive;
-        return RowTo{to.water.h.data() + c, to.water.qx.data() + c, to.water.qz.data() + c, q.h.data() + c,
-                     q.eta.data() + c,      q.u.data() + c,         q.v.data() + c};
+        return RowTo{to.h == nullptr ? nullptr : to.h->data() + c, to.qx.data() + c, to.qz.data() + c, q.h.data() + c,
+                     q.eta.empty() ? nullptr : q.eta.data() + c,   q.u.data() + c,   q.v.data() + c};
     };
     const std::size_t n = grid.nx;
-    Workspace work(buffer, n);
+    Workspace work(buffer, n, world.bed.level);
     const auto row_of = [&](std::size_t k, std::ptrdiff_t offset) {
         return grid.row(static_cast<std::ptrdiff_t>(k) + offset);
     };
@@ -137,7 +139,7 @@ void UpdateBand(ShallowWater& world, const BandFrom& from, const StageTerms& ter
     };
     const auto fluxes_above_row = [&](std::size_t c, const FluxRow& flux) {
         find_fluxes(across(p, c), work.rise_z[0], across(p, c + grid.stride), work.rise_z[1],
-                    world.wall_z.empty() ? nullptr : world.wall_z.data() + c + grid.stride, n, terms.constants, flux);
+                    world.walls_z.from(c + grid.stride, grid), n, terms.constants, flux);
     };
     if (begin == end) return;
     rises_of_row(row_of(begin, -1), work.rise_z[0]);
@@ -151,21 +153,22 @@ void UpdateBand(ShallowWater& world, const BandFrom& from, const StageTerms& ter
 
         find_rises(along_x(p, c - 2), along_x(p, c - 1), along_x(p, c), n + 2, work.rise_x);
         find_fluxes(along_x(p, c - 1), work.rise_x, along_x(p, c), Cells(work.rise_x).from(1),
-                    world.wall_x.empty() ? nullptr : world.wall_x.data() + c, n + 1, terms.constants, work.flux_x);
+                    world.walls_x.from(c, grid), n + 1, terms.constants, work.flux_x);
         if (world.scene.channel.flow == Flow::emitter) {
             set_inflow(work.flux_x, n, terms.discharge, world.scene.channel.depth, p.h[c + n - 1], p.u[c + n - 1],
                        terms.constants.gravity);
         }
         const bool friction = terms.manning_n > 0;
-        double* const slowed = work.rise_x.h;  // which is no longer needed
+        double* const slowed = work.rise_x.normal;  // which is no longer needed
         if (friction) {
             const double drag = terms.dt * terms.constants.gravity * terms.manning_n * terms.manning_n;
             find_slowing(along_x(p, c), n, drag, slowed);
         }
         const auto mix = friction ? mix_row<true> : mix_row<false>;
-        world.row_least[k] = mix(terms, grid.dx, grid.dz, n, slowed, work.rise_x.eta + 1, work.rise_z[0].eta,
-                                 work.flux_x, work.flux_z[0], work.flux_z[1], row_from(p.h, from.water, c),
-                                 row_from(from.base.h, from.base, c), world.bed.height.data() + c, row_to(c));
+        world.row_least[k] =
+            mix(terms, grid.dx, grid.dz, n, slowed, work.rise_x.eta + 1, work.rise_z[0].eta, work.flux_x,
+                work.flux_z[0], work.flux_z[1], row_from(p.h, from.qx, from.qz, c),
+                row_from(world.primitive.h, world.water.qx, world.water.qz, c), world.bed.height.data() + c, row_to(c));
         world.row_inflow[k] = work.flux_x.mass[n];
         world.row_outflow[k] = work.flux_x.mass[0];
         for (WatchedFace& watched : world.watched) {

@@ -24,16 +24,17 @@ constexpr double dry_share = 1e-5;
 // A step of 1/1000 that still empties a cell too far is taken.
 constexpr int most_halvings = 10;
 
-// 1 or -1 at faces between an obstacle and a cell that is none, see find_fluxes().
-void find_walls(ShallowWater& world) {
-    const Grid& grid = world.grid;
-    if (world.bed.obstacle.empty()) return;
-    world.wall_x.assign(grid.stored(), 0);
-    world.wall_z.assign(grid.stored(), 0);
-    for (std::size_t c = 0; c + grid.stride < grid.stored(); ++c) {
-        world.wall_x[c + 1] = world.bed.obstacle[c + 1] - world.bed.obstacle[c];
-        world.wall_z[c + grid.stride] = world.bed.obstacle[c + grid.stride] - world.bed.obstacle[c];
+// `step`: from a cell to the one above the face.
+Walls find_walls(const Grid& grid, const RowMemory& obstacle, std::size_t step) {
+    Walls walls;
+    if (obstacle.empty()) return walls;
+    walls.side.assign(grid.stored(), 0);
+    walls.rows.assign(grid.stored() / grid.stride, 0);
+    for (std::size_t c = step; c < grid.stored(); ++c) {
+        walls.side[c] = obstacle[c] - obstacle[c - step];
+        if (walls.side[c] != 0) walls.rows[c / grid.stride] = 1;
     }
+    return walls;
 }
 
 double sum(const std::vector<double>& values) {
@@ -56,19 +57,14 @@ void for_each_band(ShallowWater& world, Body&& body) {
     }
 }
 
-struct Stage {
-    const Water& water;
-    const Primitive& primitive;
-};
-
-// One Euler step of `from`, mixed with the world's `water`: see update_band().
-void euler_step(ShallowWater& world, const Stage& from, double share, double dt, double discharge, Water& to,
-                Primitive& to_primitive) {
+// One Euler step, mixed with the world's `water`: see update_band().
+void euler_step(ShallowWater& world, const BandFrom& from, double share, double dt, double discharge,
+                const BandTo& to) {
     const StageTerms terms{world.constants, world.acceleration, world.scene.channel.manning_n, share, dt, discharge};
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
-        update_band(world, {from.water, from.primitive, world.water}, terms, begin, end, buffer, {to, to_primitive});
+        update_band(world, from, terms, begin, end, buffer, to);
     });
-    fill_ghosts(to_primitive, world.grid, world.scene.channel, world.constants.gravity);
+    fill_ghosts(to.primitive, world.grid, world.scene.channel, world.constants.gravity);
 }
 
 double time_step(ShallowWater& world, double remaining) {
@@ -102,7 +98,7 @@ bool stayed_positive(const ShallowWater& world) {
     return *std::min_element(world.row_least.begin(), world.row_least.end()) >= rounding;
 }
 
-// Heun's step of report.dt from `water` to `next`; `primitive` is that of `water` before and that of `next` after it.
+// Heun's step of report.dt from `water` to `stage`; `primitive` is that of `water` before and that of `stage` after it.
 // Whether all depths stayed positive.
 bool heun_step(ShallowWater& world, StepReport& report) {
     const Channel& channel = world.scene.channel;
@@ -117,10 +113,13 @@ bool heun_step(ShallowWater& world, StepReport& report) {
         }
     };
     for (WatchedFace& watched : world.watched) watched.step_volume = watched.step_momentum = 0;
-    euler_step(world, {world.water, world.primitive}, 1, report.dt, discharge, world.stage, world.stage_primitive);
+    Water &water = world.water, &stage = world.stage;
+    euler_step(world, {water.qx, water.qz, world.primitive}, 1, report.dt, discharge,
+               {nullptr, stage.qx, stage.qz, world.stage_primitive});
     note_flow();
     const bool positive = stayed_positive(world);
-    euler_step(world, {world.stage, world.stage_primitive}, 0.5, report.dt, discharge, world.next, world.primitive);
+    euler_step(world, {stage.qx, stage.qz, world.stage_primitive}, 0.5, report.dt, discharge,
+               {&stage.h, stage.qx, stage.qz, world.primitive});
     note_flow();
     return positive && stayed_positive(world);
 }
@@ -154,10 +153,11 @@ ShallowWater::ShallowWater(const Scene& its_scene)
       grid(make_grid(scene)),
       bed(make_bed(scene, grid)),
       water(initial_water(scene, grid, bed)),
-      primitive(grid),
+      primitive(grid, bed),
       stage(grid),
-      next(grid),
-      stage_primitive(grid),
+      stage_primitive(grid, bed),
+      walls_x(find_walls(grid, bed.obstacle, 1)),
+      walls_z(find_walls(grid, bed.obstacle, grid.stride)),
       row_fastest(grid.nz, 0),
       row_least(grid.nz, 0),
       row_volume(grid.nz, 0),
@@ -168,7 +168,6 @@ ShallowWater::ShallowWater(const Scene& its_scene)
     constants.gravity = scene.world.gravity * std::cos(tilt);
     constants.dry = dry_share * deepest_water(scene);
     acceleration = -scene.world.gravity * std::sin(tilt);
-    find_walls(*this);
     update_primitive(*this);
 }
 
@@ -187,10 +186,11 @@ void update_primitive(ShallowWater& world) {
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t c = world.grid.row(static_cast<std::ptrdiff_t>(k));
+            Primitive& p = world.primitive;
+            double* const eta = p.eta.empty() ? p.h.data() : p.eta.data();
             find_primitive(water.h.data() + c, water.qx.data() + c, water.qz.data() + c, world.bed.height.data() + c,
                            world.grid.nx, world.constants.dry,
-                           {world.primitive.h.data() + c, world.primitive.eta.data() + c, world.primitive.u.data() + c,
-                            world.primitive.v.data() + c});
+                           {p.h.data() + c, eta + c, p.u.data() + c, p.v.data() + c});
         }
     });
     fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity);
@@ -203,7 +203,7 @@ StepReport step(ShallowWater& world, double remaining) {
         update_primitive(world);
         report = {0.5 * report.dt, 0, 0, 0};
     }
-    std::swap(world.water, world.next);
+    std::swap(world.water, world.stage);
     for (WatchedFace& watched : world.watched) {
         watched.volume += watched.step_volume;
         watched.momentum += watched.step_momentum;

@@ -17,6 +17,7 @@
 // of dt, as waves may speed up within it. A recirculating channel gets, after each step, the
 // velocity along x that all of it lacks to v_F.
 
+#include <cstdint>
 #include <vector>
 
 #include "fluid_server/shallow_water/boundary.hpp"
@@ -40,6 +41,17 @@ struct WatchedFace {
     double step_volume = 0, step_momentum = 0;   // of the step at hand
 };
 
+// Faces between an obstacle and a cell that is none, see find_fluxes(); empty without obstacles.
+struct Walls {
+    RowMemory side;                  // by cell: of the face below it, 1 or -1 where there is a wall, else 0
+    std::vector<std::uint8_t> rows;  // by row, ghosts included: whether it has any
+
+    // Of the faces from place c on in a row; null if there is none in the row.
+    [[nodiscard]] const double* from(std::size_t c, const Grid& grid) const {
+        return rows.empty() || rows[c / grid.stride] == 0 ? nullptr : side.data() + c;
+    }
+};
+
 struct ShallowWater {
     explicit ShallowWater(const Scene& its_scene);
 
@@ -53,11 +65,11 @@ struct ShallowWater {
     double acceleration = 0;  // a, m/s^2
 
     // Of the step at hand; kept for their memory.
-    Water stage, next;
-    Primitive stage_primitive;
-    RowMemory wall_x, wall_z;         // of faces along x and across, see find_fluxes(); empty without obstacles
-    std::vector<double> row_fastest;  // by row: largest s_x / dx + s_z / dz, 1/s
-    std::vector<double> row_least;    // by row: smallest depth, below 0 where a step was too long
+    Water stage;
+    Primitive stage_primitive;                     // of the first stage, whose depths are only here
+    Walls walls_x, walls_z;                        // of faces along x and across
+    std::vector<double> row_fastest;               // by row: largest s_x / dx + s_z / dz, 1/s
+    std::vector<double> row_least;                 // by row: smallest depth, below 0 where a step was too long
     std::vector<double> row_volume, row_momentum;  // by row: sums of h and of h u
     std::vector<double> row_inflow, row_outflow;   // by row: mass flux at x.hi and x.lo, m^2/s
     std::vector<RowMemory> buffers;                // by thread

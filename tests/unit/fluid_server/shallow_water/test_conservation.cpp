@@ -20,7 +20,7 @@ Unrest unrest(const ShallowWater& world, double height) {
     Unrest most;
     for_each_cell(world.grid, [&](double, double, std::size_t c) {
         if (world.water.h[c] <= world.constants.dry) return;
-        most.surface = std::max(most.surface, std::abs(world.primitive.eta[c] - height));
+        most.surface = std::max(most.surface, std::abs(world.primitive.surface()[c] - height));
         most.speed = std::max(most.speed, std::hypot(world.primitive.u[c], world.primitive.v[c]));
     });
     return most;

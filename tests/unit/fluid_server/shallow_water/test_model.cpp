@@ -100,7 +100,7 @@ TEST_CASE("particles lie in the water of their cell, and none is heavier than th
         if (!(x >= 0 && x < 20 && z >= 0 && z < 12)) ++outside;
         const std::size_t c = world.grid.row(static_cast<std::ptrdiff_t>(z / 0.5)) + static_cast<std::size_t>(x / 0.5);
         mass[c] += static_cast<double>(p[0][i]);
-        if (y < world.bed.height[c] || y > world.primitive.eta[c] + 1e-6) ++above;
+        if (y < world.bed.height[c] || y > world.primitive.surface()[c] + 1e-6) ++above;
         if (p[0][i] > 100.03F) ++heavy;
     }
     CHECK(outside == 0);
