@@ -37,6 +37,12 @@ constexpr float gap_closing = 0.1F;
 // it would for ever in water that is crushed.
 constexpr int first_with_momentum = 4;
 
+// A solve ends by its mean error, and no block of particles, which lie close together, may have more than so many times the
+// tolerance. A mean over all water alone lets a part of it stay crushed, the larger the more water there is: where a stream
+// of 39,000 particles was stopped by a block some dozens were compressed by a third in steps of CFL 1, until they flew
+// apart. With 7 times the tolerance they still did, with 5 and 3 not.
+constexpr double most_in_a_block = 5;
+
 class Momentum {
  public:
     float next_beta() {
@@ -130,6 +136,12 @@ void start_solve(const std::vector<float>& pressure, const ConstVectorArrays& u,
 
 double total_of(const BlockSums<double>& sums) {
     return sums.total([](double& sum, double of_block) { sum += of_block; });
+}
+
+// Mean over the block in which it is largest.
+double worst_mean_of(const BlockSums<double>& sums) {
+    return sums.total([](double& worst, double of_block) { worst = std::max(worst, of_block); }) /
+           static_cast<double>(block_size);
 }
 
 ConstVectorArrays velocities(const Particles& p) {
@@ -238,7 +250,8 @@ SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start
         ++result.iterations;
         const double error = p.count == 0 ? 0 : total_of(errors_) / static_cast<double>(p.count);
         const bool grows = error > std::exchange(result.error, error);
-        const bool solved = result.iterations >= settings.min_iterations && result.error <= settings.tolerance;
+        const bool solved = result.iterations >= settings.min_iterations && result.error <= settings.tolerance &&
+                            worst_mean_of(errors_) <= most_in_a_block * settings.tolerance;
         last = solved || result.iterations == settings.max_iterations;
         if (carries && (last || grows || total_of(turns_) > 0)) {
             std::copy_n(earlier_.begin(), p.count, pressure.begin());
