@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "crowd_client/csv_text.hpp"
+#include "crowd_client/footprint.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -87,16 +88,16 @@ DangerRecord::DangerRecord(const Scene& scene, std::size_t agents, double window
 void DangerRecord::sum_up(const WaterView& water) {
     std::fill(mass_.begin(), mass_.end(), 0.0);
     std::fill(momentum_.begin(), momentum_.end(), Vector2d::Zero());
-    Footprints footprints(rest_density_);
+    Footprints footprints(grid_, rest_density_);
     for (std::size_t i = 0; i < water.size(); ++i) {
         const double x = water.origin_x + water.scale_x * static_cast<double>(water.px[i]);
         const double z = water.origin_z + water.scale_z * static_cast<double>(water.pz[i]);
         const double mass = static_cast<double>(water.mass[i]);
         const Vector2d velocity(water.scale_x * static_cast<double>(water.vx[i]),
                                 water.scale_z * static_cast<double>(water.vz[i]));
-        deal_footprint(grid_, x, z, footprints.width(mass), [&](std::size_t met, double share) {
+        footprints.deal(x, z, mass, [&](std::size_t met, double share, std::size_t own) {
             // Water beside an obstacle stands on its own side of the face.
-            const std::size_t cell = filled_[met] ? grid_.cell_of(x, z) : met;
+            const std::size_t cell = filled_[met] ? own : met;
             mass_[cell] += share * mass;
             momentum_[cell] += share * mass * velocity;
         });

@@ -18,7 +18,7 @@
 
 #include "crowd_client/agents.hpp"
 #include "crowd_client/danger_level.hpp"
-#include "crowd_client/footprint.hpp"
+#include "crowd_client/ground_cells.hpp"
 #include "crowd_client/water_view.hpp"
 
 namespace wade::crowd {

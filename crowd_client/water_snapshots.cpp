@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "crowd_client/footprint.hpp"
+
 namespace wade::crowd {
 namespace {
 
@@ -53,13 +55,12 @@ WaterSnapshots::WaterSnapshots(const std::filesystem::path& file, const Scene& s
 
 void WaterSnapshots::write(std::uint64_t step, double time, const WaterView& water) {
     std::fill(mass_.begin(), mass_.end(), 0.0);
-    Footprints footprints(rest_density_);
+    Footprints footprints(grid_, rest_density_);
     for (std::size_t i = 0; i < water.size(); ++i) {
-        const double x = water.origin_x + water.scale_x * static_cast<double>(water.px[i]);
-        const double z = water.origin_z + water.scale_z * static_cast<double>(water.pz[i]);
         const double mass = static_cast<double>(water.mass[i]);
-        deal_footprint(grid_, x, z, footprints.width(mass),
-                       [&](std::size_t cell, double share) { mass_[cell] += share * mass; });
+        footprints.deal(water.origin_x + water.scale_x * static_cast<double>(water.px[i]),
+                        water.origin_z + water.scale_z * static_cast<double>(water.pz[i]), mass,
+                        [&](std::size_t cell, double share, std::size_t) { mass_[cell] += share * mass; });
     }
     record_.clear();
     put(record_, step);

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "configs/scene.hpp"
-#include "crowd_client/footprint.hpp"
+#include "crowd_client/ground_cells.hpp"
 #include "crowd_client/output_file.hpp"
 #include "crowd_client/water_view.hpp"
 

@@ -70,7 +70,7 @@ class PressureSolver {
     // weight moves nothing.
     void set_layers(double layers) { layers_ = confined_ ? 1 : std::max(1.0, layers); }
 
-    // From now on Kind::inflow is carried by a stream that gives it velocity and pressure. The divergence solve keeps that
+    // From now on Kind::inflow is carried by a stream that gives it velocity and pressure. The solve that finds velocities keeps that
     // pressure: particles that cannot yield would gather more and more of it, and burst into those beside them that can.
     // The density solve, where it moves positions only, moves Kind::inflow as well: its packing follows the stream.
     void guide_inflow() { guides_inflow_ = true; }

@@ -53,7 +53,8 @@ template <bool obstacles>
 double reconstruct(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, const double* wall, std::size_t n,
                    double dry_depth, Faces& faces) {
     const V zero = all(0.0), dry = all(dry_depth);
-    V least = all(1e300);
+    const V deep = all(1e300);
+    V least = deep;
     for (std::size_t i = 0; i < n; i += lanes) {
         const V eta_l = load(lower.eta + i) + load(lower_rise.eta + i);
         const V eta_r = load(upper.eta + i) - load(upper_rise.eta + i);
@@ -77,7 +78,7 @@ double reconstruct(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise,
         store(h_r, &faces.h_r[i]);
         store(u_l, &faces.u_l[i]);
         store(u_r, &faces.u_r[i]);
-        least = hn::Min(least, hn::Min(h_l, h_r));
+        least = hn::Min(least, first(n - i, hn::Min(h_l, h_r), deep));
     }
     return hn::GetLane(hn::MinOfLanes(doubles, least));
 }

@@ -64,9 +64,9 @@ HWY_INLINE V widen_upper(F v) {
     return hn::PromoteTo(doubles, hn::UpperHalf(hn::Half<Floats>(), v));
 }
 
-// The first n lanes, 0 in the others.
-HWY_INLINE V first(std::size_t n, V v) {
-    return n >= lanes ? v : hn::IfThenElseZero(hn::FirstN(doubles, n), v);
+// The first n lanes, `rest` in the others.
+HWY_INLINE V first(std::size_t n, V v, V rest) {
+    return n >= lanes ? v : hn::IfThenElse(hn::FirstN(doubles, n), v, rest);
 }
 
 }  // namespace wade::fluid::shallow_water::HWY_NAMESPACE

@@ -99,7 +99,7 @@ double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const doub
         new_h = kept * load(base.h + i) + share * new_h;
         qx = kept * load(base.qx + i) + share * qx;
         qz = kept * load(base.qz + i) + share * qz;
-        least = hn::Min(first(n - i, new_h), least);
+        least = hn::Min(first(n - i, new_h, zero), least);
         // Rounding may leave a dry cell at -1e-20 m; a film has no velocity.
         new_h = hn::Max(new_h, zero);
         const auto wet = new_h > dry;

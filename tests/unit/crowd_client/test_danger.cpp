@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <limits>
 #include <sstream>
 
 #include "crowd_client/danger.hpp"
@@ -186,6 +188,23 @@ TEST_CASE("A particle counts in the cells that it covers, and its water beside a
     beside.add(water);
     CHECK(beside.record.cells()[0].max_depth == Approx(0.125 / 4));
     CHECK(beside.record.cells()[1].largest == DangerLevel::none);
+}
+
+TEST_CASE("A particle of whatever mass at the corner of the channel counts in its cells, and no further") {
+    Recorded run(two_cells(), 1.0 / 30);
+    MadeUpWater water;
+    for (const double mass : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) water.add(10, 20, mass, 1, 1);
+    run.add(water);  // whose sums are no numbers, in that cell alone
+    CHECK(run.record.cells()[1].largest == DangerLevel::none);
+
+    Scene scene = two_cells();
+    scene.channel.x = {10, 90};
+    Recorded heavy(scene, 1.0 / 30);
+    MadeUpWater lump;
+    lump.add(50, 21, 1e12, 0, 0);
+    heavy.add(lump);
+    const auto& cells = heavy.record.cells();
+    CHECK(std::count_if(cells.begin(), cells.end(), [](const Exposure& e) { return e.max_depth > 0; }) == 8);
 }
 
 TEST_CASE("danger.csv has a line for each cell") {
