@@ -162,3 +162,20 @@ TEST_CASE("the pressure of deep water is found in fewer iterations than Jacobi's
     CHECK(iterations < 600);
     CHECK(given_up == 0);
 }
+
+TEST_CASE("much calm water does not hide a part of it that is crushed", "[fluid][tolerance]") {
+    // A ball of water of 0.6 m rushes together, in a tank of 4 blocks of particles and in one of 79.
+    const auto largest_error = [](double length) {
+        FluidWorld world(test::tank(length, 1, 1, 0.1));
+        world.set_velocity([&](const std::array<double, 3>& at) {
+            const std::array<double, 3> way{at[0] - 0.5 * length, at[1] - 0.5, at[2] - 0.5};
+            const double rate = std::hypot(way[0], way[1], way[2]) < 0.3 ? -20 : 0;  // 1/s
+            return std::array<double, 3>{rate * way[0], rate * way[1], rate * way[2]};
+        });
+        double most = 0;
+        for (int k = 0; k < 4; ++k) most = std::max(most, world.step(0.02).max_density_error);
+        return most;
+    };
+    // 1.5 times as large; by the mean error alone 2.5 times.
+    CHECK(largest_error(20) < 2 * largest_error(1));
+}
