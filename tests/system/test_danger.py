@@ -98,9 +98,10 @@ class Danger(SystemTest):
         self.assertEqual(len(cells), 10 * 2)  # 20 x 4 m
         for cell in cells:
             self.assertEqual(cell["danger_level"], "very_high", "1 m at 2.5 m/s")
-            # A lattice that moves on; what it has beyond the ends of the channel is dealt to the outermost cells.
+            # A lattice that moves on, whose particles are not quite as wide as their distance: at either edge of a cell of 2 m
+            # some cm, up to 4 %. What it has beyond the ends of the channel is dealt to the outermost cells.
             outermost = float(cell["x_min_m"]) == 0 or float(cell["x_max_m"]) == 20
-            self.assertAlmostEqual(float(cell["max_dv_m2_s"]), 2.5, delta=0.25 if outermost else 0.025)
+            self.assertAlmostEqual(float(cell["max_dv_m2_s"]), 2.5, delta=0.25 if outermost else 0.1)
             self.assertAlmostEqual(float(cell["max_speed_m_s"]), 2.5, delta=1e-6)
 
     def test_crowds_in_one_water_have_the_files_of_single_runs(self):
