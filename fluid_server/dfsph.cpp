@@ -302,7 +302,11 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
 SolveResult PressureSolver::solve_density(std::vector<float>& pressure, Particles& p, const NeighbourLists& lists,
                                           const GradientCorrection* correction, ParticleFields& f, float dt,
                                           const PressureSolve& settings) {
-    const auto source = [&](std::size_t i, float rate) { return f.density[i] - 1 + dt * rate; };
+    const auto is_held = [&](std::size_t i) { return dense_inflow_ && p.kind[i] == Kind::inflow; };
+    const auto source = [&](std::size_t i, float rate) {
+        const float excess = f.density[i] - 1;
+        return (is_held(i) ? std::min(excess, 0.0F) : excess) + dt * rate;
+    };
     return solve(pressure, warm_start_density, p, lists, correction, f, dt, settings, source);
 }
 

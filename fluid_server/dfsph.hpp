@@ -75,6 +75,10 @@ class PressureSolver {
     // The density solve, where it moves positions only, moves Kind::inflow as well: its packing follows the stream.
     void guide_inflow() { guides_inflow_ = true; }
 
+    // From now on the density solve does not mind how dense Kind::inflow is: the lattice of an emitter that is denser than
+    // rest cannot yield, so that a pressure against it would grow for ever, and burst once a particle is let go.
+    void accept_dense_inflow() { dense_inflow_ = true; }
+
     // Corrects the velocities until no particle that is near rest density is being compressed.
     // correction: of the gradients of confined water, or null.
     // step_share: dt over a step of CFL 0.5, at most 1. The tolerance, a change of density, is meant for such a step, and
@@ -101,7 +105,7 @@ class PressureSolver {
     float relaxation_;
     bool confined_;
     double layers_ = 1;
-    bool guides_inflow_ = false;
+    bool guides_inflow_ = false, dense_inflow_ = false;
     BlockSums<double> errors_;
     BlockSums<double> turns_;     // by how much momentum leads back
     std::vector<float> earlier_;  // pressure of the iteration before, where there is momentum

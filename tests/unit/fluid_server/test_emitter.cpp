@@ -73,3 +73,24 @@ TEST_CASE("an emitter without stock waits and goes on when particles return", "[
     CHECK(world.layers_missed() > 0);
     CHECK(world.recycled() > 100);
 }
+
+TEST_CASE("an emitter whose lattice is denser than rest does not burst", "[fluid][emitter]") {
+    Scene scene = test::emitter_channel(1.5, 9.81, 400);
+    scene.channel.depth = 0.8;  // 1.7 spacings
+    scene.fluid.cfl = 0.5;
+    FluidWorld world(scene);
+    int most_iterations = 0;
+    for (int frame = 0; frame < 90; ++frame) {
+        for (double left = 1.0 / 30; left > 1e-9;) {
+            const StepReport report = world.step(left);
+            left -= report.dt;
+            most_iterations = std::max(most_iterations, report.density.iterations);
+        }
+    }
+    const Particles& p = world.particles();
+    float largest = 0;
+    for (std::size_t i = 0; i < p.count; ++i) largest = std::max(largest, p.shift_pressure[i]);
+    // What the weight of the water is to pressure, d^2 / dt^2 is to what moves positions by a spacing.
+    CHECK(static_cast<double>(largest) < std::pow(0.4642 * 30, 2));
+    CHECK(most_iterations < 100);
+}
