@@ -90,7 +90,7 @@ TEST_CASE("an emitter whose lattice is denser than rest does not burst", "[fluid
     const Particles& p = world.particles();
     float largest = 0;
     for (std::size_t i = 0; i < p.count; ++i) largest = std::max(largest, p.shift_pressure[i]);
-    // What the weight of the water is to pressure, d^2 / dt^2 is to what moves positions by a spacing.
+    // A pressure of d^2 / dt^2 moves a particle by about a spacing in a step.
     CHECK(static_cast<double>(largest) < std::pow(0.4642 * 30, 2));
     CHECK(most_iterations < 100);
 }
