@@ -10,10 +10,10 @@
 // stands still and closes the opening.
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 
 #include "configs/scene.hpp"
+#include "fluid_server/neighbours.hpp"
 #include "fluid_server/particles.hpp"
 
 namespace wade::fluid {
@@ -60,10 +60,9 @@ class Emitter {
         return std::min(vx, std::max(static_cast<float>(opening_x_) - x, 0.0F) / dt);
     }
 
-    // Distances of neighbours in the lattice, m: along x, y, z.
-    [[nodiscard]] std::array<double, 3> pitch() const {
-        return {pitch_, static_cast<double>(layer_.dy), static_cast<double>(layer_.dz)};
-    }
+    // Whether its lattice is so dense that the density solve must not mind it (PressureSolver::accept_dense_inflow).
+    [[nodiscard]] bool is_dense(const Kernel& kernel) const;
+
     [[nodiscard]] std::uint64_t stock() const { return stock_; }
     [[nodiscard]] std::uint64_t recycled() const { return recycled_; }
     [[nodiscard]] std::uint64_t layers_missed() const { return layers_missed_; }

@@ -58,10 +58,6 @@ bool fills_channel(const Scene& scene, double volume) {
 // A mean compression beyond this is no water any more.
 constexpr double collapse = 0.1;
 
-// The lattice of an emitter is denser than rest where its layers are no cubes: by 0.065 % in the paper's scenes, which are
-// left as they were published (README, limits), by 0.9 % where 1.7 particles would fit into the depth.
-constexpr double dense_lattice = 1e-3;
-
 // `what` happened and what to change in the scene.
 [[noreturn]] void fail(const std::string& what, const Fluid& fluid) {
     throw RunError(ExitCode::numerical_failure, what + "; " + advice(fluid));
@@ -116,12 +112,7 @@ FluidWorld::FluidWorld(const Scene& scene, OpenEnds* ends)
     if (ends_ == nullptr && scene.channel.flow == Flow::emitter) {
         emitter_.emplace(scene, particles_.count);
         emitter_->emit(particles_, 0);
-        const double density = std::visit(
-            [&](const auto& kernel) {
-                return lattice_density(kernel, emitter_->pitch(), static_cast<double>(volume_));
-            },
-            kernel_);
-        if (density > 1 + dense_lattice) {
+        if (emitter_->is_dense(kernel_)) {
             solver_->accept_dense_inflow();
         }
     }
