@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include "configs/scene_capacity.hpp"
 #include "fluid_server/filling.hpp"
@@ -17,11 +16,6 @@ namespace {
 int layers_within_reach(const Fluid& fluid, double pitch) {
     return static_cast<int>(std::ceil(support_radius_of(fluid) / pitch - 1e-6)) + 1;
 }
-
-// The lattice of an emitter is denser than rest where its layers are no cubes: by 0.065 % in the paper's scenes, by
-// 0.9 % where 1.7 particles would fit into the depth. The bound lies between the two only so that the paper's scenes stay as
-// they were published (README, limits).
-constexpr double dense_lattice = 1e-3;
 
 }  // namespace
 
@@ -45,16 +39,6 @@ Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
     pitch_ = static_cast<double>(layer_.sites()) * d * d * d / (scene.channel.depth * scene.channel.z.length());
     waiting_layers_ = layers_within_reach(scene.fluid, pitch_);
     last_layer_x_ = opening_x_ - 0.5 * pitch_;
-}
-
-bool Emitter::is_dense(const Kernel& kernel) const {
-    const double dy = static_cast<double>(layer_.dy), dz = static_cast<double>(layer_.dz);
-    const double volume = pitch_ * dy * dz;
-    return std::visit(
-               [&](const auto& k) {
-                   return lattice_density(k, {pitch_, dy, dz}, volume);
-               },
-               kernel) > 1 + dense_lattice;
 }
 
 void Emitter::set_velocity(Particles& p, double velocity) {

@@ -13,7 +13,6 @@
 #include <cstdint>
 
 #include "configs/scene.hpp"
-#include "fluid_server/neighbours.hpp"
 #include "fluid_server/particles.hpp"
 
 namespace wade::fluid {
@@ -59,9 +58,6 @@ class Emitter {
     [[nodiscard]] float limit(float x, float vx, float dt) const {
         return std::min(vx, std::max(static_cast<float>(opening_x_) - x, 0.0F) / dt);
     }
-
-    // Whether its lattice is so dense that the density solve must not mind it (PressureSolver::accept_dense_inflow).
-    [[nodiscard]] bool is_dense(const Kernel& kernel) const;
 
     [[nodiscard]] std::uint64_t stock() const { return stock_; }
     [[nodiscard]] std::uint64_t recycled() const { return recycled_; }

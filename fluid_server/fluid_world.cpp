@@ -112,9 +112,7 @@ FluidWorld::FluidWorld(const Scene& scene, OpenEnds* ends)
     if (ends_ == nullptr && scene.channel.flow == Flow::emitter) {
         emitter_.emplace(scene, particles_.count);
         emitter_->emit(particles_, 0);
-        if (emitter_->is_dense(kernel_)) {
-            solver_->accept_dense_inflow();
-        }
+        solver_->accept_dense_inflow();
     }
 }
 

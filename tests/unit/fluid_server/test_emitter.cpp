@@ -76,7 +76,8 @@ TEST_CASE("an emitter without stock waits and goes on when particles return", "[
 
 TEST_CASE("an emitter whose lattice is denser than rest does not burst", "[fluid][emitter]") {
     Scene scene = test::emitter_channel(1.5, 9.81, 400);
-    scene.channel.depth = 0.8;  // 1.7 spacings
+    // By 0.9 % where 1.7 spacings fit into the depth, by 0.065 % with 2.2, the depth of the paper.
+    scene.channel.depth = GENERATE(0.8, 1.0);
     scene.fluid.cfl = 0.5;
     FluidWorld world(scene);
     int most_iterations = 0;
@@ -90,7 +91,8 @@ TEST_CASE("an emitter whose lattice is denser than rest does not burst", "[fluid
     const Particles& p = world.particles();
     float largest = 0;
     for (std::size_t i = 0; i < p.count; ++i) largest = std::max(largest, p.shift_pressure[i]);
-    // A pressure of d^2 / dt^2 moves a particle by about a spacing in a step.
-    CHECK(static_cast<double>(largest) < std::pow(0.4642 * 30, 2));
+    // A pressure of d^2 / dt^2 moves a particle by about a spacing in a step. Where the lattice is solved for, the pressure
+    // in it moves particles by 0.08 of a spacing at the depth of the paper, and by several at the other.
+    CHECK(static_cast<double>(largest) < 0.05 * std::pow(0.4642 * 30, 2));
     CHECK(most_iterations < 100);
 }
