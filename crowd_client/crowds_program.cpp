@@ -55,8 +55,15 @@ Ensemble make_ensemble(const ProgramStart& start) {
     return all;
 }
 
-void open_folders(Ensemble& all) {
+void open_folders(Ensemble& all, Console& console) {
     make_run_folder(all.out);
+    const auto replaced = std::count_if(all.members.begin(), all.members.end(), [&](const Member& member) {
+        return !earlier_run(all.out / member.name).empty();
+    });
+    if (replaced > 0) {
+        console.line("replaces the results of an earlier run of " + std::to_string(replaced) + " of " +
+                     std::to_string(all.members.size()) + " crowds in '" + all.out.string() + "'");
+    }
     std::error_code ignored;
     std::filesystem::remove(all.out / "crowds.csv", ignored);
     for (std::size_t k = 0; k < all.runs.size(); ++k) {
@@ -175,7 +182,7 @@ int run_list_of_crowds(const ProgramStart& start, Console& console) {
         if (code == static_cast<int>(ExitCode::ok)) code = exit_code_of<shm::Error>(error);
     };
     try {
-        open_folders(all);
+        open_folders(all, console);
         take_part(all, start, control, console);
     } catch (const std::exception& error) {
         note(error);

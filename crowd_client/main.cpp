@@ -153,8 +153,11 @@ int run_scene(const ProgramStart& start, Console& console) {
             "allowed: --mode lockstep, or agents_stream \"off\".");
     }
     RunControl control(start.options.word("--commands"));
-    RunFolder folder(start.options.out.value_or(default_run_folder(run.crowd.scene.name)), run.crowd, run.labels,
-                     record_of(start.options));
+    const std::filesystem::path out = start.options.out.value_or(default_run_folder(run.crowd.scene.name));
+    if (const std::string earlier = earlier_run(out); !earlier.empty()) {
+        console.line("replaces the results of an earlier run in '" + out.string() + "': " + earlier);
+    }
+    RunFolder folder(out, run.crowd, run.labels, record_of(start.options));
     run.clock = Stopwatch();
     int code = static_cast<int>(ExitCode::ok);
     try {

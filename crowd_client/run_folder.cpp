@@ -4,7 +4,9 @@
 #include <cmath>
 #include <ctime>
 #include <exception>
+#include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "crowd_client/played_events.hpp"
@@ -18,6 +20,18 @@ Record without_pictures(const Record& record) {
 std::size_t files_kept_open(const Scene& scene, const Record& kept) {
     constexpr std::size_t of_a_database = 3;  // with its log and the index of that
     return (kept.trajectories ? of_a_database : 0) + (kept.water_interval > 0 ? 1 : 0) + (has_ragdolls(scene) ? 1 : 0);
+}
+
+std::string earlier_run(const std::filesystem::path& folder) {
+    std::ifstream file(folder / "outcome.json");
+    if (!file) return "";
+    const nlohmann::json outcome = nlohmann::json::parse(file, nullptr, false);
+    try {
+        return outcome.at("scene").get<std::string>() + ", " + std::to_string(outcome.at("arrived").get<int>()) +
+               " of " + std::to_string(outcome.at("agents").get<int>()) + " arrived";
+    } catch (const nlohmann::json::exception&) {
+        return "an outcome.json that cannot be read";
+    }
 }
 
 RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, const RunLabels& labels, const Record& kept)

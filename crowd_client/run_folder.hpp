@@ -29,6 +29,9 @@ struct Record {
 // How many files the folder of such a run keeps open until it is finished.
 [[nodiscard]] std::size_t files_kept_open(const Scene& scene, const Record& kept);
 
+// What a folder holds of an earlier run, in words, from its outcome.json: "s05, 50 of 50 arrived"; empty if there is none.
+[[nodiscard]] std::string earlier_run(const std::filesystem::path& folder);
+
 //   trajectories.sqlite, water.bin   grow step by step
 //   ragdoll.csv                      grows step by step, absent unless the scene asks for ragdolls
 //   events.jsonl                     grows with each tau command, absent if there was none

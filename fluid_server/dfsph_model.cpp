@@ -18,8 +18,7 @@ namespace {
 // Whether better settings could go on from where this step began: compressed by no more than the 1 % that stable water
 // may be, and no particle that pressure throws further than the time step allows.
 bool is_sound(const StepReport& step, const Fluid& fluid) {
-    return step.mean_density_error <= 0.01 &&
-           step.max_displacement <= 0.5 * fluid.particle_spacing;
+    return step.mean_density_error <= 0.01 && step.max_displacement <= 0.5 * fluid.particle_spacing;
 }
 
 // Layers of particles whose packing settles unnoticed under their weight (tests/stability, deep_column).
@@ -136,9 +135,10 @@ std::string DfsphModel::remarks() const {
     const Scene& scene = world_.scene();
     const double layers = deepest_water(scene) / scene.fluid.particle_spacing;
     if (scene.fluid.kernel == KernelKind::cubic_spline && layers > quiet_layers) {
-        text += (text.empty() ? "" : "; ") + std::string("note: water of ") + short_number(std::floor(layers)) +
-                " layers of particles at rest shakes once when its packing settles; set /fluid/kernel to \"wendland_c2\" "
-                "if that matters";
+        text +=
+            (text.empty() ? "" : "; ") + std::string("note: water of ") + short_number(std::floor(layers)) +
+            " layers of particles at rest shakes once when its packing settles; set /fluid/kernel to \"wendland_c2\" "
+            "if that matters";
     }
     return text;
 }

@@ -4,12 +4,6 @@ import csv
 import json
 
 
-def forget_earlier(folder):
-    """Removes the outcomes of an earlier run, so that they cannot pass for those of the next one."""
-    for name in ("crowds.csv", "outcome.json"):
-        (folder / name).unlink(missing_ok=True)
-
-
 def state_of(path):
     """What tells a file from a later one of that name; None if there is none."""
     try:
@@ -19,15 +13,28 @@ def state_of(path):
     return status.st_ino, status.st_mtime_ns
 
 
-def crowd_folders(folder):
-    """The run folders of crowds, {name: what tells this outcome from a later one of that name}."""
-    return {outcome.parent.name: state_of(outcome) for outcome in folder.glob("*/outcome.json")}
+class BeforeRun:
+    """What is in the run folder when a run begins, to tell its results from those of an earlier one."""
 
+    def __init__(self, folder, many):
+        self.folder, self.many = folder, many
+        self.results = folder / ("crowds.csv" if many else "outcome.json")
+        self.earlier = state_of(self.results)
+        self.earlier_crowds = self.crowds()
 
-def left_from_earlier(folder, before):
-    """The names of crowds whose outcome is not of this run. before: crowd_folders() when it began."""
-    now = crowd_folders(folder)
-    return sorted(name for name, outcome in before.items() if now.get(name) == outcome)
+    def crowds(self):
+        """The run folders of crowds, {name: what tells this outcome from a later one of that name}."""
+        return {outcome.parent.name: state_of(outcome) for outcome in self.folder.glob("*/outcome.json")}
+
+    def has_new_results(self):
+        return state_of(self.results) not in (None, self.earlier)
+
+    def left_from_earlier(self):
+        """The names of crowds, or of the file, whose outcome is not of this run."""
+        if self.many:
+            now = self.crowds()
+            return sorted(name for name, outcome in self.earlier_crowds.items() if now.get(name) == outcome)
+        return [self.results.name] if self.earlier and not self.has_new_results() else []
 
 
 def summary(folder):

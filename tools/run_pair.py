@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 
 from pair_arguments import ROOT, UsageError, find_scene, is_given, options_of, split_arguments, suit_to_latest, values_of
-from pair_outcome import crowd_folders, crowds_summary, forget_earlier, has_frames, left_from_earlier, state_of, summary
+from pair_outcome import BeforeRun, crowds_summary, has_frames, state_of, summary
 from pair_processes import Pair, meaning, wait_for_own_segment, wait_until_joined
 
 ANSWERS = ("--check", "--print-config", "--version")  # one program answers and nothing is run
@@ -157,11 +157,11 @@ def carry_out(run):
     session = own.get("--session") or f"wade-{os.getuid()}-{os.getpid()}-{secrets.token_hex(4)}"
     recording = Path(own["--record"]) if "--record" in own else None
     earlier_recording = recording and state_of(recording)
+    many = is_given(run.arguments["crowd_client"], "--crowds")
     pair = Pair()
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        forget_earlier(folder)
-        earlier = crowd_folders(folder)
+        before = BeforeRun(folder, many)
         started = start_all(run, pair, folder, session)
     except OSError as error:
         raise UsageError(f"--out: cannot write to {folder}: {error.strerror}") from error
@@ -177,16 +177,16 @@ def carry_out(run):
             print(f"run.sh: {name} ended with exit code {ended}; the end of its log:", file=sys.stderr)
             for line in log.read_text(errors="replace").splitlines()[-SHOWN_OF_LOG:]:
                 print("  " + line, file=sys.stderr)
-    many = is_given(run.arguments["crowd_client"], "--crowds")
-    for line in crowds_summary(folder) if many else summary(folder):
-        print(line)
-    left = left_from_earlier(folder, earlier) if many else []
-    if left:
+    if before.has_new_results():
+        for line in crowds_summary(folder) if many else summary(folder):
+            print(line)
+    if left := before.left_from_earlier():
         print(f"of an earlier run, not of this one: {', '.join(left)}")
     print(f"run folder{'s below' if many else ''}: {folder}")
     if recording and state_of(recording) not in (None, earlier_recording):
         print(f"recording: {recording}")
-    if "--no-figure" not in own and not many and not pair.signal and has_frames(folder):
+    drawable = not many and not pair.signal and before.has_new_results() and has_frames(folder)
+    if "--no-figure" not in own and drawable:
         if is_given(run.arguments["crowd_client"], "--no-trajectories"):
             print("no picture: --no-trajectories leaves no paths to draw")
         elif draw(folder, pair):

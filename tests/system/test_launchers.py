@@ -167,11 +167,18 @@ class RunScript(Launcher):
 
     def test_outcome_of_an_earlier_run_is_not_shown_as_that_of_a_failed_one(self):
         no_producer = ["--producer", "sh -c 'exit 9'"]
-        self.assert_ended_well(self.run_sh("run", *SHORT))
-        again = self.run_sh("run", *SHORT, *no_producer)
-        self.assert_ends(again, 9)
-        self.assertEqual(self.output_of(again), f"run folder: {self.folder / 'run'}\n")
-        self.assertFalse((self.folder / "run" / "outcome.json").exists())
+        first = self.run_sh("run", *SHORT)
+        self.assert_ended_well(first)
+        self.assertNotIn("earlier", first.messages())
+        again = self.run_sh("run", *SHORT)
+        self.assert_ends(again, 0, f"replaces the results of an earlier run in '{self.folder / 'run'}': ")
+        failed = self.run_sh("run", *SHORT, *no_producer)
+        self.assert_ends(failed, 9)
+        self.assertNotIn("completed", self.output_of(failed))
+        # Whether the crowd begins before the producer is gone is a matter of chance.
+        status = json.loads((self.folder / "run" / "outcome.json").read_text())["status"]
+        told = "of an earlier run, not of this one: outcome.json\n" in self.output_of(failed)
+        self.assertEqual(told, status == "completed")
 
     def test_crowds_of_an_earlier_list_are_named_as_such(self):
         no_producer = ["--producer", "sh -c 'exit 9'"]
