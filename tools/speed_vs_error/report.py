@@ -120,7 +120,8 @@ def report_text(groups, machine, remarks, quick):
         "those changes were joined that lie within 10 % of the front alone; a finer spacing takes the settings on the "
         "front of the coarser one. In the plots a ring marks the default, its "
         "bar what chance does to it. The point of another model than DFSPH is the median of five seeds, its bar their range; of "
-        "people who walk it is that of the scene's seed, which moves their markers too.",
+        "people who walk it is that of the scene's seed, which moves their markers too. `tol` and `it` are the tolerance of "
+        "the density solve and its fewest iterations, `div` the tolerance of the divergence solve, `cfl` the CFL number.",
         "",
         "The impulse on an agent is the time integral of the momentum of the particles that touch it (Eq. 5), kg m; its "
         "error is the distance from that of our own finest run, relative to the time integral of the momentum's magnitude "

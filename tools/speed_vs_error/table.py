@@ -10,7 +10,7 @@ from run_folder import write_whole
 
 HEADER = (
     "case,model,spacing_m,tolerance,cfl,threads,particles,cpu_s_per_sim_s,wall_s_per_sim_s,particle_steps_per_s,"
-    "error_metric,error,on_front,divergence_tolerance,kernel,repeats,is_default,failure"
+    "error_metric,error,on_front,min_iterations,divergence_tolerance,kernel,repeats,is_default,failure"
 ).split(",")
 
 IMPULSE_ERRORS = ("impulse_median", "impulse_p95", "outcome_changed", "end_place_median")
@@ -102,7 +102,7 @@ def row(point, metric, error, on_front):
         s.case, s.model, f"{s.spacing:g}", number(s.tolerance) if solved else "", number(s.cfl) if solved else "",
         s.threads, point.particles, "" if failed else number(point.cpu), "" if failed else number(point.wall),
         number(point.rate) if point.rate > 0 else "", metric, number(error), "yes" if on_front else "no",
-        divergence if solved else "",
+        s.min_iterations if solved else "", divergence if solved else "",
         s.kernel if solved else "", point.repeats, "yes" if is_default(s) else "no", point.failure,
     ]
 
