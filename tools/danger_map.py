@@ -138,7 +138,7 @@ def draw(run, output):
         if handles:
             figure.legend(handles=handles, loc="lower center", ncol=len(handles), frameon=False, fontsize=8.5,
                           handletextpad=0.5, columnspacing=1.6, bbox_to_anchor=(0.5, y / high))
-    figure.savefig(output, metadata={"Software": None})
+    run_files.save_picture(figure, output)
     plt.close(figure)
 
 

@@ -34,6 +34,7 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools" / "paper")]
 from limits import limits_of  # noqa: E402
 from pair_arguments import find_scene  # noqa: E402
 from pair_processes import end_with_parent  # noqa: E402
+from run_files import save_picture  # noqa: E402
 
 COLUMNS = ("scene", "tau", "depth_m", "v_f_m_s", "dv_m2_s", "level", "seed", "agents", "arrived", "dead", "active",
            "last_arrival_s", "level_met", "agents_at_level_met", "commit", "until_s")
@@ -206,7 +207,7 @@ def draw(rows, scene, output):
     figure.suptitle(f"{rows[0]['scene']}: share that arrives, %  (seeds {', '.join(map(str, seeds))})", fontsize=12)
     figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="lower center", ncol=columns, frameon=False, fontsize=9)
     figure.colorbar(colours, ax=grid, label="share that arrives, %", format=PercentFormatter(1, symbol=""))
-    figure.savefig(output, metadata={"Software": None})
+    save_picture(figure, output)
     plt.close(figure)
 
 

@@ -8,7 +8,6 @@ whole run is drawn, with the water of its last snapshot; with it, everything as 
 """
 
 import argparse
-import os
 import pathlib
 import re
 import sys
@@ -19,7 +18,7 @@ import top_view  # first, as it picks matplotlib's backend
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from run_files import RunError, read_agents, read_json, read_paths, read_water
+from run_files import RunError, read_agents, read_json, read_paths, read_water, save_picture
 from top_view import ARRIVED, DEAD, INK, PATH, PERSON, STAR, far_goals, speeds_of
 
 ENDINGS = (".png", ".pdf", ".eps", ".ps")  # of pictures that can be written
@@ -168,19 +167,8 @@ def draw(run, time, output):
     figure.text(0.5, 1 - 0.53 / high, subtitle_of(outcome, end_time, water, whole_run), ha="center",
                 va="center", fontsize=8, color="#6b6b72")
     add_legend(figure, ends, scene, cut_off)
-    save(figure, output)
+    save_picture(figure, output)
     plt.close(figure)
-
-
-def save(figure, output):
-    """Writes a picture whole or not at all: under another name first, so that a full disk leaves no part of it."""
-    part = output.with_name(f".{output.stem}-{os.getpid()}{output.suffix}")
-    try:
-        # No date or version in the file, so that the same run gives the same bytes.
-        figure.savefig(part, metadata={"Software": None})
-        part.replace(output)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def main():

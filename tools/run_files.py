@@ -1,7 +1,8 @@
-"""Reads what a run folder of crowd_client holds."""
+"""Reads what a run folder of crowd_client holds, and puts pictures there."""
 
 import csv
 import json
+import os
 import sqlite3
 import struct
 
@@ -65,3 +66,14 @@ def read_water(path, time):
     records = np.frombuffer(data, dtype=record, count=count, offset=64)
     nearest = records[int(np.argmin(np.abs(records["time"] - time)))]
     return float(nearest["time"]), x0, z0, cell, nearest["depth"] / 1000.0
+
+
+def save_picture(figure, output):
+    """Writes a picture whole or not at all: under another name first, so that a full disk leaves no part of it."""
+    part = output.with_name(f".{output.stem}-{os.getpid()}{output.suffix}")
+    try:
+        # No date or version in the file, so that the same run gives the same bytes.
+        figure.savefig(part, metadata={"Software": None})
+        part.replace(output)
+    finally:
+        part.unlink(missing_ok=True)

@@ -86,7 +86,7 @@ class File(unittest.TestCase):
     def test_each_ending_that_is_allowed_can_be_written(self):
         for ending in figure.ENDINGS:
             output = self.folder / f"picture{ending}"
-            figure.save(self.drawing, output)
+            figure.save_picture(self.drawing, output)
             self.assertGreater(output.stat().st_size, 0)
         self.assertEqual(len(list(self.folder.iterdir())), len(figure.ENDINGS))
 
@@ -97,7 +97,7 @@ class File(unittest.TestCase):
         self.addCleanup(resource.setrlimit, resource.RLIMIT_FSIZE, limits)
         resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1]))
         with self.assertRaises(OSError):
-            figure.save(self.drawing, output)
+            figure.save_picture(self.drawing, output)
         self.assertEqual([file.name for file in self.folder.iterdir()], ["figure.png"])
         self.assertEqual(output.read_bytes(), b"older")
 
