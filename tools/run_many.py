@@ -15,7 +15,8 @@ import sys
 import time
 from pathlib import Path
 
-from pair_arguments import ROOT, find_scene, is_given
+from pair_arguments import ROOT, find_scene, is_given, values_of
+from pair_outcome import BeforeRun
 from pair_processes import Pair, exit_code
 
 COLUMNS = (
@@ -42,6 +43,7 @@ class Job:
     def __init__(self, scene, seed, folder):
         self.scene, self.seed, self.folder = scene, seed, folder
         self.process = None
+        self.before = None  # what was in the folder when the run began
 
     def command(self, options):
         launcher = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", options.programs]
@@ -56,6 +58,8 @@ class Job:
         if self.process is None:
             return row
         row.update(status="failed", exit_code=exit_code(self.process))
+        if not self.before.has_new_results():
+            return row
         try:
             outcome = json.loads((self.folder / "outcome.json").read_text())
         except (OSError, ValueError):
@@ -107,8 +111,10 @@ def parse(arguments):
     for name in ("--out", "--session", "--record", "--commands"):
         if any(word.split("=")[0] == name for word in common):
             parser.error(f"{name} is not allowed behind --: the runs would share what each needs for itself")
-    if options.seeds != [None] and is_given(common, "--seed"):
-        parser.error("--seeds and, behind --, --seed exclude one another: all runs would have the same seed")
+    sets_seed = any(value.split("=")[0] == "/seed" for value in values_of(common, "--set"))
+    if options.seeds != [None] and (sets_seed or is_given(common, "--seed")):
+        one = "--set /seed" if sets_seed else "--seed"
+        parser.error(f"--seeds and, behind --, {one} exclude one another: all runs would have the same seed")
     if is_given(common, "--crowds"):
         parser.error("--crowds is not allowed behind --: a run of many crowds has an outcome for each, and no line in "
                      "this table; tools/run.sh runs it, and a crowd can have a seed of its own")
@@ -133,8 +139,7 @@ def jobs_of(options):
 
 def start(job, pair, options):
     job.folder.mkdir(parents=True, exist_ok=True)
-    # What an earlier run left there must not pass for this one's.
-    (job.folder / "outcome.json").unlink(missing_ok=True)
+    job.before = BeforeRun(job.folder, many=False)
     with open(job.folder / "run.log", "w", encoding="utf-8") as log:
         job.process = pair.start(job.command(options), stdout=log, stderr=subprocess.STDOUT)
 

@@ -311,6 +311,7 @@ class RunMany(Launcher):
             ([SMALL, "--treads", "2"], "--treads", "behind --"),
             (["--seeds", "1-2", SMALL, "--", "--seed", "3"], "--seeds", "--seed exclude one another"),
             (["--seeds", "1-2", SMALL, "--", "--seed=3"], "--seeds", "--seed exclude one another"),
+            (["--seeds", "1-2", SMALL, "--", "--set", "/seed=3"], "--seeds", "--set /seed exclude one another"),
             ([SMALL, "--", "--out", "x"], "--out"),
             ([SMALL, "--", "--crowds", "list.json"], "--crowds is not allowed", "tools/run.sh"),
             ([SMALL, "--", "--crowds=list.json"], "--crowds is not allowed"),
