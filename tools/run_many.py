@@ -111,10 +111,10 @@ def parse(arguments):
     for name in ("--out", "--session", "--record", "--commands"):
         if any(word.split("=")[0] == name for word in common):
             parser.error(f"{name} is not allowed behind --: the runs would share what each needs for itself")
-    sets_seed = any(value.split("=")[0] == "/seed" for value in values_of(common, "--set"))
-    if options.seeds != [None] and (sets_seed or is_given(common, "--seed")):
-        one = "--set /seed" if sets_seed else "--seed"
-        parser.error(f"--seeds and, behind --, {one} exclude one another: all runs would have the same seed")
+    if options.seeds != [None] and is_given(common, "--seed"):
+        parser.error("--seeds and, behind --, --seed exclude one another: all runs would have the same seed")
+    if options.seeds != [None] and any(value.split("=")[0] == "/seed" for value in values_of(common, "--set")):
+        parser.error("--seeds and, behind --, --set /seed exclude one another: the latter would have no effect")
     if is_given(common, "--crowds"):
         parser.error("--crowds is not allowed behind --: a run of many crowds has an outcome for each, and no line in "
                      "this table; tools/run.sh runs it, and a crowd can have a seed of its own")
