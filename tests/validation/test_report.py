@@ -48,6 +48,12 @@ class Planning(unittest.TestCase):
         self.assertEqual(names(runs.plan(CASES, "r*,crowd", "", False, True)), ["river-coarse", "crowd-coarse", "river-medium"])
         self.assertEqual(names(runs.plan(CASES, "wave", "fine", False, False)), ["wave-fine"])
 
+    def test_cases_without_a_run_are_named(self):
+        some = runs.plan(CASES, "river, wave", "fine", False, False)
+        self.assertEqual(runs.left_out("river, wave", some), ["river"])
+        self.assertEqual(runs.left_out("w*", some), [])
+        self.assertEqual(runs.left_out(None, some), [])
+
     def test_what_does_not_exist_is_refused_by_name(self):
         for patterns, levels, word in (("wafe", "", "wafe"), ("", "rough", "rough"), ("river", "medium", "nothing to run")):
             with self.assertRaisesRegex(ValueError, word):

@@ -113,6 +113,7 @@ def compare_cases(options):
         plan = runs.plan(cases, options.cases, options.levels, options.quick, False)
     except ValueError as error:
         fail(error)
+    runs.tell_left_out(options.cases, plan)
     recorded, commits, file = {}, [], ""
     if options.validation_csv != "none":
         file = Path(options.validation_csv).resolve()

@@ -61,6 +61,18 @@ def plan(cases, patterns, levels, quick, long):
     return runs
 
 
+def left_out(patterns, runs):
+    """The patterns that none of these runs goes by."""
+    names = {case.name for case, _ in runs}
+    wanted = [pattern.strip() for pattern in patterns.split(",")] if patterns else []
+    return [pattern for pattern in wanted if not fnmatch.filter(names, pattern)]
+
+
+def tell_left_out(patterns, runs):
+    if left := left_out(patterns, runs):
+        say(f"left out, as long or not quick (see --list, --long): {', '.join(left)}")
+
+
 class Fingerprints:
     """Of the program and all that a case reads: a run with the same one would give the same numbers."""
 

@@ -25,6 +25,7 @@ def main():
     except ValueError as error:
         print(f"validate.sh: {error}", file=sys.stderr)
         return 2
+    runs.tell_left_out(arguments.cases, plan)
     fingerprint_of = runs.Fingerprints(arguments.program, ROOT)
     arguments.out.mkdir(parents=True, exist_ok=True)
     runner = runs.Runner(arguments.program, arguments.out, fingerprint_of, run_folder.Children())
