@@ -25,11 +25,11 @@ std::size_t files_kept_open(const Scene& scene, const Record& kept) {
 std::string earlier_run(const std::filesystem::path& folder) {
     std::ifstream file(folder / "outcome.json");
     if (!file) return "";
-    const nlohmann::json outcome = nlohmann::json::parse(file, nullptr, false);
     try {
+        const nlohmann::json outcome = nlohmann::json::parse(file);
         return outcome.at("scene").get<std::string>() + ", " + std::to_string(outcome.at("arrived").get<int>()) +
                " of " + std::to_string(outcome.at("agents").get<int>()) + " arrived";
-    } catch (const nlohmann::json::exception&) {
+    } catch (const std::exception&) {
         return "an outcome.json that cannot be read";
     }
 }

@@ -22,7 +22,6 @@
 //
 // With h = 3 d the lattice sum is 1.003; W is divided by it, so that the lattice has its rest density here too.
 
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -125,22 +124,6 @@ class WendlandC2 {
     float inverse_h_;
     float norm_;
 };
-
-// Density over rest density within a lattice of particles of volume V, m^3, whose neighbours are `pitch`, m, apart along x, y, z.
-template <typename Kernel>
-double lattice_density(const Kernel& kernel, const std::array<double, 3>& pitch, double volume) {
-    constexpr int reach = 6;
-    double sum = 0;
-    for (int i = -reach; i <= reach; ++i) {
-        for (int j = -reach; j <= reach; ++j) {
-            for (int k = -reach; k <= reach; ++k) {
-                const double r = std::hypot(i * pitch[0], j * pitch[1], k * pitch[2]);
-                sum += static_cast<double>(kernel.value(static_cast<float>(r)));
-            }
-        }
-    }
-    return sum * volume;
-}
 
 // - d^3 sum x^2 (dW/dr) / r over the cubic lattice of spacing d: 1 for a kernel that is fine against the lattice, 1.020 for
 // the cubic spline at 2 d. The viscous operator is divided by it, so that it is exact for a parabola on the lattice.

@@ -148,6 +148,8 @@ def main():
     parser.add_argument("--output", type=pathlib.Path, metavar="PNG", help="picture to write [RUN_DIR/danger.png]")
     options = parser.parse_args()
     output = options.output or options.run / "danger.png"
+    if output.suffix.lower() not in run_files.ENDINGS:
+        parser.error(f"--output: {output}, allowed are names that end in {', '.join(run_files.ENDINGS)}")
     try:
         draw(options.run, output)
     except (run_files.RunError, OSError) as error:

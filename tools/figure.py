@@ -18,11 +18,8 @@ import top_view  # first, as it picks matplotlib's backend
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from run_files import RunError, read_agents, read_json, read_paths, read_water, save_picture
+from run_files import ENDINGS, RunError, read_agents, read_json, read_paths, read_water, save_picture
 from top_view import ARRIVED, DEAD, INK, PATH, PERSON, STAR, far_goals, speeds_of
-
-ENDINGS = (".png", ".pdf", ".eps", ".ps")  # of pictures that can be written
-
 
 def short_name(name):
     match = re.search(r"(?:^|[_-])s0*(\d+)$", name)

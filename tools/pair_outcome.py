@@ -19,22 +19,27 @@ class BeforeRun:
     def __init__(self, folder, many):
         self.folder, self.many = folder, many
         self.results = folder / ("crowds.csv" if many else "outcome.json")
-        self.earlier = state_of(self.results)
-        self.earlier_crowds = self.crowds()
+        self.earlier = self.files()
+        self.earlier_crowds = self.crowds() if many else {}
+
+    def files(self):
+        """{name: what tells this file from a later one of that name}, of the results of one crowd and of many."""
+        files = {name: state_of(self.folder / name) for name in ("outcome.json", "crowds.csv")}
+        return {name: state for name, state in files.items() if state}
 
     def crowds(self):
         """The run folders of crowds, {name: what tells this outcome from a later one of that name}."""
         return {outcome.parent.name: state_of(outcome) for outcome in self.folder.glob("*/outcome.json")}
 
     def has_new_results(self):
-        return state_of(self.results) not in (None, self.earlier)
+        return state_of(self.results) not in (None, self.earlier.get(self.results.name))
 
     def left_from_earlier(self):
-        """The names of crowds, or of the file, whose outcome is not of this run."""
-        if self.many:
-            now = self.crowds()
-            return sorted(name for name, outcome in self.earlier_crowds.items() if now.get(name) == outcome)
-        return [self.results.name] if self.earlier and not self.has_new_results() else []
+        """The names of files and of crowds whose results are not of this run."""
+        files, crowds = self.files(), self.crowds() if self.many else {}
+        return [name for name, state in self.earlier.items() if files.get(name) == state] + sorted(
+            name for name, outcome in self.earlier_crowds.items() if crowds.get(name) == outcome
+        )
 
 
 def summary(folder):

@@ -8,6 +8,8 @@ import struct
 
 import numpy as np
 
+ENDINGS = (".png", ".pdf", ".eps", ".ps")  # of pictures that can be written
+
 
 class RunError(Exception):
     """The run folder does not hold what the picture needs."""

@@ -17,7 +17,7 @@ folder for each run, with what its programs said in run.log.
   --figures      draw figure.png of each run
 Behind -- stand options for every run, for example -- --until-s 60 --set /crowd/tau=0.3; see tools/run.sh --help. Not
 allowed are --out, --session, --record and --commands, which each run needs for itself, --crowds, and --seed
-beside --seeds. Unless --threads is among them, the pairs share the processors evenly. A run that fails does not stop
+and --set /seed beside --seeds. Unless --threads is among them, the pairs share the processors evenly. A run that fails does not stop
 the others; Ctrl-C ends all of them.
 
 Exit code: 0 if all runs ended well, 1 if one did not, 2 bad usage, 130/143 interrupted.

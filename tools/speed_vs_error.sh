@@ -9,15 +9,16 @@ Usage: tools/speed_vs_error.sh [--quick] [--out DIR] [--cases A,B] [--spacings N
                                [--splishsplash PROGRAM]
 
 Runs cases of the validation suite, among them the impulse of the water on people, at three spacings and with other
-tolerances, fewest iterations of the density solve, CFL numbers, kernels and numbers of threads: one at a time around
-the default, then joined where each alone lies near the front. Writes DIR/speed_vs_error.csv, DIR/report.md ("for an error below x choose this") and a plot of
-error over CPU time for each error. Takes hours; a run that is there already, of the same program and scenes, is not
-repeated.
+tolerances of both solves, fewest iterations of the density solve, CFL numbers, kernels and numbers of threads: one at a
+time around the default, then joined where each alone lies near the front. Writes DIR/speed_vs_error.csv, DIR/report.md
+("for an error below x choose this") and a plot of error over CPU time for each error. Takes hours; a run that is there
+already, of the same program and scenes, is not repeated.
 
 Columns of speed_vs_error.csv, a line a point and error: case, model; spacing_m; tolerance of the density solve; cfl; threads;
 particles; cpu_s_per_sim_s and wall_s_per_sim_s of the solver, medians of the repeats; particle_steps_per_s of wall time;
-error_metric, error; on_front, yes if nothing cheaper is as exact; min_iterations of the
-density solve; divergence_tolerance ("off" without that solve); kernel; repeats; is_default, yes for the default settings at this spacing; failure, why a run has no result.
+error_metric, error; on_front, yes if nothing cheaper is as exact; min_iterations of the density solve; divergence_tolerance
+("off" without that solve); kernel; repeats; is_default, yes for the default settings at this spacing; failure, why a run
+has no result.
 
   --quick                 two spacings, few settings, one run each: two minutes
   --out DIR               [runs/speed_vs_error in the project]

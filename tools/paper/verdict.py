@@ -124,7 +124,7 @@ def figures(runs):
     parts = []
     speeds = [run.speed() for run in runs if run.speed()]
     if speeds:
-        parts.append(f"slowest run {min(speeds):.1f} simulated s per s of wall time (aim: at least {MIN_SPEED})")
+        parts.append(f"slowest run {min(speeds):.2g} simulated s per s of wall time (aim: at least {MIN_SPEED})")
     memory = [run.outcome["fluid"]["resident_bytes"] for run in runs if run.outcome["fluid"]["resident_bytes"]]
     if memory:
         parts.append(f"server memory at most {max(memory) / 1e6:.0f} MB (aim: under {MAX_MEMORY_MB})")

@@ -35,11 +35,14 @@ def list_cases(program):
     return [Case(line) for line in text.splitlines() if line.strip()]
 
 
+def patterns_of(text):
+    return [pattern.strip() for pattern in text.split(",")] if text else []
+
+
 def plan(cases, patterns, levels, quick, long):
     """List of (case, level): all coarse runs first, so that results come early."""
     chosen = cases
-    if patterns:
-        wanted = [pattern.strip() for pattern in patterns.split(",")]
+    if wanted := patterns_of(patterns):
         for pattern in wanted:
             if not any(fnmatch.fnmatchcase(case.name, pattern) for case in cases):
                 names = ", ".join(case.name for case in cases)
@@ -57,20 +60,19 @@ def plan(cases, patterns, levels, quick, long):
             if level in allowed and level in case.levels and (long or index < case.long_from):
                 runs.append((case, level))
     if not runs:
-        raise ValueError("nothing to run: the cases chosen are long or not quick; see --list, --long")
+        raise ValueError("nothing to run: the cases chosen have none of these resolutions, take hours or are not quick")
     return runs
 
 
 def left_out(patterns, runs):
     """The patterns that none of these runs goes by."""
     names = {case.name for case, _ in runs}
-    wanted = [pattern.strip() for pattern in patterns.split(",")] if patterns else []
-    return [pattern for pattern in wanted if not fnmatch.filter(names, pattern)]
+    return [pattern for pattern in patterns_of(patterns) if not fnmatch.filter(names, pattern)]
 
 
 def tell_left_out(patterns, runs):
     if left := left_out(patterns, runs):
-        say(f"left out, as long or not quick (see --list, --long): {', '.join(left)}")
+        say(f"left out, as they have none of these resolutions, take hours or are not quick: {', '.join(left)}")
 
 
 class Fingerprints:
