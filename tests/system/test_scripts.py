@@ -78,7 +78,7 @@ class Scripts(SystemTest):
         self.assertNotEqual(run_sh.wait(), 0)
         self.assertEqual(Run(self.folder / "run").outcome()["status"], "running")
         (self.folder / "run" / "agents.csv").unlink(missing_ok=True)  # of a run that had gone on for some seconds
-        with mock.patch.object(figure, "save") as save:
+        with mock.patch.object(figure, "save_picture") as save:
             figure.draw(self.folder / "run", None, None)
         drawing = save.call_args.args[0]
         title, *_ = [text.get_text() for text in drawing.texts]
