@@ -40,14 +40,17 @@ void add_obstacles(std::vector<Limit>& limits, const Walls& walls, const Vector2
     }
 }
 
-// The centre stays in the world, except who may fall at x = 0.
-void add_edges(std::vector<Limit>& limits, const World& world, const Vector2d& p, bool may_fall) {
+// The centre stays in the world, except who may fall at x = 0. Edges further away than `step` do not matter.
+void add_edges(std::vector<Limit>& limits, const World& world, const Vector2d& p, bool may_fall, double step) {
+    const auto add = [&](double nx, double nz, double gap) {
+        if (gap < step + body_slack) limits.push_back({nx, nz, std::max(0.0, gap)});
+    };
     if (world.ends == Ends::open) {
-        if (!may_fall) limits.push_back({-1, 0, std::max(0.0, p.x())});
-        limits.push_back({1, 0, std::max(0.0, world.length - p.x())});
+        if (!may_fall) add(-1, 0, p.x());
+        add(1, 0, world.length - p.x());
     }
-    limits.push_back({0, -1, std::max(0.0, p.y())});
-    limits.push_back({0, 1, std::max(0.0, world.width - p.y())});
+    add(0, -1, p.y());
+    add(0, 1, world.width - p.y());
 }
 
 // Slides a wish along the limit that it breaks most, twice, then shortens it.
@@ -90,7 +93,7 @@ void limit_steps(Bodies& bodies, const Walls& walls, std::span<const Vector2d> p
             limits.clear();
             add_neighbours(limits, bodies, k, positions[k], reach);
             add_obstacles(limits, walls, positions[k], bodies.radius, longest);
-            add_edges(limits, walls.world, positions[k], may_fall[k]);
+            add_edges(limits, walls.world, positions[k], may_fall[k], longest);
             const double length = wishes[k].norm();
             const Vector2d wish = length > longest ? Vector2d(wishes[k] * (longest / length)) : wishes[k];
             bodies.step[k] = within(limits, wish);

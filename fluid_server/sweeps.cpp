@@ -76,8 +76,9 @@ struct Batch {
 
 // |x~_i - x_j|^2 of n entries.
 HWY_NOINLINE void find_distances(Vec3V seen, const Particles& p, const std::uint32_t* j, std::size_t n, Batch& batch) {
+    const ConstVectorArrays at = places(p);
     for (std::size_t e = 0; e < n; ++e) {
-        const Vec3V way = way_from(seen, p, j[e]);
+        const Vec3V way = way_from(seen, at, j[e]);
         hn::Store(dot(way, way), lanes, batch.squared_distance[e].lane.data());
     }
 }
@@ -136,7 +137,8 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
     const V unit = all(lists.factor_unit);
     const std::size_t entries = block.segments.empty() ? 0 : block.segments.back().end;
     std::vector<std::uint16_t>& factors = room_for_factors();
-    if (factors.size() < (entries + 1) * cluster_size) factors.resize((entries + 1) * cluster_size);
+    const std::size_t most = entries * cluster_size + spread_loads;
+    if (factors.size() < most) factors.resize(most);
     std::uint16_t* to = factors.data();
     LaneMask* const masks = lane_masks(block);
     Batch batch;
@@ -164,9 +166,9 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
         hn::StoreU(hn::Mul(hn::Mul(unit, unit), squares), lanes, sums.squares + i);
         store(times(unit, gradient), sums.gradient, i);
     });
-    // A vector that is loaded may reach beyond the last.
-    std::fill_n(to, cluster_size, std::uint16_t{0});
-    keep(factors.data(), to + cluster_size, block.factor);
+    // What is loaded may reach beyond the last.
+    std::fill_n(to, spread_loads, std::uint16_t{0});
+    keep(factors.data(), to + spread_loads, block.factor);
 }
 
 void SumKernel(std::size_t b, const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,

@@ -143,21 +143,30 @@ constexpr Moves8 moves_together() {
     }
     return moves;
 }
-// Back: the first values to the mask's lanes, zeros to the others.
-constexpr Moves8 moves_apart() {
-    Moves8 moves;
-    for (std::size_t mask = 0; mask < 256; ++mask) {
-        moves.of_mask[mask].fill(0x80);
-        for (std::size_t l = 0, place = 0; l < 8; ++l) {
-            if ((mask >> l & 1U) != 0) moves.set(mask, l, place++);
-        }
-    }
-    return moves;
-}
 
 // Factors as the lists keep them, in units of NeighbourLists::factor_unit.
 using Stored = hn::Rebind<std::uint16_t, Lanes>;
 using Whole = hn::Rebind<std::int32_t, Lanes>;
+
+// Which bytes make `lanes` numbers of 32 bits of values of 16, the first ones to the mask's lanes and zeros to the others.
+template <std::size_t lanes>
+struct MovesApart {
+    alignas(64) std::array<std::array<std::uint8_t, 4 * lanes>, 1U << lanes> of_mask{};
+};
+template <std::size_t lanes>
+constexpr MovesApart<lanes> moves_apart() {
+    MovesApart<lanes> moves;
+    for (std::size_t mask = 0; mask < 1U << lanes; ++mask) {
+        moves.of_mask[mask].fill(0x80);
+        for (std::size_t l = 0, place = 0; l < lanes; ++l) {
+            if ((mask >> l & 1U) == 0) continue;
+            moves.of_mask[mask][4 * l] = static_cast<std::uint8_t>(2 * place);
+            moves.of_mask[mask][4 * l + 1] = static_cast<std::uint8_t>(2 * place + 1);
+            ++place;
+        }
+    }
+    return moves;
+}
 
 // Writes the values of the mask's lanes, whole numbers below 65536, one after the other; up to cluster_size of them are written.
 HWY_INLINE void put_together(hn::Vec<Whole> whole, unsigned mask, std::uint16_t* to) {
@@ -203,16 +212,19 @@ HWY_INLINE void put_together(hn::Vec<Numbers> numbers, unsigned mask, std::uint3
     hn::StoreU(moved, Numbers(), to);
 }
 
+// How many values spread() may load.
+constexpr std::size_t spread_loads = cluster_size < 8 ? 8 : cluster_size;
+
 // The values from `from` on in the mask's lanes, 0 in the others.
 HWY_INLINE hn::Vec<Whole> spread(const std::uint16_t* from, unsigned mask) {
-    const auto stored = hn::LoadU(Stored(), from);
 #if HWY_TARGET <= HWY_AVX3
+    const auto stored = hn::LoadU(Stored(), from);
     return hn::Vec<Whole>{_mm512_maskz_expand_epi32(static_cast<__mmask16>(mask), hn::PromoteTo(Whole(), stored).raw)};
 #else
-    static constexpr Moves8 moves = moves_apart();
-    const hn::Repartition<std::uint8_t, Stored> bytes;
-    const auto move = hn::LoadU(bytes, moves.of_mask[mask].data());
-    return hn::PromoteTo(Whole(), hn::BitCast(Stored(), hn::TableLookupBytesOr0(hn::BitCast(bytes, stored), move)));
+    static constexpr auto moves = moves_apart<cluster_size>();
+    const hn::Repartition<std::uint8_t, Whole> bytes;
+    const auto stored = hn::LoadDup128(bytes, reinterpret_cast<const std::uint8_t*>(from));
+    return hn::BitCast(Whole(), hn::TableLookupBytesOr0(stored, hn::Load(bytes, moves.of_mask[mask].data())));
 #endif
 }
 
