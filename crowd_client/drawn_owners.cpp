@@ -10,10 +10,9 @@ namespace {
 using L = Lanes<float>;
 
 // The sum of both and over their lanes, always in one order: halves are added until one is left.
-template <typename Number, std::size_t lanes>
-Number total(const std::array<Number, lanes>& a, const std::array<Number, lanes>& b) {
-    static_assert(lanes == 16);
-    std::array<Number, lanes / 2> sums;
+MarkerShare total(const OwnerSums& a, const OwnerSums& b) {
+    constexpr std::size_t lanes = L::count;
+    std::array<MarkerShare, lanes / 2> sums;
     for (std::size_t k = 0; k < lanes / 2; ++k) sums[k] = (a[k] + b[k]) + (a[k + lanes / 2] + b[k + lanes / 2]);
     for (std::size_t half = lanes / 4; half > 0; half /= 2) {
         for (std::size_t k = 0; k < half; ++k) sums[k] += sums[k + half];
@@ -122,24 +121,22 @@ void DrawnOwners::weigh(bool with_bodies) {
 template <bool with_bodies>
 void DrawnOwners::add_to_owners() {
     const std::int32_t* const owners = claims_.owner.data();
-    const float* const contested = with_bodies ? claims_.contested.data() : nullptr;
     OwnerSums* const* const sums_of = sums_of_.data();
     for (std::size_t m = 0; m < markers_.count; m += 4) {  // up to three beyond the last are nobody's
         const auto weight = load_four(&weight_[m]), x = load_four(&x_[m]), z = load_four(&z_[m]);
-        const MarkerShare one = {1, 1, 1, 1};
+        MarkerShare counted = {1, 1, 1, 1};
+        if constexpr (with_bodies) counted += contested_unit * load_four(&claims_.contested[m]);
         const MarkerShare first_weight_x = __builtin_shufflevector(weight, x, 0, 4, 1, 5);
         const MarkerShare last_weight_x = __builtin_shufflevector(weight, x, 2, 6, 3, 7);
-        const MarkerShare first_z_one = __builtin_shufflevector(z, one, 0, 4, 1, 5);
-        const MarkerShare last_z_one = __builtin_shufflevector(z, one, 2, 6, 3, 7);
-        const std::array<MarkerShare, 4> shares = {__builtin_shufflevector(first_weight_x, first_z_one, 0, 1, 4, 5),
-                                                   __builtin_shufflevector(first_weight_x, first_z_one, 2, 3, 6, 7),
-                                                   __builtin_shufflevector(last_weight_x, last_z_one, 0, 1, 4, 5),
-                                                   __builtin_shufflevector(last_weight_x, last_z_one, 2, 3, 6, 7)};
+        const MarkerShare first_z_counted = __builtin_shufflevector(z, counted, 0, 4, 1, 5);
+        const MarkerShare last_z_counted = __builtin_shufflevector(z, counted, 2, 6, 3, 7);
+        const std::array<MarkerShare, 4> shares = {__builtin_shufflevector(first_weight_x, first_z_counted, 0, 1, 4, 5),
+                                                   __builtin_shufflevector(first_weight_x, first_z_counted, 2, 3, 6, 7),
+                                                   __builtin_shufflevector(last_weight_x, last_z_counted, 0, 1, 4, 5),
+                                                   __builtin_shufflevector(last_weight_x, last_z_counted, 2, 3, 6, 7)};
         for (std::size_t k = 0; k < 4; ++k) {
-            const std::size_t lane = (m + k) % L::count;
             OwnerSums& sums = *sums_of[owners[m + k]];
-            sums.shares[lane] += shares[k];
-            if constexpr (with_bodies) sums.contested[lane] += contested[m + k] != 0 ? 1 : 0;
+            sums[(m + k) % L::count] += shares[k];
         }
     }
 }
@@ -148,14 +145,15 @@ void DrawnOwners::finish(const Claiming& claiming, std::uint32_t entry, std::uin
     const Row& here = row_of(claiming, row);
     const OwnerSums& own = here.sums[entry - here.first];
     const OwnerSums& other = image != WalkerCells::none ? here.sums[image - here.first] : nothing;
-    const MarkerShare all = total(own.shares, other.shares);
-    const float weight = all[0], x = all[1], z = all[2], owned = all[3];
+    const MarkerShare all = total(own, other);
+    const float weight = all[0], x = all[1], z = all[2];
+    const auto counted = static_cast<std::uint32_t>(all[3]);
+    constexpr auto unit = static_cast<std::uint32_t>(contested_unit);
     const std::uint32_t k = claiming.cells.walker[entry];
     claiming.motion.vector[k] = Vector2d::Zero();
     if (weight > 0) claiming.motion.vector[k] = {static_cast<double>(x / weight), static_cast<double>(z / weight)};
-    claiming.motion.owned[k] = static_cast<std::uint32_t>(owned);
-    if (claiming.bodies == nullptr) return;
-    claiming.motion.contested[k] = static_cast<std::uint32_t>(total(own.contested, other.contested));
+    claiming.motion.owned[k] = counted % unit;
+    if (claiming.bodies != nullptr) claiming.motion.contested[k] = counted / unit;
 }
 
 }  // namespace wade::crowd

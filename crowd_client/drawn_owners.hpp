@@ -16,14 +16,14 @@
 
 namespace wade::crowd {
 
-// What a marker gives its owner: f, f a along x and z, and 1.
+// What a marker gives its owner: f, f a along x and z, and 1, with contested_unit more if it is contested.
 using MarkerShare [[gnu::vector_size(16)]] = float;
 
+// More than the markers that anybody owns: within 2 m, at most 1000 in 4 m2. The sums of both are whole numbers below 2^24.
+constexpr float contested_unit = 4096;
+
 // What an entry owns, lane by lane.
-struct OwnerSums {
-    std::array<MarkerShare, Lanes<float>::count> shares{};
-    std::array<std::int32_t, Lanes<float>::count> contested{};  // how many; with bodies only
-};
+using OwnerSums = std::array<MarkerShare, Lanes<float>::count>;
 
 // Of one thread.
 class DrawnOwners {
