@@ -60,7 +60,7 @@ class DrawnOwners {
     std::vector<OwnerSums*> sums_of_;                // by candidate
     std::vector<float> weight_, x_, z_;              // by marker: f and f a
     std::array<Row, 3> rows_;
-    OwnerSums nobody_;  // what is dealt to nobody, and to walkers of other bands
+    OwnerSums nobody_{};  // what is dealt to nobody, and to walkers of other bands
 };
 
 }  // namespace wade::crowd
