@@ -9,6 +9,7 @@
 
 #include "configs/scene.hpp"
 #include "fluid_server/mirror.hpp"
+#include "fluid_server/parallel.hpp"
 #include "fluid_server/particles.hpp"
 
 namespace wade::fluid {
@@ -47,45 +48,48 @@ class CellGrid {
     }
 
  private:
-    [[nodiscard]] std::size_t cell_along(std::size_t axis, float v) const {
+    [[nodiscard]] std::uint32_t cell_along(std::size_t axis, float v) const {
         const float cell = (v - origin_[axis]) * inverse_cell_[axis];
-        return static_cast<std::size_t>(static_cast<int>(std::clamp(cell, 0.0F, last_cell_[axis])));
+        return static_cast<std::uint32_t>(static_cast<int>(std::clamp(cell, 0.0F, last_cell_[axis])));
     }
     // The row of index j along y and k along z: its place in the order of rows.
-    [[nodiscard]] std::size_t row_of(std::size_t j, std::size_t k) const {
+    [[nodiscard]] std::uint32_t row_of(std::uint32_t j, std::uint32_t k) const {
         return k * cells_[1] + (k % 2 == 0 ? j : cells_[1] - 1 - j);
     }
     // The i-th cell of a row along x.
-    [[nodiscard]] std::size_t cell_in_row(std::size_t row, std::size_t i) const {
+    [[nodiscard]] std::uint32_t cell_in_row(std::uint32_t row, std::uint32_t i) const {
         return row * cells_[0] + (row % 2 == 0 ? i : cells_[0] - 1 - i);
     }
+    void share_cells(std::size_t n);
+    void deal_out(std::uint32_t first, std::uint32_t last, std::size_t n);
 
     std::array<float, 3> origin_{};
     std::array<float, 3> length_{};
     std::array<float, 3> inverse_cell_{};
     std::array<float, 3> last_cell_{};  // its index
-    std::array<std::size_t, 3> cells_{};
+    std::array<std::uint32_t, 3> cells_{};
     std::array<bool, 3> periodic_{};
     std::vector<std::uint32_t> start_;  // first particle of each cell, and the total behind the last
     std::vector<std::uint32_t> cell_of_;
     std::vector<std::uint32_t> source_;  // where the particle at a sorted place was before
     std::vector<float> room_;  // for one array of particles at a time
     std::vector<Kind> room_for_kind_;
+    std::array<std::uint32_t, most_shares + 1> first_cell_{};  // of the stretch that each thread deals out to
 };
 
 template <typename Body>
 void CellGrid::for_each_run(const Vec3& lo, const Vec3& hi, Body&& body) const {
-    const std::size_t i0 = cell_along(0, lo[0]);
-    const std::size_t i1 = cell_along(0, hi[0]);
-    const std::size_t j1 = cell_along(1, hi[1]);
-    const std::size_t k1 = cell_along(2, hi[2]);
-    for (std::size_t k = cell_along(2, lo[2]); k <= k1; ++k) {
-        for (std::size_t j = cell_along(1, lo[1]); j <= j1; ++j) {
-            const std::size_t row = row_of(j, k);
-            const std::size_t one = cell_in_row(row, i0);
-            const std::size_t other = cell_in_row(row, i1);
+    const std::uint32_t i0 = cell_along(0, lo[0]);
+    const std::uint32_t i1 = cell_along(0, hi[0]);
+    const std::uint32_t j1 = cell_along(1, hi[1]);
+    const std::uint32_t k1 = cell_along(2, hi[2]);
+    for (std::uint32_t k = cell_along(2, lo[2]); k <= k1; ++k) {
+        for (std::uint32_t j = cell_along(1, lo[1]); j <= j1; ++j) {
+            const std::uint32_t row = row_of(j, k);
+            const std::uint32_t one = cell_in_row(row, i0);
+            const std::uint32_t other = cell_in_row(row, i1);
             const std::uint32_t begin = start_[std::min(one, other)];
-            const std::uint32_t end = start_[std::max(one, other) + 1];
+            const std::uint32_t end = start_[std::max(one, other) + std::size_t{1}];
             if (begin < end) {
                 body(begin, end);
             }

@@ -26,6 +26,20 @@ inline std::size_t block_count(std::size_t n) {
     return (n + block_size - 1) / block_size;
 }
 
+// How many threads share a loop over n particles.
+inline std::size_t shares_of(std::size_t n) {
+    if (block_count(n) < serial_below) return 1;
+    return std::min(static_cast<std::size_t>(omp_get_max_threads()), most_shares);
+}
+
+// Calls body(s) for each s in [0, shares), a thread each.
+template <typename Body>
+void for_each_share(std::size_t shares, Body&& body) {
+    const int n = static_cast<int>(shares);
+#pragma omp parallel for num_threads(n) schedule(static, 1) if (n > 1)
+    for (int s = 0; s < n; ++s) body(static_cast<std::size_t>(s));
+}
+
 // Blocks [next, end) that one thread is to work, on a cache line of its own.
 struct alignas(64) BlockShare {
     std::atomic<std::size_t> next{0};
@@ -39,8 +53,8 @@ template <typename Body>
 void for_each_block(std::size_t n, Body&& body) {
     const std::size_t blocks = block_count(n);
     const auto work = [&](std::size_t b) { body(b * block_size, std::min((b + 1) * block_size, n), b); };
-    const auto threads = std::min(static_cast<std::size_t>(omp_get_max_threads()), most_shares);
-    if (blocks < serial_below || threads == 1) {
+    const std::size_t threads = shares_of(n);
+    if (threads == 1) {
         for (std::size_t b = 0; b < blocks; ++b) work(b);
         return;
     }

@@ -1,3 +1,5 @@
+#include <omp.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -134,4 +136,30 @@ TEST_CASE("sorting keeps each particle's values together and drops what has left
         together = together && p.vy[i] == p.x[i] && p.x[i] > 3;
     }
     CHECK(together);
+}
+
+TEST_CASE("sorting gives the same order for any number of threads, and keeps an order that it made",
+          "[fluid][neighbours]") {
+    const Scene scene = test::emitter_channel(1, 1, 8000);
+    const int before = omp_get_max_threads();
+    // Three times: as they come, again, and after half of them have moved.
+    const auto orders = [&](int threads) {
+        omp_set_num_threads(threads);
+        Particles p = random_particles(scene, 7000);
+        CellGrid grid(scene, 0.9284F);
+        std::vector<std::vector<float>> numbers;
+        for (const float outflow_x : {3.0F, 3.0F, 5.0F}) {
+            if (numbers.size() == 2) {
+                for (std::size_t i = 0; i < p.count; i += 2) p.x[i] += 1;
+            }
+            grid.sort(p, outflow_x);
+            numbers.emplace_back(p.vx.begin(), p.vx.begin() + static_cast<std::ptrdiff_t>(p.count));
+        }
+        return numbers;
+    };
+    const auto expected = orders(1);
+    CHECK(expected[1] == expected[0]);
+    CHECK(expected[2].size() < expected[1].size());
+    for (const int threads : {2, 3, 7}) CHECK(orders(threads) == expected);
+    omp_set_num_threads(before);
 }
