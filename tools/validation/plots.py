@@ -51,6 +51,8 @@ COMPUTED = {
     ("cavity_100", "measured_"): ("ko", "Ghia et al. 1982"),
     ("cavity_400", "measured_"): ("ko", "Ghia et al. 1982"),
     ("cavity_1000", "measured_"): ("ko", "Ghia et al. 1982"),
+    ("wet_bed_05", "exact_"): ("k-", "Stoker 1957"),
+    ("wet_bed_05", "reference_"): ("k--", "Serre 1953"),
     ("crowd_rimea_04", "measured_"): ("k-", "Weidmann 1993"),
     ("crowd_rimea_12", "measured_"): ("k-", "1.9 b, Seyfried et al. 2009"),
     ("crowd_rimea_12", "reference_"): ("k--", "1.3 b, SFPE handbook"),
