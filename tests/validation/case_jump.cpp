@@ -55,6 +55,15 @@ double jump_place(const Columns& columns, double depth_2) {
     return columns.centre(last) + columns.length() * below / (below - (columns.depth(last + 1) - middle));
 }
 
+// Mean over the ground of the integral of vx^2 over the height, m^3/s^2: what velocities carry of momentum, fluctuations and all.
+double carried_momentum(const Water& water, const Interval& x) {
+    double sum = 0;
+    water.for_each_parcel([&](const Parcel& parcel) {
+        if (x.contains(parcel.x)) sum += parcel.volume * parcel.vx * parcel.vx;
+    });
+    return sum / (x.length() * water.scene().channel.z.length());
+}
+
 struct Line {
     double slope = 0;
     double at_zero = 0;
@@ -93,7 +102,7 @@ Result run(const Request& request, double froude) {
     const double column = 2 * d;
     std::vector<double> time;
     std::vector<double> place;
-    double sum_h1 = 0, sum_u1 = 0, sum_h2 = 0, sum_u2 = 0;
+    double sum_h1 = 0, sum_u1 = 0, sum_h2 = 0, sum_u2 = 0, sum_uu1 = 0, sum_uu2 = 0;
     Columns moving = make_columns({-travel * h2, 0.5 * jump_length * h2 + h2}, scene.channel.z.length(), column);
     std::vector<int> seen(moving.count(), 0);  // frames in which the column lies in the channel
     const int frames = frames_in(scene, travel * h2 / bore.speed);
@@ -114,6 +123,8 @@ Result run(const Request& request, double froude) {
         sum_u1 += mean_discharge(now, ahead);
         sum_h2 += mean_depth(now, behind);
         sum_u2 += mean_discharge(now, behind);
+        sum_uu1 += carried_momentum(*water, ahead);
+        sum_uu2 += carried_momentum(*water, behind);
         moving.samples += 1;
         for (std::size_t k = 0; k < moving.count(); ++k) {
             const double x = (front + moving.centre(k) - now.x.lo) / now.length();
@@ -131,6 +142,10 @@ Result run(const Request& request, double froude) {
     // The speed at which water of both depths conserves mass. That of the front differs while the jump grows longer.
     const double c = (u1 * h1 - u2 * measured_h2) / (measured_h2 - h1);
     const double relative = (u1 + c) / std::sqrt(g * h1);
+    // In the frame of the jump, over the density: velocities with their fluctuations, pressure as if hydrostatic.
+    const double before = g * h1 * h1 / 2 + sum_uu1 / n + (2 * u1 + c) * c * h1;
+    const double after = g * measured_h2 * measured_h2 / 2 + sum_uu2 / n + (2 * u2 + c) * c * measured_h2;
+    const double fluctuations = sum_uu2 / n - u2 * u2 * measured_h2;
 
     Result result;
     water->note(cost, result);
@@ -142,6 +157,8 @@ Result run(const Request& request, double froude) {
                       {"jump_speed", std::abs(c / bore.speed - 1), "1"},
                       {"front_speed", std::abs(fit(time, place).slope / bore.speed - 1), "1"},
                       {"velocity_behind", std::abs(u2) / (u1 + c), "1"},
+                      {"momentum_kept", std::abs(after / before - 1), "1"},
+                      {"fluctuating_momentum", fluctuations / after, "1"},
                       {"max_density_error", cost.max_density_error, "1"}};
     Curve curve{"profile", {"x_m", "depth_m", "exact_depth_m"}, {}};
     for (std::size_t k = 0; k < moving.count(); ++k) {
@@ -161,7 +178,10 @@ Case jump_case(int froude, Result (*run_it)(const Request&)) {
     c.truth =
         "Belanger (1828), h_2/h_1 = (sqrt(1 + 8 Fr^2) - 1)/2, for the measured stream, relative to the jump, whose "
         "speed follows from the mass that both depths carry. It travels upstream from a wall: on a level bed without "
-        "friction a standing jump has no place of its own. "
+        "friction a standing jump has no place of its own. momentum_kept: how far the momentum function behind is from "
+        "that "
+        "before, with the squares of all velocities in the frame of the jump; fluctuating_momentum: what part of it "
+        "fluctuations carry behind the jump, where Belanger has even flow. "
         "Layers of particles in the stream: 4, 6, 8.";
     c.reference = "Belanger 1828";
     c.spacings = {depth_1 / 4, depth_1 / 6, depth_1 / 8};
