@@ -23,6 +23,7 @@ const std::vector<Case>& all_cases() {
         jump_fr2_case(),
         jump_fr3_case(),
         jump_fr5_case(),
+        jump_fr5_wide_case(),
         block_case(),
         poiseuille_case(),
         couette_case(),

@@ -23,6 +23,7 @@ Case bump_jump_case();
 Case jump_fr2_case();
 Case jump_fr3_case();
 Case jump_fr5_case();
+Case jump_fr5_wide_case();
 Case block_case();
 Case taylor_green_case();
 Case cavity_100_case();
