@@ -90,9 +90,9 @@ Result run(const Request& request, const char* name, bool is_undular) {
     const WetDamBreak exact = solve_wet_dam_break(reservoir.depth, tail.depth, scene.world.gravity);
     const DamBreak dam{scene, reservoir.x.lo, reservoir.depth, [&](double s, double t) { return stoker(exact, s, t); }};
     check_duration(dam, first_shock);
-    // Shallow water knows no dispersion.
+    const bool knows_dispersion = scene.fluid.model != FluidModel::shallow_water;
     std::optional<DispersiveTwin> twin;
-    if (is_undular && scene.fluid.model != FluidModel::shallow_water) twin = make_twin(dam, tail.depth);
+    if (is_undular && knows_dispersion) twin = make_twin(dam, tail.depth);
     Result result;
     Cost cost;
     Curve profile;
@@ -122,6 +122,7 @@ Result run(const Request& request, const char* name, bool is_undular) {
         result.metrics.push_back({"shock_place_dispersive", worst_dispersive, "1"});
         add_twin(profile, twin->columns);
     }
+    if (!knows_dispersion) result.not_judged = {"shock_place_dispersive"};
     result.metrics.insert(result.metrics.end(), {{"depth_l1_last", errors.last_depth, "1"},
                                                  {"max_density_error", cost.max_density_error, "1"},
                                                  {"position_clamps", water->position_clamps(), "1"}});

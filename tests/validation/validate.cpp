@@ -170,13 +170,15 @@ Record make_record(const Options& options) {
 }
 
 // A threshold whose metric the run does not have judges nothing: the metric is added as one that could not be measured,
-// so that the check and the report fail, and named.
+// so that the check and the report fail, and named; but for metrics that the model of the fluid cannot have.
 void add_missing_metrics(const std::vector<Threshold>& thresholds, Record& record) {
     for (const Threshold& row : thresholds) {
         if (row.case_name != record.what.name || !row.levels.at(record.level_index)) continue;
         std::vector<Metric>& metrics = record.result.metrics;
         if (std::any_of(metrics.begin(), metrics.end(), [&](const Metric& m) { return m.name == row.metric; }))
             continue;
+        const std::vector<std::string>& not_judged = record.result.not_judged;
+        if (std::find(not_judged.begin(), not_judged.end(), row.metric) != not_judged.end()) continue;
         std::cerr << "validate: " << row.case_name << ": thresholds.csv judges the metric " << row.metric
                   << ", which this run did not measure\n";
         metrics.push_back({row.metric, std::numeric_limits<double>::quiet_NaN(), "1"});

@@ -45,6 +45,7 @@ struct Result {
     double solver_cpu_time = 0;   // s, without set-up and measurement
     double solver_wall_time = 0;  // s
     std::vector<Metric> metrics;
+    std::vector<std::string> not_judged;  // metrics of the case that make no sense for this model of the fluid
     std::vector<Curve> curves;
 };
 
