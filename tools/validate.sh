@@ -17,8 +17,8 @@ observed order of convergence, and DIR/runs/ with the numbers of each run.
   --cases A,B   only these; patterns such as 'wet_bed*' may stand for several
   --levels L,M  only these of coarse, medium and fine
   --long        also what takes hours and is left out without it: uniform_river_600s and manning_river_600s (600 s, all
-                resolutions), and the fine resolution of spheric2 (a million particles), bump_subcritical, bump_jump,
-                cavity_100, cavity_400 and cavity_1000
+                resolutions), the medium and the fine one of jump_fr5_wide, and the fine one of spheric2 (a million
+                particles), bump_subcritical, bump_jump, cavity_100, cavity_400 and cavity_1000
   --jobs N      runs side by side, one thread each [number of processors]
   --again       repeats runs that are complete
   --list        lists the cases and ends
