@@ -5,7 +5,8 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/build.bash"
 
 help_if_asked "$@" <<'HELP'
-Usage: tools/validate.sh [--quick] [--out DIR] [--cases A,B] [--levels L,M] [--long] [--jobs N] [--again]
+Usage: tools/validate.sh [--quick] [--out DIR] [--cases A,B] [--levels L,M] [--long] [--jobs N] [--threads N]
+                         [--again]
 
 Runs each validation case at its coarse, medium and fine resolution and compares it with what is known: analytic
 solutions, published experiments and tables. Writes DIR/validation.csv, DIR/report.md with a plot a case and the
@@ -19,7 +20,9 @@ observed order of convergence, and DIR/runs/ with the numbers of each run.
   --long        also what takes hours and is left out without it: uniform_river_600s and manning_river_600s (600 s, all
                 resolutions), the medium and the fine one of jump_fr5_wide, and the fine one of spheric2 (a million
                 particles), bump_subcritical, bump_jump, cavity_100, cavity_400 and cavity_1000
-  --jobs N      runs side by side, one thread each [number of processors]
+  --jobs N      runs side by side [processors over threads of each]
+  --threads N   of each run [1]; results have the same bits for any number. For long runs of many particles; several runs
+                side by side with one thread each waste less
   --again       repeats runs that are complete
   --list        lists the cases and ends
 A run that is complete and whose program and scenes are still the same is not repeated, so that the command goes on where

@@ -31,7 +31,7 @@ def run_of(case, level, spacing, error, fingerprint="now"):
     return {
         "case": case, "level": level, "status": "completed", "error": "", "truth": "The truth.", "reference": "somebody 1900",
         "model": "dfsph", "spacing_m": spacing, "particles": 10, "steps": 5, "particle_steps": 50.0, "simulated_s": 2.0,
-        "solver_cpu_s": 1.5, "solver_wall_s": 3.0, "processor": "P", "processors": 2, "compiler": "C", "version": "0",
+        "solver_cpu_s": 1.5, "solver_wall_s": 3.0, "threads": 1, "processor": "P", "processors": 2, "compiler": "C", "version": "0",
         "git": "abc", "fingerprint": fingerprint,
         "metrics": [{"name": "height", "value": error, "unit": "1"}, {"name": "rest", "value": 7.0, "unit": "m"}],
         "curves": [{"name": "line", "file": f"{case}-{level}-line.csv", "columns": ["x_m", "height_m", "exact_height_m"]}],
@@ -106,6 +106,16 @@ class Running(unittest.TestCase):
             self.assertEqual(run_folder.Children().run(["false"], log, {}, old), 1)
             self.assertFalse(old.exists())
 
+    def test_each_run_is_told_how_many_threads_it_has(self):
+        with tempfile.TemporaryDirectory() as name:
+            program = Path(name) / "program"
+            program.write_text('#!/bin/sh\necho "$OMP_NUM_THREADS $*"\n')
+            program.chmod(0o755)
+            runner = runs.Runner(program, Path(name), lambda case: "now", run_folder.Children(), 3)
+            self.assertEqual(runs.run_all([(CASES[0], "fine")], runner, 1, False), 0)
+            words = (Path(name) / "runs" / "wave-fine.log").read_text()
+            self.assertRegex(words, "^3 .*--threads 3 ")
+
 
 class Order(unittest.TestCase):
     def test_of_a_power_law(self):
@@ -177,9 +187,10 @@ class Reporting(unittest.TestCase):
         self.assertEqual(results.print_summary(plan, found, self.judge), 1)
 
     def test_a_picture_whose_curves_are_not_there_stays_as_it_was_drawn(self):
-        self.put(run_of("wave", "coarse", 0.1, 0.1))
+        self.put(run_of("wave", "coarse", 0.1, 0.1) | {"threads": 2})
         found = results.read_runs(self.out / "runs", CASES)
         report.write(found, CASES, self.judge, lambda case: "now", self.out)
+        self.assertIn("but 2 in wave coarse.", (self.out / "report.md").read_text())
         drawn = (self.out / "figures" / "wave.png").read_bytes()
         (self.out / "runs" / "wave-coarse-line.csv").unlink()
         report.write(found, CASES, self.judge, lambda case: "now", self.out)

@@ -158,12 +158,19 @@ NOT_RUN = """Runs that this report has no result of, and the CPU time they would
 --cases NAME --levels LEVEL` makes one; those that take hours need `--long`."""
 
 
+def several_threads(runs):
+    for run in runs:
+        if run["threads"] > 1:
+            yield f", but {run['threads']} in {run['case']} {run['level']}"
+
+
 def machine_lines(runs):
     seen = dict.fromkeys((run["processor"], run["processors"], run["compiler"], run["version"], run["git"]) for run in runs)
     for processor, count, compiler, version, git in seen:
         yield f"* {processor}, {count} processors; compiler {compiler}; version {version}, commit {git}."
     yield ""
-    yield "CPU times are of the solver, one thread, without set-up and measurement; runs beside one another slow each other down."
+    yield "CPU times are of the solver, without set-up and measurement; runs beside one another slow each other down."
+    yield f"Each run had one thread{''.join(several_threads(runs))}."
 
 
 def write(runs, cases, judge, fingerprint_of, folder):

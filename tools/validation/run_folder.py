@@ -23,7 +23,7 @@ def suite_arguments(script, folder, *selections):
     parser = argparse.ArgumentParser(prog=f"tools/{script}", add_help=False)
     parser.add_argument("--program", type=lambda file: Path(file).resolve(), required=True)
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / folder)
-    parser.add_argument("--jobs", type=jobs, default=os.cpu_count() or 1)
+    parser.add_argument("--jobs", type=processors, default=os.cpu_count() or 1)
     for switch in ("--quick", "--long", "--again", "--list"):
         parser.add_argument(switch, action="store_true")
     for selection in selections:
@@ -31,7 +31,7 @@ def suite_arguments(script, folder, *selections):
     return parser
 
 
-def jobs(text):
+def processors(text):
     number = int(text) if text.isdecimal() else 0
     if not 1 <= number <= 1024:
         raise argparse.ArgumentTypeError(f"{text}: allowed: 1 to 1024")

@@ -99,10 +99,11 @@ def up_to_date(file, print_of_now):
 
 
 class Runner:
-    """Starts the runs, several at a time."""
+    """Starts the runs, several at a time, each with so many threads."""
 
-    def __init__(self, program, folder, fingerprint_of, children):
+    def __init__(self, program, folder, fingerprint_of, children, threads):
         self.program, self.folder, self.fingerprint_of, self.children = program, folder, fingerprint_of, children
+        self.threads = str(threads)
 
     def result_file(self, case, level):
         return self.folder / "runs" / f"{case.name}-{level}.json"
@@ -110,10 +111,10 @@ class Runner:
     def run(self, case, level):
         """One run; returns a line about it."""
         log = self.folder / "runs" / f"{case.name}-{level}.log"
-        command = [self.program, "--case", case.name, "--level", level, "--threads", "1"]
+        command = [self.program, "--case", case.name, "--level", level, "--threads", self.threads]
         command += ["--out", self.folder, "--fingerprint", self.fingerprint_of(case.name)]
         started = time.monotonic()
-        code = self.children.run(command, log, {"OMP_NUM_THREADS": "1"}, self.result_file(case, level))
+        code = self.children.run(command, log, {"OMP_NUM_THREADS": self.threads}, self.result_file(case, level))
         if code is None:
             return f"{case.name} {level}: not started"
         if code == 0:

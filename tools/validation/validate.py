@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Runs validation cases side by side and writes their table and report; tools/validate.sh calls it."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -13,7 +14,11 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def main():
-    arguments = run_folder.suite_arguments("validate.sh", "validation", "--cases", "--levels").parse_args()
+    parser = run_folder.suite_arguments("validate.sh", "validation", "--cases", "--levels")
+    parser.add_argument("--threads", type=run_folder.processors, default=1)
+    parser.set_defaults(jobs=None)
+    arguments = parser.parse_args()
+    jobs = arguments.jobs or max(1, (os.cpu_count() or 1) // arguments.threads)
     run_folder.end_children_on_signals()
     try:
         cases = runs.list_cases(arguments.program)
@@ -28,8 +33,8 @@ def main():
     runs.tell_left_out(arguments.cases, plan)
     fingerprint_of = runs.Fingerprints(arguments.program, ROOT)
     arguments.out.mkdir(parents=True, exist_ok=True)
-    runner = runs.Runner(arguments.program, arguments.out, fingerprint_of, run_folder.Children())
-    interrupted = runs.run_all(plan, runner, arguments.jobs, arguments.again)
+    runner = runs.Runner(arguments.program, arguments.out, fingerprint_of, run_folder.Children(), arguments.threads)
+    interrupted = runs.run_all(plan, runner, jobs, arguments.again)
 
     tables = ROOT / "tests" / "validation"
     judge = results.Judge(tables / "thresholds.csv", tables / "known_failures.csv")
