@@ -182,10 +182,9 @@ Case jump_case(const char* name, Result (*run_it)(const Request&)) {
         "Belanger (1828), h_2/h_1 = (sqrt(1 + 8 Fr^2) - 1)/2, for the measured stream, relative to the jump, whose "
         "speed follows from the mass that both depths carry. It travels upstream from a wall: on a level bed without "
         "friction a standing jump has no place of its own. momentum_kept: how far the momentum function behind is from "
-        "that "
-        "before, with the squares of all velocities in the frame of the jump; fluctuating_momentum: what part of it "
-        "fluctuations carry behind the jump, where Belanger has even flow. "
-        "Layers of particles in the stream: 4, 6, 8.";
+        "that before, with the squares of all velocities in the frame of the jump; fluctuating_momentum: what part of "
+        "it fluctuations carry behind the jump, where Belanger has even flow. Layers of particles in the stream: 4, 6, "
+        "8.";
     c.reference = "Belanger 1828";
     c.spacings = {depth_1 / 4, depth_1 / 6, depth_1 / 8};
     c.run = run_it;
@@ -207,8 +206,7 @@ Case jump_fr5_wide_case() {
     Case c = jump_case("jump_fr5_wide", [](const Request& request) { return run(request, 5, 6 * depth_1); });
     c.truth +=
         " A slice 2.4 m wide, nearly as wide as the water behind the jump is deep: in a thinner one vortices are as "
-        "long as "
-        "it is wide, feel no third dimension and live on.";
+        "long as it is wide, feel no third dimension and live on.";
     c.long_from = 1;
     return c;
 }

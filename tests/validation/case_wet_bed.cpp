@@ -161,8 +161,7 @@ Case wet_bed_05_case() {
     Case c = wet_bed_case("wet_bed_05", "0.5");
     c.truth +=
         " This one is low enough for an undular bore: shock_place_dispersive compares its place with that of the same "
-        "dam "
-        "by Serre's equations (1953), the dashed line, which know how waves disperse but not that they break.";
+        "dam by Serre's equations (1953), the dashed line, which know how waves disperse but not that they break.";
     c.spacings = {0.1, 0.05, 0.025};
     c.quick = true;
     c.run = [](const Request& request) { return run(request, "validation/wet_bed_05.json", true); };
