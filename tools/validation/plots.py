@@ -27,7 +27,7 @@ def read_curve(run, curve):
 
 def label(name):
     """depth_m -> "depth, m": the last part is the unit where it looks like one."""
-    units = {"m": "m", "s": "s", "Pa": "Pa", "N": "N", "1": "", "m_s": "m/s", "m_s2": "m/s2", "m2_s": "m2/s", "per_m2": "1/m2"}
+    units = {"m": "m", "s": "s", "Pa": "Pa", "pa": "Pa", "N": "N", "1": "", "m_s": "m/s", "m_s2": "m/s2", "m2_s": "m2/s", "per_m2": "1/m2"}
     for ending in sorted(units, key=len, reverse=True):
         if name.endswith("_" + ending):
             text = name[: -len(ending) - 1].replace("_", " ")
@@ -122,6 +122,8 @@ def draw(runs):
     for index, panel in enumerate(axes.flat):
         if index < len(panels):
             draw_panel(panel, runs, *panels[index])
+            if [column for _, column in panels].count(panels[index][1]) > 1:  # told apart by the curve alone
+                panel.set_title(panels[index][0].replace("_", " "), fontsize=8)
         else:
             panel.set_axis_off()
     figure.tight_layout()
