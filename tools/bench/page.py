@@ -246,7 +246,8 @@ def draw_roofline(results, file):
             axes.plot([x, x / lanes], [rate, rate / lanes], color=plt.cm.tab10(k), alpha=0.5)
             axes.plot(x, rate, "o", color=plt.cm.tab10(k), label=f"{name.split('/')[1].replace('_', ' ')}, useful pairs" if first else None)
             axes.plot(x / lanes, rate / lanes, "^", mfc="white", color=plt.cm.tab10(k), label="the same, all lanes" if first else None)
-            axes.annotate(number(r["size"]), (x, rate), xytext=(6, -3), textcoords="offset points", fontsize=8)
+            # Sizes to the left, where no line is; each sweep has a column of its own, as sweeps may be equally fast.
+            axes.annotate(number(r["size"]), (x, rate), xytext=(-6 - 45 * k, -3), textcoords="offset points", ha="right", fontsize=8, color=plt.cm.tab10(k))
     axes.set_xlim(1e-2, 3)
     axes.set_ylim(50, 3 * at_most)
     axes.set_xlabel("pairs a byte read or written")
