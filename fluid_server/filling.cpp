@@ -111,4 +111,23 @@ void fill_scene(Particles& particles, const Scene& scene) {
     }
 }
 
+bool fills_channel(const Scene& scene, double volume) {
+    const Channel& channel = scene.channel;
+    if (channel.top == Top::open || channel.flow == Flow::emitter) {
+        return false;
+    }
+    double space = channel.x.length() * channel.z.length() * channel.height;
+    for (const Obstacle& o : scene.obstacles) {
+        space -= o.x.length() * o.z.length() * std::min(o.height, channel.height);
+    }
+    const std::vector<BedFacet> bed = bed_facets(channel);
+    constexpr int slabs = 1000;
+    for (int k = 0; k < slabs && !bed.empty(); ++k) {
+        const double x = channel.x.lo + (k + 0.5) / slabs * channel.x.length();
+        space -= channel.x.length() / slabs * channel.z.length() *
+                 static_cast<double>(bed_height(bed, static_cast<float>(x)));
+    }
+    return volume > 0.95 * space;
+}
+
 }  // namespace wade::fluid

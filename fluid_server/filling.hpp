@@ -38,4 +38,7 @@ void fill_block(Particles& particles, const WaterBlock& block, const Surrounding
 // Fills what the scene wants filled at t = 0: its river, its blocks of water.
 void fill_scene(Particles& particles, const Scene& scene);
 
+// Whether water of a volume, m^3, leaves no free surface: under a lid, or between top and bottom that are one, to 5 %.
+[[nodiscard]] bool fills_channel(const Scene& scene, double volume);
+
 }  // namespace wade::fluid
