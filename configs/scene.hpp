@@ -181,7 +181,7 @@ struct Steering {
     std::vector<SteeringBody> bodies;
 };
 
-enum class KernelKind { cubic_spline, wendland_c2 };
+enum class KernelKind { cubic_spline, quartic_spline, wendland_c2 };
 
 struct PressureSolve {
     double tolerance = 0;  // mean error that ends the iteration, see the schema for what it is relative to

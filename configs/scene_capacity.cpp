@@ -13,8 +13,20 @@ std::uint64_t particles_in(double volume, double spacing) {
 
 }  // namespace
 
+double support_in_spacings_of(const Fluid& fluid) {
+    switch (fluid.kernel) {
+        case KernelKind::quartic_spline:
+            return 2.4;
+        case KernelKind::wendland_c2:
+            return 3;
+        case KernelKind::cubic_spline:
+            break;
+    }
+    return fluid.support_in_spacings;
+}
+
 double support_radius_of(const Fluid& fluid) {
-    return (fluid.kernel == KernelKind::wendland_c2 ? 3 : fluid.support_in_spacings) * fluid.particle_spacing;
+    return support_in_spacings_of(fluid) * fluid.particle_spacing;
 }
 
 double deepest_water(const Scene& scene) {

@@ -7,7 +7,10 @@
 
 namespace wade {
 
-// h, the distance at which the kernel ends, m: 2 d for the cubic spline, 3 d for Wendland's.
+// h / d: of the cubic spline as the scene says, 2 if it says nothing; 2.4 of the quartic spline, 3 of Wendland's C2.
+[[nodiscard]] double support_in_spacings_of(const Fluid& fluid);
+
+// h, the distance at which the kernel ends, m.
 [[nodiscard]] double support_radius_of(const Fluid& fluid);
 
 // The greatest height of water that the scene speaks of, m: sets the scale of wave speeds and of the grid.

@@ -38,6 +38,7 @@ constexpr std::array planes{std::pair{"bed", Plane::bed},
                             std::pair{"z_max", Plane::z_max},
                             std::pair{"obstacles", Plane::obstacles}};
 constexpr std::array kernels{std::pair{"cubic_spline", KernelKind::cubic_spline},
+                             std::pair{"quartic_spline", KernelKind::quartic_spline},
                              std::pair{"wendland_c2", KernelKind::wendland_c2}};
 constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"filled", InitialRiver::filled}};
 constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph},

@@ -135,10 +135,10 @@ std::string DfsphModel::remarks() const {
     const Scene& scene = world_.scene();
     const double layers = deepest_water(scene) / scene.fluid.particle_spacing;
     if (scene.fluid.kernel == KernelKind::cubic_spline && layers > quiet_layers) {
-        text +=
-            (text.empty() ? "" : "; ") + std::string("note: water of ") + short_number(std::floor(layers)) +
-            " layers of particles at rest shakes once when its packing settles; set /fluid/kernel to \"wendland_c2\" "
-            "if that matters";
+        text += (text.empty() ? "" : "; ") + std::string("note: water of ") + short_number(std::floor(layers)) +
+                " layers of particles at rest shakes once when its packing settles; set /fluid/kernel to "
+                "\"quartic_spline\" "
+                "if that matters";
     }
     return text;
 }

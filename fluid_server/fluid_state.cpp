@@ -49,7 +49,9 @@ std::string text_of(wade::FluidModel model) {
 }
 
 std::string text_of(KernelKind kernel) {
-    return kernel == KernelKind::cubic_spline ? "cubic_spline" : "wendland_c2";
+    return kernel == KernelKind::cubic_spline     ? "cubic_spline"
+           : kernel == KernelKind::quartic_spline ? "quartic_spline"
+                                                  : "wendland_c2";
 }
 
 // Compares one value of the scene with that of the run that wrote the state; source names its file.

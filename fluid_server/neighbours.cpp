@@ -214,8 +214,15 @@ class BlockSearch {
 
 Kernel make_kernel(const Fluid& fluid) {
     const auto h = static_cast<float>(support_radius_of(fluid));
-    return fluid.kernel == KernelKind::wendland_c2 ? Kernel(WendlandC2(h))
-                                                   : Kernel(CubicSpline(h, fluid.support_in_spacings));
+    switch (fluid.kernel) {
+        case KernelKind::quartic_spline:
+            return QuarticSpline(h, support_in_spacings_of(fluid));
+        case KernelKind::wendland_c2:
+            return WendlandC2(h);
+        case KernelKind::cubic_spline:
+            break;
+    }
+    return CubicSpline(h, support_in_spacings_of(fluid));
 }
 
 void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& p, float support_radius,

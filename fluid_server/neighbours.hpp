@@ -34,7 +34,7 @@
 namespace wade::fluid {
 
 // The kernel of a scene, of its support radius.
-using Kernel = std::variant<CubicSpline, WendlandC2>;
+using Kernel = std::variant<CubicSpline, QuarticSpline, WendlandC2>;
 [[nodiscard]] Kernel make_kernel(const Fluid& fluid);
 
 static_assert(block_size % largest_cluster == 0, "a block holds whole clusters");

@@ -36,6 +36,18 @@ HWY_INLINE Shape shape(const CubicSpline&, V q, V inverse_q) {
     const V factor_far = hn::Mul(hn::Mul(all(0.5F), u2), inverse_q);
     return {hn::IfThenElse(near, value_near, value_far), hn::IfThenElse(near, factor_near, factor_far)};
 }
+HWY_INLINE Shape shape(const QuarticSpline&, V q, V inverse_q) {
+    const V u = hn::Max(hn::Sub(all(1), q), hn::Zero(lanes));
+    const V v = hn::Max(hn::Sub(all(QuarticSpline::knot_far), q), hn::Zero(lanes));
+    const V w = hn::Max(hn::Sub(all(QuarticSpline::knot_near), q), hn::Zero(lanes));
+    const V u2 = hn::Mul(u, u), v2 = hn::Mul(v, v), w2 = hn::Mul(w, w);
+    const V quartic = hn::MulAdd(hn::Mul(all(10), w2), w2, hn::NegMulAdd(hn::Mul(all(5), v2), v2, hn::Mul(u2, u2)));
+    const V factor_near = hn::NegMulAdd(all(5), hn::Mul(q, q), all(1));
+    const V cubic = hn::NegMulAdd(hn::Mul(all(5), v2), v, hn::Mul(u2, u));
+    const V factor_far = hn::Mul(hn::Mul(all(4 / QuarticSpline::factor_at_zero), cubic), inverse_q);
+    return {hn::Mul(all(1 / QuarticSpline::value_at_zero), quartic),
+            hn::IfThenElse(hn::Le(q, all(QuarticSpline::knot_near)), factor_near, factor_far)};
+}
 HWY_INLINE Shape shape(const WendlandC2&, V q, V) {
     const V u = hn::Max(hn::Sub(all(1), q), hn::Zero(lanes));
     const V u3 = hn::Mul(hn::Mul(u, u), u);
@@ -173,11 +185,7 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
 
 void SumKernel(std::size_t b, const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
                const KernelSums& sums) {
-    if (const auto* spline = std::get_if<CubicSpline>(&kernel)) {
-        sum_kernel_of(b, p, *spline, volume, lists, sums);
-    } else {
-        sum_kernel_of(b, p, std::get<WendlandC2>(kernel), volume, lists, sums);
-    }
+    std::visit([&](const auto& of_scene) { sum_kernel_of(b, p, of_scene, volume, lists, sums); }, kernel);
 }
 
 void SumGradients(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,

@@ -84,6 +84,7 @@ std::uint64_t room_for(const Scene& written, double spacing, std::uint64_t neede
 void complete(Candidate& c, const LoadedScene& written) {
     Scene scene = written.scene;
     scene.fluid.particle_spacing = c.spacing;
+    if (c.settings.kernel == "quartic_spline") scene.fluid.kernel = KernelKind::quartic_spline;
     if (c.settings.kernel == "wendland_c2") scene.fluid.kernel = KernelKind::wendland_c2;
     if (c.settings.kernel == "cubic_spline") scene.fluid.kernel = KernelKind::cubic_spline;
     c.particles = particles_needed(scene);
@@ -181,6 +182,7 @@ std::string label(const Candidate& candidate) {
     if (!s.tolerance.empty()) text += ", tol " + s.tolerance;
     if (!s.divergence_tolerance.empty()) text += ", div " + s.divergence_tolerance;
     if (!s.cfl.empty()) text += ", cfl " + s.cfl;
+    if (s.kernel == "quartic_spline") text += ", quartic";
     if (s.kernel == "wendland_c2") text += ", wendland";
     return text;
 }

@@ -3,7 +3,7 @@
 import signal
 import unittest
 
-from harness import ENDLESS, SystemTest
+from harness import ENDLESS, SystemTest, wait_until
 
 # A run that lasts until nobody is active any more.
 LONG = ["--until-s", "5000"]
@@ -67,6 +67,8 @@ class Latest(SystemTest):
         client = self.client("--mode", "latest", *ENDLESS)
         server = self.server("--consumers", "0", *ENDLESS)
         self.wait_for_frame(20, server, client)
+        # The water, which waits for nobody, may be there before the crowd is.
+        wait_until((client.run.folder / "trajectories.sqlite").exists, "the crowd's first records")
         self.kill_server(server)
         self.assert_ends(client, 4, "died")
         self.assert_complete_records(client.run, "peer_dead")

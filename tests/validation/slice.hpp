@@ -9,11 +9,12 @@
 
 namespace wade::validation {
 
-// Three support radii, m, the least that the loader allows between periodic sides, in whole spacings: 6, 9 with the wider
-// kernel, 7 with a wider cubic spline. kernel: that of the scene's file; overrides of the request can ask for wider ones.
+// Three support radii, m, the least that the loader allows between periodic sides, in whole spacings: 6, 8 with the quartic
+// spline, 9 with Wendland's kernel, 7 with a wider cubic spline. kernel: that of the scene's file; overrides of the request can ask for wider ones.
 inline double slice_width(const Request& request, KernelKind kernel = KernelKind::cubic_spline) {
     double spacings = kernel == KernelKind::wendland_c2 ? 9 : 6;
     for (const std::string& text : request.overrides) {
+        if (text.find("quartic") != std::string::npos) spacings = 8;
         if (text.find("wendland") != std::string::npos) spacings = 9;
         if (text.find("/fluid/support_in_spacings=2.") != std::string::npos) spacings = std::max(spacings, 7.0);
     }

@@ -12,6 +12,7 @@ SETTINGS = {
     "tolerance_1e-2": ([f"{TOLERANCE}=1e-2"], False),
     "tolerance_1e-4": ([f"{TOLERANCE}=1e-4"], False),
     "no_divergence_solve": (["/fluid/divergence_solve/max_iterations=0"], False),
+    "quartic_spline": (["/fluid/kernel=quartic_spline"], True),
     "wendland_c2": (["/fluid/kernel=wendland_c2"], False),
     "support_2.05": (["/fluid/support_in_spacings=2.05"], False),
     "support_2.2": (["/fluid/support_in_spacings=2.2"], False),

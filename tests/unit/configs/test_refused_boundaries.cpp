@@ -53,6 +53,9 @@ TEST_CASE("periodic lengths follow the support radius of the kernel") {
     CHECK_THAT(refusal(scene(periodic), {"/channel/x_max_m=4.4", "/fluid/kernel=wendland_c2"}),
                Contains("allowed: >= 9 fluid.particle_spacing_m = 4.5 m."));
     CHECK_NOTHROW(load_patched(scene(periodic), {"/channel/x_max_m=4.5", "/fluid/kernel=wendland_c2"}));
+    CHECK_NOTHROW(load_patched(scene(periodic), {"/channel/x_max_m=3.6", "/fluid/kernel=quartic_spline"}));
+    CHECK_THAT(refusal(scene(periodic), {"/channel/x_max_m=3.5", "/fluid/kernel=quartic_spline"}),
+               Contains("allowed: >= 7.2 fluid.particle_spacing_m = 3.6 m."));
     CHECK_THAT(
         refusal(scene(periodic + R"(, "top": "periodic", "height_m": 2.9)", R"(, "world": {"gravity_m_s2": 0})")),
         Contains("/channel/height_m: the height between bottom and top, which are periodic, is 2.9 m"));

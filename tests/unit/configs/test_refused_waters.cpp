@@ -119,6 +119,10 @@ TEST_CASE("walls too near for a wide kernel are refused") {
                  "allowed: >= 2 fluid.particle_spacing_m = 1 m, or the kernel \"cubic_spline\"."));
     CHECK(load_patched(emitter, {wide, "/channel/z_max_m=11"}).scene.channel.z.hi == 11);
     CHECK(load_patched(emitter, {"/channel/z_max_m=10.5"}).scene.channel.z.hi == 10.5);
+    const std::string quartic = "/fluid/kernel=quartic_spline";
+    CHECK_THAT(refusal(emitter, {quartic, "/channel/z_max_m=10.6"}),
+               Contains("allowed: >= 1.4 fluid.particle_spacing_m"));
+    CHECK(load_patched(emitter, {quartic, "/channel/z_max_m=10.8"}).scene.channel.z.hi == 10.8);
     CHECK_THAT(refusal(emitter, {wide, "/channel/depth_m=0.5", "/channel/top=wall", "/channel/height_m=0.7"}),
                Contains("/channel/height_m: bed and lid are 0.7 m apart"));
     CHECK_THAT(refusal(blocks(box(5, 7, 11, 13, "depth_m")),
@@ -130,9 +134,14 @@ TEST_CASE("walls too near for a wide kernel are refused") {
 TEST_CASE("the support radius is that of the cubic spline") {
     const std::string wider = "/fluid/support_in_spacings=2.1";
     CHECK(load_patched(emitter, {wider}).scene.fluid.support_in_spacings == 2.1);
-    CHECK_THAT(refusal(emitter, {wider, "/fluid/kernel=wendland_c2"}),
-               Equals("scene.json: /fluid/support_in_spacings: 2.1 is for the kernel \"cubic_spline\", and /fluid/kernel is "
-                      "\"wendland_c2\", which reaches 3 d; allowed: 2."));
+    CHECK_THAT(
+        refusal(emitter, {wider, "/fluid/kernel=wendland_c2"}),
+        Equals("scene.json: /fluid/support_in_spacings: 2.1 is for the kernel \"cubic_spline\", and /fluid/kernel is "
+               "\"wendland_c2\", which reaches 3 d; allowed: 2."));
+    CHECK_THAT(
+        refusal(emitter, {wider, "/fluid/kernel=quartic_spline"}),
+        Contains(
+            "2.1 is for the kernel \"cubic_spline\", and /fluid/kernel is \"quartic_spline\", which reaches 2.4 d"));
     CHECK_THAT(refusal(emitter, {"/fluid/support_in_spacings=2.3"}), Contains("/fluid/support_in_spacings"));
     CHECK_THAT(refusal(emitter, {wider, "/channel/z_max_m=10.5"}),
                Contains("allowed: >= 1.1 fluid.particle_spacing_m = 0.55 m, or /fluid/support_in_spacings 2."));

@@ -48,7 +48,7 @@ float largest_acceleration(Scene scene, Profile&& profile) {
 
 TEST_CASE("a linear profile between planes that move with it feels no viscous force", "[fluid][no_slip]") {
     Scene scene = test::tank(1, 1, 1, d);
-    scene.fluid.kernel = GENERATE(KernelKind::cubic_spline, KernelKind::wendland_c2);
+    scene.fluid.kernel = GENERATE(KernelKind::cubic_spline, KernelKind::quartic_spline, KernelKind::wendland_c2);
     scene.channel.no_slip = {{Plane::bed, {0.5, 0, 0}}, {Plane::top, {2.5, 0, 0}}};
     CHECK(largest_acceleration(scene, [](float y) { return 0.5F + 2 * y; }) < 1e-3F);
     // The same profile between planes at rest is held up by both.
