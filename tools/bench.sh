@@ -19,7 +19,7 @@ counts of the work and the errors beside them. Builds the programs first.
                   stages, goals, and how far from what the processor and the memory of this machine allow
   --from FILE     measures nothing: writes the page of --out anew from the bench.json of another day
 
-Names: fluid/river, fluid/growth, fluid/dam_break, fluid/dam_break_733_steps, fluid/column_at_rest, shallow_water/..., steering/..., crowd/..., coupling/contacts,
+Names: fluid/river, fluid/river_quartic_spline, fluid/growth, fluid/dam_break, fluid/dam_break_733_steps, fluid/column_at_rest, shallow_water/..., steering/..., crowd/..., coupling/contacts,
 protocol/..., kernels/..., machine/..., features/..., end_to_end/s05, end_to_end/s05_depth_1, end_to_end/river_s05, end_to_end/fine.
 Exit code: 0, 1 if a part failed (the others are still measured), 2 for a mistake in the options.
 HELP

@@ -135,8 +135,8 @@ struct Plan {
 };
 
 void bench_river(const std::string& name, const River& river, const Plan& plan, const Options& options,
-                 std::vector<Result>& results) {
-    const Scene scene = river_scene(river);
+                 std::vector<Result>& results, const std::map<std::string, std::string>& values = {}) {
+    const Scene scene = river_scene(river, values);
     const std::vector<int> counts = options.thread_counts();
     const PeakMemory memory;
     fluid::FluidWorld world(scene);
@@ -213,6 +213,11 @@ void run(const Options& options, std::vector<Result>& results) {
         bench_river("fluid/river", river_2_layers, {4, 4, 9}, options, results);
         bench_river("fluid/river", river_4_layers, {2, 1, 7}, options, results);
         if (!options.quick) bench_river("fluid/river", river_10_layers, {0.3, 0.1, 5}, options, results);
+    }
+    if (options.wanted("fluid/river_quartic_spline")) {
+        const std::map<std::string, std::string> quartic{{"/fluid/kernel", "\"quartic_spline\""}};
+        bench_river("fluid/river_quartic_spline", river_2_layers, {4, 4, 5}, options, results, quartic);
+        bench_river("fluid/river_quartic_spline", river_4_layers, {2, 1, 5}, options, results, quartic);
     }
     if (options.wanted("fluid/growth")) {
         // As much work in each round, and in the warm-up whole frames.
