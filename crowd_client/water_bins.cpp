@@ -134,27 +134,36 @@ void count_by_cell(WaterBins& bins, std::size_t kept) {
     }
 }
 
-// Deals out the kept particles, the x of each as x_of(x of the world, cell) says. cell_start[c + 1] serves as the next
-// free place of cell c meanwhile; once all are dealt out, it is the end of cell c.
-template <typename PlaceOf>
-void deal_out(WaterBins& bins, const WaterView& water, std::size_t kept, PlaceOf&& x_of) {
+// Deals out the numbers of the kept particles into `order`. cell_start[c + 1] serves as the next free place of cell c
+// meanwhile; once all are dealt out, it is the end of cell c.
+void deal_out(WaterBins& bins, std::size_t kept) {
     const std::uint32_t* const particle = bins.kept_particle.data();
     const std::uint32_t* const cell = bins.kept_cell.data();
     std::uint32_t* const next = bins.cell_start.data() + 1;
+    std::uint32_t* const order = bins.order.data();
+    for (std::size_t k = 0; k < kept; ++k) order[next[cell[k]]++] = particle[k];
+}
+
+// Fetches the particles of the cells in their order, so that it is written one after the other; the x of each as
+// x_of(x of the world, cell) says.
+template <typename PlaceOf>
+void fetch(WaterBins& bins, const WaterView& water, PlaceOf&& x_of) {
+    const std::uint32_t* const order = bins.order.data();
     double *const x = bins.x.data(), *const z = bins.z.data();
     float *const mass = bins.mass.data(), *const vx = bins.vx.data(), *const vz = bins.vz.data();
     const WaterView from = water;  // a copy that nothing written here can change
-    for (std::size_t k = 0; k < kept; ++k) {
-        const std::size_t i = particle[k];
-        const std::size_t to = next[cell[k]]++;
-        x[to] = x_of(from.origin_x + from.scale_x * static_cast<double>(from.px[i]), cell[k]);
-        z[to] = from.origin_z + from.scale_z * static_cast<double>(from.pz[i]);
-        mass[to] = from.mass[i];
-        vx[to] = from.vx[i];
-        vz[to] = from.vz[i];
-        if (!bins.with_heights) continue;
-        bins.y[to] = from.origin_y + from.scale_y * static_cast<double>(from.py[i]);
-        bins.vy[to] = from.scale_y * static_cast<double>(from.vy[i]);
+    for (std::size_t c = 0; c < bins.grid.cells(); ++c) {
+        for (std::size_t k = bins.cell_start[c]; k < bins.cell_start[c + 1]; ++k) {
+            const std::size_t i = order[k];
+            x[k] = x_of(from.origin_x + from.scale_x * static_cast<double>(from.px[i]), c);
+            z[k] = from.origin_z + from.scale_z * static_cast<double>(from.pz[i]);
+            mass[k] = from.mass[i];
+            vx[k] = from.vx[i];
+            vz[k] = from.vz[i];
+            if (!bins.with_heights) continue;
+            bins.y[k] = from.origin_y + from.scale_y * static_cast<double>(from.py[i]);
+            bins.vy[k] = from.scale_y * static_cast<double>(from.vy[i]);
+        }
     }
 }
 
@@ -166,10 +175,12 @@ void sort_marked(WaterBins& bins, const WaterView& water) {
     for (std::vector<double>* v : {&bins.x, &bins.z}) v->resize(kept);
     for (std::vector<float>* v : {&bins.mass, &bins.vx, &bins.vz}) v->resize(kept);
     for (std::vector<double>* v : {&bins.y, &bins.vy}) v->resize(bins.with_heights ? kept : 0);
+    bins.order.resize(kept);
+    deal_out(bins, kept);
     if (bins.period > 0) {
-        deal_out(bins, water, kept, [&](double x, std::uint32_t cell) { return x_seen_in(bins, x, cell); });
+        fetch(bins, water, [&](double x, std::size_t cell) { return x_seen_in(bins, x, cell); });
     } else {
-        deal_out(bins, water, kept, [](double x, std::uint32_t) { return x; });
+        fetch(bins, water, [](double x, std::size_t) { return x; });
     }
     sum_up_cells(bins);
 }

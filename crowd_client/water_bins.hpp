@@ -28,8 +28,9 @@ struct WaterBins {
     // By cell, and one more for all that is outside: whether its water is kept; in the cells of agents it is summed up.
     enum Use : std::uint8_t { unused, kept, summed };
     std::vector<Use> use;
-    std::vector<Contact> sums;  // by cell, of those that are `summed`
-    std::vector<std::uint32_t> kept_particle, kept_cell;
+    std::vector<Contact> sums;                            // by cell, of those that are `summed`
+    std::vector<std::uint32_t> kept_particle, kept_cell;  // working memory, as they came
+    std::vector<std::uint32_t> order;                     // the kept particles of the frame, ordered by cell
 
     [[nodiscard]] WaterParticle particle(std::size_t k) const {
         return {static_cast<double>(mass[k]),

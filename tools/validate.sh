@@ -6,7 +6,7 @@ set -euo pipefail
 
 help_if_asked "$@" <<'HELP'
 Usage: tools/validate.sh [--quick] [--out DIR] [--cases A,B] [--levels L,M] [--long] [--jobs N] [--threads N]
-                         [--again]
+                         [--set /POINTER=VALUE] [--beside DIR] [--again]
 
 Runs each validation case at its coarse, medium and fine resolution and compares it with what is known: analytic
 solutions, published experiments and tables. Writes DIR/validation.csv, DIR/report.md with a plot a case and the
@@ -23,6 +23,10 @@ observed order of convergence, and DIR/runs/ with the numbers of each run.
   --jobs N      runs side by side [processors over threads of each]
   --threads N   of each run [1]; results have the same bits for any number. For long runs of many particles; several runs
                 side by side with one thread each waste less
+  --set /POINTER=VALUE  a value of all scenes, for example /fluid/kernel=quartic_spline; may be given several times. Give
+                such runs a folder of their own: runs of other settings in it count as those of another version
+  --beside DIR  the report begins with its errors and costs against those in DIR, an --out of this command with other
+                settings
   --again       repeats runs that are complete
   --list        lists the cases and ends
 A run that is complete and whose program and scenes are still the same is not repeated, so that the command goes on where

@@ -173,10 +173,16 @@ def machine_lines(runs):
     yield f"Each run had one thread{''.join(several_threads(runs))}."
 
 
-def write(runs, cases, judge, fingerprint_of, folder):
+def write(runs, cases, judge, fingerprint_of, folder, settings=(), held_against=()):
+    """settings: of all runs, as --set has them; held_against: lines about another folder of runs, or none."""
     figures = folder / "figures"
     figures.mkdir(exist_ok=True)
-    lines = [HEAD, "## Verdicts", ""]
+    lines = [HEAD]
+    if settings:
+        lines += [f"All runs have {', '.join(f'`{setting}`' for setting in settings)}, whatever their scene says.", ""]
+    if held_against:
+        lines += ["## Beside the other settings", "", *held_against]
+    lines += ["## Verdicts", ""]
     lines += verdict_table(runs, cases, judge, fingerprint_of)
     if any(run["fingerprint"] != fingerprint_of(run["case"]) for run in runs):
         lines += ["", "\\* by another version of the program."]

@@ -78,8 +78,10 @@ def tell_left_out(patterns, runs):
 class Fingerprints:
     """Of the program and all that a case reads: a run with the same one would give the same numbers."""
 
-    def __init__(self, program, root):
+    def __init__(self, program, root, settings=()):
         self.digest = hashlib.sha256(program_bytes(program))
+        for setting in settings:
+            self.digest.update(setting.encode() + b"\0")
         data = sorted((root / "tests" / "validation" / "data").glob("**/*"))
         for file in sorted((root / "configs").glob("**/*.json")) + [file for file in data if file.is_file()]:
             self.digest.update(str(file.relative_to(root)).encode() + b"\0" + file.read_bytes())
@@ -99,7 +101,9 @@ def up_to_date(file, print_of_now):
 
 
 class Runner:
-    """Starts the runs, several at a time, each with so many threads."""
+    """Starts the runs, several at a time, each with so many threads and with the same settings."""
+
+    settings = ()  # values of --set
 
     def __init__(self, program, folder, fingerprint_of, children, threads):
         self.program, self.folder, self.fingerprint_of, self.children = program, folder, fingerprint_of, children
@@ -113,6 +117,7 @@ class Runner:
         log = self.folder / "runs" / f"{case.name}-{level}.log"
         command = [self.program, "--case", case.name, "--level", level, "--threads", self.threads]
         command += ["--out", self.folder, "--fingerprint", self.fingerprint_of(case.name)]
+        command += [word for setting in self.settings for word in ("--set", setting)]
         started = time.monotonic()
         code = self.children.run(command, log, {"OMP_NUM_THREADS": self.threads}, self.result_file(case, level))
         if code is None:
