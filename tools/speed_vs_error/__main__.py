@@ -18,9 +18,10 @@ from splishsplash import measure_all
 from table import ERRORS, error_names, error_of, groups_of, is_default, write_table
 from run_folder import end_children_on_signals, exit_code, say, write_whole
 
-# River with agents, dam break, box in a tank, bump, obstacle; each at up to three spacings of its case.
+# River with agents, dam break, box in a tank, bump, obstacle, standing wave, river, water at rest; each at up to three
+# spacings of its case.
 CASES = ("impulse_river", "impulse_front", "impulse_lee", "dam_break", "bump_transcritical", "block", "bump_subcritical",
-         "spheric2")
+         "spheric2", "sloshing", "uniform_river", "column")
 # Two spacings each, or one where the second one alone would take most of the two minutes.
 QUICK_CASES = {"impulse_river": 2, "impulse_front": 2, "impulse_lee": 2, "dam_break": 1}
 

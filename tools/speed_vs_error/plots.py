@@ -22,6 +22,10 @@ WORDS = {
     "pressure_rms_*": "RMS error of the pressure, mean of P1 and P3",
     "pressure_peak_p*": "relative error of the pressure's peak, mean of P1 and P3",
     "depth_l2": "L2 error of the depth",
+    "depth": "relative error of the depth",
+    "period": "relative error of the period",
+    "pressure_rms": "RMS error of the pressure / rho g H",
+    "rms_speed": "RMS speed of water at rest / sqrt(g H)",
     "closure": "momentum budget of the block: what is missing of the force",
 }
 

@@ -26,6 +26,9 @@ ERRORS = {
     "bump_transcritical": ("depth_l2",),
     "bump_jump": ("depth_l2",),
     "block": ("closure",),
+    "sloshing": ("period",),
+    "uniform_river": ("depth",),
+    "column": ("pressure_rms", "rms_speed"),
 }
 
 
