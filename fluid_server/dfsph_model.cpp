@@ -137,8 +137,7 @@ std::string DfsphModel::remarks() const {
     if (scene.fluid.kernel == KernelKind::cubic_spline && layers > quiet_layers) {
         text += (text.empty() ? "" : "; ") + std::string("note: water of ") + short_number(std::floor(layers)) +
                 " layers of particles at rest shakes once when its packing settles; set /fluid/kernel to "
-                "\"quartic_spline\" "
-                "if that matters";
+                "\"quartic_spline\" if that matters";
     }
     return text;
 }

@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(ROOT / "tools" / "validation"))
 
+import beside  # noqa: E402
 import convergence  # noqa: E402
 import report  # noqa: E402
 import results  # noqa: E402
@@ -81,6 +82,12 @@ class Fingerprint(unittest.TestCase):
         self.assertEqual(first, program(b"b", b"code", b"ba9876543210"))
         self.assertEqual(first, program(b"b", b"code", b"ba9876543210-dirty"))
         self.assertNotEqual(first, program(b"a", b"Code", b"0123456789ab"))
+
+    def test_settings_of_all_runs_count(self):
+        program = self.folder / "program"
+        program.write_bytes(b"code")
+        prints = {runs.Fingerprints(program, self.folder, settings)("wave") for settings in ([], ["/a=1"], ["/a=2"])}
+        self.assertEqual(len(prints), 3)
 
     def test_the_series_of_spheric2_matters_to_it_only(self):
         (self.folder / "series.csv").write_text("1")
@@ -203,6 +210,22 @@ class Reporting(unittest.TestCase):
         self.assertEqual(list(report.missing_runs([one, two], CASES[:1])), ["| wave | fine | 0.025 m | 1.6 min |"])
         self.assertEqual(report.seconds_expected([one], 0.05), 16 * one["solver_cpu_s"])
         self.assertEqual(list(report.missing_runs([], CASES[2:])), ["| crowd | coarse | 0 m | - |"])
+
+    def test_runs_of_other_settings_are_held_against_these(self):
+        there = self.out / "there"
+        (there / "runs").mkdir(parents=True)
+        other = {**run_of("wave", "coarse", 0.1, 0.4), "particle_steps": 100.0}
+        (there / "runs" / "wave-coarse.json").write_text(json.dumps(other))
+        here = [{**run_of(*run), "folder": self.out / "runs"} for run in (("wave", "coarse", 0.1, 0.2), ("river", "coarse", 0.25, 1.0))]
+        lines = beside.section(here, there, CASES, self.judge)
+        self.assertIn("Of 1 limits in 1 runs of water 0 are missed here and 1 there", lines[0])
+        self.assertIn("Errors are 0.50 times those there and a particle's step costs 2.00 times as much", lines[0])
+        self.assertIn("| [wave](#wave) | coarse | height 0.4! -> 0.2 | 1.00 | 2.00 |", lines)
+        report.write(here, CASES, self.judge, lambda case: "now", self.out, ["/fluid/kernel=quartic_spline"], lines)
+        text = (self.out / "report.md").read_text()
+        self.assertIn("All runs have `/fluid/kernel=quartic_spline`, whatever their scene says.", text)
+        self.assertLess(text.index("## Beside the other settings"), text.index("## Verdicts"))
+        self.assertEqual(beside.section(here[1:], there, CASES, self.judge)[0], "No case of water is complete in both.")
 
     def test_the_program_and_the_script_read_the_same_tables(self):
         tables = ROOT / "tests" / "validation"
