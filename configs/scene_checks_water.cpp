@@ -98,10 +98,10 @@ void check_spacing(const Scene& scene, const std::string& source) {
 
 void check_kernel(const Fluid& fluid, const std::string& source) {
     if (fluid.kernel == KernelKind::cubic_spline || fluid.support_in_spacings == 2) return;
-    const std::string kernel = fluid.kernel == KernelKind::quartic_spline ? "quartic_spline" : "wendland_c2";
     refuse(source, "/fluid/support_in_spacings",
            short_number(fluid.support_in_spacings) + " is for the kernel \"cubic_spline\", and /fluid/kernel is \"" +
-               kernel + "\", which reaches " + short_number(support_in_spacings_of(fluid)) + " d; allowed: 2.");
+               name_of(fluid.kernel) + "\", which reaches " + short_number(support_in_spacings_of(fluid)) +
+               " d; allowed: 2.");
 }
 
 // A particle's neighbours reach over the support radius, in cells of that size; with fewer than three cells along a

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "configs/exit_code.hpp"
+#include "configs/scene_capacity.hpp"
 
 namespace wade::fluid {
 
@@ -49,9 +50,7 @@ std::string text_of(wade::FluidModel model) {
 }
 
 std::string text_of(KernelKind kernel) {
-    return kernel == KernelKind::cubic_spline     ? "cubic_spline"
-           : kernel == KernelKind::quartic_spline ? "quartic_spline"
-                                                  : "wendland_c2";
+    return name_of(kernel);
 }
 
 // Compares one value of the scene with that of the run that wrote the state; source names its file.
