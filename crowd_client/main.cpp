@@ -199,7 +199,7 @@ ProgramDescription description() {
          {.name = "--crowds",
           .help =
               "Many crowds in the water of one server: a JSON list of { \"name\": ..., \"set\": { pointer: value } }; "
-              "each walks as if alone, into DIR/<name>/, and DIR/crowds.csv sums up (see configs/README.md)",
+              "each walks as if alone, into DIR/<name>/, and DIR/crowds.csv sums up (see docs/commands.md)",
           .word = Word{"FILE"}},
          {.name = "--mode",
           .help = "lockstep: every frame, and the producer waits for the crowd. latest: the newest frame, and the "

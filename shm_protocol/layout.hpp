@@ -1,5 +1,5 @@
 #pragma once
-// The bytes of a segment, version 1: fixed-width integers, IEEE floats, no pointers, no locks. README.md is its prose.
+// The bytes of a segment, version 1: fixed-width integers, IEEE floats, no pointers, no locks. docs/protocol.md is its prose.
 //
 //   offset   0      header page      written by the producer before the magic, then never again
 //   4 KiB           control page     written by the producer
@@ -9,7 +9,7 @@
 //   then            slots            one frame each, structure of arrays, page aligned
 //
 // A change that an old reader could misread raises version_major; new fields in reserved bytes raise version_minor.
-// Reserved bytes are zero. Words marked (atomic) are accessed with the memory order that README.md states.
+// Reserved bytes are zero. Words marked (atomic) are accessed with the memory order that docs/protocol.md states.
 
 #include <cstddef>
 #include <cstdint>

@@ -19,7 +19,7 @@ fluid_server and crowd_client, waits for both, prints the outcome and draws DIR/
   --producer COMMAND  another producer of water in place of fluid_server, for example './my_producer --session {session}';
                       {session}, {scene} and {consumers} stand for what the run has; without {session} the words
                       --session NAME are added at the end
-  --crowds FILE       many crowds in this water (configs/README.md): a run folder DIR/<name>/ each, DIR/crowds.csv sums up
+  --crowds FILE       many crowds in this water (docs/commands.md): a run folder DIR/<name>/ each, DIR/crowds.csv sums up
   --session NAME      name under which the programs meet [a unique one]
   --from-state FILE   the water goes on from a state that --save-state FILE or a numerical failure has written
   --mode latest       the crowd takes the newest frame and the water waits for nobody; fluid_server gets --consumers 0 and

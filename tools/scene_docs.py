@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes the table of all scene keys into configs/README.md, from configs/scene.schema.json.
+"""Writes the table of all scene keys into docs/scene_keys.md, from configs/scene.schema.json.
 
     tools/scene_docs.py           rewrite the table
     tools/scene_docs.py --check   change nothing; exit code 1 if the table is stale
@@ -65,19 +65,19 @@ def table(schema):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Write the table of scene keys into configs/README.md.")
+    parser = argparse.ArgumentParser(description="Write the table of scene keys into docs/scene_keys.md.")
     parser.add_argument("--check", action="store_true", help="change nothing; exit code 1 if the table is stale")
-    parser.add_argument("--readme", type=pathlib.Path, help="file to write [configs/README.md]")
+    parser.add_argument("--readme", type=pathlib.Path, help="file to write [docs/scene_keys.md]")
     arguments = parser.parse_args()
-    folder = pathlib.Path(__file__).resolve().parent.parent / "configs"
-    readme = arguments.readme or folder / "README.md"
+    root = pathlib.Path(__file__).resolve().parent.parent
+    readme = arguments.readme or root / "docs" / "scene_keys.md"
 
     text = readme.read_text(encoding="utf-8")
     if text.count(BEGIN) != 1 or text.count(END) != 1:
         sys.exit(f"{readme}: the two lines that frame the table are missing: {BEGIN} and {END}")
     before, rest = text.split(BEGIN)
     after = rest.split(END)[1]
-    schema = json.loads((folder / "scene.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads((root / "configs" / "scene.schema.json").read_text(encoding="utf-8"))
     wanted = f"{before}{BEGIN}\n{table(of_whole_scenes(schema))}\n{END}{after}"
     if text == wanted:
         return

@@ -28,7 +28,7 @@ struct Meeting {
     std::uint64_t cell_steps = 0;  // work
 };
 
-// CPU time of a cell-step on the machine of the table, s: see fluid_server/README.md, "Models of the water".
+// CPU time of a cell-step on the machine of the table, s: see docs/models_of_water.md.
 inline constexpr double cell_step_cost = 4e-8;
 
 // At most `budget` s of CPU time on the machine of the table, counted in cell-steps. Nothing if the shallow-water model cannot

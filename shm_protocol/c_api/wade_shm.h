@@ -17,7 +17,7 @@
  *
  * Every function that returns int gives WADE_OK, WADE_END, WADE_NOTHING_NEW or the exit code of the failure, whose text
  * is wade_last_error(). A handle is used by one thread at a time. The structs mirror stream.hpp and layout.hpp member
- * by member; ../README.md tells units and ranges. */
+ * by member; docs/protocol.md tells units and ranges. */
 #ifndef WADE_SHM_H
 #define WADE_SHM_H
 

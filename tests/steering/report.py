@@ -162,7 +162,7 @@ def main():
     parts = [part(folder) for part in (rest, viscosity, settling, dam)]
     words = folder / "findings.md"
     head = "# What the weights of the steering water mean\n\nWritten by `tools/steering_map.sh`. Lengths in spacings d, " \
-           "velocities in U, U^2 = g H + V^2 (`/fluid/steering` in configs/README.md).\n"
+           "velocities in U, U^2 = g H + V^2 (`/fluid/steering` in docs/scene_keys.md).\n"
     text = [head] + ([words.read_text()] if words.exists() else []) + [part for part in parts if part]
     (folder / "report.md").write_text("\n".join(text))
 

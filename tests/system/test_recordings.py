@@ -23,7 +23,7 @@ def mix(z):
 
 
 def chain(previous, frame, fields):
-    """The hash chain as shm_protocol/README.md defines it."""
+    """The hash chain as docs/protocol.md defines it."""
     n = np.arange(1, len(fields[0]) + 1, dtype=np.uint32)
     h = mix((previous + 0x9E3779B97F4A7C15) % 2**64)
     h = mix(h ^ frame)

@@ -1,4 +1,4 @@
-"""Runs a producer through the contract of shm_protocol/README.md; see --help."""
+"""Runs a producer through the contract of docs/protocol.md; see --help."""
 
 import argparse
 import json
@@ -22,7 +22,7 @@ CHECKS = (
     + checks_object.LAST
 )
 
-DESCRIPTION = """Runs a producer through the contract of shm_protocol/README.md, each check with a fresh run of it.
+DESCRIPTION = """Runs a producer through the contract of docs/protocol.md, each check with a fresh run of it.
 
 COMMAND starts the producer. {session} in its words becomes the session name; without it, --session NAME is appended.
 The command publishes a stream of at least 40 frames, the same in every run, and ends by itself. Prints a line for each

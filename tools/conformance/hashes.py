@@ -1,4 +1,4 @@
-"""CRC-32C of the header and the hash chain of the frames, as shm_protocol/README.md defines them."""
+"""CRC-32C of the header and the hash chain of the frames, as docs/protocol.md defines them."""
 
 from operator import mul
 

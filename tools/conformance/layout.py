@@ -1,4 +1,4 @@
-"""The bytes of a segment as shm_protocol/README.md states them, written down a second time."""
+"""The bytes of a segment as docs/protocol.md states them, written down a second time."""
 
 import struct
 from dataclasses import dataclass

@@ -52,7 +52,7 @@ def readings_section(context):
         "## Readings\n\nTime of the last arrival, s, and how many of 50 arrive where not all do. `sum` is the paper's"
         " text (contact within 0.75 m, 1767 kg a metre of depth), `difference` its\nauthors' program (0.25 m, 196 kg)."
         " Paper: S4 54 s, S5 93 s, S6 160 s with 35, S7 97 s, S8 nobody, S10 140 s,\ntwo groups 8 in all. `continuous` is Eq. 9 as a"
-        " differential equation with the same steady state (`crowd_client/README.md` shows either rule at 15 to 120"
+        " differential equation with the same steady state (`docs/results.md` shows either rule at 15 to 120"
         " frames/s).\n\n"
     ) + text
 

@@ -16,7 +16,7 @@ namespace wade::splishsplash {
 
 // How the stream went so far.
 struct ExportOutcome {
-    int exit_code = 0;   // of this contract: 0 ok, 2 bad configuration, 3 to 8 and 130 as in shm_protocol/README.md
+    int exit_code = 0;   // of this contract: 0 ok, 2 bad configuration, 3 to 8 and 130 as in docs/protocol.md
     std::string reason;  // one sentence if exit_code is not 0
     bool consumers_left = false;
     std::uint64_t frames = 0;

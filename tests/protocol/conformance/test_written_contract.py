@@ -1,4 +1,4 @@
-"""The suite's own table of the bytes and its hashes are those of shm_protocol/README.md."""
+"""The suite's own table of the bytes and its hashes are those of docs/protocol.md."""
 
 import re
 import struct
@@ -12,24 +12,24 @@ sys.path.insert(0, str(ROOT / "tools" / "conformance"))
 import hashes  # noqa: E402
 import layout  # noqa: E402
 
-README = (ROOT / "shm_protocol" / "README.md").read_text(encoding="utf-8")
+CONTRACT = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
 ROW = re.compile(r"^\| (\d+) \| `(\w+)\.(\w+)` \| (\w+)", re.MULTILINE)
 FORMS = {"u32": "I", "i32": "i", "u64": "Q", "f64": "d", "char": "s"}
 
 
 def written(page):
-    """{member: (offset, type)} of a table of the README."""
-    return {member: (int(offset), kind) for offset, owner, member, kind in ROW.findall(README) if owner == page}
+    """{member: (offset, type)} of a table of the contract."""
+    return {member: (int(offset), kind) for offset, owner, member, kind in ROW.findall(CONTRACT) if owner == page}
 
 
 class Tables(unittest.TestCase):
-    def test_header_words_are_those_of_the_readme(self):
+    def test_header_words_are_those_of_the_contract(self):
         rows = written("Header")
         self.assertEqual(rows.pop("fields")[0], layout.FIELD_ENTRY[0])
         own = {name: (offset, form[-1]) for name, (offset, form) in layout.HEADER_WORDS.items()}
         self.assertEqual(own, {name: (offset, FORMS.get(kind, "?")) for name, (offset, kind) in rows.items()})
 
-    def test_offsets_in_the_other_pages_are_those_of_the_readme(self):
+    def test_offsets_in_the_other_pages_are_those_of_the_contract(self):
         for page, own in (
             ("Control", layout.ControlPage), ("ConsumerEntry", layout.ConsumerPage),
             ("SlotDescriptor", layout.Descriptor),
@@ -46,13 +46,13 @@ class Tables(unittest.TestCase):
 
 
 class Hashes(unittest.TestCase):
-    def test_chain_is_the_one_of_the_readme(self):
-        """Runs the Python of the README's section on the hash chain."""
+    def test_chain_is_the_one_of_the_contract(self):
+        """Runs the Python of the contract's section on the hash chain."""
         try:
             import numpy as np
         except ImportError:
             self.skipTest("numpy is not there")
-        listing = re.search(r"## Hash chain.*?```python\n(.*?)```", README, re.DOTALL)[1]
+        listing = re.search(r"## Hash chain.*?```python\n(.*?)```", CONTRACT, re.DOTALL)[1]
         names = {}
         exec(listing, names)  # the project's own text
         previous = 0

@@ -30,7 +30,7 @@ from pathlib import Path
 
 SAFETY_NET_S = 60  # far beyond every time-out of the peers; only a hang takes so long
 FRAMES = 1500
-# shm_protocol/README.md
+# docs/protocol.md
 CONTROL, CONSUMERS, PAGE = 4096, 3 * 4096, 4096
 PRODUCER_STATES = ["init", "ready", "running", "draining", "closed", "aborted"]
 CONSUMER_STATES = ["free", "joined", "left", "aborted", "refused"]

@@ -93,7 +93,7 @@ double strained_density(double support, double xx, double xy, double yy) {
     return sum;
 }
 
-// Why a standing wave is too fast at any spacing (fluid_server/README.md, known errors). Stretched along an axis by the strain e, or along a
+// Why a standing wave is too fast at any spacing (docs/limits.md). Stretched along an axis by the strain e, or along a
 // diagonal, at constant volume, the lattice has the density 1 + s e^2. To be at rest density it swells by s e^2 against the
 // pressure rho g (h - y) and so lifts the water above. Over potential flow in water h deep, k = pi / L,
 //

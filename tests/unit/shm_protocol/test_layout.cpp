@@ -106,11 +106,11 @@ const std::map<std::string, std::size_t> offsets{
 
 }  // namespace
 
-TEST_CASE("the byte tables of the README list every member at the offset it has in the code, and nothing else") {
-    std::ifstream readme(WADE_SHM_README);
-    REQUIRE(readme);
+TEST_CASE("the byte tables of the contract list every member at the offset it has in the code, and nothing else") {
+    std::ifstream contract(WADE_CONTRACT);
+    REQUIRE(contract);
     std::map<std::string, std::size_t> listed;
-    for (std::string line; std::getline(readme, line);) {
+    for (std::string line; std::getline(contract, line);) {
         std::istringstream row(line);
         std::string bar, member;
         std::size_t offset = 0;

@@ -1,5 +1,5 @@
 // c_producer: plays the known stream of tools/producers/README.md. Plain C11 and libc in one file, written from
-// shm_protocol/README.md ("the contract"). To make it yours, replace fill_frame() and the options.
+// docs/protocol.md ("the contract"). To make it yours, replace fill_frame() and the options.
 //
 //   cc -std=c11 -O2 producer.c -o c_producer -lm
 //

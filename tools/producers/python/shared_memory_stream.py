@@ -1,4 +1,4 @@
-"""The producer's end of the shared-memory contract (shm_protocol/README.md, version 1.1) in plain Python.
+"""The producer's end of the shared-memory contract (docs/protocol.md, version 1.1) in plain Python.
 
 Standard library only; ctypes makes the two system calls that Python has no name for. Copy it, with
 shared_memory_segment.py, as it is.
