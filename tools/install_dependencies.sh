@@ -1,60 +1,110 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that the build, the tests and the pictures need; does nothing when all are there.
+# Installs the packages that the build, the pictures and the tests need; does nothing when all are there.
 set -euo pipefail
 
-packages=(
-  g++ cmake ninja-build git               # build; git names the commit in --version
-  libbenchmark-dev                        # kernels measured by themselves
-  libeigen3-dev libboost-dev nlohmann-json3-dev libcli11-dev libhwy-dev libsqlite3-dev libzstd-dev
-  catch2                                  # unit tests
-  spin clang libclang-rt-14-dev           # the protocol's model and the fuzzer of its header
-  libzmq3-dev pkgconf                     # what the protocol is measured against
-  python3 python3-numpy python3-matplotlib python3-pil  # scripts, system tests, pictures
-  python3-jsonschema                      # the test that scenes keep their schema
-)
-
+# set, and the package's name on Debian and Ubuntu, on Fedora and in Homebrew; - where there is none that fits.
+packages='
+build     g++                 gcc-c++              gcc
+build     cmake               cmake                cmake
+build     ninja-build         ninja-build          ninja
+build     git                 git                  git
+build     python3             python3              python
+build     libeigen3-dev       eigen3-devel         eigen
+build     libboost-dev        boost-devel          boost
+build     nlohmann-json3-dev  json-devel           nlohmann-json
+build     libcli11-dev        cli11-devel          cli11
+build     libhwy-dev          highway-devel        highway
+build     libsqlite3-dev      sqlite-devel         sqlite
+build     libzstd-dev         libzstd-devel        zstd
+pictures  python3-numpy       python3-numpy        numpy
+pictures  python3-matplotlib  python3-matplotlib   python-matplotlib
+pictures  python3-pil         python3-pillow       pillow
+tests     catch2              catch2-devel         -
+tests     libbenchmark-dev    google-benchmark-devel  google-benchmark
+tests     spin                -                    -
+tests     clang               clang                llvm
+tests     libclang-rt-14-dev  compiler-rt          llvm
+tests     libzmq3-dev         zeromq-devel         zeromq
+tests     pkgconf             pkgconf              pkgconf
+tests     python3-jsonschema  python3-jsonschema   -
+tests     clang-format        clang-tools-extra    clang-format
+tests     clang-tidy          clang-tools-extra    llvm
+tests     shellcheck          ShellCheck           shellcheck
+tests     pyflakes3           python3-pyflakes     pyflakes
+'
 # Headers for the producer in Node; a node from elsewhere often brings them along.
 node=$(readlink -f "$(command -v node || true)" || true)
 if [ ! -f "${node%/bin/node}/include/node/node_api.h" ]; then
-  packages+=(nodejs libnode-dev)
+  packages+='
+tests     nodejs              nodejs               node
+tests     libnode-dev         nodejs-devel         node
+'
 fi
 
-case "${1:-}" in
-  "") ;;
-  -h | --help)
-    echo "Usage: tools/install_dependencies.sh"
-    echo "Installs, as root or with sudo, those of these packages that are missing:"
-    printf '  %s\n' "${packages[@]}"
-    exit 0
-    ;;
-  *)
-    echo "install_dependencies.sh: unexpected argument \"$1\"; see --help" >&2
-    exit 2
-    ;;
-esac
-
 fail() {
-  echo "install_dependencies.sh: $*" >&2
+  printf '%s\n' "install_dependencies.sh: $*" | fold -s -w 100 >&2
   exit 1
 }
 
+usage() {
+  cat <<HELP
+Usage: tools/install_dependencies.sh [build] [pictures] [tests]
+
+Installs, as root or with sudo, what is missing of these sets of Debian's packages; all without an
+argument. A run needs build and pictures, the tests and what CI checks need all. On other systems it
+names the packages, which you install yourself:
+
+set       Debian, Ubuntu      Fedora               Homebrew
+$(grep . <<<"$packages")
+
+Tested on Debian 12. Not supported: macOS and Windows, as the programs wait on Linux futexes and
+look for their peers in /proc (Homebrew means that on Linux; on Windows take WSL 2), and
+Catch2 3, as the tests are written for Catch2 2. The conformance suite runs on x86-64 only.
+HELP
+}
+
+sets=()
+for argument in "$@"; do
+  case "$argument" in
+    build | pictures | tests) sets+=("$argument") ;;
+    -h | --help) usage; exit 0 ;;
+    *)
+      echo "install_dependencies.sh: unexpected argument \"$argument\"; allowed: build, pictures, tests" >&2
+      exit 2
+      ;;
+  esac
+done
+[ ${#sets[@]} -gt 0 ] || sets=(build pictures tests)
+
+# names COLUMN: the packages of the wanted sets in one of the columns 2 to 4.
+names() {
+  awk -v sets=" ${sets[*]} " -v column="$1" 'index(sets, " " $1 " ") && $column != "-" && !seen[$column]++ { print $column }' \
+    <<<"$packages"
+}
+
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-  fail "this system has no dpkg and apt; install by its own means what these Debian packages hold: ${packages[*]}"
+  if command -v dnf >/dev/null; then
+    # shellcheck disable=SC2046  # one word each
+    rpm -q --quiet $(names 3) && exit 0
+    fail "install the packages of Fedora yourself: dnf install $(names 3 | xargs)"
+  fi
+  command -v brew >/dev/null && fail "install the packages of Homebrew yourself: brew install $(names 4 | xargs)"
+  fail "this system has no apt; install by its own means what these Debian packages hold: $(names 2 | xargs)"
 fi
 
+mapfile -t wanted < <(names 2)
 # shellcheck disable=SC2016  # the format is dpkg's, not the shell's
-known=$(dpkg-query --show --showformat='${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null) || true
+known=$(dpkg-query --show --showformat='${Package} ${db:Status-Status}\n' "${wanted[@]}" 2>/dev/null) || true
 missing=()
-for package in "${packages[@]}"; do
+for package in "${wanted[@]}"; do
   [[ $'\n'$known$'\n' == *$'\n'"$package installed"$'\n'* ]] || missing+=("$package")
 done
 [ ${#missing[@]} -gt 0 ] || exit 0
 
-echo "Installing ${#missing[@]} Debian packages: ${missing[*]}" >&2
+echo "Installing ${#missing[@]} Debian packages (${sets[*]}): ${missing[*]}" | fold -s -w 100 >&2
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
-  command -v sudo >/dev/null ||
-    fail "needs root or sudo to install ${missing[*]}; as root: apt-get install ${missing[*]}"
+  command -v sudo >/dev/null || fail "needs root or sudo; as root: apt-get install ${missing[*]}"
   as_root=(sudo)
 fi
 # A lock held by another apt, for example that of a machine that just started, is waited for.

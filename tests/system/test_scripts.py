@@ -5,17 +5,13 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import unittest
 from pathlib import Path
 from unittest import mock
 
 from harness import ENDLESS, PROGRAMS, ROOT, SMALL, Run, SystemTest, wait_until
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(ROOT / "tools"))
-
-import figure  # noqa: E402
+from wade.pictures import figure
 
 RUN = ROOT / "tools" / "run.sh"
 REPRODUCE = ROOT / "tools" / "reproduce_paper.sh"

@@ -5,8 +5,8 @@ import time
 
 from python_producer import Publisher
 
-import system
-from layout import CLOSED, DRAINING, LEFT, ConsumerPage
+from wade.conformance import system
+from wade.conformance.layout import CLOSED, DRAINING, LEFT, ConsumerPage
 
 
 class WaitsForTheSecondConsumerOnly(Publisher):

@@ -5,8 +5,8 @@ import time
 
 from python_producer import CONTROL, SLOTS, Publisher
 
-import system
-from layout import FINAL, ControlPage, Descriptor
+from wade.conformance import system
+from wade.conformance.layout import FINAL, ControlPage, Descriptor
 
 
 class SkipsAFrame(Publisher):

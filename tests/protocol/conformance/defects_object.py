@@ -5,8 +5,8 @@ import time
 
 from python_producer import CONTROL, Failure, Publisher
 
-import system
-from layout import HEADER_WORDS, PAGE, ControlPage
+from wade.conformance import system
+from wade.conformance.layout import HEADER_WORDS, PAGE, ControlPage
 
 
 class MagicFirst(Publisher):

@@ -8,11 +8,9 @@ import time
 from array import array
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "tools" / "conformance"))
-
-import system  # noqa: E402
-from hashes import chain, header_crc  # noqa: E402
-from layout import (  # noqa: E402
+from wade.conformance import system
+from wade.conformance.hashes import chain, header_crc
+from wade.conformance.layout import (
     ABORTED, CLOSED, DRAINING, FIELD_ENTRY, FIELDS, FINAL, FOLLOWS, GAVE_UP, HEADER_WORDS, JOINED, KINDS, LATEST, LEFT,
     LOCKSTEP, MAGIC, MAX_CONSUMERS, PAGE, READY, REFUSED, RUNNING, SLICE_S, ConsumerPage, ControlPage, Descriptor,
     text_of,

@@ -6,10 +6,10 @@ from argparse import Namespace
 
 from python_producer import Publisher
 
-from expectation import Violation
-from hashes import header_crc
-from header_rules import read_header
-from layout import HEADER_WORDS
+from wade.conformance.expectation import Violation
+from wade.conformance.hashes import header_crc
+from wade.conformance.header_rules import read_header
+from wade.conformance.layout import HEADER_WORDS
 
 OPTIONS = Namespace(session="none", kind="fluid", particles=50, depth=2)
 WRONG = {

@@ -2,16 +2,12 @@
 
 import re
 import struct
-import sys
 import unittest
 from pathlib import Path
 
+from wade.conformance import hashes, layout
+
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "tools" / "conformance"))
-
-import hashes  # noqa: E402
-import layout  # noqa: E402
-
 CONTRACT = (ROOT / "docs" / "protocol.md").read_text(encoding="utf-8")
 ROW = re.compile(r"^\| (\d+) \| `(\w+)\.(\w+)` \| (\w+)", re.MULTILINE)
 FORMS = {"u32": "I", "i32": "i", "u64": "Q", "f64": "d", "char": "s"}

@@ -3,19 +3,13 @@
 import contextlib
 import io
 import resource
-import sys
 import tempfile
 import unittest
 from pathlib import Path
-from unittest import mock
 
 import numpy as np
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "tools"))
-
-import figure  # noqa: E402
-import top_view  # noqa: E402
+from wade.pictures import figure, run_files, texts, top_view
 
 
 def scene(velocity=1.5, history=(), ends="open", goals=((5.0, 9.0),), taus=(0.2,)):
@@ -36,7 +30,7 @@ def scene(velocity=1.5, history=(), ends="open", goals=((5.0, 9.0),), taus=(0.2,
 
 class Title(unittest.TestCase):
     def of(self, described):
-        return figure.title_of(described, [], {}, [])
+        return texts.title_of(described, [], {}, [])
 
     def test_it_names_the_speed_of_the_river(self):
         self.assertEqual(self.of(scene()), "S5: $v_F$ 1.5 m/s")
@@ -55,7 +49,7 @@ class Title(unittest.TestCase):
             (({"min": 0.3, "max": 0.3},), "0.3"),
         ):
             with self.subTest(taus=taus):
-                title = figure.title_of(scene(taus=taus), ["one agent"], {"arrived": [], "dead": []}, [])
+                title = texts.title_of(scene(taus=taus), ["one agent"], {"arrived": [], "dead": []}, [])
                 self.assertEqual(title, f"S5: \u03c4 {text}, $v_F$ 1.5 m/s \u2013 0 of 1 arrived")
 
 
@@ -63,7 +57,7 @@ class Title(unittest.TestCase):
         outcomes = (("unknown", "cut off, no outcome"), ("so far", "0 of 1 arrived, then cut off"), ("", "0 of 1 arrived"))
         for cut_off, text in outcomes:
             with self.subTest(text):
-                title = figure.title_of(scene(), ["one agent"], {"arrived": [], "dead": []}, [], cut_off)
+                title = texts.title_of(scene(), ["one agent"], {"arrived": [], "dead": []}, [], cut_off)
                 self.assertEqual(title, f"S5: \u03c4 0.2, $v_F$ 1.5 m/s \u2013 {text}")
 
     def test_the_legend_of_a_run_that_was_cut_off_counts_whom_it_saw_last(self):
@@ -84,11 +78,11 @@ class File(unittest.TestCase):
         self.addCleanup(figure.plt.close, self.drawing)
 
     def test_each_ending_that_is_allowed_can_be_written(self):
-        for ending in figure.ENDINGS:
+        for ending in run_files.ENDINGS:
             output = self.folder / f"picture{ending}"
-            figure.save_picture(self.drawing, output)
+            run_files.save_picture(self.drawing, output)
             self.assertGreater(output.stat().st_size, 0)
-        self.assertEqual(len(list(self.folder.iterdir())), len(figure.ENDINGS))
+        self.assertEqual(len(list(self.folder.iterdir())), len(run_files.ENDINGS))
 
     def test_full_disk_leaves_the_older_picture_and_no_part_of_the_new_one(self):
         output = self.folder / "figure.png"
@@ -97,16 +91,16 @@ class File(unittest.TestCase):
         self.addCleanup(resource.setrlimit, resource.RLIMIT_FSIZE, limits)
         resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1]))
         with self.assertRaises(OSError):
-            figure.save_picture(self.drawing, output)
+            run_files.save_picture(self.drawing, output)
         self.assertEqual([file.name for file in self.folder.iterdir()], ["figure.png"])
         self.assertEqual(output.read_bytes(), b"older")
 
     def test_other_endings_are_refused_with_those_that_are_allowed(self):
         for name in ("x.txt", "x", "x.svg"):
             said = io.StringIO()
-            with self.subTest(name), mock.patch("sys.argv", ["figure.py", str(self.folder), "--output", name]):
-                with contextlib.redirect_stderr(said), self.assertRaises(SystemExit) as end:
-                    figure.main()
+            with self.subTest(name), contextlib.redirect_stderr(said):
+                with self.assertRaises(SystemExit) as end:
+                    figure.main([str(self.folder), "--output", name])
                 self.assertEqual(end.exception.code, 2)
                 self.assertIn(".png, .pdf, .eps, .ps", said.getvalue())
 

@@ -1,16 +1,11 @@
 """The comparison of frame rates: rates and scenes that it takes, what its crowds set, what it says of a failed run."""
 
 import argparse
-import sys
 import types
 import unittest
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "tools"))
-
-import frame_rates  # noqa: E402
-import frame_rates_report  # noqa: E402
+from wade.sweeps import frame_rates, frame_rates_report
 
 
 def scene(taus=(0.2,), events=(), model="kinematic"):

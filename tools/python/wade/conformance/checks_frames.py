@@ -4,11 +4,11 @@ import math
 import threading
 import time
 
-import system
-from bench import FRAMES, follow
-from expectation import NotApplicable, expect
-from hashes import chain
-from layout import FINAL, KINDS, NONFINITE, READY, RUNNING, SLICE_S, ConsumerPage, ControlPage
+from wade.conformance import system
+from wade.conformance.bench import FRAMES, follow
+from wade.conformance.expectation import NotApplicable, expect
+from wade.conformance.hashes import chain
+from wade.conformance.layout import FINAL, KINDS, NONFINITE, READY, RUNNING, SLICE_S, ConsumerPage, ControlPage
 
 LONG_HOLD_S = 5 * SLICE_S
 

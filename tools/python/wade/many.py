@@ -1,7 +1,8 @@
-#!/usr/bin/env python3
-"""Runs many pairs of programs, several at once, and sums their outcomes up in one table.
+"""Runs each SCENE, or each with each of the seeds A to B, several pairs of fluid_server and crowd_client at once.
 
-tools/run_many.sh calls it once the programs are built; each pair is a run_pair.py. Standard library only.
+Each pair has a session of its own. Prints a line for each run that ends and a table at the end; writes DIR/summary.csv and
+a run folder for each run, with what its programs said in run.log. A run that fails does not stop the others; Ctrl-C ends
+all of them.
 """
 
 import argparse
@@ -15,9 +16,14 @@ import sys
 import time
 from pathlib import Path
 
-from pair_arguments import ROOT, find_scene, is_given, values_of
-from pair_outcome import BeforeRun
-from pair_processes import Pair, exit_code
+from wade.errors import UsageError
+from wade.paths import module_command
+from wade.run.arguments import is_given, values_of
+from wade.run.folders import new_folder
+from wade.run.outcome import BeforeRun
+from wade.run.processes import Pair, exit_code
+from wade.scenes import find_scene
+from wade.terminal import Parser
 
 COLUMNS = (
     "scene",
@@ -37,6 +43,13 @@ COLUMNS = (
 TABLE = ("scene", "seed", "status", "arrived", "dead", "active", "last_arrival_s", "frame_hash")
 
 
+EPILOG = """Behind -- stand options for every run, for example -- --until-s 60 --set /crowd/tau=0.3; see tools/wade run --help.
+Not allowed there are --out, --session, --record and --commands, which each run needs for itself, --crowds, and --seed and
+--set /seed beside --seeds. Unless --threads is among them, the pairs share the processors evenly.
+
+Exit code: 0 if all runs ended well, 1 if one did not, 2 bad usage, 130/143 interrupted."""
+
+
 class Job:
     """One run: its scene, its seed (None = the scene's) and its folder."""
 
@@ -46,10 +59,9 @@ class Job:
         self.before = None  # what was in the folder when the run began
 
     def command(self, options):
-        launcher = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", options.programs]
         seed = [] if self.seed is None else ["--seed", str(self.seed)]
         figure = [] if options.figures else ["--no-figure"]
-        return [*launcher, self.scene, "--out", self.folder, *seed, *figure, *options.common]
+        return [*module_command("wade.run.pair"), self.scene, "--out", self.folder, *seed, *figure, *options.common]
 
     def row(self):
         """What the run came to, as a line of summary.csv."""
@@ -96,13 +108,14 @@ def parse(arguments):
     if "--" in arguments:
         at = arguments.index("--")
         arguments, common = arguments[:at], arguments[at + 1 :]
-    parser = argparse.ArgumentParser(prog="run_many.sh", usage="run_many.sh --help", allow_abbrev=False)
-    parser.add_argument("scenes", nargs="+")
-    parser.add_argument("--programs", type=Path, required=True)
-    parser.add_argument("--jobs", type=positive, default=max(1, len(os.sched_getaffinity(0)) // 2))
-    parser.add_argument("--out", type=Path, default=ROOT / "runs" / f"many-{time.strftime('%Y%m%d-%H%M%S')}")
-    parser.add_argument("--seeds", type=seed_range, default=[None])
-    parser.add_argument("--figures", action="store_true")
+    parser = Parser("many", __doc__, EPILOG, usage="tools/wade many [options] SCENE... [-- options of every run]")
+    parser.add_argument("scenes", nargs="+", metavar="SCENE", help="a file or a short name, as in tools/wade run")
+    parser.add_argument("--jobs", type=positive, default=max(1, len(os.sched_getaffinity(0)) // 2), metavar="N",
+                        help="pairs at once [half the processors, at least 1]")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="[runs/many-<time>/ in the project]")
+    parser.add_argument("--seeds", type=seed_range, default=[None], metavar="A-B",
+                        help="whole numbers, for example 1-8, or a single one [the scene's own seed]")
+    parser.add_argument("--figures", action="store_true", help="draw figure.png of each run")
     options, others = parser.parse_known_args(arguments)
     if others:
         parser.error(f"{others[0]}: options of the runs stand behind --, for example: SCENE... -- {' '.join(others)}")
@@ -119,6 +132,7 @@ def parse(arguments):
         parser.error("--crowds is not allowed behind --: a run of many crowds has an outcome for each, and no line in "
                      "this table; tools/run.sh runs it, and a crowd can have a seed of its own")
     options.common = common
+    options.out = options.out or new_folder("many")
     return options
 
 
@@ -179,15 +193,15 @@ def shown(value):
     return f"{value:.1f}" if isinstance(value, float) else str(value if value is not None else "")
 
 
-def main():
-    options = parse(sys.argv[1:])
+def main(arguments):
+    """tools/wade many."""
+    options = parse(arguments)
     jobs = jobs_of(options)
     try:
         options.out.mkdir(parents=True, exist_ok=True)
         summary = open(options.out / "summary.csv", "w", newline="", encoding="utf-8")
     except OSError as error:
-        print(f"run_many.sh: --out: cannot write to {options.out}: {error.strerror}", file=sys.stderr)
-        return 2
+        raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error
     pair = Pair()
     run_all(jobs, pair, options)
     rows = [job.row() for job in jobs]
@@ -201,6 +215,3 @@ def main():
         return 130 if pair.signal == signal.SIGINT else 143
     return 0 if all(job.ended_well() for job in jobs) else 1
 
-
-if __name__ == "__main__":
-    sys.exit(main())

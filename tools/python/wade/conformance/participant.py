@@ -4,10 +4,10 @@ import hashlib
 import os
 from dataclasses import dataclass
 
-import system
-from expectation import PATIENCE_S, expect, wait_until
-from header_rules import read_header
-from layout import (
+from wade.conformance import system
+from wade.conformance.expectation import PATIENCE_S, expect, wait_until
+from wade.conformance.header_rules import read_header
+from wade.conformance.layout import (
     FREE, GAVE_UP, JOINED, LATEST, LEFT, LOCKSTEP, PAGE, PRODUCER_STATES, ConsumerPage, ControlPage, Descriptor,
     text_of,
 )

@@ -1,78 +1,22 @@
-#!/usr/bin/python3
 """Draws the top view of a run: the river, the water, the paths of the people, their goals and how it ended.
-
-    tools/figure.py RUN_DIR [--time S] [--output PNG]
 
 Reads manifest.json, outcome.json, agents.csv, trajectories.sqlite and water.bin of a run folder. Without --time the
 whole run is drawn, with the water of its last snapshot; with it, everything as it was at that time.
 """
 
-import argparse
 import pathlib
-import re
-import sys
+import warnings
 
 import numpy as np
 
-import top_view  # first, as it picks matplotlib's backend
+from wade.pictures import top_view  # first, as it picks matplotlib's backend
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from run_files import ENDINGS, RunError, read_agents, read_json, read_paths, read_water, save_picture
-from top_view import ARRIVED, DEAD, INK, PATH, PERSON, STAR, far_goals, speeds_of
-
-def short_name(name):
-    match = re.search(r"(?:^|[_-])s0*(\d+)$", name)
-    return f"S{match.group(1)}" if match else name
-
-
-def range_of(value):
-    """(lowest, highest) of a value that all agents of a group share, or of a range from which each draws its own."""
-    return (value["min"], value["max"]) if isinstance(value, dict) else (value, value)
-
-
-def tau_text(scene):
-    taus = sorted({range_of(g["tau"]) for g in scene["crowd"]["groups"]})
-    text = "/".join(f"{low:g}" if low == high else f"{low:g}\u2013{high:g}" for low, high in taus)
-    for event in scene.get("events", []):
-        text += f"\u2192{event['tau']:g}"
-    return text
-
-
-def title_of(scene, agents, ends, arrivals, cut_off=""):
-    """cut_off: "so far" if the run was, and its results are those of a moment before, "unknown" if it left none."""
-    parts = []
-    if agents:
-        parts.append(f"\u03c4 {tau_text(scene)}")
-    if scene["channel"]["flow"] != "closed":
-        low, high = speeds_of(scene)
-        parts.append(f"$v_F$ {low:g} m/s" if low == high else f"$v_F$ {low:g} to {high:g} m/s")
-    title = f"{short_name(scene['name'])}: " + ", ".join(parts) if parts else short_name(scene["name"])
-    if not agents:
-        return title
-    if cut_off == "unknown":
-        return f"{title} \u2013 cut off, no outcome"
-    result = [f"{len(ends['arrived'])} of {len(agents)} arrived"]
-    if arrivals:
-        result.append(f"last after {max(arrivals):.0f} s")
-    if ends["dead"]:
-        result.append(f"{len(ends['dead'])} dead")
-    if cut_off:
-        result.append("then cut off")
-    return f"{title} \u2013 " + ", ".join(result)
-
-
-def subtitle_of(outcome, time, water, whole_run):
-    parts = [outcome["scene"], f"seed {outcome['seed']}"]
-    if outcome["fluid"]["model"]:
-        parts.append(f"water: {outcome['fluid']['model']}")
-    parts.append(f"contact rule {outcome['contact_rule']}")
-    parts.append(f"0 to {time:.1f} s" if whole_run else f"t = {time:.1f} s")
-    if water:
-        parts.append(f"water at {water[0]:.1f} s")
-    if outcome["status"] not in ("completed", "running"):
-        parts.append(outcome["status"].replace("_", " "))
-    return "  \u00b7  ".join(parts)
+from wade.pictures.run_files import ENDINGS, RunError, read_agents, read_json, read_paths, read_water, save_picture
+from wade.pictures.texts import draw_legend, draw_title, group_names, subtitle_of, title_of
+from wade.pictures.top_view import ARRIVED, DEAD, INK, PATH, PERSON, STAR, far_goals
+from wade.terminal import Parser, say_error
 
 
 def add_legend(figure, ends, scene, cut_off=""):
@@ -102,12 +46,10 @@ def add_legend(figure, ends, scene, cut_off=""):
                                   markeredgecolor=INK, markeredgewidth=0.6, label=label))
     if scene.get("obstacles"):
         handles.append(Patch(facecolor="#8d8d93", edgecolor=INK, hatch="////", label="obstacle"))
-    groups = [Line2D([], [], color=colour, linewidth=2.4, label=group["name"])
-              for colour, group in zip(colours or [], scene["crowd"]["groups"])]
-    for row, inches in ((handles, 0.03), (groups, 0.25)):
-        if row:
-            figure.legend(handles=row, loc="lower center", ncol=len(row), frameon=False, fontsize=8.5, handletextpad=0.5,
-                          columnspacing=1.6, bbox_to_anchor=(0.5, inches / figure.get_figheight()))
+    groups = [Line2D([], [], color=colour, linewidth=2.4, label=name)
+              for colour, name in zip(colours, group_names(scene["crowd"]["groups"]))] if colours else []
+    draw_legend(figure, handles, 0.03)
+    draw_legend(figure, groups, 0.25)
 
 
 def draw(run, time, output):
@@ -159,34 +101,33 @@ def draw(run, time, output):
     cut_off = ""
     if outcome["status"] == "running":  # a run that is killed writes no other
         cut_off = "so far" if agents else "unknown"
-    figure.text(0.5, 1 - 0.25 / high, title_of(scene, people, ends, arrivals, cut_off), ha="center",
-                va="center", fontsize=14, color=INK)
-    figure.text(0.5, 1 - 0.53 / high, subtitle_of(outcome, end_time, water, whole_run), ha="center",
-                va="center", fontsize=8, color="#6b6b72")
+    draw_title(figure, title_of(scene, people, ends, arrivals, cut_off), subtitle_of(outcome, end_time, water, whole_run))
     add_legend(figure, ends, scene, cut_off)
     save_picture(figure, output)
     plt.close(figure)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
+def main(arguments):
+    """tools/wade figure."""
+    parser = Parser("figure", __doc__)
     parser.add_argument("run", type=pathlib.Path, metavar="RUN_DIR", help="run folder of crowd_client")
     parser.add_argument("--time", type=float, metavar="S", help="simulated time to draw, s [the whole run]")
     parser.add_argument("--output", type=pathlib.Path, metavar="PNG", help="picture to write [RUN_DIR/figure.png]")
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     if options.time is not None and not options.time >= 0:
         parser.error(f"--time: {options.time} s, allowed is 0 or more")
-    output = options.output or options.run / "figure.png"
+    return write(parser, options.output or options.run / "figure.png", lambda output: draw(options.run, options.time, output))
+
+
+def write(parser, output, draw_it):
+    """Draws a picture of a run and says where it is; returns the exit code."""
     if output.suffix.lower() not in ENDINGS:
         parser.error(f"--output: {output}, allowed are names that end in {', '.join(ENDINGS)}")
+    warnings.filterwarnings("ignore", "Glyph")  # of names in letters that the font lacks
     try:
-        draw(options.run, options.time, output)
+        draw_it(output)
     except (RunError, OSError) as error:
-        print(f"figure.py: {error}", file=sys.stderr)
+        say_error(f"{parser.prog.removeprefix('tools/')}: {error}")
         return 1
     print(output)
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -3,13 +3,13 @@
 import random
 import time
 
-import system
-from bench import FRAMES, follow
-from child import start_child
-from expectation import NotApplicable, expect
-from hashes import chain
-from layout import FOLLOWS, LATEST, SLICE_S, ControlPage
-from participant import LatestReader
+from wade.conformance import system
+from wade.conformance.bench import FRAMES, follow
+from wade.conformance.child import start_child
+from wade.conformance.expectation import NotApplicable, expect
+from wade.conformance.hashes import chain
+from wade.conformance.layout import FOLLOWS, LATEST, SLICE_S, ControlPage
+from wade.conformance.participant import LatestReader
 
 
 def together(run, count):

@@ -1,16 +1,13 @@
-#!/usr/bin/python3
-"""Writes the table of all scene keys into docs/scene_keys.md, from configs/scene.schema.json.
+"""Writes the table of all scene keys into docs/scene_keys.md, from configs/scene.schema.json."""
 
-    tools/scene_docs.py           rewrite the table
-    tools/scene_docs.py --check   change nothing; exit code 1 if the table is stale
-"""
-
-import argparse
 import json
 import pathlib
-import sys
 
-BEGIN = "<!-- keys: written by tools/scene_docs.py from scene.schema.json -->"
+from wade.errors import UsageError
+from wade.paths import CONFIGS, ROOT
+from wade.terminal import Parser, say_error
+
+BEGIN = "<!-- keys: written by tools/wade scene-docs from scene.schema.json -->"
 END = "<!-- end of keys -->"
 
 
@@ -64,27 +61,25 @@ def table(schema):
     return "\n".join(lines)
 
 
-def main():
-    parser = argparse.ArgumentParser(description="Write the table of scene keys into docs/scene_keys.md.")
+def main(arguments):
+    """tools/wade scene-docs."""
+    parser = Parser("scene-docs", __doc__)
     parser.add_argument("--check", action="store_true", help="change nothing; exit code 1 if the table is stale")
     parser.add_argument("--readme", type=pathlib.Path, help="file to write [docs/scene_keys.md]")
-    arguments = parser.parse_args()
-    root = pathlib.Path(__file__).resolve().parent.parent
-    readme = arguments.readme or root / "docs" / "scene_keys.md"
+    options = parser.parse_args(arguments)
+    readme = options.readme or ROOT / "docs" / "scene_keys.md"
 
     text = readme.read_text(encoding="utf-8")
     if text.count(BEGIN) != 1 or text.count(END) != 1:
-        sys.exit(f"{readme}: the two lines that frame the table are missing: {BEGIN} and {END}")
+        raise UsageError(f"{readme}: the two lines that frame the table are missing: {BEGIN} and {END}")
     before, rest = text.split(BEGIN)
     after = rest.split(END)[1]
-    schema = json.loads((root / "configs" / "scene.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads((CONFIGS / "scene.schema.json").read_text(encoding="utf-8"))
     wanted = f"{before}{BEGIN}\n{table(of_whole_scenes(schema))}\n{END}{after}"
     if text == wanted:
-        return
-    if arguments.check:
-        sys.exit(f"{readme}: the table of keys is stale; run tools/scene_docs.py")
+        return 0
+    if options.check:
+        say_error(f"{readme}: the table of keys is stale; run tools/wade scene-docs")
+        return 1
     readme.write_text(wanted, encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()
+    return 0

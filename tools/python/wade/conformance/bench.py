@@ -9,10 +9,10 @@ import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import system
-from expectation import PATIENCE_S, NotApplicable, Violation, expect, wait_until
-from layout import KINDS, MAGIC, PAGE, ControlPage
-from participant import Consumer, Segment
+from wade.conformance import system
+from wade.conformance.expectation import PATIENCE_S, NotApplicable, Violation, expect, wait_until
+from wade.conformance.layout import KINDS, MAGIC, PAGE, ControlPage
+from wade.conformance.participant import Consumer, Segment
 
 FRAMES = 20
 HOLD = ["sh", "-c", 'kill -STOP $$; exec "$@"', "sh"]

@@ -1,8 +1,9 @@
-#!/usr/bin/env python3
-"""How much the outcome depends on the frame rate, with each coupling rule. tools/frame_rates.sh calls it.
+"""Runs each scene at several frame rates, with as many steps of the crowd, and with each coupling rule.
 
-For each scene and rate one server sends the water to all crowds: both rules and the walk without water (tau 0), each
-with N seeds of the markers. Kinematic water is the same at all rates, sampled more or less often.
+For each scene and rate one server sends the water to all crowds: the coupling rules per_frame and continuous, and the walk
+without water (tau 0), each with N seeds of the markers. Prints arrivals and times with 95 % intervals; writes
+DIR/frame_rates.csv, DIR/report.md and DIR/runs/. Kinematic water is the same at all rates; the solved models make other
+water at each, and the report says so. Events must be given by time_s.
 """
 
 import argparse
@@ -14,9 +15,14 @@ from pathlib import Path
 
 import numpy as np
 
-from frame_rates_report import COLUMNS, MEASURES, RULES, SAMPLED, interval, report
-from pair_arguments import ROOT, find_scene
+from wade.errors import UsageError
+from wade.many import label, positive
+from wade.paths import BUILD, ROOT, module_command
+from wade.scenes import find_scene
+from wade.sweeps.frame_rates_report import COLUMNS, MEASURES, RULES, SAMPLED, interval, report
+from wade.terminal import Parser, say_error
 
+SCENES = ("observed/s05", "observed/s07", "observed/s10")
 RATES = (15, 30, 60, 120)  # Hz
 PATIENCE_S = "300"  # of either program: many crowds take long to set up, and the machine may be busy
 ALLOWED_RATES = (0.01, 1000)  # /frame_rate_hz
@@ -34,12 +40,6 @@ def rates_of(text):
             f'"{text}" is not allowed; allowed: at least two different rates, {low:g} to {high:g} Hz each, as in 15,30'
         )
     return [int(rate) if rate == int(rate) else rate for rate in rates]
-
-
-def label(scene):
-    """Folder and name of a scene file, "observed-s05"."""
-    path = Path(scene).resolve()
-    return f"{path.parent.name}-{path.stem}"
 
 
 def at_rate(rate, vary="both", highest=None):
@@ -60,15 +60,14 @@ def resolve(scene, rates, options):
     """The resolved scene at each rate, {rate: scene}; ends the program if there is none or they are not comparable."""
     scenes = {}
     for rate in rates:
-        command = [options.programs / "crowd_client", scene, *rate_options(rate, options), "--print-config"]
+        command = [BUILD / "crowd_client", scene, *rate_options(rate, options), "--print-config"]
         answer = subprocess.run(command, stdout=subprocess.PIPE, text=True)
         if answer.returncode != 0:
             sys.exit(answer.returncode)  # the program has said why
         scenes[rate] = json.loads(answer.stdout)
     if moves_events(scenes):
-        print(f"frame_rates.sh: {scene}: /events: an event that is given by its frame is at another time at each rate; "
-              "allowed here: time_s", file=sys.stderr)
-        sys.exit(2)
+        raise UsageError(f"{scene}: /events: an event that is given by its frame is at another time at each rate; allowed "
+                         "here: time_s")
     return scenes
 
 
@@ -105,13 +104,13 @@ def run(name, rate, scene, options):
     crowd_list = [{"name": folder, "set": {"/seed": seed, **changes_of(rule, scene, options.sampling_rate_hz)}}
                   for (rule, seed), folder in crowds.items()]
     (out / "crowds.json").write_text(json.dumps(crowd_list, indent=1))
-    command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", options.programs, name, "--out", out,
+    command = [*module_command("wade.run.pair"), name, "--out", out,
                "--crowds", out / "crowds.json", *rate_options(rate, options), "--no-trajectories", "--water-every-s", "0",
                "--reproducible", "--threads", str(options.threads),
                "--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
     with open(out / "run.log", "w", encoding="utf-8") as log:
         if subprocess.run(command, stdout=log, stderr=log).returncode != 0:
-            print(f"frame_rates.sh: {name} at {rate} Hz failed, see {out / 'run.log'}", file=sys.stderr)
+            say_error(f"wade frame-rates: {name} at {rate} Hz failed, see {out / 'run.log'}")
             return None
     return {key: out / folder for key, folder in crowds.items()}
 
@@ -138,35 +137,44 @@ def rows_of(name, rate, scene, folders, seeds, rules=RULES):
         yield row
 
 
-def main():
-    parser = argparse.ArgumentParser(prog="frame_rates.sh", allow_abbrev=False)
-    parser.add_argument("scenes", nargs="*")
-    parser.add_argument("--programs", type=Path, required=True)
-    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "frame_rates")
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--threads", type=int, default=0)
-    parser.add_argument("--rates", type=rates_of, default=list(RATES))
-    parser.add_argument("--sampling-rate-hz", type=float)
-    parser.add_argument("--vary", choices=("both", "frames", "steps"), default="both")
-    options = parser.parse_args()
-    if not 1 <= options.seeds <= 1000:
+def parse(arguments):
+    parser = Parser("frame-rates", __doc__, """Exit code: 0 if all runs ended well, whether the rates agree or not; 1 if one
+failed, which makes its scene incomplete; 2 bad usage or scene.""")
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", default=list(SCENES),
+                        help="files or short names [S5, S7 and S10 of configs/observed]")
+    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "frame_rates", metavar="DIR",
+                        help="[runs/frame_rates in the project]")
+    parser.add_argument("--seeds", type=positive, default=10, metavar="N", help="seeds of the markers, 1 to 1000 [10]")
+    parser.add_argument("--rates", type=rates_of, default=list(RATES), metavar="A,B",
+                        help="at least two frame rates, 0.01 to 1000 Hz [15,30,60,120]")
+    parser.add_argument("--vary", choices=("both", "frames", "steps"), default="both",
+                        help="frames: how often the water is sampled, with the steps of the crowd at the highest rate; "
+                             "steps: those of the crowd, with the frames at the highest rate [both]")
+    parser.add_argument("--sampling-rate-hz", type=float, metavar="R",
+                        help="also the rule continuous with the water sampled R times a second within its steps")
+    parser.add_argument("--threads", type=int, default=0, metavar="N",
+                        help="of the crowds and the water [number of processors]")
+    options = parser.parse_args(arguments)
+    if not options.seeds <= 1000:
         parser.error(f"--seeds: {options.seeds} is not allowed; allowed: 1 to 1000")
     if options.sampling_rate_hz is not None and not 0 < options.sampling_rate_hz <= 100000:
         parser.error(f"--sampling-rate-hz: {options.sampling_rate_hz:g} is not allowed; allowed: above 0 to 100000")
-    scenes = options.scenes or [f"configs/observed/s{n:02}.json" for n in (5, 7, 10)]
-    rates = ",".join(map(str, options.rates))
-    words = ["tools/frame_rates.sh", *options.scenes, "--seeds", str(options.seeds), "--rates", rates]
-    if options.sampling_rate_hz is not None:
-        words += ["--sampling-rate-hz", f"{options.sampling_rate_hz:g}"]
-    options.command = " ".join(words + (["--vary", options.vary] if options.vary != "both" else []))
+    options.command = " ".join(["tools/wade", "frame-rates", *arguments])
+    return options
+
+
+def main(arguments):
+    """tools/wade frame-rates."""
+    options = parse(arguments)
+    scenes = [find_scene(name) for name in options.scenes]
     rows, failed = [], False
-    resolved = {name: resolve(find_scene(name), options.rates, options) for name in scenes}
+    resolved = {name: resolve(name, options.rates, options) for name in scenes}
     for name in scenes:
         for rate, scene in resolved[name].items():
-            folders = run(find_scene(name), rate, scene, options)
+            folders = run(name, rate, scene, options)
             failed = failed or folders is None
-            rows += rows_of(find_scene(name), rate, scene, folders, options.seeds, rules_of(options.sampling_rate_hz))
-    order = [label(find_scene(name)) for name in scenes]
+            rows += rows_of(name, rate, scene, folders, options.seeds, rules_of(options.sampling_rate_hz))
+    order = [label(name) for name in scenes]
     rules = rules_of(options.sampling_rate_hz)
     rows.sort(key=lambda row: (order.index(row["scene"]), rules.index(row["rule"]), row["frame_rate_hz"]))
     with open(options.out / "frame_rates.csv", "w", newline="", encoding="utf-8") as file:
@@ -177,7 +185,3 @@ def main():
     (options.out / "report.md").write_text(text)
     print(text, end="")
     return 1 if failed else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -8,14 +8,14 @@ import sys
 import time
 import traceback
 
-import checks_consumers
-import checks_ends
-import checks_frames
-import checks_object
-import checks_repeat
-from bench import Bench, CannotStart
-from expectation import PATIENCE_S, NotApplicable, Violation
-from layout import KINDS
+from wade.conformance import checks_consumers
+from wade.conformance import checks_ends
+from wade.conformance import checks_frames
+from wade.conformance import checks_object
+from wade.conformance import checks_repeat
+from wade.conformance.bench import Bench, CannotStart
+from wade.conformance.expectation import PATIENCE_S, NotApplicable, Violation
+from wade.conformance.layout import KINDS
 
 CHECKS = (
     checks_object.FIRST + checks_frames.ALL + checks_consumers.ALL + checks_repeat.ALL + checks_ends.ALL
@@ -29,15 +29,15 @@ The command publishes a stream of at least 40 frames, the same in every run, and
 check: pass, FAIL or skip, its name, what it shows, numbers."""
 
 EPILOG = """examples:
-  tools/conformance.sh build/release/fluid_server tests/system/scenes/small.json --until-s 3
-  tools/conformance.sh --only lockstep --only end -- ./my_producer --name {session}
+  tools/wade conformance build/release/fluid_server tests/system/scenes/small.json --until-s 3
+  tools/wade conformance --only lockstep --only end -- ./my_producer --name {session}
 
 exit codes: 0 every check that ran passed, 1 a check failed, 2 usage."""
 
 
-def arguments():
+def parse(arguments):
     parser = argparse.ArgumentParser(
-        prog="tools/conformance.sh", usage="%(prog)s [options] [--] COMMAND ...", description=DESCRIPTION,
+        prog="tools/wade conformance", usage="%(prog)s [options] [--] COMMAND ...", description=DESCRIPTION,
         epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
@@ -54,7 +54,7 @@ def arguments():
                         help="the producer's option for its step time-out in seconds; two checks need it")
     parser.add_argument("--patience-s", type=float, metavar="T", default=PATIENCE_S,
                         help="when to give up on a producer that does nothing [60]")
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     if options.command[:1] == ["--"]:
         options.command.pop(0)
     known = {check.__name__ for check in CHECKS}
@@ -79,7 +79,7 @@ def judge(check, bench):
     except Violation as violation:
         return "FAIL", str(violation)
     except CannotStart as error:
-        print(f"tools/conformance.sh: error: {error}", file=sys.stderr)
+        print(f"tools/wade conformance: error: {error}", file=sys.stderr)
         sys.exit(2)
     except Exception as error:  # the suite itself met something it does not know
         traceback.print_exc(file=sys.stderr)
@@ -88,9 +88,9 @@ def judge(check, bench):
         bench.close()
 
 
-def main():
+def main(arguments):
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that no producer is left behind
-    options = arguments()
+    options = parse(arguments)
     if options.list:
         for check in CHECKS:
             print(f"{check.__name__:22} {check.__doc__}")
@@ -123,7 +123,3 @@ def conclude(options, results):
             json.dump({"command": options.command, "checks": results}, file, indent=2)
             file.write("\n")
     return 1 if counts["FAIL"] or not counts["pass"] else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

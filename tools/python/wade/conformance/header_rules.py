@@ -2,9 +2,9 @@
 
 import math
 
-from expectation import expect
-from hashes import header_crc
-from layout import (
+from wade.conformance.expectation import expect
+from wade.conformance.hashes import header_crc
+from wade.conformance.layout import (
     ENDIAN_TAG, FIELD_ENTRY, FIELDS, HEADER_WORDS, MAGIC, MAX_CONSUMERS, MAX_FIELDS, MAX_SLOTS, PAGE,
     RESERVED_IN_HEADER, Header,
 )

@@ -1,27 +1,24 @@
-#!/usr/bin/python3
 """Draws the largest danger level of each cell of the water, and over it the paths of the people and how they ended.
-
-    tools/danger_map.py RUN_DIR [--output PNG]
 
 Needs danger.csv, which crowd_client writes with --danger-every-s 1. Levels: Table 2 of Schaffer et al. (2020), after
 Viseu (2006), by depth times speed: low below 0.5 m2/s, moderate below 0.75, high below 1, very high from there on.
 """
 
-import argparse
 import csv
 import pathlib
-import sys
 
 import numpy as np
 
-import top_view  # first, as it picks matplotlib's backend
+from wade.pictures import top_view  # first, as it picks matplotlib's backend
 import matplotlib.pyplot as plt
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-import run_files
-from figure import subtitle_of, title_of
+from wade.pictures import run_files
+from wade.pictures.figure import write
+from wade.pictures.texts import draw_legend, draw_title, subtitle_of, title_of
+from wade.terminal import Parser
 
 # Light to dark, so that the order is seen without colours, too; blue and black marks stand out from all of them.
 LEVELS = {
@@ -128,36 +125,19 @@ def draw(run, output):
     ends = {name: [a for a in agents if a["outcome"] == name] for name in ENDS}
     arrivals = [float(a["time_s"]) for a in ends["arrived"]]
     subtitle = subtitle_of(outcome, outcome["sim_time_s"], None, True)
-    figure.text(0.5, 1 - 0.25 / high, title_of(scene, agents, ends, arrivals), ha="center", va="center",
-                fontsize=14, color=top_view.INK)
-    figure.text(0.5, 1 - 0.53 / high, f"largest danger level of each cell  \u00b7  {subtitle}", ha="center",
-                va="center", fontsize=8, color="#6b6b72")
-    figure.text(0.5, 1 - 0.74 / high, met_text(agents), ha="center", va="center", fontsize=8, color="#6b6b72")
+    draw_title(figure, title_of(scene, agents, ends, arrivals), f"largest danger level of each cell  \u00b7  {subtitle}",
+               met_text(agents))
     levels, people = legend_handles(wet, cells, agents, scene)
-    for handles, y in ((levels, 0.3), (people, 0.06)):
-        if handles:
-            figure.legend(handles=handles, loc="lower center", ncol=len(handles), frameon=False, fontsize=8.5,
-                          handletextpad=0.5, columnspacing=1.6, bbox_to_anchor=(0.5, y / high))
+    draw_legend(figure, levels, 0.3)
+    draw_legend(figure, people, 0.06)
     run_files.save_picture(figure, output)
     plt.close(figure)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
+def main(arguments):
+    """tools/wade danger-map."""
+    parser = Parser("danger-map", __doc__)
     parser.add_argument("run", type=pathlib.Path, metavar="RUN_DIR", help="run folder of crowd_client")
     parser.add_argument("--output", type=pathlib.Path, metavar="PNG", help="picture to write [RUN_DIR/danger.png]")
-    options = parser.parse_args()
-    output = options.output or options.run / "danger.png"
-    if output.suffix.lower() not in run_files.ENDINGS:
-        parser.error(f"--output: {output}, allowed are names that end in {', '.join(run_files.ENDINGS)}")
-    try:
-        draw(options.run, output)
-    except (run_files.RunError, OSError) as error:
-        print(f"danger_map.py: {error}", file=sys.stderr)
-        return 1
-    print(output)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    options = parser.parse_args(arguments)
+    return write(parser, options.output or options.run / "danger.png", lambda output: draw(options.run, output))

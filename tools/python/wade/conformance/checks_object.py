@@ -5,11 +5,11 @@ import signal
 import stat
 import time
 
-import system
-from bench import follow, lock_holder_lives, page_of
-from expectation import expect, wait_until
-from header_rules import read_header
-from layout import MAGIC, PAGE, READY, ControlPage
+from wade.conformance import system
+from wade.conformance.bench import follow, lock_holder_lives, page_of
+from wade.conformance.expectation import expect, wait_until
+from wade.conformance.header_rules import read_header
+from wade.conformance.layout import MAGIC, PAGE, READY, ControlPage
 
 
 def header(bench):

@@ -3,12 +3,12 @@
 import signal
 import time
 
-from bench import FRAMES, follow
-from checks_consumers import together
-from checks_object import expect_aborted
-from child import start_child
-from expectation import NotApplicable, expect
-from layout import CLOSED, DRAINING, FINAL, GAVE_UP, SLICE_S, ConsumerPage
+from wade.conformance.bench import FRAMES, follow
+from wade.conformance.checks_consumers import together
+from wade.conformance.checks_object import expect_aborted
+from wade.conformance.child import start_child
+from wade.conformance.expectation import NotApplicable, expect
+from wade.conformance.layout import CLOSED, DRAINING, FINAL, GAVE_UP, SLICE_S, ConsumerPage
 
 STEP_TIMEOUT_S = 1.0
 

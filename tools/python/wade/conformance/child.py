@@ -7,13 +7,13 @@ import math
 import select
 import signal
 import subprocess
-import sys
 from contextlib import contextmanager
 from pathlib import Path
 
-from expectation import expect
-from layout import FINAL, LOCKSTEP
-from participant import Consumer
+from wade.conformance.expectation import expect
+from wade.conformance.layout import FINAL, LOCKSTEP
+from wade.conformance.participant import Consumer
+from wade.paths import module_command
 
 
 class Child:
@@ -30,7 +30,7 @@ class Child:
 @contextmanager
 def start_child(run, name, mode=LOCKSTEP, frames=3):
     """Starts a child that joins a run; returns when it has joined (latest) or holds its frame (lockstep)."""
-    words = [sys.executable, "-B", __file__, run.path, run.kind, mode, name, frames]
+    words = [*module_command(__name__), run.path, run.kind, mode, name, frames]
     process = subprocess.Popen(list(map(str, words)), stdout=subprocess.PIPE, stdin=subprocess.DEVNULL)
     try:
         ready = select.select([process.stdout], [], [], run.bench.patience_s)[0]
@@ -44,8 +44,8 @@ def start_child(run, name, mode=LOCKSTEP, frames=3):
         process.stdout.close()
 
 
-def main():
-    path, kind, mode, name, frames = sys.argv[1:]
+def main(arguments):
+    path, kind, mode, name, frames = arguments
     consumer = Consumer(Path(path), int(kind), name, mode=int(mode))
     final = False
     if int(mode) == LOCKSTEP:
@@ -61,7 +61,3 @@ def main():
     print(f"ready {consumer.next} {'final' if final else 'open'}", flush=True)
     while True:
         signal.pause()
-
-
-if __name__ == "__main__":
-    main()

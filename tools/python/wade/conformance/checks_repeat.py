@@ -4,8 +4,8 @@ import random
 import threading
 import time
 
-from bench import FRAMES, follow
-from expectation import expect
+from wade.conformance.bench import FRAMES, follow
+from wade.conformance.expectation import expect
 
 
 def play(bench, between=None, disturb=None):

@@ -1,0 +1,1 @@
+"""What stands behind tools/wade: runs, pictures, suites and reports."""

@@ -1,0 +1,80 @@
+"""tools/wade: finds the subcommand, brings the programs that it needs up to date, and calls its module."""
+
+import difflib
+import importlib
+import importlib.util
+import os
+
+from wade.building import BuildError, bring_up_to_date, install_pictures
+from wade.commands import COMMANDS, all_commands, find_command
+from wade.errors import UsageError
+from wade.paths import ROOT
+from wade.run.arguments import asks_for_help
+from wade.terminal import open_standard_streams, say_error
+
+
+def overview():
+    """The text of tools/wade --help."""
+    lines = ["Usage: tools/wade SUBCOMMAND [--help] ...", ""]
+    for purpose, commands in COMMANDS.items():
+        lines += [purpose, *(f"  {command.name:15} {command.meaning}" for command in commands), ""]
+    lines.append("Each installs and builds what it needs. tools/wade SUBCOMMAND --help tells its options.")
+    return "\n".join(lines)
+
+
+def exists(module):
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def unknown(name):
+    near = difflib.get_close_matches(name, [command.name for command in all_commands()], 3)
+    meant = f"; did you mean {' or '.join(near)}?" if near else ""
+    raise UsageError(f'there is no subcommand "{name}"{meant} (tools/wade --help lists them)')
+
+
+def carry_out(command, arguments):
+    """Builds what a subcommand needs, unless it is only asked for help, and calls it; returns its exit code."""
+    runs = not asks_for_help(arguments)
+    if runs and command.programs:
+        install_pictures()
+    module = importlib.import_module(command.module)
+    if runs and command.programs:
+        programs = getattr(module, "programs_for", lambda _: command.programs)(arguments)
+        bring_up_to_date(programs, command.with_tests)
+    return module.main(arguments)
+
+
+def main(arguments):
+    """Carries out a command line; returns the exit code."""
+    open_standard_streams()
+    try:
+        return call(arguments)
+    except UsageError as error:
+        say_error(f"wade: {error}")
+        return 2
+    except BuildError:
+        say_error("wade: the build failed; the messages above say why")
+        return 1
+    except BrokenPipeError:  # whoever read what is printed has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return 141
+
+
+def call(arguments):
+    """Calls what the first argument names."""
+    if not arguments or arguments[0] in ("-h", "--help", "help"):
+        print(overview())
+        return 0 if arguments else 2
+    name, *rest = arguments
+    if name == "--module":  # of a process that one of these modules has started: wade.paths.module_command
+        return importlib.import_module(rest[0]).main(rest[1:])
+    command = find_command(name)
+    if command is None:
+        unknown(name)
+    if command.script and not exists(command.module):
+        script = ROOT / "tools" / command.script
+        os.execv(script, [str(script), *rest])
+    return carry_out(command, rest)

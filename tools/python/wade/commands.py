@@ -1,0 +1,77 @@
+"""All subcommands of tools/wade, by purpose: what each is for, its module, and the programs that it needs."""
+
+from dataclasses import dataclass
+
+PAIR = ("fluid_server", "crowd_client")
+BENCHMARKS = tuple(f"bench_{part}" for part in ("fluid", "shallow_water", "steering", "crowd", "coupling", "kernels",
+                                                "protocol"))
+
+
+@dataclass(frozen=True)
+class Command:
+    """A subcommand. Its module has main(arguments) -> exit code, and answers --help."""
+
+    name: str
+    meaning: str  # one line, at most 75 columns
+    module: str  # imported when it is called
+    programs: tuple = ()  # of the build folder, brought up to date before it starts
+    with_tests: bool = False  # whether these programs are built only together with the tests
+    old_names: tuple = ()  # of scripts in tools/, without their ending
+    script: str = ""  # in tools/, which is run as long as there is no such module
+
+
+COMMANDS = {
+    "Run scenes": (
+        Command("run", "run a scene with both programs and draw its picture", "wade.run.pair", PAIR),
+        Command("many", "run many scenes, or one with many seeds, several at once", "wade.many", PAIR,
+                old_names=("run-many",)),
+        Command("scenes", "list the scenes by their short names", "wade.scenes"),
+    ),
+    "Look at a run": (
+        Command("figure", "top view of a run: water, paths, goals, outcome", "wade.pictures.figure"),
+        Command("danger-map", "danger levels of the water, and whom they met", "wade.pictures.danger_map"),
+    ),
+    "Compare outcomes": (
+        Command("paper", "all scenarios of the paper with many seeds, beside the paper", "wade.suites.paper", PAIR,
+                old_names=("reproduce-paper",), script="reproduce_paper.sh"),
+        Command("frame-rates", "how much the outcome depends on the frame rate", "wade.sweeps.frame_rates", PAIR),
+        Command("depth-sweep", "who arrives over the plane of depth and velocity", "wade.sweeps.depth_sweep", PAIR),
+    ),
+    "Judge the water": (
+        Command("validate", "analytic solutions and experiments: errors and orders", "wade.suites.validate",
+                ("validate",), True, script="validate.sh"),
+        Command("stability", "hard cases with all settings of the solver", "wade.suites.stability", ("stability",), True,
+                script="stability.sh"),
+        Command("speed-vs-error", "cost and error of the settings of the water", "wade.suites.speed_vs_error",
+                ("validate", "crowd_client"), True, script="speed_vs_error.sh"),
+        Command("models", "all models of the water side by side", "wade.suites.models", ("validate", *PAIR), True,
+                ("compare-models",), script="compare_models.sh"),
+        Command("model-choice", "how often the model that `auto` chooses keeps its error", "wade.suites.model_choice",
+                ("fluid_server", "impulse_scene"), True, script="model_choice.sh"),
+        Command("steering", "what the weights of the steering water mean in a fluid", "wade.suites.steering",
+                ("steering_map",), True, ("steering-map",), script="steering_map.sh"),
+    ),
+    "Measure speed": (
+        Command("bench", "what each part costs on this machine", "wade.suites.bench",
+                (*PAIR, "shm_record", *BENCHMARKS), True, script="bench.sh"),
+    ),
+    "Test": (
+        Command("test", "build the tests and run the quick set, or --all", "wade.tests", script="test.sh"),
+        Command("conformance", "a producer of water against the shared-memory contract", "wade.conformance.suite"),
+        Command("scene-docs", "write the table of scene keys into docs/scene_keys.md", "wade.scene_docs"),
+        Command("check-protocol", "models, kills, races, fuzzing and producers, long form", "wade.checks",
+                script="check_protocol.sh"),
+        Command("check-model", "search the SPIN models of the protocol", "wade.checks", script="check_model.sh"),
+        Command("fuzz", "fuzz what readers do with a header page", "wade.checks", script="fuzz.sh"),
+    ),
+}
+
+
+def all_commands():
+    return [command for group in COMMANDS.values() for command in group]
+
+
+def find_command(name):
+    """The command of this name or older name, with - or _; None if there is none."""
+    name = name.replace("_", "-")
+    return next((command for command in all_commands() if name in (command.name, *command.old_names)), None)

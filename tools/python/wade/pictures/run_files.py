@@ -1,0 +1,81 @@
+"""Reads what a run folder of crowd_client holds, and puts pictures there."""
+
+import csv
+import json
+import os
+import sqlite3
+import struct
+
+import numpy as np
+
+ENDINGS = (".png", ".pdf", ".eps", ".ps")  # of pictures that can be written
+
+
+class RunError(Exception):
+    """The run folder does not hold what the picture needs."""
+
+
+def read_json(path):
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RunError(f"cannot read '{path}': {error.strerror}") from error
+    except ValueError as error:
+        raise RunError(f"'{path}' is not valid JSON: {error}") from error
+
+
+def read_agents(path):
+    """Rows of agents.csv; none if the run ended before it was written."""
+    if not path.exists():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def read_paths(path, until_frame):
+    """Paths by agent, arrays of (frame, x, z), up to a frame."""
+    if not path.exists():
+        raise RunError(f"'{path}' does not exist")
+    try:
+        with sqlite3.connect(f"file:{path}?mode=ro", uri=True) as database:
+            rows = np.array(
+                database.execute(
+                    "SELECT id, frame, pos_x, pos_y FROM trajectory_data WHERE frame <= ? ORDER BY id, frame",
+                    (until_frame,),
+                ).fetchall(),
+                dtype=float,
+            )
+    except sqlite3.Error as error:
+        raise RunError(f"cannot read '{path}': {error}") from error
+    if rows.size == 0:
+        return {}
+    starts = np.flatnonzero(np.diff(rows[:, 0], prepend=rows[0, 0] - 1))
+    return {int(part[0, 0]): part[:, 1:] for part in np.split(rows, starts[1:])}
+
+
+def read_water(path, time):
+    """The snapshot nearest to a time: (time, x edges' start, z start, cell size, depth array in m), or None."""
+    if not path.exists():
+        return None
+    data = path.read_bytes()
+    if len(data) < 64 or data[:8] != b"WADEWAT1":
+        raise RunError(f"'{path}' is not a file of water snapshots")
+    columns, rows, cell, x0, z0, _ = struct.unpack_from("<IIdddd", data, 8)
+    record = np.dtype([("frame", "<u8"), ("time", "<f8"), ("depth", "<u2", (rows, columns))])
+    count = (len(data) - 64) // record.itemsize  # a record cut off by a crash does not count
+    if count == 0:
+        return None
+    records = np.frombuffer(data, dtype=record, count=count, offset=64)
+    nearest = records[int(np.argmin(np.abs(records["time"] - time)))]
+    return float(nearest["time"]), x0, z0, cell, nearest["depth"] / 1000.0
+
+
+def save_picture(figure, output):
+    """Writes a picture whole or not at all: under another name first, so that a full disk leaves no part of it."""
+    part = output.with_name(f".{output.stem}-{os.getpid()}{output.suffix}")
+    try:
+        # No date or version in the file, so that the same run gives the same bytes.
+        figure.savefig(part, metadata={"Software": None})
+        part.replace(output)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,1 @@
+"""A producer of water and the crowd as processes of one run."""

@@ -1,0 +1,122 @@
+"""The command line of a run: whose option is whose, read from the programs' own --help."""
+
+import re
+import shlex
+import subprocess
+
+from wade.errors import UsageError
+
+# What each of them takes, for those who give it nothing.
+OWN_VALUES = {
+    "--out": "a folder",
+    "--session": "1 to 200 letters, digits, '.', '_' and '-'",
+    "--record": "a file",
+    "--replay": "a recording",
+    "--producer": "a command as in a shell",
+}
+OWN_SWITCHES = ("--no-figure",)
+
+
+def options_of(program):
+    """The options of a program as {name: takes a value}, read from its --help."""
+    text = subprocess.run([program, "--help"], capture_output=True, text=True, check=True).stdout
+    pattern = re.compile(r"^  (?:-\w,)?(--[a-z0-9-]+)( [A-Z][A-Z=]*)?(?:  |$)", re.MULTILINE)
+    return {name: bool(value) for name, value in pattern.findall(text)}
+
+
+def asks_for_help(arguments):
+    """Whether -h or --help is among the arguments, up to "--"."""
+    own = arguments[: arguments.index("--")] if "--" in arguments else arguments
+    return "-h" in own or "--help" in own
+
+
+def is_given(arguments, name):
+    """Whether an own option is on the command line."""
+    return any(argument == name or argument.startswith(name + "=") for argument in arguments)
+
+
+def values_of(arguments, name):
+    """All values that a program's option has among its arguments, as "NAME VALUE" or "NAME=VALUE"."""
+    values = [argument.partition("=")[2] for argument in arguments if argument.startswith(name + "=")]
+    return values + [value for argument, value in zip(arguments, arguments[1:]) if argument == name]
+
+
+def suit_to_latest(theirs):
+    """With --mode latest nobody is waited for: adds what the producer needs for it, refuses what does not go with it.
+
+    theirs: {program: its arguments}. Water that is sent as fast as it comes would be over before the crowd has joined.
+    """
+    if "latest" not in values_of(theirs["crowd_client"], "--mode"):
+        return
+    if "shm_replay" in theirs:
+        raise UsageError("--mode latest and --replay exclude one another: a replay that waits for nobody is over at once")
+    server = theirs.get("fluid_server")
+    if server is None:
+        return
+    consumers, clocks = values_of(server, "--consumers"), values_of(server, "--clock")
+    for value in consumers:
+        if value.isdigit() and int(value) > 0:
+            raise UsageError(f"--mode latest and --consumers {value} exclude one another; allowed is --consumers 0")
+    if "fast" in clocks:
+        raise UsageError("--mode latest and --clock fast exclude one another; allowed is --clock real_time or variable")
+    server += ([] if consumers else ["--consumers", "0"]) + ([] if clocks else ["--clock", "real_time"])
+
+
+def own_value(name, value):
+    """The value of an own option, unless it is empty or, for --producer, no command."""
+    wrong = not value
+    if name == "--producer":
+        try:
+            words = shlex.split(value)
+            wrong = not words or not words[0]
+        except ValueError as error:
+            raise UsageError(f"{name}: {value} is not allowed ({error}); allowed: {OWN_VALUES[name]}") from error
+    if wrong:
+        raise UsageError(f'{name}: "{value}" is not allowed; allowed: {OWN_VALUES[name]}')
+    return value
+
+
+def split_arguments(arguments, programs):
+    """Sorts arguments into (scene or None, own options, {program: its arguments}).
+
+    programs: {name: options_of(it)}. An option goes to each program that has it, one that nobody has goes to all, so
+    that they refuse it.
+    """
+    takes_value = {name: value for options in programs.values() for name, value in options.items()}
+    takes_value.update(dict.fromkeys(OWN_VALUES, True))
+    takes_value.update(dict.fromkeys(OWN_SWITCHES, False))
+    scene, own, theirs = None, {}, {program: [] for program in programs}
+    unknown, surplus = False, None
+    rest = list(arguments)
+    while rest:
+        argument = rest.pop(0)
+        if not argument.startswith("-"):
+            if scene is None:
+                scene = argument
+            else:
+                surplus = surplus or argument
+            continue
+        name, equals, value = argument.partition("=")
+        words = [argument]
+        if takes_value.get(name) and not equals:
+            if not rest:
+                raise UsageError(f"{name}: a value is missing")
+            value = rest.pop(0)
+            words.append(value)
+        if name in OWN_VALUES:
+            own[name] = own_value(name, value)
+            continue
+        if name in OWN_SWITCHES:
+            if equals:
+                raise UsageError(f"{name}: no value is allowed")
+            own[name] = True
+            continue
+        nobody = name not in takes_value
+        unknown = unknown or nobody
+        for program, options in programs.items():
+            if nobody or name in options:
+                theirs[program] += words
+    # After an unknown option this may be its value; then the programs say what is wrong.
+    if surplus and not unknown:
+        raise UsageError(f'unexpected argument "{surplus}"; one scene file is allowed')
+    return scene, own, theirs

@@ -1,0 +1,39 @@
+"""Where runs go that were given no --out."""
+
+import os
+import re
+import tempfile
+import time
+from pathlib import Path
+
+from wade.errors import UsageError
+from wade.paths import ROOT
+
+
+def file_name(text):
+    """A name for a file or folder: letters, digits, '.', '-' and '_' of a text."""
+    return re.sub(r"[^\w.-]+", "_", text).strip("._")[:80] or "scene"
+
+
+def runs_folder():
+    """The first of these folders that can be written: runs/ of the project, of this folder, then one of the user's own."""
+    own = Path(tempfile.gettempdir()) / f"wade-{os.getuid()}"
+    places = [ROOT / "runs", Path.cwd() / "runs", Path.home() / "wade-runs", own / "runs"]
+    for place in places:
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(place, os.W_OK | os.X_OK):
+            return place
+    raise UsageError(f"--out DIR is needed, as no folder for runs can be written; tried: {', '.join(map(str, places))}")
+
+
+def new_folder(name):
+    """A folder in runs/ for something of this name that starts now; it is not made yet."""
+    stem = runs_folder() / f"{file_name(name)}-{time.strftime('%Y%m%d-%H%M%S')}"
+    folder, n = stem, 1
+    while folder.exists():
+        n += 1
+        folder = stem.with_name(f"{stem.name}-{n}")
+    return folder

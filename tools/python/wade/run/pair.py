@@ -1,0 +1,226 @@
+"""Starts a producer of water and crowd_client on one scene, waits for both, prints the outcome and draws the picture.
+
+The producer is fluid_server, shm_replay with --replay, or any command with --producer; --record adds shm_record.
+Standard library only.
+"""
+
+import json
+import os
+import secrets
+import shlex
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+from wade.errors import UsageError
+from wade.paths import BUILD, module_command
+from wade.run.arguments import asks_for_help, is_given, options_of, split_arguments, suit_to_latest, values_of
+from wade.run.folders import new_folder
+from wade.run.help import HELP
+from wade.run.outcome import BeforeRun, crowds_summary, has_frames, state_of, summary
+from wade.run.processes import Pair, meaning, wait_for_own_segment, wait_until_joined
+from wade.scenes import find_scene
+from wade.terminal import harmless, say_error, tail_of
+
+ANSWERS = ("--check", "--print-config", "--version")  # one program answers and nothing is run
+SHOWN_OF_LOG = 5  # lines, of a program that failed
+
+
+def programs_for(arguments):
+    """The programs of the build folder that a command line needs."""
+    return [name for name in programs_of(arguments)[1] if name]
+
+
+def programs_of(arguments):
+    """(name of the producer's program or None, names of all programs that take part)."""
+    if is_given(arguments, "--replay") and is_given(arguments, "--producer"):
+        raise UsageError("--replay and --producer exclude one another")
+    producer = "shm_replay" if is_given(arguments, "--replay") else "fluid_server"
+    if is_given(arguments, "--producer"):
+        producer = None
+    recorder = ["shm_record"] if is_given(arguments, "--record") else []
+    return producer, [name for name in (producer, "crowd_client", *recorder) if name]
+
+
+def resolved_scene(program, scene, arguments):
+    """The resolved scene and 0, or None and the exit code if the program refuses it; it says why on stderr."""
+    answer = subprocess.run([program, scene, *arguments, "--print-config"], stdout=subprocess.PIPE, text=True)
+    return (json.loads(answer.stdout), 0) if answer.returncode == 0 else (None, answer.returncode)
+
+
+def check_state(arguments):
+    """Refuses a state of the water that cannot be read; what it holds is looked at when the run starts."""
+    for name in values_of(arguments, "--from-state"):
+        if not os.access(name, os.R_OK) or Path(name).is_dir():
+            raise UsageError(f"--from-state: {name} cannot be read; allowed: a state that --save-state FILE has written")
+
+
+def producer_command(run, folder, session):
+    """The command line of whatever sends the water."""
+    own, arguments = run.own, run.arguments
+    latest = "latest" in values_of(arguments["crowd_client"], "--mode")
+    consumers = 0 if latest else 2 if "--record" in own else 1
+    counted = ["--consumers", str(consumers)] if consumers > 1 else []
+    if run.producer == "fluid_server":
+        server = [BUILD / "fluid_server", run.scene]
+        # Its log is our redirection to the same file; after a numerical failure it leaves the water's state there.
+        return [*server, *counted, *arguments["fluid_server"], "--session", session, "--out", folder]
+    if run.producer == "shm_replay":
+        way_back = run.resolved.get("coupling", {}).get("agents_stream", "off") != "off"
+        switches = ["--take-agents"] if way_back else []
+        replay = [BUILD / "shm_replay", own["--replay"]]
+        return [*replay, *switches, *counted, *arguments["shm_replay"], "--session", session]
+    words = shlex.split(own["--producer"])
+    if not any("{session}" in word for word in words):
+        words += ["--session", "{session}"]
+    known = {"{session}": session, "{scene}": str(run.scene), "{consumers}": str(consumers)}
+    for place, value in known.items():
+        words = [word.replace(place, value) for word in words]
+    return words
+
+
+def stdin_of_client(arguments):
+    """The terminal, or whatever the user says the commands come from; None = that of this process."""
+    from_stdin = "--commands=-" in arguments or ("--commands", "-") in zip(arguments, arguments[1:])
+    return None if sys.stdin.isatty() or from_stdin else subprocess.DEVNULL
+
+
+def draw(folder, pair):
+    """Draws figure.png; true if it is there afterwards."""
+    figure = folder / "figure.png"
+    artist = pair.start([*module_command("wade.pictures.figure"), folder], stdout=subprocess.DEVNULL)
+    return artist.wait() == 0 and figure.exists()
+
+
+class Run:
+    """What the command line asks for."""
+
+    def __init__(self, arguments):
+        self.producer, names = programs_of(arguments)
+        options = {name: options_of(BUILD / name) for name in names}
+        scene, self.own, self.arguments = split_arguments(arguments, options)
+        suit_to_latest(self.arguments)
+        self.scene = find_scene(scene)
+        self.resolved = None
+        check_state(self.arguments.get("fluid_server", []))
+
+    def check_scene(self):
+        """Reads the scene as the programs do; returns the exit code of the one that refuses it, else 0."""
+        for name in ("fluid_server", "crowd_client"):
+            if name in self.arguments:
+                self.resolved, code = resolved_scene(BUILD / name, self.scene, self.arguments[name])
+                if self.resolved is None:
+                    return code
+        return 0
+
+
+def start_all(run, pair, folder, session):
+    """Starts the producer, the recorder if there is one, and the crowd; returns {name: (process, its log or None)}."""
+    producer_name = run.producer or "the producer"
+    started = {}
+
+    def start_logged(name, command, log_name):
+        log = folder / log_name
+        with open(log, "w", encoding="utf-8") as file:
+            try:
+                started[name] = pair.start(command, stdout=file, stderr=file), log
+            except OSError as error:
+                raise UsageError(f"cannot start {command[0]}: {error.strerror}") from error
+        return started[name][0]
+
+    log_name = "fluid_server.log" if run.producer == "fluid_server" else "producer.log"
+    producer = start_logged(producer_name, producer_command(run, folder, session), log_name)
+    wait_for_own_segment(producer, session)
+    if "--record" in run.own:
+        command = [BUILD / "shm_record", session, run.own["--record"], *run.arguments["shm_record"]]
+        recorder = start_logged("shm_record", command, "shm_record.log")
+        if not wait_until_joined(recorder, producer, session):
+            return started
+    if not producer.poll():
+        arguments = run.arguments["crowd_client"]
+        command = [BUILD / "crowd_client", run.scene, *arguments, "--session", session, "--out", folder]
+        client = pair.start(command, stdin=stdin_of_client(arguments), stdout=subprocess.DEVNULL)
+        started["crowd_client"] = client, None
+        pair.controlled = client
+    return started
+
+
+def carry_out(run):
+    """Runs everything to its end; returns the exit code."""
+    code = run.check_scene()
+    if code:
+        return code
+    own = run.own
+    folder = Path(own["--out"]) if "--out" in own else new_folder(run.resolved["name"])
+    session = own.get("--session") or f"wade-{os.getuid()}-{os.getpid()}-{secrets.token_hex(4)}"
+    recording = Path(own["--record"]) if "--record" in own else None
+    earlier_recording = recording and state_of(recording)
+    many = is_given(run.arguments["crowd_client"], "--crowds")
+    pair = Pair()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        before = BeforeRun(folder, many)
+        started = start_all(run, pair, folder, session)
+    except OSError as error:
+        raise UsageError(f"--out: cannot write to {folder}: {error.strerror}") from error
+    codes = pair.wait()
+    code = meaning(codes)
+    if "--session" not in own:
+        # Only a killed producer leaves its segment behind, and nobody else knows this name.
+        for kind in ("fluid", "agents"):
+            Path(f"/dev/shm/{session}-{kind}").unlink(missing_ok=True)
+
+    for (name, (_process, log)), ended in zip(started.items(), codes):
+        if ended and log:
+            print(f"wade run: {name} ended with exit code {ended}; the end of its log:", file=sys.stderr)
+            print(*("  " + line for line in tail_of(log, SHOWN_OF_LOG)), sep="\n", file=sys.stderr)
+    if before.has_new_results():
+        for line in crowds_summary(folder) if many else summary(folder):
+            print(harmless(line))
+    if left := before.left_from_earlier():
+        print(f"of an earlier run, not of this one: {', '.join(left)}")
+    print(f"run folder{'s below' if many else ''}: {folder}")
+    if recording and state_of(recording) not in (None, earlier_recording):
+        print(f"recording: {recording}")
+    drawable = not many and not pair.signal and before.has_new_results() and has_frames(folder)
+    if "--no-figure" not in own and drawable:
+        if is_given(run.arguments["crowd_client"], "--no-trajectories"):
+            print("no picture: --no-trajectories leaves no paths to draw")
+        elif draw(folder, pair):
+            print(f"picture: {folder / 'figure.png'}")
+        else:
+            print("wade run: the picture could not be drawn", file=sys.stderr)
+            code = code or 1
+    if pair.signal:
+        code = 130 if pair.signal == signal.SIGINT else 143
+    return code
+
+
+def answer(run):
+    """Prints what the programs say to --check, both, or else the crowd; the exit code of the one that refuses, else 0."""
+    said = []
+    for name in ("fluid_server", "crowd_client"):
+        if name in run.arguments:
+            command = [BUILD / name, run.scene, *run.arguments[name]]
+            program = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+            if program.returncode != 0:
+                return program.returncode
+            lines = program.stdout.splitlines()
+            both = "--check" in run.arguments["crowd_client"]
+            said = [*said, *(line for line in lines if line not in said)] if both else lines
+    print("\n".join(said))
+    return 0
+
+
+def main(arguments):
+    """tools/wade run."""
+    if asks_for_help(arguments):
+        print(HELP)
+        return 0
+    try:
+        run = Run(arguments)
+        return answer(run) if any(word in run.arguments["crowd_client"] for word in ANSWERS) else carry_out(run)
+    except UsageError as error:
+        say_error(f"wade run: {error} (tools/wade run --help shows the options)")
+        return 2

@@ -1,0 +1,1 @@
+"""One scene at many settings."""

@@ -1,0 +1,66 @@
+"""What is shown on a terminal: no line over 100 columns but for paths, nothing that a terminal would obey."""
+
+import argparse
+import os
+import sys
+import textwrap
+
+COLUMNS = 100
+
+
+def open_standard_streams():
+    """Lets /dev/null stand for each standard stream that was closed, so that no file takes its number."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number, which is this one
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def harmless(text):
+    """Text of another program or file: what cannot be printed is shown as an escape, for example \\x9b."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def tail_of(log, lines):
+    """The last lines of a log, harmless."""
+    return [harmless(line) for line in log.read_text("utf-8", "backslashreplace").split("\n") if line.strip()][-lines:]
+
+
+def wrapped(text, indent="  "):
+    """Text in lines of at most 100 columns; words, and with them most paths, stay whole."""
+    return textwrap.fill(text, COLUMNS, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+
+
+def say_error(text):
+    """Tells on stderr what is wrong, each line of the text wrapped."""
+    for line in str(text).split("\n"):
+        print(wrapped(harmless(line)), file=sys.stderr)
+
+
+def paragraphs(text):
+    """A description with its paragraphs filled anew; lines that are indented stay as they are."""
+    parts = (part if part.startswith(" ") else textwrap.fill(part, COLUMNS) for part in (text or "").split("\n\n"))
+    return "\n\n".join(parts)
+
+
+def _formatter(prog):
+    return argparse.RawDescriptionHelpFormatter(prog, max_help_position=22, width=COLUMNS)
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser whose help and errors keep to 100 columns."""
+
+    def __init__(self, subcommand, description, epilog=None, **others):
+        super().__init__(prog=f"tools/wade {subcommand}", description=paragraphs(description), epilog=paragraphs(epilog),
+                         allow_abbrev=False, formatter_class=_formatter, **others)
+
+    def error(self, message):
+        say_error(f"{self.prog.removeprefix('tools/')}: {message} ({self.prog} --help tells more)")
+        sys.exit(2)
