@@ -10,7 +10,7 @@ import threading
 import unittest
 from pathlib import Path
 
-from harness import ENDLESS, PROGRAMS, ROOT, SCENES, SMALL, Run, SystemTest, wait_until
+from harness import ENDLESS, PROGRAMS, ROOT, SMALL, Run, SystemTest, wait_until
 
 RUN, RUN_MANY = ROOT / "tools" / "run.sh", ROOT / "tools" / "run_many.sh"
 SHORT = ["--until-s", "1"]
@@ -280,10 +280,16 @@ class RunMany(Launcher):
             self.assertEqual(sum(int(row[name]) for name in ("arrived", "dead", "active")), int(row["agents"]))
 
     def test_failing_run_does_not_stop_the_others(self):
-        many = self.many("--jobs", "1", SMALL, SCENES / "absent.json", SMALL, "--", *SHORT)
+        broken = self.folder / "broken.json"
+        broken.write_text("{")
+        many = self.many("--jobs", "1", SMALL, broken, SMALL, "--", *SHORT)
         self.assert_ends(many, 1, "exit code 2", "run.log")
         self.assertEqual([row["status"] for row in self.rows()], ["completed", "failed", "completed"])
         self.assertEqual([row["exit_code"] for row in self.rows()], ["0", "2", "0"])
+
+    def test_a_scene_that_is_not_there_stops_all_before_they_start(self):
+        self.assert_ends(self.many(SMALL, "s055"), 2, 'no scene "s055"', "s05")
+        self.assertFalse((self.folder / "many").exists())
 
     def test_interrupt_ends_all_and_leaves_nothing(self):
         many = self.many("--jobs", "2", SMALL, SMALL, SMALL, "--", *ENDLESS)
@@ -305,7 +311,7 @@ class RunMany(Launcher):
         for arguments, *texts in (
             (["--seeds", "3-1", SMALL], "--seeds", "3-1"),
             (["--jobs", "0", SMALL], "--jobs", "whole numbers from 1"),
-            ([], "scenes"),
+            ([], "SCENE"),
             (["--seeds", "1-2", SMALL, "--until-s", "60"], "--until-s", "behind --", "-- --until-s"),
             (["--seeds", "1-2", "--until-s=60", SMALL], "behind --", "-- --until-s=60"),
             ([SMALL, "--treads", "2"], "--treads", "behind --"),
