@@ -19,6 +19,7 @@ build     libzstd-dev         libzstd-devel        zstd
 pictures  python3-numpy       python3-numpy        numpy
 pictures  python3-matplotlib  python3-matplotlib   python-matplotlib
 pictures  python3-pil         python3-pillow       pillow
+pictures  python3-tabulate    python3-tabulate     -
 tests     catch2              catch2-devel         -
 tests     libbenchmark-dev    google-benchmark-devel  google-benchmark
 tests     spin                -                    -

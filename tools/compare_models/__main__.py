@@ -88,7 +88,7 @@ def parse(arguments):
     parser.add_argument("--time-limit", type=positive(float), default=600.0)
     parser.add_argument("--until-s", type=positive(float))
     parser.add_argument("--dfsph-campaign", type=lambda name: Path(name).resolve())
-    parser.add_argument("--validation-csv", default=str(VALIDATION / "report" / "validation.csv"))
+    parser.add_argument("--validation-csv", default=str(ROOT / "docs" / "reports" / "validation" / "validation.csv"))
     parser.add_argument("--set", action="append", default=[])
     options = parser.parse_args(arguments)
     options.models = one_of("--models", options.models or ",".join(DEFAULT_MODELS), known_models())

@@ -1,0 +1,132 @@
+"""Runs that go on where they were stopped: what is complete by the same program is not repeated."""
+
+import json
+import os
+import signal
+import subprocess
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from wade.reports.files import complain, say
+
+
+class Ended(KeyboardInterrupt):
+    """A signal asked the command to end; handled as if the user had pressed Ctrl-C."""
+
+    code = 128 + signal.SIGTERM
+
+
+def end_children_on_signals():
+    """SIGTERM and SIGHUP end the command as Ctrl-C does: the children too, and what there is gets reported."""
+
+    def end(_number, _frame):
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        raise Ended
+
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:  # not under nohup
+            signal.signal(number, end)
+
+
+def exit_code(interrupt):
+    """The exit code of an interrupted command, which is told how to go on."""
+    complain("interrupted; the same command goes on from here")
+    return interrupt.code if isinstance(interrupt, Ended) else 128 + signal.SIGINT
+
+
+@dataclass(frozen=True)
+class Job:
+    """A program that writes a result, a JSON object with a fingerprint, and its words to a log."""
+
+    name: str  # in words
+    command: tuple
+    result: Path
+    fingerprint: str
+    threads: int = 1
+    fine: tuple = (0,)  # exit codes with which it has left a result
+
+    @property
+    def log(self):
+        return self.result.with_suffix(".log")
+
+    def kept(self):
+        """Its result if it is complete and up to date, else None."""
+        document = read_result(self.result)
+        return document if document and document.get("fingerprint") == self.fingerprint else None
+
+
+def read_result(file):
+    """A complete result, or None."""
+    try:
+        return json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+
+
+class Children:
+    """Programs that run side by side and end together."""
+
+    def __init__(self):
+        self.lock = threading.Lock()
+        self.running = set()
+        self.stopped = False
+
+    def run(self, job):
+        """Runs a job; removes its old result first, so that one that dies leaves none instead of an old one. The exit
+        code; None if all were stopped before it started."""
+        environment = {"OMP_NUM_THREADS": str(job.threads), "GOMP_SPINCOUNT": "2000"}
+        with self.lock:
+            if self.stopped:
+                return None
+            job.result.unlink(missing_ok=True)
+            with open(job.log, "w", encoding="utf-8") as log:
+                process = subprocess.Popen(list(map(str, job.command)), stdout=log, stderr=subprocess.STDOUT,
+                                           env={**os.environ, **environment})
+            self.running.add(process)
+        code = process.wait()
+        with self.lock:
+            self.running.discard(process)
+        return code
+
+    def stop(self):
+        with self.lock:
+            self.stopped = True
+            for process in self.running:
+                process.terminate()
+
+
+def do(job, children):
+    """One job; returns a line about it."""
+    began = time.monotonic()
+    code = children.run(job)
+    if code is None:
+        return f"{job.name}: not started"
+    if code in job.fine:
+        return f"{job.name}: done in {time.monotonic() - began:.1f} s"
+    lines = job.log.read_text(encoding="utf-8").splitlines()
+    messages = [line for line in lines if line.startswith(f"{Path(job.command[0]).name}: ")]
+    return f"{job.name}: exit code {code}; {(messages or lines or ['no message'])[-1]}"
+
+
+def do_all(jobs, side_by_side, again=False):
+    """Does what is not up to date; 0, or the exit code of the signal that interrupted it."""
+    due = [job for job in jobs if again or job.kept() is None]
+    for job in due:
+        job.result.parent.mkdir(parents=True, exist_ok=True)
+    say(f"{len(jobs)} runs, {len(jobs) - len(due)} of them complete, {side_by_side} at a time")
+    children = Children()
+    with ThreadPoolExecutor(side_by_side) as pool:
+        try:
+            for future in [pool.submit(do, job, children) for job in due]:
+                say(future.result())
+        except KeyboardInterrupt as interrupt:
+            children.stop()
+            return exit_code(interrupt)
+        except BaseException:
+            children.stop()
+            raise
+    return 0
