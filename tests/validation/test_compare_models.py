@@ -227,7 +227,7 @@ class Recorded(unittest.TestCase):
         self.assertEqual((found["dam", "medium"].status, commits), (FAILED, ["410a732a0a91-dirty"]))
 
     def test_the_committed_table_has_times_for_all_its_runs(self):
-        file = ROOT / "tests" / "validation" / "report" / "validation.csv"
+        file = ROOT / "docs" / "reports" / "validation" / "validation.csv"
         lines = "dam_break 0.1 0.05 0.025", "jump_fr2 0.1 0.0666667 0.05", "impulse_lee 0.4642 0.2321 0.1161"
         cases = [Case(line) for line in lines]
         found, commits = recorded.read_recorded(file, cases)

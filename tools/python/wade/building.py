@@ -15,7 +15,7 @@ from wade.errors import UsageError
 from wade.paths import BUILD, ROOT
 from wade.terminal import say_error
 
-PICTURES = ("numpy", "matplotlib")
+PICTURES = ("numpy", "matplotlib", "tabulate")
 
 
 class BuildError(Exception):
