@@ -3,9 +3,9 @@
 import dataclasses
 import re
 
-SPAN = re.compile(r"(?<!`)(`+)(?!`)(.+?)(?<!`)\1(?!`)")
+SPAN = re.compile(r"(?<!`)(`+)(?!`)(.+?)(?<!`)\1(?!`)", re.DOTALL)
 LINK = re.compile(r"!?\[(?:[^\[\]]|\[[^\]]*\])*\]\(\s*<?([^)\s>]+)>?[^)]*\)")
-REFERENCE = re.compile(r"^\s*\[[^\]]+\]:\s+(\S+)")
+REFERENCE = re.compile(r"^\s*\[[^\]]+\]:\s+(\S+)", re.MULTILINE)
 FENCE = re.compile(r"^\s*(```+|~~~+)\s*(\w*)")
 HEADING = re.compile(r"^#{1,6}\s+(.*?)\s*#*$")
 
@@ -35,9 +35,12 @@ def anchor_of(heading):
 def parse(text):
     document = Document([], [], [], [], set(), [])
     fence = language = None
-    listing = []
-    for number, line in enumerate(text.split("\n"), 1):
+    listing, paragraph = [], []
+    for number, line in enumerate([*text.split("\n"), ""], 1):
         mark = FENCE.match(line)
+        if fence is None and (mark or not line.strip() or line.lstrip().startswith("|")):
+            _parse_paragraph(document, paragraph)
+            paragraph = []
         if fence is None and mark:
             fence, language, listing = mark[1], mark[2], []
         elif fence is not None and mark and mark[1].startswith(fence) and not mark[2]:
@@ -50,25 +53,38 @@ def parse(text):
                 document.commands.append(Found(number, line))
             elif line.startswith("$ "):
                 document.commands.append(Found(number, line[2:]))
-        else:
-            _parse_text(document, number, line)
+        elif re.match(r"    (tools|build)/", line):
+            document.commands.append(Found(number, line))
+        elif line.lstrip().startswith("|"):
+            _parse_paragraph(document, [Found(number, line)])
+        elif line.strip():
+            document.prose.append(Found(number, line))
+            _note_heading(document, line)
+            paragraph.append(Found(number, line))
     return document
 
 
-def _parse_text(document, number, line):
-    if re.match(r"    (tools|build)/", line):
-        document.commands.append(Found(number, line))
-        return
+def _note_heading(document, line):
     heading = HEADING.match(line)
-    if heading:
-        anchor = anchor_of(heading[1])
-        count = 1
-        while anchor in document.anchors:
-            anchor, count = f"{anchor_of(heading[1])}-{count}", count + 1
-        document.anchors.add(anchor)
-    document.spans += [Found(number, found[2].strip()) for found in SPAN.finditer(line)]
-    without_code = SPAN.sub("`code`", line)
-    document.links += [Found(number, target) for target in LINK.findall(without_code)]
-    document.links += [Found(number, target) for target in REFERENCE.findall(without_code)]
-    if not line.lstrip().startswith("|"):
-        document.prose.append(Found(number, line))
+    if not heading:
+        return
+    anchor = anchor_of(heading[1])
+    count = 1
+    while anchor in document.anchors:
+        anchor, count = f"{anchor_of(heading[1])}-{count}", count + 1
+    document.anchors.add(anchor)
+
+
+def _parse_paragraph(document, lines):
+    """Code and links, which may go on from one line to the next."""
+    text = "\n".join(line.text for line in lines)
+
+    def place(offset):
+        return lines[text.count("\n", 0, offset)].line
+
+    document.spans += [Found(place(found.start()), " ".join(found[2].split())) for found in SPAN.finditer(text)]
+    without_code = SPAN.sub(lambda found: "x" + "\n" * found[0].count("\n"), text)
+    for form in (LINK, REFERENCE):
+        for found in form.finditer(without_code):
+            line = lines[without_code.count("\n", 0, found.start())].line
+            document.links.append(Found(line, found[1]))

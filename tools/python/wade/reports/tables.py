@@ -2,6 +2,8 @@
 
 import csv
 import io
+import re
+import textwrap
 
 from tabulate import tabulate
 
@@ -42,9 +44,28 @@ def section(title, *parts, level=2):
     return "\n\n".join([f"{'#' * level} {title}", *parts]) + "\n" if parts else ""
 
 
+def wrapped(text, width=160):
+    """Markdown whose lines of prose are at most that wide; tables, listings and headings are left as they are."""
+    lines, fenced = [], False
+    for line in text.split("\n"):
+        fenced ^= line.lstrip().startswith("```")
+        if fenced or len(line) <= width or re.match(r"\s*(```|[|#>!]|\[[^\]]+\]:|    )", line):
+            lines.append(line)
+            continue
+        mark = re.match(r"\s*(?:[*+-]|\d+[.)])\s+|\s*", line)[0]
+        parts = textwrap.wrap(line, width, subsequent_indent=" " * len(mark), break_long_words=False,
+                              break_on_hyphens=False)
+        for place, part in enumerate(parts):
+            if place > 0 and re.match(r"\s*([*+-]|\d+[.)]|[#>|=]+)(\s|$)", part):  # would begin a list or a heading
+                lines[-1] += " " + part.lstrip()
+            else:
+                lines.append(part)
+    return "\n".join(lines)
+
+
 def document(*sections):
     """A report of those sections that are not empty."""
-    return "\n".join(part.rstrip("\n") + "\n" for part in sections if part)
+    return wrapped("\n".join(part.rstrip("\n") + "\n" for part in sections if part))
 
 
 def write_csv(file, columns, rows):
