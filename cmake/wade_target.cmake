@@ -19,7 +19,47 @@ if(WADE_SANITIZE)
   target_link_options(wade_options INTERFACE -fsanitize=${WADE_SANITIZE})
 endif()
 
-# wade_library(NAME SOURCES ...): a static library of one room, included from outside as "room/header.hpp".
+# wade_doors(TARGET ENTRY ...): who links TARGET may include these headers, or all of the folder for ".", of the folder
+# that calls, as "room/header.hpp" from the project's root. Nothing else is to be seen through this target, so that the
+# compiler refuses an include that goes against the direction of the rooms.
+function(wade_doors target)
+  set(doors ${PROJECT_BINARY_DIR}/doors/${target})
+  file(REMOVE_RECURSE ${doors})
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  foreach(entry ${ARGN})
+    cmake_path(SET link NORMALIZE ${doors}/${folder}/${entry})
+    string(REGEX REPLACE "/$" "" link ${link})
+    cmake_path(GET link PARENT_PATH parent)
+    file(MAKE_DIRECTORY ${parent})
+    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${entry} ${link} SYMBOLIC)
+  endforeach()
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL INTERFACE_LIBRARY)
+    target_include_directories(${target} INTERFACE ${doors})
+  else()
+    target_include_directories(${target} PUBLIC ${doors})
+  endif()
+endfunction()
+
+# wade_room(NAME [SOURCE ...] [DOORS HEADER ...] [USES ROOM ...]): a room of the product, a static library. It sees its own
+# headers and those of the rooms that it uses, and of the rooms that these use. Without DOORS its headers are the folder's.
+function(wade_room name)
+  cmake_parse_arguments(room "" "" "DOORS;USES" ${ARGN})
+  if(room_UNPARSED_ARGUMENTS)
+    add_library(${name} STATIC ${room_UNPARSED_ARGUMENTS})
+    target_link_libraries(${name} PUBLIC wade_options ${room_USES})
+    set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE wade_options ${room_USES})
+  endif()
+  if(NOT room_DOORS)
+    set(room_DOORS .)
+  endif()
+  wade_doors(${name} ${room_DOORS})
+endfunction()
+
+# wade_library(NAME SOURCES ...): a static library of tools or tests, included from outside as "folder/header.hpp".
 function(wade_library name)
   add_library(${name} STATIC ${ARGN})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
@@ -30,7 +70,6 @@ endfunction()
 # wade_program(NAME SOURCES ...): a program, placed at the top of the build folder.
 function(wade_program name)
   add_executable(${name} ${ARGN})
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE wade_options)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 endfunction()

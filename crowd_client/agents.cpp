@@ -4,9 +4,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "configs/exit_code.hpp"
-#include "configs/near_places.hpp"
-#include "crowd_client/counter_random.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/scene/near_places.hpp"
+#include "crowd_client/markers/counter_random.hpp"
 
 namespace wade::crowd {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "configs/scene.hpp"
+#include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
 
 namespace wade::crowd {

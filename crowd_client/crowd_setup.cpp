@@ -4,9 +4,9 @@
 #include <numeric>
 #include <sstream>
 
-#include "configs/exit_code.hpp"
-#include "crowd_client/contacts.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "crowd_client/crowd_world.hpp"
+#include "crowd_client/water/contacts.hpp"
 
 namespace wade::crowd {
 namespace {

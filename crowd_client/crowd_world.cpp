@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "configs/scene_frames.hpp"
-#include "crowd_client/contacts.hpp"
+#include "configs/scene/scene_frames.hpp"
 #include "crowd_client/crowd_motion.hpp"
-#include "crowd_client/evasion.hpp"
-#include "crowd_client/sampled_coupling.hpp"
-#include "crowd_client/water_met.hpp"
+#include "crowd_client/water/contacts.hpp"
+#include "crowd_client/water/sampled_coupling.hpp"
+#include "crowd_client/water/water_met.hpp"
+#include "crowd_client/ways/evasion.hpp"
 
 namespace wade::crowd {
 namespace {

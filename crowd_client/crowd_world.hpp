@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "crowd_client/agents.hpp"
-#include "crowd_client/biocrowds.hpp"
-#include "crowd_client/bodies.hpp"
-#include "crowd_client/navigation.hpp"
-#include "crowd_client/obstacles.hpp"
-#include "crowd_client/ragdoll.hpp"
-#include "crowd_client/water_bins.hpp"
+#include "crowd_client/bodies/bodies.hpp"
+#include "crowd_client/markers/biocrowds.hpp"
+#include "crowd_client/water/ragdoll.hpp"
+#include "crowd_client/water/water_bins.hpp"
+#include "crowd_client/ways/navigation.hpp"
+#include "crowd_client/ways/obstacles.hpp"
 
 namespace wade::crowd {
 

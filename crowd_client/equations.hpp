@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "configs/scene.hpp"
+#include "configs/scene/scene.hpp"
 
 namespace wade::crowd {
 

@@ -7,21 +7,21 @@
 #include <string>
 #include <utility>
 
-#include "configs/command_line.hpp"
-#include "configs/exit_code.hpp"
-#include "configs/peer_support.hpp"
-#include "configs/program.hpp"
-#include "configs/run_control.hpp"
-#include "crowd_client/agents_stream.hpp"
-#include "crowd_client/crowds_program.hpp"
-#include "crowd_client/frame_time.hpp"
-#include "crowd_client/played_events.hpp"
-#include "crowd_client/progress.hpp"
-#include "crowd_client/run_client.hpp"
-#include "crowd_client/run_folder.hpp"
-#include "crowd_client/run_labels.hpp"
-#include "crowd_client/stopwatch.hpp"
-#include "shm_protocol/segment.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/program/command_line.hpp"
+#include "configs/program/peer_support.hpp"
+#include "configs/program/program.hpp"
+#include "configs/program/run_control.hpp"
+#include "crowd_client/outputs/played_events.hpp"
+#include "crowd_client/outputs/run_folder.hpp"
+#include "crowd_client/outputs/stopwatch.hpp"
+#include "crowd_client/session/agents_stream.hpp"
+#include "crowd_client/session/crowds_program.hpp"
+#include "crowd_client/session/frame_time.hpp"
+#include "crowd_client/session/progress.hpp"
+#include "crowd_client/session/run_client.hpp"
+#include "crowd_client/session/run_labels.hpp"
+#include "shm_protocol/inside/segment.hpp"
 
 namespace {
 

@@ -1,38 +1,12 @@
 #include "fluid_server/fluid_model.hpp"
 
-#include "configs/exit_code.hpp"
-#include "fluid_server/dfsph_model.hpp"
-#include "fluid_server/kinematic_stream.hpp"
-#include "fluid_server/mixed/model.hpp"
-#include "fluid_server/shallow_water/model.hpp"
-#include "fluid_server/steering/steering_model.hpp"
+#include "configs/errors/exit_code.hpp"
 
 namespace wade::fluid {
 
 void FluidModel::restore(const FluidState&, const std::string& source) {
     throw ConfigurationError(source + ": /fluid/model is " + std::string(name()) +
                              "; allowed: dfsph, the only model that has a state");
-}
-
-std::unique_ptr<FluidModel> make_fluid_model(const Scene& scene) {
-    if (scene.fluid.model == wade::FluidModel::kinematic) {
-        return std::make_unique<KinematicStream>(scene);
-    }
-    if (scene.fluid.model == wade::FluidModel::shallow_water) {
-        return std::make_unique<shallow_water::ShallowWaterModel>(scene);
-    }
-    if (scene.fluid.model == wade::FluidModel::mixed) {
-        return std::make_unique<mixed::MixedModel>(scene);
-    }
-    if (scene.fluid.model == wade::FluidModel::steering) {
-        return std::make_unique<SteeringModel>(scene);
-    }
-    if (scene.fluid.model == wade::FluidModel::automatic) {
-        throw ConfigurationError(scene.name +
-                                 ": /fluid/model: \"auto\" stands for a model that fluid_server chooses first; allowed "
-                                 "here: dfsph, kinematic, shallow_water and steering.");
-    }
-    return std::make_unique<DfsphModel>(scene);
 }
 
 }  // namespace wade::fluid

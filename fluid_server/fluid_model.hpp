@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "configs/scene.hpp"
+#include "configs/scene/scene.hpp"
 #include "shm_protocol/stream.hpp"
 
 namespace wade::fluid {
@@ -82,8 +82,5 @@ class FluidModel {
     // What a user should know at the end and no diagnostic says; empty if there is nothing.
     [[nodiscard]] virtual std::string remarks() const { return {}; }
 };
-
-// The model that the scene names, with its water at t = 0.
-[[nodiscard]] std::unique_ptr<FluidModel> make_fluid_model(const Scene& scene);
 
 }  // namespace wade::fluid

@@ -12,14 +12,15 @@
 #include <utility>
 #include <vector>
 
-#include "configs/command_line.hpp"
-#include "configs/peer_support.hpp"
-#include "configs/program.hpp"
-#include "configs/run_control.hpp"
+#include "configs/program/command_line.hpp"
+#include "configs/program/peer_support.hpp"
+#include "configs/program/program.hpp"
+#include "configs/program/run_control.hpp"
+#include "fluid_server/make_model.hpp"
 #include "fluid_server/model_choice/model_choice.hpp"
-#include "fluid_server/report.hpp"
-#include "fluid_server/run_server.hpp"
-#include "fluid_server/state_options.hpp"
+#include "fluid_server/server/report.hpp"
+#include "fluid_server/server/run_server.hpp"
+#include "fluid_server/server/state_options.hpp"
 
 namespace {
 

@@ -5,11 +5,12 @@
 #include <utility>
 #include <vector>
 
-#include "shm_protocol/atomic.hpp"
-#include "shm_protocol/attach.hpp"
-#include "shm_protocol/frame_check.hpp"
-#include "shm_protocol/overtaken_copy.hpp"
-#include "shm_protocol/publisher_state.hpp"
+#include "shm_protocol/inside/atomic.hpp"
+#include "shm_protocol/inside/attach.hpp"
+#include "shm_protocol/inside/frame_check.hpp"
+#include "shm_protocol/inside/overtaken_copy.hpp"
+#include "shm_protocol/inside/publisher_state.hpp"
+#include "shm_protocol/publisher.hpp"
 
 namespace wade::shm {
 
@@ -119,7 +120,7 @@ LatestReader::LatestReader(const std::string& session, const std::string& consum
 LatestReader LatestReader::in_process(Publisher& publisher, const std::string& consumer_name, JoinOptions options,
                                       std::uint32_t stride) {
     if (stride == 0) throw std::invalid_argument("LatestReader: a stride of 0 is not allowed, 1 is every frame.");
-    const Publisher::State& p = *publisher.state_;
+    const PublisherState& p = *publisher.state_;
     options.kind = p.map.info.kind;
     auto* const base = static_cast<std::byte*>(p.region.get_address());
     return LatestReader(std::make_unique<State>(attach({p.session, consumer_name, options, mode_latest, stride, base}),

@@ -4,10 +4,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include "shm_protocol/atomic.hpp"
-#include "shm_protocol/futex.hpp"
-#include "shm_protocol/hash.hpp"
-#include "shm_protocol/publisher_state.hpp"
+#include "shm_protocol/inside/atomic.hpp"
+#include "shm_protocol/inside/futex.hpp"
+#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/publisher_state.hpp"
 
 namespace wade::shm {
 namespace {
@@ -32,7 +32,7 @@ void demand_running(const State& state, const char* call) {
 }  // namespace
 
 Publisher::Publisher(const std::string& session, StreamInfo info, Waiting waiting)
-    : state_(std::make_unique<State>(session, info, std::move(waiting))) {}
+    : state_(std::make_unique<PublisherState>(session, info, std::move(waiting))) {}
 
 Publisher::~Publisher() {
     if (state_) abort(state_->reason_code, state_->reason);
@@ -71,23 +71,23 @@ bool Publisher::consumers_are_there() const {
 }
 
 bool Publisher::check_consumers() {
-    State& s = *state_;
+    PublisherState& s = *state_;
     return explained(s, [&] {
-        const State::Census census = s.survey(0);
+        const PublisherState::Census census = s.survey(0);
         s.check_alive(std::numeric_limits<std::uint64_t>::max());
         return census.active > 0 || !s.had_lockstep;
     });
 }
 
 void Publisher::wait_for_consumers(int n) {
-    State& s = *state_;
+    PublisherState& s = *state_;
     demand_running(s, "wait_for_consumers");
     if (s.published > 0 || s.frame_open)
         throw std::logic_error("Publisher::wait_for_consumers after frame 1 was begun");
     if (n < 1 || n > static_cast<int>(s.map.consumer_count))
         throw std::invalid_argument("Publisher::wait_for_consumers(" + std::to_string(n) + "): 1 to 16 are possible.");
     s.refusals_count = true;
-    State::Census census;
+    PublisherState::Census census;
     explained(s, [&] {
         WaitTask task;
         task.ready = [&] {
@@ -112,7 +112,7 @@ void Publisher::wait_for_consumers(int n) {
 }
 
 std::optional<FrameFields> Publisher::begin_frame() {
-    State& s = *state_;
+    PublisherState& s = *state_;
     demand_running(s, "begin_frame");
     if (s.frame_open) throw std::logic_error("Publisher::begin_frame twice without end_frame");
     if (s.sent_final) throw std::logic_error("Publisher::begin_frame after the final frame");
@@ -120,7 +120,7 @@ std::optional<FrameFields> Publisher::begin_frame() {
     const std::uint64_t depth = s.map.info.depth;
     const std::uint64_t owed = frame > depth ? frame - depth : 0;
     heartbeat();
-    State::Census census;
+    PublisherState::Census census;
     explained(s, [&] {
         if (load_relaxed(s.pages.control().state) == producer_ready) s.enter(producer_running);
         WaitTask task;
@@ -157,7 +157,7 @@ std::optional<FrameFields> Publisher::begin_frame() {
 
 void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, bool final,
                           std::optional<std::uint64_t> given_tick) {
-    State& s = *state_;
+    PublisherState& s = *state_;
     demand_running(s, "end_frame");
     if (!s.frame_open) throw std::logic_error("Publisher::end_frame without begin_frame");
     const std::uint64_t frame = s.published + 1;
@@ -197,7 +197,7 @@ void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, b
 }
 
 void Publisher::close() {
-    State& s = *state_;
+    PublisherState& s = *state_;
     if (s.ended) return;
     explained(s, [&] {
         s.enter(producer_draining);
@@ -217,7 +217,7 @@ void Publisher::close() {
 }
 
 void Publisher::abort(int reason_code, std::string_view text) noexcept {
-    State& s = *state_;
+    PublisherState& s = *state_;
     if (s.ended) return;
     Control& control = s.pages.control();
     control.reason_code = reason_code;

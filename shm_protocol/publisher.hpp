@@ -19,6 +19,8 @@
 
 namespace wade::shm {
 
+struct PublisherState;  // shm_protocol/inside/publisher_state.hpp
+
 // Owns the segment of a session. Calls come from one thread, in the order of the picture. A destructor without close()
 // marks the stream as aborted. Every Error ends the stream: the consumers learn the reason when the object goes.
 class Publisher {
@@ -75,8 +77,7 @@ class Publisher {
  private:
     friend class Subscriber;  // in_process() of both shares the mapping
     friend class LatestReader;
-    struct State;
-    std::unique_ptr<State> state_;
+    std::unique_ptr<PublisherState> state_;
 };
 
 }  // namespace wade::shm

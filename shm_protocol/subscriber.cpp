@@ -3,27 +3,28 @@
 #include <stdexcept>
 #include <utility>
 
-#include "shm_protocol/atomic.hpp"
-#include "shm_protocol/futex.hpp"
-#include "shm_protocol/hash.hpp"
-#include "shm_protocol/liveness.hpp"
-#include "shm_protocol/publisher_state.hpp"
-#include "shm_protocol/subscriber_state.hpp"
+#include "shm_protocol/inside/atomic.hpp"
+#include "shm_protocol/inside/futex.hpp"
+#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/liveness.hpp"
+#include "shm_protocol/inside/publisher_state.hpp"
+#include "shm_protocol/inside/subscriber_state.hpp"
+#include "shm_protocol/publisher.hpp"
 
 namespace wade::shm {
 
 Subscriber::Subscriber(const std::string& session, const std::string& consumer_name, JoinOptions options)
-    : state_(std::make_unique<State>(attach({session, consumer_name, options}), options)) {}
+    : state_(std::make_unique<SubscriberState>(attach({session, consumer_name, options}), options)) {}
 
 Subscriber Subscriber::in_process(Publisher& publisher, const std::string& consumer_name, JoinOptions options) {
-    const Publisher::State& p = *publisher.state_;
+    const PublisherState& p = *publisher.state_;
     options.kind = p.map.info.kind;
     auto* const base = static_cast<std::byte*>(p.region.get_address());
-    return Subscriber(
-        std::make_unique<State>(attach({p.session, consumer_name, options, mode_lockstep, 1, base}), options));
+    return Subscriber(std::make_unique<SubscriberState>(
+        attach({p.session, consumer_name, options, mode_lockstep, 1, base}), options));
 }
 
-Subscriber::Subscriber(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Subscriber::Subscriber(std::unique_ptr<SubscriberState> state) : state_(std::move(state)) {}
 
 Subscriber::~Subscriber() {
     if (state_) state_->finish();
@@ -53,7 +54,7 @@ void Subscriber::set_paused(bool paused) noexcept {
 }
 
 std::optional<Frame> Subscriber::acquire() {
-    State& s = *state_;
+    SubscriberState& s = *state_;
     if (s.held != 0) throw std::logic_error("Subscriber::acquire twice without release");
     if (s.failure) throw Error(*s.failure);
     if (s.over) return std::nullopt;
@@ -74,7 +75,7 @@ std::optional<Frame> Subscriber::acquire() {
 }
 
 void Subscriber::release() {
-    State& s = *state_;
+    SubscriberState& s = *state_;
     if (s.held == 0) throw std::logic_error("Subscriber::release without acquire");
     if (load_acquire(s.link.pages.descriptor(s.held).sequence) != 2 * s.held) {
         const Error error(Failure::protocol_violation,

@@ -17,6 +17,8 @@
 
 namespace wade::shm {
 
+struct SubscriberState;  // shm_protocol/inside/subscriber_state.hpp
+
 class Publisher;
 
 // Takes part in a session. Calls come from one thread. A destructor before the last frame was released and without
@@ -69,9 +71,8 @@ class Subscriber {
     [[nodiscard]] std::uint64_t released_frame() const;  // the last one, 0 = none
 
  private:
-    struct State;
-    explicit Subscriber(std::unique_ptr<State> state);
-    std::unique_ptr<State> state_;
+    explicit Subscriber(std::unique_ptr<SubscriberState> state);
+    std::unique_ptr<SubscriberState> state_;
 };
 
 }  // namespace wade::shm

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 
 namespace wade::tables {
 

@@ -16,7 +16,7 @@
 
 #include "fluid_server/mixed/guard.hpp"
 #include "fluid_server/mixed/window.hpp"
-#include "fluid_server/particles.hpp"
+#include "fluid_server/particles/particles.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 
 namespace wade::fluid::mixed {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "configs/exit_code.hpp"
-#include "fluid_server/filling.hpp"
-#include "fluid_server/parallel.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "fluid_server/particles/filling.hpp"
+#include "fluid_server/particles/parallel.hpp"
 
 namespace wade::fluid::mixed {
 

@@ -23,7 +23,7 @@
 
 #include "fluid_server/mixed/stream_at.hpp"
 #include "fluid_server/mixed/window.hpp"
-#include "fluid_server/particles.hpp"
+#include "fluid_server/particles/particles.hpp"
 
 namespace wade::fluid::mixed {
 

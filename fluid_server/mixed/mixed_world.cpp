@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fluid_server/filling.hpp"
-#include "fluid_server/inflow.hpp"
+#include "fluid_server/particles/filling.hpp"
+#include "fluid_server/particles/inflow.hpp"
 
 namespace wade::fluid::mixed {
 

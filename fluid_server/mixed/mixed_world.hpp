@@ -13,12 +13,12 @@
 #include <array>
 #include <optional>
 
-#include "fluid_server/fluid_world.hpp"
+#include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/mixed/account.hpp"
 #include "fluid_server/mixed/guard.hpp"
 #include "fluid_server/mixed/restriction.hpp"
 #include "fluid_server/mixed/window.hpp"
-#include "fluid_server/open_ends.hpp"
+#include "fluid_server/particles/open_ends.hpp"
 #include "fluid_server/shallow_water/column_particles.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 

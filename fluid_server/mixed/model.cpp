@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "configs/exit_code.hpp"
-#include "configs/scene_checks.hpp"
+#include "configs/checks/scene_checks.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "fluid_server/shallow_water/model.hpp"
 
 namespace wade::fluid::mixed {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "configs/mixed_window.hpp"
-#include "fluid_server/filling.hpp"
+#include "configs/scene/mixed_window.hpp"
+#include "fluid_server/particles/filling.hpp"
 
 namespace wade::fluid::mixed {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "configs/exit_code.hpp"
-#include "configs/scene_capacity.hpp"
-#include "configs/scene_checks.hpp"
+#include "configs/checks/scene_checks.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/scene/scene_capacity.hpp"
 
 namespace wade::fluid::model_choice {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "configs/scene_loader.hpp"
+#include "configs/loading/scene_loader.hpp"
 #include "fluid_server/model_choice/scene_water.hpp"
 
 namespace wade::fluid::model_choice {

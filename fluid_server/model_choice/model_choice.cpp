@@ -6,8 +6,8 @@
 #include <fstream>
 #include <system_error>
 
-#include "configs/exit_code.hpp"
-#include "configs/scene_checks.hpp"
+#include "configs/checks/scene_checks.hpp"
+#include "configs/errors/exit_code.hpp"
 
 namespace wade::fluid::model_choice {
 

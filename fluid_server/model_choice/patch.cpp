@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "configs/scene_capacity.hpp"
+#include "configs/scene/scene_capacity.hpp"
 
 namespace wade::fluid::model_choice {
 

@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
-#include "configs/exit_code.hpp"
-#include "configs/scene_capacity.hpp"
-#include "configs/scene_frames.hpp"
-#include "fluid_server/fluid_model.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/scene_frames.hpp"
+#include "fluid_server/make_model.hpp"
 #include "fluid_server/model_choice/patch.hpp"
 
 namespace wade::fluid::model_choice {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "configs/scene_checks.hpp"
+#include "configs/checks/scene_checks.hpp"
 
 namespace wade::fluid::model_choice {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "configs/scene.hpp"
+#include "configs/scene/scene.hpp"
 
 namespace wade::fluid::model_choice {
 

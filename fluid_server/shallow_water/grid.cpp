@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "configs/shallow_water_cells.hpp"
+#include "configs/scene/shallow_water_cells.hpp"
 
 namespace wade::fluid::shallow_water {
 

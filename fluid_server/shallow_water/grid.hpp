@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "configs/scene.hpp"
+#include "configs/scene/scene.hpp"
 #include "fluid_server/shallow_water/row_memory.hpp"
 
 namespace wade::fluid::shallow_water {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "configs/exit_code.hpp"
-#include "fluid_server/filling.hpp"
-#include "fluid_server/inflow.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "fluid_server/particles/filling.hpp"
+#include "fluid_server/particles/inflow.hpp"
 #include "fluid_server/shallow_water/row_update.hpp"
 
 namespace wade::fluid::shallow_water {

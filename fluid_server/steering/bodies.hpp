@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "configs/steering_behaviours.hpp"
-#include "fluid_server/solids.hpp"
+#include "configs/scene/steering_behaviours.hpp"
+#include "fluid_server/particles/solids.hpp"
 #include "fluid_server/steering/settings.hpp"
 
 namespace wade::fluid::steering {

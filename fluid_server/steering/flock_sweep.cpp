@@ -4,7 +4,7 @@
 #define HWY_TARGET_INCLUDE "fluid_server/steering/flock_sweep.cpp"
 #include <hwy/foreach_target.h>
 
-#include "fluid_server/vectors-inl.hpp"
+#include "fluid_server/neighbours/vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace wade::fluid::HWY_NAMESPACE {

@@ -11,8 +11,8 @@
 
 #include <cstddef>
 
+#include "fluid_server/neighbours/sweeps.hpp"
 #include "fluid_server/steering/settings.hpp"
-#include "fluid_server/sweeps.hpp"
 
 namespace wade::fluid::steering {
 

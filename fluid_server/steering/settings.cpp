@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "fluid_server/filling.hpp"
-#include "fluid_server/inflow.hpp"
+#include "fluid_server/particles/filling.hpp"
+#include "fluid_server/particles/inflow.hpp"
 
 namespace wade::fluid::steering {
 

@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "configs/scene.hpp"
+#include "configs/scene/scene.hpp"
 
 namespace wade::fluid::steering {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
-#include "configs/exit_code.hpp"
-#include "configs/scene_checks.hpp"
+#include "configs/checks/scene_checks.hpp"
+#include "configs/errors/exit_code.hpp"
 
 namespace wade::fluid {
 

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
-#include "configs/exit_code.hpp"
-#include "configs/scene_capacity.hpp"
-#include "configs/scene_checks.hpp"
-#include "fluid_server/filling.hpp"
-#include "fluid_server/forces.hpp"
-#include "fluid_server/inflow.hpp"
+#include "configs/checks/scene_checks.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/scene/scene_capacity.hpp"
+#include "fluid_server/particles/body_force.hpp"
+#include "fluid_server/particles/filling.hpp"
+#include "fluid_server/particles/inflow.hpp"
 
 namespace wade::fluid::steering {
 

@@ -15,12 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "configs/scene.hpp"
-#include "fluid_server/emitter.hpp"
-#include "fluid_server/neighbours.hpp"
-#include "fluid_server/parallel.hpp"
-#include "fluid_server/particles.hpp"
-#include "fluid_server/solids.hpp"
+#include "configs/scene/scene.hpp"
+#include "fluid_server/neighbours/neighbours.hpp"
+#include "fluid_server/particles/emitter.hpp"
+#include "fluid_server/particles/parallel.hpp"
+#include "fluid_server/particles/particles.hpp"
+#include "fluid_server/particles/solids.hpp"
 #include "fluid_server/steering/bodies.hpp"
 #include "fluid_server/steering/flock_sweep.hpp"
 #include "fluid_server/steering/settings.hpp"

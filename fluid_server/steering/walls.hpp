@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "fluid_server/bed_profile.hpp"
-#include "fluid_server/solids.hpp"
+#include "fluid_server/particles/bed_profile.hpp"
+#include "fluid_server/particles/solids.hpp"
 #include "fluid_server/steering/settings.hpp"
 
 namespace wade::fluid::steering {

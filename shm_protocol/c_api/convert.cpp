@@ -6,7 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "shm_protocol/header.hpp"
+#include "shm_protocol/inside/header.hpp"
 
 namespace wade::shm::c_api {
 namespace {

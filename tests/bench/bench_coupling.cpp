@@ -6,11 +6,11 @@
 
 #include <string>
 
-#include "crowd_client/contacts.hpp"
+#include "crowd_client/water/contacts.hpp"
 #include "crowd_client/crowd_world.hpp"
-#include "crowd_client/water_view.hpp"
-#include "fluid_server/dfsph_model.hpp"
-#include "shm_protocol/hash.hpp"
+#include "crowd_client/water/water_view.hpp"
+#include "fluid_server/dfsph/dfsph_model.hpp"
+#include "shm_protocol/inside/hash.hpp"
 #include "tests/bench/bench_options.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/scenes.hpp"

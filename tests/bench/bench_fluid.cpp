@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "fluid_server/fluid_world.hpp"
+#include "fluid_server/dfsph/fluid_world.hpp"
 #include "tests/bench/bench_options.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/scenes.hpp"

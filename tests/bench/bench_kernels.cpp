@@ -15,12 +15,12 @@
 #include <optional>
 #include <random>
 
-#include "crowd_client/contacts.hpp"
+#include "crowd_client/water/contacts.hpp"
 #include "crowd_client/crowd_world.hpp"
-#include "crowd_client/water_view.hpp"
-#include "fluid_server/dfsph.hpp"
-#include "fluid_server/fluid_world.hpp"
-#include "fluid_server/sweeps.hpp"
+#include "crowd_client/water/water_view.hpp"
+#include "fluid_server/dfsph/dfsph.hpp"
+#include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/neighbours/sweeps.hpp"
 #include "tests/bench/scenes.hpp"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "fluid_server/fluid_world.hpp"
+#include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/steering/steering_world.hpp"
 #include "tests/bench/bench_options.hpp"
 #include "tests/bench/measure.hpp"

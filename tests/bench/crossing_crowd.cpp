@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "crowd_client/counter_random.hpp"
+#include "crowd_client/markers/counter_random.hpp"
 
 namespace wade::bench {
 namespace {

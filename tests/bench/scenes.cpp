@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "configs/scene_loader.hpp"
+#include "configs/loading/scene_loader.hpp"
 
 namespace wade::bench {
 

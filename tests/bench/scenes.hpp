@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "configs/scene.hpp"
+#include "configs/scene/scene.hpp"
 
 namespace wade::bench {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "shm_protocol/pages.hpp"
+#include "shm_protocol/inside/pages.hpp"
 #include "tests/fuzz/header_input.hpp"
 
 namespace {

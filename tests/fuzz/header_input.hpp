@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "shm_protocol/header.hpp"
+#include "shm_protocol/inside/header.hpp"
 
 namespace wade::fuzz {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "cases.hpp"
-#include "configs/scene_capacity.hpp"
+#include "configs/scene/scene_capacity.hpp"
 #include "water_run.hpp"
 
 namespace wade::stability {

@@ -14,8 +14,8 @@
 // Friction, viscosity and contact only take energy away. The emitter's force is wrong where obstacles or bed friction
 // push along x as well, so scenes with an emitter have none.
 
-#include "configs/scene.hpp"
-#include "fluid_server/fluid_world.hpp"
+#include "configs/scene/scene.hpp"
+#include "fluid_server/dfsph/fluid_world.hpp"
 
 namespace wade::stability {
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "record.hpp"
 
 using namespace wade;

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "configs/scene_loader.hpp"
+#include "configs/loading/scene_loader.hpp"
 
 namespace wade::stability {
 

@@ -6,7 +6,7 @@
 #include <ctime>
 #include <utility>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "energy_budget.hpp"
 
 namespace wade::stability {

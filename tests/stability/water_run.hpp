@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "fluid_server/fluid_world.hpp"
+#include "fluid_server/dfsph/fluid_world.hpp"
 #include "stability_case.hpp"
 
 namespace wade::stability {

@@ -14,7 +14,7 @@
 #include <limits>
 #include <string>
 
-#include "configs/scene_loader.hpp"
+#include "configs/loading/scene_loader.hpp"
 #include "tests/steering/measures.hpp"
 #include "tests/validation/cases.hpp"
 

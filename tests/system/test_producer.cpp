@@ -11,10 +11,10 @@
 #include <iostream>
 #include <limits>
 
-#include "configs/command_line.hpp"
-#include "configs/peer_support.hpp"
-#include "configs/program.hpp"
-#include "configs/scene_frames.hpp"
+#include "configs/program/command_line.hpp"
+#include "configs/program/peer_support.hpp"
+#include "configs/program/program.hpp"
+#include "configs/scene/scene_frames.hpp"
 #include "shm_protocol/publisher.hpp"
 
 namespace {

@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "cases.hpp"
-#include "crowd_client/contacts.hpp"
-#include "crowd_client/water_bins.hpp"
+#include "crowd_client/water/contacts.hpp"
+#include "crowd_client/water/water_bins.hpp"
 #include "impulse.hpp"
 
 namespace wade::validation {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 
 namespace wade::validation {
 

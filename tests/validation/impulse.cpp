@@ -8,10 +8,10 @@
 #include <span>
 #include <stdexcept>
 
-#include "configs/exit_code.hpp"
-#include "configs/scene_frames.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/scene/scene_frames.hpp"
 #include "crowd_client/crowd_world.hpp"
-#include "fluid_server/fluid_model.hpp"
+#include "fluid_server/make_model.hpp"
 #include "profiles.hpp"
 #include "run.hpp"
 

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "configs/scene.hpp"
+#include "configs/scene/scene.hpp"
 #include "crowd_client/agents.hpp"
 #include "validation_case.hpp"
 

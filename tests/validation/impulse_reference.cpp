@@ -5,7 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "impulse.hpp"
 
 namespace wade::validation {

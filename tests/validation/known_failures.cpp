@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "tests/reasoned_table.hpp"
 
 namespace wade::validation {

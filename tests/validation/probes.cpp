@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fluid_server/kernel.hpp"
+#include "fluid_server/neighbours/kernel.hpp"
 
 namespace wade::validation {
 

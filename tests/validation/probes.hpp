@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "fluid_server/particles.hpp"
+#include "fluid_server/particles/particles.hpp"
 
 namespace wade::validation {
 

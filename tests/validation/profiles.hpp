@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "configs/scene.hpp"
-#include "fluid_server/particles.hpp"
+#include "configs/scene/scene.hpp"
+#include "fluid_server/particles/particles.hpp"
 
 namespace wade::validation {
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "configs/exit_code.hpp"
-#include "configs/version.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/program/version.hpp"
 
 namespace wade::validation {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <ctime>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 
 namespace wade::validation {
 

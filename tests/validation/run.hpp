@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "fluid_server/fluid_world.hpp"
+#include "fluid_server/dfsph/fluid_world.hpp"
 #include "validation_case.hpp"
 
 namespace wade::validation {

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 
 namespace wade::validation {
 

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "spheric2_reference.hpp"
 
 using namespace wade;

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "known_failures.hpp"
 #include "thresholds.hpp"
 #include "validation_case.hpp"

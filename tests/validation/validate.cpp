@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "known_failures.hpp"
 #include "record.hpp"
 #include "run.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "fluid_server/particles.hpp"
+#include "fluid_server/particles/particles.hpp"
 #include "run.hpp"
 
 namespace wade::validation {

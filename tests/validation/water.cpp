@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "fluid_server/shallow_water/model.hpp"
 #include "fluid_server/steering/steering_world.hpp"
 

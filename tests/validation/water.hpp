@@ -5,8 +5,8 @@
 #include <functional>
 #include <memory>
 
-#include "fluid_server/fluid_world.hpp"
-#include "fluid_server/river_measures.hpp"
+#include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/particles/river_measures.hpp"
 #include "profiles.hpp"
 #include "run.hpp"
 

@@ -11,10 +11,10 @@
 #include <filesystem>
 #include <system_error>
 
-#include "shm_protocol/atomic.hpp"
-#include "shm_protocol/futex.hpp"
-#include "shm_protocol/liveness.hpp"
-#include "shm_protocol/pages.hpp"
+#include "shm_protocol/inside/atomic.hpp"
+#include "shm_protocol/inside/futex.hpp"
+#include "shm_protocol/inside/liveness.hpp"
+#include "shm_protocol/inside/pages.hpp"
 
 namespace wade {
 namespace {

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "configs/scene_loader.hpp"
+#include "configs/loading/scene_loader.hpp"
 #include "tools/shm/observer.hpp"
 
 namespace wade {

@@ -2,7 +2,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "configs/scene_loader.hpp"
+#include "configs/loading/scene_loader.hpp"
 #include "tools/shm/observer.hpp"
 
 namespace wade {

@@ -9,9 +9,9 @@
 #include <cstring>
 #include <span>
 
-#include "configs/exit_code.hpp"
-#include "shm_protocol/crc32c.hpp"
-#include "shm_protocol/hash.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "shm_protocol/inside/crc32c.hpp"
+#include "shm_protocol/inside/hash.hpp"
 #include "tools/shm/frame_payload.hpp"
 
 namespace wade::recording {

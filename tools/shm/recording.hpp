@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "shm_protocol/header.hpp"
+#include "shm_protocol/inside/header.hpp"
 #include "shm_protocol/stream.hpp"
 #include "tools/shm/recording_format.hpp"
 

@@ -9,9 +9,9 @@
 #include <span>
 #include <system_error>
 
-#include "configs/exit_code.hpp"
-#include "shm_protocol/crc32c.hpp"
-#include "shm_protocol/header.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "shm_protocol/inside/crc32c.hpp"
+#include "shm_protocol/inside/header.hpp"
 #include "tools/shm/frame_payload.hpp"
 
 namespace wade::recording {

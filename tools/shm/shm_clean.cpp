@@ -10,10 +10,10 @@
 #include <iostream>
 #include <string>
 
-#include "configs/exit_code.hpp"
-#include "configs/program.hpp"
-#include "shm_protocol/liveness.hpp"
-#include "shm_protocol/segment.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/program/program.hpp"
+#include "shm_protocol/inside/liveness.hpp"
+#include "shm_protocol/inside/segment.hpp"
 #include "tools/shm/observer.hpp"
 #include "tools/shm/tool_arguments.hpp"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "configs/exit_code.hpp"
-#include "configs/program.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/program/program.hpp"
 #include "tools/shm/observer.hpp"
 #include "tools/shm/tool_arguments.hpp"
 

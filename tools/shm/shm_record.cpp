@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "configs/exit_code.hpp"
-#include "configs/peer_support.hpp"
-#include "configs/program.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/program/peer_support.hpp"
+#include "configs/program/program.hpp"
 #include "shm_protocol/subscriber.hpp"
 #include "tools/shm/recording_writer.hpp"
 #include "tools/shm/tool_arguments.hpp"

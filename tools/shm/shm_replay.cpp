@@ -4,10 +4,10 @@
 #include <iostream>
 #include <string>
 
-#include "configs/exit_code.hpp"
-#include "configs/peer_support.hpp"
-#include "configs/program.hpp"
-#include "configs/scene_loader.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/program/peer_support.hpp"
+#include "configs/program/program.hpp"
+#include "configs/loading/scene_loader.hpp"
 #include "shm_protocol/publisher.hpp"
 #include "tools/shm/agents_taker.hpp"
 #include "tools/shm/recording.hpp"

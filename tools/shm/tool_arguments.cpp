@@ -5,10 +5,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "configs/exit_code.hpp"
-#include "configs/nearest_name.hpp"
-#include "configs/peer_support.hpp"
-#include "configs/version.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/errors/nearest_name.hpp"
+#include "configs/program/peer_support.hpp"
+#include "configs/program/version.hpp"
 
 namespace wade {
 namespace {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "configs/command_line.hpp"
-#include "configs/program.hpp"
+#include "configs/program/command_line.hpp"
+#include "configs/program/program.hpp"
 #include "shm_protocol/stream.hpp"
 
 namespace wade {

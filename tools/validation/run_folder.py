@@ -12,7 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# The commit as the programs keep it (configs/version.cpp), and the build number that the linker computes over it.
+# The commit as the programs keep it (configs/program/version.cpp), and the build number that the linker computes over it.
 COMMIT = re.compile(rb"wade-commit=[\0-\xff]{52}")
 BUILD_ID = re.compile(rb"(?<=\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0)[\0-\xff]{20}")
 

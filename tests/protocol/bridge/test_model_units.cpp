@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "crowd_client/water_view.hpp"
+#include "crowd_client/water/water_view.hpp"
 #include "tools/splishsplash/model_units.hpp"
 
 using namespace wade;

@@ -2,7 +2,7 @@
 
 #include <iostream>
 
-#include "configs/version.hpp"
+#include "configs/program/version.hpp"
 
 int main() {
     std::cout << GREETING << wade::git_hash() << '\n';

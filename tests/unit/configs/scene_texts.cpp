@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "configs/exit_code.hpp"
-#include "configs/scene_file.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "configs/loading/scene_file.hpp"
 
 namespace wade::test {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "configs/scene_loader.hpp"
+#include "configs/loading/scene_loader.hpp"
 
 namespace wade::test {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "configs/scene.hpp"
-#include "crowd_client/frame_source.hpp"
-#include "crowd_client/water_view.hpp"
+#include "configs/scene/scene.hpp"
+#include "crowd_client/session/frame_source.hpp"
+#include "crowd_client/water/water_view.hpp"
 
 namespace wade::crowd::testing {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Small scenes for the tests of the fluid.
 
-#include "configs/scene.hpp"
+#include "configs/scene/scene.hpp"
 
 namespace wade::fluid::test {
 

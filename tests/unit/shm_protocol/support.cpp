@@ -15,7 +15,7 @@
 #include <system_error>
 #include <vector>
 
-#include "shm_protocol/hash.hpp"
+#include "shm_protocol/inside/hash.hpp"
 
 namespace wade::shm::test {
 

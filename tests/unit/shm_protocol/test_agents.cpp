@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "segment_bytes.hpp"
-#include "shm_protocol/hash.hpp"
-#include "shm_protocol/header.hpp"
+#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/header.hpp"
 #include "support.hpp"
 
 using namespace wade::shm;

@@ -11,9 +11,9 @@
 #include <stdexcept>
 
 #include "segment_bytes.hpp"
-#include "shm_protocol/header.hpp"
-#include "shm_protocol/liveness.hpp"
-#include "shm_protocol/segment.hpp"
+#include "shm_protocol/inside/header.hpp"
+#include "shm_protocol/inside/liveness.hpp"
+#include "shm_protocol/inside/segment.hpp"
 #include "support.hpp"
 
 using namespace wade::shm;

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "configs/scene_loader.hpp"
+#include "configs/loading/scene_loader.hpp"
 #include "fluid_server/model_choice/model_choice.hpp"
 
 namespace wade::fluid::model_choice::test {

@@ -2,7 +2,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "open_scenes.hpp"
 
 using namespace wade;

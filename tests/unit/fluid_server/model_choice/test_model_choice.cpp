@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "configs/exit_code.hpp"
-#include "fluid_server/fluid_model.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "fluid_server/make_model.hpp"
 #include "open_scenes.hpp"
 
 using namespace wade;

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "fluid_server/fluid_model.hpp"
+#include "fluid_server/make_model.hpp"
 #include "fluid_server/shallow_water/model.hpp"
 #include "tests/unit/fluid_server/frame_arrays.hpp"
 #include "waters.hpp"

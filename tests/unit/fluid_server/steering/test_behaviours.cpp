@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "configs/steering_behaviours.hpp"
+#include "configs/scene/steering_behaviours.hpp"
 
 using namespace wade::behaviours;
 

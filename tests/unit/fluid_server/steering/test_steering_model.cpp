@@ -1,9 +1,10 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
-#include "configs/exit_code.hpp"
+#include "configs/errors/exit_code.hpp"
 #include "flock_pair.hpp"
-#include "fluid_server/fluid_state.hpp"
+#include "fluid_server/dfsph/fluid_state.hpp"
+#include "fluid_server/make_model.hpp"
 #include "fluid_server/steering/steering_model.hpp"
 
 using namespace wade;

@@ -1,0 +1,26 @@
+#include "configs/checks/scene_checks.hpp"
+
+#include <cstdio>
+
+#include "configs/errors/exit_code.hpp"
+
+namespace wade {
+
+std::string short_number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+void refuse(const std::string& source, const std::string& pointer, const std::string& sentence) {
+    throw ConfigurationError(source + ": " + pointer + ": " + sentence);
+}
+
+void check_scene(const Scene& scene, const std::string& source) {
+    check_geometry(scene, source);
+    check_boundaries(scene, source);
+    check_water(scene, source);
+    check_crowd(scene, source);
+}
+
+}  // namespace wade

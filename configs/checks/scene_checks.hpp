@@ -1,0 +1,36 @@
+#pragma once
+// Checks that need several values of a scene at once.
+
+#include <string>
+
+#include "configs/scene/scene.hpp"
+
+namespace wade {
+
+// Throws ConfigurationError, beginning with `source` and the JSON pointer, for the first of these that is wrong:
+//   geometry    intervals, the channel in the world, obstacles and water blocks in the channel and apart from one another
+//   boundaries  bed points, top, planes without slip, slope, friction, an inflow that changes
+//   water       a flow that can be, spacing against the channel, periodic lengths, capacity, iteration limits
+//   crowd       groups, start places, goals, markers, ragdoll, events
+void check_scene(const Scene& scene, const std::string& source);
+
+// The four parts.
+void check_geometry(const Scene& scene, const std::string& source);
+void check_boundaries(const Scene& scene, const std::string& source);
+void check_bed(const Scene& scene, const std::string& source);  // a part of the boundaries
+void check_water(const Scene& scene, const std::string& source);
+void check_shallow_water(const Scene& scene, const std::string& source);  // a part of the water
+void check_mixed(const Scene& scene, const std::string& source);          // a part of the water
+void check_steering(const Scene& scene, const std::string& source);       // a part of the water
+void check_crowd(const Scene& scene, const std::string& source);
+
+// Whether the flow brings or starts with water up to channel.depth.
+[[nodiscard]] bool has_river(const Channel& channel);
+
+// A number as errors show it: up to six digits, no trailing zeros.
+[[nodiscard]] std::string short_number(double value);
+
+// Throws "SOURCE: POINTER: SENTENCE".
+[[noreturn]] void refuse(const std::string& source, const std::string& pointer, const std::string& sentence);
+
+}  // namespace wade

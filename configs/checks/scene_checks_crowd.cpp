@@ -1,0 +1,220 @@
+// Whether the agents have places, goals and markers, and whether events name what exists.
+
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <vector>
+
+#include "configs/checks/scene_checks.hpp"
+#include "configs/scene/near_places.hpp"
+
+namespace wade {
+
+namespace {
+
+struct Place {
+    double x = 0, z = 0;
+    std::size_t group = 0;
+};
+
+std::vector<Place> start_places(const Crowd& crowd) {
+    std::vector<Place> places;
+    for (std::size_t g = 0; g < crowd.groups.size(); ++g) {
+        const AgentGroup& group = crowd.groups[g];
+        for (int k = 0; k < group.count; ++k) {
+            places.push_back({group.start_x + k % group.columns * group.pitch_x,
+                              group.start_z + k / group.columns * group.pitch_z, g});
+        }
+    }
+    return places;
+}
+
+std::string words(double x, double z) {
+    return "(x " + short_number(x) + " m, z " + short_number(z) + " m)";
+}
+
+void check_place(double x, double z, const Scene& scene, const std::string& who, const std::string& source,
+                 const std::string& pointer) {
+    const Interval world_x{0, scene.world.length}, world_z{0, scene.world.width};
+    if (!world_x.contains(x) || !world_z.contains(z)) {
+        refuse(source, pointer,
+               who + " at " + words(x, z) + " is outside the world; allowed: x 0 to " + short_number(world_x.hi) +
+                   " m, z 0 to " + short_number(world_z.hi) + " m.");
+    }
+    for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+        const Obstacle& obstacle = scene.obstacles[i];
+        if (!obstacle.x.contains(x) || !obstacle.z.contains(z)) continue;
+        refuse(source, pointer,
+               who + " at " + words(x, z) + " is inside /obstacles/" + std::to_string(i) +
+                   "; allowed: anywhere but x " + short_number(obstacle.x.lo) + " to " + short_number(obstacle.x.hi) +
+                   " m with z " + short_number(obstacle.z.lo) + " to " + short_number(obstacle.z.hi) + " m.");
+    }
+}
+
+// Starts that are drawn at random keep their distance by the draw.
+void check_distances(const std::vector<Place>& places, const Crowd& crowd, const std::string& source) {
+    NearPlaces starts;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const Place& place = places[i];
+        if (crowd.groups[place.group].start_jitter > 0) continue;
+        if (const auto other = starts.near(place.x, place.z)) {
+            refuse(source, "/crowd/groups/" + std::to_string(place.group) + "/start",
+                   "agents " + std::to_string(*other) + " and " + std::to_string(i) + " start at one place, " +
+                       words(place.x, place.z) + "; allowed: a distance >= " + short_number(smallest_start_distance) +
+                       " m.");
+        }
+        starts.add(place.x, place.z, i);
+    }
+}
+
+// The goal's place in a periodic world, where its x counts on over the ends.
+double goal_in_world(const Scene& scene, double x) {
+    const double period = scene.world.period();
+    return period > 0 ? x - period * std::floor(x / period) : x;
+}
+
+void check_spread(const Spread& spread, const std::string& source, const std::string& pointer) {
+    if (spread.lo <= spread.hi) return;
+    refuse(source, pointer,
+           "min " + short_number(spread.lo) + " is above max " + short_number(spread.hi) + "; allowed: min <= max.");
+}
+
+void check_groups(const Scene& scene, const std::string& source) {
+    std::set<std::string> names;
+    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
+        const AgentGroup& group = scene.crowd.groups[g];
+        const std::string pointer = "/crowd/groups/" + std::to_string(g);
+        if (!names.insert(group.name).second) {
+            refuse(source, pointer + "/name",
+                   "\"" + group.name + "\" is the name of an earlier group; allowed: any other.");
+        }
+        check_spread(group.tau, source, pointer + "/tau");
+        check_spread(group.mass, source, pointer + "/mass_kg");
+        check_place(goal_in_world(scene, group.goal_x), group.goal_z, scene, "the goal of group \"" + group.name + "\"",
+                    source, pointer + "/goal");
+    }
+}
+
+// Redrawn markers stand in side x side sub-cells of a cell of 2 x 2 m, one in each.
+void check_sub_cells(const Crowd& crowd, const std::string& source) {
+    constexpr double cell = 2;
+    const double side = std::round(std::sqrt(crowd.markers_per_cell));
+    if (side * side != crowd.markers_per_cell) {
+        refuse(source, "/crowd/markers_per_cell",
+               std::to_string(crowd.markers_per_cell) +
+                   " markers cannot be redrawn, one in each of n x n sub-cells; allowed: a square number, 16, 25, 36, "
+                   "49, 64, 81 and so on, or markers \"fixed\".");
+    }
+    if (crowd.marker_min_distance <= cell / side) return;
+    refuse(source, "/crowd/marker_min_distance_m",
+           short_number(crowd.marker_min_distance) + " m is too large for redrawn markers in sub-cells of " +
+               short_number(cell / side) + " m; allowed: <= " + short_number(cell / side) + " m.");
+}
+
+// n markers per cell of 4 m2 whose discs of radius r/2 may not overlap cover the share n pi (r/2)^2 / 4. Discs placed
+// one by one at random jam at 0.547 (random sequential adsorption in the plane, Feder 1980); half of the ground leaves
+// the generator room to end.
+void check_markers(const Crowd& crowd, const std::string& source) {
+    if (crowd.markers == MarkerRule::redrawn) {
+        check_sub_cells(crowd, source);
+        return;
+    }
+    constexpr double cell_area = 4, largest_share = 0.5;
+    const double largest = 2 * std::sqrt(largest_share * cell_area / (std::numbers::pi * crowd.markers_per_cell));
+    if (crowd.marker_min_distance <= largest) return;
+    refuse(source, "/crowd/marker_min_distance_m",
+           short_number(crowd.marker_min_distance) + " m is too large for " + std::to_string(crowd.markers_per_cell) +
+               " markers to fit at random into a cell of 2 x 2 m; allowed: <= " + short_number(largest) + " m.");
+}
+
+// The cells of the ground are 2 m wide, and an agent looks into those beside its own: in a ring of three they differ.
+void check_ends(const Scene& scene, const std::vector<Place>& places, const std::string& source) {
+    if (scene.world.ends == Ends::open) return;
+    constexpr double cell = 2;
+    const double length = scene.world.length;
+    if (length < 3 * cell || std::fmod(length, cell) != 0) {
+        refuse(source, "/world/length_m",
+               short_number(length) +
+                   " m cannot be the length of a world with periodic ends; allowed: 6 m, 8 m, 10 m "
+                   "and so on in steps of 2 m.");
+    }
+    for (const Place& place : places) {
+        if (place.x < length) continue;
+        refuse(source, "/crowd/groups/" + std::to_string(place.group) + "/start",
+               "an agent starts at x " + short_number(place.x) +
+                   " m, which in a world with periodic ends is x 0 m; allowed: x < " + short_number(length) + " m.");
+    }
+    const Channel& channel = scene.channel;
+    const bool dry = channel.flow == Flow::closed && channel.water_blocks.empty();
+    const bool ring = (channel.flow == Flow::recirculating || channel.flow == Flow::periodic) && channel.x.lo == 0 &&
+                      channel.x.hi == length;
+    if (dry || ring) return;
+    refuse(source, "/world/ends",
+           "\"periodic\" does not go with water that ends; allowed: \"open\", or a channel from x 0 to " +
+               short_number(length) +
+               " m with flow \"recirculating\" or \"periodic\", or a dry one: flow \"closed\" without water_blocks.");
+}
+
+void check_ragdoll(const Scene& scene, const std::string& source) {
+    const bool v_f_is_set = scene.channel.flow == Flow::emitter || scene.channel.flow == Flow::recirculating;
+    if (scene.crowd.ragdoll.condition != RagdollCondition::paper || v_f_is_set) return;
+    refuse(
+        source, "/crowd/ragdoll/condition",
+        std::string("\"paper\" asks for v_F, and nothing sets the speed of a ") +
+            (scene.channel.flow == Flow::closed ? "closed" : "periodic") +
+            " channel; allowed: \"off\", \"local_speed\", \"depth_speed\", or flow \"emitter\" or \"recirculating\".");
+}
+
+void check_sampling(const Coupling& coupling, const std::string& source) {
+    if (coupling.sampling_rate == 0 || coupling.rule == CouplingRule::continuous) return;
+    refuse(source, "/coupling/sampling_rate_hz",
+           short_number(coupling.sampling_rate) +
+               " 1/s: the rule \"per_frame\" takes the water once a step; allowed: 0, or any rate with the rule "
+               "\"continuous\".");
+}
+
+void check_events(const Scene& scene, std::size_t agents, const std::string& source) {
+    for (std::size_t i = 0; i < scene.events.size(); ++i) {
+        const TauEvent& event = scene.events[i];
+        const std::string pointer = "/events/" + std::to_string(i);
+        if (event.agent && event.group) {
+            refuse(source, pointer, "an event names an agent or a group, not both.");
+        }
+        if (event.agent && static_cast<std::size_t>(*event.agent) >= agents) {
+            refuse(
+                source, pointer + "/agent",
+                "there is no agent " + std::to_string(*event.agent) + "; allowed: " +
+                    (agents == 0 ? "none, as the scene has no agents." : "0 to " + std::to_string(agents - 1) + "."));
+        }
+        if (!event.group) continue;
+        std::string known;
+        bool found = false;
+        for (const AgentGroup& group : scene.crowd.groups) {
+            found = found || group.name == *event.group;
+            known += (known.empty() ? "\"" : ", \"") + group.name + "\"";
+        }
+        if (found) continue;
+        refuse(source, pointer + "/group",
+               "there is no group \"" + *event.group +
+                   "\"; allowed: " + (known.empty() ? "none, as the scene has no groups." : known + "."));
+    }
+}
+
+}  // namespace
+
+void check_crowd(const Scene& scene, const std::string& source) {
+    check_groups(scene, source);
+    const std::vector<Place> places = start_places(scene.crowd);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        check_place(places[i].x, places[i].z, scene, "agent " + std::to_string(i), source,
+                    "/crowd/groups/" + std::to_string(places[i].group) + "/start");
+    }
+    check_distances(places, scene.crowd, source);
+    check_ends(scene, places, source);
+    check_markers(scene.crowd, source);
+    check_ragdoll(scene, source);
+    check_sampling(scene.coupling, source);
+    check_events(scene, places.size(), source);
+}
+
+}  // namespace wade

@@ -1,0 +1,116 @@
+// Where things are: intervals, and what must lie within what.
+
+#include <algorithm>
+#include <vector>
+
+#include "configs/checks/scene_checks.hpp"
+#include "configs/scene/scene_capacity.hpp"
+
+namespace wade {
+
+namespace {
+
+struct Box {
+    Interval x, y, z;
+    std::string pointer;
+};
+
+std::string words(const Interval& interval) {
+    return short_number(interval.lo) + " to " + short_number(interval.hi) + " m";
+}
+
+void check_interval(const Interval& interval, const std::string& axis, const std::string& source,
+                    const std::string& pointer) {
+    if (interval.lo < interval.hi) return;
+    refuse(source, pointer + "/" + axis + "_min_m",
+           short_number(interval.lo) + " m is not smaller than " + axis + "_max_m = " + short_number(interval.hi) +
+               " m; allowed: < " + short_number(interval.hi) + " m.");
+}
+
+bool within(const Interval& inner, const Interval& outer) {
+    return outer.lo <= inner.lo && inner.hi <= outer.hi;
+}
+
+// Sharing a face is not overlapping.
+bool overlap(const Interval& a, const Interval& b) {
+    return a.lo < b.hi && b.lo < a.hi;
+}
+bool overlap(const Box& a, const Box& b) {
+    return overlap(a.x, b.x) && overlap(a.y, b.y) && overlap(a.z, b.z);
+}
+
+void check_box(const Box& box, const std::string& what, const Scene& scene, const std::string& source) {
+    check_interval(box.x, "x", source, box.pointer);
+    check_interval(box.z, "z", source, box.pointer);
+    const Channel& channel = scene.channel;
+    if (within(box.x, channel.x) && within(box.z, channel.z)) return;
+    refuse(source, box.pointer,
+           what + " at x " + words(box.x) + ", z " + words(box.z) + " reaches outside the channel; allowed: x " +
+               words(channel.x) + ", z " + words(channel.z) + ".");
+}
+
+// Each pair is compared; scenes have few boxes.
+void check_apart(const std::vector<Box>& boxes, const std::string& source) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        for (std::size_t k = 0; k < i; ++k) {
+            if (!overlap(boxes[i], boxes[k])) continue;
+            const Interval x{std::max(boxes[i].x.lo, boxes[k].x.lo), std::min(boxes[i].x.hi, boxes[k].x.hi)};
+            const Interval z{std::max(boxes[i].z.lo, boxes[k].z.lo), std::min(boxes[i].z.hi, boxes[k].z.hi)};
+            refuse(
+                source, boxes[i].pointer,
+                "overlaps " + boxes[k].pointer + " at x " + words(x) + ", z " + words(z) + "; they may touch at most.");
+        }
+    }
+}
+
+// Where the water wraps round or comes in, an obstacle must be out of the particles' reach: their neighbours beyond the
+// border do not see it, and the emitter would push its lattice through it.
+void check_reach(const Scene& scene, const std::string& source) {
+    const Channel& channel = scene.channel;
+    const double reach = support_radius_of(scene.fluid);
+    Interval x = channel.x;
+    Interval z = channel.z;
+    if (channel.flow == Flow::recirculating || channel.flow == Flow::periodic) x = {x.lo + reach, x.hi - reach};
+    if (channel.flow == Flow::emitter) x.hi -= 2 * reach;
+    if (channel.sides == Sides::periodic) z = {z.lo + reach, z.hi - reach};
+    const double spacings = reach / scene.fluid.particle_spacing;
+    for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+        const Obstacle& obstacle = scene.obstacles[i];
+        if (within(obstacle.x, x) && within(obstacle.z, z)) continue;
+        refuse(source, "/obstacles/" + std::to_string(i),
+               "the obstacle at x " + words(obstacle.x) + ", z " + words(obstacle.z) + " is too near to the emitter (" +
+                   short_number(2 * spacings) + " particle spacings) or to a periodic border (" +
+                   short_number(spacings) + " particle spacings); allowed: x " + words(x) + ", z " + words(z) + ".");
+    }
+}
+
+}  // namespace
+
+void check_geometry(const Scene& scene, const std::string& source) {
+    const Channel& channel = scene.channel;
+    check_interval(channel.x, "x", source, "/channel");
+    check_interval(channel.z, "z", source, "/channel");
+    const Interval world_x{0, scene.world.length}, world_z{0, scene.world.width};
+    if (!within(channel.x, world_x) || !within(channel.z, world_z)) {
+        refuse(source, "/channel",
+               "the channel at x " + words(channel.x) + ", z " + words(channel.z) +
+                   " reaches outside the world; allowed: x " + words(world_x) + ", z " + words(world_z) + ".");
+    }
+
+    std::vector<Box> boxes;
+    for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+        const Obstacle& obstacle = scene.obstacles[i];
+        boxes.push_back({obstacle.x, {0, obstacle.height}, obstacle.z, "/obstacles/" + std::to_string(i)});
+        check_box(boxes.back(), "the obstacle", scene, source);
+    }
+    for (std::size_t i = 0; i < channel.water_blocks.size(); ++i) {
+        const WaterBlock& block = channel.water_blocks[i];
+        const Interval y{block.y_min, block.y_min + block.depth};
+        boxes.push_back({block.x, y, block.z, "/channel/water_blocks/" + std::to_string(i)});
+        check_box(boxes.back(), "the block of water", scene, source);
+    }
+    check_apart(boxes, source);
+    check_reach(scene, source);
+}
+
+}  // namespace wade

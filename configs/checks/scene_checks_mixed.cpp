@@ -1,0 +1,65 @@
+// What the mixed model needs beside what shallow water needs: a window that fits, and somebody who says where it is.
+
+#include "configs/checks/scene_checks.hpp"
+#include "configs/scene/mixed_window.hpp"
+#include "configs/scene/shallow_water_cells.hpp"
+
+namespace wade {
+
+namespace {
+
+void check_place(const Scene& scene, const std::string& source) {
+    const MixedWindow& mixed = scene.fluid.mixed;
+    const Interval& channel = scene.channel.x;
+    if (mixed.x_min.has_value() != mixed.x_max.has_value()) {
+        refuse(source, mixed.x_min ? "/fluid/mixed/x_max_m" : "/fluid/mixed/x_min_m",
+               "is missing; allowed: both ends of the window, or none.");
+    }
+    if (!mixed.x_min) return;
+    if (!(*mixed.x_min >= channel.lo && *mixed.x_min < *mixed.x_max)) {
+        refuse(source, "/fluid/mixed/x_min_m",
+               short_number(*mixed.x_min) + " m; allowed: from the channel's begin, " + short_number(channel.lo) +
+                   " m, to below x_max_m = " + short_number(*mixed.x_max) + " m.");
+    }
+    if (*mixed.x_max > channel.hi) {
+        refuse(
+            source, "/fluid/mixed/x_max_m",
+            short_number(*mixed.x_max) + " m lies beyond the channel; allowed: <= " + short_number(channel.hi) + " m.");
+    }
+}
+
+void check_room(const Scene& scene, const std::string& source) {
+    const Interval& x = scene.channel.x;
+    const double cell = x.length() / static_cast<double>(cells_along(x, scene.fluid.shallow_water.cell_size));
+    const double guard = guard_length(scene, cell);
+    if (scene.channel.flow != Flow::closed && x.length() < 2 * guard + 4 * cell) {
+        refuse(source, "/fluid/model",
+               "\"mixed\" needs a guard of " + short_number(guard) +
+                   " m before each end of its window, and the channel is " + short_number(x.length()) +
+                   " m long; allowed: >= " + short_number(2 * guard + 4 * cell) + " m, or the model \"dfsph\".");
+    }
+}
+
+}  // namespace
+
+void check_mixed(const Scene& scene, const std::string& source) {
+    if (scene.fluid.model != FluidModel::mixed) return;
+    if (!scene.channel.bed_points.empty()) {
+        refuse(source, "/fluid/model",
+               "\"mixed\" hands water over on a level bed only, and /channel/bed_points holds " +
+                   std::to_string(scene.channel.bed_points.size()) +
+                   "; allowed: none, or the models \"dfsph\" and \"shallow_water\".");
+    }
+    check_place(scene, source);
+    check_room(scene, source);
+    const MixedWindow& mixed = scene.fluid.mixed;
+    const bool at_obstacles = mixed.obstacles && !scene.obstacles.empty();
+    if (scene.coupling.agents_stream == AgentsStream::off && !mixed.x_min && !at_obstacles) {
+        refuse(source, "/fluid/model",
+               "\"mixed\" does not know where particles are needed; allowed: /coupling/agents_stream \"serial\" or "
+               "\"parallel\", so that they follow the people, or /fluid/mixed/x_min_m and x_max_m, or "
+               "/fluid/mixed/obstacles in a scene that has some.");
+    }
+}
+
+}  // namespace wade

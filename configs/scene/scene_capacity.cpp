@@ -1,0 +1,81 @@
+#include "configs/scene/scene_capacity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wade {
+
+namespace {
+
+std::uint64_t particles_in(double volume, double spacing) {
+    return static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
+}
+
+}  // namespace
+
+std::string name_of(KernelKind kernel) {
+    switch (kernel) {
+        case KernelKind::quartic_spline:
+            return "quartic_spline";
+        case KernelKind::wendland_c2:
+            return "wendland_c2";
+        case KernelKind::cubic_spline:
+            break;
+    }
+    return "cubic_spline";
+}
+
+double support_in_spacings_of(const Fluid& fluid) {
+    switch (fluid.kernel) {
+        case KernelKind::quartic_spline:
+            return 2.4;
+        case KernelKind::wendland_c2:
+            return 3;
+        case KernelKind::cubic_spline:
+            break;
+    }
+    return fluid.support_in_spacings;
+}
+
+double support_radius_of(const Fluid& fluid) {
+    return support_in_spacings_of(fluid) * fluid.particle_spacing;
+}
+
+double deepest_water(const Scene& scene) {
+    const Channel& channel = scene.channel;
+    const bool by_blocks = channel.flow == Flow::closed || !channel.water_blocks.empty();
+    double depth = by_blocks ? 0 : channel.depth;
+    for (const WaterBlock& block : channel.water_blocks) {
+        depth = std::max(depth, block.y_min + block.depth);
+    }
+    return depth;
+}
+
+std::uint64_t river_particles(const Scene& scene) {
+    const Channel& channel = scene.channel;
+    return particles_in(channel.x.length() * channel.z.length() * channel.depth, scene.fluid.particle_spacing);
+}
+
+std::uint64_t particles_needed(const Scene& scene) {
+    const Channel& channel = scene.channel;
+    const double d = scene.fluid.particle_spacing;
+    switch (channel.flow) {
+        case Flow::emitter:
+            return particles_in(
+                (channel.x.length() + support_radius_of(scene.fluid) + 3 * d) * channel.z.length() * channel.depth, d);
+        case Flow::recirculating:
+            return river_particles(scene);
+        case Flow::periodic:
+            if (channel.initial_river == InitialRiver::filled) return river_particles(scene);
+            break;
+        case Flow::closed:
+            break;
+    }
+    std::uint64_t sum = 0;
+    for (const WaterBlock& block : channel.water_blocks) {
+        sum += particles_in(block.x.length() * block.z.length() * block.depth, d);
+    }
+    return sum;
+}
+
+}  // namespace wade

@@ -1,0 +1,33 @@
+#pragma once
+// How far fluid particles reach, how deep water is, and how many particles a scene needs.
+
+#include <cstdint>
+#include <string>
+
+#include "configs/scene/scene.hpp"
+
+namespace wade {
+
+// Of a kernel in scenes.
+[[nodiscard]] std::string name_of(KernelKind kernel);
+
+// h / d: of the cubic spline as the scene says, 2 if it says nothing; 2.4 of the quartic spline, 3 of Wendland's C2.
+[[nodiscard]] double support_in_spacings_of(const Fluid& fluid);
+
+// h, the distance at which the kernel ends, m.
+[[nodiscard]] double support_radius_of(const Fluid& fluid);
+
+// The greatest height of water that the scene speaks of, m: sets the scale of wave speeds and of the grid.
+[[nodiscard]] double deepest_water(const Scene& scene);
+
+// Number of particles that fill the channel: length * width * depth / d^3, rounded.
+[[nodiscard]] std::uint64_t river_particles(const Scene& scene);
+
+// Smallest fluid.max_particles with which the scene can run.
+//   emitter        the filled channel, and its length more by a support radius and 3 d for the inflow and the outflow
+//   recirculating  the filled channel
+//   periodic       the filled channel, or as closed
+//   closed         the sum over the water blocks, each volume / d^3, rounded
+[[nodiscard]] std::uint64_t particles_needed(const Scene& scene);
+
+}  // namespace wade

@@ -1,0 +1,36 @@
+#pragma once
+// How many frames a scene lasts; both programs must agree on it.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "configs/scene/scene.hpp"
+
+namespace wade {
+
+// Frames of the whole run: duration * frame rate, rounded, at least 1.
+[[nodiscard]] inline std::uint64_t frames_of(const Scene& scene) {
+    return static_cast<std::uint64_t>(std::max(1LL, std::llround(scene.duration * scene.frame_rate)));
+}
+
+// Steps of the crowd in the whole run.
+[[nodiscard]] inline std::uint64_t steps_of(const Scene& scene) {
+    return static_cast<std::uint64_t>(std::max(1LL, std::llround(scene.duration * scene.crowd.step_rate)));
+}
+
+// Steps of the crowd that are due once the water has reached `tick`: step k is taken at k / step_rate. A millionth of a
+// step makes up for rates that are no whole number of ticks.
+[[nodiscard]] inline std::uint64_t steps_due(const Scene& scene, std::uint64_t tick, std::uint64_t ticks_per_second) {
+    const double time = static_cast<double>(tick) / static_cast<double>(ticks_per_second);
+    return static_cast<std::uint64_t>(std::floor(time * scene.crowd.step_rate + 1e-6));
+}
+
+// The step of the crowd from which on an event of this frame of the water holds: the first after the frame before.
+[[nodiscard]] inline std::uint64_t step_of_frame(const Scene& scene, std::uint64_t frame) {
+    if (frame == 0) return 0;
+    const double steps_per_frame = scene.crowd.step_rate / scene.frame_rate;
+    return static_cast<std::uint64_t>(std::floor(static_cast<double>(frame - 1) * steps_per_frame + 1e-6)) + 1;
+}
+
+}  // namespace wade

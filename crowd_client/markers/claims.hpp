@@ -1,0 +1,59 @@
+#pragma once
+// Who owns the markers of a cell: the walker whose site is nearest, within R; ties to the one that comes first.
+
+#include <cstdint>
+#include <vector>
+
+#include "crowd_client/markers/marker_lanes.hpp"
+#include "crowd_client/markers/walker_cells.hpp"
+
+namespace wade::crowd {
+
+// What a cell needs to know of the walkers beside their sites where markers can be contested; by entry of WalkerCells,
+// to copy_in_fours().
+struct WalkerBodies {
+    std::vector<double> x, z;      // where they stand, m
+    std::vector<double> vx, vz;    // displacement of the last step / dt, m/s
+    std::vector<double> slowness;  // 1 / desired speed, s/m
+    double contest_distance = 0;   // D, m
+};
+
+// The walkers that reach the cell at hand, in the order of for_each_run() from place 1 on; place 0 stands for nobody.
+// Coordinates as in MarkerLanes. Sites, places and slowness are tables for look_up(), 0 at place 0.
+template <typename Real>
+struct Candidates {
+    std::size_t count = 0;             // with nobody
+    std::vector<Real> site_x, site_z;  // m
+
+    bool with_bodies = false;
+    std::vector<Real> body_x, body_z, vx, vz, slowness;  // as WalkerBodies; only with bodies
+
+    // Where they stand, m.
+    [[nodiscard]] const std::vector<Real>& x() const { return with_bodies ? body_x : site_x; }
+    [[nodiscard]] const std::vector<Real>& z() const { return with_bodies ? body_z : site_z; }
+};
+
+// By marker of a cell.
+template <typename Real>
+struct Claims {
+    using Integer = typename Lanes<Real>::Integer;
+    std::vector<Integer> owner;   // candidate, 0 = nobody
+    std::vector<Real> contested;  // 0 or 1, where bodies are given
+};
+
+template <typename Real>
+void find_candidates(Candidates<Real>& candidates, const WalkerCells& cells, const WalkerBodies* bodies,
+                     const MarkerLanes<Real>& markers, int column, int row);
+
+// Gives each marker to its owner.
+template <typename Real>
+void claim(Claims<Real>& claims, const MarkerLanes<Real>& markers, const Candidates<Real>& candidates,
+           const WalkerCells& cells, int column, int row, double radius);
+
+// Marks the owned markers that another candidate j will be within D of when the owner, walking freely, reaches them:
+// |a - (p_j + v_j t)| < D with t = |a - p| / v0, p and v0 of the owner.
+template <typename Real>
+void find_contested(Claims<Real>& claims, const MarkerLanes<Real>& markers, const Candidates<Real>& candidates,
+                    double distance);
+
+}  // namespace wade::crowd

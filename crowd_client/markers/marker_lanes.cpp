@@ -1,0 +1,79 @@
+#include "crowd_client/markers/marker_lanes.hpp"
+
+#include "crowd_client/markers/counter_random.hpp"
+
+namespace wade::crowd {
+namespace {
+
+constexpr double out_of_reach = 1e15;  // m; its square is a float
+
+template <typename Real>
+void close_lanes(MarkerLanes<Real>& lanes) {
+    for (std::size_t m = lanes.count; m < Lanes<Real>::padded(lanes.count); ++m) {
+        lanes.x[m] = lanes.z[m] = static_cast<Real>(out_of_reach);
+    }
+}
+
+bool inside_obstacle(const std::vector<Obstacle>& obstacles, double x, double z) {
+    for (const Obstacle& o : obstacles) {
+        if (o.x.contains(x) && o.z.contains(z)) return true;
+    }
+    return false;
+}
+
+// Two numbers of 16 bits in one. "lowbias32" by C. Wellons (Hash function prospector, 2018).
+inline std::uint32_t mix_32(std::uint32_t h) {
+    h = (h ^ (h >> 16)) * 0x7feb352dU;
+    h = (h ^ (h >> 15)) * 0x846ca68bU;
+    return h ^ (h >> 16);
+}
+
+}  // namespace
+
+void read_markers(MarkerLanes<double>& lanes, const Markers& markers, int column, int row) {
+    const std::size_t cell = markers.grid.index(column, row);
+    const std::size_t first = markers.cell_start[cell];
+    lanes.count = markers.cell_start[cell + 1] - first;
+    make_room(lanes.x, Lanes<double>::padded(lanes.count));
+    make_room(lanes.z, Lanes<double>::padded(lanes.count));
+    for (std::size_t m = 0; m < lanes.count; ++m) {
+        lanes.x[m] = markers.x[first + m];
+        lanes.z[m] = markers.z[first + m];
+    }
+    close_lanes(lanes);
+}
+
+void draw_markers(MarkerLanes<float>& lanes, const DrawnMarkers& drawn, int column, int row) {
+    const bool beyond_joint = drawn.ring && (column == 0 || column > drawn.grid.columns - 3);
+    lanes.count = beyond_joint ? 0 : drawn.first_x.size();
+    lanes.origin_x = GroundGrid::line_start(column) + GroundGrid::cell_size / 2;
+    lanes.origin_z = GroundGrid::line_start(row) + GroundGrid::cell_size / 2;
+    make_room(lanes.x, Lanes<float>::padded(lanes.count));
+    make_room(lanes.z, Lanes<float>::padded(lanes.count));
+
+    const std::uint64_t cell = drawn.grid.index(column, row);
+    constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
+    const std::uint64_t key = mix_bits(mix_bits(drawn.seed + golden * (drawn.epoch + 1)) + golden * cell);
+    const auto low = static_cast<std::uint32_t>(key), high = static_cast<std::uint32_t>(key >> 32);
+    const float range = drawn.jitter * 0x1p-16F;
+    const float* const first_x = drawn.first_x.data();
+    const float* const first_z = drawn.first_z.data();
+    float* const x = lanes.x.data();
+    float* const z = lanes.z.data();
+#pragma omp simd
+    for (std::uint32_t i = 0; i < lanes.count; ++i) {
+        const std::uint32_t h = mix_32(i * 0x9e3779b9U + low) ^ high;
+        x[i] = first_x[i] + range * static_cast<float>(static_cast<std::int32_t>(h & 0xffffU));
+        z[i] = first_z[i] + range * static_cast<float>(static_cast<std::int32_t>(h >> 16));
+    }
+    if (drawn.has_obstacle(column, row)) {
+        for (std::size_t m = 0; m < lanes.count; ++m) {
+            const double at_x = lanes.origin_x + static_cast<double>(lanes.x[m]);
+            const double at_z = lanes.origin_z + static_cast<double>(lanes.z[m]);
+            if (inside_obstacle(drawn.obstacles, at_x, at_z)) lanes.x[m] = static_cast<float>(out_of_reach);
+        }
+    }
+    close_lanes(lanes);
+}
+
+}  // namespace wade::crowd

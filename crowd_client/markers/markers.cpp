@@ -1,0 +1,204 @@
+#include "crowd_client/markers/markers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "configs/errors/exit_code.hpp"
+#include "crowd_client/markers/counter_random.hpp"
+
+namespace wade::crowd {
+namespace {
+
+// A random sequence that fills the plane stops near 0.55 discs' area share, and slows down far below that.
+constexpr int attempts_per_marker = 2000;
+
+struct Point {
+    double x = 0;
+    double z = 0;
+};
+
+bool inside_obstacle(const std::vector<Obstacle>& obstacles, const Point& p) {
+    for (const Obstacle& o : obstacles) {
+        if (o.x.contains(p.x) && o.z.contains(p.z)) return true;
+    }
+    return false;
+}
+
+bool far_from_all(const std::vector<Point>& others, const Point& p, double min_distance) {
+    for (const Point& o : others) {
+        const double dx = o.x - p.x;
+        const double dz = o.z - p.z;
+        if (dx * dx + dz * dz < min_distance * min_distance) return false;
+    }
+    return true;
+}
+
+void shift_x(std::vector<Point>& points, double by) {
+    for (Point& p : points) p.x += by;
+}
+
+constexpr double most_markers = 2e8;  // 16 bytes each; also keeps their numbers within 32 bits
+
+// Redrawn markers stand in sub-cells, one in each.
+bool fits_sub_cells(const Crowd& crowd) {
+    const long side = std::lround(std::sqrt(crowd.markers_per_cell));
+    return side * side == crowd.markers_per_cell &&
+           crowd.marker_min_distance * static_cast<double>(side) <= GroundGrid::cell_size;
+}
+
+void check_ranges(const Crowd& crowd, const GroundGrid& grid) {
+    std::ostringstream message;
+    if (!(crowd.perception_radius > 0 && crowd.perception_radius <= GroundGrid::cell_size)) {
+        message << "/crowd/perception_radius_m is " << crowd.perception_radius << ", allowed is more than 0 up to "
+                << GroundGrid::cell_size << " (the size of a cell)";
+    } else if (!(crowd.marker_min_distance >= 0 && crowd.marker_min_distance <= GroundGrid::cell_size)) {
+        message << "/crowd/marker_min_distance_m is " << crowd.marker_min_distance << ", allowed is 0 up to "
+                << GroundGrid::cell_size << " (the size of a cell)";
+    } else if (crowd.markers_per_cell < 1) {
+        message << "/crowd/markers_per_cell is " << crowd.markers_per_cell << ", allowed is 1 or more";
+    } else if (crowd.markers == MarkerRule::redrawn && !fits_sub_cells(crowd)) {
+        message << "/crowd/markers_per_cell is " << crowd.markers_per_cell
+                << ", with redrawn markers allowed is a square "
+                << "number (16, 25, 36, 49, 64, ...) whose sub-cells of 2 m / its root are at least "
+                << crowd.marker_min_distance << " m wide (/crowd/marker_min_distance_m)";
+    } else if (static_cast<double>(grid.cells()) * crowd.markers_per_cell > most_markers) {
+        message << "/crowd/markers_per_cell: " << crowd.markers_per_cell << " markers in each of the " << grid.cells()
+                << " cells of the world are more than " << most_markers << " in all; make the world smaller";
+    } else {
+        return;
+    }
+    throw ConfigurationError(message.str());
+}
+
+[[noreturn]] void refuse_density(const Crowd& crowd) {
+    std::ostringstream message;
+    message << "/crowd/markers_per_cell: " << crowd.markers_per_cell << " markers at a distance of at least "
+            << crowd.marker_min_distance << " m (/crowd/marker_min_distance_m) do not fit into a cell of 2 x 2 m";
+    throw ConfigurationError(message.str());
+}
+
+// Whether a box reaches into each cell.
+std::vector<std::uint8_t> cells_with(const std::vector<Obstacle>& obstacles, const GroundGrid& grid) {
+    std::vector<std::uint8_t> reached(obstacles.empty() ? 0 : grid.cells(), 0);
+    for (const Obstacle& o : obstacles) {
+        const int last_row = std::min(GroundGrid::line_of(o.z.hi), grid.rows - 1);
+        const int last_column = std::min(GroundGrid::line_of(o.x.hi), grid.columns - 1);
+        for (int row = std::max(GroundGrid::line_of(o.z.lo), 0); row <= last_row; ++row) {
+            for (int column = std::max(GroundGrid::line_of(o.x.lo), 0); column <= last_column; ++column) {
+                reached[grid.index(column, row)] = 1;
+            }
+        }
+    }
+    return reached;
+}
+
+DrawnMarkers drawn_markers(const Scene& scene, const GroundGrid& grid) {
+    const Crowd& crowd = scene.crowd;
+    DrawnMarkers drawn;
+    drawn.grid = grid;
+    drawn.ring = scene.world.period() > 0;
+    const auto side = std::lround(std::sqrt(crowd.markers_per_cell));
+    const double pitch = GroundGrid::cell_size / static_cast<double>(side);
+    drawn.jitter = static_cast<float>(pitch - crowd.marker_min_distance);
+    const double least = (crowd.marker_min_distance - GroundGrid::cell_size) / 2;
+    for (long j = 0; j < side; ++j) {
+        for (long i = 0; i < side; ++i) {
+            drawn.first_x.push_back(static_cast<float>(least + pitch * static_cast<double>(i)));
+            drawn.first_z.push_back(static_cast<float>(least + pitch * static_cast<double>(j)));
+        }
+    }
+    drawn.seed = scene.seed;
+    drawn.obstacles = scene.obstacles;
+    drawn.with_obstacle = cells_with(scene.obstacles, grid);
+    return drawn;
+}
+
+}  // namespace
+
+std::uint64_t marker_epoch(const Crowd& crowd, std::uint64_t step) {
+    if (!(crowd.marker_epoch > 0)) return step;
+    // A millionth of a step forgives what rounding takes from a whole number of epochs.
+    return static_cast<std::uint64_t>((static_cast<double>(step) + 1e-6) / (crowd.marker_epoch * crowd.step_rate));
+}
+
+Markers place_markers(const Scene& scene) {
+    const Crowd& crowd = scene.crowd;
+    Markers markers;
+    markers.grid = GroundGrid::over(scene.world);
+    check_ranges(crowd, markers.grid);
+    if (crowd.markers == MarkerRule::redrawn) {
+        markers.drawn = drawn_markers(scene, markers.grid);
+        return markers;
+    }
+    const GroundGrid& grid = markers.grid;
+    const double min_distance = crowd.marker_min_distance;
+    const auto wanted = static_cast<std::size_t>(crowd.markers_per_cell);
+
+    // Columns that are seen twice in a periodic world: the last one stands before the first, the first behind the last.
+    const double period = scene.world.period();
+    const int last_column = grid.columns - 3;
+
+    // Only the row below and the row at hand are needed to keep the distance across borders.
+    std::array<std::vector<std::vector<Point>>, 2> placed;
+    placed.fill(std::vector<std::vector<Point>>(static_cast<std::size_t>(grid.columns)));
+    markers.cell_start.reserve(grid.cells() + 1);
+    markers.cell_start.push_back(0);
+
+    for (int row = 0; row < grid.rows; ++row) {
+        std::vector<std::vector<Point>>& here = placed[static_cast<std::size_t>(row % 2)];
+        const std::vector<std::vector<Point>>& below = placed[static_cast<std::size_t>((row + 1) % 2)];
+        const double z0 = GroundGrid::line_start(row);
+        if (period > 0) {
+            for (std::vector<Point>& cell : here) cell.clear();
+        }
+        for (int column = 0; column < grid.columns; ++column) {
+            const auto c = static_cast<std::size_t>(column);
+            if (period > 0 && (column == 0 || column > last_column)) {
+                markers.cell_start.push_back(static_cast<std::uint32_t>(markers.x.size()));
+                continue;
+            }
+            const double x0 = GroundGrid::line_start(column);
+            const std::uint64_t stream = grid.index(column, row);
+            std::vector<Point>& own = here[c];
+            own.clear();
+            const std::uint64_t last_attempt = wanted * attempts_per_marker;
+            for (std::uint64_t attempt = 0; own.size() < wanted; ++attempt) {
+                if (attempt == last_attempt) refuse_density(crowd);
+                const double u = counter_uniform(scene.seed, stream, 2 * attempt) * GroundGrid::cell_size;
+                const double w = counter_uniform(scene.seed, stream, 2 * attempt + 1) * GroundGrid::cell_size;
+                const Point p{x0 + u, z0 + w};
+                const bool near_left = column > 0 && u < min_distance;
+                const bool near_below = row > 0 && w < min_distance;
+                const bool near_right = column + 1 < grid.columns && GroundGrid::cell_size - u < min_distance;
+                const bool near_joint = period > 0 && column == last_column && near_right;
+                if (near_left && !far_from_all(here[c - 1], p, min_distance)) continue;
+                if (near_below && !far_from_all(below[c], p, min_distance)) continue;
+                if (near_below && near_left && !far_from_all(below[c - 1], p, min_distance)) continue;
+                if (near_below && near_right && !far_from_all(below[c + 1], p, min_distance)) continue;
+                if (near_joint && !far_from_all(here[c + 1], p, min_distance)) continue;
+                if (!far_from_all(own, p, min_distance)) continue;
+                own.push_back(p);
+            }
+            if (period > 0 && column == 1) {
+                std::vector<Point>& behind = here[static_cast<std::size_t>(last_column) + 1];
+                behind = own;
+                shift_x(behind, period);
+            }
+            if (period > 0 && column == last_column) {
+                here[0] = own;
+                shift_x(here[0], -period);
+            }
+            for (const Point& p : own) {
+                if (inside_obstacle(scene.obstacles, p)) continue;
+                markers.x.push_back(p.x);
+                markers.z.push_back(p.z);
+            }
+            markers.cell_start.push_back(static_cast<std::uint32_t>(markers.x.size()));
+        }
+    }
+    return markers;
+}
+
+}  // namespace wade::crowd

@@ -1,0 +1,155 @@
+#include "crowd_client/outputs/report.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "configs/loading/scene_loader.hpp"
+#include "configs/program/version.hpp"
+#include "crowd_client/outputs/csv_text.hpp"
+#include "crowd_client/water/water_met.hpp"
+
+namespace wade::crowd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <typename T>
+Json or_null(const std::optional<T>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+double time_of(const CrowdWorld& crowd, std::uint64_t step) {
+    return static_cast<double>(step) / crowd.scene.crowd.step_rate;
+}
+
+Json hash_or_null(std::uint64_t hash) {
+    return hash != 0 ? Json(hash_text(hash)) : Json(nullptr);
+}
+
+// A counter that may not have been given: 0 means so, unless the producer gave other figures.
+Json counter(std::uint64_t value, bool given) {
+    return given ? Json(value) : Json(nullptr);
+}
+
+Json fluid_json(const RunSummary& summary, const RunLabels& labels) {
+    const FluidSummary& fluid = summary.fluid;
+    const bool has_solver = fluid.steps > 0;
+    Json json;
+    json["model"] = labels.model.empty() ? Json(nullptr) : Json(labels.model);
+    json["particles_max"] = fluid.particles_max;
+    json["particle_steps"] = counter(fluid.particle_steps, has_solver);
+    json["steps"] = counter(fluid.steps, has_solver);
+    json["solver_wall_s"] = nullptr;
+    if (!labels.reproducible && fluid.solver_ns > 0)
+        json["solver_wall_s"] = static_cast<double>(fluid.solver_ns) * 1e-9;
+    json["mean_depth_m"] = or_null(fluid.depth.value());
+    json["mean_speed_m_s"] = or_null(fluid.speed.value());
+    json["max_density_error"] = or_null(fluid.max_density_error);
+    json["mean_density_error"] = or_null(fluid.density_error.value());
+    json["position_clamps"] = counter(fluid.position_clamps, has_solver);
+    json["recycled_particles"] = counter(fluid.recycled_particles, has_solver);
+    json["resident_bytes"] = counter(fluid.resident_bytes, fluid.resident_bytes > 0 && !labels.reproducible);
+    return json;
+}
+
+// RFC 4180.
+std::string csv_field(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) {
+        if (c == '"') quoted += '"';
+        quoted += c;
+    }
+    return quoted + '"';
+}
+
+// Bytes that are no UTF-8, for example in a file name, become a replacement character instead of an error.
+std::string text_of(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {
+    Json json;
+    json["scene"] = crowd.scene.name;
+    json["seed"] = crowd.scene.seed;
+    json["status"] = summary.status;
+    json["message"] = summary.message.empty() ? Json(nullptr) : Json(summary.message);
+    json["mode"] = labels.latest_frames ? "latest" : "lockstep";
+    json["frames"] = summary.frames;
+    json["dropped_frames"] = summary.dropped_frames;
+    json["frame_rate_hz"] = crowd.scene.frame_rate;
+    json["steps"] = crowd.steps;
+    json["step_rate_hz"] = crowd.scene.crowd.step_rate;
+    json["sim_time_s"] = time_of(crowd, crowd.steps);
+    json["wall_time_s"] = labels.reproducible ? Json(nullptr) : or_null(labels.wall_time);
+    json["agents"] = crowd.agents.size();
+    json["arrived"] = crowd.arrived;
+    json["dead"] = crowd.dead;
+    json["active"] = crowd.active.size();
+    json["last_arrival_s"] = crowd.arrived > 0 ? Json(time_of(crowd, crowd.last_arrival_step)) : Json(nullptr);
+    json["contact_rule"] = crowd.scene.coupling.contact_rule == ContactRule::sum ? "sum" : "difference";
+    json["fluid"] = fluid_json(summary, labels);
+    json["frame_hash"] = hash_or_null(summary.frame_hash);
+    json["agents_hash"] = hash_or_null(summary.agents_hash);
+    return text_of(json);
+}
+
+std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
+    const Agents& agents = crowd.agents;
+    std::string csv =
+        "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
+        "mean_dv_m2_s";
+    if (danger != nullptr) csv += std::string(",danger_level,") + exposure_columns;
+    csv += '\n';
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        const bool active = agents.outcome[id] == Outcome::active;
+        csv += std::to_string(id) + ',' + csv_field(crowd.scene.crowd.groups[agents.group[id]].name) + ',';
+        csv += outcome_name(agents.outcome[id]);
+        const double time = time_of(crowd, active ? crowd.steps : agents.end_step[id]);
+        for (const double v : {time, agents.position[id].x(), agents.position[id].y(), agents.tau[id], agents.mass[id],
+                               agents.path_length[id], agents.max_depth[id], agents.max_dv[id],
+                               mean_depth_met(agents, id), mean_dv_met(agents, id)}) {
+            csv += ',' + csv_number(v);
+        }
+        if (danger != nullptr) {
+            const Exposure& met = danger->agents()[id];
+            csv += ',' + std::string(danger_name(met.largest)) + ',' + exposure_times(met, crowd.dt);
+        }
+        csv += '\n';
+    }
+    return csv;
+}
+
+std::string crowds_csv_row(const CrowdWorld& crowd, const RunSummary& summary) {
+    std::string row = std::to_string(crowd.scene.seed) + ',' + summary.status;
+    for (const std::size_t n : {crowd.agents.size(), crowd.arrived, crowd.dead, crowd.active.size()}) {
+        row += ',' + std::to_string(n);
+    }
+    row += ',' + (crowd.arrived > 0 ? csv_number(time_of(crowd, crowd.last_arrival_step)) : "");
+    return row + ',' + csv_field(summary.message);
+}
+
+std::string manifest_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {
+    Json json;
+    json["program"] = "crowd_client";
+    json["version"] = version();
+    json["git_hash"] = git_hash();
+    json["compiler"] = compiler();
+    json["scene"] = crowd.scene.name;
+    json["scene_hash"] = hash_text(crowd.scene.hash);
+    json["seed"] = crowd.scene.seed;
+    json["threads"] = labels.threads;
+    json["status"] = summary.status;
+    json["command_line"] = labels.command_line;
+    if (!labels.reproducible) {
+        json["session"] = labels.session;
+        json["host"] = labels.host;
+        json["started_at"] = labels.started_at;
+        json["wall_time_s"] = or_null(labels.wall_time);
+    }
+    json["resolved_scene"] = Json::parse(labels.canonical_scene, nullptr, false);
+    return text_of(json);
+}
+
+}  // namespace wade::crowd

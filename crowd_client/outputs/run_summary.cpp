@@ -1,0 +1,67 @@
+#include "crowd_client/outputs/run_summary.hpp"
+
+#include "configs/errors/exit_code.hpp"
+#include "configs/program/peer_support.hpp"
+#include "configs/scene/scene_frames.hpp"
+#include "crowd_client/outputs/output_file.hpp"
+
+namespace wade::crowd {
+
+bool run_is_over(const CrowdWorld& crowd) {
+    const bool nobody_left = crowd.agents.size() > 0 && crowd.active.empty();
+    return crowd.steps >= steps_of(crowd.scene) || (nobody_left && crowd.scene.stop_when_no_agent_is_active);
+}
+
+void end_summary(RunSummary& summary, const CrowdWorld& crowd) {
+    // With rates that do not fit the duration, the last step may be due after the last frame.
+    const bool duration_is_over = summary.time >= crowd.scene.duration - 0.5 / crowd.scene.frame_rate;
+    const bool completed = run_is_over(crowd) || duration_is_over;
+    summary.status = completed ? "completed" : "stream_ended";
+    if (completed) return;
+    summary.message = "the stream of water ended after frame " + std::to_string(summary.last_frame) +
+                      ", before the scene's duration was over";
+}
+
+void fail_summary(RunSummary& summary, const std::exception& error) {
+    const bool was_well =
+        summary.status == "running" || summary.status == "completed" || summary.status == "stream_ended";
+    if (!was_well) return;
+    summary.status = status_of(error);
+    summary.message = error.what();
+}
+
+std::string status_of(const std::exception& error) {
+    const auto* output = dynamic_cast<const OutputError*>(&error);
+    return output != nullptr && output->disk_full() ? "disk_full" : status_of(exit_code_of<shm::Error>(error));
+}
+
+std::string status_of(int exit_code) {
+    switch (static_cast<ExitCode>(exit_code)) {
+        case ExitCode::ok:
+            return "completed";
+        case ExitCode::bad_configuration:
+            return "bad_configuration";
+        case ExitCode::attach_timeout:
+            return "attach_timeout";
+        case ExitCode::peer_dead:
+            return "peer_dead";
+        case ExitCode::peer_aborted:
+            return "peer_aborted";
+        case ExitCode::protocol_violation:
+            return "protocol_violation";
+        case ExitCode::step_timeout:
+            return "step_timeout";
+        case ExitCode::name_in_use:
+            return "name_in_use";
+        case ExitCode::numerical_failure:
+            return "numerical_failure";
+        case ExitCode::interrupted:
+        case ExitCode::terminated:
+            return "interrupted";
+        case ExitCode::unexpected:
+            break;
+    }
+    return "failed";
+}
+
+}  // namespace wade::crowd

@@ -1,0 +1,237 @@
+#include "crowd_client/ways/navigation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "configs/errors/exit_code.hpp"
+#include "crowd_client/markers/ground_grid.hpp"
+#include "crowd_client/ways/way_direction.hpp"
+
+namespace wade::crowd {
+namespace {
+
+constexpr int laps_laid_out = 5, lap_of_goals = 2;  // of a periodic world
+
+// W(rho) of the header, at least 0.1.
+double weidmann(double density) {
+    if (!(density > 0)) return 1;
+    constexpr double rate = 1.913, jam = 5.4;  // 1/m2
+    return std::max(0.1, 1 - std::exp(-rate * (1 / density - 1 / jam)));
+}
+
+int columns_of_a_lap(const Navigation& navigation) {
+    const int columns = navigation.grid.columns;
+    return navigation.period > 0 ? (columns - 1) / laps_laid_out : columns;
+}
+
+void add_person(Navigation& navigation, const Vector2d& p) {
+    const TravelGrid& grid = navigation.grid;
+    const int columns = columns_of_a_lap(navigation);
+    const double x0 = navigation.period > 0 ? 0 : grid.origin.x(), z0 = grid.origin.y();
+    const double lx = std::max(GroundGrid::cell_size, grid.dx), lz = std::max(GroundGrid::cell_size, grid.dz);
+    const auto hat = [](double distance, double l) { return std::max(0.0, 1 - std::abs(distance) / l) / l; };
+    const int first_row = std::max(0, static_cast<int>(std::ceil((p.y() - lz - z0) / grid.dz)));
+    const int last_row = std::min(grid.rows - 1, static_cast<int>(std::floor((p.y() + lz - z0) / grid.dz)));
+    const int first = static_cast<int>(std::ceil((p.x() - lx - x0) / grid.dx));
+    const int last = static_cast<int>(std::floor((p.x() + lx - x0) / grid.dx));
+    for (int row = first_row; row <= last_row; ++row) {
+        const double share = hat(z0 + row * grid.dz - p.y(), lz);
+        for (int column = first; column <= last; ++column) {
+            int in_lap = column;
+            if (navigation.period > 0) in_lap = ((column % columns) + columns) % columns;
+            if (in_lap < 0 || in_lap >= columns) continue;
+            navigation.density[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                               static_cast<std::size_t>(in_lap)] += share * hat(x0 + column * grid.dx - p.x(), lx);
+        }
+    }
+}
+
+void find_slowness(Navigation& navigation, std::span<const Vector2d> positions) {
+    const TravelGrid& grid = navigation.grid;
+    const auto columns = static_cast<std::size_t>(columns_of_a_lap(navigation));
+    navigation.density.assign(columns * static_cast<std::size_t>(grid.rows), 0.0);
+    for (const Vector2d& p : positions) add_person(navigation, p);
+    navigation.slowness.resize(grid.closed.size());
+    for (int row = 0; row < grid.rows; ++row) {
+        for (int column = 0; column < grid.columns; ++column) {
+            const std::size_t place =
+                static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column) % columns;
+            navigation.slowness[grid.node(column, row)] = 1 / weidmann(navigation.crowding * navigation.density[place]);
+        }
+    }
+}
+
+void solve(Navigation& navigation, std::span<const Vector2d> positions, int threads) {
+    if (navigation.crowding > 0) find_slowness(navigation, positions);
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (std::size_t i = 0; i < navigation.fields.size(); ++i) {
+        WayField& field = navigation.fields[i];
+        march(field.travel, field.memory, navigation.grid, navigation.slowness, field.starts);
+    }
+}
+
+// A box is near a cell if it may hide a node within the reach from a place in the cell.
+void sort_boxes(Navigation& navigation) {
+    const TravelGrid& grid = navigation.grid;
+    const double margin_x = navigation.reach * grid.dx + navigation.sight.clearance;
+    const double margin_z = navigation.reach * grid.dz + navigation.sight.clearance;
+    const auto line = [](double coordinate, double origin, double spacing, int count) {
+        return static_cast<int>(std::clamp(std::floor((coordinate - origin) / spacing), 0.0, count - 1.0));
+    };
+    const auto visit = [&](const Obstacle& box, const auto& cell) {
+        const int first = line(box.x.lo - margin_x, grid.origin.x(), grid.dx, grid.columns);
+        const int last = line(box.x.hi + margin_x, grid.origin.x(), grid.dx, grid.columns);
+        const int first_row = line(box.z.lo - margin_z, grid.origin.y(), grid.dz, grid.rows);
+        const int last_row = line(box.z.hi + margin_z, grid.origin.y(), grid.dz, grid.rows);
+        for (int row = first_row; row <= last_row; ++row) {
+            for (int column = first; column <= last; ++column) cell(grid.node(column, row));
+        }
+    };
+    std::vector<std::uint32_t>& begin = navigation.box_begin;
+    begin.assign(grid.closed.size() + 1, 0);
+    for (const Obstacle& box : navigation.sight.boxes) visit(box, [&](std::uint32_t cell) { ++begin[cell + 1]; });
+    for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
+    navigation.boxes.resize(begin.back());
+    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+    for (std::size_t i = 0; i < navigation.sight.boxes.size(); ++i) {
+        visit(navigation.sight.boxes[i],
+              [&](std::uint32_t cell) { navigation.boxes[next[cell]++] = static_cast<std::uint32_t>(i); });
+    }
+}
+
+// Exact times on the nodes round the goal that it sees.
+void start_at_goal(const Navigation& navigation, WayField& field) {
+    const TravelGrid& grid = navigation.grid;
+    for (int row = 0; row < grid.rows; ++row) {
+        for (int column = 0; column < grid.columns; ++column) {
+            const Vector2d node = grid.place(column, row), way = node - field.goal;
+            const double length = std::sqrt(way.squaredNorm());
+            if (length > navigation.start_radius || !in_sight(navigation.sight, field.goal, node)) continue;
+            field.starts.emplace_back(grid.node(column, row), length);
+        }
+    }
+}
+
+void find_views(const Navigation& navigation, WayField& field) {
+    const TravelGrid& grid = navigation.grid;
+    field.views.assign(grid.closed.size(), View::unknown);
+    for (int row = 0; row + 1 < grid.rows; ++row) {
+        for (int column = 0; column + 1 < grid.columns; ++column) {
+            const Vector2d lo = grid.place(column, row), hi = grid.place(column + 1, row + 1);
+            field.views[grid.node(column, row)] =
+                view_of(navigation.sight, {lo.x(), hi.x()}, {lo.y(), hi.y()}, field.goal);
+        }
+    }
+}
+
+void check_size(const Scene& scene, std::size_t goals) {
+    constexpr double most = 5e7;
+    const double laps = scene.world.period() > 0 ? laps_laid_out : 1, cell = scene.crowd.navigation.cell;
+    const double nodes = (laps * scene.world.length / cell + 1) * (scene.world.width / cell + 1);
+    const double all = nodes * static_cast<double>(goals);
+    if (all <= most) return;
+    std::ostringstream message;
+    message << "/crowd/navigation/cell_m is " << cell << ", which makes " << all << " cells for " << goals
+            << " goals; allowed is up to " << most << " in all, about " << cell * std::sqrt(all / most)
+            << " m and more here";
+    throw ConfigurationError(message.str());
+}
+
+void lay_out(Navigation& navigation, const Scene& scene) {
+    const double period = scene.world.period(), cell = scene.crowd.navigation.cell;
+    navigation.sight.clearance = scene.crowd.body_radius;
+    for (int lap = period > 0 ? -lap_of_goals : 0; lap <= (period > 0 ? lap_of_goals : 0); ++lap) {
+        for (Obstacle box : scene.obstacles) {
+            box.x = {box.x.lo + lap * period, box.x.hi + lap * period};
+            navigation.sight.boxes.push_back(box);
+        }
+    }
+    const double lap_cell = period > 0 ? period / std::ceil(period / cell - 1e-9) : cell;
+    navigation.grid =
+        period > 0 ? travel_grid({-lap_of_goals * period, 0}, {laps_laid_out * period, scene.world.width}, lap_cell)
+                   : travel_grid({0, 0}, {scene.world.length, scene.world.width}, cell);
+    for (const Obstacle& box : navigation.sight.boxes) {
+        close_box(navigation.grid, grown(box, navigation.sight.clearance));
+    }
+    // From the cell of a place within the clearance to the nodes outside it, and one on.
+    const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
+    const double narrowest = std::min(navigation.grid.dx, navigation.grid.dz);
+    navigation.reach = 1 + static_cast<int>(std::ceil(navigation.sight.clearance / narrowest));
+    navigation.start_radius = std::max(scene.crowd.goal_radius, 2 * widest);
+    sort_boxes(navigation);
+}
+
+void name_goals(Navigation& navigation, const Agents& agents) {
+    std::map<std::pair<double, double>, std::uint32_t> number_of;
+    for (const Vector2d& goal : agents.goal) {
+        Vector2d image = goal;
+        if (const double period = navigation.period; period > 0) {
+            image.x() -= period * std::floor(image.x() / period);
+            if (image.x() >= period) image.x() = 0;
+        }
+        const auto [it, is_new] =
+            number_of.try_emplace({image.x(), image.y()}, static_cast<std::uint32_t>(navigation.fields.size()));
+        if (is_new) navigation.fields.emplace_back().goal = image;
+        navigation.field_of.push_back(it->second);
+    }
+}
+
+void check_ways(const Navigation& navigation, const Scene& scene, const Agents& agents) {
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        const Vector2d& p = agents.position[id];
+        const Vector2d rest = goal_offset(agents, id, navigation.period);
+        if (way_from(navigation, navigation.fields[navigation.field_of[id]], p, rest)) continue;
+        const double width = 2 * navigation.sight.clearance;
+        std::ostringstream message;
+        message << "/crowd/groups/" << agents.group[id] << ": agent " << id << " of group \""
+                << scene.crowd.groups[agents.group[id]].name << "\" starts at (" << p.x() << ", " << p.y()
+                << ") m without a way to its goal (" << agents.goal[id].x() << ", " << agents.goal[id].y()
+                << ") m; allowed: a way between the obstacles that is more than " << width
+                << " m wide (2 /crowd/body_radius_m), and for certain found if it is " << width << " m plus a cell of "
+                << scene.crowd.navigation.cell << " m (/crowd/navigation/cell_m), or /crowd/navigation/rule straight";
+        throw ConfigurationError(message.str());
+    }
+}
+
+}  // namespace
+
+Navigation make_navigation(const Scene& scene, const Agents& agents) {
+    const NavigationSettings& settings = scene.crowd.navigation;
+    Navigation navigation;
+    const bool nothing_in_the_way = scene.obstacles.empty() && settings.crowding == 0;
+    if (settings.rule == NavigationRule::straight || nothing_in_the_way || agents.size() == 0) return navigation;
+    navigation.crowding = settings.crowding;
+    if (settings.every > 0) {
+        const double steps = std::round(settings.every * scene.crowd.step_rate);
+        navigation.steps_between = static_cast<std::uint64_t>(std::max(1.0, steps));
+    }
+    navigation.period = scene.world.period();
+    name_goals(navigation, agents);
+    check_size(scene, navigation.fields.size());
+    lay_out(navigation, scene);
+    for (WayField& field : navigation.fields) {
+        start_at_goal(navigation, field);
+        if (navigation.period == 0) find_views(navigation, field);
+    }
+    solve(navigation, agents.position, 1);
+    check_ways(navigation, scene, agents);
+    return navigation;
+}
+
+void update_navigation(Navigation& navigation, std::span<const Vector2d> positions, std::uint64_t step, int threads) {
+    if (navigation.crowding == 0 || navigation.steps_between == 0 || step % navigation.steps_between != 0) return;
+    solve(navigation, positions, threads);
+}
+
+void steer(const Navigation& navigation, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
+           std::span<Vector2d> goal_offsets, int threads) {
+#pragma omp parallel for num_threads(threads) if (threads > 1)
+    for (std::size_t k = 0; k < active.size(); ++k) {
+        const WayField& field = navigation.fields[navigation.field_of[active[k]]];
+        if (const auto way = way_from(navigation, field, positions[k], goal_offsets[k])) goal_offsets[k] = *way;
+    }
+}
+
+}  // namespace wade::crowd

@@ -1,0 +1,135 @@
+#include "crowd_client/ways/obstacles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace wade::crowd {
+namespace {
+
+struct Hit {
+    double time = 2;  // in units of the displacement, [0, 1]; 2: none
+    int axis = 0;     // 0: a face normal to x, 1: normal to z
+    double face = 0;  // its coordinate along the axis, m
+};
+
+bool strictly_inside(const Obstacle& box, const Vector2d& p) {
+    return box.x.lo < p.x() && p.x() < box.x.hi && box.z.lo < p.y() && p.y() < box.z.hi;
+}
+
+// Where the way p + t d, t in [0, 1], enters the open box (slab method). A point on a face that moves along it or away
+// from it does not enter.
+Hit entry(const Obstacle& box, const Vector2d& p, const Vector2d& d) {
+    double t_in = -std::numeric_limits<double>::infinity();
+    double t_out = std::numeric_limits<double>::infinity();
+    Hit hit;
+    for (int axis = 0; axis < 2; ++axis) {
+        const Interval& side = axis == 0 ? box.x : box.z;
+        if (d[axis] == 0) {
+            if (p[axis] <= side.lo || p[axis] >= side.hi) return {};
+            continue;
+        }
+        const double near_face = d[axis] > 0 ? side.lo : side.hi;
+        const double far_face = d[axis] > 0 ? side.hi : side.lo;
+        const double t_near = (near_face - p[axis]) / d[axis];
+        if (t_near > t_in) {
+            t_in = t_near;
+            hit.axis = axis;
+            hit.face = near_face;
+        }
+        t_out = std::min(t_out, (far_face - p[axis]) / d[axis]);
+    }
+    if (t_in < 0 || t_in > 1 || t_in >= t_out) return {};
+    hit.time = t_in;
+    return hit;
+}
+
+bool free_of_boxes(const Walls& walls, const Vector2d& p) {
+    return std::none_of(walls.boxes.begin(), walls.boxes.end(),
+                        [&](const Obstacle& b) { return strictly_inside(b, p); });
+}
+
+}  // namespace
+
+Walls make_walls(const Scene& scene) {
+    Walls walls{scene.world, scene.obstacles};
+    if (const double period = scene.world.period(); period > 0) {
+        for (const Obstacle& box : scene.obstacles) {
+            for (const double shift : {-period, period}) {
+                walls.boxes.push_back({{box.x.lo + shift, box.x.hi + shift}, box.z, box.height});
+            }
+        }
+    }
+    for (Obstacle& box : walls.boxes) {
+        box.x = {box.x.lo - Walls::skin, box.x.hi + Walls::skin};
+        box.z = {box.z.lo - Walls::skin, box.z.hi + Walls::skin};
+    }
+    return walls;
+}
+
+std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p) {
+    if (free_of_boxes(walls, p)) return p;
+    std::optional<Vector2d> best;
+    double best_distance = 3 * Walls::skin;
+    for (const Obstacle& box : walls.boxes) {
+        for (const double x : {p.x(), box.x.lo, box.x.hi}) {
+            for (const double z : {p.y(), box.z.lo, box.z.hi}) {
+                const Vector2d candidate(x, z);
+                const double distance = std::max(std::abs(x - p.x()), std::abs(z - p.y()));
+                const bool in_world = x >= 0 && x <= walls.world.length && z >= 0 && z <= walls.world.width;
+                if (distance < best_distance && in_world && free_of_boxes(walls, candidate)) {
+                    best = candidate;
+                    best_distance = distance;
+                }
+            }
+        }
+    }
+    return best;
+}
+
+Vector2d keep_in_world(const World& world, const Vector2d& p, const Vector2d& walking, double dt) {
+    const bool ends = world.ends == Ends::open;
+    // Most are far from all edges, and the divisions below cost more than the rest.
+    const double reach_x = 2 * dt * std::abs(walking.x()), reach_z = 2 * dt * std::abs(walking.y());
+    const bool far_x = !ends || (p.x() > reach_x && world.length - p.x() > reach_x);
+    if (far_x && p.y() > reach_z && world.width - p.y() > reach_z) return walking;
+    return {ends ? std::clamp(walking.x(), -p.x() / dt, (world.length - p.x()) / dt) : walking.x(),
+            std::clamp(walking.y(), -p.y() / dt, (world.width - p.y()) / dt)};
+}
+
+Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displacement, bool may_fall) {
+    const World& world = walls.world;
+    Vector2d target = p + displacement;
+    if (world.ends == Ends::open) {
+        target.x() = std::min(target.x(), world.length);
+        if (!may_fall) target.x() = std::max(target.x(), 0.0);
+    }
+    target.y() = std::clamp(target.y(), 0.0, world.width);
+    if (walls.boxes.empty()) return target;
+
+    // Each face met takes one component away, so two faces end a step; further turns serve boxes that are met while
+    // sliding along another. What is left after the last turn is given up: the point is then where it last touched.
+    constexpr int max_turns = 8;
+    Vector2d at = p;
+    for (int turn = 0; turn < max_turns && at != target; ++turn) {
+        const Vector2d rest = target - at;
+        Hit first;
+        for (const Obstacle& box : walls.boxes) {
+            const Hit hit = entry(box, at, rest);
+            if (hit.time < first.time) first = hit;
+        }
+        if (first.time > 1) return free_of_boxes(walls, target) ? target : at;
+        const int along = 1 - first.axis;
+        const auto [lo, hi] = std::minmax(at[along], target[along]);
+        Vector2d touch;
+        touch[first.axis] = first.face;
+        touch[along] = std::clamp(at[along] + first.time * rest[along], lo, hi);
+        if (!free_of_boxes(walls, touch)) return at;
+        at = touch;
+        target[first.axis] = first.face;
+    }
+    return at;
+}
+
+}  // namespace wade::crowd

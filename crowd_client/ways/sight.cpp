@@ -1,0 +1,68 @@
+#include "crowd_client/ways/sight.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace wade::crowd {
+namespace {
+
+constexpr double rounding = 1e-9;  // m, so that who touches a face is not taken for inside
+
+// Along the axis on which they are farthest apart; below 0 for a place inside.
+double distance_to(const Obstacle& box, const Vector2d& p) {
+    return std::max(std::max(box.x.lo - p.x(), p.x() - box.x.hi), std::max(box.z.lo - p.y(), p.y() - box.z.hi));
+}
+
+// Cuts [t_in, t_out] down to where p + t d is strictly between lo and hi; false if nothing is left.
+bool cut(double p, double d, const Interval& side, double& t_in, double& t_out) {
+    if (d == 0) return side.lo < p && p < side.hi;
+    const double t_lo = (side.lo - p) / d, t_hi = (side.hi - p) / d;
+    t_in = std::max(t_in, std::min(t_lo, t_hi));
+    t_out = std::min(t_out, std::max(t_lo, t_hi));
+    return t_in < t_out;
+}
+
+}  // namespace
+
+Obstacle grown(const Obstacle& box, double margin) {
+    return {{box.x.lo - margin, box.x.hi + margin}, {box.z.lo - margin, box.z.hi + margin}, box.height};
+}
+
+bool crosses(const Obstacle& box, const Vector2d& p, const Vector2d& q) {
+    double t_in = 0, t_out = 1;
+    return cut(p.x(), q.x() - p.x(), box.x, t_in, t_out) && cut(p.y(), q.y() - p.y(), box.z, t_in, t_out);
+}
+
+double margin_at(const Obstacle& box, double clearance, const Vector2d& p) {
+    return std::min(clearance, distance_to(box, p) - rounding);
+}
+
+bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q) {
+    double margin = sight.clearance;
+    for (const Obstacle& box : sight.boxes) margin = margin_at(box, margin_at(box, margin, p), q);
+    return std::none_of(sight.boxes.begin(), sight.boxes.end(),
+                        [&](const Obstacle& box) { return crosses(grown(box, margin), p, q); });
+}
+
+// in_sight: all ways from the rectangle to the goal lie within half its sides of the way from its middle.
+// hidden: the places that a convex box hides from the goal form a convex set, so that one which hides the four corners
+// hides all between them; the bare box, as the clearance shrinks for places near it.
+View view_of(const Sight& sight, const Interval& x, const Interval& z, const Vector2d& goal) {
+    const Vector2d middle(0.5 * (x.lo + x.hi), 0.5 * (z.lo + z.hi));
+    const double half_x = 0.5 * (x.hi - x.lo) + sight.clearance, half_z = 0.5 * (z.hi - z.lo) + sight.clearance;
+    const std::array<Vector2d, 4> corners{Vector2d(x.lo, z.lo), Vector2d(x.hi, z.lo), Vector2d(x.lo, z.hi),
+                                          Vector2d(x.hi, z.hi)};
+    View view = View::in_sight;
+    for (const Obstacle& box : sight.boxes) {
+        const Obstacle wide{{box.x.lo - half_x, box.x.hi + half_x}, {box.z.lo - half_z, box.z.hi + half_z}, box.height};
+        if (!crosses(wide, middle, goal)) continue;
+        const bool hides = std::all_of(corners.begin(), corners.end(), [&](const Vector2d& corner) {
+            return crosses(grown(box, -rounding), corner, goal);
+        });
+        if (hides) return View::hidden;
+        view = View::unknown;
+    }
+    return view;
+}
+
+}  // namespace wade::crowd

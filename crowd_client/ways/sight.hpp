@@ -1,0 +1,37 @@
+#pragma once
+// Whether obstacles stand between two places.
+
+#include <cstdint>
+#include <vector>
+
+#include "configs/scene/scene.hpp"
+#include "crowd_client/equations.hpp"
+
+namespace wade::crowd {
+
+// Obstacles of the whole way, and the distance to them that a way should keep along each axis.
+struct Sight {
+    std::vector<Obstacle> boxes;
+    double clearance = 0;  // m, >= 0
+};
+
+// The box with each face moved outwards by `margin`, m.
+[[nodiscard]] Obstacle grown(const Obstacle& box, double margin);
+
+// Whether the way from p to q passes through the inside of a box; along a face is not inside.
+[[nodiscard]] bool crosses(const Obstacle& box, const Vector2d& p, const Vector2d& q);
+
+// The distance to all boxes that ways from p can keep, m: the clearance, or less where p itself is nearer to one, as a
+// body's centre may be at a corner. One distance for all, so that boxes side by side stay one.
+[[nodiscard]] double margin_at(const Obstacle& box, double clearance, const Vector2d& p);
+
+// Whether the straight way from p to q keeps the distance that both ends have, at most the clearance, to all boxes.
+[[nodiscard]] bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q);
+
+// What is known for all places of a rectangle at once about a goal.
+enum class View : std::uint8_t { unknown, in_sight, hidden };
+
+// in_sight if the goal is in sight of each place of the rectangle, hidden if of none; unknown may be either.
+[[nodiscard]] View view_of(const Sight& sight, const Interval& x, const Interval& z, const Vector2d& goal);
+
+}  // namespace wade::crowd

@@ -1,0 +1,151 @@
+#include "crowd_client/ways/travel_time.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace wade::crowd {
+namespace {
+
+// The lines [first, last] strictly inside an interval.
+struct Lines {
+    int first = 0, last = -1;
+};
+
+Lines lines_inside(const Interval& side, double origin, double spacing, int count) {
+    const double first = std::floor((side.lo - origin) / spacing) + 1,
+                 last = std::ceil((side.hi - origin) / spacing) - 1;
+    return {static_cast<int>(std::clamp(first, 0.0, static_cast<double>(count))),
+            static_cast<int>(std::clamp(last, -1.0, count - 1.0))};
+}
+
+// Those and the one before, from which an edge or a cell reaches in.
+Lines reaching_inside(const Interval& side, double origin, double spacing, int count) {
+    Lines lines = lines_inside(side, origin, spacing, count);
+    if (side.hi > origin && side.lo < origin + (count - 1) * spacing) lines.first = std::max(lines.first - 1, 0);
+    return lines;
+}
+
+void close_all(TravelGrid& grid, const Lines& columns, const Lines& rows, std::uint8_t bit) {
+    for (int row = rows.first; row <= rows.last; ++row) {
+        for (int column = columns.first; column <= columns.last; ++column) grid.closed[grid.node(column, row)] |= bit;
+    }
+}
+
+class March {
+ public:
+    March(std::vector<double>& travel, MarchMemory& memory, const TravelGrid& grid, std::span<const double> slowness)
+        : travel_(travel), heap_(memory.heap), done_(memory.done), grid_(grid), slowness_(slowness) {
+        a_ = 1 / (grid.dx * grid.dx);
+        b_ = 1 / (grid.dz * grid.dz);
+    }
+
+    void offer(std::uint32_t node, double time) {
+        if (!(time < travel_[node])) return;
+        travel_[node] = time;
+        heap_.emplace_back(time, node);
+        std::push_heap(heap_.begin(), heap_.end(), std::greater<>{});  // ties by number, so that the order is one
+    }
+
+    // A node is in the heap once for each time that it was offered; all but the first to come out are stale.
+    void run() {
+        while (!heap_.empty()) {
+            std::pop_heap(heap_.begin(), heap_.end(), std::greater<>{});
+            const std::uint32_t node = heap_.back().second;
+            heap_.pop_back();
+            if (done_[node] != 0) continue;
+            done_[node] = 1;
+            const auto stride = static_cast<std::uint32_t>(grid_.columns);
+            const auto column = static_cast<int>(node % stride), row = static_cast<int>(node / stride);
+            if (column > 0) update(node - 1, column - 1, row);
+            if (column + 1 < grid_.columns) update(node + 1, column + 1, row);
+            if (row > 0) update(node - stride, column, row - 1);
+            if (row + 1 < grid_.rows) update(node + stride, column, row + 1);
+        }
+    }
+
+ private:
+    [[nodiscard]] bool is_closed(std::uint32_t node, TravelGrid::Bits bit) const {
+        return (grid_.closed[node] & bit) != 0;
+    }
+
+    [[nodiscard]] double time_if_done(std::uint32_t node) const {
+        return done_[node] != 0 ? travel_[node] : unreachable;
+    }
+
+    void update(std::uint32_t node, int column, int row) {
+        if (done_[node] != 0 || is_closed(node, TravelGrid::node_closed)) return;
+        const auto stride = static_cast<std::uint32_t>(grid_.columns);
+        double a = unreachable, b = unreachable;
+        std::uint32_t cell = node;  // between the two neighbours
+        if (column + 1 < grid_.columns && !is_closed(node, TravelGrid::edge_x_closed)) a = time_if_done(node + 1);
+        if (column > 0 && !is_closed(node - 1, TravelGrid::edge_x_closed) && time_if_done(node - 1) < a) {
+            a = travel_[node - 1];
+            cell -= 1;
+        }
+        if (row + 1 < grid_.rows && !is_closed(node, TravelGrid::edge_z_closed)) b = time_if_done(node + stride);
+        if (row > 0 && !is_closed(node - stride, TravelGrid::edge_z_closed) && time_if_done(node - stride) < b) {
+            b = travel_[node - stride];
+            cell -= stride;
+        }
+        const double s = slowness_.empty() ? 1.0 : slowness_[node];
+        const double along_one = std::min(a + s * grid_.dx, b + s * grid_.dz);
+        offer(node, is_closed(cell, TravelGrid::cell_closed) ? along_one : upwind_time(a, b, s, along_one));
+    }
+
+    // T of the legend in the header.
+    [[nodiscard]] double upwind_time(double a, double b, double s, double along_one) const {
+        if (!std::isfinite(a) || !std::isfinite(b)) return along_one;
+        const double sum = a_ + b_;
+        const double rest = s * s / sum - a_ * b_ * (a - b) * (a - b) / (sum * sum);
+        if (rest < 0) return along_one;
+        const double time = (a_ * a + b_ * b) / sum + std::sqrt(rest);
+        return time >= std::max(a, b) ? time : along_one;
+    }
+
+    std::vector<double>& travel_;
+    std::vector<std::pair<double, std::uint32_t>>& heap_;
+    std::vector<std::uint8_t>& done_;
+    const TravelGrid& grid_;
+    std::span<const double> slowness_;
+    double a_, b_;  // A and B of the legend
+};
+
+}  // namespace
+
+TravelGrid travel_grid(const Vector2d& origin, const Vector2d& extent, double cell) {
+    const auto cells_along = [&](double length) { return std::max(1.0, std::ceil(length / cell - 1e-9)); };
+    TravelGrid grid;
+    grid.origin = origin;
+    grid.columns = static_cast<int>(cells_along(extent.x())) + 1;
+    grid.rows = static_cast<int>(cells_along(extent.y())) + 1;
+    grid.dx = extent.x() / (grid.columns - 1);
+    grid.dz = extent.y() / (grid.rows - 1);
+    grid.closed.assign(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows), 0);
+    return grid;
+}
+
+void close_box(TravelGrid& grid, const Obstacle& box) {
+    const Lines columns = lines_inside(box.x, grid.origin.x(), grid.dx, grid.columns);
+    const Lines rows = lines_inside(box.z, grid.origin.y(), grid.dz, grid.rows);
+    const Lines from_columns = reaching_inside(box.x, grid.origin.x(), grid.dx, grid.columns);
+    const Lines from_rows = reaching_inside(box.z, grid.origin.y(), grid.dz, grid.rows);
+    close_all(grid, columns, rows, TravelGrid::node_closed);
+    close_all(grid, from_columns, rows, TravelGrid::edge_x_closed);
+    close_all(grid, columns, from_rows, TravelGrid::edge_z_closed);
+    close_all(grid, from_columns, from_rows, TravelGrid::cell_closed);
+}
+
+void march(std::vector<double>& travel, MarchMemory& memory, const TravelGrid& grid, std::span<const double> slowness,
+           std::span<const std::pair<std::uint32_t, double>> starts) {
+    travel.assign(grid.closed.size(), unreachable);
+    memory.done.assign(grid.closed.size(), 0);
+    memory.heap.clear();
+    March marching(travel, memory, grid, slowness);
+    for (const auto& [node, time] : starts) {
+        if ((grid.closed[node] & TravelGrid::node_closed) == 0) marching.offer(node, time);
+    }
+    marching.run();
+}
+
+}  // namespace wade::crowd

@@ -1,0 +1,313 @@
+#include "fluid_server/dfsph/dfsph.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "fluid_server/neighbours/sweeps.hpp"
+
+namespace wade::fluid {
+
+namespace {
+
+// Share of the last step's pressure that a solve starts from.
+// The divergence solve answers to rates, so that it can keep nearly all of its pressure. What it forgets in a step keeps
+// deep water, where a wrong pressure takes many iterations to find, from being lifted by what it was a moment ago.
+constexpr double forgotten_per_layer = 2e-4;
+constexpr double forgotten_at_most = 0.01;
+// Without a free surface the constant part of its pressure would live for ever.
+constexpr double forgotten_confined = 0.05;
+// The density solve corrects what is left of each step; what it needed last time is a good guess and no more.
+constexpr float warm_start_density = 0.95F;
+
+// Layers of particles in the water that the tolerance of the divergence solve is meant for.
+constexpr double usual_layers = 10;
+
+// Share of the gap to rest density that a particle may close in a step of CFL 0.5: the divergence solve lets it be compressed
+// by so much. Without it water that has once been loosened could not fall back; with all of it the fall has no
+// resistance and water at rest trembles.
+constexpr float gap_closing = 0.1F;
+
+// A Jacobi iteration finds the short waves of the pressure at once and the long ones of deep water last. From this
+// iteration on a solve goes on in the direction in which its pressure moved (Nesterov 1983, as Beck and Teboulle 2009 have
+// it for what must not be negative), from the pressure q of an iteration to
+//   q' = max(0, y + omega error / (dt^2 A)),   y' = q' + beta (q' - q),
+// whose beta grows from 0 towards 1. It begins anew once that leads back (O'Donoghue and Candes 2015) or the error grows, as
+// it would for ever in water that is crushed.
+constexpr int first_with_momentum = 4;
+
+// A solve ends by its mean error, and the mean of no whole block of particles, which lie close together, may be more than so
+// many times the tolerance. A mean over all water alone lets a part of it stay crushed, the larger the more water there is: where a stream
+// of 39,000 particles was stopped by a block some dozens were compressed by a third in steps of CFL 1, until they flew
+// apart. With 7 times the tolerance they still did, with 5 and 3 not.
+constexpr double most_in_a_block = 5;
+
+class Momentum {
+ public:
+    float next_beta() {
+        const float next = (1 + std::sqrt(1 + 4 * t_ * t_)) / 2;
+        return (std::exchange(t_, next) - 1) / next;
+    }
+    void begin_anew() { t_ = 1; }
+
+ private:
+    float t_ = 1;
+};
+
+// What the sweeps of a solve work on. correction: of the gradients of confined water, or null.
+struct Operator {
+    const Particles& p;
+    const NeighbourLists& lists;
+    const GradientCorrection* correction;
+    ParticleFields& f;
+    bool moves_inflow = false;  // or particles inside the emitter keep their velocity
+};
+
+// One number for each particle of a block.
+using BlockOf = std::array<float, block_size>;
+
+// From sum_j p_j g_ij to a_i(p).
+void finish_acceleration(const std::vector<float>& pressure, const Operator& o, std::size_t begin, std::size_t end) {
+    ParticleFields& f = o.f;
+    for (std::size_t i = begin; i < end; ++i) {
+        const float moves = o.p.kind[i] == Kind::inflow && !o.moves_inflow ? 0.0F : 1.0F;
+        f.ax[i] = -moves * (pressure[i] * f.gx[i] + f.ax[i]);
+        f.ay[i] = -moves * (pressure[i] * f.gy[i] + f.ay[i]);
+        f.az[i] = -moves * (pressure[i] * f.gz[i] + f.az[i]);
+    }
+}
+
+// Calls body(i, D_i(u), block) for each particle of a block, from sum_j u_j . (R g_ij).
+template <typename Body>
+void finish_density_rate(const ConstVectorArrays& u, const BlockOf& sums, const Operator& o, std::size_t begin,
+                         std::size_t end, std::size_t b, Body&& body) {
+    const ParticleFields& f = o.f;
+    for (std::size_t i = begin; i < end; ++i) {
+        body(i, u.x[i] * f.gx[i] + u.y[i] * f.gy[i] + u.z[i] * f.gz[i] - sums[i - begin], b);
+    }
+}
+
+VectorArrays accelerations(ParticleFields& f) {
+    return {f.ax.data(), f.ay.data(), f.az.data()};
+}
+
+// a_i(p).
+void pressure_acceleration(const std::vector<float>& pressure, const Operator& o) {
+    for_each_block(o.p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        if (o.correction != nullptr) {
+            sum_corrected_gradients(b, o.p, o.lists, o.correction->arrays(), pressure.data(), accelerations(o.f));
+        } else {
+            sum_gradients(b, o.p, o.lists, pressure.data(), accelerations(o.f));
+        }
+        finish_acceleration(pressure, o, begin, end);
+    });
+}
+
+// Calls body(i, D_i(u), block) for each particle.
+template <typename Body>
+void for_each_density_rate(const ConstVectorArrays& u, const Operator& o, Body&& body) {
+    for_each_block(o.p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        BlockOf sums;
+        if (o.correction != nullptr) {
+            sum_corrected_divergence(b, o.p, o.lists, o.correction->arrays(), u, sums.data());
+        } else {
+            sum_divergence(b, o.p, o.lists, u, sums.data());
+        }
+        finish_density_rate(u, sums, o, begin, end, b, body);
+    });
+}
+
+// Both at the start of a solve, where one sweep does for the two: finds a_i(p) and calls body(i, D_i(u), block).
+template <typename Body>
+void start_solve(const std::vector<float>& pressure, const ConstVectorArrays& u, const Operator& o, Body&& body) {
+    if (o.correction != nullptr) {
+        for_each_density_rate(u, o, body);
+        pressure_acceleration(pressure, o);
+        return;
+    }
+    for_each_block(o.p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        BlockOf sums;
+        sum_gradients_and_divergence(b, o.p, o.lists, pressure.data(), accelerations(o.f), u, sums.data());
+        finish_acceleration(pressure, o, begin, end);
+        finish_density_rate(u, sums, o, begin, end, b, body);
+    });
+}
+
+double total_of(const BlockSums<double>& sums) {
+    return sums.total([](double& sum, double of_block) { sum += of_block; });
+}
+
+// Mean over the block in which it is largest; the last block, of a few particles perhaps, counts as if it were whole.
+double worst_mean_of(const BlockSums<double>& sums) {
+    return sums.total([](double& worst, double of_block) { worst = std::max(worst, of_block); }) /
+           static_cast<double>(block_size);
+}
+
+ConstVectorArrays velocities(const Particles& p) {
+    return {p.vx.data(), p.vy.data(), p.vz.data()};
+}
+
+}  // namespace
+
+void compute_density_and_diagonal(const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
+                                  ParticleFields& f) {
+    lists.factor_unit =
+        volume * std::visit([](const auto& k) { return k.gradient_factor(0); }, kernel) / largest_factor_units;
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        float* const squares = f.inverse_diagonal.data();
+        sum_kernel(b, p, kernel, volume, lists, {f.density.data(), {f.gx.data(), f.gy.data(), f.gz.data()}, squares});
+        for (std::size_t i = begin; i < end; ++i) {
+            f.inverse_diagonal[i] = inverse_of_diagonal(f.gx[i], f.gy[i], f.gz[i], squares[i]);
+        }
+    });
+}
+
+double bed_pressure_force(const Particles& p, const NeighbourLists& lists, double particle_mass) {
+    BlockSums<double> forces;
+    forces.begin(lists.count);
+    for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
+        for_each_pair(lists, b, [&](const ListedPair& pair) {
+            if (pair.view.map.rotation.yy > 0 || p.kind[pair.i] == Kind::inflow) {
+                return;
+            }
+            const float gy = pair.view.map.rotation(pair.gradient)[1];
+            forces[b] -= static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * gy) * particle_mass;
+        });
+    });
+    return forces.total([](double& sum, double force) { sum += force; });
+}
+
+std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& lists, double particle_mass,
+                                     double viscosity, int obstacle) {
+    BlockSums<std::array<double, 3>> forces;
+    forces.begin(lists.count);
+    for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
+        std::array<double, 3>& force = forces[b];
+        for_each_pair(lists, b, [&](const ListedPair& pair) {
+            const NeighbourBlock::View& face = pair.view;
+            if (face.obstacle != obstacle || p.kind[pair.i] == Kind::inflow) {
+                return;
+            }
+            // The face pushes along its normal; along itself it holds only water that sticks to it.
+            const auto normal = static_cast<std::size_t>(face.obstacle_axis);
+            const float g = face.map.rotation(pair.gradient)[normal];
+            force[normal] += static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * g) * particle_mass;
+            const Vec3 own{p.vx[pair.i], p.vy[pair.i], p.vz[pair.i]};
+            const Vec3 image = face.viscous.map({p.vx[pair.j], p.vy[pair.j], p.vz[pair.j]});
+            for (std::size_t a = 0; a < 3; ++a) {
+                const float slip = own[a] - (image[a] + face.viscous.shift[a]);
+                force[a] -= 2 * viscosity * static_cast<double>(slip * pair.factor) * particle_mass;
+            }
+        });
+    });
+    return forces.total([](std::array<double, 3>& sum, const std::array<double, 3>& force) {
+        for (std::size_t a = 0; a < 3; ++a) {
+            sum[a] += force[a];
+        }
+    });
+}
+
+template <typename Source>
+SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start, const Particles& p,
+                                  const NeighbourLists& lists, const GradientCorrection* correction, ParticleFields& f,
+                                  float dt, const PressureSolve& settings, Source&& source) {
+    const bool shifts = &pressure == &p.shift_pressure;
+    const Operator o{p, lists, correction, f, shifts && guides_inflow_};
+    const bool inflow_is_given = !shifts && guides_inflow_;
+    const auto is_given = [&](std::size_t i) { return inflow_is_given && p.kind[i] == Kind::inflow; };
+    const auto given = inflow_is_given ? std::count(p.kind.data(), p.kind.data() + p.count, Kind::inflow) : 0;
+    const double free = static_cast<double>(p.count) - static_cast<double>(given);
+    for_each_particle(p.count, [&](std::size_t i) { pressure[i] *= is_given(i) ? 1 : warm_start; });
+    start_solve(pressure, velocities(p), o,
+                [&](std::size_t i, float rate, std::size_t) { f.source[i] = source(i, rate); });
+    if (confined_) {
+        subtract_mean(f.source, p.count);
+    }
+    SolveResult result;
+    const float dt2 = dt * dt;
+    Momentum momentum;
+    for (bool last = settings.max_iterations == 0; !last;) {
+        const bool carries = result.iterations >= first_with_momentum;
+        if (result.iterations == first_with_momentum) {
+            earlier_ = pressure;
+        }
+        const float beta = carries ? momentum.next_beta() : 0;
+        errors_.begin(p.count);
+        turns_.begin(p.count);
+        for_each_density_rate(accelerations(f), o, [&](std::size_t i, float rate, std::size_t b) {
+            // Compression that is left after the step.
+            const float error = is_given(i) ? 0 : f.source[i] + dt2 * rate;
+            errors_[b] += static_cast<double>(std::max(error, 0.0F));
+            const float from = pressure[i];
+            const float found = std::max(0.0F, from + relaxation_ * error * f.inverse_diagonal[i] / dt2);
+            pressure[i] = found;
+            if (carries) {
+                const float moved = found - earlier_[i];
+                turns_[b] += static_cast<double>((from - found) * moved);
+                pressure[i] += beta * moved;
+                earlier_[i] = found;
+            }
+        });
+        ++result.iterations;
+        const double error = free == 0 ? 0 : total_of(errors_) / free;
+        const bool grows = error > std::exchange(result.error, error);
+        const bool solved = result.iterations >= settings.min_iterations && result.error <= settings.tolerance &&
+                            worst_mean_of(errors_) <= most_in_a_block * settings.tolerance;
+        last = solved || result.iterations == settings.max_iterations;
+        if (carries && (last || grows || total_of(turns_) > 0)) {
+            std::copy_n(earlier_.begin(), p.count, pressure.begin());
+            momentum.begin_anew();
+        }
+        pressure_acceleration(pressure, o);
+    }
+    result.sweeps = (correction != nullptr ? 2 : 1) + 2 * result.iterations;
+    return result;
+}
+
+void PressureSolver::subtract_mean(std::vector<float>& source, std::size_t n) {
+    errors_.begin(n);
+    for_each_particle(n, [&](std::size_t i) { errors_[i / block_size] += static_cast<double>(source[i]); });
+    const auto mean = static_cast<float>(n == 0 ? 0 : total_of(errors_) / static_cast<double>(n));
+    for_each_particle(n, [&](std::size_t i) { source[i] -= mean; });
+}
+
+void apply_acceleration(Particles& p, const ParticleFields& f, float dt) {
+    for_each_particle(p.count, [&](std::size_t i) {
+        p.vx[i] += dt * f.ax[i];
+        p.vy[i] += dt * f.ay[i];
+        p.vz[i] += dt * f.az[i];
+    });
+}
+
+SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists& lists,
+                                             const GradientCorrection* correction, ParticleFields& f, float dt,
+                                             float step_share, const PressureSolve& settings) {
+    const float closing = confined_ ? 0 : gap_closing * step_share;
+    const auto source = [&](std::size_t i, float rate) {
+        // With a source of -1 the pressure of a particle with an open side stays at zero.
+        const float gap = std::min(0.0F, f.density[i] - 1);
+        return f.density[i] < open_surface_density_ ? -1 : dt * rate + closing * gap;
+    };
+    PressureSolve of_this_step = settings;
+    of_this_step.tolerance *= static_cast<double>(step_share) * std::min(1.0, std::pow(usual_layers / layers_, 2));
+    const double forgotten =
+        confined_ ? forgotten_confined : std::min(forgotten_at_most, forgotten_per_layer * layers_);
+    const SolveResult result =
+        solve(p.pressure, static_cast<float>(1 - forgotten), p, lists, correction, f, dt, of_this_step, source);
+    apply_acceleration(p, f, dt);
+    return result;
+}
+
+SolveResult PressureSolver::solve_density(std::vector<float>& pressure, Particles& p, const NeighbourLists& lists,
+                                          const GradientCorrection* correction, ParticleFields& f, float dt,
+                                          const PressureSolve& settings) {
+    const auto is_held = [&](std::size_t i) { return dense_inflow_ && p.kind[i] == Kind::inflow; };
+    const auto source = [&](std::size_t i, float rate) {
+        const float excess = f.density[i] - 1;
+        return (is_held(i) ? std::min(excess, 0.0F) : excess) + dt * rate;
+    };
+    return solve(pressure, warm_start_density, p, lists, correction, f, dt, settings, source);
+}
+
+}  // namespace wade::fluid

@@ -1,0 +1,114 @@
+#pragma once
+// Divergence-free SPH (Bender and Koschier 2015, 2017) with the split of Cornelis et al. (2019): two pressure solves a
+// step. The first keeps the velocity field free of divergence against all forces; its pressure is that of the water. The
+// second keeps the density at rest density and moves positions only, so that correcting the packing of the particles
+// neither drives nor brakes the flow. Without the first, the second moves both.
+//
+// Both solve the same linear system for pressures p >= 0 (divided by rest density, m^2/s^2) by relaxed Jacobi
+// iterations; they differ in the source term only. With g_ij = V grad W_ij, sums over neighbours and images:
+//
+//   acceleration   a_i(p) = - sum_j (p_i + p_j) g_ij
+//   density rate   D_i(u) =   sum_j (u_i - R u_j) . g_ij      R u_j: the mirrored velocity of an image
+//   system         -dt^2 D_i(a(p)) = dt D_i(u) + c_i
+//   density solve      c_i = rho_i/rho_0 - 1
+//   divergence solve   c_i = s min(0, rho_i/rho_0 - 1): water that was loosened may fall back, the share s of its gap in a
+//                      step; particles with an open side are left alone
+//   diagonal       A_ii = dt^2 ( |sum_j g_ij|^2 + sum_j |g_ij|^2 )
+//
+// A sweep finds sum_j p_j g_ij or sum_j u_j . (R g_ij) (sweeps.hpp; R is symmetric); the share of i itself follows from
+// sum_j g_ij, which is found once a step.
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "configs/scene/scene.hpp"
+#include "fluid_server/neighbours/gradient_correction.hpp"
+#include "fluid_server/neighbours/neighbours.hpp"
+#include "fluid_server/particles/parallel.hpp"
+#include "fluid_server/particles/particle_fields.hpp"
+#include "fluid_server/particles/particles.hpp"
+
+namespace wade::fluid {
+
+struct SolveResult {
+    int iterations = 0;
+    int sweeps = 0;    // over all pairs
+    double error = 0;  // mean predicted compression left: fraction of rest density
+};
+
+// Gives dt times the accelerations of the last solve to the velocities.
+void apply_acceleration(Particles& particles, const ParticleFields& fields, float dt);
+
+// Density, sum of gradients and diagonal of each particle, and the factors of the lists. volume: V, m^3.
+void compute_density_and_diagonal(const Particles& particles, const Kernel& kernel, float volume, NeighbourLists& lists,
+                                  ParticleFields& fields);
+
+// Force on bed and obstacles, N, downwards, by the pressures of the last step, once it has moved the particles: what they
+// push against their images. A lid's is subtracted.
+double bed_pressure_force(const Particles& particles, const NeighbourLists& lists, double particle_mass);
+
+// Force on the faces of one obstacle, N, by the pressures of the last step and, if viscosity > 0, by viscosity at the
+// velocities that the particles have now.
+std::array<double, 3> obstacle_force(const Particles& particles, const NeighbourLists& lists, double particle_mass,
+                                     double viscosity, int obstacle);
+
+class PressureSolver {
+ public:
+    // open_surface_density: below this density, as a fraction, a particle has an open side and may be compressed: the
+    //     divergence solve leaves it alone.
+    // relaxation: of the Jacobi iteration.
+    // confined: the water fills its space and has no open side. The pressure is then known up to a constant and the system
+    //     can only be solved for sources whose mean is zero; the mean, that of an SPH density over disordered particles,
+    //     is subtracted.
+    PressureSolver(float open_surface_density, float relaxation, bool confined)
+        : open_surface_density_(confined ? 0 : open_surface_density), relaxation_(relaxation), confined_(confined) {}
+
+    // Layers of particles in the deepest water from now on, 1 before. What each of n layers yields adds up to an error
+    // n d tolerance / dt of the velocity above; held against g dt, what weight gives in a step of a fixed CFL number, it grows
+    // with n squared. So beyond ten layers the tolerance of the divergence solve shrinks with their square; under a lid
+    // weight moves nothing.
+    void set_layers(double layers) { layers_ = confined_ ? 1 : std::max(1.0, layers); }
+
+    // From now on Kind::inflow is carried by a stream that gives it velocity and pressure. The solve that finds velocities keeps that
+    // pressure: particles that cannot yield would gather more and more of it, and burst into those beside them that can.
+    // The density solve, where it moves positions only, moves Kind::inflow as well: its packing follows the stream.
+    void guide_inflow() { guides_inflow_ = true; }
+
+    // From now on the density solve does not mind how dense Kind::inflow is: the lattice of an emitter that is denser than
+    // rest cannot yield, so that a pressure against it would grow for ever, and burst once a particle is let go.
+    void accept_dense_inflow() { dense_inflow_ = true; }
+
+    // Corrects the velocities until no particle that is near rest density is being compressed.
+    // correction: of the gradients of confined water, or null.
+    // step_share: dt over a step of CFL 0.5, at most 1. The tolerance, a change of density, is meant for such a step, and
+    //     so is the gap that may be closed, so that shorter steps are not less exact.
+    SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists,
+                                 const GradientCorrection* correction, ParticleFields& fields, float dt,
+                                 float step_share, const PressureSolve& settings);
+
+    // Finds the accelerations fields.ax, ay, az by which the densities after dt do not exceed rest density, and leaves
+    // the velocities as they are.
+    SolveResult solve_density(std::vector<float>& pressure, Particles& particles, const NeighbourLists& lists,
+                              const GradientCorrection* correction, ParticleFields& fields, float dt,
+                              const PressureSolve& settings);
+
+ private:
+    // source(i, D_i(u)): the right-hand side, u the velocities that the particles have.
+    template <typename Source>
+    SolveResult solve(std::vector<float>& pressure, float warm_start, const Particles& particles,
+                      const NeighbourLists& lists, const GradientCorrection* correction, ParticleFields& fields,
+                      float dt, const PressureSolve& settings, Source&& source);
+    void subtract_mean(std::vector<float>& source, std::size_t n);
+
+    float open_surface_density_;
+    float relaxation_;
+    bool confined_;
+    double layers_ = 1;
+    bool guides_inflow_ = false, dense_inflow_ = false;
+    BlockSums<double> errors_;
+    BlockSums<double> turns_;     // by how much momentum leads back
+    std::vector<float> earlier_;  // pressure of the iteration before, where there is momentum
+};
+
+}  // namespace wade::fluid

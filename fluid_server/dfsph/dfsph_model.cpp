@@ -1,0 +1,145 @@
+#include "fluid_server/dfsph/dfsph_model.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "configs/checks/scene_checks.hpp"
+#include "configs/errors/exit_code.hpp"
+#include "fluid_server/particles/filling.hpp"
+#include "fluid_server/particles/parallel.hpp"
+#include "fluid_server/particles/river_measures.hpp"
+
+namespace wade::fluid {
+
+namespace {
+
+// Whether better settings could go on from where this step began: compressed by no more than the 1 % that stable water
+// may be, and no particle that pressure throws further than the time step allows.
+bool is_sound(const StepReport& step, const Fluid& fluid) {
+    return step.mean_density_error <= 0.01 && step.max_displacement <= 0.5 * fluid.particle_spacing;
+}
+
+// Layers of particles whose packing settles unnoticed under their weight (tests/stability, deep_column).
+constexpr double quiet_layers = 20;
+
+}  // namespace
+
+std::uint32_t DfsphModel::capacity() const {
+    return static_cast<std::uint32_t>(std::max(world_.scene().fluid.max_particles, 1));
+}
+
+shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
+    const auto start = std::chrono::steady_clock::now();
+    const double frame_time = interval.duration();
+    shm::Diagnostics d;
+    d.mean_density_error = 0;
+    d.max_density_error = 0;
+    double driving = 0;
+    keep_state();
+    double remaining = frame_time;
+    // What is left after the last sub-step is rounding.
+    while (remaining > 1e-9 * frame_time) {
+        const StepReport step = this->step(remaining);
+        if (d.sub_steps == 0) kept_is_sound_ = is_sound(step, world_.scene().fluid);
+        remaining -= step.dt;
+        ++d.sub_steps;
+        d.last_dt_s = step.dt;
+        d.density_iterations += static_cast<std::uint32_t>(step.density.iterations);
+        d.divergence_iterations += static_cast<std::uint32_t>(step.divergence.iterations);
+        d.mean_density_error += step.mean_density_error;
+        d.max_density_error = std::max(d.max_density_error, step.max_density_error);
+        driving += step.driving_acceleration * step.dt;
+    }
+    ++frame_;
+    const auto elapsed = std::chrono::steady_clock::now() - start;
+    const RiverMeasures river = measure_river(world_.particles(), static_cast<double>(world_.particle_mass()),
+                                              world_.scene().world.gravity, bed_);
+    d.mean_density_error /= d.sub_steps;
+    d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());
+    d.mean_depth_m = river.mean_depth;
+    d.mean_speed_m_s = river.mean_speed;
+    d.kinetic_energy_j = river.kinetic_energy;
+    d.potential_energy_j = river.potential_energy;
+    if (world_.scene().channel.flow == Flow::recirculating) {
+        d.driving_acceleration_m_s2 = driving / frame_time;
+    }
+    d.position_clamps = world_.position_clamps();
+    d.recycled_particles = world_.recycled();
+    return d;
+}
+
+StepReport DfsphModel::step(double remaining) {
+    try {
+        return world_.step(remaining);
+    } catch (const RunError& error) {
+        failed_ = true;
+        throw RunError(error.code(), "the water failed in frame " + std::to_string(frame_ + 1) +
+                                         ", at t = " + short_number(world_.time()) + " s: " + error.what());
+    }
+}
+
+void DfsphModel::keep_state() {
+    if (kept_is_sound_) {
+        std::swap(kept_, sound_);
+        has_sound_ = true;
+    }
+    kept_is_sound_ = false;  // until its first step has shown it
+    world_.capture(kept_);
+    kept_.frame = frame_;
+}
+
+FailureStates DfsphModel::states_before_failure() const {
+    if (!failed_) return {};
+    return {&kept_, kept_is_sound_ ? &kept_ : has_sound_ ? &sound_ : nullptr};
+}
+
+const FluidState* DfsphModel::state() {
+    world_.capture(kept_);
+    kept_.frame = frame_;
+    return &kept_;
+}
+
+void DfsphModel::restore(const FluidState& state, const std::string& source) {
+    world_.restore(state, source);
+    frame_ = state.frame;
+}
+
+std::uint32_t DfsphModel::write_frame(const shm::FrameFields& slot) const {
+    const Particles& p = world_.particles();
+    const float mass = world_.particle_mass();
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t) {
+        std::fill(slot.mass.begin() + static_cast<std::ptrdiff_t>(begin),
+                  slot.mass.begin() + static_cast<std::ptrdiff_t>(end), mass);
+        const auto copy = [&](const std::vector<float>& from, std::span<float> to) {
+            std::copy(from.begin() + static_cast<std::ptrdiff_t>(begin),
+                      from.begin() + static_cast<std::ptrdiff_t>(end), to.begin() + static_cast<std::ptrdiff_t>(begin));
+        };
+        copy(p.vx, slot.vx);
+        copy(p.vy, slot.vy);
+        copy(p.vz, slot.vz);
+        copy(p.x, slot.px);
+        copy(p.y, slot.py);
+        copy(p.z, slot.pz);
+    });
+    return static_cast<std::uint32_t>(p.count);
+}
+
+std::string DfsphModel::remarks() const {
+    std::string text;
+    if (world_.layers_missed() > 0) {
+        text = "warning: the stock was empty for " + std::to_string(world_.layers_missed()) +
+               " layers of the emitter, raise fluid.max_particles";
+    }
+    const Scene& scene = world_.scene();
+    const double layers = deepest_water(scene) / scene.fluid.particle_spacing;
+    if (scene.fluid.kernel == KernelKind::cubic_spline && layers > quiet_layers) {
+        text += (text.empty() ? "" : "; ") + std::string("note: water of ") + short_number(std::floor(layers)) +
+                " layers of particles at rest shakes once when its packing settles; set /fluid/kernel to "
+                "\"quartic_spline\" if that matters";
+    }
+    return text;
+}
+
+}  // namespace wade::fluid

@@ -1,0 +1,138 @@
+#include "fluid_server/dfsph/fluid_state.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include "configs/errors/exit_code.hpp"
+#include "configs/scene/scene_capacity.hpp"
+
+namespace wade::fluid {
+
+namespace {
+
+// The shortest text that tells the value from its neighbours; 0.1 stays 0.1.
+std::string text_of(double value) {
+    for (int digits = 6; digits < 17; ++digits) {
+        std::ostringstream text;
+        text.precision(digits);
+        text << value;
+        if (std::stod(text.str()) == value) return text.str();
+    }
+    return std::to_string(value);
+}
+
+std::string text_of(Flow flow) {
+    switch (flow) {
+        case Flow::emitter:
+            return "emitter";
+        case Flow::recirculating:
+            return "recirculating";
+        case Flow::periodic:
+            return "periodic";
+        case Flow::closed:
+            return "closed";
+    }
+    return "?";
+}
+
+std::string text_of(Sides sides) {
+    return sides == Sides::walls ? "walls" : "periodic";
+}
+
+std::string text_of(Top top) {
+    return top == Top::open ? "open" : top == Top::wall ? "wall" : "periodic";
+}
+
+std::string text_of(wade::FluidModel model) {
+    return model == wade::FluidModel::dfsph ? "dfsph" : "kinematic";
+}
+
+std::string text_of(KernelKind kernel) {
+    return name_of(kernel);
+}
+
+// Compares one value of the scene with that of the run that wrote the state; source names its file.
+struct Comparison {
+    const std::string& source;
+
+    template <typename T>
+    void same(const std::string& pointer, const T& here, const T& there) const {
+        if (here == there) return;
+        throw ConfigurationError(source + ": " + pointer + " is " + text_of(there) + " in this file and " +
+                                 text_of(here) + " in the scene; allowed in the scene: " + text_of(there));
+    }
+    void same(const std::string& pointer, const Interval& here, const Interval& there) const {
+        same(pointer + "_min_m", here.lo, there.lo);
+        same(pointer + "_max_m", here.hi, there.hi);
+    }
+    void same_number(const std::string& pointer, std::size_t here, std::size_t there) const {
+        if (here == there) return;
+        throw ConfigurationError(source + ": " + pointer + " has " + std::to_string(there) +
+                                 " entries in this file and " + std::to_string(here) +
+                                 " in the scene; allowed in the scene: " + std::to_string(there));
+    }
+};
+
+void check_channel(const Channel& here, const Channel& there, const Comparison& compare) {
+    compare.same("/channel/flow", here.flow, there.flow);
+    compare.same("/channel/x", here.x, there.x);
+    compare.same("/channel/z", here.z, there.z);
+    compare.same("/channel/sides", here.sides, there.sides);
+    compare.same("/channel/top", here.top, there.top);
+    if (here.top != Top::open) compare.same("/channel/height_m", here.height, there.height);
+    if (here.flow == Flow::emitter) compare.same("/channel/depth_m", here.depth, there.depth);
+    compare.same_number("/channel/bed_points", here.bed_points.size(), there.bed_points.size());
+    for (std::size_t i = 0; i < here.bed_points.size(); ++i) {
+        const std::string pointer = "/channel/bed_points/" + std::to_string(i);
+        compare.same(pointer + "/x_m", here.bed_points[i].x, there.bed_points[i].x);
+        compare.same(pointer + "/y_m", here.bed_points[i].y, there.bed_points[i].y);
+    }
+}
+
+void check_obstacles(const std::vector<Obstacle>& here, const std::vector<Obstacle>& there, const Comparison& compare) {
+    compare.same_number("/obstacles", here.size(), there.size());
+    for (std::size_t i = 0; i < here.size(); ++i) {
+        const std::string pointer = "/obstacles/" + std::to_string(i);
+        compare.same(pointer + "/x", here[i].x, there[i].x);
+        compare.same(pointer + "/z", here[i].z, there[i].z);
+        compare.same(pointer + "/height_m", here[i].height, there[i].height);
+    }
+}
+
+void check_room(const FluidState& state, const Scene& scene, const std::string& source) {
+    const auto room = static_cast<std::uint64_t>(scene.fluid.max_particles);
+    // Of the room of the state's run, what neither particles nor stock of an emitter used may go.
+    const auto old_room = static_cast<std::uint64_t>(state.scene.fluid.max_particles);
+    const std::uint64_t least = state.emitter ? old_room - state.emitter->stock : state.particles.count;
+    const std::uint64_t needed = std::max<std::uint64_t>(least, state.particles.count);
+    if (room >= needed) return;
+    throw ConfigurationError(source + ": /fluid/max_particles is " + std::to_string(old_room) + " in this file and " +
+                             std::to_string(room) + " in the scene; allowed in the scene: at least " +
+                             std::to_string(needed) + ", which the water of the file needs");
+}
+
+}  // namespace
+
+void copy_particles(const Particles& from, Particles& to) {
+    if (from.count > to.capacity()) throw std::length_error("no room for the particles of a state");
+    const auto n = static_cast<std::ptrdiff_t>(from.count);
+    for (const auto& [name, values] : particle_arrays) std::copy_n((from.*values).begin(), n, (to.*values).begin());
+    std::copy_n(from.kind.begin(), n, to.kind.begin());
+    to.count = from.count;
+}
+
+void check_state_fits(const FluidState& state, const Scene& scene, const std::string& source) {
+    const Comparison compare{source};
+    compare.same("/fluid/model", scene.fluid.model, state.scene.fluid.model);
+    compare.same("/fluid/particle_spacing_m", scene.fluid.particle_spacing, state.scene.fluid.particle_spacing);
+    compare.same("/fluid/kernel", scene.fluid.kernel, state.scene.fluid.kernel);
+    compare.same("/fluid/support_in_spacings", scene.fluid.support_in_spacings, state.scene.fluid.support_in_spacings);
+    compare.same("/fluid/rest_density_kg_m3", scene.fluid.rest_density, state.scene.fluid.rest_density);
+    check_channel(scene.channel, state.scene.channel, compare);
+    check_obstacles(scene.obstacles, state.scene.obstacles, compare);
+    check_room(state, scene, source);
+}
+
+}  // namespace wade::fluid

@@ -1,0 +1,138 @@
+#pragma once
+// The whole state of the fluid and the step that advances it.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "configs/scene/scene.hpp"
+#include "fluid_server/dfsph/bed_friction.hpp"
+#include "fluid_server/dfsph/dfsph.hpp"
+#include "fluid_server/dfsph/fluid_state.hpp"
+#include "fluid_server/dfsph/midpoint.hpp"
+#include "fluid_server/dfsph/stages.hpp"
+#include "fluid_server/neighbours/neighbours.hpp"
+#include "fluid_server/particles/emitter.hpp"
+#include "fluid_server/particles/open_ends.hpp"
+#include "fluid_server/particles/particles.hpp"
+#include "fluid_server/particles/solids.hpp"
+#include "fluid_server/particles/water_depth.hpp"
+
+namespace wade::fluid {
+
+struct StepReport {
+    double dt = 0;  // s
+    SolveResult divergence;
+    SolveResult density;
+    double mean_density_error = 0;  // of max(0, rho / rho_0 - 1) over particles, at the start of the step
+    double max_density_error = 0;
+    double driving_acceleration = 0;  // m/s^2, towards -x; recirculating channels
+    double contact_force = 0;         // N, vertical force of contact on bed and obstacles, positive downwards
+    double max_displacement = 0;      // m, the longest way of a particle in the step
+    int sweeps = 0;                   // over all pairs
+    StageSeconds stages{};
+};
+
+class FluidWorld {
+ public:
+    // Builds the fluid of the scene at t = 0.
+    explicit FluidWorld(const Scene& scene) : FluidWorld(scene, nullptr) {}
+
+    // ends: null, or what stands in place of an emitter and outlives the world. The world is then empty at first and its
+    // channel must not be periodic along x.
+    FluidWorld(const Scene& scene, OpenEnds* ends);
+
+    // Lets `body` add, remove and change particles; between steps.
+    template <typename Body>
+    void change_particles(Body&& body) {
+        body(particles_);
+    }
+
+    // Gives every particle the velocity, m/s, of a field at its place; before the first step.
+    void set_velocity(const std::function<std::array<double, 3>(const std::array<double, 3>& place)>& field);
+
+    // Advances by at most `remaining` seconds; the time step is a whole fraction of it, so that repeated calls end
+    // exactly on the frame. Throws RunError (numerical_failure) if a velocity runs away or is no longer finite.
+    StepReport step(double remaining);
+
+    // Copies the state into one made by a former call or into a fresh FluidState; `frame` is left as it is. Allocates in
+    // the first call only. Between steps.
+    void capture(FluidState& state) const;
+
+    // Goes on from a state. Throws ConfigurationError, beginning with `source`, if it does not fit (check_state_fits).
+    void restore(const FluidState& state, const std::string& source);
+
+    [[nodiscard]] double time() const { return time_; }  // s, since the water's t = 0
+    [[nodiscard]] const Particles& particles() const { return particles_; }
+    [[nodiscard]] const ParticleFields& fields() const { return fields_; }
+    [[nodiscard]] const Scene& scene() const { return scene_; }
+    [[nodiscard]] float particle_mass() const { return particle_mass_; }  // rho_0 d^3, kg
+    [[nodiscard]] std::uint64_t recycled() const { return emitter_ ? emitter_->recycled() : 0; }
+    [[nodiscard]] std::uint64_t stock() const { return emitter_ ? emitter_->stock() : 0; }
+    [[nodiscard]] std::uint64_t layers_missed() const { return emitter_ ? emitter_->layers_missed() : 0; }
+    // Vertical pressure force on the bed in the last step, N; costs a sweep, valid until the next step.
+    [[nodiscard]] double bed_pressure_force() const;
+    // Force of the water on the faces of an obstacle in the last step, N: pressure, viscosity, contact. Costs a sweep,
+    // valid until the next step.
+    [[nodiscard]] std::array<double, 3> obstacle_force(std::size_t obstacle) const;
+    // Pairs of a particle and a neighbour or image nearer than the support radius in the last step, both directions counted,
+    // and the bytes of its lists. Cost a sweep.
+    [[nodiscard]] std::uint64_t pairs() const;
+    [[nodiscard]] std::uint64_t list_bytes() const;
+    [[nodiscard]] std::uint64_t position_clamps() const { return position_clamps_; }
+
+ private:
+    // Lets them act for `duration`; what drives the stream gives it its speed within dt.
+    void apply_forces(float duration, float dt, StepReport& report);
+    [[nodiscard]] double time_step(double remaining);
+    void measure_density_error(StepReport& report);
+    [[nodiscard]] Places places(std::size_t begin) const;  // from a particle on
+    void apply_contact(float dt, StepReport& report);
+    // Moves the particles by dt (v + shift_time a), a the accelerations of the last solve.
+    void advance(float dt, float shift_time, StepReport& report);
+
+    Scene scene_;
+    float support_radius_;
+    float volume_;
+    float particle_mass_;
+    Kernel kernel_;
+    double viscosity_;      // nu over the kernel's second moment on the lattice, m^2/s
+    bool confined_;         // the water has no free surface
+    float step_share_ = 1;  // of the step at hand, see solve_divergence
+    Particles particles_;
+    CellGrid grid_;
+    NeighbourLists lists_;
+    ParticleFields fields_;
+    GradientCorrection correction_;  // of confined water
+    StartVelocities start_;          // of confined water
+    Solids solids_;
+    std::optional<PressureSolver> solver_;
+    std::optional<Emitter> emitter_;
+    OpenEnds* ends_;
+    std::optional<BedFriction> friction_;
+    double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed
+    WaterDepth depth_;
+    double initial_speed_ = 0;  // of the fastest particle, m/s
+    float outflow_x_;           // particles that are not beyond it have left
+    std::uint64_t position_clamps_ = 0;
+    double time_ = 0;
+
+    struct Extremes {
+        double sum = 0, max = 0, highest = 0;
+    };
+    struct Guards {
+        std::uint64_t clamps = 0, not_finite = 0;
+        float longest_squared = 0;  // m^2
+    };
+    BlockSums<Extremes> extremes_;
+    BlockSums<double> sums_;
+    BlockSums<Guards> guards_;
+    // Momentum that contact with each obstacle took in the last step, divided by dt, N.
+    BlockSums<std::vector<std::array<double, 3>>> contact_sums_;
+    std::vector<std::array<double, 3>> contact_forces_;
+};
+
+}  // namespace wade::fluid

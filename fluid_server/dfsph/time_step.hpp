@@ -1,0 +1,43 @@
+#pragma once
+// How long a step of the solved water may be.
+
+#include "configs/scene/scene.hpp"
+
+namespace wade::fluid {
+
+// The CFL number of the step that the tolerance of the divergence solve is meant for.
+inline constexpr double reference_cfl = 0.5;
+
+// What a step may not exceed whatever the CFL number, in spacings. Steps by which pressure can move particles further
+// than 0.6 d tear water of 60 layers apart (tests/stability, deep_column). A particle that goes 0.4 d at the speed it has
+// stays below d/2 when it is accelerated on its way.
+inline constexpr double pressure_limit = 0.5;
+inline constexpr double way_limit = 0.4;
+
+// Explicit viscosity is stable below dt = d^2 / (8 nu) (Morris et al. 1997).
+inline constexpr double viscous_limit = 0.125;
+
+// Water that falls H reaches 1.4 sqrt(g H), a jet between two fronts a few times that; what is faster by this factor has
+// run away.
+inline constexpr int runaway = 100;
+
+struct WaterSpeeds {
+    double fastest = 0;  // of what moves particles: of the fastest particle, plane or inflow, m/s
+    double wave = 0;     // sqrt(g H) of the scene's depth, m/s: counts in the CFL number
+    // sqrt(g H) of the water as it stands (water_depth.hpp), m/s: the speed at which pressure can set particles in motion; a
+    // step that outruns it extrapolates the density too far and injects energy.
+    double pressure = 0;
+};
+
+struct TimeStep {
+    double dt = 0;    // s
+    float share = 1;  // of a step of reference_cfl, at most 1, see PressureSolver::solve_divergence
+};
+
+// The longest step that all limits allow, at most `remaining` s and a whole part of it.
+[[nodiscard]] TimeStep longest_step(const Fluid& fluid, const WaterSpeeds& speeds, double remaining);
+
+// Largest speed of the planes to which water sticks, m/s.
+[[nodiscard]] double fastest_plane(const Channel& channel);
+
+}  // namespace wade::fluid

@@ -1,0 +1,391 @@
+#include "fluid_server/neighbours/sweeps.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <vector>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fluid_server/neighbours/sweeps.cpp"
+#include <hwy/foreach_target.h>
+
+#include "fluid_server/neighbours/vectors-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace wade::fluid::HWY_NAMESPACE {
+
+// 2^23: between it and its double a float has whole numbers only, in its last bits. A number that it is added to is rounded.
+constexpr float ones_from = 8388608;
+
+// 1 / sqrt(a) to the last bits: one step of Newton's method from the processor's estimate of 12 bits or more.
+HWY_INLINE V reciprocal_sqrt(V a) {
+    const V y = hn::ApproximateReciprocalSqrt(a);
+    return hn::Mul(y, hn::NegMulAdd(hn::Mul(all(0.5F), a), hn::Mul(y, y), all(1.5F)));
+}
+
+// A kernel and (dW/dr) / r over its value at r = 0, of q = r / h and its inverse; zero from q = 1 on.
+struct Shape {
+    V value, factor;
+};
+HWY_INLINE Shape shape(const CubicSpline&, V q, V inverse_q) {
+    const V u = hn::Max(hn::Sub(all(1), q), hn::Zero(lanes));
+    const V u2 = hn::Mul(u, u);
+    const auto near = hn::Le(q, all(0.5F));
+    const V value_near = hn::MulAdd(hn::Mul(hn::Mul(all(6), q), q), hn::Sub(q, all(1)), all(1));
+    const V value_far = hn::Mul(all(2), hn::Mul(u2, u));
+    const V factor_near = hn::NegMulAdd(all(1.5F), q, all(1));
+    const V factor_far = hn::Mul(hn::Mul(all(0.5F), u2), inverse_q);
+    return {hn::IfThenElse(near, value_near, value_far), hn::IfThenElse(near, factor_near, factor_far)};
+}
+HWY_INLINE Shape shape(const QuarticSpline&, V q, V inverse_q) {
+    const V u = hn::Max(hn::Sub(all(1), q), hn::Zero(lanes));
+    const V v = hn::Max(hn::Sub(all(QuarticSpline::knot_far), q), hn::Zero(lanes));
+    const V w = hn::Max(hn::Sub(all(QuarticSpline::knot_near), q), hn::Zero(lanes));
+    const V u2 = hn::Mul(u, u), v2 = hn::Mul(v, v), w2 = hn::Mul(w, w);
+    const V quartic = hn::MulAdd(hn::Mul(all(10), w2), w2, hn::NegMulAdd(hn::Mul(all(5), v2), v2, hn::Mul(u2, u2)));
+    const V factor_near = hn::NegMulAdd(all(5), hn::Mul(q, q), all(1));
+    const V cubic = hn::NegMulAdd(hn::Mul(all(5), v2), v, hn::Mul(u2, u));
+    const V factor_far = hn::Mul(hn::Mul(all(4 / QuarticSpline::factor_at_zero), cubic), inverse_q);
+    return {hn::Mul(all(1 / QuarticSpline::value_at_zero), quartic),
+            hn::IfThenElse(hn::Le(q, all(QuarticSpline::knot_near)), factor_near, factor_far)};
+}
+HWY_INLINE Shape shape(const WendlandC2&, V q, V) {
+    const V u = hn::Max(hn::Sub(all(1), q), hn::Zero(lanes));
+    const V u3 = hn::Mul(hn::Mul(u, u), u);
+    return {hn::Mul(hn::Mul(u3, u), hn::MulAdd(all(4), q, all(1))), u3};
+}
+
+// Copies a thread's room to the list, with a little room to spare where that must grow.
+inline void keep(const std::uint16_t* begin, const std::uint16_t* end, std::vector<std::uint16_t>& list) {
+    const auto size = static_cast<std::size_t>(end - begin);
+    if (list.capacity() < size) list.reserve(size + size / 16);
+    list.assign(begin, end);
+}
+
+// Room of a thread.
+inline std::vector<std::uint16_t>& room_for_factors() {
+    thread_local std::vector<std::uint16_t> room;
+    return room;
+}
+
+// The particles at whose lane of `seen_by` a bit is set.
+HWY_INLINE hn::Mask<Lanes> lanes_of(LaneMask seen_by) {
+    const hn::RebindToUnsigned<Lanes> bits;
+    const auto lane_bit = hn::Shl(hn::Set(bits, 1U), hn::Iota(bits, 0));
+    return hn::RebindMask(lanes, hn::TestBit(hn::Set(bits, static_cast<std::uint32_t>(seen_by)), lane_bit));
+}
+
+// Entries that the first sweep has in hand at once, for three short loops, each a function of its own: a processor works on
+// several entries at a time, and a compiler keeps all in registers, only where there is little to do for each.
+struct Batch {
+    static constexpr std::size_t size = 32;
+    // A number a lane, of one entry.
+    struct Entry {
+        alignas(4 * cluster_size) std::array<float, cluster_size> lane;
+    };
+    std::array<Entry, size> squared_distance;
+    std::array<Entry, size> factor;  // plus ones_from: in whole units
+};
+
+// |x~_i - x_j|^2 of n entries.
+HWY_NOINLINE void find_distances(Vec3V seen, const Particles& p, const std::uint32_t* j, std::size_t n, Batch& batch) {
+    const ConstVectorArrays at = places(p);
+    for (std::size_t e = 0; e < n; ++e) {
+        const Vec3V way = way_from(seen, at, j[e]);
+        hn::Store(dot(way, way), lanes, batch.squared_distance[e].lane.data());
+    }
+}
+
+// Factors of n entries. Returns the density with their kernels added. seen_by: the lanes that see each, if by_sight.
+template <bool by_sight, typename AnyKernel>
+HWY_NOINLINE V find_factors(AnyKernel kernel, const LaneMask* seen_by, std::size_t n, V density, Batch& batch) {
+    const V inverse_h2 = all(kernel.inverse_support_radius() * kernel.inverse_support_radius());
+    for (std::size_t e = 0; e < n; ++e) {
+        // A distance of zero counts as a tiny one, so that its inverse stays finite.
+        const V r2 = hn::Load(lanes, batch.squared_distance[e].lane.data());
+        const V q2 = hn::Max(hn::Mul(r2, inverse_h2), all(1e-12F));
+        const V inverse_q = reciprocal_sqrt(q2);
+        Shape w = shape(kernel, hn::Mul(q2, inverse_q), inverse_q);
+        if constexpr (by_sight) {
+            const auto seen = lanes_of(seen_by[e]);
+            w = {hn::IfThenElseZero(seen, w.value), hn::IfThenElseZero(seen, w.factor)};
+        }
+        density = hn::Add(density, w.value);
+        const V units = hn::Mul(w.factor, all(largest_factor_units));
+        hn::Store(hn::Add(units, all(ones_from)), lanes, batch.factor[e].lane.data());
+    }
+    return density;
+}
+
+// Writes the factors of n entries and which lanes have one, and adds to their sums. Returns one past the last factor.
+struct FactorSums {
+    Vec3V gradient;  // sum_j g~_ij
+    V squares;       // sum_j |g_ij|^2
+};
+HWY_NOINLINE std::uint16_t* keep_factors(Vec3V seen, const Particles& p, const std::uint32_t* j, std::size_t n,
+                                         const Batch& batch, std::uint16_t* to, LaneMask* near_lanes,
+                                         FactorSums& sums) {
+    const Whole whole;
+    const ConstVectorArrays at = places(p);
+    Vec3V gradient = sums.gradient;
+    V squares = sums.squares;
+    for (std::size_t e = 0; e < n; ++e) {
+        const V rounded = hn::Load(lanes, batch.factor[e].lane.data());
+        const V factor = hn::Sub(rounded, all(ones_from));
+        const unsigned near = bits_of(hn::Gt(factor, hn::Zero(lanes)));
+        put_together(hn::And(hn::BitCast(whole, rounded), hn::Set(whole, 0xFFFF)), near, to);
+        to += std::popcount(near);
+        near_lanes[e] = static_cast<LaneMask>(near);
+        gradient = add_product(factor, way_from(seen, at, j[e]), gradient);
+        squares = hn::MulAdd(hn::Mul(factor, factor), hn::Load(lanes, batch.squared_distance[e].lane.data()), squares);
+    }
+    sums = {gradient, squares};
+    return to;
+}
+
+template <typename AnyKernel>
+HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel& kernel, float volume,
+                              NeighbourLists& lists, const KernelSums& sums) {
+    NeighbourBlock& block = lists.blocks[b];
+    const V unit = all(lists.factor_unit);
+    const std::size_t entries = block.segments.empty() ? 0 : block.segments.back().end;
+    std::vector<std::uint16_t>& factors = room_for_factors();
+    const std::size_t most = entries * cluster_size + spread_loads;
+    if (factors.size() < most) factors.resize(most);
+    std::uint16_t* to = factors.data();
+    LaneMask* const masks = lane_masks(block);
+    Batch batch;
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        block.first_factor[cluster] = static_cast<std::uint32_t>(to - factors.data());
+        const Vec3V x = load(places(p), i);
+        V density = hn::Zero(lanes), squares = hn::Zero(lanes);
+        Vec3V gradient = zero3();
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(view.map, x);
+            FactorSums of_segment{zero3(), squares};
+            for (std::size_t k = first; k < last; k += Batch::size) {
+                const std::size_t n = std::min(Batch::size, last - k);
+                const std::uint32_t* const j = block.j.data() + k;
+                LaneMask* const seen_by = masks + k;
+                find_distances(seen, p, j, n, batch);
+                density = view.by_sight ? find_factors<true>(kernel, seen_by, n, density, batch)
+                                        : find_factors<false>(kernel, seen_by, n, density, batch);
+                to = keep_factors(seen, p, j, n, batch, to, seen_by, of_segment);
+            }
+            squares = of_segment.squares;
+            gradient = plus(gradient, apply(view.map.rotation, of_segment.gradient));
+        });
+        hn::StoreU(hn::Mul(all(volume * kernel.value(0)), density), lanes, sums.density + i);
+        hn::StoreU(hn::Mul(hn::Mul(unit, unit), squares), lanes, sums.squares + i);
+        store(times(unit, gradient), sums.gradient, i);
+    });
+    // What is loaded may reach beyond the last.
+    std::fill_n(to, spread_loads, std::uint16_t{0});
+    keep(factors.data(), to + spread_loads, block.factor);
+}
+
+void SumKernel(std::size_t b, const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
+               const KernelSums& sums) {
+    std::visit([&](const auto& of_scene) { sum_kernel_of(b, p, of_scene, volume, lists, sums); }, kernel);
+}
+
+void SumGradients(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
+                  const VectorArrays& sums) {
+    const NeighbourBlock& block = lists.blocks[b];
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        Factors factors(block, cluster);
+        const Vec3V x = load(places(p), i);
+        Vec3V total = zero3();
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(view.map, x);
+            Vec3V sum = zero3();
+            for (std::size_t k = first; k < last; ++k) {
+                const std::size_t j = block.j[k];
+                const V weight = hn::Mul(factors.take(k), all(scalar[j]));
+                sum = add_product(weight, way_from(seen, p, j), sum);
+            }
+            total = plus(total, apply(view.map.rotation, sum));
+        });
+        store(times(all(lists.factor_unit), total), sums, i);
+    });
+}
+
+void SumDivergence(std::size_t b, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
+                   float* sums) {
+    const NeighbourBlock& block = lists.blocks[b];
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        Factors factors(block, cluster);
+        const Vec3V x = load(places(p), i);
+        V sum = hn::Zero(lanes);
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(view.map, x);
+            for (std::size_t k = first; k < last; ++k) {
+                const std::size_t j = block.j[k];
+                const Vec3V uj{all(u.x[j]), all(u.y[j]), all(u.z[j])};
+                sum = hn::MulAdd(factors.take(k), dot(uj, way_from(seen, p, j)), sum);
+            }
+        });
+        hn::StoreU(hn::Mul(all(lists.factor_unit), sum), lanes, sums + (i - b * block_size));
+    });
+}
+
+void SumGradientsAndDivergence(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
+                               const VectorArrays& gradients, const ConstVectorArrays& u, float* divergences) {
+    const NeighbourBlock& block = lists.blocks[b];
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        Factors factors(block, cluster);
+        const Vec3V x = load(places(p), i);
+        Vec3V total = zero3();
+        V divergence = hn::Zero(lanes);
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const Vec3V seen = apply(view.map, x);
+            Vec3V sum = zero3();
+            for (std::size_t k = first; k < last; ++k) {
+                const std::size_t j = block.j[k];
+                const V factor = factors.take(k);
+                const Vec3V way = way_from(seen, p, j);
+                sum = add_product(hn::Mul(factor, all(scalar[j])), way, sum);
+                const Vec3V uj{all(u.x[j]), all(u.y[j]), all(u.z[j])};
+                divergence = hn::MulAdd(factor, dot(uj, way), divergence);
+            }
+            total = plus(total, apply(view.map.rotation, sum));
+        });
+        store(times(all(lists.factor_unit), total), gradients, i);
+        hn::StoreU(hn::Mul(all(lists.factor_unit), divergence), lanes, divergences + (i - b * block_size));
+    });
+}
+
+void SumShear(std::size_t b, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
+              const VectorArrays& sums) {
+    const NeighbourBlock& block = lists.blocks[b];
+    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
+        Factors factors(block, cluster);
+        const Vec3V ui = load(u, i);
+        Vec3V total = zero3();
+        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            // u_i - (M u_j + shift): M is taken out of the sum over j.
+            V weights = hn::Zero(lanes);
+            Vec3V weighted = zero3();
+            for (std::size_t k = first; k < last; ++k) {
+                const std::size_t j = block.j[k];
+                const V weight = factors.take(k);
+                weights = hn::Add(weights, weight);
+                weighted = add_product(weight, Vec3V{all(u.x[j]), all(u.y[j]), all(u.z[j])}, weighted);
+            }
+            const ImageVelocity& image = view.viscous;
+            const Vec3V own{hn::Sub(ui.x, all(image.shift[0])), hn::Sub(ui.y, all(image.shift[1])),
+                            hn::Sub(ui.z, all(image.shift[2]))};
+            const Vec3V mirrored = apply(image.map, weighted);
+            total = plus(total, Vec3V{hn::MulSub(weights, own.x, mirrored.x), hn::MulSub(weights, own.y, mirrored.y),
+                                      hn::MulSub(weights, own.z, mirrored.z)});
+        });
+        store(times(all(lists.factor_unit), total), sums, i);
+    });
+}
+
+// The bits of the first n lanes, of all if there are fewer.
+HWY_INLINE unsigned first_lanes(std::size_t n) {
+    return n < cluster_size ? (1U << n) - 1 : ~0U;
+}
+
+std::size_t FindNearBox(const Box& box, float support_radius, const Particles& p, std::span<const Run> runs,
+                        std::uint32_t* out) {
+    const Numbers numbers;
+    const auto first_numbers = hn::Iota(numbers, 0);
+    const V h2 = all(support_radius * support_radius);
+    const Vec3V lo{all(box.lo[0]), all(box.lo[1]), all(box.lo[2])}, hi{all(box.hi[0]), all(box.hi[1]), all(box.hi[2])};
+    const auto gap = [](V at, V least, V most) {
+        return hn::Max(hn::Max(hn::Sub(least, at), hn::Sub(at, most)), hn::Zero(lanes));
+    };
+    std::size_t found = 0;
+    for (const Run& run : runs) {
+        // A particle of the run a lane.
+        for (std::size_t m = run.begin; m < run.end; m += cluster_size) {
+            const Vec3V x = load(places(p), m);
+            const Vec3V way{gap(x.x, lo.x, hi.x), gap(x.y, lo.y, hi.y), gap(x.z, lo.z, hi.z)};
+            const unsigned of_run = first_lanes(run.end - m);
+            const unsigned near = bits_of(hn::Lt(dot(way, way), h2)) & of_run;
+            put_together(hn::Add(first_numbers, hn::Set(numbers, static_cast<std::uint32_t>(m))), near, out + found);
+            found += static_cast<std::size_t>(std::popcount(near));
+        }
+    }
+    return found;
+}
+
+std::size_t FindNearPlaces(const ClusterPlaces& places, float support_radius, const Particles& p,
+                           std::span<const std::uint32_t> candidates, std::uint32_t* out) {
+    const V h2 = all(support_radius * support_radius);
+    const Vec3V x = load(ConstVectorArrays{places.x.data(), places.y.data(), places.z.data()}, 0);
+    std::size_t found = 0;
+    for (const std::uint32_t j : candidates) {
+        const Vec3V way = way_from(x, p, j);
+        out[found] = j;
+        found += hn::AllFalse(lanes, hn::Lt(dot(way, way), h2)) ? 0U : 1U;
+    }
+    return found;
+}
+
+std::size_t ClusterSize() {
+    return cluster_size;
+}
+
+}  // namespace wade::fluid::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace wade::fluid {
+
+HWY_EXPORT(FindNearBox);
+HWY_EXPORT(FindNearPlaces);
+HWY_EXPORT(ClusterSize);
+HWY_EXPORT(SumKernel);
+HWY_EXPORT(SumGradients);
+HWY_EXPORT(SumDivergence);
+HWY_EXPORT(SumGradientsAndDivergence);
+HWY_EXPORT(SumShear);
+
+std::size_t find_near_box(const Box& box, float support_radius, const Particles& p, std::span<const Run> runs,
+                          std::uint32_t* out) {
+    return HWY_DYNAMIC_DISPATCH(FindNearBox)(box, support_radius, p, runs, out);
+}
+
+std::size_t find_near_places(const ClusterPlaces& places, float support_radius, const Particles& p,
+                             std::span<const std::uint32_t> candidates, std::uint32_t* out) {
+    return HWY_DYNAMIC_DISPATCH(FindNearPlaces)(places, support_radius, p, candidates, out);
+}
+
+void sum_kernel(std::size_t block, const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
+                const KernelSums& sums) {
+    HWY_DYNAMIC_DISPATCH(SumKernel)(block, p, kernel, volume, lists, sums);
+}
+
+void sum_gradients(std::size_t block, const Particles& p, const NeighbourLists& lists, const float* scalar,
+                   const VectorArrays& sums) {
+    HWY_DYNAMIC_DISPATCH(SumGradients)(block, p, lists, scalar, sums);
+}
+
+void sum_divergence(std::size_t block, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
+                    float* sums) {
+    HWY_DYNAMIC_DISPATCH(SumDivergence)(block, p, lists, u, sums);
+}
+
+void sum_gradients_and_divergence(std::size_t block, const Particles& p, const NeighbourLists& lists,
+                                  const float* scalar, const VectorArrays& gradients, const ConstVectorArrays& u,
+                                  float* divergences) {
+    HWY_DYNAMIC_DISPATCH(SumGradientsAndDivergence)(block, p, lists, scalar, gradients, u, divergences);
+}
+
+void sum_shear(std::size_t block, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
+               const VectorArrays& sums) {
+    HWY_DYNAMIC_DISPATCH(SumShear)(block, p, lists, u, sums);
+}
+
+std::size_t cluster_size_here() {
+    return HWY_DYNAMIC_DISPATCH(ClusterSize)();
+}
+
+std::string_view instruction_set() {
+    return hwy::TargetName(hwy::SupportedTargets() & HWY_TARGETS & -(hwy::SupportedTargets() & HWY_TARGETS));
+}
+
+}  // namespace wade::fluid
+#endif

@@ -1,0 +1,84 @@
+#pragma once
+// Sums over neighbours and images for all particles of one block: the only code that knows about vector lanes. It is
+// compiled for several instruction sets, and the best that the processor has is chosen at run time.
+//
+// Terms (dfsph.hpp): g_ij = V grad W_ij; x~ and g~ as in neighbours.hpp. Arrays are written for whole clusters, so that a
+// few entries beyond the last particle change (particles.hpp, padded).
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "fluid_server/neighbours/neighbours.hpp"
+
+namespace wade::fluid {
+
+// A vector a particle, as arrays.
+struct VectorArrays {
+    float *x, *y, *z;
+};
+struct ConstVectorArrays {
+    const float *x, *y, *z;
+    ConstVectorArrays(const float* xs, const float* ys, const float* zs) : x(xs), y(ys), z(zs) {}
+    ConstVectorArrays(const VectorArrays& v) : x(v.x), y(v.y), z(v.z) {}  // NOLINT: a view of the same
+};
+
+// A symmetric 3 x 3 matrix a particle: the arrays of its entries xx, yy, zz, xy, xz, yz.
+using MatrixArrays = std::array<float*, 6>;
+using ConstMatrixArrays = std::array<const float*, 6>;
+
+// What the first sweep finds of each particle.
+struct KernelSums {
+    float* density;         // V sum_j W_ij, fraction of rest density
+    VectorArrays gradient;  // sum_j g_ij, 1/m
+    float* squares;         // sum_j |g_ij|^2, 1/m^2
+};
+
+// Writes those particles of the runs to `out` that are nearer than the support radius to a box. Returns their number. Needs
+// room for all particles of the runs and largest_cluster more.
+std::size_t find_near_box(const Box& box, float support_radius, const Particles& particles, std::span<const Run> runs,
+                          std::uint32_t* out);
+
+// Writes those candidates to `out` that are nearer than the support radius to some place of a cluster. Returns their number.
+// Needs room for all candidates and one more.
+std::size_t find_near_places(const ClusterPlaces& places, float support_radius, const Particles& particles,
+                             std::span<const std::uint32_t> candidates, std::uint32_t* out);
+
+// Computes the factors of the block's lists, and the sums that go with them. volume: V, m^3.
+void sum_kernel(std::size_t block, const Particles& particles, const Kernel& kernel, float volume,
+                NeighbourLists& lists, const KernelSums& sums);
+
+// sum_j q_j g_ij of a scalar q.
+void sum_gradients(std::size_t block, const Particles& particles, const NeighbourLists& lists, const float* scalar,
+                   const VectorArrays& sums);
+
+// sum_j u_j . (R g_ij) of a vector u, for an image R g the gradient that its mirrored velocity meets; block_size sums.
+void sum_divergence(std::size_t block, const Particles& particles, const NeighbourLists& lists,
+                    const ConstVectorArrays& u, float* sums);
+
+// Both of these in one sweep.
+void sum_gradients_and_divergence(std::size_t block, const Particles& particles, const NeighbourLists& lists,
+                                  const float* scalar, const VectorArrays& gradients, const ConstVectorArrays& u,
+                                  float* divergences);
+
+// sum_j (u_i - u_j) V (dW/dr) / r with the velocities that viscosity sees of images.
+void sum_shear(std::size_t block, const Particles& particles, const NeighbourLists& lists, const ConstVectorArrays& u,
+               const VectorArrays& sums);
+
+// - sum_j (x_i - x_j) (x) g_ij, for an image x_j its place.
+void sum_moments(std::size_t block, const Particles& particles, const NeighbourLists& lists, const MatrixArrays& sums);
+
+// The same sums with g_ij replaced by (L_i + L_j) g_ij / 2, L_j that of the image for an image.
+void sum_corrected_kernel(std::size_t block, const Particles& particles, const NeighbourLists& lists,
+                          const ConstMatrixArrays& l, const VectorArrays& gradient, float* squares);
+void sum_corrected_gradients(std::size_t block, const Particles& particles, const NeighbourLists& lists,
+                             const ConstMatrixArrays& l, const float* scalar, const VectorArrays& sums);
+void sum_corrected_divergence(std::size_t block, const Particles& particles, const NeighbourLists& lists,
+                              const ConstMatrixArrays& l, const ConstVectorArrays& u, float* sums);
+
+// The instruction set in use, such as "AVX3".
+[[nodiscard]] std::string_view instruction_set();
+
+}  // namespace wade::fluid

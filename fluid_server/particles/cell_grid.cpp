@@ -1,0 +1,106 @@
+#include "fluid_server/particles/cell_grid.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "fluid_server/particles/filling.hpp"
+#include "fluid_server/particles/parallel.hpp"
+
+namespace wade::fluid {
+
+namespace {
+
+constexpr std::uint32_t no_cell = std::numeric_limits<std::uint32_t>::max();
+
+// Cells above the water at rest, as a multiple of the depth: what is thrown higher counts to the topmost cell.
+constexpr double headroom = 3;
+
+// Along a row there are two cells to a spacing of the lattice, so that a run is hardly longer than the box that asks.
+constexpr double cells_per_radius_along_row = 4;
+
+template <typename T>
+void gather(std::vector<T>& target, const std::vector<T>& values, const std::vector<std::uint32_t>& source,
+            std::size_t n) {
+    for_each_particle(n, [&](std::size_t i) { target[i] = values[source[i]]; });
+}
+
+}  // namespace
+
+CellGrid::CellGrid(const Scene& scene, float support_radius)
+    : start_(),
+      cell_of_(static_cast<std::size_t>(scene.fluid.max_particles)),
+      source_(static_cast<std::size_t>(scene.fluid.max_particles)),
+      room_(padded(static_cast<std::size_t>(scene.fluid.max_particles))),
+      room_for_kind_(static_cast<std::size_t>(scene.fluid.max_particles)) {
+    const Channel& channel = scene.channel;
+    periodic_ = {channel.flow == Flow::recirculating || channel.flow == Flow::periodic, channel.top == Top::periodic,
+                 channel.sides == Sides::periodic};
+    // An emitter holds its next layers behind the upstream end.
+    const double behind = channel.flow == Flow::emitter ? 3 * static_cast<double>(support_radius) : 0;
+    const std::array<double, 3> lo{channel.x.lo, 0, channel.z.lo};
+    const double height = channel.top == Top::open ? headroom * deepest_water(scene) : channel.height;
+    const std::array<double, 3> hi{channel.x.hi + behind, height, channel.z.hi};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double length = hi[k] - lo[k];
+        const double width = static_cast<double>(support_radius) / (k == 0 ? cells_per_radius_along_row : 1);
+        cells_[k] = static_cast<std::uint32_t>(std::max(1.0, std::floor(length / width)));
+        origin_[k] = static_cast<float>(lo[k]);
+        length_[k] = static_cast<float>(length);
+        last_cell_[k] = static_cast<float>(cells_[k] - 1);
+        inverse_cell_[k] = static_cast<float>(static_cast<double>(cells_[k]) / length);
+    }
+    start_.resize(std::size_t{cells_[0]} * cells_[1] * cells_[2] + 1);
+}
+
+std::size_t CellGrid::sort(Particles& p, float outflow_x) {
+    const std::size_t n = p.count;
+    for_each_particle(n, [&](std::size_t i) {
+        const std::uint32_t row = row_of(cell_along(1, p.y[i]), cell_along(2, p.z[i]));
+        const std::uint32_t cell = cell_in_row(row, cell_along(0, p.x[i]));
+        cell_of_[i] = p.x[i] > outflow_x ? cell : no_cell;
+    });
+    share_cells(n);
+    for_each_share(shares_of(n), [&](std::size_t s) { deal_out(first_cell_[s], first_cell_[s + 1], n); });
+    const std::size_t kept = start_.back();
+    for (const ParticleArray& array : particle_arrays) {
+        gather(room_, p.*array.values, source_, kept);
+        std::swap(room_, p.*array.values);
+    }
+    gather(room_for_kind_, p.kind, source_, kept);
+    std::swap(room_for_kind_, p.kind);
+    p.count = kept;
+    return n - kept;
+}
+
+// Each thread deals out to a stretch of the cells, which had about as many particles in the step before as the others'.
+void CellGrid::share_cells(std::size_t n) {
+    const std::size_t shares = shares_of(n), before = start_.back();
+    for (std::size_t s = 0; s < shares; ++s) {
+        const auto at = std::lower_bound(start_.begin(), start_.end() - 1, s * before / shares);
+        first_cell_[s] = static_cast<std::uint32_t>(at - start_.begin());
+    }
+    first_cell_[shares] = static_cast<std::uint32_t>(start_.size());
+}
+
+// Deals n particles out to the cells [first, last), those of a cell in their order.
+void CellGrid::deal_out(std::uint32_t first, std::uint32_t last, std::size_t n) {
+    const auto is_here = [&](std::uint32_t cell) { return cell - first < last - first; };
+    std::fill(start_.begin() + first, start_.begin() + last, 0U);
+    std::uint32_t sum = 0;  // of the particles of the cells before
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::uint32_t cell = cell_of_[i];
+        sum += cell < first ? 1U : 0U;
+        if (is_here(cell)) ++start_[cell];
+    }
+    for (std::uint32_t cell = first; cell < last; ++cell) {
+        sum += start_[cell];
+        start_[cell] = sum;  // the end of each cell; filling from the back turns it into the start
+    }
+    for (std::size_t i = n; i-- > 0;) {
+        const std::uint32_t cell = cell_of_[i];
+        if (is_here(cell)) source_[--start_[cell]] = static_cast<std::uint32_t>(i);
+    }
+}
+
+}  // namespace wade::fluid

@@ -1,0 +1,114 @@
+#pragma once
+// A grid of cells that finds the particles near a box, and particles sorted by cell.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "configs/scene/scene.hpp"
+#include "fluid_server/particles/mirror.hpp"
+#include "fluid_server/particles/parallel.hpp"
+#include "fluid_server/particles/particles.hpp"
+
+namespace wade::fluid {
+
+// Rows of cells along x, as high and as wide as the support radius, cut into cells a quarter as long. The order of the cells
+// winds from row to row, so that a few particles in succession lie close together, at the end of a row as well:
+//
+//     z ^  <-----  y = 1            y = 1 ----->        Each arrow a row; the next begins where one ends, and the next
+//       |  ----->  y = 0   then     y = 0 <-----        layer of rows where one layer ends.
+//
+// Particles beyond the grid count to its outermost cells, which changes nothing for the search.
+class CellGrid {
+ public:
+    CellGrid(const Scene& scene, float support_radius);
+
+    // Sorts all arrays of the particles by cell, in stable order; drops those whose x is not greater than `outflow_x`.
+    // Returns the number dropped.
+    std::size_t sort(Particles& particles, float outflow_x);
+
+    // Calls body(begin, end) for each run of sorted particles that may have some between lo and hi.
+    template <typename Body>
+    void for_each_run(const Vec3& lo, const Vec3& hi, Body&& body) const;
+
+    // Calls body(shift) for each period by which particles must be shifted so that some may come to lie between lo and hi;
+    // zero is the first.
+    template <typename Body>
+    void for_each_period(const Vec3& lo, const Vec3& hi, Body&& body) const;
+
+    // Moves a coordinate that is less than one period outside back into the grid; others stay.
+    [[nodiscard]] float wrap(std::size_t axis, float v) const {
+        if (periodic_[axis]) {
+            v += v < origin_[axis] ? length_[axis] : 0;
+            v -= v >= origin_[axis] + length_[axis] ? length_[axis] : 0;
+        }
+        return v;
+    }
+
+ private:
+    [[nodiscard]] std::uint32_t cell_along(std::size_t axis, float v) const {
+        const float cell = (v - origin_[axis]) * inverse_cell_[axis];
+        return static_cast<std::uint32_t>(static_cast<int>(std::clamp(cell, 0.0F, last_cell_[axis])));
+    }
+    // The row of index j along y and k along z: its place in the order of rows.
+    [[nodiscard]] std::uint32_t row_of(std::uint32_t j, std::uint32_t k) const {
+        return k * cells_[1] + (k % 2 == 0 ? j : cells_[1] - 1 - j);
+    }
+    // The i-th cell of a row along x.
+    [[nodiscard]] std::uint32_t cell_in_row(std::uint32_t row, std::uint32_t i) const {
+        return row * cells_[0] + (row % 2 == 0 ? i : cells_[0] - 1 - i);
+    }
+    void share_cells(std::size_t n);
+    void deal_out(std::uint32_t first, std::uint32_t last, std::size_t n);
+
+    std::array<float, 3> origin_{};
+    std::array<float, 3> length_{};
+    std::array<float, 3> inverse_cell_{};
+    std::array<float, 3> last_cell_{};  // its index
+    std::array<std::uint32_t, 3> cells_{};
+    std::array<bool, 3> periodic_{};
+    std::vector<std::uint32_t> start_;  // first particle of each cell, and the total behind the last
+    std::vector<std::uint32_t> cell_of_;
+    std::vector<std::uint32_t> source_;  // where the particle at a sorted place was before
+    std::vector<float> room_;            // for one array of particles at a time
+    std::vector<Kind> room_for_kind_;
+    std::array<std::uint32_t, most_shares + 1> first_cell_{};  // of the stretch that each thread deals out to
+};
+
+template <typename Body>
+void CellGrid::for_each_run(const Vec3& lo, const Vec3& hi, Body&& body) const {
+    const std::uint32_t i0 = cell_along(0, lo[0]);
+    const std::uint32_t i1 = cell_along(0, hi[0]);
+    const std::uint32_t j1 = cell_along(1, hi[1]);
+    const std::uint32_t k1 = cell_along(2, hi[2]);
+    for (std::uint32_t k = cell_along(2, lo[2]); k <= k1; ++k) {
+        for (std::uint32_t j = cell_along(1, lo[1]); j <= j1; ++j) {
+            const std::uint32_t row = row_of(j, k);
+            const std::uint32_t one = cell_in_row(row, i0);
+            const std::uint32_t other = cell_in_row(row, i1);
+            const std::uint32_t begin = start_[std::min(one, other)];
+            const std::uint32_t end = start_[std::max(one, other) + std::size_t{1}];
+            if (begin < end) {
+                body(begin, end);
+            }
+        }
+    }
+}
+
+template <typename Body>
+void CellGrid::for_each_period(const Vec3& lo, const Vec3& hi, Body&& body) const {
+    const auto along = [&](std::size_t axis, auto&& visit) {
+        visit(0.0F);
+        if (periodic_[axis] && lo[axis] < origin_[axis]) {
+            visit(-length_[axis]);
+        }
+        if (periodic_[axis] && hi[axis] >= origin_[axis] + length_[axis]) {
+            visit(length_[axis]);
+        }
+    };
+    along(2, [&](float z) { along(1, [&](float y) { along(0, [&](float x) { body(Vec3{x, y, z}); }); }); });
+}
+
+}  // namespace wade::fluid

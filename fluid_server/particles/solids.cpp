@@ -1,0 +1,343 @@
+#include "fluid_server/particles/solids.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "configs/scene/scene_capacity.hpp"
+
+namespace wade::fluid {
+
+namespace {
+
+// A particle stands for a cube of side d; its centre may come as near to a face as this fraction of d. Pressure keeps
+// a filled layer at about d/2, so that contact acts on thin sheets only.
+constexpr float contact_fraction = 0.4F;
+
+Box interior_of(const Channel& channel) {
+    Box box;
+    box.lo[1] = channel.top == Top::periodic || !channel.bed_points.empty() ? -Box::inf : 0;
+    box.hi[1] = channel.top == Top::wall ? static_cast<float>(channel.height) : Box::inf;
+    if (channel.flow == Flow::closed) {
+        box.lo[0] = static_cast<float>(channel.x.lo);
+        box.hi[0] = static_cast<float>(channel.x.hi);
+    }
+    if (channel.sides == Sides::walls) {
+        box.lo[2] = static_cast<float>(channel.z.lo);
+        box.hi[2] = static_cast<float>(channel.z.hi);
+    }
+    return box;
+}
+
+Box box_of(const Obstacle& obstacle, const Box& interior) {
+    Box box;
+    box.lo = {static_cast<float>(obstacle.x.lo), 0, static_cast<float>(obstacle.z.lo)};
+    box.hi = {static_cast<float>(obstacle.x.hi), static_cast<float>(obstacle.height),
+              static_cast<float>(obstacle.z.hi)};
+    box.lo[1] = -Box::inf;  // obstacles stand on the bed
+    for (std::size_t k = 0; k < 3; ++k) {
+        box.lo[k] = box.lo[k] <= interior.lo[k] ? -Box::inf : box.lo[k];
+        box.hi[k] = box.hi[k] >= interior.hi[k] ? Box::inf : box.hi[k];
+    }
+    return box;
+}
+
+// Adds the reflection across a plane of which R and the velocity, if water sticks to it, are given.
+void reflect_velocities(Mirror& mirror, const PlaneMap& reflection, const std::optional<Vec3>& sticks) {
+    mirror.reflection = product(reflection, mirror.reflection);
+    ImageVelocity& image = mirror.viscous;
+    if (!sticks) {
+        image.map = product(reflection, image.map);
+        image.shift = reflection(image.shift);
+        return;
+    }
+    // u -> 2 U - u. In the corner of two such planes the image of the image moves like the particle.
+    const bool twice = image.sticks;
+    image.sticks = true;
+    image.map = product({-1, 0, -1, -1}, image.map);
+    for (std::size_t k = 0; k < 3; ++k) {
+        image.shift[k] = twice ? 0 : 2 * (*sticks)[k] - image.shift[k];
+    }
+}
+
+void add_plane(Mirror& mirror, std::size_t axis, float plane, const std::optional<Vec3>& sticks) {
+    mirror.axis[axis] = true;
+    mirror.plane[axis] = plane;
+    PlaneMap reflection;
+    (axis == 0 ? reflection.xx : axis == 1 ? reflection.yy : reflection.zz) = -1;
+    reflect_velocities(mirror, reflection, sticks);
+}
+
+}  // namespace
+
+Solids::Solids(const Scene& scene)
+    : interior_(interior_of(scene.channel)),
+      bed_(bed_facets(scene.channel)),
+      support_radius_(static_cast<float>(support_radius_of(scene.fluid))),
+      contact_distance_(contact_fraction * static_cast<float>(scene.fluid.particle_spacing)) {
+    for (const Obstacle& obstacle : scene.obstacles) {
+        obstacles_.push_back(box_of(obstacle, interior_));
+    }
+    for (const NoSlip& wall : scene.channel.no_slip) {
+        const Vec3 velocity{static_cast<float>(wall.velocity[0]), static_cast<float>(wall.velocity[1]),
+                            static_cast<float>(wall.velocity[2])};
+        switch (wall.plane) {
+            case Plane::bed:
+                sticks_[1][0] = velocity;
+                break;
+            case Plane::top:
+                sticks_[1][1] = velocity;
+                break;
+            case Plane::x_min:
+                sticks_[0][0] = velocity;
+                break;
+            case Plane::x_max:
+                sticks_[0][1] = velocity;
+                break;
+            case Plane::z_min:
+                sticks_[2][0] = velocity;
+                break;
+            case Plane::z_max:
+                sticks_[2][1] = velocity;
+                break;
+            case Plane::obstacles:
+                obstacles_stick_ = velocity;
+                break;
+        }
+    }
+}
+
+bool Solids::near(const Box& a, const Box& b) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (a.hi[k] <= b.lo[k] - support_radius_ || a.lo[k] >= b.hi[k] + support_radius_) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void Solids::mirrors_near(const Box& box, std::vector<Mirror>& mirrors) const {
+    mirrors.clear();
+    mirrors.push_back({});  // no reflection; each axis then adds its own to all that are there
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t before = mirrors.size();
+        for (const bool upper : {false, true}) {
+            const float plane = upper ? interior_.hi[k] : interior_.lo[k];
+            if (box.lo[k] - support_radius_ < plane && plane < box.hi[k] + support_radius_) {
+                for (std::size_t m = 0; m < before; ++m) {
+                    Mirror mirror = mirrors[m];
+                    add_plane(mirror, k, plane, sticks_[k][upper ? 1 : 0]);
+                    mirrors.push_back(mirror);
+                }
+            }
+        }
+        if (k == 1) {
+            add_facet_mirrors(box, before, mirrors);
+        }
+    }
+    if (!obstacles_.empty()) {
+        add_obstacle_mirrors(box, mirrors);
+    }
+    mirrors.erase(mirrors.begin());
+}
+
+void Solids::add_facet_mirrors(const Box& box, std::size_t before, std::vector<Mirror>& mirrors) const {
+    const float middle_x = 0.5F * (box.lo[0] + box.hi[0]);
+    const float middle_y = 0.5F * (box.lo[1] + box.hi[1]);
+    for (std::size_t f = 0; f < bed_.size(); ++f) {
+        const BedFacet& facet = bed_[f];
+        const float reach = support_radius_ + 0.5F * (std::abs(facet.nx) * (box.hi[0] - box.lo[0]) +
+                                                      std::abs(facet.ny) * (box.hi[1] - box.lo[1]));
+        if (box.hi[0] <= facet.x_lo - support_radius_ || box.lo[0] >= facet.x_hi + support_radius_ ||
+            std::abs(facet.distance(middle_x, middle_y)) >= reach) {
+            continue;
+        }
+        for (std::size_t m = 0; m < before; ++m) {
+            Mirror mirror = mirrors[m];
+            if (facet.level()) {
+                add_plane(mirror, 1, facet.py, sticks_[1][0]);
+            } else if (mirror.axis[0]) {
+                continue;  // the corner of an inclined bed and an end wall has no image of an image
+            } else {
+                mirror.inclined = true;
+                mirror.nx = facet.nx, mirror.ny = facet.ny, mirror.px = facet.px, mirror.py = facet.py;
+                reflect_velocities(
+                    mirror, {1 - 2 * facet.nx * facet.nx, -2 * facet.nx * facet.ny, 1 - 2 * facet.ny * facet.ny, 1},
+                    sticks_[1][0]);
+            }
+            mirror.facet = static_cast<int>(f);
+            mirrors.push_back(mirror);
+        }
+    }
+}
+
+bool Solids::sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) const {
+    const BedFacet& facet = bed_[static_cast<std::size_t>(mirror.facet)];
+    const float middle = 0.5F * (x[0] + y[0]);
+    return middle >= facet.x_lo && middle < facet.x_hi && facet.distance(x[0], x[1]) + facet.distance(y[0], y[1]) > 0;
+}
+
+void Solids::add_obstacle_mirrors(const Box& box, std::vector<Mirror>& mirrors) const {
+    const std::size_t walls = mirrors.size();
+    for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+        const Box& obstacle = obstacles_[o];
+        for (std::size_t k = 0; k < 3 && near(obstacle, box); ++k) {
+            for (const bool upper : {false, true}) {
+                if (upper ? box.hi[k] < obstacle.hi[k] : box.lo[k] > obstacle.lo[k]) {
+                    continue;  // nobody is on this face's side
+                }
+                for (std::size_t m = 0; m < walls; ++m) {
+                    Mirror mirror = mirrors[m];
+                    if (!mirror.axis[k] && (k == 2 || !mirror.inclined)) {
+                        add_plane(mirror, k, upper ? obstacle.hi[k] : obstacle.lo[k], obstacles_stick_);
+                        mirror.obstacle = static_cast<int>(o);
+                        mirror.obstacle_axis = k;
+                        mirrors.push_back(mirror);
+                    }
+                }
+            }
+        }
+    }
+}
+
+bool Solids::obstacle_near(const Box& box) const {
+    return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Box& obstacle) { return near(obstacle, box); });
+}
+
+bool Solids::visible(const Vec3& x, const Vec3& y) const {
+    for (const Box& box : obstacles_) {
+        // The part of the line x + t (y - x), 0 < t < 1, that lies between both faces of every axis.
+        float enter = 0;
+        float leave = 1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const float way = y[k] - x[k];
+            if (way == 0) {
+                leave = x[k] > box.lo[k] && x[k] < box.hi[k] ? leave : -1;
+            } else {
+                const float to_lo = (box.lo[k] - x[k]) / way;
+                const float to_hi = (box.hi[k] - x[k]) / way;
+                enter = std::max(enter, std::min(to_lo, to_hi));
+                leave = std::min(leave, std::max(to_lo, to_hi));
+            }
+        }
+        if (enter < leave) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool Solids::sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) const {
+    const Box& box = obstacles_[static_cast<std::size_t>(mirror.obstacle)];
+    const std::size_t k = mirror.obstacle_axis;
+    const float side = mirror.plane[k] == box.hi[k] ? 1.0F : -1.0F;
+    const float from = side * (x[k] - mirror.plane[k]);
+    const float to = side * (y[k] - mirror.plane[k]);
+    if (from < 0 || to < 0 || from + to <= 0) {
+        return false;  // one of them is not on the face's side
+    }
+    for (std::size_t m = 0; m < 3; ++m) {
+        if (m != k) {
+            const float ym = mirror.axis[m] ? 2 * mirror.plane[m] - y[m] : y[m];
+            const float crossing = x[m] + from / (from + to) * (ym - x[m]);
+            if (crossing <= box.lo[m] || crossing >= box.hi[m]) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+void Solids::apply_border_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const {
+    const float rate = 1 / dt;
+    const auto keep_between = [&](std::size_t axis, const float* at, float* u) {
+        const float lo = interior_.lo[axis] + contact_distance_;
+        const float hi = interior_.hi[axis] - contact_distance_;
+        if (lo == -Box::inf && hi == Box::inf) {
+            return;
+        }
+#pragma omp simd
+        for (std::size_t i = 0; i < count; ++i) {
+            const float slowest = std::min(lo - at[i], 0.0F) * rate;  // negative while free
+            const float fastest = std::max(hi - at[i], 0.0F) * rate;
+            u[i] = std::min(std::max(u[i], slowest), fastest);
+        }
+    };
+    keep_between(0, x.x, v.x.data());
+    keep_between(1, x.y, v.y.data());
+    keep_between(2, x.z, v.z.data());
+    for (std::size_t i = 0; i < count && !bed_.empty(); ++i) {
+        // The facet where the particle is, and the one where it goes.
+        for (const float place : {x.x[i], x.x[i] + dt * v.x[i]}) {
+            const BedFacet& facet = facet_at(bed_, place);
+            const float to_bed = contact_distance_ - facet.distance(x.x[i], x.y[i]);
+            const float approach = facet.nx * v.x[i] + facet.ny * v.y[i] - std::min(to_bed, 0.0F) * rate;
+            if (approach < 0) {
+                v.x[i] -= approach * facet.nx;
+                v.y[i] -= approach * facet.ny;
+            }
+        }
+    }
+}
+
+bool Solids::apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const {
+    // The axis along which the particle is farthest outside of the box decides which face it meets.
+    std::size_t axis = 0;
+    float gap = -Box::inf;
+    float side = 0;
+    bool would_enter = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const float lo = box.lo[k] - contact_distance_;
+        const float hi = box.hi[k] + contact_distance_;
+        const float next = x[k] + dt * v[k];
+        would_enter = would_enter && next > lo && next < hi;
+        const float below = lo - x[k];
+        const float above = x[k] - hi;
+        const float outside = std::max(below, above);
+        if (outside > gap) {
+            gap = outside;
+            axis = k;
+            side = below > above ? -1.0F : 1.0F;
+        }
+    }
+    if (would_enter) {
+        const float room = std::max(gap, 0.0F) / dt;
+        v[axis] = side < 0 ? std::min(v[axis], room) : std::max(v[axis], -room);
+    }
+    return would_enter;
+}
+
+bool Solids::push_out(Vec3& x) const {
+    bool moved = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const float inside = std::max(interior_.lo[k], std::min(interior_.hi[k], x[k]));
+        moved = moved || inside != x[k];
+        x[k] = inside;
+    }
+    if (!bed_.empty() && x[1] < bed_height(bed_, x[0])) {
+        x[1] = bed_height(bed_, x[0]);
+        moved = true;
+    }
+    for (const Box& box : obstacles_) {
+        std::size_t axis = 0;
+        float depth = Box::inf;
+        float target = 0;
+        bool inside = true;
+        for (std::size_t k = 0; k < 3; ++k) {
+            inside = inside && x[k] > box.lo[k] && x[k] < box.hi[k];
+            if (x[k] - box.lo[k] < depth) {
+                depth = x[k] - box.lo[k], axis = k, target = box.lo[k];
+            }
+            if (box.hi[k] - x[k] < depth) {
+                depth = box.hi[k] - x[k], axis = k, target = box.hi[k];
+            }
+        }
+        if (inside) {
+            x[axis] = target;
+            moved = true;
+        }
+    }
+    return moved;
+}
+
+}  // namespace wade::fluid

@@ -1,0 +1,131 @@
+#pragma once
+// The solids that confine the water: bed, banks, end walls and box obstacles.
+//
+// Solids are smooth mirrors (method of images). A particle near a face sees the mirror images of its neighbours, and of
+// itself, behind that face: their mass, pressure and mirrored velocity. Density, pressure and viscous forces then need
+// no case for solids: a lattice next to a wall has exactly rest density, forces between particles and images are equal
+// and opposite, energy is neither gained nor lost, the flow slips freely along the face and none crosses it.
+//
+//        images across y | fluid             A concave edge such as bed and bank shows three families of images: mirrored
+//         and z, twice   | images across y   across either face, and across both.
+//       -----------------+-----------------
+//         images across  |                   At a convex edge of an obstacle the rule is that of sight: a particle sees
+//         z              |  o   fluid        another if the straight line between them is free, and the image of another
+//                                            if the line to the image passes through the mirror's face. So every place
+//                                            round a particle is filled exactly once.
+//
+// Images of images are left out: of obstacles and banks nearer than two support radii, and of opposite walls.
+//
+// A bed with bed_points consists of facets (bed_profile.hpp). A particle sees another in the facet over which the point
+// halfway between them lies: pairs stay symmetric, and gentle changes of slope leave neither gap nor overlap that matters.
+//
+// Where water sticks to a face (channel.no_slip) viscosity sees images with another velocity, see ImageVelocity; for
+// pressure every face is smooth.
+//
+// Contact is for what pressure cannot carry: single particles and sheets thinner than the spacing have less than rest
+// density and so no pressure. Their centres stay a contact distance away from every face.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "configs/scene/scene.hpp"
+#include "fluid_server/particles/bed_profile.hpp"
+#include "fluid_server/particles/mirror.hpp"
+#include "fluid_server/particles/parallel.hpp"
+
+namespace wade::fluid {
+
+// A box with faces normal to the axes; a bound may be infinite.
+struct Box {
+    static constexpr float inf = std::numeric_limits<float>::infinity();
+    Vec3 lo{-inf, -inf, -inf};
+    Vec3 hi{inf, inf, inf};
+};
+
+// Whether x lies in the box or on its faces; no if it is not a number.
+inline bool contains(const Box& box, const Vec3& x) {
+    return x[0] >= box.lo[0] && x[0] <= box.hi[0] && x[1] >= box.lo[1] && x[1] <= box.hi[1] && x[2] >= box.lo[2] &&
+           x[2] <= box.hi[2];
+}
+
+// Places of particles, m, as arrays.
+struct Places {
+    const float *x, *y, *z;
+};
+
+// Velocities of the particles of a block, m/s.
+struct BlockVelocities {
+    std::array<float, block_size> x, y, z;
+};
+
+class Solids {
+ public:
+    // Bed, lid if there is one, banks unless the sides are periodic, end walls if the channel is closed, and all obstacles.
+    explicit Solids(const Scene& scene);
+
+    // Replaces `mirrors` by those in which a particle of a box may see images nearer than the support radius.
+    void mirrors_near(const Box& box, std::vector<Mirror>& mirrors) const;
+
+    // Whether an obstacle is nearer to a box than the support radius, so that the two questions below arise.
+    [[nodiscard]] bool obstacle_near(const Box& box) const;
+
+    // Whether the straight line from x to y passes through no obstacle.
+    [[nodiscard]] bool visible(const Vec3& x, const Vec3& y) const;
+
+    // Whether a particle at x sees a particle at y in a mirror that belongs to an obstacle: whether the line from x to
+    // the image passes through the face.
+    [[nodiscard]] bool sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
+
+    // Whether two particles see one another in a facet of the bed: whether the point halfway between them lies over it.
+    [[nodiscard]] bool sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
+
+    // Unilateral, inelastic contact: reduces the velocities v of `count` particles, at most block_size, at places x so that
+    // after x + dt v their centres are no nearer than the contact distance to any face: first to those of bed, lid, banks
+    // and ends, then to each obstacle; calls on_obstacle(its index, particle, the velocity it took away).
+    template <typename OnObstacle>
+    void apply_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v,
+                       OnObstacle&& on_obstacle) const {
+        apply_border_contact(x, count, dt, v);
+        for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+            for (std::size_t i = 0; i < count; ++i) {
+                Vec3 u{v.x[i], v.y[i], v.z[i]};
+                if (apply_obstacle_contact(obstacles_[o], {x.x[i], x.y[i], x.z[i]}, dt, u)) {
+                    on_obstacle(o, i, Vec3{v.x[i] - u[0], v.y[i] - u[1], v.z[i] - u[2]});
+                    v.x[i] = u[0], v.y[i] = u[1], v.z[i] = u[2];
+                }
+            }
+        }
+    }
+
+    // Moves a point that is inside a solid to the nearest free point; true if it had to. A last guard.
+    bool clamp(Vec3& x) const {
+        const bool free = bed_.empty() && obstacles_.empty() && contains(interior_, x);
+        return !free && push_out(x);
+    }
+
+    [[nodiscard]] const Box& interior() const { return interior_; }
+    [[nodiscard]] const std::vector<Box>& obstacles() const { return obstacles_; }
+
+ private:
+    [[nodiscard]] bool near(const Box& a, const Box& b) const;
+    void add_facet_mirrors(const Box& box, std::size_t before, std::vector<Mirror>& mirrors) const;
+    void add_obstacle_mirrors(const Box& box, std::vector<Mirror>& mirrors) const;
+    void apply_border_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const;
+    bool push_out(Vec3& x) const;
+    bool apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const;
+
+    Box interior_;
+    std::vector<BedFacet> bed_;  // empty: the plane y = 0, part of the interior
+    // Velocity of the planes to which water sticks: at the lower and the upper end of each axis, and of the obstacles.
+    std::array<std::array<std::optional<Vec3>, 2>, 3> sticks_;
+    std::optional<Vec3> obstacles_stick_;
+    std::vector<Box> obstacles_;  // reach down through the bed, and through a wall that they touch
+    float support_radius_;
+    float contact_distance_;
+};
+
+}  // namespace wade::fluid

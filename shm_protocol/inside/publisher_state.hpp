@@ -1,0 +1,69 @@
+#pragma once
+// The insides of a Publisher; shared with Subscriber::in_process only.
+
+#include <array>
+#include <boost/interprocess/mapped_region.hpp>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "shm_protocol/inside/pages.hpp"
+#include "shm_protocol/inside/segment.hpp"
+#include "shm_protocol/inside/wait.hpp"
+#include "shm_protocol/stream.hpp"
+
+namespace wade::shm {
+
+struct PublisherState {
+    // What the consumers in lockstep allow.
+    struct Census {
+        int joined = 0;  // admitted and not gone
+        int active = 0;  // those of them for whom the stream goes on: followers are not
+        std::uint64_t slowest = std::numeric_limits<std::uint64_t>::max();  // frame that all of them acknowledged
+    };
+
+    PublisherState(const std::string& session, const StreamInfo& info, Waiting how);
+
+    // Reads all consumer entries. Those that ask to join are admitted at frame `admit_at` (0: nobody is admitted).
+    // Errors: peer_aborted, protocol_violation.
+    Census survey(std::uint64_t admit_at);
+
+    // Errors: peer_dead if a consumer's process has ended without a goodbye and still owes frame `owed` or one before.
+    void check_alive(std::uint64_t owed);
+
+    // Whether a consumer in lockstep is left, and none that was admitted has died or given up.
+    [[nodiscard]] bool consumers_are_there() const;
+
+    void ring();  // tells the consumers that something has changed
+    void enter(ProducerState next);
+    void wait(const WaitTask& task) const;
+    void end(ProducerState last) noexcept;
+
+    [[nodiscard]] bool counts(std::uint32_t consumer) const;  // it is in lockstep, admitted and not gone
+    [[nodiscard]] std::string label(std::uint32_t consumer) const;
+    [[nodiscard]] std::string everybody_behind(std::uint64_t frame) const;
+    [[nodiscard]] bool waits_for_paused(std::uint64_t frame) const;  // a consumer that owes `frame` pauses on purpose
+
+    std::string session;
+    std::string name;  // of the shared-memory object
+    Waiting waiting;
+    SegmentMap map;
+    SegmentFile file;
+    boost::interprocess::mapped_region region;
+    Pages<std::byte> pages;
+
+    std::array<std::uint64_t, max_consumers> admitted{};  // private copy, the shared one is for the consumers
+    bool had_lockstep = false;                            // there was a consumer for whom the stream goes on
+    bool refusals_count = false;                          // during wait_for_consumers()
+    bool hash_frames = true;
+    bool frame_open = false;
+    bool sent_final = false;  // no frame may follow
+    bool ended = false;
+    std::uint64_t published = 0;
+    std::uint64_t chain = 0;
+    std::uint64_t last_tick = 0;  // of frame `published`
+    int reason_code = static_cast<int>(Failure::peer_aborted);
+    std::string reason = "It ended without closing the stream.";
+};
+
+}  // namespace wade::shm

@@ -1,0 +1,117 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "crowd_client/markers/counter_random.hpp"
+#include "crowd_client/ways/obstacles.hpp"
+
+using namespace wade;
+using namespace wade::crowd;
+
+namespace {
+
+Walls block_in_world() {
+    Scene scene;
+    scene.obstacles.push_back({{40, 50}, {20, 30}, 1});
+    return make_walls(scene);
+}
+
+bool inside(const Obstacle& o, const Vector2d& p) {
+    return o.x.lo < p.x() && p.x() < o.x.hi && o.z.lo < p.y() && p.y() < o.z.hi;
+}
+
+}  // namespace
+
+TEST_CASE("A free step ends exactly at its target") {
+    const Walls walls = block_in_world();
+    const Vector2d p(10.1, 10.2);
+    const Vector2d d(0.1, -0.3);
+    CHECK(slide(walls, p, d, false) == p + d);
+}
+
+TEST_CASE("A step into a face slides along it") {
+    const Walls walls = block_in_world();
+    const Vector2d end = slide(walls, {39, 25}, {5, 2}, false);
+    CHECK(end.x() == 40 - Walls::skin);
+    // The face takes the component across, the one along it stays; 1e-12 is the rounding of the split of the step.
+    CHECK(end.y() == Approx(27).margin(1e-12));
+    CHECK(slide(walls, {51, 25}, {-1000, -3}, false).x() == 50 + Walls::skin);
+    CHECK(slide(walls, {45, 31}, {1, -500}, false).y() == 30 + Walls::skin);
+}
+
+TEST_CASE("A point on a face goes along it and leaves it freely") {
+    const Walls walls = block_in_world();
+    const Vector2d on_face = slide(walls, {39, 25}, {5, 0}, false);
+    CHECK(slide(walls, on_face, {0, 3}, false) == on_face + Vector2d(0, 3));
+    CHECK(slide(walls, on_face, {-3, 1}, false) == on_face + Vector2d(-3, 1));
+    CHECK(slide(walls, on_face, {3, 0}, false) == on_face);
+}
+
+TEST_CASE("A step exactly at a corner does not get through") {
+    const Walls walls = block_in_world();
+    const Vector2d end = slide(walls, {38, 18}, {14, 14}, false);
+    CHECK_FALSE(inside(walls.boxes[0], end));
+    CHECK((end.x() <= 40 || end.y() <= 20));
+}
+
+TEST_CASE("Two boxes that touch have no gap between them") {
+    Scene scene;
+    scene.obstacles.push_back({{40, 50}, {10, 25}, 1});
+    scene.obstacles.push_back({{40, 50}, {25, 40}, 1});
+    const Walls walls = make_walls(scene);
+    CHECK(slide(walls, {39, 25}, {20, 0}, false) == Vector2d(40 - Walls::skin, 25));
+}
+
+TEST_CASE("A step into an inner corner of two boxes stops there") {
+    Scene scene;
+    scene.obstacles.push_back({{40, 50}, {10, 40}, 1});
+    scene.obstacles.push_back({{20, 40}, {30, 40}, 1});
+    const Walls walls = make_walls(scene);
+    const Vector2d end = slide(walls, {39, 29}, {7, 5}, false);
+    CHECK(end == Vector2d(40 - Walls::skin, 30 - Walls::skin));
+    CHECK(slide(walls, end, {7, 5}, false) == end);
+}
+
+TEST_CASE("No step, however long and wherever it starts, ends in a box or crosses one") {
+    Scene scene;
+    scene.obstacles.push_back({{40, 50}, {20, 30}, 1});
+    scene.obstacles.push_back({{50, 52}, {25, 45}, 1});
+    scene.obstacles.push_back({{10, 11}, {0, 50}, 1});  // a wall right across the world
+    const Walls walls = make_walls(scene);
+    for (std::uint64_t run = 0; run < 200; ++run) {
+        Vector2d p(12 + 27 * counter_uniform(1, run, 0), 50 * counter_uniform(1, run, 1));
+        for (std::uint64_t i = 1; i <= 100; ++i) {
+            // Lengths over eight orders of magnitude.
+            const double length = std::pow(10.0, 8 * counter_uniform(2, run, i) - 5);
+            const double angle = 6.283185307179586 * counter_uniform(3, run, i);
+            p = slide(walls, p, Vector2d(length * std::cos(angle), length * std::sin(angle)), true);
+            for (const Obstacle& box : scene.obstacles) REQUIRE_FALSE(inside(box, p));
+            REQUIRE(p.x() >= 11);  // never through the wall
+            REQUIRE(p.x() <= 100);
+            REQUIRE(p.y() >= 0);
+            REQUIRE(p.y() <= 50);
+        }
+    }
+}
+
+TEST_CASE("The world's edges stop a step, except the fall where that is allowed") {
+    const Walls walls = block_in_world();
+    CHECK(slide(walls, {1, 1}, {-5, -5}, false) == Vector2d(0, 0));
+    CHECK(slide(walls, {1, 1}, {-5, -5}, true) == Vector2d(-4, 0));
+    CHECK(slide(walls, {99, 49}, {5, 5}, true) == Vector2d(100, 50));
+}
+
+TEST_CASE("A walk is shortened at the edge of the world and nowhere else") {
+    World world;
+    const double dt = 1.0 / 30;
+    CHECK(keep_in_world(world, {50, 25}, {1.3, -1.3}, dt) == Vector2d(1.3, -1.3));
+    CHECK(keep_in_world(world, {0, 50}, {-1, 1}, dt) == Vector2d(0, 0));
+    CHECK(keep_in_world(world, {0.01, 25}, {-1.3, 0.5}, dt).x() == Approx(-0.3).epsilon(1e-14));
+    CHECK(keep_in_world(world, {0.01, 25}, {-1.3, 0.5}, dt).y() == 0.5);
+}
+
+TEST_CASE("A start on a face is moved to its outside, a start inside a box is refused") {
+    const Walls walls = block_in_world();
+    CHECK(place_outside(walls, {40, 25}).value() == Vector2d(40 - Walls::skin, 25));
+    CHECK(place_outside(walls, {30, 25}).value() == Vector2d(30, 25));
+    CHECK_FALSE(place_outside(walls, {45, 25}).has_value());
+}
