@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "configs/scene/scene_schema.hpp"
 #include "scene_texts.hpp"
 
 using nlohmann::json;

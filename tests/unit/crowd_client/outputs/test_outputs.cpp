@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "crowd_client/outputs/run_folder.hpp"
+#include "crowd_client/session/run_client.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;

@@ -1,4 +1,4 @@
-"""Table and report of tools/frame_rates.py: means, intervals, and whether the rates agree."""
+"""Table and report of tools/python/wade/sweeps/frame_rates.py: means, intervals, and whether the rates agree."""
 
 import numpy as np
 
