@@ -65,6 +65,16 @@ class Tree:
                 names |= {made.replace("${" + variable + "}", value) for value in values.split()}
         return names
 
+    def rooms(self, folders):
+        """{target of a room: targets that it builds on}, as CMake has them."""
+        lists = (name for name in self.files if name.split("/")[0] in folders and name.endswith("CMakeLists.txt"))
+        built = {}
+        for name in lists:
+            for room, words in re.findall(r"wade_room\((\w+)([^)]*)\)", self.text(name)):
+                uses = re.search(r"USES([\w\s]*)", words)
+                built[room] = set(uses[1].split()) if uses else set()
+        return built
+
 
 class Commands:
     """What commands of the tree and built programs say in their --help."""
