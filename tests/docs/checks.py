@@ -155,6 +155,10 @@ class Checker:
                 self.note("path")
                 if not self.tree.has(token):
                     yield line, "path", f"no file or folder {token}"
+            elif first in self.tree.scene_folders and re.fullmatch(r"\w+/\w+", token):
+                self.note("scene")
+                if not self.tree.has(f"configs/{token}.json"):
+                    yield line, "scene", f"no scene {token}"
             elif ending in CODE and token != ending:
                 self.note("file")
                 beside = os.path.join(os.path.dirname(name), token)

@@ -23,6 +23,7 @@ class Tree:
         self.files = {name for name in listed if name and (root / name).exists()}
         self.folders = {str(parent) for name in self.files for parent in Path(name).parents} - {"."}
         self.top = {name.split("/")[0] for name in self.files}
+        self.scene_folders = {name.split("/")[1] for name in self.files if re.match(r"configs/\w+/\w+\.json$", name)}
         self.names = {name.rsplit("/", 1)[-1] for name in self.files}
 
     def has(self, path):
