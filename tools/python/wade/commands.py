@@ -39,10 +39,10 @@ COMMANDS = {
     ),
     "Judge the water": (
         Command("validate", "analytic solutions and experiments: errors and orders", "wade.suites.validate",
-                ("validate",), True, script="validate.sh"),
+                ("validate",), True),
         Command("stability", "hard cases with all settings of the solver", "wade.suites.stability", ("stability",), True),
         Command("speed-vs-error", "cost and error of the settings of the water", "wade.suites.speed_vs_error",
-                ("validate", "crowd_client"), True, script="speed_vs_error.sh"),
+                ("validate",), True),
         Command("models", "all models of the water side by side", "wade.suites.models", ("validate", *PAIR), True,
                 ("compare-models",), script="compare_models.sh"),
         Command("model-choice", "how often the model that `auto` chooses keeps its error", "wade.suites.model_choice",

@@ -1,19 +1,19 @@
-"""Front, settings and table of the sweep; runs nothing. /usr/bin/python3 -m unittest test_speed_vs_error"""
+"""Front, settings and table of the sweep; runs nothing."""
 
 import csv
-import subprocess
-import sys
 import tempfile
 import unittest
 from dataclasses import replace
 from pathlib import Path
 
-from front import cheapest_below, distance_to_front, front
-from measure import Measured, Runner, of_seeds
-from overall import beyond_chance, overall_lines
-from settings import FACTORS, ROOT, Setting, combinations, default_setting, near_front, one_at_a_time, probes
-from splishsplash import filled_block
-from table import HEADER, error_of, groups_of, write_table
+from wade.reports.programs import Fingerprints
+from wade.suites import speed_vs_error
+from wade.suites.speed_vs_error.front import cheapest_below, distance_to_front, front
+from wade.suites.speed_vs_error.measure import Measured, Runner, of_seeds
+from wade.suites.speed_vs_error.overall import beyond_chance, overall_section
+from wade.suites.speed_vs_error.settings import (FACTORS, Setting, combinations, default_setting, near_front,
+                                                 one_at_a_time, probes)
+from wade.suites.speed_vs_error.table import HEADER, error_of, groups_of, write_table
 
 # What scripts outside of this project read, in this order; more columns may follow.
 CONTRACT = (
@@ -43,19 +43,12 @@ class Front(unittest.TestCase):
 
 
 class CommandLine(unittest.TestCase):
-    def test_a_case_that_is_not_there_is_refused_and_leaves_nothing(self):
-        with tempfile.TemporaryDirectory(prefix="wade-test-") as folder:
-            program, out = Path(folder) / "validate", Path(folder) / "out"
-            program.write_text("#!/bin/sh\necho dam_break 0.1 0.05\necho no_error_of_its_own 0.1\n")
-            program.chmod(0o755)
-            for cases in ("nosuch", "dam_break,nosuch", "no_error_of_its_own", ""):
-                with self.subTest(cases):
-                    command = [sys.executable, Path(__file__).parent, "--validate", program, "--out", out, "--cases", cases]
-                    answer = subprocess.run(command, capture_output=True, text=True)
-                    self.assertEqual(answer.returncode, 2, answer.stderr)
-                    self.assertEqual(answer.stderr, f'speed_vs_error.sh: --cases: "{cases.split(",")[-1]}" is not allowed; '
-                                                    "allowed: dam_break\n")
-                    self.assertFalse(out.exists())
+    def test_a_case_that_is_not_there_is_refused(self):
+        there = dict.fromkeys(("dam_break", "no_error_of_its_own"))
+        for cases in ("nosuch", "dam_break,nosuch", "no_error_of_its_own", ""):
+            with self.subTest(cases), self.assertRaises(ValueError) as refused:
+                speed_vs_error.wanted_cases(speed_vs_error.parse(["--cases", cases]), there)
+            self.assertEqual(str(refused.exception), f'--cases: "{cases.split(",")[-1]}" is not allowed; allowed: dam_break')
 
 
 class Settings(unittest.TestCase):
@@ -149,7 +142,7 @@ class Overall(unittest.TestCase):
                 Measured(replace(default, cfl=1.0), 100, cost, metrics=dict.fromkeys(errors, error)),
             ]
         measured.append(Measured(replace(default_setting("dam_break", 0.1), tolerance=1e-2), 100, 1.0, metrics=errors))
-        lines = overall_lines(groups_of(measured))
+        lines = overall_section(groups_of(measured)).splitlines()
         self.assertIn("| cfl 1 | 0.25 | 2.00 | 2 of 3 | 4 times in dam_break, depth_l1, d = 0.1 m |", lines)
         self.assertFalse(any("tol 0.01" in line for line in lines))  # of one case only
 
@@ -159,8 +152,8 @@ class Running(unittest.TestCase):
         program = Path(self.folder.name) / "validate"
         program.write_text("#!/bin/sh\n" + script)
         program.chmod(0o755)
-        runner = Runner(program, Path(self.folder.name) / "points", 1, time_limit)
-        return runner.run(default_setting("dam_break", 0.1), ROOT)
+        runner = Runner(program, Path(self.folder.name) / "points", Fingerprints([program], Path(self.folder.name), ()), 1, time_limit)
+        return runner.run(default_setting("dam_break", 0.1))
 
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -176,15 +169,6 @@ class Running(unittest.TestCase):
         for limit, starts in ((0.3, 1), (0.3, 1), (0.2, 1), (0.4, 2)):
             self.assertIn("--time-limit", self.point(script, limit).failure)
             self.assertEqual(len(marker.read_text()), starts)
-
-
-class SplishSplash(unittest.TestCase):
-    def test_a_block_holds_a_particle_for_each_cell(self):
-        block = {"x_min_m": 11, "x_max_m": 16, "z_min_m": 1, "z_max_m": 7, "depth_m": 1}
-        made = filled_block(block, 0.25)
-        counts = [round((hi - lo) / 0.25) - 1 for lo, hi in zip(made["start"], made["end"])]
-        self.assertEqual(counts, [20, 4, 24])
-        self.assertEqual(made["start"][0] + 0.25, 11.125)  # the centre of the first
 
 
 if __name__ == "__main__":

@@ -1,31 +1,16 @@
-"""The scripts of tools/validate.sh: which runs are planned, how they are judged, what the report says."""
+"""The suite of validation: how runs are judged, what the report says of them."""
 
 import csv
 import json
-import os
-import sys
 import tempfile
 import unittest
-from unittest import mock
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(ROOT / "tools" / "validation"))
-
-import beside  # noqa: E402
-import convergence  # noqa: E402
-import report  # noqa: E402
-import results  # noqa: E402
-import run_folder  # noqa: E402
-import runs  # noqa: E402
+from wade.suites import cases
+from wade.suites.validate import TABLES, beside, convergence, report, results
 
 HEADER = "case,model,spacing_m,particles,metric,value,unit,threshold,pass,wall_s,cpu_s,reference"
-CASES = [runs.Case("wave 0.1 0.05 0.025 quick=medium"), runs.Case("river 0.25 0.125 long=medium"), runs.Case("crowd 0")]
-
-
-def names(plan):
-    return [f"{case.name}-{level}" for case, level in plan]
+CASES = [cases.Case("wave 0.1 0.05 0.025 quick=medium"), cases.Case("river 0.25 0.125 long=medium"), cases.Case("crowd 0")]
 
 
 def run_of(case, level, spacing, error, fingerprint="now"):
@@ -37,91 +22,6 @@ def run_of(case, level, spacing, error, fingerprint="now"):
         "metrics": [{"name": "height", "value": error, "unit": "1"}, {"name": "rest", "value": 7.0, "unit": "m"}],
         "curves": [{"name": "line", "file": f"{case}-{level}-line.csv", "columns": ["x_m", "height_m", "exact_height_m"]}],
     }  # fmt: skip
-
-
-class Planning(unittest.TestCase):
-    def test_everything_but_long_runs_coarse_first(self):
-        expected = ["wave-coarse", "river-coarse", "crowd-coarse", "wave-medium", "wave-fine"]
-        self.assertEqual(names(runs.plan(CASES, "", "", False, False)), expected)
-
-    def test_quick_long_and_patterns(self):
-        self.assertEqual(names(runs.plan(CASES, "", "", True, False)), ["wave-medium"])
-        self.assertEqual(names(runs.plan(CASES, "r*,crowd", "", False, True)), ["river-coarse", "crowd-coarse", "river-medium"])
-        self.assertEqual(names(runs.plan(CASES, "wave", "fine", False, False)), ["wave-fine"])
-
-    def test_cases_without_a_run_are_named(self):
-        some = runs.plan(CASES, "river, wave", "fine", False, False)
-        self.assertEqual(runs.left_out("river, wave", some), ["river"])
-        self.assertEqual(runs.left_out("w*", some), [])
-        self.assertEqual(runs.left_out(None, some), [])
-
-    def test_what_does_not_exist_is_refused_by_name(self):
-        for patterns, levels, word in (("wafe", "", "wafe"), ("", "rough", "rough"), ("river", "medium", "nothing to run")):
-            with self.assertRaisesRegex(ValueError, word):
-                runs.plan(CASES, patterns, levels, False, False)
-
-
-class Fingerprint(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def of(self, text, case="wave"):
-        program = self.folder / "program"
-        program.write_bytes(text)
-        return runs.Fingerprints(program, self.folder)(case)
-
-    def test_the_name_of_the_commit_changes_nothing(self):
-        note = b"\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0"
-
-        def program(build_id, code, commit):
-            return self.of(note + 20 * build_id + code + b"wade-commit=" + commit.ljust(52, b"\0"))
-
-        first = program(b"a", b"code", b"0123456789ab")
-        self.assertEqual(first, program(b"b", b"code", b"ba9876543210"))
-        self.assertEqual(first, program(b"b", b"code", b"ba9876543210-dirty"))
-        self.assertNotEqual(first, program(b"a", b"Code", b"0123456789ab"))
-
-    def test_settings_of_all_runs_count(self):
-        program = self.folder / "program"
-        program.write_bytes(b"code")
-        prints = {runs.Fingerprints(program, self.folder, settings)("wave") for settings in ([], ["/a=1"], ["/a=2"])}
-        self.assertEqual(len(prints), 3)
-
-    def test_the_series_of_spheric2_matters_to_it_only(self):
-        (self.folder / "series.csv").write_text("1")
-        with mock.patch.dict(os.environ, WADE_SPHERIC2_DATA=""):
-            wave, tank = self.of(b"x"), self.of(b"x", "spheric2")
-        with mock.patch.dict(os.environ, WADE_SPHERIC2_DATA=str(self.folder)):
-            self.assertEqual(self.of(b"x"), wave)
-            with_series = self.of(b"x", "spheric2")
-            self.assertNotEqual(with_series, tank)
-            (self.folder / "series.csv").write_text("12")
-            self.assertNotEqual(self.of(b"x", "spheric2"), with_series)
-
-
-class Running(unittest.TestCase):
-    def test_an_old_run_stays_until_its_repeat_starts(self):
-        with tempfile.TemporaryDirectory() as name:
-            old, log = Path(name) / "old.json", Path(name) / "log"
-            old.write_text("{}")
-            children = run_folder.Children()
-            children.stop()
-            self.assertIsNone(children.run(["true"], log, {}, old))
-            self.assertTrue(old.exists())
-            self.assertEqual(run_folder.Children().run(["false"], log, {}, old), 1)
-            self.assertFalse(old.exists())
-
-    def test_each_run_is_told_how_many_threads_it_has(self):
-        with tempfile.TemporaryDirectory() as name:
-            program = Path(name) / "program"
-            program.write_text('#!/bin/sh\necho "$OMP_NUM_THREADS $*"\n')
-            program.chmod(0o755)
-            runner = runs.Runner(program, Path(name), lambda case: "now", run_folder.Children(), 3)
-            self.assertEqual(runs.run_all([(CASES[0], "fine")], runner, 1, False), 0)
-            words = (Path(name) / "runs" / "wave-fine.log").read_text()
-            self.assertRegex(words, "^3 .*--threads 3 ")
 
 
 class Order(unittest.TestCase):
@@ -177,7 +77,7 @@ class Reporting(unittest.TestCase):
         self.put(failed)
         found = results.read_runs(self.out / "runs", CASES)
         self.assertEqual(len(found), 4)
-        results.write_csv(found, self.judge, self.out / "validation.csv")
+        results.write_table(found, self.judge, self.out / "validation.csv")
         report.write(found, CASES, self.judge, lambda case: "now", self.out)
 
         lines = (self.out / "validation.csv").read_text().splitlines()
@@ -190,7 +90,7 @@ class Reporting(unittest.TestCase):
             self.assertIn(words, text)
         picture = self.out / "figures" / "wave.png"
         self.assertLess(picture.stat().st_size, 60_000)
-        plan = [(case, level) for case, level in runs.plan(CASES, "wave,crowd", "", False, False)]
+        plan = [(case, level) for case, level in cases.plan(CASES, "wave,crowd", "", False, False)]
         self.assertEqual(results.print_summary(plan, found, self.judge), 1)
 
     def test_a_picture_whose_curves_are_not_there_stays_as_it_was_drawn(self):
@@ -207,9 +107,9 @@ class Reporting(unittest.TestCase):
     def test_what_was_not_run_is_listed_with_what_it_would_cost(self):
         one, two = run_of("wave", "coarse", 0.1, 0.1), run_of("wave", "medium", 0.05, 0.1)
         two["solver_cpu_s"] = 8 * one["solver_cpu_s"]
-        self.assertEqual(list(report.missing_runs([one, two], CASES[:1])), ["| wave | fine | 0.025 m | 1.6 min |"])
+        self.assertEqual(list(report.missing_runs([one, two], CASES[:1])), [("wave", "fine", "0.025 m", "1.6 min")])
         self.assertEqual(report.seconds_expected([one], 0.05), 16 * one["solver_cpu_s"])
-        self.assertEqual(list(report.missing_runs([], CASES[2:])), ["| crowd | coarse | 0 m | - |"])
+        self.assertEqual(list(report.missing_runs([], CASES[2:])), [("crowd", "coarse", "0 m", "-")])
 
     def test_runs_of_other_settings_are_held_against_these(self):
         there = self.out / "there"
@@ -217,19 +117,18 @@ class Reporting(unittest.TestCase):
         other = {**run_of("wave", "coarse", 0.1, 0.4), "particle_steps": 100.0}
         (there / "runs" / "wave-coarse.json").write_text(json.dumps(other))
         here = [{**run_of(*run), "folder": self.out / "runs"} for run in (("wave", "coarse", 0.1, 0.2), ("river", "coarse", 0.25, 1.0))]
-        lines = beside.section(here, there, CASES, self.judge)
-        self.assertIn("Of 1 limits in 1 runs of water 0 are missed here and 1 there", lines[0])
-        self.assertIn("Errors are 0.50 times those there and a particle's step costs 2.00 times as much", lines[0])
-        self.assertIn("| [wave](#wave) | coarse | height 0.4! -> 0.2 | 1.00 | 2.00 |", lines)
-        report.write(here, CASES, self.judge, lambda case: "now", self.out, ["/fluid/kernel=quartic_spline"], lines)
+        text = beside.text(here, there, CASES, self.judge)
+        self.assertIn("Of 1 limits in 1 runs of water 0 are missed here and 1 there", text)
+        self.assertIn("Errors are 0.50 times those there and a particle's step costs 2.00 times as much", text)
+        self.assertIn("| [wave](#wave) | coarse | height 0.4! -> 0.2 | 1.00 | 2.00 |", text)
+        report.write(here, CASES, self.judge, lambda case: "now", self.out, ["/fluid/kernel=quartic_spline"], text)
         text = (self.out / "report.md").read_text()
         self.assertIn("All runs have `/fluid/kernel=quartic_spline`, whatever their scene says.", text)
         self.assertLess(text.index("## Beside the other settings"), text.index("## Verdicts"))
-        self.assertEqual(beside.section(here[1:], there, CASES, self.judge)[0], "No case of water is complete in both.")
+        self.assertEqual(beside.text(here[1:], there, CASES, self.judge), "No case of water is complete in both.\n")
 
     def test_the_program_and_the_script_read_the_same_tables(self):
-        tables = ROOT / "tests" / "validation"
-        judge = results.Judge(tables / "thresholds.csv", tables / "known_failures.csv")
+        judge = results.Judge(TABLES / "thresholds.csv", TABLES / "known_failures.csv")
         for key, (guard, _) in judge.guards.items():
             self.assertGreater(guard, judge.thresholds[key], key)
 

@@ -1,0 +1,68 @@
+"""The validation cases as the program `validate` lists them, and which of their runs there are to do."""
+
+import fnmatch
+import subprocess
+
+from wade.reports.files import say
+from wade.reports.options import choose, patterns_of
+
+LEVELS = ("coarse", "medium", "fine")
+# What a run reads beside the program.
+INPUTS = ("configs/**/*.json", "tests/validation/data/**/*")
+FOLLOWS_PEOPLE = ("mixed",)  # its particles are where the people of one crowd are, who tell it in every frame
+
+
+class Case:
+    """A line of `validate --list`: NAME SPACING... [quick=LEVEL] [long=LEVEL]."""
+
+    def __init__(self, line):
+        self.name, *words = line.split()
+        marks = dict(word.split("=") for word in words if "=" in word)
+        self.spacings = [float(word) for word in words if "=" not in word]
+        self.levels = LEVELS[: len(self.spacings)]
+        self.quick = marks.get("quick")
+        self.long_from = LEVELS.index(marks["long"]) if "long" in marks else len(LEVELS)
+
+    def describe(self):
+        quick = f"; quick: {self.quick}" if self.quick else ""
+        long = f"; long from {LEVELS[self.long_from]} on" if self.long_from < len(self.levels) else ""
+        return f"{self.name}: {', '.join(f'{spacing:g}' for spacing in self.spacings)}{quick}{long}"
+
+
+def list_cases(program):
+    text = subprocess.run([program, "--list"], check=True, capture_output=True, text=True).stdout
+    return [Case(line) for line in text.splitlines() if line.strip()]
+
+
+def plan(cases, patterns, levels, quick, long):
+    """List of (case, level): all coarse runs first, so that results come early."""
+    chosen = choose(cases, patterns)
+    allowed = patterns_of(levels) or LEVELS
+    for level in allowed:
+        if level not in LEVELS:
+            raise ValueError(f"--levels {level}: allowed: {', '.join(LEVELS)}")
+    runs = [(case, level) for index, level in enumerate(LEVELS) for case in chosen
+            if (not quick or case.quick == level) and level in allowed and level in case.levels
+            and (long or index < case.long_from)]
+    if not runs:
+        raise ValueError("nothing to run: the cases chosen have none of these resolutions, take hours or are not quick")
+    if left := left_out(patterns, runs):
+        say(f"left out, as they have none of these resolutions, take hours or are not quick: {', '.join(left)}")
+    return runs
+
+
+def left_out(patterns, runs):
+    """The patterns that none of these runs goes by."""
+    names = {case.name for case, _ in runs}
+    return [pattern for pattern in patterns_of(patterns) if not fnmatch.filter(names, pattern)]
+
+
+def model_changes(model):
+    """(JSON pointer, value) that make a scene's water that of a model."""
+    follows = (("/coupling/agents_stream", "serial"),) if model in FOLLOWS_PEOPLE else ()
+    return (("/fluid/model", model), *follows)
+
+
+def model_overrides(model):
+    """The same as values of --set."""
+    return [f"{pointer}={value}" for pointer, value in model_changes(model)]

@@ -1,0 +1,154 @@
+"""report.md: what to choose for which error, where the default lies, and what the numbers are made of."""
+
+from wade.reports.files import write_whole
+from wade.reports.machine import machine_line
+from wade.reports.tables import document, markdown, section
+from wade.suites.speed_vs_error.front import cheapest_below, distance_to_front, front
+from wade.suites.speed_vs_error.overall import overall_section
+from wade.suites.speed_vs_error.plots import has_plot, plot, plot_name, words
+from wade.suites.speed_vs_error.settings import default_setting
+from wade.suites.speed_vs_error.table import is_default
+
+LIMITS = (0.5, 0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01)
+
+
+def cost_text(cost):
+    return f"{cost:.3g} s"
+
+
+def name_of(point):
+    s = point.setting
+    return f"d = {s.spacing:g} m, {s.label(default_setting(s.case, s.spacing))}"
+
+
+def choice_table(group):
+    """For an error below x choose this: a row where the choice changes, with the strictest limit that it keeps."""
+    rows = []
+    choices = [(limit, cheapest_below(group.pairs(), limit)) for limit in LIMITS]
+    for k, (limit, best) in enumerate(choices):
+        if best is None:
+            smallest = min((e for e in group.errors if e is not None), default=None)
+            if smallest is not None:
+                rows.append((f"{limit:g}", f"nothing measured here; the smallest error is {smallest:.3g}", "", "", ""))
+            break
+        if k + 1 < len(choices) and choices[k + 1][1] == best:
+            continue
+        p = group.points[best]
+        error = f"{group.errors[best]:.3g}"
+        if group.ranges[best] and group.ranges[best][0] < group.ranges[best][1]:
+            error += " ({:.3g} to {:.3g} by seed)".format(*group.ranges[best])
+        rows.append((f"{limit:g}", name_of(p), error, cost_text(p.cpu), p.particles))
+    return markdown(("for an error below", "choose", "error", "CPU s per simulated s", "particles"), rows)
+
+
+def default_lines(group):
+    """Where the default lies relative to the front of DFSPH, at each spacing, and which other model beats it."""
+    lines = []
+    solved = [(p.cpu, e if p.setting.model == "dfsph" else None) for p, e in zip(group.points, group.errors)]
+    flags = front(solved)
+    for i, point in enumerate(group.points):
+        if not is_default(point.setting) or group.errors[i] is None:
+            continue
+        d = point.setting.spacing
+        at = f"* d = {d:g} m: the default (error {group.errors[i]:.3g}, {cost_text(point.cpu)} per simulated second) "
+        if flags[i]:
+            lines.append(at + "lies on the front of DFSPH" + other_model(group, i) + ".")
+            continue
+        cost, error = distance_to_front(solved, i)
+        text = at + "is off the front of DFSPH"
+        if cost > 1.05:
+            cheaper = group.points[cheapest_below(solved, group.errors[i])]
+            text += f"; {name_of(cheaper)} is at most as wrong and {cost:.2g} times cheaper"
+        best = group.errors[i] / error
+        if error > 1.05 and best < group.spread.get(d, (float("inf"), 0))[0]:
+            text += f"; at no more than its cost there is an error {error:.2g} times smaller"
+        elif error > 1.05:
+            text += "; at no more than its cost no error is smaller by more than chance"
+        if cost <= 1.05 and error <= 1.05:
+            text += ", by less than 5 % in cost and error"
+        lines.append(text + other_model(group, i) + ".")
+    for d, (lo, hi) in group.spread.items():
+        lines.append(f"* d = {d:g} m, chance: the default with gravity changed by 0.01 % has errors from {lo:.3g} to "
+                     f"{hi:.3g}; smaller differences between settings say nothing.")
+    return lines
+
+
+def other_model(group, index):
+    """The cheapest point of another model that is at most as wrong as a point, in words; empty if there is none cheaper."""
+    others = [(p.cpu, e if p.setting.model != "dfsph" else None) for p, e in zip(group.points, group.errors)]
+    best = cheapest_below(others, group.errors[index])
+    if best is None or group.points[best].cpu >= group.points[index].cpu:
+        return ""
+    times = group.points[index].cpu / group.points[best].cpu
+    return f"; of the other models {name_of(group.points[best])} is at most as wrong and {times:.2g} times cheaper"
+
+
+def thread_lines(group):
+    """What a second thread does to wall time and to CPU time."""
+    by_setting = {p.setting: p for p in group.points if not p.failure}
+    lines = []
+    for setting, point in by_setting.items():
+        one = next((p for s, p in by_setting.items() if setting.threads > 1 and s.threads == 1
+                    and s.overrides() == setting.overrides() and s.spacing == setting.spacing), None)
+        if one:
+            lines.append(f"* d = {setting.spacing:g} m ({point.particles} particles), {setting.threads} threads: "
+                         f"{one.wall / point.wall:.2f} times as fast on the wall clock for {point.cpu / one.cpu:.2f} times "
+                         "the CPU time.")
+    return lines
+
+
+def layer_table(group):
+    """What each spacing costs and gives with the default settings, beside the coarsest."""
+    points = [(p, e) for p, e in zip(group.points, group.errors) if is_default(p.setting) and e is not None]
+    points.sort(key=lambda pair: -pair[0].setting.spacing)
+    if len(points) < 2:
+        return ""
+    rows = [(f"{p.setting.spacing:g} m", p.particles, cost_text(p.cpu), f"{p.cpu / points[0][0].cpu:.3g}", f"{e:.3g}")
+            for p, e in points]
+    return markdown(("spacing", "particles", "CPU s per simulated s", "times the coarsest", "error"), rows)
+
+
+HEAD = """\
+Cost is CPU time of the solver per simulated second, median of the repeats, so that it depends little on what else the machine
+does. A point is on the front if no other point of its case is at most as dear and at most as wrong, and better in one of both.
+One factor at a time was varied around the default of the scene schema, then those changes were joined that lie within 10 % of
+the front alone; a finer spacing takes the settings on the front of the coarser one. In the plots a ring marks the default, its
+bar what chance does to it. The point of another model than DFSPH is the median of five seeds, its bar their range; of people
+who walk it is that of the scene's seed, which moves their markers too. `tol` and `it` are the tolerance of the density solve
+and its fewest iterations, `div` the tolerance of the divergence solve, `cfl` the CFL number.
+
+The impulse on an agent is the time integral of the momentum of the particles that touch it (Eq. 5), kg m; its error is the
+distance from that of our own finest run, relative to the time integral of the momentum's magnitude there. The finest run is no
+truth, and its spacing is not far from the fine one here: errors at the fine spacing are lower bounds."""
+
+
+def titled(title, text):
+    return f"{title[0].upper()}{title[1:]}:\n\n{text}" if text else ""
+
+
+def case_sections(groups):
+    """A section a case, with a part an error."""
+    for case in dict.fromkeys(group.case for group in groups):
+        of_case = [group for group in groups if group.case == case]
+        failed = [f"* {name_of(p)}: {p.failure}" for p in of_case[0].points if p.failure]
+        yield section(case, titled("spacing with the default settings", layer_table(of_case[0])),
+                      titled("threads", "\n".join(thread_lines(of_case[0]))),
+                      titled("settings that failed", "\n".join(failed)),
+                      *(section(words(group.metric), *parts_of(group), level=3) for group in of_case))
+
+
+def parts_of(group):
+    picture = f"![{group.case}, {group.metric.rstrip('_*')}]({plot_name(group)})" if has_plot(group) else ""
+    return picture, choice_table(group), titled("the default", "\n".join(default_lines(group)))
+
+
+def write(out, groups, remarks, quick):
+    """report.md and its pictures."""
+    for group in filter(has_plot, groups):
+        plot(group, out / plot_name(group))
+    command = f"`tools/wade speed-vs-error{' --quick' if quick else ''}`"
+    if quick:
+        remarks = ["What chance does to the errors was not measured (--quick).", *remarks]
+    write_whole(out / "report.md", document(
+        section("Speed against error", f"Written by {command}. Machine: {machine_line()}", HEAD, level=1),
+        overall_section(groups), *case_sections(groups), section("Remarks", "\n".join(f"* {remark}" for remark in remarks))))

@@ -1,0 +1,85 @@
+"""Runs each validation case at its coarse, medium and fine resolution and compares it with what is known.
+
+The truths are analytic solutions, published experiments and tables. report.md has a plot a case and
+the observed order of convergence, DIR/runs/ the numbers and curves of each run. A run that is
+complete and whose program and scenes are still the same is not repeated, so that the command goes on
+where it was stopped; a commit repeats runs only if it changes what is computed. With --quick a case
+runs at one resolution, as the tests run it. Give runs with --set a folder of their own: runs of other
+settings count as those of another version.
+
+Columns of validation.csv, a line a metric: case, model; spacing_m; particles; metric, value, unit;
+threshold; pass, yes or no (also of a known failure), empty if the metric is only reported; wall_s and
+cpu_s of the solver; reference, what it is compared with.
+
+WADE_SPHERIC2_DATA names a folder with spheric_test2_50Hz_boxavg.csv, the measured series of SPHERIC
+test 2, for the case spheric2 instead of a short table. Exit code 1: a run failed, or a value is above
+its threshold and no known failure (tests/validation/known_failures.csv); 2: wrong options; 130, 143:
+interrupted.
+"""
+
+import os
+from pathlib import Path
+
+from wade.paths import BUILD, ROOT
+from wade.reports import options
+from wade.reports.files import complain, publish, say
+from wade.reports.jobs import Job, do_all, end_children_on_signals
+from wade.reports.programs import Fingerprints
+from wade.suites import cases as known_cases
+from wade.suites.validate import beside, report, results
+
+TABLES = ROOT / "tests" / "validation"
+
+
+def parse(arguments):
+    parser = options.parser_of("validate", "validation", __doc__, "validation.csv")
+    options.add_jobs(parser)
+    parser.set_defaults(jobs=None)
+    parser.add_argument("--cases", metavar="A,B", help="only these; patterns such as 'wet_bed*' may stand for several")
+    parser.add_argument("--levels", metavar="L,M", help="only these of coarse, medium and fine")
+    parser.add_argument("--long", action="store_true", help="also what takes hours, as --list says")
+    parser.add_argument("--threads", type=options.whole(1, 1024), default=1, metavar="N",
+                        help="of each run [1]; results have the same bits for any number")
+    parser.add_argument("--set", action="append", default=[], dest="settings", metavar="/POINTER=VALUE",
+                        help="a value of all scenes, for example /fluid/kernel=quartic_spline")
+    parser.add_argument("--beside", type=Path, metavar="DIR",
+                        help="hold errors and costs against those in DIR, an --out with other settings")
+    chosen = parser.parse_args(arguments)
+    if chosen.beside and not (chosen.beside / "runs").is_dir():
+        parser.error(f"--beside {chosen.beside}: has no runs; allowed: an --out of this command")
+    return chosen
+
+
+def job_of(case, level, chosen, fingerprint):
+    command = [BUILD / "validate", "--case", case.name, "--level", level, "--threads", chosen.threads, "--out", chosen.out]
+    command += ["--fingerprint", fingerprint, *(word for setting in chosen.settings for word in ("--set", setting))]
+    result = chosen.out / "runs" / f"{case.name}-{level}.json"
+    return Job(f"{case.name} {level}", tuple(command), result, fingerprint, chosen.threads)
+
+
+def main(arguments):
+    chosen = parse(arguments)
+    end_children_on_signals()
+    cases = known_cases.list_cases(BUILD / "validate")
+    if chosen.list:
+        say("\n".join(case.describe() for case in cases))
+        return 0
+    try:
+        plan = known_cases.plan(cases, chosen.cases, chosen.levels, chosen.quick, chosen.long)
+    except ValueError as error:
+        complain(f"validate: {error}")
+        return 2
+    fingerprint_of = Fingerprints([BUILD / "validate"], ROOT, known_cases.INPUTS, chosen.settings)
+    jobs = [job_of(case, level, chosen, fingerprint_of(case.name)) for case, level in plan]
+    interrupted = do_all(jobs, chosen.jobs or max(1, (os.cpu_count() or 1) // chosen.threads), chosen.again)
+
+    judge = results.Judge(TABLES / "thresholds.csv", TABLES / "known_failures.csv")
+    # What older programs found stays in the report, marked, until it is repeated.
+    found = results.read_runs(chosen.out / "runs", cases)
+    results.write_table(found, judge, chosen.out / "validation.csv")
+    held_against = beside.text(found, chosen.beside, cases, judge) if chosen.beside else ""
+    report.write(found, cases, judge, fingerprint_of, chosen.out, chosen.settings, held_against)
+    say(f"report: {chosen.out / 'report.md'}, table: {chosen.out / 'validation.csv'}")
+    if chosen.publish:
+        publish(chosen.out, "validation", "validation.csv")
+    return interrupted or results.print_summary(plan, found, judge)

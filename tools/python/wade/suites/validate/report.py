@@ -1,0 +1,149 @@
+"""report.md: a table of verdicts, and a section a case."""
+
+import math
+
+from wade.reports.files import write_whole
+from wade.reports.tables import document, markdown, number, section
+from wade.suites.validate import convergence, curves
+from wade.suites.validate.results import exact
+
+WORDS = {"yes": "pass", "no": "**FAIL**", "known": "**FAIL** (known)", "": ""}
+HEAD = """# Validation
+
+Each case is a simulation whose truth is known. Its error is measured at up to three resolutions and judged by thresholds that
+were written down before the results (`tests/validation/thresholds.csv`, with their reasons). A threshold that is missed is
+a failure, also if it is known (`tests/validation/known_failures.csv`). Errors are ratios unless a unit is given. The order is
+the slope of the straight line through log(error) over log(spacing) of three resolutions; "-" where the errors do not
+fall with the spacing or are at the level of noise.
+
+`tools/wade validate` writes this file; `validation.csv` holds the same numbers.
+"""
+NOT_RUN = """Runs that this report has no result of, and the CPU time they would take by what the others took. `tools/wade validate
+--cases NAME --levels LEVEL` makes one; those that take hours need `--long`."""
+OLD = "\\* by another version of the program"
+
+
+def spacing(run):
+    return f"{run['spacing_m']:g} m" if run["spacing_m"] else "-"
+
+
+def missed_words(run, judge):
+    """What a run misses of its thresholds, and how many it keeps of how many."""
+    if run["status"] != "completed":
+        return f"**did not complete**: {run['error']}", ""
+    verdicts = [(metric, judge.verdict(run, metric)) for metric in run["metrics"]]
+    missed = [f"**{metric['name']}** {number(metric['value'])} (limit {number(judge.threshold(run, metric))}"
+              f"{', known' if verdict == 'known' else ''})" for metric, verdict in verdicts if verdict in ("no", "known")]
+    kept = sum(verdict == "yes" for _, verdict in verdicts)
+    return "; ".join(missed), f"{kept} of {sum(verdict != '' for _, verdict in verdicts)}"
+
+
+def verdict_table(runs, judge, is_old):
+    rows = []
+    for run in runs:
+        missed, kept = missed_words(run, judge)
+        mark = " \\*" if is_old(run) else ""
+        rows.append((f"[{run['case']}](#{run['case']})", run["level"] + mark, spacing(run), run["particles"],
+                     kept or "0 of 0", missed))
+    return markdown(("case", "resolution", "spacing", "particles", "thresholds kept", "missed"), rows)
+
+
+def metric_table(runs, judge):
+    """A row a metric, a column a resolution."""
+    rows = []
+    for name in dict.fromkeys(metric["name"] for run in runs for metric in run["metrics"]):
+        cells, values, unit, limits = [], [], "", []
+        for run in runs:
+            metric = next((m for m in run["metrics"] if m["name"] == name), None)
+            values.append(metric and metric["value"])
+            cells.append(f"{number(metric['value'])} {WORDS[judge.verdict(run, metric)]}".strip() if metric else "")
+            if metric:
+                unit = "" if metric["unit"] == "1" else metric["unit"]
+                limits.append(judge.threshold(run, metric))
+        judged = any(limit is not None for limit in limits)
+        slope = convergence.order([run["spacing_m"] for run in runs], values) if judged else None
+        order = f"{slope:.1f}" if slope is not None else "-" if judged else ""
+        limit = " / ".join(dict.fromkeys(map(number, limits))) if judged else "reported"
+        rows.append((name, unit, *cells, order, limit))
+    return markdown(("", "unit", *(f"{run['level']}, {spacing(run)}" for run in runs), "order", "limit"), rows)
+
+
+def cost_table(runs):
+    rows = []
+    for run in runs:
+        time, cpu = run["simulated_s"], run["solver_cpu_s"]
+        work = f"{run['particle_steps'] / cpu:,.0f}" if cpu and run["particle_steps"] else "-"
+        rows.append((run["level"], run["particles"], run["steps"], f"{time:g} s", number(cpu / time) if time else "-", work))
+    return markdown(("resolution", "particles", "steps", "simulated", "CPU s for 1 s", "particle steps per CPU s"), rows)
+
+
+def case_section(case, runs, judge, is_old, picture):
+    lost = [f"**{run['level']} did not complete**: {run['error']}" for run in runs if run["status"] != "completed"]
+    reasons = "; ".join(f"{name}: {reason}" for (owner, name), reason in judge.reasons.items() if owner == case.name)
+    known = [f"Known to be missed: {metric} at {level}, up to {exact(guard)}: {reason}."
+             for (owner, metric, level), (guard, reason) in judge.guards.items() if owner == case.name]
+    old = ", ".join(f"{run['level']} {run['git']}" for run in runs if is_old(run))
+    return section(case.name, runs[-1]["truth"], *lost, metric_table(runs, judge), f"Limits: {reasons}." if reasons else "",
+                   *known, cost_table(runs), f"{OLD}: {old}." if old else "",
+                   f"![{case.name}](figures/{case.name}.png)" if picture else "", level=3)
+
+
+def seconds_expected(runs, spacing):
+    """CPU time at a spacing that was not run, s: by the power law of the two finest runs, or with the particles of a volume,
+    d^-3, and the steps, 1/d. None without a run."""
+    done = sorted((run["spacing_m"], run["solver_cpu_s"]) for run in runs if run["status"] == "completed" and run["spacing_m"])
+    if not done or done[0][1] <= 0:
+        return None
+    (finest, cpu), power = done[0], 4
+    if len(done) > 1:
+        power = math.log(done[1][1] / cpu) / math.log(finest / done[1][0])
+    return cpu * (finest / spacing) ** power
+
+
+def time_text(seconds):
+    if seconds is None:
+        return "-"
+    unit, name = next(((u, n) for u, n in ((3600, "h"), (60, "min")) if seconds >= u), (1, "s"))
+    return f"{seconds / unit:.2g} {name}"
+
+
+def missing_runs(runs, cases):
+    """Rows of the runs that there are none of."""
+    for case in cases:
+        of_case = [run for run in runs if run["case"] == case.name]
+        done = {run["level"] for run in of_case}
+        for level, d in zip(case.levels, case.spacings):
+            if level not in done:
+                yield case.name, level, f"{d:g} m", time_text(seconds_expected(of_case, d))
+
+
+def machine_section(runs):
+    seen = dict.fromkeys((run["processor"], run["processors"], run["compiler"], run["version"], run["git"]) for run in runs)
+    lines = [f"* {processor}, {count} processors; compiler {compiler}; version {version}, commit {git}."
+             for processor, count, compiler, version, git in seen]
+    several = "".join(f", but {run['threads']} in {run['case']} {run['level']}" for run in runs if run["threads"] > 1)
+    return section("Machine", "\n".join(lines), "CPU times are of the solver, without set-up and measurement; runs beside one "
+                   f"another slow each other down.\nEach run had one thread{several}.")
+
+
+def write(runs, cases, judge, fingerprint_of, folder, settings=(), held_against=""):
+    """settings: of all runs, as --set has them; held_against: text about another folder of runs, or none."""
+
+    def is_old(run):
+        return run["fingerprint"] != fingerprint_of(run["case"])
+
+    by_case = {case: of_case for case in cases if (of_case := [run for run in runs if run["case"] == case.name])}
+    with_settings = f"All runs have {', '.join(f'`{setting}`' for setting in settings)}, whatever their scene says.\n"
+    ordered = [run for of_case in by_case.values() for run in of_case]
+    missing = list(missing_runs(runs, cases))
+    sections = []
+    for case, of_case in by_case.items():
+        picture = folder / "figures" / f"{case.name}.png"
+        curves.draw(of_case, picture)
+        sections.append(case_section(case, of_case, judge, is_old, picture.exists()))
+    write_whole(folder / "report.md", document(
+        HEAD, with_settings if settings else "", section("Beside the other settings", held_against),
+        section("Verdicts", verdict_table(ordered, judge, is_old), f"{OLD}." if any(map(is_old, runs)) else "",
+                "\n".join(f"* {line}" for line in judge.now_pass(runs))),
+        section("Not run", NOT_RUN, markdown(("case", "resolution", "spacing", "CPU time, about"), missing)) if missing else "",
+        "## Cases\n", *sections, machine_section(runs)))
