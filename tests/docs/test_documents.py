@@ -33,6 +33,9 @@ class Documents(unittest.TestCase):
             self.skipTest("not built, so that options are looked for in the code: "
                           + ", ".join(sorted(COMMANDS.not_built)))
 
+    def test_readme_is_short(self):
+        self.assertLess(len(TREE.text("README.md").split()), 900)
+
     def test_that_sources_name_are_there(self):
         named = re.findall(rf"\b(?:docs|tools|tests|{'|'.join(ROOMS)})/[\w/]+\.md\b", TREE.sources)
         self.assertGreater(len(named), 5)
