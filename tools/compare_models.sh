@@ -31,7 +31,7 @@ plots and with conclusions that follow from the numbers by rule, models.csv and 
   --until-s T            simulated time at which the runs of Table 1 end, s [the scene's, 400]
   --set MODEL:/POINTER=VALUE  a value of all scenes that a model needs besides; may be given several times
   --validation-csv FILE  table of tools/validate.sh whose runs of DFSPH are taken instead of being made again; none: run
-                         all [tests/validation/report/validation.csv]
+                         all [docs/reports/validation/validation.csv]
   --dfsph-campaign DIR   folder of tools/reproduce_paper.sh, or of Table 1 of this command, whose complete runs of the same
                          scenes and seeds are read as those of DFSPH; its runs.jsonl is enough, and nothing is changed in it
   --report-only          run nothing: the report of what is complete in DIR

@@ -1,8 +1,8 @@
 #pragma once
 // How wrong and how dear each model was, measured: what the choice of the model rests on.
 //
-// table.csv is written by tools/model_choice/table.py from the speed-against-error report and from what was measured beside it
-// (tests/validation/data/model_choice.csv). A new model becomes a candidate by rows for it.
+// table.csv is written by `tools/wade model-choice --table write` from the speed-against-error report and from what was
+// measured beside it (tests/validation/data/model_choice.csv). A new model becomes a candidate by rows for it.
 
 #include <string>
 #include <string_view>

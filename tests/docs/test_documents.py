@@ -11,6 +11,7 @@ TREE = Tree()
 COMMANDS = Commands(TREE, os.environ.get("WADE_PROGRAMS", ROOT / "build" / "release"))
 CHECKER = Checker(TREE, COMMANDS, Schema(TREE))
 KINDS = ("link", "anchor", "path", "file", "output", "scene", "program", "subcommand", "option", "key")
+ENDINGS = ("md", "py", "sh", "cpp", "hpp", "h", "json", "csv", "c", "mjs")
 ROOMS = ("configs", "shm_protocol", "fluid_server", "crowd_client")
 
 
@@ -36,10 +37,22 @@ class Documents(unittest.TestCase):
     def test_readme_is_short(self):
         self.assertLess(len(TREE.text("README.md").split()), 900)
 
-    def test_that_sources_name_are_there(self):
-        named = re.findall(rf"\b(?:docs|tools|tests|{'|'.join(ROOMS)})/[\w/]+\.md\b", TREE.sources)
-        self.assertGreater(len(named), 5)
+class Sources(unittest.TestCase):
+    """Comments, messages and help name files, too."""
+
+    NAME = re.compile(rf"(?<![\w/$}}.<-])(?:docs|tools|tests|{'|'.join(ROOMS)})/[\w/.-]*\w\.(?:{'|'.join(ENDINGS)})\b")
+
+    def names(self, text):
+        return [name for name in self.NAME.findall(text) if not re.search("[A-Z]{2,}|my_", name.replace("README", ""))]
+
+    def test_name_no_file_that_is_not_there(self):
+        named = self.names(TREE.sources)
+        self.assertGreater(len(named), 100)
         self.assertEqual([name for name in sorted(set(named)) if not TREE.has(name)], [])
+
+    def test_names_are_found_in_comments_and_strings(self):
+        self.assertEqual(self.names('// see docs/gone.md.\n"tools/gone.sh --help"'), ["docs/gone.md", "tools/gone.sh"])
+        self.assertEqual(self.names("configs/NAME.json configs/my_scene.json ${DIR}/docs/gone.md"), [])
 
 
 class Tables(unittest.TestCase):

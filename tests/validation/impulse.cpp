@@ -212,7 +212,7 @@ void compare_impulse(const ImpulseRun& run, const ImpulseRun& reference, Result&
     if (compared && !(same_ids(run.standing, reference.standing) && same_ids(run.walking, reference.walking))) {
         throw std::runtime_error(
             "the agents of the scene are not those of the reference in tests/validation/data: make it anew with "
-            "tools/speed_vs_error/impulse_reference.py");
+            "tools/wade speed-vs-error --reference CASE --spacing D");
     }
     add_curves(run, reference, result);
     if (!compared) return;

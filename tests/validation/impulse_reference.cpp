@@ -1,4 +1,4 @@
-// Reads the finest runs that tools/speed_vs_error/impulse_reference.py has stored.
+// Reads the finest runs that `tools/wade speed-vs-error --reference CASE --spacing D` has stored.
 
 #include <filesystem>
 #include <fstream>
@@ -60,8 +60,8 @@ ImpulseRun read_reference(const Request& request, const std::string& name) {
     for (const std::filesystem::path& file : {standing, walking}) {
         if (std::filesystem::exists(file)) continue;
         throw ConfigurationError("the reference " + file.string() + " of the case " + name +
-                                 " is missing: make it with tools/speed_vs_error/impulse_reference.py, or give "
-                                 "--no-reference to run without a comparison");
+                                 " is missing: make it with tools/wade speed-vs-error --reference " + name +
+                                 " --spacing D, or give --no-reference to run without a comparison");
     }
     for (const std::vector<double>& row : read_rows(standing, 4)) {
         run.standing.push_back({static_cast<std::uint32_t>(row[0]), {row[1], row[2]}, row[3]});
