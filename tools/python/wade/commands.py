@@ -48,11 +48,11 @@ COMMANDS = {
         Command("model-choice", "how often the model that `auto` chooses keeps its error", "wade.suites.model_choice",
                 ("fluid_server", "impulse_scene"), True),
         Command("steering", "what the weights of the steering water mean in a fluid", "wade.suites.steering",
-                ("steering_map",), True, ("steering-map",), script="steering_map.sh"),
+                ("steering_map",), True, ("steering-map",)),
     ),
     "Measure speed": (
         Command("bench", "what each part costs on this machine", "wade.suites.bench",
-                (*PAIR, "shm_record", *BENCHMARKS), True, script="bench.sh"),
+                (*PAIR, "shm_record", *BENCHMARKS), True),
     ),
     "Test": (
         Command("test", "build the tests and run the quick set, or --all", "wade.tests", script="test.sh"),

@@ -8,12 +8,12 @@ The programs are the same throughout: a feature that is off is a test a step.
 import os
 import secrets
 import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from wade.paths import BUILD, ROOT
+from wade.reports.files import complain, say
 RIVER = "configs/bench/river.json"  # 21,600 particles, water alone
 CROWD = "configs/observed/agents_500.json"  # cheap water, so that the crowd counts
 
@@ -68,7 +68,7 @@ def split(arguments):
     return arguments, []
 
 
-def one_run(programs, scene, seconds, counted, variant):
+def one_run(scene, seconds, counted, variant):
     """Processor time of the programs that count, s, and the particle-steps of the server where it runs alone."""
     arguments, beside = variant
     both, client_only = split(arguments)
@@ -79,14 +79,14 @@ def one_run(programs, scene, seconds, counted, variant):
         folder, running = Path(name), {}
         try:
             consumers = 0 if alone else 1 + len(beside)
-            running["server"] = start([programs / "fluid_server", ROOT / scene, "--consumers", consumers, *common], folder, "server")
+            running["server"] = start([BUILD / "fluid_server", ROOT / scene, "--consumers", consumers, *common], folder, "server")
             if "recorder" in beside:
-                running["recorder"] = start([programs / "shm_record", session, folder / "water.rec"], folder, "recorder")
+                running["recorder"] = start([BUILD / "shm_record", session, folder / "water.rec"], folder, "recorder")
                 while not any(folder.glob("water.rec*")) and running["recorder"].poll() is None:
                     time.sleep(0.01)  # it has joined before the crowd, which is not a follower
             if not alone:
                 extra = ["--water-every-s", 0, "--out", folder / "run", *client_only]
-                running["client"] = start([programs / "crowd_client", ROOT / scene, *common, *extra], folder, "client")
+                running["client"] = start([BUILD / "crowd_client", ROOT / scene, *common, *extra], folder, "client")
             times = {who: processor_time(process, who, folder) for who, process in running.items()}
         finally:
             for process in running.values():
@@ -106,9 +106,9 @@ def interval_of_median(ratios):
     return ordered[n // 2], ordered[drop], ordered[n - 1 - drop]
 
 
-def measure(programs, wanted, quick):
+def measure(wanted, quick, _threads):
     """Results of the features that are wanted, and whether all went well."""
-    programs, results, well = Path(programs).resolve(), [], True
+    results, well = [], True
     pairs = 3 if quick else 9
     for feature, scene, seconds, counted, variants in FEATURES:
         for variant, what in variants.items():
@@ -119,16 +119,16 @@ def measure(programs, wanted, quick):
             try:
                 for pair in range(pairs):
                     order = [([], ()), what] if pair % 2 == 0 else [what, ([], ())]
-                    times = [one_run(programs, scene, seconds, counted, v) for v in order]
+                    times = [one_run(scene, seconds, counted, v) for v in order]
                     first, second = times if pair % 2 == 0 else times[::-1]
                     ratios.append(second / first)
                     without.append(first)
             except (RuntimeError, OSError) as error:
-                print(f"bench.sh: {name}: {error}", file=sys.stderr)
+                complain(f"bench: {name}: {error}")
                 well = False
                 continue
             middle, low, high = interval_of_median(ratios)
-            print(f"{name:32} {middle:.3f} times the processor time, {low:.3f} to {high:.3f} ({pairs} pairs)", flush=True)
+            say(f"{name:32} {middle:.3f} times the processor time, {low:.3f} to {high:.3f} ({pairs} pairs)")
             results.append({
                 "name": name, "size": 0, "threads": 1, "median": middle, "min": low, "max": high, "unit": "times_cpu",
                 "pairs": pairs, "cpu_s_without": sorted(without)[pairs // 2], "counted": " + ".join(counted),

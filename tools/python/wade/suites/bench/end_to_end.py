@@ -3,11 +3,11 @@
 import json
 import os
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from wade.paths import ROOT, module_command
+from wade.reports.files import complain
 
 # Name, scene, simulated time to which the run is cut (None: to its end), rounds, options; with --quick those of QUICK only.
 RUNS = (
@@ -20,10 +20,10 @@ SAME_FRAMES = {"end_to_end/s05", "end_to_end/s05_depth_1"}  # how far the water 
 QUICK = {"end_to_end/s05": 20}
 
 
-def one_run(programs, scene, until, threads, options):
+def one_run(scene, until, threads, options):
     """outcome.json of a run."""
     with tempfile.TemporaryDirectory(prefix="wade-bench-") as folder:
-        command = ["/usr/bin/python3", ROOT / "tools" / "run_pair.py", "--programs", programs, ROOT / scene]
+        command = [*module_command("wade.run.pair"), ROOT / scene]
         command += ["--no-figure", "--out", folder, "--threads", str(threads), *options]
         if until is not None:
             command += ["--until-s", str(until)]
@@ -39,28 +39,18 @@ def result_of(name, threads, outcomes):
     fluid = last["fluid"]
     steps = max(1, fluid["steps"])
     return {
-        "name": name,
-        "size": fluid["particles_max"],
-        "threads": threads,
-        "median": rates[len(rates) // 2],
-        "min": rates[0],
-        "max": rates[-1],
-        "unit": "sim_s_per_wall_s",
-        "rounds": len(rates),
-        "agents": last["agents"],
-        "sim_time_s": last["sim_time_s"],
-        "wall_time_s": last["wall_time_s"],
-        "solver_wall_s": fluid["solver_wall_s"],
+        "name": name, "size": fluid["particles_max"], "threads": threads, "median": rates[len(rates) // 2],
+        "min": rates[0], "max": rates[-1], "unit": "sim_s_per_wall_s", "rounds": len(rates), "agents": last["agents"],
+        "sim_time_s": last["sim_time_s"], "wall_time_s": last["wall_time_s"], "solver_wall_s": fluid["solver_wall_s"],
         "solver_percent_of_wall": 100 * fluid["solver_wall_s"] / last["wall_time_s"],
-        "steps": steps,
-        "particle_steps": fluid["particle_steps"],
+        "steps": steps, "particle_steps": fluid["particle_steps"],
         "solver_particle_steps_per_s": fluid["particle_steps"] / fluid["solver_wall_s"],
         "mean_density_error_percent": 100 * (fluid["mean_density_error"] or 0),
         "max_density_error_percent": 100 * (fluid["max_density_error"] or 0),
     }
 
 
-def measure(programs, wanted, quick, threads):
+def measure(wanted, quick, threads):
     """Results of the runs whose names are wanted, and whether all went well."""
     results, well, hashes = [], True, set()
     for name, scene, until, rounds, options in RUNS:
@@ -70,14 +60,14 @@ def measure(programs, wanted, quick, threads):
         for count in counts:
             try:
                 until_now = QUICK[name] if quick else until
-                outcomes = [one_run(programs, scene, until_now, count, options) for _ in range(1 if quick else rounds)]
+                outcomes = [one_run(scene, until_now, count, options) for _ in range(1 if quick else rounds)]
             except (RuntimeError, OSError, KeyError) as error:
-                print(f"bench.sh: {name}: {error}", file=sys.stderr)
+                complain(f"bench: {name}: {error}")
                 well = False
                 continue
             results.append(result_of(name, count, outcomes))
             hashes.update(o["frame_hash"] for o in outcomes if name in SAME_FRAMES)
     if len(hashes) > 1:
-        print(f"bench.sh: {', '.join(sorted(SAME_FRAMES))}: the frames differ: {sorted(hashes)}", file=sys.stderr)
+        complain(f"bench: {', '.join(sorted(SAME_FRAMES))}: the frames differ: {sorted(hashes)}")
         well = False
     return results, well

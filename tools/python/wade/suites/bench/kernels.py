@@ -39,17 +39,8 @@ def results_of(found):
         unit, counter = FIGURES.get(name, (items, "ns_per_item"))
         series = sorted(run[counter] for run in repetitions)
         extra = {k: median([r[k] for r in repetitions]) for k in repetitions[0] if k not in NO_MEASURE and k != counter}
-        results.append(
-            {
-                "name": name,
-                "size": int(size[0]) if size else 0,
-                "threads": repetitions[0]["threads"],
-                "median": median(series),
-                "min": series[0],
-                "max": series[-1],
-                "unit": unit,
-                "repetitions": len(series),
-                **extra,
-            }
-        )
+        results.append({
+            "name": name, "size": int(size[0]) if size else 0, "threads": repetitions[0]["threads"],
+            "median": median(series), "min": series[0], "max": series[-1], "unit": unit, "repetitions": len(series), **extra,
+        })  # fmt: skip
     return results

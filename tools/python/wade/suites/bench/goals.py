@@ -3,7 +3,7 @@
 The goals were set for two cores of 2.5 GHz before anything was built.
 """
 
-from results import number
+from wade.reports.tables import count
 
 # Name, size, threads, goal, whether it is a least ("at least") or a most.
 GOALS = (
@@ -56,6 +56,6 @@ def rows_of(results, operations_of_a_pair):
         reached = [value >= goal if side == "at least" else value <= goal for value in (r["median"], best)]
         words = "yes" if reached[0] else "in the best round" if reached[1] else f"no, {r['median'] / goal:.2f} of it"
         bound = with_solves_at_bound(results, r, operations_of_a_pair)
-        rows.append((name, number(r["size"]), threads, f"{side} {number(goal)}", number(r["median"]), number(best), r["unit"], words,
-                     number(bound) if bound else ""))  # fmt: skip
+        rows.append((name, count(r["size"]), threads, f"{side} {count(goal)}", count(r["median"]), count(best), r["unit"], words,
+                     count(bound) if bound else ""))  # fmt: skip
     return rows

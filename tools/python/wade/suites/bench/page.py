@@ -1,0 +1,243 @@
+"""The page that --out writes: rates beside errors, the profile of a step, and the distance from the machine's bounds."""
+
+from wade.reports.files import write_whole
+from wade.reports.machine import machine_text
+from wade.reports.plots import pyplot, save
+from wade.reports.tables import count, document, markdown, section
+from wade.suites.bench import goals
+from wade.suites.bench.results import larger_is_faster, speed_up
+
+STAGE = "_ns_per_particle_step"
+ALONE = ("machine/fma_peak", "machine/stream")
+SWEEPS = ("kernels/pressure_sweep", "kernels/rate_sweep", "kernels/kernel_sweep")
+
+# A pair costs a pressure or rate sweep this many vector operations a lane at least: three differences of places, the factor
+# widened from 16 bits, moved to its lane (two) and turned into a number, its product with the scalar, three multiply-adds.
+OPERATIONS_OF_A_PAIR = 11
+# What a sweep reads and writes of a particle beside the lists: place, scalar or velocity, sums; 4 bytes each.
+BYTES_OF_A_PARTICLE = 28
+
+
+def named(results, name, threads=1):
+    """Those with one thread, unless another number is asked for."""
+    return [r for r in results if r["name"] == name and r["threads"] == threads]
+
+
+def figure_of(results, name):
+    found = named(results, name)
+    return found[0]["median"] if found else None
+
+
+def table(heads, rows):
+    """"" without rows."""
+    return markdown(heads, rows) if rows else ""
+
+
+def label(result):
+    return f"{result['name']} {count(result['size'])}, {result['threads']} thr."
+
+
+def rates(results):
+    """What every benchmark gave."""
+    return table(("name", "size", "threads", "median", "least to most", "unit"), [
+        (r["name"], count(r["size"]), r["threads"], count(r["median"]), f"{count(r['min'])} to {count(r['max'])}", r["unit"])
+        for r in results])
+
+
+def errors(results):
+    """Work and error of a step of the water."""
+    heads = ("name", "particles", "threads", "particle-steps/s", "iterations, divergence + density", "sweeps", "pairs",
+             "bytes a particle", "density error, mean %", "most %")
+    return table(heads, [
+        (r["name"], count(r["size"]), r["threads"], count(r["median"]),
+         f"{r['divergence_iterations_per_step']:.2f} + {r['density_iterations_per_step']:.2f}", count(r["sweeps_per_step"]),
+         count(r["pairs_per_particle"]), count(r["bytes_per_particle"]), f"{r['mean_density_error_percent']:.3g}",
+         f"{r['max_density_error_percent']:.3g}")
+        for r in results if "mean_density_error_percent" in r and "divergence_iterations_per_step" in r])
+
+
+def bounds(results):
+    """Kernels beside what the core and the memory allow, from the figures of machine/... of the same run."""
+    peak, stream = figure_of(results, "machine/fma_peak"), figure_of(results, "machine/stream")
+    if not peak or not stream:
+        return ""
+    lane_operations = 1e9 * peak / 2  # a multiply-add counts as two
+    pairs_at_most = lane_operations / OPERATIONS_OF_A_PAIR
+    rows = []
+    for r in [r for name in SWEEPS for r in named(results, name)]:
+        nanoseconds, pairs = r["median"], r["pairs_per_particle"]
+        lanes = r["lanes_in_use_percent"] / 100
+        moved = r["list_bytes_per_particle"] + BYTES_OF_A_PARTICLE
+        useful = 1e9 * pairs / nanoseconds
+        rows.append((r["name"], count(r["size"]), f"{nanoseconds:.1f}", count(useful / 1e6), f"{100 * lanes:.0f} %",
+                     f"{100 * useful / pairs_at_most:.0f} %", f"{100 * useful / lanes / pairs_at_most:.0f} %", count(moved),
+                     f"{100 * moved / nanoseconds / stream:.0f} %"))
+    text = (
+        f"One core makes {peak:.0f} GFLOP/s of multiply-adds in registers and moves {stream:.1f} GB/s. A pair costs a sweep at "
+        f"least {OPERATIONS_OF_A_PAIR} vector operations a lane, so that no core makes more than {pairs_at_most / 1e6:,.0f} M pairs/s. "
+        "A lane whose particle is too far away works for nothing: the last two columns of shares count useful pairs, and all lanes. "
+        "Shares of the bandwidth hold for sizes that no cache holds.\n\n")
+    heads = ("sweep", "particles", "ns a particle", "useful M pairs/s", "lanes in use", "of the bound", "of the bound, all lanes",
+             "bytes a particle", "of the bandwidth")
+    return text + table(heads, rows)
+
+
+def stages_of(result):
+    return {k[: -len(STAGE)]: v for k, v in result.items() if k.endswith(STAGE)}
+
+
+def profile(results):
+    rows = []
+    staged = [r for r in results if stages_of(r)]
+    names = list(stages_of(staged[0])) if staged else []
+    for r in staged:
+        stages = stages_of(r)
+        total = sum(stages.values())
+        shares = [f"{v:.0f} ({100 * v / total:.0f} %)" for v in stages.values()]
+        rows.append((r["name"], count(r["size"]), r["threads"], f"{total:.0f}", *shares))
+    return table(("name", "particles", "threads", "all", *(n.replace("_", " ") for n in names)), rows)
+
+
+def bytes_of_steps(results):
+    """What the sweeps of a step move, beside the bandwidth that the measured rate then takes."""
+    stream = figure_of(results, "machine/stream")
+    rows = []
+    for r in results:
+        if not stream or not r.get("sweeps_per_step"):
+            continue
+        moved = r["sweeps_per_step"] * (r["list_bytes_per_particle"] + BYTES_OF_A_PARTICLE)
+        taken = 1e-9 * moved * r["median"]
+        rows.append(
+            (r["name"], count(r["size"]), r["threads"], count(r["list_bytes_per_particle"]), count(moved), f"{taken:.1f}",
+             f"{100 * taken / stream / r['threads']:.0f} %")
+        )
+    heads = ("name", "particles", "threads", "list bytes a particle", "bytes a particle-step", "GB/s", "of the bandwidth")
+    return table(heads, rows)
+
+
+def growth(results):
+    """What an item costs in a large case, over what it costs in the smallest of the same kind."""
+    rows = []
+    for r in results:
+        if not r["name"].startswith(("fluid/growth", "crowd/open_plane")) or not r["unit"].endswith("steps_per_s"):
+            continue
+        same = [s for s in results if (s["name"], s["threads"]) == (r["name"], r["threads"]) and s["size"] >= 1000]
+        smallest = min(same, key=lambda s: s["size"], default=None)
+        if smallest is None or r["size"] <= smallest["size"]:
+            continue
+        rows.append((r["name"], count(smallest["size"]), count(r["size"]), r["threads"], f"{smallest['median'] / r['median']:.2f}"))
+    return table(("name", "from", "to", "threads", "cost of an item, times"), rows)
+
+
+def second_processor(results):
+    """What two threads gain, beside what two programs gain that need not wait for each other."""
+    rows = []
+    for one in [r for r in results if r["threads"] == 1]:
+        for two in named(results, one["name"], 2):
+            if two["size"] == one["size"] and (larger_is_faster(one["unit"]) or one["unit"].startswith("ns_per_")):
+                free = "they share nothing" if one["name"] in ALONE else "they wait for nothing" if one["name"] in SWEEPS else ""
+                rows.append((one["name"], count(one["size"]), f"{speed_up(one, two):.2f}", free))
+    text = (
+        "Work in the same time with two threads, times that with one. The first rows bound the others: where two copies that need "
+        "not wait for each other do not do twice as much, the two processors share something, such as a core or its clock.\n\n")
+    return text + table(("name", "size", "times", ""), rows) if rows else ""
+
+
+def goals_of(results):
+    rows = goals.rows_of(results, OPERATIONS_OF_A_PAIR)
+    text = (
+        "Goals set for two cores of 2.5 GHz before anything was built, judged by the median. The last column: particle-steps a second "
+        f"if each sweep of the two solves took only what {OPERATIONS_OF_A_PAIR} operations a lane cost a core that makes multiply-adds "
+        "at its peak, all else as measured.\n\n")
+    heads = ("name", "size", "threads", "goal", "median", "best", "unit", "reached", "with the solves at the bound")
+    return text + table(heads, rows) if rows else ""
+
+
+def features(results):
+    rows = [
+        (r["name"].split("/")[1].replace("_", " "), f"{r['median']:.3f}", f"{r['min']:.3f} to {r['max']:.3f}", r["pairs"],
+         r["counted"], f"{r['cpu_s_without']:.2f}")  # fmt: skip
+        for r in results
+        if r["name"].startswith("features/")
+    ]
+    text = (
+        "Processor time with the feature over that without, medians of pairs of runs that take turns. `off` sets the feature to what "
+        "it is without a word (viscosity to 0, where it is 0.01 without); how far its interval lies from 1 is how exactly this machine "
+        "can tell. A feature that is off is a test a step in the same program, so that no build without it stands beside.\n\n")
+    return text + table(("feature", "times", "interval", "pairs", "time of", "s without"), rows) if rows else ""
+
+
+def draw_profile(results, file):
+    staged = [r for r in results if stages_of(r)]
+    if not staged:
+        return False
+    figure, axes = pyplot.subplots(figsize=(10, 0.8 + 0.45 * len(staged)), layout="constrained")
+    left = [0.0] * len(staged)
+    for k, name in enumerate(stages_of(staged[0])):
+        widths = [stages_of(r).get(name, 0) for r in staged]
+        axes.barh(range(len(staged)), widths, left=left, label=name.replace("_", " "), color=pyplot.cm.tab10(k))
+        left = [a + b for a, b in zip(left, widths)]
+    axes.set_yticks(range(len(staged)), [label(r) for r in staged])
+    axes.invert_yaxis()
+    axes.set_xlabel("wall time of a particle-step, ns")
+    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+    axes.grid(False)
+    save(figure, file)
+    return True
+
+
+def draw_roofline(results, file):
+    peak, stream = figure_of(results, "machine/fma_peak"), figure_of(results, "machine/stream")
+    sweeps = [r for name in SWEEPS for r in named(results, name)]
+    if not peak or not stream or not sweeps:
+        return False
+    at_most = 1e3 * peak / 2 / OPERATIONS_OF_A_PAIR  # M pairs/s
+    figure, axes = pyplot.subplots(figsize=(8, 5.2), layout="constrained")
+    intensities = [10 ** (-2.5 + 0.05 * k) for k in range(71)]  # pairs a byte
+    axes.loglog(intensities, [min(at_most, 1e3 * stream * i) for i in intensities], color="black", label="bound of one core")
+    for k, name in enumerate(SWEEPS):
+        for r in named(results, name):
+            moved = r["list_bytes_per_particle"] + BYTES_OF_A_PARTICLE
+            rate = 1e3 * r["pairs_per_particle"] / r["median"]
+            lanes = r["lanes_in_use_percent"] / 100
+            x = r["pairs_per_particle"] / moved
+            first = r is named(results, name)[0]
+            # The lanes that work for nothing count as pairs, too: more of them a second, and more a byte.
+            axes.plot([x, x / lanes], [rate, rate / lanes], color=pyplot.cm.tab10(k), alpha=0.5)
+            axes.plot(x, rate, "o", color=pyplot.cm.tab10(k), label=f"{name.split('/')[1].replace('_', ' ')}, useful pairs" if first else None)
+            axes.plot(x / lanes, rate / lanes, "^", mfc="white", color=pyplot.cm.tab10(k), label="the same, all lanes" if first else None)
+            # Sizes to the left, where no line is; each sweep has a column of its own, as sweeps may be equally fast.
+            axes.annotate(count(r["size"]), (x, rate), xytext=(-6 - 45 * k, -3), textcoords="offset points", ha="right", fontsize=8, color=pyplot.cm.tab10(k))
+    axes.set_xlim(1e-2, 3)
+    axes.set_ylim(50, 3 * at_most)
+    axes.set_xlabel("pairs a byte read or written")
+    axes.set_ylabel("million pairs a second and core")
+    axes.grid(True, which="both")
+    axes.legend(fontsize=8)
+    save(figure, file)
+    return True
+
+
+BUSY = "**Other programs used the machine: times are too long, only ratios within a program mean something.**"
+
+
+def write(folder, machine, results, quick):
+    """report.md and its pictures."""
+    sections = (
+        ("Goals", goals_of, None, None),
+        ("All figures", rates, None, None),
+        ("Work and error of the water", errors, None, None),
+        ("Profile of a step, ns of wall time a particle-step", profile, draw_profile, "profile.png"),
+        ("Sweeps beside the bounds of the machine", bounds, draw_roofline, "roofline.png"),
+        ("Bytes of a step", bytes_of_steps, None, None),
+        ("What a second processor gains", second_processor, None, None),
+        ("Growth with size", growth, None, None),
+        ("Features that are off and on", features, None, None),
+    )
+    written = f"Written by `tools/wade bench --out`{', with `--quick`' if quick else ''}. {machine_text(machine)}."
+    parts = [section("Benchmarks", written, BUSY if machine["busy"] else "", level=1)]
+    for title, text_of, draw, picture in sections:
+        if text := text_of(results):
+            shown = draw and draw(results, folder / picture)
+            parts.append(section(title, text, f"![{title}]({picture})" if shown else ""))
+    write_whole(folder / "report.md", document(*parts))
