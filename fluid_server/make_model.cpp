@@ -10,19 +10,19 @@
 namespace wade::fluid {
 
 std::unique_ptr<FluidModel> make_fluid_model(const Scene& scene) {
-    if (scene.fluid.model == wade::FluidModel::kinematic) {
+    if (scene.fluid.model == wade::ModelKind::kinematic) {
         return std::make_unique<KinematicStream>(scene);
     }
-    if (scene.fluid.model == wade::FluidModel::shallow_water) {
+    if (scene.fluid.model == wade::ModelKind::shallow_water) {
         return std::make_unique<shallow_water::ShallowWaterModel>(scene);
     }
-    if (scene.fluid.model == wade::FluidModel::mixed) {
+    if (scene.fluid.model == wade::ModelKind::mixed) {
         return std::make_unique<mixed::MixedModel>(scene);
     }
-    if (scene.fluid.model == wade::FluidModel::steering) {
+    if (scene.fluid.model == wade::ModelKind::steering) {
         return std::make_unique<SteeringModel>(scene);
     }
-    if (scene.fluid.model == wade::FluidModel::automatic) {
+    if (scene.fluid.model == wade::ModelKind::automatic) {
         throw ConfigurationError(scene.name +
                                  ": /fluid/model: \"auto\" stands for a model that fluid_server chooses first; allowed "
                                  "here: dfsph, kinematic, shallow_water and steering.");

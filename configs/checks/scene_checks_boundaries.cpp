@@ -5,6 +5,7 @@
 #include <array>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/choices.hpp"
 
 namespace wade {
 
@@ -45,16 +46,15 @@ void check_top(const Scene& scene, const std::string& source) {
 
 struct PlaneFacts {
     Plane plane;
-    const char* name;
     std::array<bool, 3> across;  // axes along which the plane cannot move
 };
-constexpr std::array<PlaneFacts, 7> planes{{{Plane::bed, "bed", {false, true, false}},
-                                            {Plane::top, "top", {false, true, false}},
-                                            {Plane::x_min, "x_min", {true, false, false}},
-                                            {Plane::x_max, "x_max", {true, false, false}},
-                                            {Plane::z_min, "z_min", {false, false, true}},
-                                            {Plane::z_max, "z_max", {false, false, true}},
-                                            {Plane::obstacles, "obstacles", {true, true, true}}}};
+constexpr std::array<PlaneFacts, 7> planes{{{Plane::bed, {false, true, false}},
+                                            {Plane::top, {false, true, false}},
+                                            {Plane::x_min, {true, false, false}},
+                                            {Plane::x_max, {true, false, false}},
+                                            {Plane::z_min, {false, false, true}},
+                                            {Plane::z_max, {false, false, true}},
+                                            {Plane::obstacles, {true, true, true}}}};
 
 const PlaneFacts& facts_of(Plane plane) {
     return *std::find_if(planes.begin(), planes.end(), [&](const PlaneFacts& facts) { return facts.plane == plane; });
@@ -85,21 +85,21 @@ void check_no_slip(const Scene& scene, const std::string& source) {
     const std::vector<NoSlip>& list = scene.channel.no_slip;
     for (std::size_t i = 0; i < list.size(); ++i) {
         PlaneFacts facts = facts_of(list[i].plane);
-        const std::string quoted = std::string("\"").append(facts.name).append("\"");
+        const std::string plane = quoted(facts.plane);
         const std::string pointer = item("no_slip", i);
         if (const std::string why = missing(facts.plane, scene); !why.empty()) {
-            refuse(source, pointer + "/plane", "there is no plane " + quoted + ", as " + why + ".");
+            refuse(source, pointer + "/plane", "there is no plane " + plane + ", as " + why + ".");
         }
         for (std::size_t k = 0; k < i; ++k) {
             if (list[k].plane != facts.plane) continue;
-            refuse(source, pointer + "/plane", quoted + " has its velocity in " + item("no_slip", k) + " already.");
+            refuse(source, pointer + "/plane", plane + " has its velocity in " + item("no_slip", k) + " already.");
         }
         // A bed that is not level could not slide along x without moving through the water.
         if (facts.plane == Plane::bed && !scene.channel.bed_points.empty()) facts.across[0] = true;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (!facts.across[axis] || list[i].velocity[axis] == 0) continue;
             refuse(source, pointer + "/velocity_" + axes[axis] + "_m_s",
-                   short_number(list[i].velocity[axis]) + " m/s would move " + quoted +
+                   short_number(list[i].velocity[axis]) + " m/s would move " + plane +
                        " into or out of the water; allowed: 0 m/s.");
         }
     }
@@ -139,7 +139,7 @@ void check_velocity_history(const Channel& channel, const std::string& source) {
     if (history.empty()) return;
     if (channel.flow == Flow::closed || channel.flow == Flow::periodic) {
         refuse(source, "/channel/velocity_history",
-               std::string("nothing sets the speed of a ") + (channel.flow == Flow::closed ? "closed" : "periodic") +
+               "nothing sets the speed of a " + name_of(channel.flow) +
                    " channel; allowed: none, or flow \"emitter\" or \"recirculating\".");
     }
     for (std::size_t i = 1; i < history.size(); ++i) {

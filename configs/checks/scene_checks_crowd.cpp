@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/choices.hpp"
 #include "configs/scene/near_places.hpp"
 
 namespace wade {
@@ -160,8 +161,7 @@ void check_ragdoll(const Scene& scene, const std::string& source) {
     if (scene.crowd.ragdoll.condition != RagdollCondition::paper || v_f_is_set) return;
     refuse(
         source, "/crowd/ragdoll/condition",
-        std::string("\"paper\" asks for v_F, and nothing sets the speed of a ") +
-            (scene.channel.flow == Flow::closed ? "closed" : "periodic") +
+        "\"paper\" asks for v_F, and nothing sets the speed of a " + name_of(scene.channel.flow) +
             " channel; allowed: \"off\", \"local_speed\", \"depth_speed\", or flow \"emitter\" or \"recirculating\".");
 }
 

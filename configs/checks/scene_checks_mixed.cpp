@@ -43,7 +43,7 @@ void check_room(const Scene& scene, const std::string& source) {
 }  // namespace
 
 void check_mixed(const Scene& scene, const std::string& source) {
-    if (scene.fluid.model != FluidModel::mixed) return;
+    if (scene.fluid.model != ModelKind::mixed) return;
     if (!scene.channel.bed_points.empty()) {
         refuse(source, "/fluid/model",
                "\"mixed\" hands water over on a level bed only, and /channel/bed_points holds " +

@@ -1,6 +1,7 @@
 // What the shallow-water model can take: open water that stands on the bed, and obstacles that its cells can show.
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/choices.hpp"
 #include "configs/scene/shallow_water_cells.hpp"
 
 namespace wade {
@@ -11,7 +12,7 @@ constexpr double rounding = 1e-9;
 constexpr double most_cells = 1e8;  // about 13 GB
 
 std::string name_of_model(const Scene& scene) {
-    return scene.fluid.model == FluidModel::mixed ? "\"mixed\"" : "\"shallow_water\"";
+    return quoted(scene.fluid.model);
 }
 
 void check_surface(const Scene& scene, const std::string& source) {
@@ -19,7 +20,7 @@ void check_surface(const Scene& scene, const std::string& source) {
     const std::string model = name_of_model(scene) + " ";
     if (channel.top != Top::open) {
         refuse(source, "/fluid/model",
-               model + "has a free surface, and /channel/top is \"" + (channel.top == Top::wall ? "wall" : "periodic") +
+               model + "has a free surface, and /channel/top is \"" + name_of(channel.top) +
                    "\"; allowed: \"open\", or the model \"dfsph\".");
     }
     if (!channel.no_slip.empty()) {
@@ -79,7 +80,7 @@ void check_grid(const Scene& scene, const std::string& source) {
 }  // namespace
 
 void check_shallow_water(const Scene& scene, const std::string& source) {
-    if (scene.fluid.model != FluidModel::shallow_water && scene.fluid.model != FluidModel::mixed) return;
+    if (scene.fluid.model != ModelKind::shallow_water && scene.fluid.model != ModelKind::mixed) return;
     check_surface(scene, source);
     check_grid(scene, source);
     // Depths are sure to stay positive up to there.

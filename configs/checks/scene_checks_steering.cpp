@@ -123,7 +123,7 @@ void check_bodies(const Scene& scene, const std::string& source) {
 }  // namespace
 
 void check_steering(const Scene& scene, const std::string& source) {
-    if (scene.fluid.model != FluidModel::steering) return;
+    if (scene.fluid.model != ModelKind::steering) return;
     check_channel(scene, source);
     check_reach(scene, source);
     check_classes(scene.fluid.steering, source);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/choices.hpp"
 #include "configs/scene/scene_capacity.hpp"
 
 namespace wade {
@@ -153,12 +154,11 @@ void check_walls_apart(const Scene& scene, const std::string& source) {
 
 // A given stream meets nothing, has no end walls, and nothing changes it.
 void check_kinematic(const Scene& scene, const std::string& source) {
-    if (scene.fluid.model != FluidModel::kinematic) return;
+    if (scene.fluid.model != ModelKind::kinematic) return;
     const Channel& channel = scene.channel;
     if (channel.flow == Flow::closed || channel.flow == Flow::periodic) {
         refuse(source, "/fluid/model",
-               std::string("\"kinematic\" is a stream of given velocity, and /channel/flow is \"") +
-                   (channel.flow == Flow::closed ? "closed" : "periodic") +
+               "\"kinematic\" is a stream of given velocity, and /channel/flow is \"" + name_of(channel.flow) +
                    "\"; allowed: \"emitter\" and \"recirculating\".");
     }
     if (!scene.obstacles.empty()) {
@@ -186,7 +186,7 @@ void check_kinematic(const Scene& scene, const std::string& source) {
 
 // The demand belongs to the choice of the model, and the choice needs it.
 void check_model_choice(const Fluid& fluid, const std::string& source) {
-    const bool chosen = fluid.model == FluidModel::automatic;
+    const bool chosen = fluid.model == ModelKind::automatic;
     if (chosen == (fluid.max_impulse_error > 0)) return;
     refuse(source, "/fluid/max_impulse_error",
            chosen ? "0: the model \"auto\" is chosen by the error that is allowed; allowed: > 0 and <= 1."
@@ -213,7 +213,7 @@ void check_water(const Scene& scene, const std::string& source) {
     check_limits(scene.fluid.density_solve, source, "/fluid/density_solve");
     check_limits(scene.fluid.divergence_solve, source, "/fluid/divergence_solve");
     if (!carries_water(scene.channel)) return;
-    if (scene.fluid.model != FluidModel::automatic) {  // which chooses a spacing that fits
+    if (scene.fluid.model != ModelKind::automatic) {  // which chooses a spacing that fits
         check_spacing(scene, source);
         check_kernel(scene.fluid, source);
         check_periodic(scene, source);

@@ -98,7 +98,7 @@ struct Obstacle {
     double height = 1;
 };
 
-enum class FluidModel {
+enum class ModelKind {
     dfsph,
     kinematic,
     shallow_water,
@@ -190,7 +190,7 @@ struct PressureSolve {
 };
 
 struct Fluid {
-    FluidModel model = FluidModel::dfsph;
+    ModelKind model = ModelKind::dfsph;
     double max_impulse_error = 0;  // of `automatic`, relative; else 0
     Kinematic kinematic;
     ShallowWaterGrid shallow_water;

@@ -13,18 +13,6 @@ std::uint64_t particles_in(double volume, double spacing) {
 
 }  // namespace
 
-std::string name_of(KernelKind kernel) {
-    switch (kernel) {
-        case KernelKind::quartic_spline:
-            return "quartic_spline";
-        case KernelKind::wendland_c2:
-            return "wendland_c2";
-        case KernelKind::cubic_spline:
-            break;
-    }
-    return "cubic_spline";
-}
-
 double support_in_spacings_of(const Fluid& fluid) {
     switch (fluid.kernel) {
         case KernelKind::quartic_spline:

@@ -2,14 +2,10 @@
 // How far fluid particles reach, how deep water is, and how many particles a scene needs.
 
 #include <cstdint>
-#include <string>
 
 #include "configs/scene/scene.hpp"
 
 namespace wade {
-
-// Of a kernel in scenes.
-[[nodiscard]] std::string name_of(KernelKind kernel);
 
 // h / d: of the cubic spline as the scene says, 2 if it says nothing; 2.4 of the quartic spline, 3 of Wendland's C2.
 [[nodiscard]] double support_in_spacings_of(const Fluid& fluid);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/choices.hpp"
 #include "configs/scene/scene_schema.hpp"
 
 namespace wade {
@@ -16,64 +17,11 @@ namespace {
 
 using nlohmann::json;
 
-template <typename Choice, std::size_t n>
-Choice choice_of(const json& value, const std::array<std::pair<const char*, Choice>, n>& names) {
-    for (const auto& [name, choice] : names) {
-        if (value == name) return choice;
-    }
+template <typename Choice>
+Choice choice_of(const json& value) {
+    if (const auto choice = choice_named<Choice>(value.get<std::string>())) return *choice;
     throw std::logic_error("the schema allows a choice that the scene does not know: " + value.dump());
 }
-
-constexpr std::array world_ends{std::pair{"open", Ends::open}, std::pair{"periodic", Ends::periodic}};
-constexpr std::array flows{std::pair{"emitter", Flow::emitter}, std::pair{"recirculating", Flow::recirculating},
-                           std::pair{"periodic", Flow::periodic}, std::pair{"closed", Flow::closed}};
-constexpr std::array sides{std::pair{"walls", Sides::walls}, std::pair{"periodic", Sides::periodic}};
-constexpr std::array tops{std::pair{"open", Top::open}, std::pair{"wall", Top::wall},
-                          std::pair{"periodic", Top::periodic}};
-constexpr std::array planes{std::pair{"bed", Plane::bed},
-                            std::pair{"top", Plane::top},
-                            std::pair{"x_min", Plane::x_min},
-                            std::pair{"x_max", Plane::x_max},
-                            std::pair{"z_min", Plane::z_min},
-                            std::pair{"z_max", Plane::z_max},
-                            std::pair{"obstacles", Plane::obstacles}};
-constexpr std::array kernels{std::pair{"cubic_spline", KernelKind::cubic_spline},
-                             std::pair{"quartic_spline", KernelKind::quartic_spline},
-                             std::pair{"wendland_c2", KernelKind::wendland_c2}};
-constexpr std::array rivers{std::pair{"dry", InitialRiver::dry}, std::pair{"filled", InitialRiver::filled}};
-constexpr std::array fluid_models{std::pair{"dfsph", FluidModel::dfsph},
-                                  std::pair{"kinematic", FluidModel::kinematic},
-                                  std::pair{"shallow_water", FluidModel::shallow_water},
-                                  std::pair{"steering", FluidModel::steering},
-                                  std::pair{"mixed", FluidModel::mixed},
-                                  std::pair{"auto", FluidModel::automatic}};
-constexpr std::array cohesion_forms{std::pair{"equal", CohesionForm::equal},
-                                    std::pair{"growing", CohesionForm::growing}};
-constexpr std::array loss_forms{std::pair{"relative", LossForm::relative}, std::pair{"absolute", LossForm::absolute}};
-constexpr std::array steering_walls{std::pair{"force", SteeringWalls::force},
-                                    std::pair{"constraint", SteeringWalls::constraint},
-                                    std::pair{"both", SteeringWalls::both}};
-constexpr std::array arrangements{std::pair{"random", Arrangement::random}, std::pair{"lattice", Arrangement::lattice}};
-constexpr std::array profiles{std::pair{"uniform", VelocityProfile::uniform},
-                              std::pair{"logarithmic", VelocityProfile::logarithmic}};
-constexpr std::array speed_rules{std::pair{"pi", SpeedRule::pi}, std::pair{"per_frame", SpeedRule::per_frame},
-                                 std::pair{"per_second", SpeedRule::per_second}};
-constexpr std::array marker_rules{std::pair{"fixed", MarkerRule::fixed}, std::pair{"redrawn", MarkerRule::redrawn}};
-constexpr std::array body_rules{std::pair{"none", BodyRule::none}, std::pair{"fast", BodyRule::fast},
-                                std::pair{"human", BodyRule::human}};
-constexpr std::array navigation_rules{std::pair{"straight", NavigationRule::straight},
-                                      std::pair{"travel_time", NavigationRule::travel_time}};
-constexpr std::array evasion_rules{std::pair{"off", EvasionRule::off}, std::pair{"flee", EvasionRule::flee},
-                                   std::pair{"evasion", EvasionRule::evasion}};
-constexpr std::array ragdoll_conditions{
-    std::pair{"off", RagdollCondition::off}, std::pair{"paper", RagdollCondition::paper},
-    std::pair{"local_speed", RagdollCondition::local_speed}, std::pair{"depth_speed", RagdollCondition::depth_speed}};
-constexpr std::array contact_rules{std::pair{"difference", ContactRule::difference},
-                                   std::pair{"sum", ContactRule::sum}};
-constexpr std::array coupling_rules{std::pair{"per_frame", CouplingRule::per_frame},
-                                    std::pair{"continuous", CouplingRule::continuous}};
-constexpr std::array agents_streams{std::pair{"off", AgentsStream::off}, std::pair{"serial", AgentsStream::serial},
-                                    std::pair{"parallel", AgentsStream::parallel}};
 
 Interval interval(const json& box, const char* lo, const char* hi) {
     return {box.at(lo), box.at(hi)};
@@ -93,22 +41,22 @@ Channel channel_from(const json& j) {
     Channel channel;
     channel.x = x_of(j);
     channel.z = z_of(j);
-    channel.flow = choice_of(j.at("flow"), flows);
-    channel.sides = choice_of(j.at("sides"), sides);
-    channel.top = choice_of(j.at("top"), tops);
+    channel.flow = choice_of<Flow>(j.at("flow"));
+    channel.sides = choice_of<Sides>(j.at("sides"));
+    channel.top = choice_of<Top>(j.at("top"));
     channel.height = j.at("height_m");
     for (const json& point : j.at("bed_points")) channel.bed_points.push_back({point.at("x_m"), point.at("y_m")});
     channel.slope = j.at("slope");
     channel.manning_n = j.at("manning_n");
     for (const json& wall : j.at("no_slip")) {
-        channel.no_slip.push_back({choice_of(wall.at("plane"), planes), velocity_of(wall)});
+        channel.no_slip.push_back({choice_of<Plane>(wall.at("plane")), velocity_of(wall)});
     }
     channel.depth = j.at("depth_m");
     channel.velocity = j.at("velocity_m_s");
     for (const json& point : j.at("velocity_history")) {
         channel.velocity_history.push_back({point.at("time_s"), point.at("velocity_m_s")});
     }
-    channel.initial_river = choice_of(j.at("initial_river"), rivers);
+    channel.initial_river = choice_of<InitialRiver>(j.at("initial_river"));
     for (const json& block : j.at("water_blocks")) {
         channel.water_blocks.push_back(
             {x_of(block), z_of(block), block.at("depth_m"), block.at("y_min_m"), velocity_of(block)});
@@ -121,8 +69,8 @@ PressureSolve solve_from(const json& j) {
 }
 
 Kinematic kinematic_from(const json& j) {
-    return {choice_of(j.at("profile"), profiles), j.at("roughness_length_m"), j.at("transport_factor"),
-            choice_of(j.at("arrangement"), arrangements), j.at("jitter")};
+    return {choice_of<VelocityProfile>(j.at("profile")), j.at("roughness_length_m"), j.at("transport_factor"),
+            choice_of<Arrangement>(j.at("arrangement")), j.at("jitter")};
 }
 
 FlockBehaviour behaviour_from(const json& j) {
@@ -134,13 +82,13 @@ Steering steering_from(const json& j) {
     s.separation = behaviour_from(j.at("separation"));
     s.alignment = behaviour_from(j.at("alignment"));
     s.cohesion = behaviour_from(j.at("cohesion"));
-    s.cohesion_form = choice_of(j.at("cohesion").at("form"), cohesion_forms);
+    s.cohesion_form = choice_of<CohesionForm>(j.at("cohesion").at("form"));
     s.only_where_needed = j.at("only_where_needed");
     s.loss = j.at("loss").at("weight");
     s.loss_radius = j.at("loss").at("radius");
-    s.loss_form = choice_of(j.at("loss").at("form"), loss_forms);
+    s.loss_form = choice_of<LossForm>(j.at("loss").at("form"));
     const json& walls = j.at("walls");
-    s.walls = choice_of(walls.at("rule"), steering_walls);
+    s.walls = choice_of<SteeringWalls>(walls.at("rule"));
     s.wall_radius = walls.at("radius");
     s.wall_weight = walls.at("weight");
     s.wall_loss = walls.at("loss");
@@ -169,14 +117,14 @@ MixedWindow mixed_from(const json& j) {
 
 Fluid fluid_from(const json& j) {
     Fluid fluid;
-    fluid.model = choice_of(j.at("model"), fluid_models);
+    fluid.model = choice_of<ModelKind>(j.at("model"));
     fluid.max_impulse_error = j.at("max_impulse_error");
     fluid.kinematic = kinematic_from(j.at("kinematic"));
     fluid.shallow_water.cell_size = j.at("shallow_water").at("cell_size_m");
     fluid.mixed = mixed_from(j.at("mixed"));
     fluid.steering = steering_from(j.at("steering"));
     fluid.particle_spacing = j.at("particle_spacing_m");
-    fluid.kernel = choice_of(j.at("kernel"), kernels);
+    fluid.kernel = choice_of<KernelKind>(j.at("kernel"));
     fluid.support_in_spacings = j.at("support_in_spacings");
     fluid.rest_density = j.at("rest_density_kg_m3");
     fluid.kinematic_viscosity = j.at("viscosity_m2_s");
@@ -212,27 +160,27 @@ AgentGroup group_from(const json& j) {
 }
 
 RagdollRule ragdoll_from(const json& j) {
-    return {choice_of(j.at("condition"), ragdoll_conditions), j.at("tau_min"), j.at("speed_m_s"),
+    return {choice_of<RagdollCondition>(j.at("condition")), j.at("tau_min"), j.at("speed_m_s"),
             j.at("depth_speed_m2_s"), j.at("random_sign")};
 }
 
 NavigationSettings navigation_from(const json& j) {
-    return {choice_of(j.at("rule"), navigation_rules), j.at("cell_m"), j.at("crowding"), j.at("every_s")};
+    return {choice_of<NavigationRule>(j.at("rule")), j.at("cell_m"), j.at("crowding"), j.at("every_s")};
 }
 
 Crowd crowd_from(const json& j) {
     Crowd crowd;
-    crowd.speed_rule = choice_of(j.at("speed_rule"), speed_rules);
+    crowd.speed_rule = choice_of<SpeedRule>(j.at("speed_rule"));
     crowd.step_rate = j.at("step_rate_hz");
     crowd.markers_per_cell = j.at("markers_per_cell");
     crowd.marker_min_distance = j.at("marker_min_distance_m");
-    crowd.markers = choice_of(j.at("markers"), marker_rules);
+    crowd.markers = choice_of<MarkerRule>(j.at("markers"));
     crowd.marker_epoch = j.at("marker_epoch_s");
-    crowd.bodies = choice_of(j.at("bodies"), body_rules);
+    crowd.bodies = choice_of<BodyRule>(j.at("bodies"));
     crowd.body_radius = j.at("body_radius_m");
     crowd.navigation = navigation_from(j.at("navigation"));
     const json& evasion = j.at("evasion");
-    crowd.evasion = {choice_of(evasion.at("rule"), evasion_rules), evasion.at("radius_m"), evasion.at("prediction_s")};
+    crowd.evasion = {choice_of<EvasionRule>(evasion.at("rule")), evasion.at("radius_m"), evasion.at("prediction_s")};
     crowd.perception_radius = j.at("perception_radius_m");
     crowd.goal_radius = j.at("goal_radius_m");
     crowd.ragdoll = ragdoll_from(j.at("ragdoll"));
@@ -335,7 +283,7 @@ Scene scene_from_json(const json& document) {
     scene.lockstep_depth = document.at("lockstep_depth");
     const json& world = document.at("world");
     scene.world = {world.at("length_m"), world.at("width_m"), world.at("gravity_m_s2"),
-                   choice_of(world.at("ends"), world_ends)};
+                   choice_of<Ends>(world.at("ends"))};
     scene.channel = channel_from(document.at("channel"));
     for (const json& obstacle : document.at("obstacles")) {
         scene.obstacles.push_back({x_of(obstacle), z_of(obstacle), obstacle.at("height_m")});
@@ -343,12 +291,12 @@ Scene scene_from_json(const json& document) {
     scene.fluid = fluid_from(document.at("fluid"));
     scene.crowd = crowd_from(document.at("crowd"));
     const json& coupling = document.at("coupling");
-    scene.coupling = {choice_of(coupling.at("contact_rule"), contact_rules),
-                      choice_of(coupling.at("rule"), coupling_rules),
+    scene.coupling = {choice_of<ContactRule>(coupling.at("contact_rule")),
+                      choice_of<CouplingRule>(coupling.at("rule")),
                       coupling.at("sampling_rate_hz"),
                       coupling.at("agent_radius_m"),
                       coupling.at("particle_radius_m"),
-                      choice_of(coupling.at("agents_stream"), agents_streams)};
+                      choice_of<AgentsStream>(coupling.at("agents_stream"))};
     for (const json& event : document.at("events")) scene.events.push_back(event_from(event));
     return scene;
 }

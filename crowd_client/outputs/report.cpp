@@ -4,6 +4,7 @@
 
 #include "configs/loading/scene_loader.hpp"
 #include "configs/program/version.hpp"
+#include "configs/scene/choices.hpp"
 #include "crowd_client/outputs/csv_text.hpp"
 #include "crowd_client/water/water_met.hpp"
 
@@ -88,7 +89,7 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     json["dead"] = crowd.dead;
     json["active"] = crowd.active.size();
     json["last_arrival_s"] = crowd.arrived > 0 ? Json(time_of(crowd, crowd.last_arrival_step)) : Json(nullptr);
-    json["contact_rule"] = crowd.scene.coupling.contact_rule == ContactRule::sum ? "sum" : "difference";
+    json["contact_rule"] = name_of(crowd.scene.coupling.contact_rule);
     json["fluid"] = fluid_json(summary, labels);
     json["frame_hash"] = hash_or_null(summary.frame_hash);
     json["agents_hash"] = hash_or_null(summary.agents_hash);

@@ -10,7 +10,7 @@ namespace wade::crowd {
 Sampling sampling_of(const Scene& scene) {
     constexpr double rounding = 1e-9;  // of rates that divide one another
     const double samples = scene.coupling.sampling_rate / scene.crowd.step_rate;
-    const bool given = scene.fluid.model == FluidModel::kinematic;
+    const bool given = scene.fluid.model == ModelKind::kinematic;
     return {std::max(1, static_cast<int>(std::ceil(samples - rounding))),
             given ? scene.fluid.kinematic.transport_factor : 1};
 }

@@ -4,9 +4,10 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include "configs/errors/exit_code.hpp"
-#include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/choices.hpp"
 
 namespace wade::fluid {
 
@@ -23,34 +24,10 @@ std::string text_of(double value) {
     return std::to_string(value);
 }
 
-std::string text_of(Flow flow) {
-    switch (flow) {
-        case Flow::emitter:
-            return "emitter";
-        case Flow::recirculating:
-            return "recirculating";
-        case Flow::periodic:
-            return "periodic";
-        case Flow::closed:
-            return "closed";
-    }
-    return "?";
-}
-
-std::string text_of(Sides sides) {
-    return sides == Sides::walls ? "walls" : "periodic";
-}
-
-std::string text_of(Top top) {
-    return top == Top::open ? "open" : top == Top::wall ? "wall" : "periodic";
-}
-
-std::string text_of(wade::FluidModel model) {
-    return model == wade::FluidModel::dfsph ? "dfsph" : "kinematic";
-}
-
-std::string text_of(KernelKind kernel) {
-    return name_of(kernel);
+template <typename Choice>
+    requires std::is_enum_v<Choice>
+std::string text_of(Choice choice) {
+    return name_of(choice);
 }
 
 // Compares one value of the scene with that of the run that wrote the state; source names its file.

@@ -8,6 +8,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/choices.hpp"
 #include "configs/scene/scene_capacity.hpp"
 
 namespace wade::fluid::model_choice {
@@ -84,9 +85,7 @@ std::uint64_t room_for(const Scene& written, double spacing, std::uint64_t neede
 void complete(Candidate& c, const LoadedScene& written) {
     Scene scene = written.scene;
     scene.fluid.particle_spacing = c.spacing;
-    if (c.settings.kernel == "quartic_spline") scene.fluid.kernel = KernelKind::quartic_spline;
-    if (c.settings.kernel == "wendland_c2") scene.fluid.kernel = KernelKind::wendland_c2;
-    if (c.settings.kernel == "cubic_spline") scene.fluid.kernel = KernelKind::cubic_spline;
+    if (const auto kernel = choice_named<KernelKind>(c.settings.kernel)) scene.fluid.kernel = *kernel;
     c.particles = particles_needed(scene);
     c.cost = c.particle_steps(scene.duration) * c.step_cost;
     c.overrides = overrides_of(c, written.scene);

@@ -20,7 +20,7 @@ struct ModelChoice {
 };
 
 [[nodiscard]] inline bool is_open(const Scene& scene) {
-    return scene.fluid.model == wade::FluidModel::automatic;
+    return scene.fluid.model == wade::ModelKind::automatic;
 }
 
 // Of a scene whose model is "auto". `source` names it in errors: the file. Throws ConfigurationError if no candidate meets

@@ -40,7 +40,7 @@ constexpr Kind kinds[] = {{"shallow_water/river", false, false},
 Scene scene_of(const Size& size, const Kind& kind) {
     const auto particles = static_cast<std::uint64_t>(size.length * size.width * 8);  // 0.5 m apart
     Scene scene = river_scene({particles, size.length, size.width, 0.5});
-    scene.fluid.model = FluidModel::shallow_water;
+    scene.fluid.model = ModelKind::shallow_water;
     scene.channel.flow = Flow::periodic;
     if (kind.friction) scene.channel.manning_n = 0.03;
     if (kind.obstacles) scene.obstacles = {{{40, 46}, {10, 14}, 3}, {{60, 66}, {15, 20}, 0.5}};

@@ -55,7 +55,7 @@ Work run(SteeringWorld& world, double time) {
 
 // The steering water of the scene whose outer radius holds about as many neighbours as DFSPH's particles have, images counted.
 Scene with_as_many_neighbours(Scene scene, double wanted, double warm_up) {
-    scene.fluid.model = wade::FluidModel::steering;
+    scene.fluid.model = wade::ModelKind::steering;
     scene.fluid.steering.cohesion.weight = 0.01;  // off it would need no neighbours
     for (int turn = 0; turn < 3; ++turn) {
         SteeringWorld world(scene);

@@ -90,7 +90,7 @@ Result run(const Request& request, const char* name, bool is_undular) {
     const WetDamBreak exact = solve_wet_dam_break(reservoir.depth, tail.depth, scene.world.gravity);
     const DamBreak dam{scene, reservoir.x.lo, reservoir.depth, [&](double s, double t) { return stoker(exact, s, t); }};
     check_duration(dam, first_shock);
-    const bool knows_dispersion = scene.fluid.model != FluidModel::shallow_water;
+    const bool knows_dispersion = scene.fluid.model != ModelKind::shallow_water;
     std::optional<DispersiveTwin> twin;
     if (is_undular && knows_dispersion) twin = make_twin(dam, tail.depth);
     Result result;

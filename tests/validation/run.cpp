@@ -19,7 +19,7 @@ double wall_time() {
 }
 
 void check_is_dfsph(const Scene& scene) {
-    if (scene.fluid.model == FluidModel::dfsph) return;
+    if (scene.fluid.model == ModelKind::dfsph) return;
     throw ConfigurationError(scene.name + ": /fluid/model: this case measures particles of DFSPH; allowed: \"dfsph\".");
 }
 

@@ -208,9 +208,9 @@ double Water::volume() const {
 }
 
 std::unique_ptr<Water> make_water(const Scene& scene) {
-    if (scene.fluid.model == FluidModel::dfsph) return std::make_unique<Particles>(scene);
-    if (scene.fluid.model == FluidModel::shallow_water) return std::make_unique<GridOfCells>(scene);
-    if (scene.fluid.model == FluidModel::steering) return std::make_unique<Vehicles>(scene);
+    if (scene.fluid.model == ModelKind::dfsph) return std::make_unique<Particles>(scene);
+    if (scene.fluid.model == ModelKind::shallow_water) return std::make_unique<GridOfCells>(scene);
+    if (scene.fluid.model == ModelKind::steering) return std::make_unique<Vehicles>(scene);
     throw ConfigurationError(scene.name +
                              ": /fluid/model: this case needs water that is solved for; allowed: \"dfsph\", "
                              "\"shallow_water\" and \"steering\".");

@@ -42,7 +42,7 @@ TEST_CASE("a scene that states only its channel has the defaults of the schema")
     CHECK(scene.channel.velocity == preset("/channel/velocity_m_s"));
     CHECK(scene.channel.water_blocks.empty());
     CHECK(scene.obstacles.empty());
-    CHECK((scene.fluid.model == wade::FluidModel::dfsph && preset("/fluid/model") == "dfsph"));
+    CHECK((scene.fluid.model == wade::ModelKind::dfsph && preset("/fluid/model") == "dfsph"));
     CHECK(scene.fluid.max_impulse_error == preset("/fluid/max_impulse_error"));
     CHECK(scene.fluid.particle_spacing == preset("/fluid/particle_spacing_m"));
     CHECK((scene.fluid.kernel == wade::KernelKind::cubic_spline && preset("/fluid/kernel") == "cubic_spline"));

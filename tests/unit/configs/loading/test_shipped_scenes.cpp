@@ -129,7 +129,7 @@ TEST_CASE("the set on a slope has in each scenario the slope with which a river 
 
 TEST_CASE("the observed set is a given stream that is transported faster than it pushes") {
     const Scene scene = wade::load_scene(scenario("observed", 5)).scene;
-    CHECK(scene.fluid.model == wade::FluidModel::kinematic);
+    CHECK(scene.fluid.model == wade::ModelKind::kinematic);
     CHECK(scene.fluid.kinematic.profile == wade::VelocityProfile::uniform);
     CHECK(scene.fluid.kinematic.transport_factor == 2.6);
     CHECK(scene.fluid.kinematic.arrangement == wade::Arrangement::lattice);

@@ -19,7 +19,7 @@ Scene sampled_scene(double step_rate, double sampling_rate, double transport = 1
     scene.frame_rate = scene.crowd.step_rate = step_rate;
     scene.coupling.rule = CouplingRule::continuous;
     scene.coupling.sampling_rate = sampling_rate;
-    scene.fluid.model = FluidModel::kinematic;
+    scene.fluid.model = ModelKind::kinematic;
     scene.fluid.kinematic.transport_factor = transport;
     return scene;
 }
@@ -50,7 +50,7 @@ TEST_CASE("The samples in a step are its length times the rate, rounded up") {
     CHECK(sampling_of(sampled_scene(120, 120)).samples == 1);
     CHECK(sampling_of(sampled_scene(15, 120, 2.6)).transport == 2.6);
     Scene solved = sampled_scene(15, 120, 2.6);
-    solved.fluid.model = FluidModel::dfsph;
+    solved.fluid.model = ModelKind::dfsph;
     CHECK(sampling_of(solved).transport == 1);
 }
 

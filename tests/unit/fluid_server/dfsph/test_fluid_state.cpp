@@ -150,7 +150,7 @@ TEST_CASE("water that is not solved has no state", "[fluid][state]") {
     DfsphModel model(scene);
     const FluidState state = *model.state();
     scene.obstacles.clear();
-    scene.fluid.model = wade::FluidModel::kinematic;
+    scene.fluid.model = wade::ModelKind::kinematic;
     KinematicStream stream(scene);
     CHECK(stream.state() == nullptr);
     CHECK(stream.states_before_failure().frame_begin == nullptr);

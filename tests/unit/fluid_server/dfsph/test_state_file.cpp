@@ -160,7 +160,7 @@ TEST_CASE("a place for a state is checked before the run", "[fluid][state]") {
     CHECK_NOTHROW(check_can_save_state(model, "a.state"));
     CHECK_THROWS_WITH(check_can_save_state(model, folder.path / "no" / "a.state"), Contains("--save-state"));
     CHECK_THROWS_WITH(check_can_save_state(model, folder.path), Contains("--save-state"));
-    loaded.scene.fluid.model = wade::FluidModel::kinematic;
+    loaded.scene.fluid.model = wade::ModelKind::kinematic;
     const auto stream = make_fluid_model(loaded.scene);
     CHECK_THROWS_WITH(check_can_save_state(*stream, folder.path / "a.state"), Contains("/fluid/model is kinematic"));
 }

@@ -18,7 +18,7 @@ constexpr std::uint64_t ticks_per_frame = 100'000;
 
 Scene stream_scene(Flow flow, InitialRiver river) {
     Scene scene = test::emitter_channel(1.5, 9.81, 10000);
-    scene.fluid.model = wade::FluidModel::kinematic;
+    scene.fluid.model = wade::ModelKind::kinematic;
     scene.channel.x = {20, 60};
     scene.channel.z = {11.5, 20};
     scene.channel.flow = flow;

@@ -18,7 +18,7 @@ inline Scene channel(double length, double x_min, double x_max, Flow flow) {
     scene.channel.x = {0, length}, scene.channel.z = {0, 6};
     scene.channel.flow = flow;
     scene.channel.depth = 1;
-    scene.fluid.model = wade::FluidModel::mixed;
+    scene.fluid.model = wade::ModelKind::mixed;
     scene.fluid.shallow_water.cell_size = 0.5;
     scene.fluid.particle_spacing = 0.25;
     scene.fluid.max_particles = 20000;

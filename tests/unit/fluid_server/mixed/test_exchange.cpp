@@ -21,7 +21,7 @@ TEST_CASE("still water stays at rest across the ends of the window", "[mixed]") 
     run(world, 6);
     // A lattice of still DFSPH water settles with a shake in any tank: here it may be half as strong again, no more.
     Scene tank = basin(6, 1, 0);
-    tank.fluid.model = wade::FluidModel::dfsph;
+    tank.fluid.model = wade::ModelKind::dfsph;
     FluidWorld still(tank);
     for (int f = 0; f < 180; ++f) {
         for (double left = 1.0 / 30; left > 1e-9;) left -= still.step(left).dt;

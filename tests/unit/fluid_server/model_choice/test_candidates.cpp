@@ -96,7 +96,7 @@ TEST_CASE("a model without a row for a kind of water is no candidate, nor is one
 TEST_CASE("the scene as chosen needs no choice and is known to the crowd by the hash of the scene as written") {
     const LoadedScene written = scene_with(river);
     const LoadedScene chosen = scene_as(written, front_for(written)[1]);
-    CHECK(chosen.scene.fluid.model == wade::FluidModel::dfsph);
+    CHECK(chosen.scene.fluid.model == wade::ModelKind::dfsph);
     CHECK(chosen.scene.fluid.particle_spacing == 0.4);
     CHECK(chosen.scene.hash == written.scene.hash);
     const LoadedScene again = load_scene_text(chosen.canonical_json, "chosen.json");

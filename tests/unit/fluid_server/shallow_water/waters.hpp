@@ -14,7 +14,7 @@ inline Scene basin(double length, double width, double cell) {
     scene.world.length = length, scene.world.width = width;
     scene.channel.x = {0, length}, scene.channel.z = {0, width};
     scene.channel.flow = Flow::closed;
-    scene.fluid.model = wade::FluidModel::shallow_water;
+    scene.fluid.model = wade::ModelKind::shallow_water;
     scene.fluid.shallow_water.cell_size = cell;
     scene.fluid.particle_spacing = 0.4642;
     scene.fluid.cfl = 0.5;

@@ -68,7 +68,7 @@ inline std::vector<Vec3> accelerations(const Vehicles& vehicles, const steering:
 // A tank of steering water with the weights of the schema, and some cohesion.
 inline Scene steering_tank(double length, double width, double depth, double spacing) {
     Scene scene = tank(length, width, depth, spacing);
-    scene.fluid.model = wade::FluidModel::steering;
+    scene.fluid.model = wade::ModelKind::steering;
     scene.fluid.cfl = 0.5;
     wade::Steering& s = scene.fluid.steering;
     s.separation = {1.12, 180, 4};

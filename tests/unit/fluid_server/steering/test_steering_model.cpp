@@ -44,7 +44,7 @@ TEST_CASE("the steering water is a model of the server: frames, masses, no state
 TEST_CASE("particles beyond the outflow are in no frame", "[steering]") {
     Scene scene = emitter_channel(2, 9.81, 1500);
     scene.fluid.steering = steering_tank(1, 1, 1, 0.5).fluid.steering;
-    scene.fluid.model = wade::FluidModel::steering;
+    scene.fluid.model = wade::ModelKind::steering;
     scene.channel.x = {2, 8};
     SteeringModel model(scene);
     std::vector<std::vector<float>> fields(7, std::vector<float>(1500));
