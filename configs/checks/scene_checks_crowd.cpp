@@ -23,8 +23,8 @@ std::vector<Place> start_places(const Crowd& crowd) {
     for (std::size_t g = 0; g < crowd.groups.size(); ++g) {
         const AgentGroup& group = crowd.groups[g];
         for (int k = 0; k < group.count; ++k) {
-            places.push_back({group.start_x + k % group.columns * group.pitch_x,
-                              group.start_z + k / group.columns * group.pitch_z, g});
+            const int column = k % group.columns, row = k / group.columns;
+            places.push_back({group.start_x + column * group.pitch_x, group.start_z + row * group.pitch_z, g});
         }
     }
     return places;

@@ -25,8 +25,7 @@ std::string text_of(double value) {
 }
 
 template <typename Choice>
-    requires std::is_enum_v<Choice>
-std::string text_of(Choice choice) {
+requires std::is_enum_v<Choice> std::string text_of(Choice choice) {
     return name_of(choice);
 }
 

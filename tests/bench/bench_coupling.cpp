@@ -6,8 +6,8 @@
 
 #include <string>
 
-#include "crowd_client/water/contacts.hpp"
 #include "crowd_client/crowd_world.hpp"
+#include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_view.hpp"
 #include "fluid_server/dfsph/dfsph_model.hpp"
 #include "shm_protocol/inside/hash.hpp"

@@ -15,8 +15,8 @@
 #include <optional>
 #include <random>
 
-#include "crowd_client/water/contacts.hpp"
 #include "crowd_client/crowd_world.hpp"
+#include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_view.hpp"
 #include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"

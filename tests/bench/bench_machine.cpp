@@ -46,6 +46,12 @@ void stream_triad(benchmark::State& state) {
     state.counters["gb_s"] =
         benchmark::Counter(1e-9 * bytes * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
-BENCHMARK(stream_triad)->Name("machine/stream")->Arg(128)->Unit(benchmark::kMillisecond)->UseRealTime()->Threads(1)->Threads(2);
+BENCHMARK(stream_triad)
+    ->Name("machine/stream")
+    ->Arg(128)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime()
+    ->Threads(1)
+    ->Threads(2);
 
 }  // namespace

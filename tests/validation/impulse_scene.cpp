@@ -6,8 +6,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "configs/program/command_line.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/program/command_line.hpp"
 #include "impulse.hpp"
 #include "run.hpp"
 

@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <sstream>
 
-#include "configs/scene/scene_capacity.hpp"
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/scene_capacity.hpp"
 #include "validation_case.hpp"
 
 namespace wade::validation {

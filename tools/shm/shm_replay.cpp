@@ -5,9 +5,9 @@
 #include <string>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/loading/scene_loader.hpp"
 #include "configs/program/peer_support.hpp"
 #include "configs/program/program.hpp"
-#include "configs/loading/scene_loader.hpp"
 #include "shm_protocol/publisher.hpp"
 #include "tools/shm/agents_taker.hpp"
 #include "tools/shm/recording.hpp"

@@ -9,8 +9,8 @@
 #include <exception>
 #include <iostream>
 
-#include "configs/program/command_line.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/program/command_line.hpp"
 #include "shm_protocol/publisher.hpp"
 
 namespace {

@@ -1,7 +1,7 @@
 #include <unistd.h>
 
-#include "configs/program/command_line.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/program/command_line.hpp"
 #include "configs/program/version.hpp"
 #include "scene_texts.hpp"
 

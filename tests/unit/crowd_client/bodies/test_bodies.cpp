@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
-#include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/crowd_world.hpp"
+#include "crowd_client/markers/counter_random.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;

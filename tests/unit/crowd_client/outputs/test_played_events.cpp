@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "configs/scene/scene_frames.hpp"
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/scene_frames.hpp"
 #include "crowd_client/outputs/played_events.hpp"
 #include "made_up_water.hpp"
 

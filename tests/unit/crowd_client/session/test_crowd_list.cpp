@@ -122,7 +122,8 @@ TEST_CASE("Errors in what a crowd sets name the list, the crowd, the key, the va
 }
 
 TEST_CASE("A crowd has pictures unless it says otherwise") {
-    const auto crowds = crowds_of(R"([{"name": "a"}, {"name": "b", "pictures": false}, {"name": "c", "pictures": true}])");
+    const auto crowds =
+        crowds_of(R"([{"name": "a"}, {"name": "b", "pictures": false}, {"name": "c", "pictures": true}])");
     CHECK(crowds[0].pictures);
     CHECK_FALSE(crowds[1].pictures);
     CHECK(crowds[2].pictures);

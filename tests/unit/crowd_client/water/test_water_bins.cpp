@@ -3,8 +3,8 @@
 #include <limits>
 #include <numbers>
 
-#include "crowd_client/water/contacts.hpp"
 #include "crowd_client/markers/counter_random.hpp"
+#include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_bins.hpp"
 #include "made_up_water.hpp"
 

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "fluid_server/particles/filling.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/dfsph/forces.hpp"
+#include "fluid_server/particles/filling.hpp"
 #include "scenes.hpp"
 
 using namespace wade;

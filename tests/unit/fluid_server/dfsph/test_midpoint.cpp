@@ -1,10 +1,9 @@
-#include "fluid_server/dfsph/midpoint.hpp"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
 #include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/dfsph/midpoint.hpp"
 #include "scenes.hpp"
 
 using namespace wade;
@@ -71,7 +70,8 @@ TEST_CASE("vortices of water without viscosity lose less than Euler steps alone 
     FluidWorld world(scene);
     REQUIRE(world.particles().count == across * across * 9);
     world.set_velocity([](const std::array<double, 3>& x) {
-        return std::array<double, 3>{-std::cos(k * x[0]) * std::sin(k * x[1]), std::sin(k * x[0]) * std::cos(k * x[1]), 0};
+        return std::array<double, 3>{-std::cos(k * x[0]) * std::sin(k * x[1]), std::sin(k * x[0]) * std::cos(k * x[1]),
+                                     0};
     });
     const double before = squared_speed(world.particles());
     while (world.time() < duration - 1e-9) {

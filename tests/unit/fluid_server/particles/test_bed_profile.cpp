@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "fluid_server/particles/bed_profile.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/particles/bed_profile.hpp"
 #include "scenes.hpp"
 
 using namespace wade;

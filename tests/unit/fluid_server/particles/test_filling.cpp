@@ -3,8 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "fluid_server/particles/filling.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/particles/filling.hpp"
 #include "scenes.hpp"
 
 using namespace wade;
