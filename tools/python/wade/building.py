@@ -6,13 +6,14 @@ where they are not older than their sources.
 
 import fcntl
 import importlib.util
-import shutil
+import os
 import subprocess
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 
 from wade.errors import UsageError
-from wade.paths import BUILD, ROOT
+from wade.paths import BUILD, ROOT, own_folder
 from wade.terminal import say_error
 
 PICTURES = ("numpy", "matplotlib", "tabulate")
@@ -22,6 +23,11 @@ class BuildError(Exception):
     """The programs cannot be built; what went before says why."""
 
 
+def can_build():
+    """Whether ninja and CMake are there."""
+    return all(any(os.access(Path(place) / tool, os.X_OK) for place in os.get_exec_path()) for tool in ("ninja", "cmake"))
+
+
 def install(*sets):
     """Installs sets of packages of tools/install_dependencies.sh; false if that failed, which it says itself."""
     return subprocess.run([ROOT / "tools" / "install_dependencies.sh", *sets], stdout=sys.stderr).returncode == 0
@@ -29,6 +35,8 @@ def install(*sets):
 
 def install_pictures():
     """Installs what pictures need, if something is missing; without it, runs go without pictures."""
+    if not os.access(Path.home(), os.W_OK):  # matplotlib keeps its list of fonts there
+        os.environ.setdefault("MPLCONFIGDIR", str(own_folder() / "matplotlib"))
     if not all(map(importlib.util.find_spec, PICTURES)) and not install("pictures"):
         say_error("wade: pictures cannot be drawn without " + " and ".join(PICTURES))
 
@@ -45,7 +53,7 @@ def cached(name):
 def check_owner():
     """A build folder that was named belongs to one source folder; another one's programs must not run in its place."""
     home = cached("CMAKE_HOME_DIRECTORY")
-    if home and ROOT != ROOT.__class__(home).resolve():
+    if home and ROOT != Path(home).resolve():
         raise UsageError(f"{BUILD} is the build folder of {home}, not of {ROOT}; name another one in WADE_BUILD")
 
 
@@ -64,7 +72,7 @@ def locked():
 
 def files_to_compile(targets):
     """How many files ninja would compile for these targets; None if it cannot tell."""
-    if not shutil.which("ninja") or not (BUILD / "build.ninja").exists():
+    if not can_build() or not (BUILD / "build.ninja").exists():
         return None
     steps = subprocess.run(["ninja", "-n", "-C", BUILD, *targets], capture_output=True, text=True)
     if steps.returncode != 0 or "Re-running CMake" in steps.stdout:
@@ -85,7 +93,7 @@ def build(targets, with_tests):
     if count == 0:
         return run_tool("ninja", "--quiet", "-C", BUILD, *targets)
     installed = install("build", *(["tests"] if with_tests else []))
-    if not installed and not (shutil.which("ninja") and shutil.which("cmake")):
+    if not installed and not can_build():
         raise BuildError
     if needs_tests or not (BUILD / "build.ninja").exists():
         print(f"Configuring the release build in {BUILD}", file=sys.stderr)
@@ -104,8 +112,8 @@ def bring_up_to_date(targets, with_tests=False):
     that are there are taken as they are. BuildError, UsageError.
     """
     check_owner()
-    there = bool(targets) and all((BUILD / name).exists() for name in targets)
-    if there and not shutil.which("ninja"):
+    there = bool(targets) and all(os.access(BUILD / name, os.X_OK) for name in targets)
+    if there and not can_build():
         return
     try:
         with locked():

@@ -1,6 +1,5 @@
 """tools/wade: finds the subcommand, brings the programs that it needs up to date, and calls its module."""
 
-import difflib
 import importlib
 import importlib.util
 import os
@@ -24,12 +23,14 @@ def overview():
 
 def exists(module):
     try:
-        return importlib.util.find_spec(module) is not None
+        return bool(module) and importlib.util.find_spec(module) is not None
     except ModuleNotFoundError:
         return False
 
 
 def unknown(name):
+    import difflib  # only where something is wrong, as it takes its time
+
     near = difflib.get_close_matches(name, [command.name for command in all_commands()], 3)
     meant = f"; did you mean {' or '.join(near)}?" if near else ""
     raise UsageError(f'there is no subcommand "{name}"{meant} (tools/wade --help lists them)')
@@ -38,7 +39,7 @@ def unknown(name):
 def carry_out(command, arguments):
     """Builds what a subcommand needs, unless it is only asked for help, and calls it; returns its exit code."""
     runs = not asks_for_help(arguments)
-    if runs and command.programs:
+    if runs and command.pictures:
         install_pictures()
     module = importlib.import_module(command.module)
     if runs and command.programs:
@@ -75,6 +76,6 @@ def call(arguments):
     if command is None:
         unknown(name)
     if command.script and not exists(command.module):
-        script = ROOT / "tools" / command.script
+        script = ROOT / ("" if "/" in command.script else "tools") / command.script
         os.execv(script, [str(script), *rest])
     return carry_out(command, rest)

@@ -1,23 +1,27 @@
-"""All subcommands of tools/wade, by purpose: what each is for, its module, and the programs that it needs."""
+"""All subcommands of tools/wade, by purpose: what each is for, its module, and the programs that it needs.
 
-from dataclasses import dataclass
+A module has main(arguments) -> exit code and answers --help without packages or a build. It finds the programs in
+wade.paths.BUILD, runs a pair by wade.paths.module_command("wade.run.pair"), and reads its options with
+wade.terminal.Parser. Where the programs depend on the options, the module has programs_for(arguments).
+"""
 
 PAIR = ("fluid_server", "crowd_client")
 BENCHMARKS = tuple(f"bench_{part}" for part in ("fluid", "shallow_water", "steering", "crowd", "coupling", "kernels",
                                                 "protocol"))
 
 
-@dataclass(frozen=True)
 class Command:
-    """A subcommand. Its module has main(arguments) -> exit code, and answers --help."""
+    """A subcommand. meaning: one line of at most 75 columns; module: imported when it is called.
 
-    name: str
-    meaning: str  # one line, at most 75 columns
-    module: str  # imported when it is called
-    programs: tuple = ()  # of the build folder, brought up to date before it starts
-    with_tests: bool = False  # whether these programs are built only together with the tests
-    old_names: tuple = ()  # of scripts in tools/, without their ending
-    script: str = ""  # in tools/, which is run as long as there is no such module
+    programs: of the build folder, brought up to date before it starts; with_tests: these are built only together with
+    the tests; old_names: of scripts in tools/, without their ending; script: run where there is no module; pictures: it
+    draws though it needs no programs.
+    """
+
+    def __init__(self, name, meaning, module="", programs=(), with_tests=False, old_names=(), script="", pictures=False):
+        self.name, self.meaning, self.module, self.script = name, meaning, module, script
+        self.programs, self.with_tests, self.pictures = programs, with_tests, pictures or bool(programs)
+        self.old_names = old_names
 
 
 COMMANDS = {
@@ -28,8 +32,9 @@ COMMANDS = {
         Command("scenes", "list the scenes by their short names", "wade.scenes"),
     ),
     "Look at a run": (
-        Command("figure", "top view of a run: water, paths, goals, outcome", "wade.pictures.figure"),
-        Command("danger-map", "danger levels of the water, and whom they met", "wade.pictures.danger_map"),
+        Command("figure", "top view of a run: water, paths, goals, outcome", "wade.pictures.figure", pictures=True),
+        Command("danger-map", "danger levels of the water, and whom they met", "wade.pictures.danger_map",
+                pictures=True),
     ),
     "Compare outcomes": (
         Command("paper", "all scenarios of the paper with many seeds, beside the paper", "wade.suites.paper", PAIR,
@@ -55,13 +60,12 @@ COMMANDS = {
                 (*PAIR, "shm_record", *BENCHMARKS), True),
     ),
     "Test": (
-        Command("test", "build the tests and run the quick set, or --all", "wade.tests", script="test.sh"),
+        Command("test", "build the tests and run the quick set, or --all", "wade.testing"),
         Command("conformance", "a producer of water against the shared-memory contract", "wade.conformance.suite"),
+        Command("check-protocol", "models, kills, races, fuzzing and producers, long form", "wade.check_protocol"),
+        Command("check-model", "search the SPIN models of the protocol", script="tests/protocol/model/check_model.sh"),
+        Command("fuzz", "fuzz what readers do with a header page", script="tests/fuzz/fuzz.sh"),
         Command("scene-docs", "write the table of scene keys into docs/scene_keys.md", "wade.scene_docs"),
-        Command("check-protocol", "models, kills, races, fuzzing and producers, long form", "wade.checks",
-                script="check_protocol.sh"),
-        Command("check-model", "search the SPIN models of the protocol", "wade.checks", script="check_model.sh"),
-        Command("fuzz", "fuzz what readers do with a header page", "wade.checks", script="fuzz.sh"),
     ),
 }
 

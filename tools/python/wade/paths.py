@@ -11,6 +11,15 @@ BUILD = Path(os.environ.get("WADE_BUILD") or ROOT / "build" / "release").absolut
 WADE = ROOT / "tools" / "wade"
 
 
+def own_folder():
+    """A folder of this user among the temporary files, for who has no other place to write."""
+    import tempfile  # only for who needs it, as it takes its time
+
+    folder = Path(tempfile.gettempdir()) / f"wade-{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    return folder if folder.lstat().st_uid == os.getuid() else Path(tempfile.mkdtemp(prefix="wade-"))
+
+
 def module_command(name):
     """Words that start a module's main() in a process of its own, with nothing built before it."""
     package = ROOT / "tools" / "python"

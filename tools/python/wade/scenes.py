@@ -1,7 +1,6 @@
 """Scenes by short names: `s05` is configs/paper/s05.json, `river/s05` configs/river/s05.json."""
 
 import argparse
-import difflib
 import json
 import re
 import textwrap
@@ -45,6 +44,8 @@ def find_scene(name):
 
 def suggestion(wanted, scenes):
     """The scenes whose names come nearest, in words; empty if none does."""
+    import difflib  # only where something is wrong, as it takes its time
+
     wanted = wanted.removeprefix("configs/")
     # Of a bare name the folder does not count; each bare name stands for its preferred scene.
     known = list(scenes) if "/" in wanted else [short.rpartition("/")[2] for short in scenes]

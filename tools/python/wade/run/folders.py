@@ -2,12 +2,11 @@
 
 import os
 import re
-import tempfile
 import time
 from pathlib import Path
 
 from wade.errors import UsageError
-from wade.paths import ROOT
+from wade.paths import ROOT, own_folder
 
 
 def file_name(text):
@@ -17,9 +16,9 @@ def file_name(text):
 
 def runs_folder():
     """The first of these folders that can be written: runs/ of the project, of this folder, then one of the user's own."""
-    own = Path(tempfile.gettempdir()) / f"wade-{os.getuid()}"
-    places = [ROOT / "runs", Path.cwd() / "runs", Path.home() / "wade-runs", own / "runs"]
-    for place in places:
+    places = [ROOT / "runs", Path.cwd() / "runs", Path.home() / "wade-runs"]
+    for place in [*places, None]:
+        place = place or own_folder() / "runs"
         try:
             place.mkdir(parents=True, exist_ok=True)
         except OSError:

@@ -6,7 +6,6 @@ Standard library only.
 
 import json
 import os
-import secrets
 import shlex
 import signal
 import subprocess
@@ -153,7 +152,7 @@ def carry_out(run):
         return code
     own = run.own
     folder = Path(own["--out"]) if "--out" in own else new_folder(run.resolved["name"])
-    session = own.get("--session") or f"wade-{os.getuid()}-{os.getpid()}-{secrets.token_hex(4)}"
+    session = own.get("--session") or f"wade-{os.getuid()}-{os.getpid()}-{os.urandom(4).hex()}"
     recording = Path(own["--record"]) if "--record" in own else None
     earlier_recording = recording and state_of(recording)
     many = is_given(run.arguments["crowd_client"], "--crowds")

@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# Searches the SPIN models of the protocol: the sound ones must have no error, each mutant the one meant for it.
+set -euo pipefail
+
+usage() {
+  cat <<'HELP'
+Usage: tools/wade check-model [--quick] [MODEL]
+
+Searches the state spaces of tests/protocol/model (or of one MODEL of it: lockstep, memory_order,
+latest) and prints a line for each search: verdict, states, depth, seconds, definitions. --quick
+leaves out the searches marked long in tests/protocol/model/runs.txt, which take up to MEMORY_MB
+(default 8000) of memory and some minutes each. Exit code 0 if every sound model is without error,
+every mutant refuted and no search cut short; 77 without spin.
+HELP
+}
+
+models=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+memory_mb=${MEMORY_MB:-8000}
+form=long
+only=
+while [ $# -gt 0 ]; do
+  case "$1" in
+    -h | --help) usage; exit 0 ;;
+    --quick) form=quick ;;
+    -*) echo "check-model: unexpected argument \"$1\"; see --help" >&2; exit 2 ;;
+    *)
+      only=$1
+      if [ ! -f "$models/$only.pml" ]; then
+        echo "check-model: there is no model \"$only\" in tests/protocol/model" >&2
+        exit 2
+      fi
+      ;;
+  esac
+  shift
+done
+if ! command -v spin >/dev/null; then
+  echo "check-model: skipped, spin is not installed (Debian package spin)"
+  exit 77
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# search EXPECTATION MODEL DEFINITIONS...: leaves pan's report in $work/report
+search() {
+  local model=$2 optimise=-O0 # mutants are found before a better compilation would pay
+  if [ "$1" = sound ] && [ "$model" = lockstep ]; then optimise=-O2; fi
+  shift 2
+  cd "$work"
+  rm -f pan* ./*.trail
+  spin -a "$@" "$models/$model.pml" >report 2>&1 || return
+  # No check for cycles: nothing here may loop for ever without a step of another process, and such waits are sleeps.
+  gcc $optimise -w -DSAFETY -DVECTORSZ=512 "-DMEMLIM=$memory_mb" -o pan pan.c >>report 2>&1 || return
+  ./pan -m1000000 >>report 2>&1
+}
+
+# judge EXPECTATION: what the report amounts to
+judge() {
+  local report=$work/report
+  if ! grep -q 'errors: ' "$report"; then
+    echo "FAIL: no result"
+  elif grep -q 'max search depth too small\|Search not completed\|out of memory\|pan: reached -DMEMLIM' "$report" &&
+    [ "$1" = sound ]; then
+    echo "FAIL: cut short"
+  elif grep -q 'assertion violated' "$report"; then
+    [ "$1" = assertion ] && echo refuted || echo "FAIL: $(grep -o 'assertion violated.*' "$report")"
+  elif grep -q 'invalid end state (at depth' "$report"; then
+    [ "$1" = deadlock ] && echo refuted || echo "FAIL: waits for ever"
+  elif grep -q 'errors: 0' "$report"; then
+    [ "$1" = sound ] && echo sound || echo "FAIL: not refuted"
+  else
+    echo "FAIL: another error"
+  fi
+}
+
+count() { # of states or depth; a file without it is a failure that judge has seen
+  { grep -o "$1" "$work/report" || echo 0; } | grep -o '[0-9.e+]*[0-9]' | head -1
+}
+
+failures=0
+searches=0
+printf '%-28s %11s %6s %5s  %s\n' verdict states depth s model
+while read -r when expectation model definitions; do
+  case "$when" in "" | "#"*) continue ;; esac
+  if [ "$form" = quick ] && [ "$when" = long ]; then continue; fi
+  if [ -n "$only" ] && [ "$only" != "$model" ]; then continue; fi
+  began=$SECONDS
+  # shellcheck disable=SC2086  # the definitions are words
+  (search "$expectation" "$model" $definitions) || true
+  verdict=$(judge "$expectation")
+  printf '%-28s %11.0f %6s %5s  %s\n' "$verdict" "$(count '[0-9.e+]* states, stored')" \
+    "$(count 'depth reached [0-9]*')" $((SECONDS - began)) "$model $definitions"
+  searches=$((searches + 1))
+  case "$verdict" in
+    FAIL*)
+      failures=$((failures + 1))
+      tail -n 5 "$work/report" >&2
+      ;;
+  esac
+done <"$models/runs.txt"
+echo "$searches searches, $failures failed"
+[ "$failures" -eq 0 ] && [ "$searches" -gt 0 ]

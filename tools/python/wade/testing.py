@@ -1,0 +1,38 @@
+"""tools/wade test: builds programs and tests and runs them with ctest."""
+
+import os
+
+from wade.building import bring_up_to_date, install
+from wade.paths import BUILD
+from wade.run.arguments import asks_for_help
+
+HELP = """\
+Usage: tools/wade test [--all] [options of ctest]
+
+Installs missing packages, builds the release preset with its tests, and runs the quick set, which
+leaves out the tests with the label `long`. Its exit code is that of ctest.
+
+  --all  all tests
+Other options go to ctest, for example -R unit -V. Where they choose tests (-R, -L, -LE, -I,
+--rerun-failed), long ones are not left out. As many tests run at once as there are processors, or
+CTEST_PARALLEL_LEVEL."""
+CHOICES = ("-R", "--tests-regex", "-L", "--label-regex", "-LE", "--label-exclude", "-I", "--tests-information",
+           "--rerun-failed")
+
+
+def ctest_options(arguments):
+    """The options for ctest of a command line."""
+    chosen = any(word.partition("=")[0] in CHOICES for word in arguments)
+    quick = [] if chosen or "--all" in arguments else ["-LE", "^long$"]
+    return ["--test-dir", str(BUILD), "--output-on-failure", *quick, *(word for word in arguments if word != "--all")]
+
+
+def main(arguments):
+    """tools/wade test."""
+    if asks_for_help(arguments):
+        print(HELP)
+        return 0
+    install("build", "pictures", "tests")
+    bring_up_to_date((), with_tests=True)
+    os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(len(os.sched_getaffinity(0))))
+    return os.execvp("ctest", ["ctest", *ctest_options(arguments)])
