@@ -4,8 +4,9 @@ function(wade_python_test name)
   wade_finds_python(${name})
 endfunction()
 
-# wade_finds_python(NAME): lets what a test starts find the package of tools/python.
+# wade_finds_python(NAME): lets what a test starts find the package of tools/python and the programs of this build.
 function(wade_finds_python name)
   set_tests_properties(${name} PROPERTIES
-    ENVIRONMENT_MODIFICATION "PYTHONPATH=path_list_prepend:${PROJECT_SOURCE_DIR}/tools/python")
+    ENVIRONMENT_MODIFICATION
+      "PYTHONPATH=path_list_prepend:${PROJECT_SOURCE_DIR}/tools/python;WADE_BUILD=set:${PROJECT_BINARY_DIR}")
 endfunction()

@@ -3,7 +3,6 @@
 import argparse
 import types
 import unittest
-from pathlib import Path
 
 from wade.sweeps import frame_rates, frame_rates_report
 

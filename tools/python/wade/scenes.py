@@ -1,6 +1,5 @@
 """Scenes by short names: `s05` is configs/paper/s05.json, `river/s05` configs/river/s05.json."""
 
-import argparse
 import json
 import re
 import textwrap
@@ -8,10 +7,10 @@ from pathlib import Path
 
 from wade.errors import UsageError
 from wade.paths import CONFIGS, ROOT
+from wade.terminal import COLUMNS, Parser
 
 DEFAULT_SCENE = CONFIGS / "paper" / "s05.json"
 PREFERRED = "paper"  # the folder of a name that several have
-COLUMNS = 100
 DESCRIPTION = re.compile(r'"description"\s*:\s*("(?:[^"\\]|\\.)*")')
 
 
@@ -61,17 +60,17 @@ def described(file):
 
 def main(arguments):
     """tools/wade scenes."""
-    parser = argparse.ArgumentParser(
-        prog="wade scenes", description="List the scenes by the short names under which `wade run` and others find them.")
+    parser = Parser("scenes", "Lists the scenes by the short names under which `tools/wade run` and others find them.")
     parser.add_argument("words", nargs="*", metavar="WORD", help="only scenes with all of these in name or description")
     parser.add_argument("--long", action="store_true", help="the whole description of each")
     options = parser.parse_args(arguments)
     listed = {short: described(file) for short, file in short_names().items()}
+    width = max(map(len, listed))
     for short, text in listed.items():
         if not all(word.lower() in f"{short} {text}".lower() for word in options.words):
             continue
         if options.long:
             print(short, *textwrap.wrap(text, COLUMNS - 2, initial_indent="  ", subsequent_indent="  "), sep="\n")
         else:
-            print(f"{short:28} {textwrap.shorten(text, COLUMNS - 29, placeholder=' ...')}".rstrip())
+            print(f"{short:{width}}  {textwrap.shorten(text, COLUMNS - width - 2, placeholder=' ...')}".rstrip())
     return 0

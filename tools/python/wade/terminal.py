@@ -45,8 +45,8 @@ def say_error(text):
 
 
 def paragraphs(text):
-    """A description with its paragraphs filled anew; lines that are indented stay as they are."""
-    parts = (part if part.startswith(" ") else textwrap.fill(part, COLUMNS) for part in (text or "").split("\n\n"))
+    """A description with its paragraphs filled anew; those with lines that are indented stay as they are."""
+    parts = (part if part.startswith(" ") or "\n " in part else textwrap.fill(part, COLUMNS) for part in (text or "").split("\n\n"))
     return "\n\n".join(parts)
 
 

@@ -16,6 +16,7 @@ from wade.conformance import checks_repeat
 from wade.conformance.bench import Bench, CannotStart
 from wade.conformance.expectation import PATIENCE_S, NotApplicable, Violation
 from wade.conformance.layout import KINDS
+from wade.terminal import Parser
 
 CHECKS = (
     checks_object.FIRST + checks_frames.ALL + checks_consumers.ALL + checks_repeat.ALL + checks_ends.ALL
@@ -36,10 +37,7 @@ exit codes: 0 every check that ran passed, 1 a check failed, 2 usage."""
 
 
 def parse(arguments):
-    parser = argparse.ArgumentParser(
-        prog="tools/wade conformance", usage="%(prog)s [options] [--] COMMAND ...", description=DESCRIPTION,
-        epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = Parser("conformance", DESCRIPTION, EPILOG, usage="tools/wade conformance [options] [--] COMMAND ...")
     parser.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     parser.add_argument("--list", action="store_true", help="list the checks and end")
     parser.add_argument("--only", metavar="CHECK", action="append", help="make this check; may be repeated")

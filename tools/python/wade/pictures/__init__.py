@@ -1,1 +1,5 @@
-"""Pictures of run folders."""
+"""Pictures of run folders, drawn without a screen."""
+
+import matplotlib
+
+matplotlib.use("Agg")

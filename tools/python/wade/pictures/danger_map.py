@@ -7,15 +7,13 @@ Viseu (2006), by depth times speed: low below 0.5 m2/s, moderate below 0.75, hig
 import csv
 import pathlib
 
-import numpy as np
-
-from wade.pictures import top_view  # first, as it picks matplotlib's backend
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from wade.pictures import run_files
+from wade.pictures import run_files, top_view
 from wade.pictures.figure import write
 from wade.pictures.texts import draw_legend, draw_title, subtitle_of, title_of
 from wade.terminal import Parser

@@ -4,15 +4,16 @@ Reads manifest.json, outcome.json, agents.csv, trajectories.sqlite and water.bin
 whole run is drawn, with the water of its last snapshot; with it, everything as it was at that time.
 """
 
+import logging
 import pathlib
 import warnings
 
-import numpy as np
-
-from wade.pictures import top_view  # first, as it picks matplotlib's backend
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+
+from wade.pictures import top_view
 from wade.pictures.run_files import ENDINGS, RunError, read_agents, read_json, read_paths, read_water, save_picture
 from wade.pictures.texts import draw_legend, draw_title, group_names, subtitle_of, title_of
 from wade.pictures.top_view import ARRIVED, DEAD, INK, PATH, PERSON, STAR, far_goals
@@ -124,6 +125,7 @@ def write(parser, output, draw_it):
     if output.suffix.lower() not in ENDINGS:
         parser.error(f"--output: {output}, allowed are names that end in {', '.join(ENDINGS)}")
     warnings.filterwarnings("ignore", "Glyph")  # of names in letters that the font lacks
+    logging.getLogger("matplotlib.mathtext").setLevel(logging.ERROR)
     try:
         draw_it(output)
     except (RunError, OSError) as error:

@@ -2,14 +2,11 @@
 
 import math
 
-import matplotlib
 import numpy as np
-
-matplotlib.use("Agg")
-from matplotlib.collections import LineCollection  # noqa: E402
-from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
-from matplotlib.patches import Circle, Rectangle  # noqa: E402
-from matplotlib.patheffects import withStroke  # noqa: E402
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.patches import Circle, Rectangle
+from matplotlib.patheffects import withStroke
 
 GROUND = "#f1ece1"
 BED = "#ded6c6"

@@ -1,0 +1,106 @@
+"""The table of tools/wade: each subcommand is there, is told by --help in 100 columns, and builds what it needs."""
+
+import contextlib
+import importlib
+import io
+import os
+import re
+import subprocess
+import unittest
+from concurrent.futures import ThreadPoolExecutor
+
+from wade import cli
+from wade.commands import all_commands, find_command
+from wade.paths import BUILD, ROOT, WADE, module_command
+
+WIDE = {**os.environ, "COLUMNS": "300"}  # a terminal wider than any line may be
+
+
+def answer(*words):
+    return subprocess.run(words, capture_output=True, text=True, env=WIDE, stdin=subprocess.DEVNULL)
+
+
+def side_by_side(ask, things):
+    with ThreadPoolExecutor(4) as pool:
+        return list(zip(things, pool.map(ask, things)))
+
+
+class Table(unittest.TestCase):
+    def call(self, *arguments):
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = cli.main(list(arguments))
+        return code, out.getvalue(), err.getvalue()
+
+    def test_overview_names_all_subcommands_in_lines_that_fit(self):
+        code, text, _ = self.call("--help")
+        self.assertEqual(code, 0)
+        for command in all_commands():
+            self.assertRegex(text, rf"\n  {command.name} +{re.escape(command.meaning)}\n")
+        self.assertLessEqual(max(map(len, text.splitlines())), 100)
+        self.assertEqual(self.call()[0], 2)
+
+    def test_names_are_unique_and_found_in_their_older_forms(self):
+        names = [name for command in all_commands() for name in (command.name, *command.old_names)]
+        self.assertEqual(len(names), len(set(names)))
+        for command in all_commands():
+            for name in (command.name, command.name.replace("-", "_"), *command.old_names):
+                self.assertIs(find_command(name), command)
+
+    def test_each_script_of_the_folder_is_a_subcommand(self):
+        scripts = [file for file in (ROOT / "tools").glob("*.sh") if file.is_symlink()]
+        self.assertGreater(len(scripts), 8)
+        for file in scripts:
+            self.assertEqual(file.resolve(), WADE.resolve())
+            self.assertIsNotNone(find_command(file.stem), file.name)
+
+    def test_unknown_subcommands_come_with_the_nearest(self):
+        code, _, said = self.call("validte")
+        self.assertEqual(code, 2)
+        self.assertIn("did you mean validate?", said)
+
+    def test_programs_are_targets_of_the_build(self):
+        targets = set(re.findall(r"^build (\w+): (?:phony|CXX_EXECUTABLE)", (BUILD / "build.ninja").read_text(), re.MULTILINE))
+        for command in all_commands():
+            for name in command.programs:
+                self.assertTrue(name in targets, f"{command.name}: {name}")
+
+    def test_modules_have_a_main(self):
+        for command in all_commands():
+            if not command.script:
+                self.assertTrue(callable(importlib.import_module(command.module).main), command.name)
+
+
+class Lines(unittest.TestCase):
+    def assert_fits(self, text, whose):
+        self.assertNotEqual(text.strip(), "", whose)
+        for line in text.splitlines():
+            self.assertLessEqual(len(line), 100, f"{whose}: {line}")
+
+    def test_help_of_every_subcommand_fits_and_builds_nothing(self):
+        own = [command for command in all_commands() if not command.script or "/" in command.script]
+        for command, said in side_by_side(lambda command: answer(WADE, command.name, "--help"), own):
+            with self.subTest(command.name):
+                self.assertEqual((said.returncode, said.stderr), (0, ""))
+                self.assert_fits(said.stdout, command.name)
+
+    def test_a_wrong_option_is_refused_by_every_subcommand_in_lines_that_fit(self):
+        # The options of run and test are those of other programs.
+        commands = [command for command in all_commands() if not command.script and command.name not in ("run", "test")]
+        wrong = "--nosuchoption"
+        for command, said in side_by_side(lambda c: answer(*module_command(c.module), wrong), commands):
+            with self.subTest(command.name):
+                self.assertEqual(said.returncode, 2, said.stderr)
+                self.assert_fits(said.stderr, command.name)
+                self.assertNotIn("Traceback", said.stderr)
+
+    def test_help_of_the_other_scripts_fits(self):
+        install = ROOT / "tools" / "install_dependencies.sh"
+        self.assert_fits(answer(install, "--help").stdout, install.name)
+        refused = answer(install, "nosuchset")
+        self.assertEqual(refused.returncode, 2)
+        self.assert_fits(refused.stderr, install.name)
+
+
+if __name__ == "__main__":
+    unittest.main()
