@@ -119,7 +119,7 @@ class Danger(SystemTest):
 
     def test_picture_is_drawn_from_a_run_folder(self):
         run = self.run_with_danger()
-        tool = ["/usr/bin/python3", ROOT / "tools" / "danger_map.py"]
+        tool = [ROOT / "tools" / "wade", "danger-map"]
         subprocess.run([*tool, run.folder], check=True, capture_output=True)
         self.assertEqual(run.bytes_of("danger.png")[:8], b"\x89PNG\r\n\x1a\n")
         (run.folder / "danger.csv").unlink()

@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import threading
@@ -159,6 +160,44 @@ class RunScript(Launcher):
     def test_failed_producer_is_reported_with_its_code_and_log(self):
         run_sh = self.run_sh("run", "--producer", "sh -c 'echo no water today; exit 9'")
         self.assert_ends(run_sh, 9, "exit code 9", "no water today")
+
+    def test_bytes_of_a_producer_are_shown_harmlessly(self):
+        log = "printf '\\033]0;x\\007 \\302\\233 1m \\233 2m \\377 \\342\\200\\256 Ende\\n' >&2; exit 9"
+        run_sh = self.run_sh("run", "--producer", f'sh -c "{log}"')
+        self.assert_ends(run_sh, 9, "\\x1b]0;x\\x07", "\\x9b 1m", "\\x9b 2m", "Ende")
+        for line in run_sh.messages().splitlines():
+            self.assertTrue(line.isprintable(), repr(line))
+
+    def test_any_standard_stream_may_be_closed(self):
+        for n, closed in enumerate(("<&-", ">&-", "2>&-", "<&- >&- 2>&-")):
+            with self.subTest(closed):
+                out = self.folder / f"run{n}"
+                command = [str(RUN), str(SMALL), "--session", self.session, "--out", str(out), *SHORT]
+                draws = n == 3
+                run_sh = self.script("sh", "-c", f'"$@" {closed}', "sh", *command, *([] if draws else ["--no-figure"]))
+                self.assert_ended_well(run_sh)
+                self.assertEqual(Run(out).outcome()["status"], "completed")
+                self.assertEqual((out / "figure.png").exists(), draws)
+
+    def test_scenes_are_found_by_their_short_names(self):
+        run_sh = self.script(RUN, "river/s05", "--print-config")
+        self.assert_ended_well(run_sh)
+        self.assertEqual(json.loads(self.output_of(run_sh))["name"], "river_s05")
+        self.assert_ends(self.script(RUN, "river/s5"), 2, 'no scene "river/s5"', "river/s05")
+
+    @unittest.skipIf(os.getuid() != 0, "only root can be another user")
+    def test_another_user_runs_what_is_built(self):
+        self.folder.chmod(0o777)
+        command = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", RUN, SMALL, "--until-s", "1"]
+        environment = {**os.environ, "WADE_BUILD": str(PROGRAMS), "HOME": "/nonexistent", "TMPDIR": str(self.folder)}
+        if subprocess.run([*command[:4], "test", "-r", SMALL]).returncode != 0:
+            self.skipTest("the project lies where another user cannot read")
+        run_sh = self.start(*command, cwd=self.folder, env=environment)
+        self.assert_ended_well(run_sh)
+        folder = Path(re.search("^run folder: (.*)$", self.output_of(run_sh), re.MULTILINE)[1])
+        self.assertEqual(folder.parent, self.folder / "runs")
+        self.assertEqual(folder.stat().st_uid, 65534)
+        self.assertTrue((folder / "figure.png").exists())
 
     def list_of_crowds(self, *names):
         file = self.folder / "crowds.json"

@@ -50,7 +50,7 @@ class Found(unittest.TestCase):
 
     def test_unknown_names_come_with_the_nearest(self):
         for name, near in (("s6", "s06"), ("s5.json", "s05"), ("river/s5", "river/s05"), ("obstacel", "obstacle"),
-                           ("configs/paper/s5.json", "paper/s05"), ("villag", "village")):
+                           (f"{CONFIGS}/paper/s5.json".removeprefix(f"{ROOT}/"), "paper/s05"), ("villag", "village")):
             with self.subTest(name), self.assertRaises(UsageError) as refused:
                 scenes.find_scene(name)
             self.assertIn(f'"{name}"', str(refused.exception))

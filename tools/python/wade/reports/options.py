@@ -3,12 +3,10 @@
 import argparse
 import fnmatch
 import os
-import textwrap
 from pathlib import Path
 
 from wade.paths import ROOT
-
-WIDTH = 100  # columns of --help
+from wade.terminal import Parser
 
 
 def parser_of(command, suite, text, table):
@@ -16,9 +14,7 @@ def parser_of(command, suite, text, table):
 
     table: name of its CSV, which --publish puts beside the report.
     """
-    parser = argparse.ArgumentParser(
-        prog=f"tools/wade {command}", description=textwrap.fill(text.partition("\n\n")[0], WIDTH), epilog=text.partition("\n\n")[2],
-        formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False)
+    parser = Parser(command, text.partition("\n\n")[0], text.partition("\n\n")[2])
     parser.add_argument("--out", type=lambda name: Path(name).resolve(), default=ROOT / "runs" / suite, metavar="DIR",
                         help=f"folder of runs, report.md and {table} [runs/{suite}]")
     parser.add_argument("--quick", action="store_true", help="the short form")
