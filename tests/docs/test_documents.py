@@ -75,6 +75,13 @@ class Tables(unittest.TestCase):
             self.assertLessEqual(written[room], seen, f"{room} stands above what it builds on")
             seen.add(room)
 
+    def test_lists_of_documents_and_of_tests_are_complete(self):
+        for sign, form in (("docs/README.md", r"docs/(\w+\.md)$"), ("tests/README.md", r"(tests/\w+)/"),
+                           ("docs/reports/README.md", r"docs/reports/(\w+/report\.md)$")):
+            there = {found[1] for found in map(re.compile(form).match, TREE.files) if found} - {"README.md"}
+            self.assertGreater(len(there), 5)
+            self.assertEqual([name for name in sorted(there) if name not in TREE.text(sign)], [], f"not in {sign}")
+
     def test_each_folder_of_the_product_has_a_door_sign(self):
         folders = {os.path.dirname(name) for name in TREE.files if re.match(rf"({'|'.join(ROOMS)})/.*\.[ch]pp$", name)}
         self.assertGreater(len(folders), 10)
