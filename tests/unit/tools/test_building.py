@@ -97,6 +97,13 @@ class Prepared(unittest.TestCase):
         with self.assertRaisesRegex(UsageError, "cannot be written"):
             self.bring("bench_fluid", with_tests=True)
 
+    def test_without_write_access_programs_that_lie_with_the_tests_run_too(self):
+        self.no_write_access()
+        program = self.build / "tests" / "bench" / "bench_fluid"
+        program.parent.mkdir(parents=True)
+        program.touch(0o755)
+        self.assertEqual(self.bring("bench_fluid", with_tests=True), "")
+
     def test_the_build_folder_of_another_project_is_refused(self):
         (self.build / "CMakeCache.txt").write_text("CMAKE_HOME_DIRECTORY:INTERNAL=/some/other/project\n")
         with self.assertRaisesRegex(UsageError, "/some/other/project"):

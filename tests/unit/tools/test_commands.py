@@ -8,6 +8,7 @@ import re
 import subprocess
 import unittest
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 from wade import cli
 from wade.commands import all_commands, find_command
@@ -64,6 +65,17 @@ class Table(unittest.TestCase):
         for command in all_commands():
             for name in command.programs:
                 self.assertTrue(name in targets, f"{command.name}: {name}")
+
+    def test_what_a_module_starts_of_the_build_is_built_before(self):
+        for command in all_commands():
+            module = importlib.import_module(command.module) if command.module and not command.script else None
+            if module is None or hasattr(module, "programs_for"):
+                continue
+            file = Path(module.__file__)
+            sources = file.parent.rglob("*.py") if file.name == "__init__.py" else [file]
+            text = "".join(source.read_text(encoding="utf-8") for source in sources)
+            started = set(re.findall(r'BUILD / "(\w+)"(?! /)', text)) | set(re.findall(r'BUILD\.rglob\("(\w+)"', text))
+            self.assertLessEqual(started, set(command.programs), command.name)
 
     def test_modules_have_a_main(self):
         for command in all_commands():

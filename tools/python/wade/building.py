@@ -81,6 +81,11 @@ def files_to_compile(targets):
     return sum("Building C" in line and "version.cpp" not in line for line in steps.stdout.splitlines())
 
 
+def is_built(name):
+    """Whether there is a program of this name, at the top of the build folder or with the tests."""
+    return any(os.access(file, os.X_OK) for file in (BUILD / name, *BUILD.glob(f"tests/*/{name}")))
+
+
 def run_tool(*words):
     if subprocess.run([*map(str, words)], cwd=ROOT, stdout=sys.stderr).returncode != 0:
         raise BuildError
@@ -112,7 +117,7 @@ def bring_up_to_date(targets, with_tests=False):
     that are there are taken as they are. BuildError, UsageError.
     """
     check_owner()
-    there = bool(targets) and all(os.access(BUILD / name, os.X_OK) for name in targets)
+    there = bool(targets) and all(map(is_built, targets))
     if there and not can_build():
         return
     try:
