@@ -7,22 +7,13 @@
 #include "configs/checks/scene_checks.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/loading/scene_override.hpp"
+#include "configs/numbers/fnv1a.hpp"
 #include "configs/scene/scene_json.hpp"
 #include "configs/scene/scene_schema.hpp"
 
 namespace wade {
 
 namespace {
-
-// 64-bit FNV-1a (Fowler, Noll, Vo).
-std::uint64_t fnv1a(std::string_view text) {
-    std::uint64_t hash = 0xcbf29ce484222325u;
-    for (const char c : text) {
-        hash ^= static_cast<unsigned char>(c);
-        hash *= 0x100000001b3u;
-    }
-    return hash;
-}
 
 // Whether a value of the crowd, if every group has it itself, is an oversight: it is where it was written with the groups'
 // or over them, not where groups were given their own over an extended scene or by an override.

@@ -1,17 +1,10 @@
 #include "configs/scene/scene_capacity.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "configs/scene/particle_volume.hpp"
 
 namespace wade {
-
-namespace {
-
-std::uint64_t particles_in(double volume, double spacing) {
-    return static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
-}
-
-}  // namespace
 
 double support_in_spacings_of(const Fluid& fluid) {
     switch (fluid.kernel) {

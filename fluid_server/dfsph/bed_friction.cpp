@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/intervals.hpp"
+#include "configs/scene/particle_volume.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/parallel.hpp"
 
@@ -21,16 +23,12 @@ std::uint32_t columns_along(const Interval& extent, double spacing) {
     return static_cast<std::uint32_t>(std::max(1.0, std::floor(extent.length() / (width_in_spacings * spacing))));
 }
 
-double common_length(const Interval& a, const Interval& b) {
-    return std::max(0.0, std::min(a.hi, b.hi) - std::max(a.lo, b.lo));
-}
-
 }  // namespace
 
 BedFriction::BedFriction(const Scene& scene, bool whole_columns)
     : whole_columns_(whole_columns),
       coefficient_(scene.world.gravity * scene.channel.manning_n * scene.channel.manning_n),
-      particle_volume_(std::pow(scene.fluid.particle_spacing, 3)),
+      particle_volume_(particle_volume(scene.fluid)),
       least_depth_(0.5 * scene.fluid.particle_spacing),
       x_lo_(static_cast<float>(scene.channel.x.lo)),
       z_lo_(static_cast<float>(scene.channel.z.lo)),

@@ -9,6 +9,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/dfsph/forces.hpp"
 #include "fluid_server/dfsph/stabler_settings.hpp"
@@ -58,8 +59,8 @@ std::string place_of_fastest(const Particles& p) {
 FluidWorld::FluidWorld(const Scene& scene, OpenEnds* ends)
     : scene_(scene),
       support_radius_(static_cast<float>(support_radius_of(scene.fluid))),
-      volume_(static_cast<float>(std::pow(scene.fluid.particle_spacing, 3))),
-      particle_mass_(static_cast<float>(scene.fluid.rest_density * std::pow(scene.fluid.particle_spacing, 3))),
+      volume_(static_cast<float>(particle_volume(scene.fluid))),
+      particle_mass_(static_cast<float>(wade::particle_mass(scene.fluid))),
       kernel_(make_kernel(scene.fluid)),
       viscosity_(
           scene.fluid.kinematic_viscosity /
@@ -80,7 +81,7 @@ FluidWorld::FluidWorld(const Scene& scene, OpenEnds* ends)
     if (ends_ == nullptr) {
         fill_scene(particles_, scene);
     }
-    confined_ = fills_channel(scene, static_cast<double>(particles_.count) * std::pow(scene.fluid.particle_spacing, 3));
+    confined_ = fills_channel(scene, static_cast<double>(particles_.count) * particle_volume(scene.fluid));
     std::visit([&](const auto& kernel) { solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_); },
                kernel_);
     if (ends_ != nullptr) {

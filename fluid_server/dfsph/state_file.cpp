@@ -15,6 +15,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/loading/scene_loader.hpp"
+#include "configs/numbers/fnv1a.hpp"
 
 namespace wade::fluid {
 
@@ -47,14 +48,13 @@ static_assert(sizeof(Header) == 128 && offsetof(Header, time) == 48 && offsetof(
 
 constexpr std::uint64_t particle_bytes = particle_arrays.size() * sizeof(float) + sizeof(Kind);
 
-// FNV-1a (Fowler, Noll, Vo) over words instead of bytes: eight times as fast, and any single change still shows.
-std::uint64_t fnv1a(std::string_view bytes) {
-    std::uint64_t hash = 0xcbf29ce484222325U;
+std::uint64_t hash_of_words(std::string_view bytes) {
+    std::uint64_t hash = fnv1a_basis;
     while (!bytes.empty()) {
         std::uint64_t word = 0;
         const std::size_t n = std::min(sizeof word, bytes.size());
         std::memcpy(&word, bytes.data(), n);
-        hash = (hash ^ word) * 0x100000001b3U;
+        hash = fnv1a_next(hash, word);
         bytes.remove_prefix(n);
     }
     return hash;
@@ -64,7 +64,7 @@ std::uint64_t fnv1a(std::string_view bytes) {
 std::uint64_t checksum(std::string bytes) {
     constexpr std::uint64_t zero = 0;
     std::memcpy(bytes.data() + offsetof(Header, checksum), &zero, sizeof zero);
-    return fnv1a(bytes);
+    return hash_of_words(bytes);
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& field, const std::string& value,

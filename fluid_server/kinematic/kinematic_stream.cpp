@@ -3,20 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/numbers/splitmix.hpp"
+#include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
 
 namespace wade::fluid {
 
 namespace {
-
-constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
-
-// The finaliser of SplitMix64 (Steele, Lea, Flood 2014).
-constexpr std::uint64_t mix(std::uint64_t v) {
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebULL;
-    return v ^ (v >> 31);
-}
 
 // A number of [-1, 2) brought into [0, 1) by whole numbers.
 constexpr double into_cell(double place) {
@@ -26,7 +19,7 @@ constexpr double into_cell(double place) {
 }  // namespace
 
 KinematicStream::InCell KinematicStream::in_cell(const Strip& strip, std::int64_t cell) const {
-    const std::uint64_t bits = mix(strip.random_key + static_cast<std::uint64_t>(cell) * golden);
+    const std::uint64_t bits = mix_bits(strip.random_key + static_cast<std::uint64_t>(cell) * splitmix_step);
     const double along = static_cast<double>(bits >> 32) * 0x1p-32;
     const double across = static_cast<double>(bits & 0xffffffffU) * 0x1p-32;
     if (!lattice_) return {along, across};
@@ -42,7 +35,7 @@ KinematicStream::KinematicStream(const Scene& scene)
       lattice_(scene.fluid.kinematic.arrangement == Arrangement::lattice),
       jitter_(scene.fluid.kinematic.jitter),
       gravity_(scene.world.gravity),
-      particle_mass_(scene.fluid.rest_density * std::pow(scene.fluid.particle_spacing, 3)) {
+      particle_mass_(particle_mass(scene.fluid)) {
     make_strips(scene);
     place_at(0);
     for (Strip& strip : strips_) strip.first_at_start = strip.first_cell;
@@ -57,19 +50,19 @@ void KinematicStream::make_strips(const Scene& scene) {
     const double pitch = d * std::sqrt(d / layer_depth);
     const auto across = static_cast<std::uint64_t>(std::max(1L, std::lround(width / pitch)));
     strip_width_ = width / static_cast<double>(across);
-    const double cell_length = d * d * d / (layer_depth * strip_width_);
+    const double cell_length = particle_volume(scene.fluid) / (layer_depth * strip_width_);
     const ProfiledStream stream{scene.fluid.kinematic.profile, channel.depth, channel.velocity,
                                 scene.fluid.kinematic.roughness_length};
     const std::uint64_t all = layers * across;
     const std::uint64_t particles = river_particles(scene);
-    const std::uint64_t seed_key = mix(scene.seed + golden);
+    const std::uint64_t seed_key = mix_bits(scene.seed + splitmix_step);
     for (std::uint64_t s = 0; s < all; ++s) {
         const auto layer = static_cast<double>(s / across);
         Strip strip;
         strip.y = static_cast<float>((layer + 0.5) * layer_depth);
         strip.z_lo = channel.z.lo + static_cast<double>(s % across) * strip_width_;
         strip.velocity = mean_velocity_between(stream, layer * layer_depth, (layer + 1) * layer_depth);
-        strip.random_key = mix(seed_key + s * golden);
+        strip.random_key = mix_bits(seed_key + s * splitmix_step);
         if (layers > 1) strip.lattice_point = s / across % 2 == 0 ? 0.25 : 0.75;
         // A round channel holds whole cells; the strips share them so that their sum is that of the river.
         strip.cells = static_cast<std::int64_t>((s + 1) * particles / all - s * particles / all);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/particle_volume.hpp"
+
 namespace wade::fluid::mixed {
 
 namespace {
@@ -24,7 +26,7 @@ double depths_of(const shallow_water::ShallowWater& world, std::size_t begin, st
 double volume_in_window(const Particles& p, const std::array<End, 2>& ends, double spacing) {
     double sum = 0;
     for (std::size_t i = 0; i < p.count; ++i) sum += share_in_window(static_cast<double>(p.x[i]), ends, spacing);
-    return sum * std::pow(spacing, 3);
+    return sum * particle_volume(spacing);
 }
 
 double volume_of_cells(const shallow_water::ShallowWater& world, std::size_t begin, std::size_t end) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/particle_volume.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/parallel.hpp"
 
@@ -158,7 +159,7 @@ void Guards::add_column(End& end, std::size_t strip, double s, double share, Par
                         const shallow_water::ShallowWater& world) {
     const double x = end.x + end.side * s, z = z_.lo + (static_cast<double>(strip) + 0.5) * width_;
     const Stream stream = stream_at(world, x, z);
-    const double ground = width_ * pitch_, volume = std::pow(spacing_, 3);
+    const double ground = width_ * pitch_, volume = particle_volume(world.scene.fluid);
     const double wanted = share * stream.h * ground / volume + end.rest[strip];
     const double number = std::floor(wanted);
     end.rest[strip] = wanted - number;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/particle_volume.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/inflow.hpp"
 
@@ -15,7 +16,7 @@ namespace {
 Scene scene_of_particles(Scene scene, double guard) {
     const double d = scene.fluid.particle_spacing;
     const double volume = 2 * (guard + d) * scene.channel.z.length() * (1.5 * deepest_water(scene) + d);
-    scene.fluid.max_particles += static_cast<int>(std::ceil(volume / std::pow(d, 3)));
+    scene.fluid.max_particles += static_cast<int>(std::ceil(volume / particle_volume(scene.fluid)));
     Channel& channel = scene.channel;
     channel.velocity = largest_velocity(channel);
     channel.velocity_history.clear();
@@ -69,15 +70,15 @@ void MixedWorld::begin_step(Particles& particles, double dt) {
 }
 
 void MixedWorld::end_step(const Particles& p, std::span<const float> x_before, double dt) {
-    const double particle_volume = std::pow(spacing_, 3), middle = 0.5 * (ends()[0].x + ends()[1].x);
+    const double volume = particle_volume(shallow_.scene.fluid), middle = 0.5 * (ends()[0].x + ends()[1].x);
     std::array<double, 2> gained{}, carried{};  // by the window through each end
     for (std::size_t i = 0; i < p.count; ++i) {
         const double from = static_cast<double>(x_before[i]), to = static_cast<double>(p.x[i]);
         const double change = share_in_window(to, ends(), spacing_) - share_in_window(from, ends(), spacing_);
         if (change == 0) continue;
         const std::size_t e = to < middle ? 0 : 1;
-        gained[e] += particle_volume * change;
-        carried[e] += particle_volume * change * static_cast<double>(p.vx[i]);
+        gained[e] += volume * change;
+        carried[e] += volume * change * static_cast<double>(p.vx[i]);
     }
     for (std::size_t e = 0, w = 0; e < 2; ++e) {
         if (!ends()[e].open) continue;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "configs/scene/mixed_window.hpp"
+#include "configs/scene/particle_volume.hpp"
 #include "fluid_server/particles/filling.hpp"
 
 namespace wade::fluid::mixed {
@@ -32,7 +33,7 @@ Restriction::Restriction(const shallow_water::ShallowWater& world)
       time_(static_cast<double>(reach_) * world.grid.dx /
             std::sqrt(world.constants.gravity * std::max(deepest_water(world.scene), 1e-3))),
       periodic_across_(world.scene.channel.sides == Sides::periodic),
-      particle_volume_(std::pow(world.scene.fluid.particle_spacing, 3)),
+      particle_volume_(particle_volume(world.scene.fluid)),
       area_(world.grid.cells(), 0),
       volume_(world.grid.cells(), 0),
       flow_x_(world.grid.cells(), 0),

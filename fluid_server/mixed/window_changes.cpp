@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "configs/scene/particle_volume.hpp"
 #include "fluid_server/mixed/mixed_world.hpp"
 
 namespace wade::fluid::mixed {
@@ -59,7 +60,7 @@ void MixedWorld::move(const Window& to) {
         const Particles& p = fluid_.particles();
         for (std::size_t i = 0; i < p.count; ++i) {
             const double x = static_cast<double>(p.x[i]);
-            sum[x < middle ? 0 : 1] += share_in_window(x, ends(), spacing_) * std::pow(spacing_, 3);
+            sum[x < middle ? 0 : 1] += share_in_window(x, ends(), spacing_) * particle_volume(spacing_);
         }
         return sum;
     };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/inflow.hpp"
@@ -35,8 +36,8 @@ Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
       pitch_(),
       last_layer_x_(),
       stock_(static_cast<std::uint64_t>(scene.fluid.max_particles) - particles_in_use) {
-    const double d = scene.fluid.particle_spacing;
-    pitch_ = static_cast<double>(layer_.sites()) * d * d * d / (scene.channel.depth * scene.channel.z.length());
+    pitch_ = static_cast<double>(layer_.sites()) * particle_volume(scene.fluid) /
+             (scene.channel.depth * scene.channel.z.length());
     waiting_layers_ = layers_within_reach(scene.fluid, pitch_);
     last_layer_x_ = opening_x_ - 0.5 * pitch_;
 }

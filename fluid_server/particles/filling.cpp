@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/particle_volume.hpp"
+
 namespace wade::fluid {
 
 namespace {
@@ -10,10 +12,6 @@ namespace {
 // A particle stands for a cube of side d: it is free of a solid if its centre is about half of that away. Without the
 // margin a particle next to a face would see its own image too near and be shot away in the first step.
 constexpr double clearance = 0.45;
-
-std::uint64_t particles_in(double volume, double spacing) {
-    return static_cast<std::uint64_t>(std::llround(volume / (spacing * spacing * spacing)));
-}
 
 // `wanted` particles over a block, layer by layer from below, as far apart as it takes for each site to have the volume
 // d^3, whatever the rounding along the other two axes.
@@ -25,7 +23,7 @@ void fill_layers(Particles& particles, const WaterBlock& block, const Surroundin
     const double dz = block.z.length() / nz;
     const auto layer = static_cast<std::uint64_t>(nx) * static_cast<std::uint64_t>(nz);
     const std::uint64_t layers = (wanted + layer - 1) / layer;
-    double dy = in.spacing * in.spacing * in.spacing / (dx * dz);
+    double dy = particle_volume(in.spacing) / (dx * dz);
     if (in.lid) {
         dy = block.depth / static_cast<double>(layers);
     }

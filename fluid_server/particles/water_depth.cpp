@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/particles/filling.hpp"
 
@@ -46,7 +47,7 @@ double WaterDepth::deepest_column(const Particles& p) {
         ++particles_in_[static_cast<std::size_t>(b) * nx_ + static_cast<std::size_t>(a)];
     }
     const std::uint32_t most = *std::max_element(particles_in_.begin(), particles_in_.end());
-    return static_cast<double>(most) * std::pow(spacing_, 3) * per_x * per_z;
+    return static_cast<double>(most) * particle_volume(spacing_) * per_x * per_z;
 }
 
 }  // namespace wade::fluid

@@ -4,26 +4,16 @@
 #include <cmath>
 #include <numeric>
 
+#include "configs/numbers/splitmix.hpp"
+#include "configs/scene/particle_volume.hpp"
+
 namespace wade::fluid::shallow_water {
 
 namespace {
 
-constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
-
 // In cells: how far each particle of a row lies further across than the one before, and each row further along.
 constexpr double next_across = 0.7548776662466927;
 constexpr double next_row_along = 0.6180339887498949;
-
-// The finaliser of SplitMix64 (Steele, Lea, Flood 2014).
-constexpr std::uint64_t mix(std::uint64_t v) {
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebULL;
-    return v ^ (v >> 31);
-}
-
-double in_unit(std::uint64_t bits) {
-    return static_cast<double>(bits >> 11) * 0x1p-53;
-}
 
 // The number a near n / golden ratio that has no divisor in common with n: the points (k, k a mod n) / n are spread evenly.
 std::uint32_t generator_of(std::uint32_t n) {
@@ -46,15 +36,15 @@ float inside(double v, const Interval& extent) {
 
 ColumnParticles::ColumnParticles(const ShallowWater& world)
     : rest_density_(world.scene.fluid.rest_density),
-      particle_volume_(std::pow(world.scene.fluid.particle_spacing, 3)),
-      start_across_(in_unit(mix(world.scene.seed + 2 * golden))),
+      particle_volume_(particle_volume(world.scene.fluid)),
+      start_across_(unit_fraction(mix_bits(world.scene.seed + 2 * splitmix_step))),
       capacity_(static_cast<std::uint32_t>(static_cast<std::size_t>(std::max(world.scene.fluid.max_particles, 0)) +
                                            world.grid.cells())),
       drift_x_(world.grid.cells(), 0),
       drift_z_(world.grid.cells(), 0),
       particles_(world.grid.cells(), 0),
       row_begin_(world.grid.nz + 1, 0) {
-    const double first = in_unit(mix(world.scene.seed + golden));
+    const double first = unit_fraction(mix_bits(world.scene.seed + splitmix_step));
     for (std::size_t k = 0; k < world.grid.nz; ++k) {
         const double start = first + static_cast<double>(k) * next_row_along;
         std::fill_n(drift_x_.begin() + static_cast<std::ptrdiff_t>(k * world.grid.nx), world.grid.nx,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/intervals.hpp"
 #include "configs/scene/shallow_water_cells.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -37,10 +38,6 @@ double mean_height(const std::vector<BedPoint>& points, const Interval& x) {
 Interval cell_of(const Interval& extent, std::size_t n, std::size_t i) {
     const double size = extent.length() / static_cast<double>(n);
     return {extent.lo + static_cast<double>(i) * size, extent.lo + static_cast<double>(i + 1) * size};
-}
-
-double common_length(const Interval& a, const Interval& b) {
-    return std::max(0.0, std::min(a.hi, b.hi) - std::max(a.lo, b.lo));
 }
 
 bool holds_centre(const Interval& box, const Interval& cell) {

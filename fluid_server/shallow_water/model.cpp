@@ -7,6 +7,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/particle_volume.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -80,8 +81,7 @@ void note_water(const ShallowWater& world, double driving_acceleration, double o
     d.kinetic_energy_j = all.kinetic_energy;
     d.potential_energy_j = all.potential_energy;
     if (world.scene.channel.flow == Flow::recirculating) d.driving_acceleration_m_s2 = driving_acceleration;
-    const double particle_volume = std::pow(world.scene.fluid.particle_spacing, 3);
-    d.recycled_particles = static_cast<std::uint64_t>(std::max(0.0, outflow / particle_volume));
+    d.recycled_particles = static_cast<std::uint64_t>(std::max(0.0, outflow / particle_volume(world.scene.fluid)));
 }
 
 }  // namespace wade::fluid::shallow_water

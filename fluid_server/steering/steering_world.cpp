@@ -6,6 +6,8 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/numbers/splitmix.hpp"
+#include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/particles/body_force.hpp"
 #include "fluid_server/particles/filling.hpp"
@@ -17,15 +19,6 @@ namespace {
 
 // The margin of the lists, in spacings: wider lists serve longer and cost more in each step.
 constexpr double margin_in_spacings = 0.3;
-
-constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
-
-// The finaliser of SplitMix64 (Steele, Lea, Flood 2014).
-constexpr std::uint64_t mix(std::uint64_t v) {
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebULL;
-    return v ^ (v >> 31);
-}
 
 // The scene without anything in which a particle would see an image.
 Scene without_solids(Scene scene) {
@@ -44,7 +37,7 @@ SteeringWorld::SteeringWorld(const Scene& scene)
     : scene_(scene),
       settings_(make_settings(scene)),
       margin_(margin_in_spacings * scene.fluid.particle_spacing),
-      particle_mass_(scene.fluid.rest_density * std::pow(scene.fluid.particle_spacing, 3)),
+      particle_mass_(wade::particle_mass(scene.fluid)),
       particles_(static_cast<std::size_t>(scene.fluid.max_particles)),
       grid_(scene, static_cast<float>(settings_.reach + margin_)),
       lists_(particles_.capacity()),
@@ -75,9 +68,9 @@ SteeringWorld::SteeringWorld(const Scene& scene)
 }
 
 void SteeringWorld::set_classes(std::size_t begin) {
-    const std::uint64_t key = mix(scene_.seed + golden);
+    const std::uint64_t key = mix_bits(scene_.seed + splitmix_step);
     for (std::size_t i = begin; i < particles_.count; ++i) {
-        const double u = static_cast<double>(mix(key + born_++ * golden) >> 11) * 0x1p-53;
+        const double u = unit_fraction(mix_bits(key + born_++ * splitmix_step));
         float radius = 1;
         float mass = 1;
         double below = 0;

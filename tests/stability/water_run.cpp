@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/numbers/fnv1a.hpp"
 #include "energy_budget.hpp"
 
 namespace wade::stability {
@@ -142,10 +143,10 @@ void run_frames(FluidWorld& world, Watch& watch, const Hooks& hooks, Result& res
 }  // namespace
 
 std::uint64_t hash_state(const Particles& p, std::uint64_t seed) {
-    std::uint64_t hash = seed ^ 0xcbf29ce484222325U;
+    std::uint64_t hash = seed ^ fnv1a_basis;
     for (const std::vector<float>* field : {&p.x, &p.y, &p.z, &p.vx, &p.vy, &p.vz}) {
         for (std::size_t i = 0; i < p.count; ++i) {
-            hash = (hash ^ std::bit_cast<std::uint32_t>((*field)[i])) * 0x100000001b3U;
+            hash = fnv1a_next(hash, std::bit_cast<std::uint32_t>((*field)[i]));
         }
     }
     return hash;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/numbers/fnv1a.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "scenes.hpp"
 
@@ -16,12 +17,12 @@ namespace {
 
 // FNV-1a over the bits of all positions and velocities.
 std::uint64_t state_hash(const Particles& p) {
-    std::uint64_t hash = 0xcbf29ce484222325U;
+    std::uint64_t hash = fnv1a_basis;
     for (const auto* array : {&p.x, &p.y, &p.z, &p.vx, &p.vy, &p.vz}) {
         for (std::size_t i = 0; i < p.count; ++i) {
             std::uint32_t bits = 0;
             std::memcpy(&bits, &(*array)[i], sizeof bits);
-            hash = (hash ^ bits) * 0x100000001b3U;
+            hash = fnv1a_next(hash, bits);
         }
     }
     return hash;
