@@ -209,15 +209,17 @@ std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& l
 }
 
 template <typename Source>
-SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start, const Particles& p,
-                                  const NeighbourLists& lists, const GradientCorrection* correction, ParticleFields& f,
-                                  float dt, const PressureSolve& settings, Source&& source) {
-    const bool shifts = &pressure == &p.shift_pressure;
-    const Operator o{p, lists, correction, f, shifts && guides_inflow_};
-    const bool inflow_is_given = !shifts && guides_inflow_;
+SolveResult PressureSolver::solve(const PressureSystem& system, const Task& task, Source&& source) {
+    const Particles& p = system.particles;
+    ParticleFields& f = system.fields;
+    std::vector<float>& pressure = task.pressure;
+    const PressureSolve& settings = task.settings;
+    const Operator o{p, system.lists, system.correction, f, task.inflow == Inflow::free};
+    const bool inflow_is_given = task.inflow == Inflow::given;
     const auto is_given = [&](std::size_t i) { return inflow_is_given && p.kind[i] == Kind::inflow; };
     const auto given = inflow_is_given ? std::count(p.kind.data(), p.kind.data() + p.count, Kind::inflow) : 0;
     const double free = static_cast<double>(p.count) - static_cast<double>(given);
+    const float warm_start = task.warm_start;
     for_each_particle(p.count, [&](std::size_t i) { pressure[i] *= is_given(i) ? 1 : warm_start; });
     start_solve(pressure, velocities(p), o,
                 [&](std::size_t i, float rate, std::size_t) { f.source[i] = source(i, rate); });
@@ -225,7 +227,7 @@ SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start
         subtract_mean(f.source, p.count);
     }
     SolveResult result;
-    const float dt2 = dt * dt;
+    const float dt2 = task.dt * task.dt;
     Momentum momentum;
     for (bool last = settings.max_iterations == 0; !last;) {
         const bool carries = result.iterations >= first_with_momentum;
@@ -261,7 +263,7 @@ SolveResult PressureSolver::solve(std::vector<float>& pressure, float warm_start
         }
         pressure_acceleration(pressure, o);
     }
-    result.sweeps = (correction != nullptr ? 2 : 1) + 2 * result.iterations;
+    result.sweeps = (system.correction != nullptr ? 2 : 1) + 2 * result.iterations;
     return result;
 }
 
@@ -280,9 +282,9 @@ void apply_acceleration(Particles& p, const ParticleFields& f, float dt) {
     });
 }
 
-SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists& lists,
-                                             const GradientCorrection* correction, ParticleFields& f, float dt,
-                                             float step_share, const PressureSolve& settings) {
+SolveResult PressureSolver::solve_divergence(const PressureSystem& system, float dt, float step_share,
+                                             const PressureSolve& settings) {
+    const ParticleFields& f = system.fields;
     const float closing = confined_ ? 0 : gap_closing * step_share;
     const auto source = [&](std::size_t i, float rate) {
         // With a source of -1 the pressure of a particle with an open side stays at zero.
@@ -293,21 +295,27 @@ SolveResult PressureSolver::solve_divergence(Particles& p, const NeighbourLists&
     of_this_step.tolerance *= static_cast<double>(step_share) * std::min(1.0, std::pow(usual_layers / layers_, 2));
     const double forgotten =
         confined_ ? forgotten_confined : std::min(forgotten_at_most, forgotten_per_layer * layers_);
-    const SolveResult result =
-        solve(p.pressure, static_cast<float>(1 - forgotten), p, lists, correction, f, dt, of_this_step, source);
-    apply_acceleration(p, f, dt);
+    const Task task{system.particles.pressure, static_cast<float>(1 - forgotten), dt,
+                    inflow_is_carried_ ? Inflow::given : Inflow::rigid, of_this_step};
+    const SolveResult result = solve(system, task, source);
+    apply_acceleration(system.particles, f, dt);
     return result;
 }
 
-SolveResult PressureSolver::solve_density(std::vector<float>& pressure, Particles& p, const NeighbourLists& lists,
-                                          const GradientCorrection* correction, ParticleFields& f, float dt,
+SolveResult PressureSolver::solve_density(const PressureSystem& system, DensitySolve what, float dt,
                                           const PressureSolve& settings) {
-    const auto is_held = [&](std::size_t i) { return dense_inflow_ && p.kind[i] == Kind::inflow; };
+    Particles& p = system.particles;
+    const ParticleFields& f = system.fields;
+    const bool shifts = what == DensitySolve::positions;
+    const auto is_held = [&](std::size_t i) { return !inflow_is_carried_ && p.kind[i] == Kind::inflow; };
     const auto source = [&](std::size_t i, float rate) {
         const float excess = f.density[i] - 1;
         return (is_held(i) ? std::min(excess, 0.0F) : excess) + dt * rate;
     };
-    return solve(pressure, warm_start_density, p, lists, correction, f, dt, settings, source);
+    const Inflow carried = shifts ? Inflow::free : Inflow::given;
+    const Task task{shifts ? p.shift_pressure : p.pressure, warm_start_density, dt,
+                    inflow_is_carried_ ? carried : Inflow::rigid, settings};
+    return solve(system, task, source);
 }
 
 }  // namespace wade::fluid

@@ -53,6 +53,20 @@ double bed_pressure_force(const Particles& particles, const NeighbourLists& list
 std::array<double, 3> obstacle_force(const Particles& particles, const NeighbourLists& lists, double particle_mass,
                                      double viscosity, int obstacle);
 
+// What both solves of a step work on, at the places of its begin.
+struct PressureSystem {
+    Particles& particles;
+    const NeighbourLists& lists;
+    const GradientCorrection* correction;  // of the gradients of confined water, or null
+    ParticleFields& fields;
+};
+
+// What the density solve is for.
+enum class DensitySolve {
+    positions,  // after a divergence solve: its accelerations move particles and leave no trace in their velocities
+    velocities  // alone: they are those of the water
+};
+
 class PressureSolver {
  public:
     // open_surface_density: below this density, as a fraction, a particle has an open side and may be compressed: the
@@ -61,8 +75,17 @@ class PressureSolver {
     // confined: the water fills its space and has no open side. The pressure is then known up to a constant and the system
     //     can only be solved for sources whose mean is zero; the mean, that of an SPH density over disordered particles,
     //     is subtracted.
-    PressureSolver(float open_surface_density, float relaxation, bool confined)
-        : open_surface_density_(confined ? 0 : open_surface_density), relaxation_(relaxation), confined_(confined) {}
+    // inflow_is_carried: Kind::inflow is carried by a stream that gives it velocity and pressure. The solve that finds
+    //     velocities keeps that pressure: particles that cannot yield would gather more and more of it, and burst into
+    //     those beside them that can. The density solve, where it moves positions only, moves Kind::inflow as well: its
+    //     packing follows the stream. Else Kind::inflow is the lattice of an emitter, and the density solve does not mind
+    //     how dense that is: where it is denser than rest it cannot yield, so that a pressure against it would grow for
+    //     ever, and burst once a particle is let go.
+    PressureSolver(float open_surface_density, float relaxation, bool confined, bool inflow_is_carried)
+        : open_surface_density_(confined ? 0 : open_surface_density),
+          relaxation_(relaxation),
+          confined_(confined),
+          inflow_is_carried_(inflow_is_carried) {}
 
     // Layers of particles in the deepest water from now on, 1 before. What each of n layers yields adds up to an error
     // n d tolerance / dt of the velocity above; held against g dt, what weight gives in a step of a fixed CFL number, it grows
@@ -70,42 +93,40 @@ class PressureSolver {
     // weight moves nothing.
     void set_layers(double layers) { layers_ = confined_ ? 1 : std::max(1.0, layers); }
 
-    // From now on Kind::inflow is carried by a stream that gives it velocity and pressure. The solve that finds velocities keeps that
-    // pressure: particles that cannot yield would gather more and more of it, and burst into those beside them that can.
-    // The density solve, where it moves positions only, moves Kind::inflow as well: its packing follows the stream.
-    void guide_inflow() { guides_inflow_ = true; }
-
-    // From now on the density solve does not mind how dense Kind::inflow is: the lattice of an emitter that is denser than
-    // rest cannot yield, so that a pressure against it would grow for ever, and burst once a particle is let go.
-    void accept_dense_inflow() { dense_inflow_ = true; }
-
     // Corrects the velocities until no particle that is near rest density is being compressed.
-    // correction: of the gradients of confined water, or null.
     // step_share: dt over a step of CFL 0.5, at most 1. The tolerance, a change of density, is meant for such a step, and
     //     so is the gap that may be closed, so that shorter steps are not less exact.
-    SolveResult solve_divergence(Particles& particles, const NeighbourLists& lists,
-                                 const GradientCorrection* correction, ParticleFields& fields, float dt,
-                                 float step_share, const PressureSolve& settings);
+    SolveResult solve_divergence(const PressureSystem& system, float dt, float step_share,
+                                 const PressureSolve& settings);
 
     // Finds the accelerations fields.ax, ay, az by which the densities after dt do not exceed rest density, and leaves
     // the velocities as they are.
-    SolveResult solve_density(std::vector<float>& pressure, Particles& particles, const NeighbourLists& lists,
-                              const GradientCorrection* correction, ParticleFields& fields, float dt,
-                              const PressureSolve& settings);
+    SolveResult solve_density(const PressureSystem& system, DensitySolve what, float dt, const PressureSolve& settings);
 
  private:
+    // What Kind::inflow is to a solve.
+    enum class Inflow {
+        rigid,  // keeps its velocity
+        given,  // keeps its velocity and its pressure
+        free    // moves as all
+    };
+    struct Task {
+        std::vector<float>& pressure;  // over rest density, m^2/s^2: that of the last step, and then of this one
+        float warm_start;              // share of the former that it starts from
+        float dt;                      // s
+        Inflow inflow;
+        PressureSolve settings;
+    };
     // source(i, D_i(u)): the right-hand side, u the velocities that the particles have.
     template <typename Source>
-    SolveResult solve(std::vector<float>& pressure, float warm_start, const Particles& particles,
-                      const NeighbourLists& lists, const GradientCorrection* correction, ParticleFields& fields,
-                      float dt, const PressureSolve& settings, Source&& source);
+    SolveResult solve(const PressureSystem& system, const Task& task, Source&& source);
     void subtract_mean(std::vector<float>& source, std::size_t n);
 
     float open_surface_density_;
     float relaxation_;
     bool confined_;
+    bool inflow_is_carried_;
     double layers_ = 1;
-    bool guides_inflow_ = false, dense_inflow_ = false;
     BlockSums<double> errors_;
     BlockSums<double> turns_;     // by how much momentum leads back
     std::vector<float> earlier_;  // pressure of the iteration before, where there is momentum

@@ -66,7 +66,7 @@ shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
         d.driving_acceleration_m_s2 = driving / frame_time;
     }
     d.position_clamps = world_.position_clamps();
-    d.recycled_particles = world_.recycled();
+    d.recycled_particles = world_.emitter().recycled;
     return d;
 }
 
@@ -128,8 +128,8 @@ std::uint32_t DfsphModel::write_frame(const shm::FrameFields& slot) const {
 
 std::string DfsphModel::remarks() const {
     std::string text;
-    if (world_.layers_missed() > 0) {
-        text = "warning: the stock was empty for " + std::to_string(world_.layers_missed()) +
+    if (world_.emitter().layers_missed > 0) {
+        text = "warning: the stock was empty for " + std::to_string(world_.emitter().layers_missed) +
                " layers of the emitter, raise fluid.max_particles";
     }
     const Scene& scene = world_.scene();

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "configs/scene/scene.hpp"
-#include "fluid_server/particles/emitter.hpp"
+#include "fluid_server/particles/channel_ends.hpp"
 #include "fluid_server/particles/particles.hpp"
 
 namespace wade::fluid {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,9 +15,9 @@
 #include "fluid_server/dfsph/fluid_state.hpp"
 #include "fluid_server/dfsph/midpoint.hpp"
 #include "fluid_server/dfsph/stages.hpp"
+#include "fluid_server/dfsph/step_measures.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
-#include "fluid_server/particles/emitter.hpp"
-#include "fluid_server/particles/open_ends.hpp"
+#include "fluid_server/particles/channel_ends.hpp"
 #include "fluid_server/particles/particles.hpp"
 #include "fluid_server/particles/solids.hpp"
 #include "fluid_server/particles/water_depth.hpp"
@@ -41,9 +42,9 @@ class FluidWorld {
     // Builds the fluid of the scene at t = 0.
     explicit FluidWorld(const Scene& scene) : FluidWorld(scene, nullptr) {}
 
-    // ends: null, or what stands in place of an emitter and outlives the world. The world is then empty at first and its
-    // channel must not be periodic along x.
-    FluidWorld(const Scene& scene, OpenEnds* ends);
+    // ends: stand in place of those of the scene and outlive the world. The world is empty at first and its channel must
+    // not be periodic along x.
+    FluidWorld(const Scene& scene, ChannelEnds& ends) : FluidWorld(scene, &ends) {}
 
     // Lets `body` add, remove and change particles; between steps.
     template <typename Body>
@@ -70,9 +71,7 @@ class FluidWorld {
     [[nodiscard]] const ParticleFields& fields() const { return fields_; }
     [[nodiscard]] const Scene& scene() const { return scene_; }
     [[nodiscard]] float particle_mass() const { return particle_mass_; }  // rho_0 d^3, kg
-    [[nodiscard]] std::uint64_t recycled() const { return emitter_ ? emitter_->recycled() : 0; }
-    [[nodiscard]] std::uint64_t stock() const { return emitter_ ? emitter_->stock() : 0; }
-    [[nodiscard]] std::uint64_t layers_missed() const { return emitter_ ? emitter_->layers_missed() : 0; }
+    [[nodiscard]] EmitterState emitter() const { return ends_->state().value_or(EmitterState{}); }
     // Vertical pressure force on the bed in the last step, N; costs a sweep, valid until the next step.
     [[nodiscard]] double bed_pressure_force() const;
     // Force of the water on the faces of an obstacle in the last step, N: pressure, viscosity, contact. Costs a sweep,
@@ -85,23 +84,44 @@ class FluidWorld {
     [[nodiscard]] std::uint64_t position_clamps() const { return position_clamps_; }
 
  private:
-    // Lets them act for `duration`; what drives the stream gives it its speed within dt.
-    void apply_forces(float duration, float dt, StepReport& report);
-    [[nodiscard]] double time_step(double remaining);
-    void measure_density_error(StepReport& report);
-    [[nodiscard]] Places places(std::size_t begin) const;  // from a particle on
-    void apply_contact(float dt, StepReport& report);
+    FluidWorld(const Scene& scene, ChannelEnds* ends);  // null: those of the scene
+
+    // Of the step at hand.
+    struct Plan {
+        float dt = 0;        // s
+        float share = 1;     // of a step of CFL 0.5, see PressureSolver::solve_divergence
+        bool split = false;  // two solves: the second moves positions only
+        float theta = 0;     // of velocities centred in time (midpoint.hpp)
+
+        // How long forces act until velocities are made free of divergence, s.
+        [[nodiscard]] float to_midpoint() const { return dt / (1 + theta); }
+        // Contact changes velocities before the density solve, unless that still changes them.
+        [[nodiscard]] bool contact_comes_first() const { return split && theta == 0; }
+    };
+    [[nodiscard]] Plan plan_step(double remaining, StepReport& report);
+
+    // The stages of a step.
+    void sort(double dt);
+    void find_densities(StepReport& report);
+    void apply_forces(const Plan& plan, StepReport& report);
+    void solve_divergence(const Plan& plan, StepReport& report);
+    void solve_density(const Plan& plan, StepReport& report);
+    void apply_contact(const Plan& plan, StepReport& report);
+    void advance(const Plan& plan, StepReport& report);
+
     // Moves the particles by dt (v + shift_time a), a the accelerations of the last solve.
-    void advance(float dt, float shift_time, StepReport& report);
+    void move(float dt, float shift_time, StepReport& report);
+    void touch_solids(float dt, StepReport& report);
+    [[nodiscard]] PressureSystem system();
+    [[nodiscard]] Places places(std::size_t begin) const;  // from a particle on
 
     Scene scene_;
     float support_radius_;
     float volume_;
     float particle_mass_;
     Kernel kernel_;
-    double viscosity_;      // nu over the kernel's second moment on the lattice, m^2/s
-    bool confined_;         // the water has no free surface
-    float step_share_ = 1;  // of the step at hand, see solve_divergence
+    double viscosity_;  // nu over the kernel's second moment on the lattice, m^2/s
+    bool confined_;     // the water has no free surface
     Particles particles_;
     CellGrid grid_;
     NeighbourLists lists_;
@@ -110,24 +130,20 @@ class FluidWorld {
     StartVelocities start_;          // of confined water
     Solids solids_;
     std::optional<PressureSolver> solver_;
-    std::optional<Emitter> emitter_;
-    OpenEnds* ends_;
+    std::unique_ptr<ChannelEnds> own_ends_;  // none where others stand in for them
+    ChannelEnds* ends_;
     std::optional<BedFriction> friction_;
     double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed
     WaterDepth depth_;
     double initial_speed_ = 0;  // of the fastest particle, m/s
-    float outflow_x_;           // particles that are not beyond it have left
     std::uint64_t position_clamps_ = 0;
     double time_ = 0;
 
-    struct Extremes {
-        double sum = 0, max = 0, highest = 0;
-    };
     struct Guards {
         std::uint64_t clamps = 0, not_finite = 0;
         float longest_squared = 0;  // m^2
     };
-    BlockSums<Extremes> extremes_;
+    StepMeasures measures_;
     BlockSums<double> sums_;
     BlockSums<Guards> guards_;
     // Momentum that contact with each obstacle took in the last step, divided by dt, N.

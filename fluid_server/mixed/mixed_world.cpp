@@ -33,7 +33,7 @@ MixedWorld::MixedWorld(const Scene& scene)
       rule_(scene, shallow_.grid),
       guards_(shallow_, rule_.guard()),
       restriction_(shallow_),
-      fluid_(scene_of_particles(scene, rule_.guard()), this) {
+      fluid_(scene_of_particles(scene, rule_.guard()), static_cast<ChannelEnds&>(*this)) {
     change_window(rule_.next({}, {}));
 }
 
@@ -63,13 +63,13 @@ MixedStep MixedWorld::step(double remaining) {
     return result;
 }
 
-void MixedWorld::begin_step(Particles& particles, double dt) {
+void MixedWorld::begin_step(Particles& particles, double, double dt) {
     for (double left = dt; left > 1e-9 * dt;) left -= shallow_step(left);
     acceleration_ = -driving_ / dt;
     guards_.update(particles, shallow_, dt);
 }
 
-void MixedWorld::end_step(const Particles& p, std::span<const float> x_before, double dt) {
+void MixedWorld::end_step(Particles& p, std::span<const float> x_before, double dt) {
     const double volume = particle_volume(shallow_.scene.fluid), middle = 0.5 * (ends()[0].x + ends()[1].x);
     std::array<double, 2> gained{}, carried{};  // by the window through each end
     for (std::size_t i = 0; i < p.count; ++i) {

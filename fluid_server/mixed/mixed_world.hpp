@@ -18,7 +18,7 @@
 #include "fluid_server/mixed/guard.hpp"
 #include "fluid_server/mixed/restriction.hpp"
 #include "fluid_server/mixed/window.hpp"
-#include "fluid_server/particles/open_ends.hpp"
+#include "fluid_server/particles/channel_ends.hpp"
 #include "fluid_server/shallow_water/column_particles.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 
@@ -30,7 +30,7 @@ struct MixedStep {
     std::optional<StepReport> particles;  // none while there is no window
 };
 
-class MixedWorld final : private OpenEnds {
+class MixedWorld final : private ChannelEnds {
  public:
     explicit MixedWorld(const Scene& scene);
 
@@ -56,9 +56,13 @@ class MixedWorld final : private OpenEnds {
     [[nodiscard]] double volume() const;
 
  private:
-    void begin_step(Particles& particles, double dt) override;
-    void end_step(const Particles& particles, std::span<const float> x_before, double dt) override;
-    [[nodiscard]] double acceleration() const override { return acceleration_; }
+    // What the particles meet at the ends of their channel.
+    void begin_step(Particles& particles, double time, double dt) override;
+    void end_step(Particles& particles, std::span<const float> x_before, double dt) override;
+    [[nodiscard]] std::optional<double> driving_acceleration(const Particles&, double, double) const override {
+        return -acceleration_;
+    }
+    [[nodiscard]] bool carry_inflow() const override { return true; }
 
     // One step of the shallow water; its length, s.
     double shallow_step(double remaining);

@@ -28,18 +28,33 @@ InflowLayer layer_over(double depth, double width, double spacing) {
 }
 
 Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
-    : opening_x_(scene.channel.x.hi),
-      velocity_(velocity_at(scene.channel, 0)),
+    : channel_(scene.channel),
+      velocity_(velocity_at(channel_, 0)),
       waiting_layers_(0),
-      z_lo_(scene.channel.z.lo),
-      layer_(layer_over(scene.channel.depth, scene.channel.z.length(), scene.fluid.particle_spacing)),
-      pitch_(),
-      last_layer_x_(),
-      stock_(static_cast<std::uint64_t>(scene.fluid.max_particles) - particles_in_use) {
-    pitch_ = static_cast<double>(layer_.sites()) * particle_volume(scene.fluid) /
-             (scene.channel.depth * scene.channel.z.length());
+      layer_(layer_over(channel_.depth, channel_.z.length(), scene.fluid.particle_spacing)),
+      pitch_(static_cast<double>(layer_.sites()) * particle_volume(scene.fluid) /
+             (channel_.depth * channel_.z.length())) {
     waiting_layers_ = layers_within_reach(scene.fluid, pitch_);
-    last_layer_x_ = opening_x_ - 0.5 * pitch_;
+    state_.last_layer_x = channel_.x.hi - 0.5 * pitch_;
+    state_.stock = static_cast<std::uint64_t>(scene.fluid.max_particles) - particles_in_use;
+}
+
+void Emitter::begin_step(Particles& particles, double time, double dt) {
+    if (!channel_.velocity_history.empty()) set_velocity(particles, mean_velocity(channel_, time, time + dt));
+}
+
+void Emitter::take_out(std::size_t particles) {
+    state_.stock += particles;
+    state_.recycled += particles;
+}
+
+void Emitter::end_step(Particles& particles, std::span<const float>, double dt) {
+    emit(particles, static_cast<float>(dt));
+}
+
+void Emitter::restore(const EmitterState& state, Particles& particles, double time) {
+    state_ = state;
+    set_velocity(particles, velocity_at(channel_, time));
 }
 
 void Emitter::set_velocity(Particles& p, double velocity) {
@@ -51,32 +66,26 @@ void Emitter::set_velocity(Particles& p, double velocity) {
     });
 }
 
-void Emitter::restore(const EmitterState& state) {
-    last_layer_x_ = state.last_layer_x;
-    stock_ = state.stock;
-    recycled_ = state.recycled;
-    layers_missed_ = state.layers_missed;
-}
-
 void Emitter::emit(Particles& p, float dt) {
-    last_layer_x_ -= velocity_ * static_cast<double>(dt);
-    const auto opening = static_cast<float>(opening_x_);
+    double& last = state_.last_layer_x;
+    last -= velocity_ * static_cast<double>(dt);
+    const float opening = opening_x();
     for (std::size_t i = 0; i < p.count; ++i) {
         if (p.kind[i] == Kind::inflow && p.x[i] <= opening) {
             p.kind[i] = Kind::fluid;
         }
     }
-    while (last_layer_x_ + pitch_ <= opening_x_ + waiting_layers_ * pitch_) {
-        last_layer_x_ += pitch_;
-        if (stock_ < layer_.sites()) {
-            ++layers_missed_;
+    while (last + pitch_ <= channel_.x.hi + waiting_layers_ * pitch_) {
+        last += pitch_;
+        if (state_.stock < layer_.sites()) {
+            ++state_.layers_missed;
             continue;
         }
-        stock_ -= layer_.sites();
+        state_.stock -= layer_.sites();
         for (int k = 0; k < layer_.nz; ++k) {
             for (int j = 0; j < layer_.ny; ++j) {
-                p.add({static_cast<float>(last_layer_x_), (static_cast<float>(j) + 0.5F) * layer_.dy,
-                       static_cast<float>(z_lo_) + (static_cast<float>(k) + 0.5F) * layer_.dz},
+                p.add({static_cast<float>(last), (static_cast<float>(j) + 0.5F) * layer_.dy,
+                       static_cast<float>(channel_.z.lo) + (static_cast<float>(k) + 0.5F) * layer_.dz},
                       {static_cast<float>(-velocity_), 0, 0}, Kind::inflow);
             }
         }

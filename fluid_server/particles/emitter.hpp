@@ -9,11 +9,10 @@
 // The lattice reaches further back than the support radius, so that no row is missing behind the opening. With v_F = 0 it
 // stands still and closes the opening.
 
-#include <algorithm>
 #include <cstdint>
 
 #include "configs/scene/scene.hpp"
-#include "fluid_server/particles/particles.hpp"
+#include "fluid_server/particles/channel_ends.hpp"
 
 namespace wade::fluid {
 
@@ -27,15 +26,7 @@ struct InflowLayer {
 };
 InflowLayer layer_over(double depth, double width, double spacing);
 
-// What an emitter remembers from step to step.
-struct EmitterState {
-    double last_layer_x = 0;  // m, of the rearmost layer
-    std::uint64_t stock = 0;
-    std::uint64_t recycled = 0;
-    std::uint64_t layers_missed = 0;
-};
-
-class Emitter {
+class Emitter final : public ChannelEnds {
  public:
     Emitter(const Scene& scene, std::uint64_t particles_in_use);
 
@@ -47,35 +38,22 @@ class Emitter {
     // that passes the opening, is the integral of v_F.
     void set_velocity(Particles& particles, double velocity);
 
+    void begin_step(Particles& particles, double time, double dt) override;
     // Particles that left through the outflow go back to the stock.
-    void recycle(std::uint64_t particles) {
-        stock_ += particles;
-        recycled_ += particles;
-    }
-
-    // The opening is closed to water from inside: the velocity along x, at most vx, with which a fluid particle at x does
-    // not pass it within dt.
-    [[nodiscard]] float limit(float x, float vx, float dt) const {
-        return std::min(vx, std::max(static_cast<float>(opening_x_) - x, 0.0F) / dt);
-    }
-
-    [[nodiscard]] std::uint64_t stock() const { return stock_; }
-    [[nodiscard]] std::uint64_t recycled() const { return recycled_; }
-    [[nodiscard]] std::uint64_t layers_missed() const { return layers_missed_; }
-    [[nodiscard]] EmitterState state() const { return {last_layer_x_, stock_, recycled_, layers_missed_}; }
-    void restore(const EmitterState& state);
+    void take_out(std::size_t particles) override;
+    void end_step(Particles& particles, std::span<const float> x_before, double dt) override;
+    [[nodiscard]] float outflow_x() const override { return static_cast<float>(channel_.x.lo); }
+    [[nodiscard]] float opening_x() const override { return static_cast<float>(channel_.x.hi); }
+    [[nodiscard]] std::optional<EmitterState> state() const override { return state_; }
+    void restore(const EmitterState& state, Particles& particles, double time) override;
 
  private:
-    double opening_x_;
+    Channel channel_;
     double velocity_;
     int waiting_layers_;
-    double z_lo_;
     InflowLayer layer_;
-    double pitch_;         // distance of layers, so that the mass flow is exactly rho v_F depth width
-    double last_layer_x_;  // where the rearmost layer is
-    std::uint64_t stock_;
-    std::uint64_t recycled_ = 0;
-    std::uint64_t layers_missed_ = 0;
+    double pitch_;  // distance of layers, so that the mass flow is exactly rho v_F depth width
+    EmitterState state_;
 };
 
 }  // namespace wade::fluid

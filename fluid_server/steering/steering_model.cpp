@@ -37,7 +37,7 @@ shm::Diagnostics SteeringModel::advance_frame(const FrameInterval& interval) {
     measure(d);
     if (world_.scene().channel.flow == Flow::recirculating) d.driving_acceleration_m_s2 = driving / frame_time;
     d.position_clamps = world_.position_clamps();
-    d.recycled_particles = world_.recycled();
+    d.recycled_particles = world_.emitter().recycled;
     return d;
 }
 
@@ -88,8 +88,8 @@ std::string SteeringModel::remarks() const {
         lines.push_back("body " + std::to_string(k) + " of /fluid/steering/bodies " +
                         (body.present ? where : "has not appeared"));
     }
-    if (world_.layers_missed() > 0) {
-        lines.push_back("warning: the stock was empty for " + std::to_string(world_.layers_missed()) +
+    if (world_.emitter().layers_missed > 0) {
+        lines.push_back("warning: the stock was empty for " + std::to_string(world_.emitter().layers_missed) +
                         " layers of the emitter, raise fluid.max_particles");
     }
     std::string text;

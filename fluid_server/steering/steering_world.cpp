@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
@@ -11,7 +10,6 @@
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/particles/body_force.hpp"
 #include "fluid_server/particles/filling.hpp"
-#include "fluid_server/particles/inflow.hpp"
 
 namespace wade::fluid::steering {
 
@@ -50,9 +48,7 @@ SteeringWorld::SteeringWorld(const Scene& scene)
       ay_(padded(particles_.capacity())),
       az_(padded(particles_.capacity())),
       gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
-      gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
-      outflow_x_(scene.channel.flow == Flow::emitter ? static_cast<float>(scene.channel.x.lo)
-                                                     : -std::numeric_limits<float>::infinity()) {
+      gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))) {
     const Channel& channel = scene.channel;
     if (channel.flow == Flow::recirculating || channel.flow == Flow::periodic) {
         period_[0] = static_cast<float>(channel.x.length());
@@ -60,10 +56,7 @@ SteeringWorld::SteeringWorld(const Scene& scene)
     if (channel.top == Top::periodic) period_[1] = static_cast<float>(channel.height);
     if (channel.sides == Sides::periodic) period_[2] = static_cast<float>(channel.z.length());
     fill_scene(particles_, scene);
-    if (scene.channel.flow == Flow::emitter) {
-        emitter_.emplace(scene, particles_.count);
-        emitter_->emit(particles_, 0);
-    }
+    ends_ = make_channel_ends(scene, particles_);
     set_classes(0);
 }
 
@@ -112,8 +105,7 @@ void SteeringWorld::make_lists() {
     for_each_particle(p.count, [&](std::size_t i) {
         p.x[i] = grid_.wrap(0, p.x[i]), p.y[i] = grid_.wrap(1, p.y[i]), p.z[i] = grid_.wrap(2, p.z[i]);
     });
-    const std::size_t left = grid_.sort(p, outflow_x_);
-    if (emitter_) emitter_->recycle(left);
+    ends_->take_out(grid_.sort(p, ends_->outflow_x()));
     find_neighbours(grid_, no_solids_, p, static_cast<float>(settings_.reach + margin_), lists_);
     const auto n = static_cast<std::ptrdiff_t>(p.count);
     std::copy_n(p.x.begin(), n, lists_.x.begin());
@@ -128,20 +120,13 @@ SteeringStep SteeringWorld::step(double remaining) {
     const auto dt = static_cast<float>(report.dt);
     report.new_lists = !lists_serve_;
     if (!lists_serve_) make_lists();
-    if (emitter_ && !scene_.channel.velocity_history.empty()) {
-        emitter_->set_velocity(particles_, mean_velocity(scene_.channel, time_, time_ + report.dt));
-    }
+    ends_->begin_step(particles_, time_, report.dt);
     accelerate(dt);
-    if (scene_.channel.flow == Flow::recirculating) drive(dt, report);
-    if (!bodies_.empty()) push_by_bodies(dt);
+    drive(report);
+    push_by_bodies(dt);
     advance(dt, report);
-    if (!bodies_.empty()) move_bodies(report.dt);
-    if (emitter_) {
-        const std::size_t before = particles_.count;
-        emitter_->emit(particles_, dt);
-        set_classes(before);
-        lists_serve_ = lists_serve_ && particles_.count == before;
-    }
+    move_bodies(report.dt);
+    let_in(report.dt);
     time_ += report.dt;
     return report;
 }
@@ -170,10 +155,18 @@ void SteeringWorld::accelerate(float dt) {
     });
 }
 
-void SteeringWorld::drive(float dt, SteeringStep& report) {
-    const double a = driving_acceleration(particles_, velocity_at(scene_.channel, time_ + report.dt), dt);
-    report.driving_acceleration = -a;
-    apply_body_force(particles_, static_cast<float>(a), 0, dt);
+void SteeringWorld::drive(SteeringStep& report) {
+    const auto driving = ends_->driving_acceleration(particles_, time_ + report.dt, report.dt);
+    if (!driving) return;
+    report.driving_acceleration = *driving;
+    apply_body_force(particles_, static_cast<float>(-*driving), 0, static_cast<float>(report.dt));
+}
+
+void SteeringWorld::let_in(double dt) {
+    const std::size_t before = particles_.count;
+    ends_->end_step(particles_, {lists_.x.data(), before}, dt);
+    set_classes(before);
+    lists_serve_ = lists_serve_ && particles_.count == before;
 }
 
 Vec3 SteeringWorld::nearest_image(std::size_t i, const Body& body) const {
@@ -186,6 +179,7 @@ Vec3 SteeringWorld::nearest_image(std::size_t i, const Body& body) const {
 }
 
 void SteeringWorld::push_by_bodies(float dt) {
+    if (bodies_.empty()) return;
     Particles& p = particles_;
     for (Body& body : bodies_) body.present = time_ + static_cast<double>(dt) > body.time;
     reactions_.begin(p.count);
@@ -227,6 +221,7 @@ void SteeringWorld::move_bodies(double dt) {
 
 void SteeringWorld::advance(float dt, SteeringStep& report) {
     Particles& p = particles_;
+    const float opening = ends_->opening_x();
     moves_.begin(p.count);
     for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
         BlockVelocities v;
@@ -243,7 +238,7 @@ void SteeringWorld::advance(float dt, SteeringStep& report) {
         Moves moves;
         for (std::size_t i = begin; i < end; ++i) {
             if (p.kind[i] == Kind::fluid) {
-                p.vx[i] = emitter_ ? emitter_->limit(p.x[i], v.x[i - begin], dt) : v.x[i - begin];
+                p.vx[i] = held_by_opening(opening, p.x[i], v.x[i - begin], dt);
                 p.vy[i] = v.y[i - begin], p.vz[i] = v.z[i - begin];
             }
             const Vec3 u{p.vx[i], p.vy[i], p.vz[i]};

@@ -11,13 +11,13 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "configs/scene/scene.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
-#include "fluid_server/particles/emitter.hpp"
+#include "fluid_server/particles/channel_ends.hpp"
 #include "fluid_server/particles/parallel.hpp"
 #include "fluid_server/particles/particles.hpp"
 #include "fluid_server/particles/solids.hpp"
@@ -53,7 +53,7 @@ class SteeringWorld {
     // Between two steps a particle may be less than a margin beyond a periodic border, or the outflow.
     [[nodiscard]] const Particles& particles() const { return particles_; }
     [[nodiscard]] Particles& particles() { return particles_; }
-    [[nodiscard]] bool has_left(std::size_t i) const { return !(particles_.x[i] > outflow_x_); }
+    [[nodiscard]] bool has_left(std::size_t i) const { return !(particles_.x[i] > ends_->outflow_x()); }
     [[nodiscard]] Vec3 place(std::size_t i) const;  // within the periodic borders
     [[nodiscard]] double mass(std::size_t i) const {
         return particle_mass_ * static_cast<double>(mass_factors(particles_)[i]);
@@ -61,9 +61,7 @@ class SteeringWorld {
     [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
     [[nodiscard]] const Settings& settings() const { return settings_; }
     [[nodiscard]] const Scene& scene() const { return scene_; }
-    [[nodiscard]] std::uint64_t recycled() const { return emitter_ ? emitter_->recycled() : 0; }
-    [[nodiscard]] std::uint64_t stock() const { return emitter_ ? emitter_->stock() : 0; }
-    [[nodiscard]] std::uint64_t layers_missed() const { return emitter_ ? emitter_->layers_missed() : 0; }
+    [[nodiscard]] EmitterState emitter() const { return ends_->state().value_or(EmitterState{}); }
     [[nodiscard]] std::uint64_t position_clamps() const { return position_clamps_; }
     // Neighbours nearer than the longest radius, a particle, itself left out; of the energies that of the pairs costs as much.
     [[nodiscard]] double neighbours() const;
@@ -74,7 +72,8 @@ class SteeringWorld {
     void make_lists();
     void set_classes(std::size_t begin);
     void accelerate(float dt);
-    void drive(float dt, SteeringStep& report);
+    void drive(SteeringStep& report);
+    void let_in(double dt);
     // A particle's place, or that of its image beyond a periodic border which is nearer to the body.
     [[nodiscard]] Vec3 nearest_image(std::size_t i, const Body& body) const;
     void push_by_bodies(float dt);
@@ -95,11 +94,10 @@ class SteeringWorld {
     Walls walls_;
     std::vector<BedFacet> bed_;
     std::vector<Body> bodies_;
-    std::optional<Emitter> emitter_;
+    std::unique_ptr<ChannelEnds> ends_;
     std::vector<float> ax_, ay_, az_;
     double gravity_x_, gravity_y_;  // m/s^2, tilted by the slope of the bed
-    float outflow_x_;
-    Vec3 period_{};  // m; 0 where the axis is not periodic
+    Vec3 period_{};                 // m; 0 where the axis is not periodic
     double time_ = 0;
     std::uint64_t position_clamps_ = 0;
     std::uint64_t born_ = 0;  // particles so far, for the draw of their class

@@ -99,7 +99,7 @@ Result recycled_under_agents(const Request& request) {
     Hooks hooks;
     hooks.after_frame = [&](const FluidWorld& world, double time, Result&) {
         people.walk(world, time);
-        recycled = world.recycled();
+        recycled = world.emitter().recycled;
     };
     Result result = run_water(scene, hooks);
     people.report(result);

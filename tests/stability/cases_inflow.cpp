@@ -45,7 +45,7 @@ Result emitter_history(const Request& request) {
         const Particles& p = world.particles();
         const auto in_channel = static_cast<double>(
             std::count(p.kind.begin(), p.kind.begin() + static_cast<std::ptrdiff_t>(p.count), Kind::fluid));
-        const double volume = (in_channel + static_cast<double>(world.recycled())) * d3;
+        const double volume = (in_channel + static_cast<double>(world.emitter().recycled)) * d3;
         const double due = inflow_way(scene.channel, t) * scene.channel.depth * scene.channel.z.length();
         worst = std::max(worst, std::abs(volume - due) / layer);
     };

@@ -60,7 +60,7 @@ class Watch {
         : hooks_(hooks),
           energy_(world),
           // Every particle in the channel or in the stock of the emitter.
-          complete_(world.particles().count + world.stock()) {
+          complete_(world.particles().count + world.emitter().stock) {
         energy_.add(hooks.extra_energy);
     }
 
@@ -75,7 +75,7 @@ class Watch {
         // Of the report, not |v| dt: the density solve moves positions without changing velocities.
         result.max_displacement =
             std::max(result.max_displacement, step.max_displacement / world.scene().fluid.particle_spacing);
-        const std::uint64_t present = p.count + world.stock();
+        const std::uint64_t present = p.count + world.emitter().stock;
         const std::uint64_t missing = present > complete_ ? present - complete_ : complete_ - present;
         result.lost_particles = std::max(result.lost_particles, missing + outside_ + world.position_clamps());
         energy_.note_step(world, step);

@@ -62,7 +62,7 @@ class Particles final : public Water {
     }
     [[nodiscard]] double front(double none) const override { return leading_x(world_.particles(), none); }
     [[nodiscard]] double position_clamps() const override { return static_cast<double>(world_.position_clamps()); }
-    [[nodiscard]] double missed_layers() const override { return static_cast<double>(world_.layers_missed()); }
+    [[nodiscard]] double missed_layers() const override { return static_cast<double>(world_.emitter().layers_missed); }
     void note(const Cost& cost, Result& result) const override { note_cost(cost, world_, result); }
 
  private:
@@ -108,7 +108,7 @@ class Vehicles final : public Water {
     }
     [[nodiscard]] double front(double none) const override { return leading_x(world_.particles(), none); }
     [[nodiscard]] double position_clamps() const override { return static_cast<double>(world_.position_clamps()); }
-    [[nodiscard]] double missed_layers() const override { return static_cast<double>(world_.layers_missed()); }
+    [[nodiscard]] double missed_layers() const override { return static_cast<double>(world_.emitter().layers_missed); }
     void note(const Cost& cost, Result& result) const override {
         note_work(cost, "steering", world_.particles().count, result);
     }

@@ -76,17 +76,17 @@ TEST_CASE("the stock takes up another max_particles", "[fluid][state]") {
     FluidWorld world(scene);
     FluidState state;
     world.capture(state);
-    const std::uint64_t stock = world.stock();
+    const std::uint64_t stock = world.emitter().stock;
     scene.fluid.max_particles += 500;
     FluidWorld larger(scene);
     larger.restore(state, "test");
-    CHECK(larger.stock() == stock + 500);
-    CHECK(larger.particles().count + larger.stock() == 2500);
+    CHECK(larger.emitter().stock == stock + 500);
+    CHECK(larger.particles().count + larger.emitter().stock == 2500);
 
     scene.fluid.max_particles = static_cast<int>(state.particles.count);
     FluidWorld exact(scene);
     exact.restore(state, "test");
-    CHECK(exact.stock() == 0);
+    CHECK(exact.emitter().stock == 0);
 }
 
 TEST_CASE("a state is refused where its water cannot go on, with key and both values", "[fluid][state]") {

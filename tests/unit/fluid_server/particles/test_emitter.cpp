@@ -12,7 +12,7 @@ TEST_CASE("the emitter delivers the mass flow of its opening and speed", "[fluid
     Particles particles(10000);
     Emitter emitter(scene, 0);
     emitter.emit(particles, 0);
-    const auto before = emitter.stock();
+    const auto before = emitter.state()->stock;
     const int steps = 3000;
     const float dt = 1.0F / 30;
     for (int n = 0; n < steps; ++n) {
@@ -29,14 +29,14 @@ TEST_CASE("the emitter delivers the mass flow of its opening and speed", "[fluid
                 particles.kind[kept++] = particles.kind[i];
             }
         }
-        emitter.recycle(particles.count - kept);
+        emitter.take_out(particles.count - kept);
         particles.count = kept;
     }
     const double d3 = std::pow(scene.fluid.particle_spacing, 3);
     const double emitted =
-        (static_cast<double>(before - emitter.stock()) + static_cast<double>(emitter.recycled())) * d3;
+        (static_cast<double>(before - emitter.state()->stock) + static_cast<double>(emitter.state()->recycled)) * d3;
     const double expected = 1.5 * 1 * 4 * steps / 30.0;
-    CHECK(emitter.layers_missed() == 0);
+    CHECK(emitter.state()->layers_missed == 0);
     CHECK(std::abs(emitted - expected) < 2 * 2 * 9 * d3);  // to within two layers of 2 x 9 particles
 }
 
@@ -53,14 +53,14 @@ TEST_CASE("particles are neither lost nor made through ten thousand recyclings",
     const Scene scene = test::emitter_channel(2.5, 0.98, 1500);
     FluidWorld world(scene);
     int steps = 0;
-    while (world.recycled() < 10000 && steps < 20000) {
+    while (world.emitter().recycled < 10000 && steps < 20000) {
         world.step(1.0 / 30);
         ++steps;
-        REQUIRE(world.particles().count + world.stock() == 1500);
+        REQUIRE(world.particles().count + world.emitter().stock == 1500);
     }
-    CHECK(world.recycled() >= 10000);
+    CHECK(world.emitter().recycled >= 10000);
     CHECK(world.position_clamps() == 0);
-    CHECK(world.layers_missed() == 0);
+    CHECK(world.emitter().layers_missed == 0);
 }
 
 TEST_CASE("an emitter without stock waits and goes on when particles return", "[fluid][emitter]") {
@@ -68,10 +68,10 @@ TEST_CASE("an emitter without stock waits and goes on when particles return", "[
     FluidWorld world(scene);
     for (int n = 0; n < 600; ++n) {
         world.step(1.0 / 30);
-        REQUIRE(world.particles().count + world.stock() == 160);
+        REQUIRE(world.particles().count + world.emitter().stock == 160);
     }
-    CHECK(world.layers_missed() > 0);
-    CHECK(world.recycled() > 100);
+    CHECK(world.emitter().layers_missed > 0);
+    CHECK(world.emitter().recycled > 100);
 }
 
 TEST_CASE("an emitter whose lattice is denser than rest does not burst", "[fluid][emitter]") {

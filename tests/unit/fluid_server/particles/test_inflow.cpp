@@ -105,7 +105,7 @@ TEST_CASE("an emitter delivers the integral of v_F, layer by layer", "[fluid][in
         REQUIRE(fluid >= passed_at_least * layer);
         REQUIRE(p.count == fluid + 4 * layer);
     }
-    CHECK(emitter.layers_missed() == 0);
+    CHECK(emitter.state()->layers_missed == 0);
 }
 
 TEST_CASE("the waiting layers reach further than the kernel", "[fluid][inflow][emitter]") {
@@ -134,8 +134,8 @@ TEST_CASE("a river that starts from nothing, stops and starts again gets the mas
     const double volume = std::pow(scene.fluid.particle_spacing, 3);
     run_frames(world, 200, [&] {
         const Particles& p = world.particles();
-        REQUIRE(p.count + world.stock() == 2000);
-        const double delivered = static_cast<double>(count_kind(p, Kind::fluid) + world.recycled()) * volume;
+        REQUIRE(p.count + world.emitter().stock == 2000);
+        const double delivered = static_cast<double>(count_kind(p, Kind::fluid) + world.emitter().recycled) * volume;
         REQUIRE(std::abs(delivered - 4 * way(world.time())) <= static_cast<double>(layer) * volume);
         REQUIRE(count_kind(p, Kind::inflow) == 4 * layer);
         float nearest = 100;
@@ -147,7 +147,7 @@ TEST_CASE("a river that starts from nothing, stops and starts again gets the mas
         REQUIRE(nearest > 10);
     });
     CHECK(world.time() == Approx(200.0 / 30));
-    CHECK(world.layers_missed() == 0);
+    CHECK(world.emitter().layers_missed == 0);
     CHECK(world.position_clamps() == 0);
 }
 
@@ -202,12 +202,12 @@ TEST_CASE("what leaves at the outlet does not come back, also when the water tur
         world.set_velocity([](const std::array<double, 3>& place) {
             return std::array<double, 3>{place[0] > 10 ? -0.5 : 3, 0, 0};  // not the layers that wait in the emitter
         });
-        std::uint64_t recycled = world.recycled();
+        std::uint64_t recycled = world.emitter().recycled;
         run_frames(world, 150, [&] {
             const Particles& p = world.particles();
-            REQUIRE(p.count + world.stock() == 2000);
-            REQUIRE(world.recycled() >= recycled);
-            recycled = world.recycled();
+            REQUIRE(p.count + world.emitter().stock == 2000);
+            REQUIRE(world.emitter().recycled >= recycled);
+            recycled = world.emitter().recycled;
             for (std::size_t i = 0; i < p.count; ++i) {
                 const bool finite = std::isfinite(p.x[i] + p.y[i] + p.z[i]);
                 const bool inside =
@@ -216,6 +216,6 @@ TEST_CASE("what leaves at the outlet does not come back, also when the water tur
             }
         });
     }
-    CHECK(world.recycled() > 0);
+    CHECK(world.emitter().recycled > 0);
     CHECK(world.position_clamps() == 0);
 }

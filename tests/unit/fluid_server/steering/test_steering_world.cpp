@@ -72,10 +72,10 @@ TEST_CASE("recycling keeps the count, and the outflow goes back to the stock", "
     SteeringWorld world(scene);
     for (int k = 0; k < 20; ++k) {
         advance(world, 0.5);
-        CHECK(world.particles().count + world.stock() == 1200);
+        CHECK(world.particles().count + world.emitter().stock == 1200);
     }
-    CHECK(world.recycled() > 100);
-    CHECK(world.layers_missed() == 0);
+    CHECK(world.emitter().recycled > 100);
+    CHECK(world.emitter().layers_missed == 0);
 }
 
 TEST_CASE("a recirculating river keeps its bulk speed and its particles", "[steering]") {
