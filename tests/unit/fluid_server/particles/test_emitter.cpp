@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/particles/emitter.hpp"
 #include "scenes.hpp"
 
 using namespace wade;

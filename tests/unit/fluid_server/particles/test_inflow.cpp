@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/particles/emitter.hpp"
 #include "fluid_server/particles/inflow.hpp"
 #include "scenes.hpp"
 
