@@ -38,7 +38,7 @@ COMMANDS = {
     ),
     "Compare outcomes": (
         Command("paper", "all scenarios of the paper with many seeds, beside the paper", "wade.suites.paper", PAIR,
-                old_names=("reproduce-paper",), script="reproduce_paper.sh"),
+                old_names=("reproduce-paper",)),
         Command("frame-rates", "how much the outcome depends on the frame rate", "wade.sweeps.frame_rates", PAIR),
         Command("depth-sweep", "who arrives over the plane of depth and velocity", "wade.sweeps.depth_sweep", PAIR,
                 script="depth_sweep.py"),
@@ -50,7 +50,7 @@ COMMANDS = {
         Command("speed-vs-error", "cost and error of the settings of the water", "wade.suites.speed_vs_error",
                 ("validate",), True),
         Command("models", "all models of the water side by side", "wade.suites.models", ("validate", *PAIR), True,
-                ("compare-models",), script="compare_models.sh"),
+                ("compare-models",)),
         Command("model-choice", "how often the model that `auto` chooses keeps its error", "wade.suites.model_choice",
                 ("fluid_server", "impulse_scene"), True),
         Command("steering", "what the weights of the steering water mean in a fluid", "wade.suites.steering",

@@ -1,0 +1,78 @@
+"""A short comparison with real runs: three models on two cheap cases and the first second of four scenes of Table 1."""
+
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from wade.paths import module_command
+from wade.reports.tables import read_csv
+
+MODELS = ("dfsph", "shallow_water", "mixed")
+
+
+def compare(out, *options):
+    command = [*module_command("wade.suites.models"), "--out", out, "--quick"]
+    command += ["--cases", "dam_break,impulse_front", "--models", ",".join(MODELS), "--until-s", "1", *options]
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True)
+
+
+class ShortComparison(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory(prefix="wade-test-")
+        cls.addClassCleanup(cls.temporary.cleanup)
+        cls.out = Path(cls.temporary.name) / "first"
+        cls.answer = compare(cls.out)
+        if not (cls.out / "report.md").exists():
+            raise AssertionError(cls.answer.stderr)
+        cls.report = (cls.out / "report.md").read_text()
+
+    def test_it_ends_well_with_all_its_files(self):
+        self.assertEqual(self.answer.returncode, 0, self.answer.stderr)
+        for name in ("models.csv", "error_over_cost.png", "impulse.png", "table1_river.png"):
+            self.assertTrue((self.out / name).is_file(), name)
+
+    def test_each_model_is_run_or_says_why_not(self):
+        rows = read_csv(self.out / "models.csv")
+        self.assertEqual({(row["case"], row["model"], row["status"]) for row in rows},
+                         {(case, model, "completed") for case in ("dam_break", "impulse_front") for model in MODELS}
+                         - {("dam_break", "mixed", "completed")}
+                         | {("dam_break", "mixed", "refused")})  # nobody is there whom it could follow
+
+    def test_the_grid_is_cheaper_and_keeps_the_limits_of_the_dam_break(self):
+        by_model = {row["model"]: row for row in read_csv(self.out / "models.csv")
+                    if (row["case"], row["metric"]) == ("dam_break", "depth_l1")}
+        cost = {model: float(row["cpu_s_per_sim_s"]) for model, row in by_model.items()}
+        self.assertLess(3 * cost["shallow_water"], cost["dfsph"])  # 67 times when this was written
+        self.assertEqual(by_model["shallow_water"]["met"], "yes")
+        self.assertRegex(self.report, r"\| `dam_break` +\| shallow water +\| coarse")
+
+    def test_table_1_has_all_models_and_scenarios(self):
+        table = self.report.split("## Table 1, set river")[1].split("\n## ")[0]
+        rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines() if line.startswith("| S")]
+        self.assertEqual([row[0] for row in rows], ["S1", "S4", "S5", "S8"])
+        for row in rows:
+            self.assertEqual(row[4:], ["nobody"] * len(MODELS), "within a second")
+        self.assertRegex(table, r"\| mixed \| 1 \|")
+
+    def test_what_is_complete_is_not_run_again(self):
+        before = {file: file.stat().st_mtime_ns for file in self.out.glob("**/outcome.json")}
+        again = compare(self.out)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertNotIn("(1 of 1)", again.stderr)
+        self.assertEqual({file: file.stat().st_mtime_ns for file in self.out.glob("**/outcome.json")}, before)
+        self.assertEqual((self.out / "report.md").read_text().split("## Machine")[0], self.report.split("## Machine")[0])
+
+    def test_wrong_words_are_refused_with_what_is_allowed(self):
+        for option, word, allowed in (("--models", "no_such", "dfsph"), ("--cases", "no_such", "dam_break"),
+                                      ("--parts", "figures", "table1"),
+                                      ("--set-of-scenes", "observed", "river")):
+            answer = compare(self.out, option, word)
+            self.assertEqual(answer.returncode, 2, answer.stderr)
+            for words in (option, word, allowed):
+                self.assertIn(words, answer.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,115 @@
+"""What the report concludes, by rule. The numbers here were chosen before the first comparison was made."""
+
+from wade.suites.models.outcomes import COMPLETED, REFUSED, missed, worst
+
+NEAR = 2.0  # a limit missed by less than this factor is near: what one halving of the spacing mends at first order
+SAME_AS = 1.1  # an error that is at most so many times another one is as small: chance moves errors by about as much
+TIME_SHARE, AGENTS_SHARE = 0.1, 0.1  # of Table 1 by DFSPH: outcomes nearer than this are the same
+
+IMPULSE = "impulse_median"
+GOOD, CLOSE, USELESS = "good enough", "near", "useless"
+
+
+def grade(ratio):
+    """In words, of the largest ratio of an error to its limit."""
+    return GOOD if ratio <= 1 else CLOSE if ratio <= NEAR else USELESS
+
+
+def complete(outcomes, case=None, model=None):
+    return [o for o in outcomes if o.status == COMPLETED and case in (None, o.case) and model in (None, o.model)]
+
+
+def judged(outcomes, case, limits):
+    """Runs of a case that have an error with a limit, and a cost."""
+    return [o for o in complete(outcomes, case) if o.cost is not None and worst(o, limits)]
+
+
+def best(outcomes, case, model, limits):
+    """The run of a model that is nearest to the limits of a case, with its worst metric; (None, None) without."""
+    pairs = [(o, worst(o, limits)) for o in complete(outcomes, case, model)]
+    pairs = [(o, w) for o, w in pairs if w is not None]
+    return min(pairs, key=lambda pair: (pair[1].ratio, pair[0].cost or 0), default=(None, None))
+
+
+def cheapest(outcomes, case, limits):
+    """The run that costs least a simulated second among those that keep all limits of a case; None if none does."""
+    kept = [o for o in judged(outcomes, case, limits) if not missed(o, limits)]
+    return min(kept, key=lambda o: o.cost, default=None)
+
+
+def nearest(outcomes, case, models, limits):
+    """(run, worst metric) of the model that misses the limits of a case by least."""
+    pairs = [best(outcomes, case, model, limits) for model in models]
+    pairs = [pair for pair in pairs if pair[0] is not None]
+    return min(pairs, key=lambda pair: pair[1].ratio, default=(None, None))
+
+
+def beaten_by(outcome, outcomes, limits):
+    """Runs of other models that are at most as dear and at most as wrong, and better in one of both."""
+    own = worst(outcome, limits)
+    if own is None or outcome.cost is None:
+        return []
+    better = []
+    for other in judged(outcomes, outcome.case, limits):
+        its = worst(other, limits)
+        if other.model == outcome.model:
+            continue
+        if other.cost <= outcome.cost and its.ratio <= own.ratio and (other.cost, its.ratio) != (outcome.cost, own.ratio):
+            better.append(other)
+    return better
+
+
+def by_grade(outcomes, model, cases, limits):
+    """{grade: [(run, worst metric)]} of a model, the best run of each case."""
+    graded = {GOOD: [], CLOSE: [], USELESS: []}
+    for case in cases:
+        run, its = best(outcomes, case, model, limits)
+        if run is not None:
+            graded[grade(its.ratio)].append((run, its))
+    return graded
+
+
+def refusals(outcomes, model):
+    """{case: why} of the cases that a model cannot run."""
+    return {o.case: o.remark for o in outcomes if o.model == model and o.status == REFUSED}
+
+
+def factor_to(outcome, outcomes, metric, model="dfsph"):
+    """How many times the error of another model at the same resolution a run has; None where one of both is missing."""
+    own = outcome.value(metric)
+    other = next((o for o in complete(outcomes, outcome.case, model) if o.level == outcome.level), None)
+    its = other.value(metric) if other else None
+    if own is None or its is None or its == 0:
+        return None
+    return own / its
+
+
+def only_guarded(case, reasons):
+    """Whether all limits of a case are only guards against something broken. reasons: {(case, metric): words}."""
+    of_case = [reason for (owner, _), reason in reasons.items() if owner == case and not reason.startswith("reported")]
+    return bool(of_case) and all(reason.startswith("a guard") for reason in of_case)
+
+
+def limits_of_people(outcomes, limits, reasons):
+    """The limits by which models are graded. Where those of a case are only guards, the error of DFSPH at the same
+    resolution takes their place, with what chance may do to it: 1.1 times the median error of the impulse."""
+    graded = dict(limits)
+    for o in complete(outcomes, model="dfsph"):
+        error = o.value(IMPULSE)
+        if only_guarded(o.case, reasons) and error is not None:
+            guard = limits.get((o.case, IMPULSE, o.level))
+            graded[o.case, IMPULSE, o.level] = SAME_AS * error if guard is None else min(guard, SAME_AS * error)
+    return graded
+
+
+def agrees(result, reference):
+    """Whether a scenario of Table 1 ends as by the reference: arrivals within a tenth of the agents, and the mean time of
+    the last arrival, where somebody arrives in both, within a tenth. None where one of both is missing."""
+    if result is None or reference is None:
+        return None
+    if abs(result.arrived[0] - reference.arrived[0]) > AGENTS_SHARE * reference.agents:
+        return False
+    if result.time is None or reference.time is None:
+        return True  # then few arrive in both
+    return abs(result.time[0] / reference.time[0] - 1) <= TIME_SHARE
+

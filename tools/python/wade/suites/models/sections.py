@@ -1,0 +1,157 @@
+"""The tables of the report: validation cases, and Table 1."""
+
+from wade.reports.tables import markdown, section
+from wade.suites.models import rules
+from wade.suites.models.conclusions import GUARDS, code, metric_words
+from wade.suites.models.drawings import IMPULSE_ERRORS, model_words, table1_picture
+from wade.suites.models.outcomes import COMPLETED, FAILED, LEFT_OUT, REFUSED, missed, worst
+from wade.suites.paper import bands
+from wade.suites.paper.words import SET_UPS, arrived_of, shown, time_of
+
+
+def seconds(value):
+    return "-" if value is None else f"{value:.0f}" if value >= 100 else f"{value:.3g}"
+
+
+def percent(value):
+    if value is None:
+        return "-"
+    return f"{100 * value:.0f} %" if value >= 1 else f"{100 * value:.2g} %"
+
+
+def cell_of(outcome, limits):
+    """One cell of the table case by model."""
+    if outcome is None:
+        return ""
+    if outcome.status == REFUSED:
+        return "cannot"
+    if outcome.status == LEFT_OUT:
+        return "not run"
+    if outcome.status == FAILED:
+        return "**failed**"
+    its = worst(outcome, limits)
+    if its is None:
+        return f"no limit; {seconds(outcome.cpu)} s"
+    verdict = "**missed**" if missed(outcome, limits) else "met"
+    return f"{verdict}: {metric_words(its)}; {seconds(outcome.cpu)} s"
+
+
+def cases_section(outcomes, models, limits):
+    by_run = {(o.case, o.level, o.model): o for o in outcomes}
+    runs = list(dict.fromkeys((o.case, o.level, o.spacing) for o in outcomes))
+    order = list(dict.fromkeys(o.case for o in outcomes))
+    runs.sort(key=lambda run: order.index(run[0]))
+    lines = []
+    for case, level, spacing in runs:
+        cells = [by_run.get((case, level, model)) for model in models]
+        if any(o is not None and o.status in (COMPLETED, FAILED) for o in cells):
+            lines.append([code(case), f"{level}, {spacing:g} m", *(cell_of(o, limits) for o in cells)])
+    if not lines:
+        return ""
+    text = (
+        "met or **missed**: all limits of the case at this resolution, and of the errors that have one the one that is nearest to it or"
+        " furthest above it, as error of limit; then the CPU time of the solver for the whole run. A grid has cells as large as the"
+        " particles are apart. `cannot`: the case refuses the model ([why](#what-a-model-cannot-run)).")
+    return section("Case by model", text, markdown(["case", "resolution", *map(model_words, models)], lines))
+
+
+def cheapest_section(outcomes, models, limits, reasons):
+    lines = []
+    for case in dict.fromkeys(o.case for o in outcomes):
+        able = [m for m in models if any(worst(o, limits) for o in rules.complete(outcomes, case, m))]
+        if not able:
+            continue
+        winner = rules.cheapest(outcomes, case, limits)
+        if winner:
+            reference = next((o for o in rules.complete(outcomes, case, "dfsph") if o.level == winner.level), None)
+            cheaper = ""
+            if reference and reference.cost and winner.model != "dfsph" and winner.cost:
+                factor = reference.cost / winner.cost
+                cheaper = f"{factor:.0f}" if factor >= 10 else f"{factor:.2g}"
+            cells = [model_words(winner.model), winner.level, seconds(winner.cost), cheaper]
+        else:
+            run, its = rules.nearest(outcomes, case, models, limits)
+            cells = [f"none; nearest {model_words(run.model)}, {metric_words(its)}", run.level, seconds(run.cost), ""]
+        mark = " \\*" if rules.only_guarded(case, reasons) else ""
+        lines.append([code(case) + mark, *cells, ", ".join(map(model_words, able))])
+    if not lines:
+        return ""
+    head = ["case", "cheapest that keeps all limits", "resolution", "CPU s a simulated s", "DFSPH costs, times"]
+    head.append("models that run")
+    text = f"Over the models and resolutions that were run; DFSPH costs: at the same resolution. {GUARDS}"
+    return section("The cheapest model that keeps the limits", text, markdown(head, lines))
+
+
+def impulse_section(outcomes, picture):
+    lines = []
+    for o in outcomes:
+        if o.status == COMPLETED and o.value(rules.IMPULSE) is not None:
+            factor = rules.factor_to(o, outcomes, rules.IMPULSE)
+            cells = [code(o.case), f"{o.level}, {o.spacing:g} m", model_words(o.model)]
+            cells += [percent(o.value(name)) for name in (*IMPULSE_ERRORS, "outcome_changed")]
+            lines.append([*cells, "-" if factor is None or o.model == "dfsph" else f"{factor:.2g}", seconds(o.cpu)])
+    if not lines:
+        return ""
+    head = ["case", "resolution", "model", "median", "95 % of people", "another outcome", "median over DFSPH's", "CPU s"]
+    text = (
+        "The time integral of the momentum of the water that touches a person who stands; the error is relative to our own finest run of"
+        " DFSPH, which is no truth. Another outcome: share of those who walk and end otherwise than there.")
+    return section("Impulse on people", text, markdown(head, lines), "![impulse](impulse.png)" if picture else "")
+
+
+def refusals_section(outcomes, models):
+    lines = []
+    for model in models:
+        by_reason = {}
+        for case, reason in rules.refusals(outcomes, model).items():
+            by_reason.setdefault(reason, []).append(code(case))
+        for reason, cases in by_reason.items():
+            lines.append([model_words(model), ", ".join(cases), reason])
+    if not lines:
+        return ""
+    return section("What a model cannot run", "As the programs say it.", markdown(["model", "cases", "why"], lines))
+
+
+def missing_section(outcomes, failures):
+    lines = [f"* {code(o.case)} {o.level}, {model_words(o.model)}: {o.status}, {o.remark}." for o in outcomes
+             if o.status in (FAILED, LEFT_OUT)]
+    lines += [f"* Table 1: {failure}." for failure in failures]
+    return section("Failed or left out", "\n".join(lines))
+
+
+def ending(time, arrived):
+    """"63 s; all", "nobody"."""
+    return "nobody" if time == "-" else f"{time} s; {'all' if arrived in ('50', '50.0') else arrived}"
+
+
+def ending_of(result):
+    if result is None:
+        return "not run"
+    return ending(time_of(result), "50" if result.arrived[0] == 50 else arrived_of(result))
+
+
+def table1_section(of_set, paper, out):
+    """of_set: [ModelRuns] of one set of scenes."""
+    lines = []
+    for name, row in paper.items():
+        results = [runs.results.get(name) for runs in of_set]
+        if any(results):
+            lines.append([name, shown(row["tau"], 1), shown(row["v_f_m_s"], 1), ending(shown(row["time_s"]), shown(row["arrived"])),
+                          *map(ending_of, results)])
+    facts = []
+    for runs in of_set:
+        judged = [bands.judge_scenario(name, result) for name, result in runs.results.items()]
+        seeds = " or ".join(map(str, sorted({len(result.runs) for result in runs.results.values()})))
+        walls = [seconds(cost) for cost in sorted(cost for cost in runs.costs if cost is not None)]
+        cost = " to ".join(dict.fromkeys(walls[:1] + walls[-1:])) or "-"
+        facts.append([model_words(runs.model), seeds, bands.count_in_words(judged), cost, ", ".join(runs.commits)])
+    scene_set = of_set[0].set
+    picture = f"table1_{scene_set}.png"
+    table1_picture(out / picture, paper, of_set)
+    text = (
+        f"`configs/{scene_set}` with another `/fluid/model`. Time of the last arrival, s, and how many of 50 arrive: means over the seeds"
+        " with intervals of 95 %.")
+    head = ["model", "seeds", "bands of the paper met", "wall s of the solver a simulated s", "programs of commit"]
+    return section(f"Table 1, set {scene_set} ({SET_UPS[scene_set]})", text,
+                   markdown(["", "tau", "v_F", "paper", *(model_words(runs.model) for runs in of_set)], lines), markdown(head, facts),
+                   f"![Table 1, {scene_set}]({picture})")

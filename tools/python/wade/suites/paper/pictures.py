@@ -1,0 +1,132 @@
+"""Pictures in the paper's style at its times, and the lee behind the obstacle, from the runs with the first seed."""
+
+import subprocess
+
+import numpy as np
+from PIL import Image
+
+from wade.paths import module_command
+from wade.pictures.run_files import read_water
+from wade.reports import plots
+from wade.reports.files import write_whole
+from wade.suites.paper import plan
+from wade.suites.paper.bands import LEE_AT_S
+from wade.suites.paper.verdict import DRY, path_hash
+
+# File of the picture: (case of a set, time in s or None for the whole run, what it shows). Which scenarios the paper's
+# figures 3, 5 and 6 show is not known to us; they are S1 to S12 at some time.
+FIGURES = {
+    "figure2_switch_29s": ("tau_switch", 29, "Figure 2: frame 870 (29 s), tau becomes 0"),
+    "figure3_s4": ("S4", 30, "Figure 3: S4, a weak stream, 30 s"),
+    "figure5_s6": ("S6", 45, "Figure 5: S6, most drift, 45 s"),
+    "figure6_s8": ("S8", 45, "Figure 6: S8, carried, 45 s"),
+    "figure7_two_groups_60s": ("two_groups", 60, "Figure 7: two groups, 60 s"),
+    "figure8_obstacle_30s": ("obstacle", 30, "Figure 8: the lee at 30 s"),
+    "figure8_no_obstacle_30s": ("no_obstacle", 30, "Beside figure 8: without the obstacle, 30 s"),
+}
+PICTURE_WIDTH = 1100
+DRY_M = 0.05  # on average less water than this is the front's spray
+LEE_PIECE_M, LEE_SHARE = 2, 0.25  # pieces of 2 m, as one particle fills a cell to 0.4 m
+
+
+def case_of(scene_set, name):
+    if name in plan.SCENARIOS:
+        return plan.scenario_case(scene_set, name)
+    return plan.other_case(scene_set, name) if plan.has_scene(scene_set, name) else None
+
+
+def first_run(results, case):
+    """The run with the first seed if it still holds what pictures need."""
+    result = results.get(case.key) if case is not None else None
+    runs = [run for run in result.runs if run.folder and has_paths(run.folder)] if result else []
+    return runs[0] if runs else None
+
+
+def has_paths(folder):
+    return (folder / "trajectories.sqlite").exists()
+
+
+def note_what_is_seen(run):
+    """Adds to the record of a run what the report reads from its paths and its water, which take too much room."""
+    if run.scenario in DRY and has_paths(run.folder):
+        run.outcome["path_hash"] = path_hash(run.folder)
+    length = lee_length(run) if run.scene["obstacles"] and (run.folder / "water.bin").exists() else None
+    if length is not None:
+        run.outcome["lee"] = [length, *longest_lee(run)]
+
+
+def lee_of(result):
+    """(length of the lee at 15 s, m; greatest length, m; when, s) of the first run that had its water kept, or None."""
+    lees = [run.outcome["lee"] for run in result.runs if run.outcome.get("lee")] if result else []
+    return lees[0] if lees else None
+
+
+def draw(run, file, time, pair):
+    at = [] if time is None else ["--time", str(time)]
+    command = [*module_command("wade.pictures.figure"), run.folder, "--output", file, *at]
+    return pair.start(command, stdout=subprocess.DEVNULL).wait() == 0
+
+
+def shrink(file):
+    """Fewer pixels and colours, so that a report with its pictures stays small."""
+    picture = Image.open(file).convert("RGB")
+    high = round(picture.height * PICTURE_WIDTH / picture.width)
+    picture = picture.resize((PICTURE_WIDTH, high), Image.LANCZOS)
+    write_whole(file, plots.shrink(picture, 128))
+
+
+def draw_figures(results, sets, out, pair):
+    """Draws each picture from the first set that has its run; returns [(set, file's name, words)].
+
+    Where that run is kept without its paths, a picture that is there stays, and its words say so; without one the file's
+    name is None.
+    """
+    drawn = []
+    for stem, (name, time, words) in FIGURES.items():
+        file = out / "figures" / f"{stem}.png"
+        for scene_set in sets:
+            case = case_of(scene_set, name)
+            run = first_run(results, case)
+            if run is not None:
+                file.parent.mkdir(exist_ok=True)
+                if draw(run, file, time, pair):
+                    shrink(file)
+                    drawn.append((scene_set, f"figures/{file.name}", words))
+                break
+            if case is not None and case.key in results:
+                before = file.exists()
+                words += ", drawn before" if before else ""
+                drawn.append((scene_set, f"figures/{file.name}" if before else None, words))
+                break
+    return drawn
+
+
+def lee_length(run, time=LEE_AT_S):
+    """Length of the lee behind the first obstacle, m.
+
+    It is that of all pieces of the river downstream of it whose middle, over half the obstacle's width, has less than a
+    quarter of the water that passes beside it.
+    """
+    water = read_water(run.folder / "water.bin", time)
+    if water is None or not run.scene["obstacles"]:
+        return None
+    _, x0, z0, cell, depth = water
+    box = run.scene["obstacles"][0]
+    middle, half = (box["z_min_m"] + box["z_max_m"]) / 2, (box["z_max_m"] - box["z_min_m"]) / 2
+    away = np.abs(z0 + (np.arange(depth.shape[0]) + 0.5) * cell - middle)
+    inside, outside = away < half / 2, (away > half + cell) & (away < half + 4)
+    window, end = max(1, round(LEE_PIECE_M / cell)), int((box["x_min_m"] - x0) / cell)
+    length = 0.0
+    for last in range(end, window - 1, -window):
+        behind, beside = (depth[part, last - window : last].mean() for part in (inside, outside))
+        if beside > DRY_M and behind < LEE_SHARE * beside:
+            length += window * cell
+    return length
+
+
+def longest_lee(run):
+    """(length, m; time, s) of the longest lee in the first two minutes."""
+    times = range(LEE_AT_S, 121, 5)  # the water is kept every 5 s
+    lengths = [(lee_length(run, time) or 0.0, -time) for time in times]
+    length, time = max(lengths)
+    return length, -time

@@ -1,0 +1,295 @@
+"""What each part of the report needs: waters, and the crowds that walk through each of them.
+
+One run of the fluid serves every crowd of its water: scenarios that differ in tau, groups, events, contact rule
+or seed.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from wade.paths import CONFIGS
+
+KINEMATIC = ("observed",)  # sets whose water is not solved
+SCENARIOS = tuple(f"S{i}" for i in range(1, 13))
+V_F = {0: 0.5, 1: 1.5, 2: 2.5}  # m/s, S1, S2, S3, then again
+OTHERS_V_F = {"two_groups": 1.5, "no_obstacle": 1.5, "tau_switch": 2.5}  # m/s
+SETS = ("observed", "paper", "river", "manning")
+QUICK = ("S1", "S4", "S5", "S8")
+PUSHED = ("S4", "S5", "S6", "S7", "S8", "S10")  # scenarios in which a reading can be told from another
+OTHERS = ("two_groups", "no_obstacle", "obstacle", "tau_switch")
+VARIATIONS = ("agents_500", "agents_5000", "goals_and_groups", "village")
+PHASE_TAU = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
+PHASE_V_F = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0)  # m/s
+GOAL_RADII = (0.5, 1, 1.4, 2, 3, 5)  # m; 1.4 is the scenes', the one number fitted
+DEPTHS = (0.8, 1.2, 1.5, 2.0)  # m, beside 1
+PUSHES = (1.2, 1.4, 1.6, 1.8, 2.2)  # speed with which the water pushes, over v_F, beside 1
+SPACINGS = (0.5, 0.25)  # m, beside 0.4642
+MAX_PARTICLES = 300000  # enough for the smallest of them
+EMITTER_PUSHES = (1.4, 1.6)  # speed of the emitter over v_F, beside 1; 1.4 is the best of PUSHES, both were chosen afterwards
+BLOCK_PUSH = 1.4  # the one with which the obstacle is run
+FRAME_RATES = (15, 60)  # 1/s, beside 30
+OBSTACLE_AT = 60  # m, x_min that the scenes assume
+OBSTACLE_PLACES = (40, 50, 67, 74)  # m, beside it; people start from x 65 to 86 m and drift towards 0
+SWEPT = (*PUSHED, "two_groups", "no_obstacle", "tau_switch")
+FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
+
+
+@dataclass(frozen=True)
+class Water:
+    """One run of the fluid: a scene with some values changed."""
+
+    set: str
+    name: str  # folder in that of the set
+    scene: Path
+    changes: tuple = ()  # of (JSON pointer, value)
+
+    @property
+    def key(self):
+        return f"{self.set}/{self.name}"
+
+
+@dataclass(frozen=True)
+class Case:
+    """One crowd in a water, to be run with several seeds."""
+
+    water: Water
+    name: str
+    scene: Path  # whose crowd, coupling and events it has
+    changes: tuple = ()  # of (JSON pointer, value), of crowd, coupling and events
+
+    @property
+    def key(self):
+        return f"{self.water.key}/{self.name}"
+
+
+def scene_of(scene_set, scenario):
+    name = f"s{int(scenario[1:]):02d}" if scenario in SCENARIOS else scenario
+    return CONFIGS / scene_set / f"{name}.json"
+
+
+def velocity_of(scenario):
+    """v_F of a scenario of Table 1, m/s."""
+    return V_F[(int(scenario[1:]) - 1) % 3]
+
+
+def has_scene(scene_set, name):
+    """Not every set has the scenes beside Table 1: kinematic water, for one, does not flow round obstacles."""
+    return scene_of(scene_set, name).is_file()
+
+
+def stream(scene_set, velocity, suffix="", changes=()):
+    """The water of Table 1 with v_F; a suffix names what else is changed."""
+    scenario = {0.5: "S1", 1.5: "S2", 2.5: "S3"}.get(velocity)
+    name = f"v{velocity:g}" + (f"-{suffix}" if suffix else "")
+    if scenario:
+        return Water(scene_set, name, scene_of(scene_set, scenario), changes)
+    return Water(scene_set, name, scene_of(scene_set, "S2"), (("/channel/velocity_m_s", velocity), *changes))
+
+
+def scenario_case(scene_set, scenario, suffix="", water_changes=()):
+    """A scenario of Table 1, as it is or in a changed water."""
+    water = stream(scene_set, velocity_of(scenario), suffix, water_changes)
+    return Case(water, scenario.lower(), scene_of(scene_set, scenario))
+
+
+def other_case(scene_set, scenario, suffix="", water_changes=()):
+    """A scenario beside Table 1; those without solids and with the river in its place share its waters."""
+    scene = scene_of(scene_set, scenario)
+    if scenario in ("obstacle", "village", "agents_5000", "fine"):
+        return Case(Water(scene_set, scenario + suffix, scene, water_changes), scenario, scene)
+    velocity = OTHERS_V_F.get(scenario, 1.5)
+    return Case(stream(scene_set, velocity, suffix.lstrip("-"), water_changes), scenario, scene)
+
+
+def changed_crowd(scene_set, scenario, suffix, changes):
+    """A scenario of the paper with a changed crowd, in the water that it has."""
+    case = scenario_case(scene_set, scenario) if scenario in SCENARIOS else other_case(scene_set, scenario)
+    return Case(case.water, f"{case.name}-{suffix}", case.scene, changes)
+
+
+def table1_cases(scene_set, quick=False):
+    return [scenario_case(scene_set, name) for name in SCENARIOS if not quick or name in QUICK]
+
+
+def others_cases(scene_set):
+    return [other_case(scene_set, name) for name in OTHERS if has_scene(scene_set, name)]
+
+
+def faster(scenario, push):
+    """The changes of an emitter's water that is `push` times as fast as v_F."""
+    velocity = velocity_of(scenario) if scenario in SCENARIOS else OTHERS_V_F.get(scenario, 1.5)
+    return () if push == 1 else (("/channel/velocity_m_s", round(push * velocity, 6)),)
+
+
+def block_case(scene_set, place, push=1):
+    """The obstacle at an x_min, m, in water that is `push` times as fast."""
+    moved = () if place == OBSTACLE_AT else (("/obstacles/0/x_min_m", place), ("/obstacles/0/x_max_m", place + 7))
+    suffix = ("" if push == 1 else f"-push{push:g}") + ("" if place == OBSTACLE_AT else f"-x{place:g}")
+    return other_case(scene_set, "obstacle", suffix, (*faster("obstacle", push), *moved))
+
+
+def no_block_case(scene_set, push=1):
+    """The same without the obstacle."""
+    return other_case(scene_set, "no_obstacle", "" if push == 1 else f"-push{push:g}", faster("no_obstacle", push))
+
+
+def places_cases(scene_set):
+    """The obstacle elsewhere along the river: where it stood is not published."""
+    return [block_case(scene_set, place) for place in OBSTACLE_PLACES] if has_scene(scene_set, "obstacle") else []
+
+
+def block_cases(scene_set):
+    """The obstacle in a dry start whose water is faster than v_F."""
+    if scene_set != "paper":
+        return []
+    places = [OBSTACLE_AT, *(place for place in OBSTACLE_PLACES if place > OBSTACLE_AT)]
+    return [no_block_case(scene_set, BLOCK_PUSH), *(block_case(scene_set, place, BLOCK_PUSH) for place in places)]
+
+
+def contact_cases(scene_set):
+    """The contact rule of the paper's text."""
+    sums = (("/coupling/contact_rule", "sum"),)
+    return [changed_crowd(scene_set, name, "sum", sums) for name in (*PUSHED, "two_groups")]
+
+
+def continuous_cases(scene_set):
+    """The coupling that does not depend on the frame rate."""
+    rule = (("/coupling/rule", "continuous"),)
+    return [changed_crowd(scene_set, name, "continuous", rule) for name in (*PUSHED, "two_groups")]
+
+
+def water_readings(scene_set):
+    """{what: (suffix, changes of the water)} of the readings that need waters of their own."""
+    readings = {}
+    for spacing in SPACINGS:
+        changes = ("/fluid/particle_spacing_m", spacing), ("/fluid/max_particles", MAX_PARTICLES)
+        readings[f"spacing {spacing:g} m"] = f"d{spacing:g}", changes
+    for rate in FRAME_RATES:
+        readings[f"{rate} frames/s"] = f"{rate}hz", (("/frame_rate_hz", rate),)
+    if scene_set == "observed":
+        readings["particles at random in their cells"] = "random", (("/fluid/kinematic/arrangement", "random"),)
+        readings["particles in a lattice without jitter"] = "lattice", (("/fluid/kinematic/jitter", 0),)
+        readings["transported at v_F"] = "carried1", (("/fluid/kinematic/transport_factor", 1),)
+        filled = (("/channel/initial_river", "filled"), ("/fluid/kinematic/transport_factor", 1))
+        readings["filled at the start, transported at v_F"] = "filled", filled
+    if scene_set == "paper":
+        readings["gravity 9.81 m/s2"] = "g9.81", (("/world/gravity_m_s2", 9.81),)
+        readings["filled at the start"] = "filled", (("/channel/initial_river", "filled"),)
+    return readings
+
+
+def reading_of(scene_set, suffix, changes):
+    """The scenarios that the water pushes, and two groups, in a changed water."""
+    cases = [scenario_case(scene_set, name, suffix, changes) for name in PUSHED]
+    return [*cases, other_case(scene_set, "two_groups", f"-{suffix}" if suffix else "", changes)]
+
+
+def emitter_case(scenario, push):
+    """A scenario of Table 1 in a dry start whose water is faster."""
+    return scenario_case("paper", scenario, f"push{push:g}", faster(scenario, push))
+
+
+def emitter_cases(scene_set, push):
+    """The scenarios that the water pushes, and two groups, in a dry start whose water is faster."""
+    if scene_set != "paper":
+        return []
+    groups = other_case(scene_set, "two_groups", f"-push{push:g}", faster("two_groups", push))
+    return [*(emitter_case(name, push) for name in PUSHED), groups]
+
+
+def reading_cases(scene_set):
+    cases = [case for push in EMITTER_PUSHES for case in emitter_cases(scene_set, push)]
+    for suffix, changes in water_readings(scene_set).values():
+        solved = suffix in ("g9.81", "filled", "d0.5") and scene_set != "manning"  # whose spacing is what its depth needs
+        if scene_set in KINEMATIC or solved:
+            cases += reading_of(scene_set, suffix, changes)
+    return cases
+
+
+def phase_case(tau, velocity):
+    return Case(stream("observed", velocity), f"tau{tau:g}", scene_of("observed", "S5"), (("/crowd/tau", tau),))
+
+
+def phase_cases():
+    return [phase_case(tau, velocity) for velocity in PHASE_V_F for tau in PHASE_TAU]
+
+
+def goal_case(radius):
+    changes = (("/crowd/goal_radius_m", radius),)
+    return changed_crowd("observed", "S1", f"goal{radius:g}", changes)
+
+
+def observed_case(scenario, suffix, changes):
+    """A scenario of the observed set, in changed water if a suffix names the change."""
+    if scenario in SCENARIOS:
+        return scenario_case("observed", scenario, suffix, changes)
+    return other_case("observed", scenario, f"-{suffix}" if suffix else "", changes)
+
+
+def depth_case(scenario, depth):
+    """A scenario of the observed set in a stream of another depth."""
+    return observed_case(scenario, *(("", ()) if depth == 1 else (f"h{depth:g}", (("/channel/depth_m", depth),))))
+
+
+def push_case(scenario, factor):
+    """A scenario of the observed set whose water pushes with `factor` v_F; its front runs at 2.6 v_F as before."""
+    if factor == 1:
+        return observed_case(scenario, "", ())
+    velocity = velocity_of(scenario) if scenario in SCENARIOS else OTHERS_V_F[scenario]
+    speed = ("/channel/velocity_m_s", round(factor * velocity, 6))
+    return observed_case(scenario, f"push{factor:g}", (speed, ("/fluid/kinematic/transport_factor", 2.6 / factor)))
+
+
+def sweep_cases(case_of, values):
+    return [case_of(scenario, value) for value in sorted((*values, 1)) for scenario in SWEPT]
+
+
+def coarse_cases(scene_set):
+    """The same crowds as fine_cases() through the usual particles."""
+    return [scenario_case(scene_set, name) if name in SCENARIOS else other_case(scene_set, name) for name in FINE]
+
+
+def fine_cases(scene_set):
+    """Crowds through ten times the particles."""
+    water = other_case(scene_set, "fine").water
+    return [Case(water, name.lower(), scene_of(scene_set, name)) for name in FINE]
+
+
+def particles_cases(scene_set):
+    return coarse_cases(scene_set) + fine_cases(scene_set)
+
+
+PARTS = {
+    "table1": "S1 to S12 beside the paper's Table 1, with the bands",
+    "others": "two groups, obstacle, switch of tau",
+    "places": "the obstacle in other places",
+    "block": "the obstacle in a dry start with faster water (set paper)",
+    "rules": "contact rule of the text, continuous coupling",
+    "readings": "spacings, frame rates, starts, gravity, speed of the emitter",
+    "particles": "ten times the particles",
+    "phase": "who arrives over the plane of tau and v_F (set observed)",
+    "goal": "time of S1 over the goal radius, the one number fitted (set observed)",
+    "depth": "outcomes over the depth of the water (set observed)",
+    "push": "outcomes over the speed with which the water pushes (set observed)",
+    "plane": "who arrives over the plane of depth and v_F (set observed)",
+    "variations": "500 and 5,000 agents, several goals and groups, a village",
+    "figures": "pictures in the paper's style",
+}
+
+
+def cases_of(part, sets, quick=False):
+    """The cases of a part in these sets of scenes."""
+    of_set = {
+        "table1": lambda s: table1_cases(s, quick), "others": others_cases, "places": places_cases, "block": block_cases,
+        "rules": lambda s: contact_cases(s) + continuous_cases(s), "readings": reading_cases,
+        "particles": lambda s: particles_cases(s) if has_scene(s, "fine") else [],
+        "variations": lambda s: [other_case(s, name) for name in VARIATIONS if has_scene(s, name)],
+    }
+    if part in of_set:
+        return [case for scene_set in sets for case in of_set[part](scene_set)]
+    observed = {
+        "phase": phase_cases, "figures": list, "plane": list,
+        "depth": lambda: sweep_cases(depth_case, DEPTHS), "push": lambda: sweep_cases(push_case, PUSHES),
+        "goal": lambda: [goal_case(radius) for radius in GOAL_RADII],
+    }
+    return observed[part]() if "observed" in sets else []

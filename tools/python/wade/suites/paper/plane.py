@@ -1,0 +1,117 @@
+"""Sections of report.md on the safety argument: depth times velocity (Table 2 of the paper) beside who arrives.
+
+What the people of Table 1 meet, and the sweep over the plane of depth and v_F, which tools/depth_sweep.py runs.
+"""
+
+import math
+import sys
+
+from wade.paths import CONFIGS, module_command
+from wade.reports.tables import markdown, section
+from wade.suites.paper import plan
+from wade.suites.paper.losses import value_at
+from wade.suites.paper.words import SET_UPS
+from wade.sweeps.depth_sweep import (BOUNDS, TableError, draw, level_of, limit_in_words, limit_of, read_table,
+                                     resolved_scene, shares)
+
+SCENE = CONFIGS / "observed" / "observed.json"
+TAUS = (0.2, 0.8)  # those of S4 to S6 and of S7 to S9
+
+
+def run_plane(chosen, pair):
+    """The sweep in the set as observed, into the report's folder. Returns its exit code."""
+    words = ["--scene", SCENE, "--taus", ",".join(map(str, TAUS)), "--seeds", f"1-{max(1, chosen.seeds // 2)}"]
+    words += ["--out", chosen.out]
+    return pair.start(list(map(str, [*module_command("wade.sweeps.depth_sweep"), *words])), stdout=sys.stderr).wait()
+
+
+def level_words(product):
+    return level_of(product).replace("_", " ")
+
+
+def danger_section(context):
+    """The level of Table 2 of the water asked for and of that met, beside who arrives, for every scenario of Table 1."""
+    head = ["", "tau", "asked for: H v_F", "level"]
+    for scene_set in context.sets:
+        head += [f"{SET_UPS[scene_set]}: met", "level", "arrive, %"]
+    lines = []
+    for name, paper in context.paper.items():
+        results = [context.scenario(scene_set, name) for scene_set in context.sets]
+        if not any(results):
+            continue
+        asked = plan.velocity_of(name)  # in 1 m of water
+        cells = [name, f"{float(paper['tau']):g}", f"{asked:g}", level_words(asked)]
+        for result in results:
+            met = None if result is None or result.depth is None else round(result.depth * result.speed, 2)
+            cells += ["-", "-"] if met is None else [f"{met:.2f}", level_words(met)]
+            cells.append("-" if result is None else f"{100 * result.arrived[0] / result.agents:.0f}")
+        lines.append(cells)
+    if not lines:
+        return ""
+    bounds = ", ".join(f"{level.replace('_', ' ')} from {bound:g}" for level, bound in BOUNDS.items())
+    text = (
+        f"Table 2 of the paper (Viseu) grades water by depth times velocity, m2/s: {bounds}. Met: mean depth times mean speed of the water"
+        " that the people met, the front among it, so that it may lie a level below what was asked for. A level alone does not say who"
+        " arrives: people of tau 0 walk through water of the highest.")
+    return section("Danger levels", text, markdown(head, lines))
+
+
+def half_products(rows):
+    """H v_F at which half of the people arrive, m2/s: for each depth at which that happens between two velocities of the
+    sweep, linear in the logarithm of the velocity; and the number of all depths."""
+    depths, speeds, share = shares(rows)
+    logs = [math.log(speed) for speed in speeds]
+    found = {depth: value_at(list(zip(logs, line)), 0.5) for depth, line in zip(depths, share)}
+    return {depth: depth * math.exp(log) for depth, log in found.items() if log is not None}, len(depths)
+
+
+def by_level(rows):
+    """{level: (points of the sweep, share that arrives)} of the depth times velocity asked for."""
+    levels = {}
+    for row in rows:
+        points, arrived, agents = levels.get(row["level"], (set(), 0, 0))
+        point = row["depth_m"], row["v_f_m_s"]
+        levels[row["level"]] = points | {point}, arrived + int(row["arrived"]), agents + int(row["agents"])
+    return {level: (len(points), arrived / agents) for level, (points, arrived, agents) in levels.items()}
+
+
+def plane_section(context):
+    """Draws the sweep that is in the folder of the report, if there is one, and says what it shows."""
+    title = "Depth times velocity"
+    try:
+        rows = read_table(context.out / "depth_sweep.csv")
+    except TableError as error:
+        return section(title, f"Not drawn: {error}.")
+    if not rows:
+        return ""
+    scene = resolved_scene(SCENE)
+    draw(rows, scene, context.out / "depth_sweep.png")
+    taus = sorted({float(row["tau"]) for row in rows})
+    of_tau = {tau: [row for row in rows if float(row["tau"]) == tau] for tau in taus}
+    seeds, commits = sorted({int(row["seed"]) for row in rows}), sorted({row["commit"] for row in rows})
+    depths, speeds, share = shares(rows)
+    levels = {tau: by_level(of_tau[tau]) for tau in taus}
+    lines = []
+    for level in BOUNDS:
+        known = [levels[tau].get(level) for tau in taus]
+        if any(known):
+            lines.append([level.replace("_", " "), max(found[0] for found in known if found),
+                          *("-" if found is None else f"{100 * found[1]:.0f}" for found in known)])
+    text = (
+        f"Who arrives at {(share == share).sum()} points, depths of {depths[0]:g} to {depths[-1]:g} m and v_F of {speeds[0]:g} to"
+        f" {speeds[-1]:g} m/s, set as observed, simulated with the pair (seeds {seeds[0]} to {seeds[-1]}, programs of commit"
+        f" {', '.join(commits)}). Water shallower than the particles' spacing has smaller particles. The shares of a level are means over"
+        " its points and depend on where these lie.")
+    table = markdown(["level of H v_F", "points", *(f"tau {tau:g}: arrive, %" for tau in taus)], lines)
+    return section(title, text, table, "\n".join(half_words(tau, of_tau[tau], scene) for tau in taus),
+                   "![depth times velocity](depth_sweep.png)")
+
+
+def half_words(tau, rows, scene):
+    products, depths = half_products(rows)
+    stands = f"Eq. 9 lets an agent stand against up to {limit_in_words(limit_of(scene, tau))} m2/s"
+    if not products:
+        return f"* tau {tau:g}: at no depth does the share that arrives pass a half. {stands}."
+    low, high = min(products.values()), max(products.values())
+    where = "at every depth" if len(products) == depths else f"at {len(products)} of {depths} depths, elsewhere at no velocity of the sweep"
+    return f"* tau {tau:g}: half of the people arrive at H v_F of {low:.2f} to {high:.2f} m2/s ({where}). {stands}."

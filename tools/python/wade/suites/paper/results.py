@@ -1,0 +1,110 @@
+"""What runs come to: one run, all runs of a case, and the rows of table1.csv."""
+
+import statistics
+
+from wade.reports.intervals import arrival_interval, bootstrap_mean
+from wade.reports.tables import read_csv
+from wade.suites.paper.limits import in_words
+from wade.suites.paper.record import arrival_times
+
+COLUMNS = (
+    "set,scenario,tau,v_f_m_s,contact_rule,initial_river,frame_rate_hz,gravity_m_s2,spacing_m,particle_mass_kg,"
+    "paper_time_s,paper_diff_percent,paper_arrived,seeds,time_s_mean,time_s_lo,time_s_hi,arrived_mean,arrived_lo,"
+    "arrived_hi,dead_mean,diff_percent,agent_depth_m,agent_speed_m_s,in_band"
+).split(",")
+
+
+class Run:
+    """One complete run: what is kept of it, its scene, and its folder, None if that is not there any more."""
+
+    def __init__(self, case, scenario, seed, record, scene, folder=None):
+        self.set, self.water, self.scenario, self.seed = case.water.set, case.water.key, scenario, seed
+        self.outcome, self.scene, self.folder = record, scene, folder
+
+    def in_words(self):
+        last = self.outcome["last_arrival_s"]
+        after = f", the last after {last:.1f} s" if last is not None else ""
+        return f"{self.outcome['arrived']} of {self.outcome['agents']} arrived{after}; {self.outcome['dead']} dead"
+
+    def speed(self):
+        """Simulated seconds in a second of wall time; None if the run kept no times."""
+        wall = self.outcome["wall_time_s"]
+        return self.outcome["sim_time_s"] / wall if wall else None
+
+    def arrival_times(self, group=None):
+        """Sorted times at which agents of a group, or all, arrived, s."""
+        return arrival_times(self.outcome, group)
+
+
+class Result:
+    """All runs of a case. Intervals are of 95 %; None where they cannot be told."""
+
+    def __init__(self, runs):
+        self.runs = runs
+        self.agents = runs[0].outcome["agents"]
+        self.scene = runs[0].scene
+        self.arrived = arrival_interval([run.outcome["arrived"] for run in runs], self.agents)
+        self.dead = statistics.fmean(run.outcome["dead"] for run in runs)
+        self.active = statistics.fmean(run.outcome["active"] for run in runs)
+        last = [run.outcome["last_arrival_s"] for run in runs if run.outcome["last_arrival_s"] is not None]
+        self.time = bootstrap_mean(last) if last else None
+        self.depth, self.speed = water_met(runs)
+        self.commits = sorted({run.outcome["commit"] for run in runs})
+
+    def arrived_of(self, group):
+        """(mean, low, high) of the arrivals of one group."""
+        size = self.runs[0].outcome["groups"][group]["agents"]
+        return arrival_interval([len(run.arrival_times(group)) for run in self.runs], size)
+
+    def arrived_by(self, time):
+        """Mean number of agents that have arrived by a time, s."""
+        return statistics.fmean(sum(t <= time for t in run.arrival_times()) for run in self.runs)
+
+
+def water_met(runs):
+    """Means over all agents that met water: the mean depth in which each stood, m, and the mean of its depth times speed
+    over that depth, m/s; (None, None) if none did."""
+    met = [run.outcome["water_met"] for run in runs if run.outcome["water_met"][0]]
+    wet = sum(agents for agents, _, _ in met)
+    if not wet:
+        return None, None
+    return sum(agents * depth for agents, depth, _ in met) / wet, sum(agents * speed for agents, _, speed in met) / wet
+
+
+def read_paper(file):
+    """Table 1 of the paper by scenario, "" for what it does not give."""
+    return {row["scenario"]: {key: "" if value == "NA" else value for key, value in row.items()} for row in read_csv(file)}
+
+
+def table_row(scene_set, scenario, result, paper, base=None, in_band=None):
+    """One row of table1.csv. base: mean time of S1 in the same set, s; in_band: whether the bands hold."""
+    scene = result.scene
+    fluid = scene["fluid"]
+    row = dict.fromkeys(COLUMNS, "")
+    row.update(
+        set=scene_set,
+        scenario=scenario,
+        tau=in_words(scene["crowd"]["groups"][0]["tau"]),
+        v_f_m_s=scene["channel"]["velocity_m_s"],
+        contact_rule=scene["coupling"]["contact_rule"],
+        initial_river=scene["channel"]["initial_river"],
+        frame_rate_hz=scene["frame_rate_hz"],
+        gravity_m_s2=scene["world"]["gravity_m_s2"],
+        spacing_m=fluid["particle_spacing_m"],
+        particle_mass_kg=fluid["rest_density_kg_m3"] * fluid["particle_spacing_m"] ** 3,
+        paper_time_s=paper["time_s"],
+        paper_diff_percent=paper["diff_percent"],
+        paper_arrived=paper["arrived"],
+        seeds=len(result.runs),
+        dead_mean=result.dead,
+        agent_depth_m=result.depth,
+        agent_speed_m_s=result.speed,
+        in_band="" if in_band is None else "yes" if in_band else "no",
+    )
+    row.update(zip(("arrived_mean", "arrived_lo", "arrived_hi"), result.arrived))
+    if result.time:
+        row.update(zip(("time_s_mean", "time_s_lo", "time_s_hi"), result.time))
+        if base:
+            row["diff_percent"] = 100 * (result.time[0] - base) / base
+    return row
+

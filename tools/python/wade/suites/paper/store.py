@@ -1,0 +1,198 @@
+"""runs.jsonl: what is kept of single runs, a line each, small enough to be committed.
+
+Each line is a JSON object of its own:
+
+    {"format": 1}
+    {"scene": ID, "is": {...}}               a resolved scene, without name, description and seed
+    {"scene": ID, "as": ID, "but": {...}}    the same as another one before it, but for these values
+    {"run": SET/WATER/CROWD, "seed": N, "scene": ID, "commit": ..., "program": ..., results}    see record.py
+
+Lines are only ever appended, whole and on to the disk, until tidy() puts them in order. Of lines with the same run,
+seed and scene the last one counts. A last line without its end, as a crash leaves it, does not count.
+"""
+
+import contextlib
+import fcntl
+import functools
+import hashlib
+import json
+import os
+import re
+
+from wade.paths import CONFIGS
+from wade.reports.files import write_whole
+
+FORMAT = {"format": 1}
+NAMES = ("run", "seed", "scene")
+
+
+class StoreError(Exception):
+    """The file is not what it should be."""
+
+
+class Store:
+    """The runs in a file, which need not exist yet. Several campaigns may add to it at once."""
+
+    def __init__(self, file):
+        self.file, self.size = file, 0
+        self.scenes, self.rows = {}, {}  # by id; by (run, seed): {scene's id: record}
+        self.base = None  # id of the scene from which others are told
+        self.read()
+
+    def read(self):
+        data = self.file.read_bytes() if self.file.exists() else b""
+        self.size = data.rfind(b"\n") + 1
+        for number, line in enumerate(data[: self.size].splitlines(), 1):
+            try:
+                self.take(json.loads(line))
+            except (ValueError, KeyError, TypeError, AttributeError) as error:
+                raise StoreError(f"{self.file}:{number}: not a line of the runs that are kept") from error
+
+    def take(self, line):
+        if "run" in line:
+            record = {key: value for key, value in line.items() if key not in NAMES}
+            self.rows.setdefault((line["run"], line["seed"]), {})[line["scene"]] = record
+        elif "scene" in line:
+            self.scenes[line["scene"]] = line["is"] if "is" in line else merged(self.scenes[line["as"]], line["but"])
+            self.base = self.base or line["scene"]
+        elif line != FORMAT:
+            raise ValueError
+
+    def find(self, run, seed, scene):
+        """The record of a run of this scene, with the same seed; None if there is none."""
+        of_run = self.rows.get((run, seed), {})
+        now = seedless(scene)
+        same = [record for key, record in of_run.items() if same_scene(self.scenes[key], now)]
+        return of_run.get(id_of(now)) or (same[-1] if same else None)
+
+    def seeds(self, run):
+        return {seed for name, seed in self.rows if name == run}
+
+    def add(self, run, seed, scene, record):
+        """Appends a complete run."""
+        with self.alone() as size:
+            if size != self.size:
+                self.read()  # another campaign has added runs
+            kept = seedless(scene)
+            key = id_of(kept)
+            lines = [] if self.size else [FORMAT]
+            if key not in self.scenes:
+                lines.append(self.scene_line(key, kept))
+            lines.append({"run": run, "seed": seed, "scene": key, **record})
+            data = text_of(lines).encode()
+            with open(self.file, "r+b" if self.file.exists() else "wb") as file:
+                file.truncate(self.size)  # of a last line that a crash cut off
+                file.seek(self.size)
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            self.size += len(data)
+            for line in lines:
+                self.take(line)
+
+    def tidy(self):
+        """Puts the lines in order, one for each run, so that the file changes where its runs do."""
+        with self.alone():
+            self.read()
+            if not self.rows:
+                return
+            runs = sorted(self.rows, key=lambda name: (natural(name[0]), name[1]))
+            lines, told = [FORMAT], set()
+            for run, seed in runs:
+                for key, record in sorted(self.rows[run, seed].items()):
+                    for scene in (self.base, key):
+                        if scene not in told:
+                            lines.append(self.scene_line(scene, self.scenes[scene]))
+                            told.add(scene)
+                    lines.append({"run": run, "seed": seed, "scene": key, **record})
+            data = text_of(lines).encode()
+            if data != self.file.read_bytes():
+                write_whole(self.file, data)
+            self.size = len(data)
+
+    def scene_line(self, key, scene):
+        if self.base not in (None, key):
+            but = difference(self.scenes[self.base], scene)
+            if merged(self.scenes[self.base], but) == scene:
+                return {"scene": key, "as": self.base, "but": but}
+        return {"scene": key, "is": scene}
+
+    @contextlib.contextmanager
+    def alone(self):
+        """No other campaign changes the file meanwhile; gives the size that it has."""
+        folder = os.open(self.file.parent, os.O_RDONLY)
+        try:
+            fcntl.flock(folder, fcntl.LOCK_EX)
+            yield self.file.stat().st_size if self.file.exists() else 0
+        finally:
+            os.close(folder)
+
+
+def text_of(lines):
+    return "".join(json.dumps(line, separators=(",", ":"), ensure_ascii=False) + "\n" for line in lines)
+
+
+def seedless(scene):
+    return {key: value for key, value in what_counts(scene).items() if key != "seed"}
+
+
+def id_of(scene):
+    return hashlib.sha256(json.dumps(scene, sort_keys=True).encode()).hexdigest()[:12]
+
+
+def difference(base, scene):
+    """What a scene has otherwise than another one; what it lacks cannot be told."""
+    but = {}
+    for key, value in scene.items():
+        if key in base and isinstance(value, dict) and isinstance(base[key], dict):
+            if deeper := difference(base[key], value):
+                but[key] = deeper
+        elif key not in base or value != base[key]:
+            but[key] = value
+    return but
+
+
+def merged(base, but):
+    both = dict(base)
+    for key, value in but.items():
+        deep = isinstance(value, dict) and isinstance(base.get(key), dict)
+        both[key] = merged(base[key], value) if deep else value
+    return both
+
+
+def natural(text):
+    """Key by which s2 comes before s10."""
+    return [(int(part), "") if part.isdigit() else (0, part) for part in re.split(r"(\d+)", text)]
+
+
+def what_counts(scene):
+    """The scene without the words that change no result."""
+    return {key: value for key, value in scene.items() if key not in ("name", "description")}
+
+
+@functools.cache
+def schema():
+    return json.loads((CONFIGS / "scene.schema.json").read_text(encoding="utf-8"))
+
+
+def is_default(value, node):
+    """Whether a value of a scene is what the schema gives where a scene is silent."""
+    if isinstance(value, dict) and "properties" in node:
+        return all(key in node["properties"] and is_default(v, node["properties"][key]) for key, v in value.items())
+    return "default" in node and value == node["default"]
+
+
+def same_scene(old, now):
+    """Two resolved scenes are the same but for keys that the older programs did not know and that have their default
+    now."""
+    return same_part(what_counts(old), what_counts(now), schema())
+
+
+def same_part(old, now, node):
+    if not (isinstance(old, dict) and isinstance(now, dict)):
+        return old == now
+    known = node.get("properties", {})
+    new_keys = now.keys() - old.keys()
+    return old.keys() <= now.keys() and all(is_default(now[key], known.get(key, {})) for key in new_keys) and all(
+        same_part(old[key], now[key], known.get(key, {})) for key in old
+    )
