@@ -280,16 +280,13 @@ class RunScript(Launcher):
 
 class DepthSweep(Launcher):
     def test_wrong_choices_are_refused_and_leave_nothing(self):
-        sweep, out = ROOT / "tools" / "depth_sweep.py", self.folder / "sweep"
-        for arguments, *texts in (
-            (["--scene", "nosuch", "--programs", PROGRAMS], "--scene: nosuch"),
-            (["--programs", self.folder / "nosuch"], "--programs: cannot start", "tools/run.sh"),
-        ):
+        out = self.folder / "sweep"
+        for arguments, *texts in ((["--scene", "nosuch"], "nosuch"), (["--points", "1"], "--points: 1, allowed is 2 to 50"),
+                                  (["--taus", "0.2,7"], "0.2,7, allowed is above 0 to 1 each")):
             with self.subTest(arguments):
-                program = self.script(sweep, "--out", out, *arguments)
+                program = self.script(ROOT / "tools" / "wade", "depth-sweep", "--out", out, *arguments)
                 self.assert_ends(program, 2, *texts)
                 self.assertNotIn("Traceback", program.messages())
-                self.assertNotIn("run_pair.py", program.messages())
                 self.assertFalse(out.exists())
 
 

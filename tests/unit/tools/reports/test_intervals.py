@@ -1,4 +1,4 @@
-"""Intervals of tools/paper/intervals.py against published values and limits."""
+"""Intervals against published values and limits."""
 
 import unittest
 from pathlib import Path

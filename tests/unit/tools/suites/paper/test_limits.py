@@ -1,4 +1,4 @@
-"""The closed form, for a tau and a mass that are numbers or drawn, and its use in depth_sweep.py."""
+"""The closed form, for a tau and a mass that are numbers or drawn, and its use in the sweep over depth and velocity."""
 
 import copy
 import math

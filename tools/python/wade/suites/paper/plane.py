@@ -1,6 +1,6 @@
 """Sections of report.md on the safety argument: depth times velocity (Table 2 of the paper) beside who arrives.
 
-What the people of Table 1 meet, and the sweep over the plane of depth and v_F, which tools/depth_sweep.py runs.
+What the people of Table 1 meet, and the sweep over the plane of depth and v_F, which `tools/wade depth-sweep` runs.
 """
 
 import math
