@@ -6,16 +6,16 @@ usage() {
   cat <<'HELP'
 Usage: tools/wade fuzz [--runs N] [--quick] [--merge]
 
-Builds tests/fuzz/fuzz_header.cpp with clang and runs it on tests/fuzz/corpus: N inputs (default
-3000000), with --quick 200000. New inputs go to a temporary folder; --merge adds those that reach
-new code to the kept corpus, minimised. An input that breaks an expectation is kept as
+Builds tests/fuzz/fuzz_header.cpp with clang and runs it on the inputs in tests/fuzz/corpus.tar.gz:
+N inputs (default 3000000), with --quick 200000. New inputs go to a temporary folder; --merge adds
+those that reach new code to the kept corpus, minimised. An input that breaks an expectation is kept as
 fuzz_header-crash-* in the current folder; give that file to the program to see it again. Exit code
 0 without a finding, 1 with one, 77 without clang and its fuzzer library.
 HELP
 }
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-corpus=$root/tests/fuzz/corpus
+kept=$root/tests/fuzz/corpus.tar.gz
 runs=3000000
 merge=false
 while [ $# -gt 0 ]; do
@@ -58,7 +58,9 @@ if $merge; then
   "$work/header_seeds" "$work/seeds"
 fi
 
-mkdir -p "$work/new" "$corpus"
+corpus=$work/corpus
+mkdir "$work/new" "$corpus"
+tar -C "$corpus" -xzf "$kept"
 here=$PWD
 longest=4097 # a byte of repairs and a page
 if ! "$work/fuzz_header" -runs="$runs" -max_len="$longest" -artifact_prefix="$here/fuzz_header-" \
@@ -68,9 +70,9 @@ if ! "$work/fuzz_header" -runs="$runs" -max_len="$longest" -artifact_prefix="$he
 fi
 grep 'DONE' "$work/log"
 if $merge; then
-  mkdir "$work/kept"
-  "$work/fuzz_header" -merge=1 -max_len="$longest" "$work/kept" "$work/seeds" "$corpus" "$work/new" >/dev/null 2>&1
-  find "$corpus" -type f -delete
-  cp "$work/kept"/* "$corpus/"
+  mkdir "$work/merged"
+  "$work/fuzz_header" -merge=1 -max_len="$longest" "$work/merged" "$work/seeds" "$corpus" "$work/new" >/dev/null 2>&1
+  corpus=$work/merged
+  tar -C "$corpus" --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -c . | gzip -9n >"$kept"
 fi
 echo "fuzz_header: $(find "$corpus" -type f | wc -l) inputs in the corpus, $runs runs, nothing found"

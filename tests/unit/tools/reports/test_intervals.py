@@ -1,8 +1,6 @@
 """Intervals against published values and limits."""
 
 import unittest
-from pathlib import Path
-
 
 from wade.reports.intervals import arrival_interval, bootstrap_mean, design_effect, precise_enough, wilson
 

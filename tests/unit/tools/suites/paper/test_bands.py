@@ -1,9 +1,7 @@
 """The bands of bands on results that are made up, and the closed form of limits.py."""
 
 import unittest
-from pathlib import Path
 from types import SimpleNamespace
-
 
 from wade.suites.paper import bands
 from wade.suites.paper.limits import contact_mass, limit_velocity, loss_velocity, of_limit

@@ -1,9 +1,7 @@
 """The section of block on the place of the obstacle, on results that are made up."""
 
 import unittest
-from pathlib import Path
 from types import SimpleNamespace
-
 
 from wade.suites.paper import block, plan
 from wade.suites.paper.report import Context

@@ -3,7 +3,6 @@
 import copy
 import math
 import unittest
-from pathlib import Path
 
 from wade.suites.paper import limits
 from wade.sweeps import depth_sweep

@@ -1,8 +1,6 @@
 """The plan of tools/wade paper: which crowds share a run of the fluid, and that their scenes exist."""
 
 import unittest
-from pathlib import Path
-
 
 from wade.suites.paper import plan
 from wade.suites.paper.ensembles import crowd_entry

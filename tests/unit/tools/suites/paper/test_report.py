@@ -1,9 +1,7 @@
 """The begin of the report and its list of what does not agree, on made-up results."""
 
 import unittest
-from pathlib import Path
 from types import SimpleNamespace
-
 
 from wade.suites.paper import TABLE1, causes, losses, plan, report
 from wade.suites.paper.report import Context

@@ -8,7 +8,6 @@ import tempfile
 import unittest
 from pathlib import Path
 
-
 from wade.suites.paper import TABLE1, plan
 from wade.suites.paper.ensembles import is_done
 from wade.suites.paper.pictures import lee_length, lee_of, longest_lee, note_what_is_seen

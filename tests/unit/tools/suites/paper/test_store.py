@@ -6,7 +6,6 @@ import tempfile
 import unittest
 from pathlib import Path
 
-
 from wade.suites.paper.record import arrival_times, groups_of
 from wade.suites.paper.store import Store, StoreError, same_scene
 

@@ -6,7 +6,6 @@ import unittest
 from pathlib import Path
 from types import SimpleNamespace
 
-
 from wade.suites.paper.verdict import checks_of, path_hash, verdict_text
 
 PATH = [(0, 0, 75.0, 10.0, 0.0, 1.0), (1, 0, 75.0, 10.04, 0.0, 1.0)]
