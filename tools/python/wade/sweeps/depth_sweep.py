@@ -27,7 +27,7 @@ from wade.reports.plots import pyplot, save
 from wade.reports.tables import read_csv
 from wade.run.processes import end_with_parent
 from wade.scenes import find_scene
-from wade.suites.paper.limits import limits_of
+from wade.sweeps.limits import limits_of
 from wade.terminal import Parser
 
 COLUMNS = ("scene", "tau", "depth_m", "v_f_m_s", "dv_m2_s", "level", "seed", "agents", "arrived", "dead", "active",

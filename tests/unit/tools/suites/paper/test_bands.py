@@ -4,7 +4,7 @@ import unittest
 from types import SimpleNamespace
 
 from wade.suites.paper import bands
-from wade.suites.paper.limits import contact_mass, limit_velocity, loss_velocity, of_limit
+from wade.sweeps.limits import contact_mass, limit_velocity, loss_velocity, of_limit
 
 
 def result(arrived, time=None, agents=50):

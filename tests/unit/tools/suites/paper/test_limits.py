@@ -4,7 +4,7 @@ import copy
 import math
 import unittest
 
-from wade.suites.paper import limits
+from wade.sweeps import limits
 from wade.sweeps import depth_sweep
 
 SCENE = {

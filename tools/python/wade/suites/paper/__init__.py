@@ -14,7 +14,6 @@ Exit code 1: a run failed, or the verdict has a no (the bands are reported, they
 2: runs.jsonl or a scene is not valid.
 """
 
-import textwrap
 from pathlib import Path
 
 from wade.errors import UsageError
@@ -37,8 +36,8 @@ TABLE1 = Path(__file__).with_name("table1.csv")
 
 
 def parse(arguments):
-    parts = "\n".join(textwrap.wrap("; ".join(f"{name}: {words}" for name, words in plan.PARTS.items()), options.WIDTH))
-    parser = options.parser_of("paper", "paper", __doc__ + "\nParts: " + parts, "table1.csv")
+    parts = "; ".join(f"{name}: {words}" for name, words in plan.PARTS.items())
+    parser = options.parser_of("paper", "paper", f"{__doc__}\nParts: {parts}", "table1.csv")
     parser.add_argument("--seeds", type=options.whole(1), metavar="N",
                         help="crowds of each scenario, with the seeds 1 to N; parts with many cases take half [10, quick: 1]")
     parser.add_argument("--max-seeds", type=options.whole(1), metavar="N",

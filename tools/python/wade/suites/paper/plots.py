@@ -3,7 +3,7 @@
 import numpy as np
 
 from wade.reports.plots import COLOURS, INK, error_bars, panels, pyplot, save
-from wade.suites.paper.limits import contact_mass, limit_velocity, loss_velocity, middle, walking_speed
+from wade.sweeps.limits import contact_mass, limit_velocity, loss_velocity, middle, walking_speed
 
 
 def table1_plot(file, paper, results, names):

@@ -7,7 +7,7 @@ from wade.reports.tables import markdown, section
 from wade.suites.paper import bands, plan
 from wade.suites.paper.bands import in_words
 from wade.suites.paper.block import waters_of
-from wade.suites.paper.limits import limits_of, of_limit
+from wade.sweeps.limits import limits_of, of_limit
 from wade.suites.paper.words import SET_UPS, arrived_of, error_percent, met_of, shown, time_of
 
 LOST = ("S8", "S9", "S11", "S12")  # nobody arrives in the paper

@@ -4,7 +4,7 @@ import statistics
 
 from wade.reports.intervals import arrival_interval, bootstrap_mean
 from wade.reports.tables import read_csv
-from wade.suites.paper.limits import in_words
+from wade.sweeps.limits import in_words
 from wade.suites.paper.record import arrival_times
 
 COLUMNS = (

@@ -14,7 +14,7 @@ import numpy as np
 
 from wade.reports.tables import markdown, section
 from wade.suites.paper import plan
-from wade.suites.paper.limits import FREE_SHARE
+from wade.sweeps.limits import FREE_SHARE
 AGENT_KG, DESIRED_M_S, WIDTH_M, DEPTH_M, CONTACT_M, RHO = 65, 1.3, 27, 1, 0.25, 1000
 SAMPLES = 20000  # of positions of an agent among the particles; moves a mean share by about 0.001
 # Deviation from the lattice in cells, as /fluid/kinematic/jitter; 0.5 is that of configs/observed, 1 lies at random.

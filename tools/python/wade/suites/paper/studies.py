@@ -3,7 +3,7 @@
 from wade.reports.tables import markdown, section
 from wade.suites.paper import plan, plots
 from wade.suites.paper.bands import count_in_words, judge_scenario, time_error
-from wade.suites.paper.limits import loss_velocity, of_limit
+from wade.sweeps.limits import loss_velocity, of_limit
 from wade.suites.paper.words import SET_UPS, arrived_of, crossing, met_of, outcome, shown, time_of
 
 TAUS = (0, 0.2, 0.8, 1)  # of S1 to S3, S4 to S6 and so on
