@@ -37,14 +37,6 @@ class Block(unittest.TestCase):
     def test_a_place_saves_people_where_the_intervals_are_apart(self):
         waters = block.waters_of(context(RESULTS), ["paper"])
         self.assertEqual([water.saving_places() for water in waters], [[], [74]], "8 to 12 and 5 to 9 are not apart")
-        self.assertEqual([water.places_with_long_lee() for water in waters], [[], [74]])
-
-    def test_the_causes_say_where_a_band_is_met_after_all(self):
-        words = block.met_elsewhere(context(RESULTS), "paper", "obstacle")
-        self.assertIn("the band is met: x 74 m (as run, emitter at 1.4 v_F); see The place of the obstacle.", words)
-        self.assertEqual(block.met_elsewhere(context(RESULTS), "paper", "S8"), "", "another band has nothing to do with it")
-        few = {case: values for case, values in RESULTS.items() if case is not FAR}
-        self.assertEqual(block.met_elsewhere(context(few), "paper", "obstacle"), "")
 
     def test_the_section_shows_arrivals_and_lees(self):
         text = block.block_section(context(RESULTS))

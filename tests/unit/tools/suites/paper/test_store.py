@@ -25,7 +25,6 @@ def add_many(file, run):
     store = Store(file)
     for seed in range(1, 41):
         store.add(run, seed, scene(fluid={"model": run}), record(seed))
-    store.tidy()
 
 
 class Stores(unittest.TestCase):
@@ -63,44 +62,29 @@ class Stores(unittest.TestCase):
         self.assertIsNone(Store(self.file).find(RUN, 1, scene(fluid={**known, "kernel": "wendland_c2"})))
         self.assertIsNone(Store(self.file).find(RUN, 1, scene(fluid={"model": "dfsph"})))
 
-    def test_scenes_are_told_from_another_one_and_come_back_whole(self):
+    def test_scenes_come_back_whole_and_are_kept_once(self):
         store, scenes = Store(self.file), [SCENE, scene(fluid={"model": "kinematic"}), scene(events=[{"at_s": 29}])]
-        scenes += [scene(crowd={}), scene(fluid={"model": "dfsph", "cfl": 0.4})]
-        for number, each in enumerate(scenes):
+        for number, each in enumerate([*scenes, *scenes]):
             store.add(f"observed/v1.5/c{number}", 1, each, record(number))
-        for _ in range(2):
-            kept = Store(self.file)
-            for number, each in enumerate(scenes):
-                self.assertEqual(kept.find(f"observed/v1.5/c{number}", 1, each), record(number))
-                self.assertEqual(len(kept.scenes), len(scenes))
-            kept.tidy()
-        self.assertEqual([line.get("but") for line in self.lines("scene") if "as" in line],
-                         [{"events": [{"at_s": 29}]}, {"fluid": {"cfl": 0.4}}])
+        kept = Store(self.file)
+        for number, each in enumerate([*scenes, *scenes]):
+            self.assertEqual(kept.find(f"observed/v1.5/c{number}", 1, each), record(number))
+        self.assertEqual(len(self.lines("is")), len(scenes))
 
-    def test_of_two_lines_of_a_run_the_last_counts_and_only_it_stays(self):
+    def test_a_scene_may_be_told_from_another_one(self):
+        Store(self.file).add(RUN, 1, SCENE, record(50))
+        key = self.lines("is")[0]["scene"]
+        with open(self.file, "a", encoding="utf-8") as file:
+            file.write(json.dumps({"scene": "x", "as": key, "but": {"fluid": {"cfl": 0.4}}}) + "\n")
+            file.write(json.dumps({"run": RUN, "seed": 2, "scene": "x", **record(7)}) + "\n")
+        self.assertEqual(Store(self.file).find(RUN, 2, scene(seed=2, fluid={"model": "dfsph", "cfl": 0.4})), record(7))
+
+    def test_of_two_lines_of_a_run_the_last_counts(self):
         store = Store(self.file)
         store.add(RUN, 1, SCENE, record(50))
         store.add(RUN, 1, SCENE, record(48, "bbbb"))
         self.assertEqual(Store(self.file).find(RUN, 1, SCENE), record(48, "bbbb"))
         self.assertEqual(len(self.lines()), 2)
-        store.tidy()
-        self.assertEqual([line["arrived"] for line in self.lines()], [48])
-
-    def test_order_does_not_depend_on_that_of_the_runs(self):
-        runs = [("a/v/s10", 1), ("a/v/s2", 10), ("a/v/s2", 9)]
-        texts = []
-        for order in (runs, runs[::-1]):
-            self.file.unlink(missing_ok=True)
-            store = Store(self.file)
-            for run, seed in order:
-                store.add(run, seed, SCENE, record(seed))
-            store.tidy()
-            texts.append(self.file.read_bytes())
-        self.assertEqual(texts[0], texts[1])
-        self.assertEqual([(line["run"], line["seed"]) for line in self.lines()], runs[::-1])
-        stamp = self.file.stat().st_mtime_ns, self.file.stat().st_ino
-        Store(self.file).tidy()
-        self.assertEqual((self.file.stat().st_mtime_ns, self.file.stat().st_ino), stamp, "nothing to do")
 
     def test_a_line_that_a_crash_cut_off_does_not_count(self):
         store = Store(self.file)

@@ -103,6 +103,5 @@ def run_table(programs, out, pair, chosen):
         if not shared.interrupted:
             ensembles.run({case: (chosen.seeds, chosen.seeds) for cases in of_these.values() for case in cases.values()})
         found |= {key: as_model_runs(*key, cases, ensembles) for key, cases in of_these.items()}
-    store.tidy()
     failures = [*shared.failures, *own.failures]
     return [found[key] for key in wanted if found.get(key)], failures, shared.interrupted or own.interrupted

@@ -22,8 +22,7 @@ from wade.reports import options
 from wade.reports.files import complain, publish, say, write_whole
 from wade.reports.tables import document, write_csv
 from wade.run.processes import Pair
-from wade.suites.paper import (bands, block, causes, losses, pictures, plan, plane, plots, report, scatter, studies,
-                               verdict)
+from wade.suites.paper import (bands, block, losses, pictures, plan, plane, plots, report, studies, verdict)
 from wade.suites.paper.ensembles import Ensembles, PlanError, Programs
 from wade.suites.paper.results import COLUMNS, Result, read_paper, table_row
 from wade.suites.paper.store import Store, StoreError
@@ -37,7 +36,7 @@ TABLE1 = Path(__file__).with_name("table1.csv")
 
 def parse(arguments):
     parts = "; ".join(f"{name}: {words}" for name, words in plan.PARTS.items())
-    parser = options.parser_of("paper", "paper", f"{__doc__}\nParts: {parts}", "table1.csv")
+    parser = options.parser_of("paper", "paper", f"{__doc__.rstrip()}\n\nParts: {parts}.", "table1.csv")
     parser.add_argument("--seeds", type=options.whole(1), metavar="N",
                         help="crowds of each scenario, with the seeds 1 to N; parts with many cases take half [10, quick: 1]")
     parser.add_argument("--max-seeds", type=options.whole(1), metavar="N",
@@ -112,14 +111,13 @@ def write_report(chosen, ensembles, paper, drawn):
     if not cut_short:
         sections = [report.summary_section, report.bands_section, report.table1_section, report.limit_section,
                     plane.danger_section, losses.others_section, block.block_section, losses.s6_section]
-        sections += [] if chosen.quick else [scatter.scatter_section]
         sections += [studies.readings_section, studies.particles_section, studies.phase_section, studies.goal_section,
                      studies.depth_section, studies.push_section]
         sections += [plane.plane_section] if wants_plane(chosen) else []
-        sections += [losses.losses_section, studies.variations_section, causes.disagreement_section]
+        sections += [losses.losses_section, studies.variations_section]
     all_runs = [run for result in results.values() for run in result.runs]
     text = document(report.head_text(chosen, all_runs), *(section(context) for section in sections),
-                    report.figures_section(drawn), verdict.verdict_text(checks, judged, cut_short),
+                    report.figures_section(drawn), verdict.verdict_text(checks, cut_short),
                     report.runs_section(all_runs, ensembles.failures))
     write_whole(chosen.out / "report.md", text)
     say(text)
@@ -142,7 +140,6 @@ def main(arguments):
         ensembles.collect(wanted) if chosen.report_only else ensembles.run(wanted)
     except PlanError as error:
         return error.code
-    store.tidy()
     if ensembles.interrupted:
         return ensembles.interrupted
     if wants_plane(chosen) and not chosen.report_only:

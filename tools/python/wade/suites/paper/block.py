@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from wade.reports.tables import markdown, section
 from wade.suites.paper import plan
-from wade.suites.paper.bands import LEE_AT_S, LEE_LENGTH_M, in_words, judge_lee, judge_obstacle
+from wade.suites.paper.bands import LEE_AT_S, LEE_LENGTH_M, in_words, judge_obstacle
 from wade.suites.paper.pictures import lee_of
 from wade.suites.paper.results import Result
 from wade.suites.paper.words import SET_UPS, arrived_of, met_of
@@ -24,10 +24,6 @@ class Water:
         """The places at which the obstacle saves people by the measure of its band."""
         return [place for place, result in self.by_place.items() if judge_obstacle(result, self.without).holds]
 
-    def places_with_long_lee(self):
-        """The places at which the lee is as long as its band asks for."""
-        return [place for place, result in self.by_place.items() if judge_lee(lee_of(result)).holds]
-
 
 def waters_of(context, sets):
     waters = []
@@ -45,14 +41,6 @@ def waters_of(context, sets):
 
 def listed(places):
     return f"x {', '.join(f'{place:g}' for place in places)} m"
-
-
-def met_elsewhere(context, scene_set, band):
-    """Where else the band of the obstacle or of its lee is met, as a sentence of the causes; "" if nowhere."""
-    places_of = {"obstacle": Water.saving_places, "lee": Water.places_with_long_lee}.get(band)
-    waters = waters_of(context, [scene_set]) if places_of else []
-    words = [f"{listed(places)} ({water.words})" for water in waters if (places := places_of(water))]
-    return f" In other places, tried afterwards, the band is met: {', '.join(words)}; see The place of the obstacle." if words else ""
 
 
 def lee_words(result):

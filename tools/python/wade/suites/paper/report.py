@@ -6,10 +6,10 @@ from pathlib import Path
 from wade.reports.tables import markdown, section
 from wade.suites.paper import bands, plan
 from wade.suites.paper.bands import in_words
-from wade.suites.paper.block import waters_of
 from wade.sweeps.limits import limits_of, of_limit
 from wade.suites.paper.words import SET_UPS, arrived_of, error_percent, met_of, shown, time_of
 
+WHY = "Why it differs, as far as it is known: [how near to the paper](README.md)."
 LOST = ("S8", "S9", "S11", "S12")  # nobody arrives in the paper
 HEAD = """# The paper, reproduced
 
@@ -75,9 +75,7 @@ def judgements_of(context, scene_set):
 
 def summary_section(context):
     """Whether the paper is reproduced, in a few lines, each from the results."""
-    lines = bands_line(context) + lost_line(context) + losses_line(context) + block_line(context)
-    return section("In short", lines + "* All that differs, and why as far as it is known, stands under What does not agree."
-                   if lines else "")
+    return section("In short", bands_line(context) + lost_line(context), WHY)
 
 
 def bands_line(context):
@@ -102,27 +100,6 @@ def lost_line(context):
             some = [f"{name} {in_words(one.arrived)}" for name, one in zip(LOST, results) if one.arrived[0] > bands.SLACK]
             lines.append(f"{SET_UPS[scene_set]} {', '.join(some) + ' of 50 arrive' if some else 'nobody arrives either'}")
     return f"* Where the paper loses everybody ({', '.join(LOST)}): {'; '.join(lines)}.\n" if lines else ""
-
-
-def losses_line(context):
-    """The numbers that the paper gives and water at v_F does not."""
-    lines = []
-    waters = [(SET_UPS[s], plan.reading_of(s, "", ())) for s in context.sets]
-    waters += [(f"as run, emitter at {push:g} v_F", plan.emitter_cases("paper", push)) for push in plan.EMITTER_PUSHES]
-    for words, cases in waters:
-        results = [context.get(case) for case in cases]
-        s6, groups = results[plan.PUSHED.index("S6")], results[-1]
-        if s6 is not None and groups is not None:
-            lines.append(f"{words} {s6.arrived[0]:.1f} and {groups.arrived_of('walkers')[0]:.1f}")
-    return (f"* Arrivals in S6 and of those who cross in two groups, of 50 each (paper: 35, and 8 in all): {'; '.join(lines)}."
-            " Water at v_F loses too few.\n" if lines else "")
-
-
-def block_line(context):
-    found = [(water, water.saving_places()) for water in waters_of(context, context.sets)]
-    words = [f"{water.words} at x {', '.join(f'{place:g}' for place in places)} m" for water, places in found if places]
-    return (f"* The block of 7 x 7 m saves people where it stands among or upstream of them: {'; '.join(words)}. At x"
-            f" {plan.OBSTACLE_AT} m, the place assumed, it does not.\n" if words else "")
 
 
 def bands_section(context):

@@ -26,11 +26,6 @@ class Run:
         after = f", the last after {last:.1f} s" if last is not None else ""
         return f"{self.outcome['arrived']} of {self.outcome['agents']} arrived{after}; {self.outcome['dead']} dead"
 
-    def speed(self):
-        """Simulated seconds in a second of wall time; None if the run kept no times."""
-        wall = self.outcome["wall_time_s"]
-        return self.outcome["sim_time_s"] / wall if wall else None
-
     def arrival_times(self, group=None):
         """Sorted times at which agents of a group, or all, arrived, s."""
         return arrival_times(self.outcome, group)

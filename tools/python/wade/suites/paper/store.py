@@ -1,14 +1,14 @@
-"""runs.jsonl: what is kept of single runs, a line each, small enough to be committed.
+"""runs.jsonl: what is kept of single runs, a line each.
 
 Each line is a JSON object of its own:
 
     {"format": 1}
     {"scene": ID, "is": {...}}               a resolved scene, without name, description and seed
     {"scene": ID, "as": ID, "but": {...}}    the same as another one before it, but for these values
-    {"run": SET/WATER/CROWD, "seed": N, "scene": ID, "commit": ..., "program": ..., results}    see record.py
+    {"run": SET/WATER/CROWD, "seed": N, "scene": ID, "commit": ..., results}    see record.py
 
-Lines are only ever appended, whole and on to the disk, until tidy() puts them in order. Of lines with the same run,
-seed and scene the last one counts. A last line without its end, as a crash leaves it, does not count.
+Lines are only ever appended, whole and on to the disk. Of lines with the same run, seed and scene the last one counts. A
+last line without its end, as a crash leaves it, does not count.
 """
 
 import contextlib
@@ -17,10 +17,8 @@ import functools
 import hashlib
 import json
 import os
-import re
 
 from wade.paths import CONFIGS
-from wade.reports.files import write_whole
 
 FORMAT = {"format": 1}
 NAMES = ("run", "seed", "scene")
@@ -36,7 +34,6 @@ class Store:
     def __init__(self, file):
         self.file, self.size = file, 0
         self.scenes, self.rows = {}, {}  # by id; by (run, seed): {scene's id: record}
-        self.base = None  # id of the scene from which others are told
         self.read()
 
     def read(self):
@@ -54,7 +51,6 @@ class Store:
             self.rows.setdefault((line["run"], line["seed"]), {})[line["scene"]] = record
         elif "scene" in line:
             self.scenes[line["scene"]] = line["is"] if "is" in line else merged(self.scenes[line["as"]], line["but"])
-            self.base = self.base or line["scene"]
         elif line != FORMAT:
             raise ValueError
 
@@ -76,10 +72,9 @@ class Store:
             kept = seedless(scene)
             key = id_of(kept)
             lines = [] if self.size else [FORMAT]
-            if key not in self.scenes:
-                lines.append(self.scene_line(key, kept))
+            lines += [] if key in self.scenes else [{"scene": key, "is": kept}]
             lines.append({"run": run, "seed": seed, "scene": key, **record})
-            data = text_of(lines).encode()
+            data = "".join(json.dumps(line, separators=(",", ":"), ensure_ascii=False) + "\n" for line in lines).encode()
             with open(self.file, "r+b" if self.file.exists() else "wb") as file:
                 file.truncate(self.size)  # of a last line that a crash cut off
                 file.seek(self.size)
@@ -89,33 +84,6 @@ class Store:
             self.size += len(data)
             for line in lines:
                 self.take(line)
-
-    def tidy(self):
-        """Puts the lines in order, one for each run, so that the file changes where its runs do."""
-        with self.alone():
-            self.read()
-            if not self.rows:
-                return
-            runs = sorted(self.rows, key=lambda name: (natural(name[0]), name[1]))
-            lines, told = [FORMAT], set()
-            for run, seed in runs:
-                for key, record in sorted(self.rows[run, seed].items()):
-                    for scene in (self.base, key):
-                        if scene not in told:
-                            lines.append(self.scene_line(scene, self.scenes[scene]))
-                            told.add(scene)
-                    lines.append({"run": run, "seed": seed, "scene": key, **record})
-            data = text_of(lines).encode()
-            if data != self.file.read_bytes():
-                write_whole(self.file, data)
-            self.size = len(data)
-
-    def scene_line(self, key, scene):
-        if self.base not in (None, key):
-            but = difference(self.scenes[self.base], scene)
-            if merged(self.scenes[self.base], but) == scene:
-                return {"scene": key, "as": self.base, "but": but}
-        return {"scene": key, "is": scene}
 
     @contextlib.contextmanager
     def alone(self):
@@ -128,10 +96,6 @@ class Store:
             os.close(folder)
 
 
-def text_of(lines):
-    return "".join(json.dumps(line, separators=(",", ":"), ensure_ascii=False) + "\n" for line in lines)
-
-
 def seedless(scene):
     return {key: value for key, value in what_counts(scene).items() if key != "seed"}
 
@@ -140,29 +104,12 @@ def id_of(scene):
     return hashlib.sha256(json.dumps(scene, sort_keys=True).encode()).hexdigest()[:12]
 
 
-def difference(base, scene):
-    """What a scene has otherwise than another one; what it lacks cannot be told."""
-    but = {}
-    for key, value in scene.items():
-        if key in base and isinstance(value, dict) and isinstance(base[key], dict):
-            if deeper := difference(base[key], value):
-                but[key] = deeper
-        elif key not in base or value != base[key]:
-            but[key] = value
-    return but
-
-
 def merged(base, but):
     both = dict(base)
     for key, value in but.items():
         deep = isinstance(value, dict) and isinstance(base.get(key), dict)
         both[key] = merged(base[key], value) if deep else value
     return both
-
-
-def natural(text):
-    """Key by which s2 comes before s10."""
-    return [(int(part), "") if part.isdigit() else (0, part) for part in re.split(r"(\d+)", text)]
 
 
 def what_counts(scene):
@@ -183,7 +130,7 @@ def is_default(value, node):
 
 
 def same_scene(old, now):
-    """Two resolved scenes are the same but for keys that the older programs did not know and that have their default
+    """Whether two resolved scenes are the same but for keys that older programs did not know and that have their default
     now."""
     return same_part(what_counts(old), what_counts(now), schema())
 
@@ -192,7 +139,6 @@ def same_part(old, now, node):
     if not (isinstance(old, dict) and isinstance(now, dict)):
         return old == now
     known = node.get("properties", {})
-    new_keys = now.keys() - old.keys()
-    return old.keys() <= now.keys() and all(is_default(now[key], known.get(key, {})) for key in new_keys) and all(
-        same_part(old[key], now[key], known.get(key, {})) for key in old
-    )
+    added = now.keys() - old.keys()
+    return old.keys() <= now.keys() and all(is_default(now[key], known.get(key, {})) for key in added) and all(
+        same_part(old[key], now[key], known.get(key, {})) for key in old)
