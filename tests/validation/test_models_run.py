@@ -30,7 +30,7 @@ class ShortComparison(unittest.TestCase):
 
     def test_it_ends_well_with_all_its_files(self):
         self.assertEqual(self.answer.returncode, 0, self.answer.stderr)
-        for name in ("models.csv", "error_over_cost.png", "impulse.png", "table1_river.png"):
+        for name in ("models.csv", "error_over_cost.png", "table1_river.png"):
             self.assertTrue((self.out / name).is_file(), name)
 
     def test_each_model_is_run_or_says_why_not(self):

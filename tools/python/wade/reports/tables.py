@@ -29,7 +29,9 @@ def listed(parts):
 def markdown(head, rows):
     """A table, its cells as they are; a bar or a line's end within a cell does not break it."""
     cells = [[str(cell).replace("|", "\\|").replace("\n", " ") for cell in row] for row in rows]
-    return tabulate(cells, head, tablefmt="github", disable_numparse=True, stralign=None, numalign=None) + "\n"
+    text = tabulate(cells, head, tablefmt="github", disable_numparse=True, stralign=None, numalign=None)
+    first, _, *rest = text.split("\n")
+    return "\n".join([first, "|" + "---|" * len(head), *rest]) + "\n"
 
 
 def plain(head, rows):

@@ -2,7 +2,7 @@
 
 Runs each validation case that a model can run (a case refuses the others by itself) and the scenes of
 Table 1 with each model, nothing changed but /fluid/model, one run at a time in one thread. Writes
-report.md, with plots and with conclusions that follow from the numbers by rule, and models.csv. A run
+report.md, with plots and with grades that follow from the numbers by rule, and models.csv. A run
 that is complete and whose program and scenes are the same is not repeated. Shallow water, steering and
 kinematic take about an hour on one core, DFSPH some hours more. With --quick: the quick cases at one
 resolution each, and S1, S4, S5 and S8 of configs/river with one seed.
@@ -26,7 +26,7 @@ from wade.reports.programs import Fingerprints
 from wade.reports.tables import document, section
 from wade.run.processes import Pair
 from wade.suites import cases as known_cases
-from wade.suites.models import conclusions, drawings, rules, sections
+from wade.suites.models import drawings, rules, sections
 from wade.suites.models.case_runs import run_cases, water_cases
 from wade.suites.models.outcomes import write_table
 from wade.suites.models.table_one import SETS, run_table
@@ -111,12 +111,12 @@ def write_report(chosen, outcomes, table1, failures):
     commits = sorted({o.commit for o in outcomes if o.commit})
     made = f"* {machine_line()}\n* Validation cases: programs of commit {', '.join(commits) or 'none'}.\n{COSTS}"
     write_whole(out / "report.md", document(
-        HEAD, conclusions.words_section(outcomes, models, graded, reasons, table1),
+        HEAD, sections.grades_section(outcomes, models, graded, reasons),
         sections.cheapest_section(outcomes, models, graded, reasons),
         section("Error over cost", drawings.WORDS, "![error over cost](error_over_cost.png)")
         if drawings.error_over_cost(out / "error_over_cost.png", outcomes, models, limits) else "",
         sections.cases_section(outcomes, models, limits),
-        sections.impulse_section(outcomes, drawings.impulse_errors(out / "impulse.png", outcomes, models)),
+        sections.impulse_section(outcomes),
         *(sections.table1_section(of_set, paper, out) for of_set in table1.values()),
         sections.refusals_section(outcomes, models), sections.missing_section(outcomes, failures),
         section("Machine and programs", made)))

@@ -113,32 +113,6 @@ def error_over_cost(file, outcomes, models, limits):
     return True
 
 
-def impulse_errors(file, outcomes, models):
-    """The error of the impulse on people who stand, by case, over the cost. False without such cases."""
-    known = [o for o in outcomes if o.status == COMPLETED and o.value("impulse_median") is not None]
-    cases = list(dict.fromkeys(o.case for o in known))
-    if not cases:
-        return False
-    figure, axes = pyplot.subplots(2, len(cases), figsize=(3.4 * len(cases), 5), squeeze=False, sharex=True, sharey=True)
-    for row, (metric, name) in zip(axes, IMPULSE_ERRORS.items()):
-        for panel, case in zip(row, cases):
-            for model in models:
-                points = [(o.cost, o.value(metric), o.level, True) for o in known
-                          if (o.case, o.model) == (case, model) and o.cost is not None]
-                points = [point for point in points if point[1]]
-                if points:
-                    draw_points(panel, points, model, models)
-            prepare(panel, case)
-            panel.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
-        row[0].set_ylabel(name, fontsize=8)
-    for panel in axes[-1]:
-        panel.set_xlabel(COST, fontsize=8)
-    figure.tight_layout()
-    legend(figure, models, levels_of(outcomes))
-    save(figure, file)
-    return True
-
-
 def table1_picture(file, paper, of_set):
     """of_set: [ModelRuns] of one set of scenes."""
     known = {runs.model: runs.results for runs in of_set}

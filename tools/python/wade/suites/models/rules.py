@@ -4,7 +4,6 @@ from wade.suites.models.outcomes import COMPLETED, REFUSED, missed, worst
 
 NEAR = 2.0  # a limit missed by less than this factor is near: what one halving of the spacing mends at first order
 SAME_AS = 1.1  # an error that is at most so many times another one is as small: chance moves errors by about as much
-TIME_SHARE, AGENTS_SHARE = 0.1, 0.1  # of Table 1 by DFSPH: outcomes nearer than this are the same
 
 IMPULSE = "impulse_median"
 GOOD, CLOSE, USELESS = "good enough", "near", "useless"
@@ -42,21 +41,6 @@ def nearest(outcomes, case, models, limits):
     pairs = [best(outcomes, case, model, limits) for model in models]
     pairs = [pair for pair in pairs if pair[0] is not None]
     return min(pairs, key=lambda pair: pair[1].ratio, default=(None, None))
-
-
-def beaten_by(outcome, outcomes, limits):
-    """Runs of other models that are at most as dear and at most as wrong, and better in one of both."""
-    own = worst(outcome, limits)
-    if own is None or outcome.cost is None:
-        return []
-    better = []
-    for other in judged(outcomes, outcome.case, limits):
-        its = worst(other, limits)
-        if other.model == outcome.model:
-            continue
-        if other.cost <= outcome.cost and its.ratio <= own.ratio and (other.cost, its.ratio) != (outcome.cost, own.ratio):
-            better.append(other)
-    return better
 
 
 def by_grade(outcomes, model, cases, limits):
@@ -100,16 +84,3 @@ def limits_of_people(outcomes, limits, reasons):
             guard = limits.get((o.case, IMPULSE, o.level))
             graded[o.case, IMPULSE, o.level] = SAME_AS * error if guard is None else min(guard, SAME_AS * error)
     return graded
-
-
-def agrees(result, reference):
-    """Whether a scenario of Table 1 ends as by the reference: arrivals within a tenth of the agents, and the mean time of
-    the last arrival, where somebody arrives in both, within a tenth. None where one of both is missing."""
-    if result is None or reference is None:
-        return None
-    if abs(result.arrived[0] - reference.arrived[0]) > AGENTS_SHARE * reference.agents:
-        return False
-    if result.time is None or reference.time is None:
-        return True  # then few arrive in both
-    return abs(result.time[0] / reference.time[0] - 1) <= TIME_SHARE
-
