@@ -60,9 +60,15 @@ def half_products(rows):
     """H v_F at which half of the people arrive, m2/s: for each depth at which that happens between two velocities of the
     sweep, linear in the logarithm of the velocity; and the number of all depths."""
     depths, speeds, share = shares(rows)
-    logs = [math.log(speed) for speed in speeds]
-    found = {depth: value_at(list(zip(logs, line)), 0.5) for depth, line in zip(depths, share)}
+    found = {depth: value_at(list(zip(map(math.log, speeds), line)), 0.5) for depth, line in zip(depths, share)}
     return {depth: depth * math.exp(log) for depth, log in found.items() if log is not None}, len(depths)
+
+
+def half_words(tau, rows, scene):
+    products, depths = half_products(rows)
+    half = f"half of the people arrive at H v_F of {min(products.values()):.2f} to {max(products.values()):.2f} m2/s at" \
+        f" {len(products)} of {depths} depths, elsewhere at no velocity of the sweep" if products else "more or less than half everywhere"
+    return f"* tau {tau:g}: {half}; Eq. 9 lets an agent stand against up to {limit_in_words(limit_of(scene, tau))} m2/s."
 
 
 def by_level(rows):
@@ -105,13 +111,3 @@ def plane_section(context):
     table = markdown(["level of H v_F", "points", *(f"tau {tau:g}: arrive, %" for tau in taus)], lines)
     return section(title, text, table, "\n".join(half_words(tau, of_tau[tau], scene) for tau in taus),
                    "![depth times velocity](depth_sweep.png)")
-
-
-def half_words(tau, rows, scene):
-    products, depths = half_products(rows)
-    stands = f"Eq. 9 lets an agent stand against up to {limit_in_words(limit_of(scene, tau))} m2/s"
-    if not products:
-        return f"* tau {tau:g}: at no depth does the share that arrives pass a half. {stands}."
-    low, high = min(products.values()), max(products.values())
-    where = "at every depth" if len(products) == depths else f"at {len(products)} of {depths} depths, elsewhere at no velocity of the sweep"
-    return f"* tau {tau:g}: half of the people arrive at H v_F of {low:.2f} to {high:.2f} m2/s ({where}). {stands}."
