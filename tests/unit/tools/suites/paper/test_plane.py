@@ -64,7 +64,7 @@ class Plane(unittest.TestCase):
         text = self.section()
         self.assertIn("9 points, depths of 0.5 to 1.5 m and v_F of 0.5 to 2 m/s", text)
         self.assertIn("seeds 1 to 1, programs of commit abc", text)
-        self.assertIn("half of the people arrive at H v_F of 0.84 to 1.41 m2/s at 2 of 3 depths, elsewhere", text)
+        self.assertIn("half arrive at H v_F of 0.84 to 1.41 m2/s at 2 of 3 depths, elsewhere", text)
         self.assertIn("stand against up to 0.53 m2/s", text)
         self.assertGreater((self.out / "depth_sweep.png").stat().st_size, 10000)
 

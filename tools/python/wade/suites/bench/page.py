@@ -89,10 +89,11 @@ def bounds(results):
                      f"{100 * useful / pairs_at_most:.0f} %", f"{100 * useful / lanes / pairs_at_most:.0f} %", count(moved),
                      f"{100 * moved / nanoseconds / stream:.0f} %"))
     text = (
-        f"One core makes {peak:.0f} GFLOP/s of multiply-adds in registers and moves {stream:.1f} GB/s. A pair costs a sweep at "
-        f"least {OPERATIONS_OF_A_PAIR} vector operations a lane, so that no core makes more than {pairs_at_most / 1e6:,.0f} M pairs/s. "
-        "A lane whose particle is too far away works for nothing: the last two columns of shares count useful pairs, and all lanes. "
-        "Shares of the bandwidth hold for sizes that no cache holds.\n\n")
+        f"One core makes {peak:.0f} GFLOP/s of multiply-adds in registers and moves {stream:.1f} GB/s. A pair costs a "
+        f"sweep at least {OPERATIONS_OF_A_PAIR} vector operations a lane, so that no core makes more than "
+        f"{pairs_at_most / 1e6:,.0f} M pairs/s. A lane whose particle is too far away works for nothing: the last two "
+        "columns of shares count useful pairs, and all lanes. Shares of the bandwidth hold for sizes that no cache "
+        "holds.\n\n")
     heads = ("sweep", "particles", "ns a particle", "useful M pairs/s", "lanes in use", "of the bound", "of the bound, all lanes",
              "bytes a particle", "of the bandwidth")
     return text + table(heads, rows)
@@ -138,8 +139,9 @@ def second_processor(results):
                 free = "they share nothing" if one["name"] in ALONE else "they wait for nothing" if one["name"] in SWEEPS else ""
                 rows.append((one["name"], count(one["size"]), f"{speed_up(one, two):.2f}", free))
     text = (
-        "Work in the same time with two threads, times that with one. The first rows bound the others: where two copies that need "
-        "not wait for each other do not do twice as much, the two processors share something, such as a core or its clock.\n\n")
+        "Work in the same time with two threads, times that with one. The first rows bound the others: where two "
+        "copies that need not wait for each other do not do twice as much, the two processors share something, such as "
+        "a core or its clock.\n\n")
     return text + table(("name", "size", "times", ""), rows) if rows else ""
 
 
@@ -166,9 +168,10 @@ def features(results):
         if r["name"].startswith("features/")
     ]
     text = (
-        "Processor time with the feature over that without, medians of pairs of runs that take turns. `off` sets the feature to what "
-        "it is without a word (viscosity to 0, where it is 0.01 without); how far its interval lies from 1 is how exactly this machine "
-        "can tell. A feature that is off is a test a step in the same program, so that no build without it stands beside.\n\n")
+        "Processor time with the feature over that without, medians of pairs of runs that take turns. `off` sets the "
+        "feature to what it is without a word (viscosity to 0, where it is 0.01 without); how far its interval lies "
+        "from 1 is how exactly this machine can tell. A feature that is off is a test a step in the same program, so "
+        "that no build without it stands beside.\n\n")
     return text + table(("feature", "times", "interval", "pairs", "time of", "s without"), rows) if rows else ""
 
 

@@ -67,8 +67,8 @@ def summary(rows):
     near = [r for r in met if near_finest(r)]
     if near:
         lines.append(
-            f"* In {len(near)} of {len(met)} dfsph was chosen with less than twice the spacing of the fine run: there the actual "
-            "error is a lower bound (>= in the table) and *held* says little."
+            f"* In {len(near)} of {len(met)} dfsph was chosen with less than twice the spacing of the fine run: there "
+            "the actual error is a lower bound (>= in the table) and *held* says little."
         )
     failed = [r for r in met if r["held"] != "yes"]
     if failed:

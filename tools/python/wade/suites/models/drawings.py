@@ -122,5 +122,6 @@ def table1_picture(file, paper, of_set):
 
 
 WORDS = (
-    "A panel a case that at least two models can run. Up: of all errors that have a limit, the one that is largest against its limit, over"
-    " that limit (below 0.001 drawn at 0.001, above 30 or not measured at 30); the dashed line is the limit. Left is cheap, below is exact.")
+    "A panel a case that at least two models can run. Up: of all errors that have a limit, the one that is largest "
+    "against its limit, over that limit (below 0.001 drawn at 0.001, above 30 or not measured at 30); the dashed line "
+    "is the limit. Left is cheap, below is exact.")

@@ -41,8 +41,8 @@ def grades_section(outcomes, models, limits, reasons):
         lines.append([model_words(model), *(f"{len(found)}: {', '.join(words(*pair) for pair in found)}" if found else "0"
                                             for found in graded.values()), len(rules.refusals(outcomes, model))])
     text = (
-        "Of each case the resolution counts at which the model is nearest to the limits. Good enough: it keeps all of them; near: it"
-        f" misses one by a factor of {rules.NEAR:g} at most; useless: by more. {GUARDS}")
+        "Of each case the resolution counts at which the model is nearest to the limits. Good enough: it keeps all of "
+        f"them; near: it misses one by a factor of {rules.NEAR:g} at most; useless: by more. {GUARDS}")
     head = ("model", rules.GOOD, rules.CLOSE, rules.USELESS, "[cannot run](#what-a-model-cannot-run)")
     return section("What each model is good for", text, markdown(head, lines)) if outcomes else ""
 
@@ -87,9 +87,10 @@ def cases_section(outcomes, models, limits):
     if not lines:
         return ""
     text = (
-        "met or **missed**: all limits of the case at this resolution, and of the errors that have one the one that is nearest to it or"
-        " furthest above it, as error of limit; then the CPU time of the solver for the whole run. A grid has cells as large as the"
-        " particles are apart. `cannot`: the case refuses the model ([why](#what-a-model-cannot-run)).")
+        "met or **missed**: all limits of the case at this resolution, and of the errors that have one the one that is "
+        "nearest to it or furthest above it, as error of limit; then the CPU time of the solver for the whole run. A "
+        "grid has cells as large as the particles are apart. `cannot`: the case refuses the model "
+        "([why](#what-a-model-cannot-run)).")
     return section("Case by model", text, markdown(["case", "resolution", *map(model_words, models)], lines))
 
 
@@ -132,8 +133,9 @@ def impulse_section(outcomes):
         return ""
     head = ["case", "resolution", "model", "median", "95 % of people", "another outcome", "median over DFSPH's", "CPU s"]
     text = (
-        "The time integral of the momentum of the water that touches a person who stands; the error is relative to our own finest run of"
-        " DFSPH, which is no truth. Another outcome: share of those who walk and end otherwise than there.")
+        "The time integral of the momentum of the water that touches a person who stands; the error is relative to our "
+        "own finest run of DFSPH, which is no truth. Another outcome: share of those who walk and end otherwise than "
+        "there.")
     return section("Impulse on people", text, markdown(head, lines))
 
 
@@ -187,8 +189,8 @@ def table1_section(of_set, paper, out):
     picture = f"table1_{scene_set}.png"
     table1_picture(out / picture, paper, of_set)
     text = (
-        f"`configs/{scene_set}` with another `/fluid/model`. Time of the last arrival, s, and how many of 50 arrive: means over the seeds"
-        " with intervals of 95 %.")
+        f"`configs/{scene_set}` with another `/fluid/model`. Time of the last arrival, s, and how many of 50 arrive: "
+        "means over the seeds with intervals of 95 %.")
     head = ["model", "seeds", "bands of the paper met", "wall s of the solver a simulated s", "programs of commit"]
     return section(f"Table 1, set {scene_set} ({SET_UPS[scene_set]})", text,
                    markdown(["", "tau", "v_F", "paper", *(model_words(runs.model) for runs in of_set)], lines), markdown(head, facts),

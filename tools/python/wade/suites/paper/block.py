@@ -69,9 +69,10 @@ def block_section(context):
     if not waters:
         return ""
     text = (
-        f"Where the block of 7 x 7 m stood is not published. The scenes assume x {plan.OBSTACLE_AT} m; the other places were tried after"
-        " that result, and so was the speed of the emitter, which was chosen by the times of Table 1. 52 people start from x 65 to 86 m"
-        " for a goal at x 75 m and drift towards x 0. Arrivals, of 52 (the paper: 26 with the block, 8 without it); `-`: not run:")
+        f"Where the block of 7 x 7 m stood is not published. The scenes assume x {plan.OBSTACLE_AT} m; the other "
+        "places were tried after that result, and so was the speed of the emitter, which was chosen by the times of "
+        "Table 1. 52 people start from x 65 to 86 m for a goal at x 75 m and drift towards x 0. Arrivals, of 52 (the "
+        "paper: 26 with the block, 8 without it); `-`: not run:")
     lees = []
     if any(lee_of(result) for water in waters for result in water.by_place.values()):
         lees = [f"Length of the dry lee at {LEE_AT_S} s, m, of seed 1 (the paper's picture has at least {LEE_LENGTH_M} m), and the"

@@ -26,8 +26,8 @@ def others_section(context):
         return ""
     head = ["scenario", "set", "time of the last arrival, s", "arrived", "dead", "water met"]
     text = (
-        "Paper: 8 of 100 arrive with two groups; 26 of 52 with the obstacle (x 60 to 67 m, an assumption) and 8 without; all after the"
-        " switch of tau.")
+        "Paper: 8 of 100 arrive with two groups; 26 of 52 with the obstacle (x 60 to 67 m, an assumption) and 8 "
+        "without; all after the switch of tau.")
     return section("Two groups, obstacle, switch of tau", text, markdown(head, lines), when_paper_counts(context))
 
 
@@ -84,8 +84,8 @@ def losses_section(context):
         return ""
     both, alone = context.other("observed", "two_groups"), context.get(plan.phase_case(0.6, 1.5))
     text = (
-        "Set as observed. Depth of the water, or speed with which it pushes, at which as many arrive as in the paper; linear between the"
-        " values that were run; `-`: at none of them.")
+        "Set as observed. Depth of the water, or speed with which it pushes, at which as many arrive as in the paper; "
+        "linear between the values that were run; `-`: at none of them.")
     other = (f"The other group is not what stops them: {crossing(both)} of 50 cross with it, {arrived_of(alone)} without it (same tau"
              " and water)." if both and alone else "")
     head = ["scenario", "arrive in the paper", "at a depth of, m", "at a speed of, v_F"]

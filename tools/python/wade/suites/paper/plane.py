@@ -50,9 +50,9 @@ def danger_section(context):
         return ""
     bounds = ", ".join(f"{level.replace('_', ' ')} from {bound:g}" for level, bound in BOUNDS.items())
     text = (
-        f"Table 2 of the paper (Viseu) grades water by depth times velocity, m2/s: {bounds}. Met: mean depth times mean speed of the water"
-        " that the people met, the front among it, so that it may lie a level below what was asked for. A level alone does not say who"
-        " arrives: people of tau 0 walk through water of the highest.")
+        f"Table 2 of the paper (Viseu) grades water by depth times velocity, m2/s: {bounds}. Met: mean depth times "
+        "mean speed of the water that the people met, the front among it, so that it may lie a level below what was "
+        "asked for. A level alone does not say who arrives: people of tau 0 walk through water of the highest.")
     return section("Danger levels", text, markdown(head, lines))
 
 
@@ -66,8 +66,11 @@ def half_products(rows):
 
 def half_words(tau, rows, scene):
     products, depths = half_products(rows)
-    half = f"half of the people arrive at H v_F of {min(products.values()):.2f} to {max(products.values()):.2f} m2/s at" \
-        f" {len(products)} of {depths} depths, elsewhere at no velocity of the sweep" if products else "more or less than half everywhere"
+    half = "at no depth does the share that arrives pass a half"
+    if products:
+        low, high = min(products.values()), max(products.values())
+        rest = ", elsewhere at no velocity of the sweep" if len(products) < depths else ""
+        half = f"half arrive at H v_F of {low:.2f} to {high:.2f} m2/s at {len(products)} of {depths} depths{rest}"
     return f"* tau {tau:g}: {half}; Eq. 9 lets an agent stand against up to {limit_in_words(limit_of(scene, tau))} m2/s."
 
 
@@ -104,10 +107,10 @@ def plane_section(context):
             lines.append([level.replace("_", " "), max(found[0] for found in known if found),
                           *("-" if found is None else f"{100 * found[1]:.0f}" for found in known)])
     text = (
-        f"Who arrives at {(share == share).sum()} points, depths of {depths[0]:g} to {depths[-1]:g} m and v_F of {speeds[0]:g} to"
-        f" {speeds[-1]:g} m/s, set as observed, simulated with the pair (seeds {seeds[0]} to {seeds[-1]}, programs of commit"
-        f" {', '.join(commits)}). Water shallower than the particles' spacing has smaller particles. The shares of a level are means over"
-        " its points and depend on where these lie.")
+        f"Who arrives at {(share == share).sum()} points, depths of {depths[0]:g} to {depths[-1]:g} m and v_F of "
+        f"{speeds[0]:g} to {speeds[-1]:g} m/s, set as observed, simulated with the pair (seeds {seeds[0]} to "
+        f"{seeds[-1]}, programs of commit {', '.join(commits)}). Water shallower than the particles' spacing has "
+        "smaller particles. The shares of a level are means over its points and depend on where these lie.")
     table = markdown(["level of H v_F", "points", *(f"tau {tau:g}: arrive, %" for tau in taus)], lines)
     return section(title, text, table, "\n".join(half_words(tau, of_tau[tau], scene) for tau in taus),
                    "![depth times velocity](depth_sweep.png)")

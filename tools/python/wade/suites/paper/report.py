@@ -109,9 +109,10 @@ def bands_section(context):
     lines = [[row[0].name, row[0].asked, *(cell for one in row for cell in (answers[one.holds], one.found or "-"))]
              for row in zip(*by_set.values())]
     text = (
-        "Fixed before any result was known (`bands.py` of the suite), one set of parameters for all rows, contact rule `difference`."
-        " The one number fitted is the goal radius, 1.4 m, on S1 alone. Times are those of the last arrival. Intervals are of 95 %:"
-        " bootstrap over seeds for times; Wilson, with the design effect of runs, for numbers of agents.")
+        "Fixed before any result was known (`bands.py` of the suite), one set of parameters for all rows, contact rule "
+        "`difference`. The one number fitted is the goal radius, 1.4 m, on S1 alone. Times are those of the last "
+        "arrival. Intervals are of 95 %: bootstrap over seeds for times; Wilson, with the design effect of runs, for "
+        "numbers of agents.")
     return section("Bands", text, markdown(head, lines), closest(context, by_set))
 
 
@@ -161,8 +162,9 @@ def table1_section(context):
             cells.append("-" if result is None else shown(result.dead, 1))
         lines.append(cells)
     text = (
-        "Time: arrival of the last agent that arrives, s, `-`: nobody; error: to the paper's time; diff: to S1 in the same columns."
-        " The paper has one run a scenario and gives the number that arrives for S6 only; the others are read from its text.")
+        "Time: arrival of the last agent that arrives, s, `-`: nobody; error: to the paper's time; diff: to S1 in the "
+        "same columns. The paper has one run a scenario and gives the number that arrives for S6 only; the others are "
+        "read from its text.")
     return section("Table 1", text, markdown(head, lines), "![Table 1](table1.png)")
 
 
@@ -185,11 +187,11 @@ def limit_section(context):
             cells += [met_of(result), share, arrived_of(result)]
         lines.append(cells)
     text = (
-        "An agent that walks straight against a uniform stream holds its ground if and only if v_F < v_B m_a / (tau m_c), with"
-        " v_B = 0.989 x 1.3 m/s, m_a = 65 kg and the mean contact mass m_c = rho h pi r_c^2, 196 kg in 1 m of water. Above the limit an"
-        " agent drifts downstream while it crosses, and arrives only if it is across before the fall. Water met: means over the time that"
-        " each agent was in the water, of the depth and of the speed (depth times speed over depth) in its 2 x 2 m cell, then over the"
-        " agents.")
+        "An agent that walks straight against a uniform stream holds its ground if and only if v_F < v_B m_a / (tau "
+        "m_c), with v_B = 0.989 x 1.3 m/s, m_a = 65 kg and the mean contact mass m_c = rho h pi r_c^2, 196 kg in 1 m "
+        "of water. Above the limit an agent drifts downstream while it crosses, and arrives only if it is across "
+        "before the fall. Water met: means over the time that each agent was in the water, of the depth and of the "
+        "speed (depth times speed over depth) in its 2 x 2 m cell, then over the agents.")
     return section("The closed form", text, markdown(head, lines))
 
 
@@ -199,9 +201,9 @@ def figures_section(drawn):
         return ""
     gone = "; ".join(f"{words} (set-up {SET_UPS[set_]})" for set_, file, words in drawn if not file)
     text = (
-        "Seed 1. Water blue, paths red, goals as stars. The paper's times are known for figures 2 and 8; which scenarios its figures 3,"
-        " 5 and 6 show is not known to us: scenarios of Table 1 stand for them. Drawn before: the paths of its run are gone, the picture"
-        " stays.")
+        "Seed 1. Water blue, paths red, goals as stars. The paper's times are known for figures 2 and 8; which "
+        "scenarios its figures 3, 5 and 6 show is not known to us: scenarios of Table 1 stand for them. Drawn before: "
+        "the paths of its run are gone, the picture stays.")
     there = [f"{words} (set-up {SET_UPS[set_]}):\n\n![{words}]({file})" for set_, file, words in drawn if file]
     return section("Figures in the paper's style", text, *there,
                    f"Not drawn, as the paths of their runs are gone: {gone}." if gone else "")
@@ -221,7 +223,7 @@ def runs_section(runs, failures):
                       "-" if error is None else f"{100 * error:.2f}", fluid.get("position_clamps")])
     head = ["water", "crowds", "simulated s", "particles", "mean depth m", "mean speed m/s", "density error max %", "clamps"]
     text = (
-        "Depth and speed: mean over the whole stream and the run. Density error: of the worst particle of any step, which is where water"
-        " strikes a block; the solver's tolerance is for the mean.")
+        "Depth and speed: mean over the whole stream and the run. Density error: of the worst particle of any step, "
+        "which is where water strikes a block; the solver's tolerance is for the mean.")
     return section("The runs of the fluid", text, markdown(head, lines),
                    "Failed, and not in the tables: " + "; ".join(failures) + "." if failures else "")

@@ -36,10 +36,11 @@ def readings_section(context):
         if len(lines) > 1:
             tables.append(section(SET_UPS[scene_set], markdown(head, lines), level=3))
     text = (
-        "Time of the last arrival, s, and how many of 50 arrive where not all do. `sum` is the paper's text (contact within 0.75 m,"
-        " 1767 kg a metre of depth), `difference` its authors' program (0.25 m, 196 kg). Paper: S4 54 s, S5 93 s, S6 160 s with 35, S7"
-        " 97 s, S8 nobody, S10 140 s, two groups 8 in all. `continuous` is Eq. 9 as a differential equation with the same steady state"
-        " (`tools/wade frame-rates` shows either rule at 15 to 120 frames/s).")
+        "Time of the last arrival, s, and how many of 50 arrive where not all do. `sum` is the paper's text (contact "
+        "within 0.75 m, 1767 kg a metre of depth), `difference` its authors' program (0.25 m, 196 kg). Paper: S4 54 s, "
+        "S5 93 s, S6 160 s with 35, S7 97 s, S8 nobody, S10 140 s, two groups 8 in all. `continuous` is Eq. 9 as a "
+        "differential equation with the same steady state (`tools/wade frame-rates` shows either rule at 15 to 120 "
+        "frames/s).")
     return section("Readings", text, *tables) if tables else ""
 
 
@@ -54,9 +55,9 @@ def particles_section(context):
                 lines.append([*cells, *map(told, results), *map(met_of, results)])
     head = ["set", "scenario", "27,000 particles", "270,000 particles", "water met", "water met"]
     text = (
-        "The mean contact mass does not depend on the particles' size, its scatter does, and Eq. 9 is concave in it: with fewer, heavier"
-        " particles an agent is often untouched and walks freely for a frame, so that it gets further than its mean contact mass would"
-        " allow. Of the two groups: those who cross.")
+        "The mean contact mass does not depend on the particles' size, its scatter does, and Eq. 9 is concave in it: "
+        "with fewer, heavier particles an agent is often untouched and walks freely for a frame, so that it gets "
+        "further than its mean contact mass would allow. Of the two groups: those who cross.")
     return section("Ten times the particles", text, markdown(head, lines)) if lines else ""
 
 
@@ -73,10 +74,10 @@ def phase_section(context):
     lost = of_limit(some.scene, tau=1, velocity=loss_velocity(some.scene, 1))
     far = f" Simulated, most still arrive up to {max(across):.2f} of the limit." if across else ""
     text = (
-        f"{len(results)} points of {len(some.runs)} seeds or more, set as observed, simulated with the pair. The closed form says where an"
-        " agent that walks straight against the stream stands still. These agents cross it: heading straight across, they are lost where"
-        f" they drift as far as the fall before they are over, at v_F = {lost:.2f} of that limit (way to the fall over width of the"
-        f" river).{far}")
+        f"{len(results)} points of {len(some.runs)} seeds or more, set as observed, simulated with the pair. The "
+        "closed form says where an agent that walks straight against the stream stands still. These agents cross it: "
+        "heading straight across, they are lost where they drift as far as the fall before they are over, at v_F = "
+        f"{lost:.2f} of that limit (way to the fall over width of the river).{far}")
     return section("Who crosses, over tau and v_F", text, "![phase diagram](phase.png)")
 
 
@@ -117,16 +118,17 @@ def sweep_section(context, title, text, case_of, values, unit, picture, label):
 
 def depth_section(context):
     text = (
-        "The contact mass is proportional to the depth of the water at the agents, which the paper does not give for its runs (1 m is the"
-        " opening of its emitter). Set as observed, all else unchanged.")
+        "The contact mass is proportional to the depth of the water at the agents, which the paper does not give for "
+        "its runs (1 m is the opening of its emitter). Set as observed, all else unchanged.")
     return sweep_section(context, "The depth of the water", text, plan.depth_case, plan.DEPTHS, " m", "depth.png",
                          "depth of the water, m")
 
 
 def push_section(context):
     text = (
-        "The authors' logs of the run with v_F 1.5 m/s have 2.9 to 3.9 m/s at the agents near the front, 1.9 to 2.6 times v_F. The set as"
-        " observed moves front and particles at 2.6 v_F and pushes with v_F; here it pushes faster, all else unchanged.")
+        "The authors' logs of the run with v_F 1.5 m/s have 2.9 to 3.9 m/s at the agents near the front, 1.9 to 2.6 "
+        "times v_F. The set as observed moves front and particles at 2.6 v_F and pushes with v_F; here it pushes "
+        "faster, all else unchanged.")
     return sweep_section(context, "The speed of the water at the agents", text, plan.push_case, plan.PUSHES, " v_F", "push.png",
                          "speed with which the water pushes, over v_F")
 

@@ -64,9 +64,10 @@ def overall_section(groups):
         cost, error = mean_by_case(measured, 3), mean_by_case(measured, 4)
         rows.append((cost, label, f"{cost:.2f}", f"{error:.2f}", f"{worse} of {len(measured)}", worst))
     note = (
-        f"Geometric means over {len(cases)} cases ({', '.join(sorted(cases))}), each counted once, of all its errors and "
-        "spacings. An error within what chance does to the default's counts as no difference; a ratio counts as "
-        f"{RATIO_LIMIT} at most. `worse`: in how many errors the setting is worse than the default by more than chance.")
+        f"Geometric means over {len(cases)} cases ({', '.join(sorted(cases))}), each counted once, of all its errors "
+        "and spacings. An error within what chance does to the default's counts as no difference; a ratio counts as "
+        f"{RATIO_LIMIT} at most. `worse`: in how many errors the setting is worse than the default by more than "
+        "chance.")
     head = ("setting", "CPU time, of the default's", "error, of the default's", "worse", "worst")
     ordered = [row[1:] for row in sorted(rows, key=lambda row: row[0])]
     return section("DFSPH: settings beside the default, over all cases", note, markdown(head, ordered))

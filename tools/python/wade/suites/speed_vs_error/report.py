@@ -92,8 +92,8 @@ def thread_lines(group):
                     and s.overrides() == setting.overrides() and s.spacing == setting.spacing), None)
         if one:
             lines.append(f"* d = {setting.spacing:g} m ({point.particles} particles), {setting.threads} threads: "
-                         f"{one.wall / point.wall:.2f} times as fast on the wall clock for {point.cpu / one.cpu:.2f} times "
-                         "the CPU time.")
+                         f"{one.wall / point.wall:.2f} times as fast on the wall clock for {point.cpu / one.cpu:.2f} "
+                         "times the CPU time.")
     return lines
 
 

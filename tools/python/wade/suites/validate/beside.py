@@ -78,7 +78,7 @@ def text(runs, folder, cases, judge):
     costs = [step_cost(run) / step_cost(other) for run, other in found]
     head = ("case", "resolution", "errors with a limit, there -> here", "CPU time, times", "of a particle and step")
     return (
-        f"Of {limits} limits in {len(found)} runs of water {here} are missed here and {there} there; `!`: missed. Errors are "
-        f"{middle(ratios)} times those there and a particle's step costs {middle(costs)} times as much (geometric means; of "
-        f"{len(ratios)} errors with a limit that are above {convergence.NOISE:g} in both).\n\n"
+        f"Of {limits} limits in {len(found)} runs of water {here} are missed here and {there} there; `!`: missed. "
+        f"Errors are {middle(ratios)} times those there and a particle's step costs {middle(costs)} times as much "
+        f"(geometric means; of {len(ratios)} errors with a limit that are above {convergence.NOISE:g} in both).\n\n"
     ) + markdown(head, rows(found, judge))
