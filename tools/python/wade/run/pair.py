@@ -4,6 +4,7 @@ The producer is fluid_server, shm_replay with --replay, or any command with --pr
 Standard library only.
 """
 
+import importlib.util
 import json
 import os
 import shlex
@@ -12,6 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from wade.building import PICTURES
 from wade.errors import UsageError
 from wade.paths import BUILD, module_command
 from wade.run.arguments import asks_for_help, is_given, options_of, split_arguments, suit_to_latest, values_of
@@ -20,7 +22,7 @@ from wade.run.help import HELP
 from wade.run.outcome import BeforeRun, crowds_summary, has_frames, state_of, summary
 from wade.run.processes import Pair, meaning, wait_for_own_segment, wait_until_joined
 from wade.scenes import find_scene
-from wade.terminal import harmless, say_error, tail_of
+from wade.terminal import harmless, say_error, tail_of, wrapped
 
 ANSWERS = ("--check", "--print-config", "--version")  # one program answers and nothing is run
 SHOWN_OF_LOG = 5  # lines, of a program that failed
@@ -145,6 +147,28 @@ def start_all(run, pair, folder, session):
     return started
 
 
+def tell_failures(started, codes):
+    """Shows the ends of the logs of programs that failed; what has no log has said it itself."""
+    for (name, (_process, log)), ended in zip(started.items(), codes):
+        if ended and log:
+            print(f"wade run: {name} ended with exit code {ended}; the end of its log:", file=sys.stderr)
+            print(*("  " + line for line in tail_of(log, SHOWN_OF_LOG)), sep="\n", file=sys.stderr)
+
+
+def picture(run, folder, pair):
+    """Draws the run unless there is a reason not to, and says so; false if the picture failed."""
+    if not all(map(importlib.util.find_spec, PICTURES)):
+        print(f"no picture: {', '.join(PICTURES)} are not all installed")
+    elif is_given(run.arguments["crowd_client"], "--no-trajectories"):
+        print("no picture: --no-trajectories leaves no paths to draw")
+    elif draw(folder, pair):
+        print(f"picture: {folder / 'figure.png'}")
+    else:
+        print("wade run: the picture could not be drawn", file=sys.stderr)
+        return False
+    return True
+
+
 def carry_out(run):
     """Runs everything to its end; returns the exit code."""
     code = run.check_scene()
@@ -170,27 +194,18 @@ def carry_out(run):
         for kind in ("fluid", "agents"):
             Path(f"/dev/shm/{session}-{kind}").unlink(missing_ok=True)
 
-    for (name, (_process, log)), ended in zip(started.items(), codes):
-        if ended and log:
-            print(f"wade run: {name} ended with exit code {ended}; the end of its log:", file=sys.stderr)
-            print(*("  " + line for line in tail_of(log, SHOWN_OF_LOG)), sep="\n", file=sys.stderr)
+    tell_failures(started, codes)
     if before.has_new_results():
         for line in crowds_summary(folder) if many else summary(folder):
-            print(harmless(line))
+            print(wrapped(harmless(line)))
     if left := before.left_from_earlier():
-        print(f"of an earlier run, not of this one: {', '.join(left)}")
+        print(wrapped(f"of an earlier run, not of this one: {', '.join(left)}"))
     print(f"run folder{'s below' if many else ''}: {folder}")
     if recording and state_of(recording) not in (None, earlier_recording):
         print(f"recording: {recording}")
     drawable = not many and not pair.signal and before.has_new_results() and has_frames(folder)
-    if "--no-figure" not in own and drawable:
-        if is_given(run.arguments["crowd_client"], "--no-trajectories"):
-            print("no picture: --no-trajectories leaves no paths to draw")
-        elif draw(folder, pair):
-            print(f"picture: {folder / 'figure.png'}")
-        else:
-            print("wade run: the picture could not be drawn", file=sys.stderr)
-            code = code or 1
+    if "--no-figure" not in own and drawable and not picture(run, folder, pair):
+        code = code or 1
     if pair.signal:
         code = 130 if pair.signal == signal.SIGINT else 143
     return code
