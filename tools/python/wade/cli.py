@@ -1,7 +1,6 @@
 """tools/wade: finds the subcommand, brings the programs that it needs up to date, and calls its module."""
 
 import importlib
-import importlib.util
 import os
 
 from wade.building import BuildError, bring_up_to_date, install_pictures
@@ -19,13 +18,6 @@ def overview():
         lines += [purpose, *(f"  {command.name:15} {command.meaning}" for command in commands), ""]
     lines.append("Each installs and builds what it needs. tools/wade SUBCOMMAND --help tells its options.")
     return "\n".join(lines)
-
-
-def exists(module):
-    try:
-        return bool(module) and importlib.util.find_spec(module) is not None
-    except ModuleNotFoundError:
-        return False
 
 
 def unknown(name):
@@ -75,7 +67,7 @@ def call(arguments):
     command = find_command(name)
     if command is None:
         unknown(name)
-    if command.script and not exists(command.module):
-        script = ROOT / ("" if "/" in command.script else "tools") / command.script
+    if command.script:
+        script = ROOT / command.script
         os.execv(script, [str(script), *rest])
     return carry_out(command, rest)
