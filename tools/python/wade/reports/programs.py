@@ -15,10 +15,6 @@ def program_bytes(program):
     return BUILD_ID.sub(bytes(20), COMMIT.sub(b"", program.read_bytes()))
 
 
-def commit_of(program):
-    return COMMIT.search(program.read_bytes())[0].partition(b"=")[2].rstrip(b"\0").decode()
-
-
 def spheric2_data():
     """What WADE_SPHERIC2_DATA gives to the case spheric2, as far as a fingerprint needs: folder, files, sizes."""
     folder = os.environ.get("WADE_SPHERIC2_DATA", "")

@@ -57,10 +57,9 @@ class Results(unittest.TestCase):
     def test_means_over_runs_and_groups(self):
         nobody = [(i, "ab"[i // 2], "dead", 10.0, 1.0, 1.5) for i in range(4)]
         result = Result([self.run_of(), self.run_of(agents=nobody)])
-        self.assertEqual((result.arrived[0], result.dead, result.active), (1.0, 2.5, 0.5))
+        self.assertEqual((result.arrived[0], result.dead), (1.0, 2.5))
         self.assertEqual(result.time, (60.0, None, None), "runs without arrivals have no time")
         self.assertEqual(result.arrived_of("a")[0], 0.5)
-        self.assertEqual((result.arrived_by(50), result.arrived_by(60)), (0.5, 1.0))
 
     def test_water_met_leaves_out_agents_that_stayed_dry(self):
         result = Result([self.run_of()])

@@ -40,7 +40,6 @@ class Result:
         self.scene = runs[0].scene
         self.arrived = arrival_interval([run.outcome["arrived"] for run in runs], self.agents)
         self.dead = statistics.fmean(run.outcome["dead"] for run in runs)
-        self.active = statistics.fmean(run.outcome["active"] for run in runs)
         last = [run.outcome["last_arrival_s"] for run in runs if run.outcome["last_arrival_s"] is not None]
         self.time = bootstrap_mean(last) if last else None
         self.depth, self.speed = water_met(runs)
@@ -50,10 +49,6 @@ class Result:
         """(mean, low, high) of the arrivals of one group."""
         size = self.runs[0].outcome["groups"][group]["agents"]
         return arrival_interval([len(run.arrival_times(group)) for run in self.runs], size)
-
-    def arrived_by(self, time):
-        """Mean number of agents that have arrived by a time, s."""
-        return statistics.fmean(sum(t <= time for t in run.arrival_times()) for run in self.runs)
 
 
 def water_met(runs):
