@@ -57,7 +57,7 @@ COMMANDS = {
     ),
     "Measure speed": (
         Command("bench", "what each part costs on this machine", "wade.suites.bench",
-                (*PAIR, "shm_record", *BENCHMARKS), True),
+                (*PAIR, *BENCHMARKS), True),
     ),
     "Test": (
         Command("test", "build the tests and run the quick set, or --all", "wade.testing"),

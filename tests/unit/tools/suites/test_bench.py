@@ -5,7 +5,7 @@ import unittest
 from pathlib import Path
 
 from wade.reports.machine import machine, machine_text
-from wade.suites.bench import features, kernels, results
+from wade.suites.bench import kernels, results
 
 
 def result(median, unit="particle_steps_per_s", name="fluid/river", threads=1, **extra):
@@ -46,10 +46,6 @@ class Files(unittest.TestCase):
         (found,) = kernels.results_of({"benchmarks": runs})
         self.assertEqual((found["name"], found["size"], found["unit"]), ("kernels/sort", 100, "ns_per_particle"))
         self.assertEqual((found["median"], found["min"], found["max"]), (6.0, 5.0, 9.0))
-
-    def test_the_interval_of_nine_pairs_leaves_out_the_outermost(self):
-        self.assertEqual(features.interval_of_median([9, 1, 8, 2, 7, 3, 6, 4, 5]), (5, 2, 8))
-        self.assertEqual(features.interval_of_median([3, 1, 2]), (2, 1, 3))
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 Prints medians with counts of the work and the errors beside them. On a busy machine only ratios
 within a program mean something. Names: fluid/river, fluid/river_quartic_spline, fluid/growth,
 fluid/dam_break, fluid/dam_break_733_steps, fluid/column_at_rest, shallow_water/..., steering/...,
-crowd/..., coupling/contacts, protocol/..., kernels/..., machine/..., features/..., end_to_end/s05,
+crowd/..., coupling/contacts, protocol/..., kernels/..., machine/..., end_to_end/s05,
 end_to_end/s05_depth_1, end_to_end/river_s05, end_to_end/fine.
 
 --json has {machine, results: [{name, size, threads, median, min, max, unit, ...}]}. --out writes
@@ -21,7 +21,7 @@ from wade.paths import BUILD
 from wade.reports import options
 from wade.reports.files import complain, publish, say
 from wade.reports.machine import machine, machine_text
-from wade.suites.bench import end_to_end, features, kernels
+from wade.suites.bench import end_to_end, kernels
 from wade.suites.bench.results import comparison, read, summary, write, write_table
 
 # Program, what its names begin with, whether it takes --only and --threads.
@@ -90,15 +90,10 @@ def measure(chosen):
         except (RuntimeError, OSError, ValueError) as error:
             complain(f"bench: {name}: {error}")
             well = False
-
-    def wanted(name):
-        return name.startswith(chosen.only)
-
-    for prefix, title, room in (("features/", "features", features), ("end_to_end/", "whole runs", end_to_end)):
-        if may_match(prefix, chosen.only):
-            say(f"\n== {title}")
-            found, fine = room.measure(wanted, chosen.quick, chosen.threads)
-            results, well = results + found, well and fine
+    if may_match("end_to_end/", chosen.only):
+        say("\n== whole runs")
+        found, fine = end_to_end.measure(chosen.only, chosen.quick, chosen.threads)
+        results, well = results + found, well and fine
     return results, well
 
 

@@ -50,11 +50,11 @@ def result_of(name, threads, outcomes):
     }
 
 
-def measure(wanted, quick, threads):
-    """Results of the runs whose names are wanted, and whether all went well."""
+def measure(only, quick, threads):
+    """Results of the runs whose names begin with `only`, and whether all went well."""
     results, well, hashes = [], True, set()
     for name, scene, until, rounds, options in RUNS:
-        if not wanted(name) or (quick and name not in QUICK):
+        if not name.startswith(only) or (quick and name not in QUICK):
             continue
         counts = [threads] if threads else [os.cpu_count()] if quick else sorted({1, os.cpu_count()})
         for count in counts:

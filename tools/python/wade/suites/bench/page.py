@@ -160,21 +160,6 @@ def goals_of(results):
     return text + table(("name", "size", "threads", "goal", "median", "best", "unit", "reached"), rows) if rows else ""
 
 
-def features(results):
-    rows = [
-        (r["name"].split("/")[1].replace("_", " "), f"{r['median']:.3f}", f"{r['min']:.3f} to {r['max']:.3f}", r["pairs"],
-         r["counted"], f"{r['cpu_s_without']:.2f}")  # fmt: skip
-        for r in results
-        if r["name"].startswith("features/")
-    ]
-    text = (
-        "Processor time with the feature over that without, medians of pairs of runs that take turns. `off` sets the "
-        "feature to what it is without a word (viscosity to 0, where it is 0.01 without); how far its interval lies "
-        "from 1 is how exactly this machine can tell. A feature that is off is a test a step in the same program, so "
-        "that no build without it stands beside.\n\n")
-    return text + table(("feature", "times", "interval", "pairs", "time of", "s without"), rows) if rows else ""
-
-
 def draw_profile(results, file):
     staged = [r for r in results if stages_of(r)]
     if not staged:
@@ -207,7 +192,6 @@ def write(folder, machine, results, quick):
         ("Sweeps beside the bounds of the machine", bounds),
         ("What a second processor gains", second_processor),
         ("Growth with size", growth),
-        ("Features that are off and on", features),
     )
     written = f"Written by `tools/wade bench --out`{', with `--quick`' if quick else ''}. {machine_text(machine)}."
     parts = [section("Benchmarks", written, BUSY if machine["busy"] else "", level=1)]
