@@ -15,11 +15,12 @@ class Publishing(unittest.TestCase):
             for name in ("report.md", "t.csv", "figures/a.png", "b.png", "runs/c.json"):
                 files.write_whole(out / name, "![a](figures/a.png)" if name == "report.md" else name)
             files.write_whole(home / "old.png", "old")
-            files.write_whole(home / "README.md", "how to read it")
+            files.write_whole(home / "read.png", "old")
+            files.write_whole(home / "README.md", "how to read it: ![b](read.png)")
             with mock.patch.object(files, "PUBLISHED", home.parent), mock.patch.object(files, "ROOT", Path(folder)):
                 files.publish(out, "suite", "t.csv")
             there = sorted(str(file.relative_to(home)) for file in home.rglob("*") if file.is_file())
-            self.assertEqual(there, ["README.md", "figures/a.png", "report.md", "t.csv"])
+            self.assertEqual(there, ["README.md", "figures/a.png", "read.png", "report.md", "t.csv"])
 
 
 if __name__ == "__main__":

@@ -37,11 +37,16 @@ def complain(text):
 
 
 def publish(out, suite, table):
-    """Copies report.md, the pictures that it shows and its table to docs/reports/<suite>, and nothing else."""
+    """Copies report.md, the pictures that it shows and its table to docs/reports/<suite>, and nothing else.
+
+    Pictures there that neither it nor another text there shows go.
+    """
     home = PUBLISHED / suite
-    names = {name for name in PICTURE.findall((out / "report.md").read_text(encoding="utf-8"))}
+    names = set(PICTURE.findall((out / "report.md").read_text(encoding="utf-8")))
+    texts = [text.read_text(encoding="utf-8") for text in home.glob("*.md") if text.name != "report.md"]
+    shown = names.union(*map(PICTURE.findall, texts))
     for old in home.glob("**/*.png"):
-        if str(old.relative_to(home)) not in names:
+        if str(old.relative_to(home)) not in shown:
             old.unlink()
     for name in ("report.md", table, *names):
         (home / name).parent.mkdir(parents=True, exist_ok=True)

@@ -1,9 +1,9 @@
-"""The begin of the report, and what the paper loses, on made-up results."""
+"""The begin of the report, on made-up results."""
 
 import unittest
 from types import SimpleNamespace
 
-from wade.suites.paper import TABLE1, losses, plan, report
+from wade.suites.paper import TABLE1, plan, report
 from wade.suites.paper.report import Context
 from wade.suites.paper.results import read_paper
 
@@ -36,17 +36,6 @@ class Summary(unittest.TestCase):
         text = report.summary_section(context(found))
         self.assertIn("4 of 5 bands hold as observed; missed: S8.", text)
         self.assertIn("as observed S8 4.0 (3.0 to 5.0) of 50 arrive", text)
-
-
-class Losses(unittest.TestCase):
-    def test_every_number_of_the_paper_has_its_line(self):
-        run = SimpleNamespace(arrival_times=lambda group=None: [float(second) for second in range(40)])
-        found = SimpleNamespace(runs=[run])
-        cases = [plan.scenario_case("paper", "S6")]
-        cases += [plan.other_case("paper", name) for name in ("two_groups", "no_obstacle", "obstacle")]
-        lines = losses.when_paper_counts(context(dict.fromkeys(cases, found), "paper")).splitlines()[4:]
-        self.assertEqual([line.split("|")[1].strip() for line in lines], ["S6", "two groups", "no obstacle", "obstacle"])
-        self.assertIn("after 34 to 34 s", lines[0])
 
 
 if __name__ == "__main__":

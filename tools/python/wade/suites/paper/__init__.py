@@ -22,7 +22,7 @@ from wade.reports import options
 from wade.reports.files import complain, publish, say, write_whole
 from wade.reports.tables import document, write_csv
 from wade.run.processes import Pair
-from wade.suites.paper import (bands, block, losses, pictures, plan, plane, plots, report, studies, verdict)
+from wade.suites.paper import (bands, others, pictures, plan, plane, plots, report, studies, verdict)
 from wade.suites.paper.ensembles import Ensembles, PlanError, Programs
 from wade.suites.paper.results import COLUMNS, Result, read_paper, table_row
 from wade.suites.paper.store import Store, StoreError
@@ -30,7 +30,7 @@ from wade.suites.paper.words import SET_UPS
 
 SETS_OF = {"both": ("paper", "river"), "all": plan.SETS, **{name: (name,) for name in plan.SETS}}
 QUICK_SETS = ("observed", "paper", "river")  # what --quick takes where nothing is asked for: the others need an hour
-WIDE_PARTS = ("phase", "depth", "push", "rules", "readings", "variations")  # many cases: half of the seeds each
+WIDE_PARTS = ("phase", "rules", "readings")  # many cases: half of the seeds each
 TABLE1 = Path(__file__).with_name("table1.csv")
 
 
@@ -110,11 +110,9 @@ def write_report(chosen, ensembles, paper, drawn):
     sections = [report.table1_section]
     if not cut_short:
         sections = [report.summary_section, report.bands_section, report.table1_section, report.limit_section,
-                    plane.danger_section, losses.others_section, block.block_section, losses.s6_section]
-        sections += [studies.readings_section, studies.particles_section, studies.phase_section, studies.goal_section,
-                     studies.depth_section, studies.push_section]
+                    plane.danger_section, others.others_section]
+        sections += [studies.readings_section, studies.particles_section, studies.phase_section]
         sections += [plane.plane_section] if wants_plane(chosen) else []
-        sections += [losses.losses_section, studies.variations_section]
     all_runs = [run for result in results.values() for run in result.runs]
     text = document(report.head_text(chosen, all_runs), *(section(context) for section in sections),
                     report.figures_section(drawn), verdict.verdict_text(checks, cut_short),

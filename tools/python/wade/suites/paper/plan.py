@@ -17,20 +17,13 @@ SETS = ("observed", "paper", "river", "manning")
 QUICK = ("S1", "S4", "S5", "S8")
 PUSHED = ("S4", "S5", "S6", "S7", "S8", "S10")  # scenarios in which a reading can be told from another
 OTHERS = ("two_groups", "no_obstacle", "obstacle", "tau_switch")
-VARIATIONS = ("agents_500", "agents_5000", "goals_and_groups", "village")
 PHASE_TAU = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 PHASE_V_F = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0)  # m/s
-GOAL_RADII = (0.5, 1, 1.4, 2, 3, 5)  # m; 1.4 is the scenes', the one number fitted
-DEPTHS = (0.8, 1.2, 1.5, 2.0)  # m, beside 1
-PUSHES = (1.2, 1.4, 1.6, 1.8, 2.2)  # speed with which the water pushes, over v_F, beside 1
 SPACINGS = (0.5, 0.25)  # m, beside 0.4642
 MAX_PARTICLES = 300000  # enough for the smallest of them
-EMITTER_PUSHES = (1.4, 1.6)  # speed of the emitter over v_F, beside 1; 1.4 is the best of PUSHES, both were chosen afterwards
-BLOCK_PUSH = 1.4  # the one with which the obstacle is run
+EMITTER_PUSHES = (1.4, 1.6)  # speed of the emitter over v_F, beside 1; both were chosen afterwards
 FRAME_RATES = (15, 60)  # 1/s, beside 30
 OBSTACLE_AT = 60  # m, x_min that the scenes assume
-OBSTACLE_PLACES = (40, 50, 67, 74)  # m, beside it; people start from x 65 to 86 m and drift towards 0
-SWEPT = (*PUSHED, "two_groups", "no_obstacle", "tau_switch")
 FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
 
 
@@ -121,31 +114,6 @@ def faster(scenario, push):
     return () if push == 1 else (("/channel/velocity_m_s", round(push * velocity, 6)),)
 
 
-def block_case(scene_set, place, push=1):
-    """The obstacle at an x_min, m, in water that is `push` times as fast."""
-    moved = () if place == OBSTACLE_AT else (("/obstacles/0/x_min_m", place), ("/obstacles/0/x_max_m", place + 7))
-    suffix = ("" if push == 1 else f"-push{push:g}") + ("" if place == OBSTACLE_AT else f"-x{place:g}")
-    return other_case(scene_set, "obstacle", suffix, (*faster("obstacle", push), *moved))
-
-
-def no_block_case(scene_set, push=1):
-    """The same without the obstacle."""
-    return other_case(scene_set, "no_obstacle", "" if push == 1 else f"-push{push:g}", faster("no_obstacle", push))
-
-
-def places_cases(scene_set):
-    """The obstacle elsewhere along the river: where it stood is not published."""
-    return [block_case(scene_set, place) for place in OBSTACLE_PLACES] if has_scene(scene_set, "obstacle") else []
-
-
-def block_cases(scene_set):
-    """The obstacle in a dry start whose water is faster than v_F."""
-    if scene_set != "paper":
-        return []
-    places = [OBSTACLE_AT, *(place for place in OBSTACLE_PLACES if place > OBSTACLE_AT)]
-    return [no_block_case(scene_set, BLOCK_PUSH), *(block_case(scene_set, place, BLOCK_PUSH) for place in places)]
-
-
 def contact_cases(scene_set):
     """The contact rule of the paper's text."""
     sums = (("/coupling/contact_rule", "sum"),)
@@ -214,36 +182,6 @@ def phase_cases():
     return [phase_case(tau, velocity) for velocity in PHASE_V_F for tau in PHASE_TAU]
 
 
-def goal_case(radius):
-    changes = (("/crowd/goal_radius_m", radius),)
-    return changed_crowd("observed", "S1", f"goal{radius:g}", changes)
-
-
-def observed_case(scenario, suffix, changes):
-    """A scenario of the observed set, in changed water if a suffix names the change."""
-    if scenario in SCENARIOS:
-        return scenario_case("observed", scenario, suffix, changes)
-    return other_case("observed", scenario, f"-{suffix}" if suffix else "", changes)
-
-
-def depth_case(scenario, depth):
-    """A scenario of the observed set in a stream of another depth."""
-    return observed_case(scenario, *(("", ()) if depth == 1 else (f"h{depth:g}", (("/channel/depth_m", depth),))))
-
-
-def push_case(scenario, factor):
-    """A scenario of the observed set whose water pushes with `factor` v_F; its front runs at 2.6 v_F as before."""
-    if factor == 1:
-        return observed_case(scenario, "", ())
-    velocity = velocity_of(scenario) if scenario in SCENARIOS else OTHERS_V_F[scenario]
-    speed = ("/channel/velocity_m_s", round(factor * velocity, 6))
-    return observed_case(scenario, f"push{factor:g}", (speed, ("/fluid/kinematic/transport_factor", 2.6 / factor)))
-
-
-def sweep_cases(case_of, values):
-    return [case_of(scenario, value) for value in sorted((*values, 1)) for scenario in SWEPT]
-
-
 def coarse_cases(scene_set):
     """The same crowds as fine_cases() through the usual particles."""
     return [scenario_case(scene_set, name) if name in SCENARIOS else other_case(scene_set, name) for name in FINE]
@@ -262,17 +200,11 @@ def particles_cases(scene_set):
 PARTS = {
     "table1": "S1 to S12 beside the paper's Table 1, with the bands",
     "others": "two groups, obstacle, switch of tau",
-    "places": "the obstacle in other places",
-    "block": "the obstacle in a dry start with faster water (set paper)",
     "rules": "contact rule of the text, continuous coupling",
     "readings": "spacings, frame rates, starts, gravity, speed of the emitter",
     "particles": "ten times the particles",
     "phase": "who arrives over the plane of tau and v_F (set observed)",
-    "goal": "time of S1 over the goal radius, the one number fitted (set observed)",
-    "depth": "outcomes over the depth of the water (set observed)",
-    "push": "outcomes over the speed with which the water pushes (set observed)",
     "plane": "who arrives over the plane of depth and v_F (set observed)",
-    "variations": "500 and 5,000 agents, several goals and groups, a village",
     "figures": "pictures in the paper's style",
 }
 
@@ -280,16 +212,10 @@ PARTS = {
 def cases_of(part, sets, quick=False):
     """The cases of a part in these sets of scenes."""
     of_set = {
-        "table1": lambda s: table1_cases(s, quick), "others": others_cases, "places": places_cases, "block": block_cases,
+        "table1": lambda s: table1_cases(s, quick), "others": others_cases,
         "rules": lambda s: contact_cases(s) + continuous_cases(s), "readings": reading_cases,
         "particles": lambda s: particles_cases(s) if has_scene(s, "fine") else [],
-        "variations": lambda s: [other_case(s, name) for name in VARIATIONS if has_scene(s, name)],
     }
     if part in of_set:
         return [case for scene_set in sets for case in of_set[part](scene_set)]
-    observed = {
-        "phase": phase_cases, "figures": list, "plane": list,
-        "depth": lambda: sweep_cases(depth_case, DEPTHS), "push": lambda: sweep_cases(push_case, PUSHES),
-        "goal": lambda: [goal_case(radius) for radius in GOAL_RADII],
-    }
-    return observed[part]() if "observed" in sets else []
+    return phase_cases() if part == "phase" and "observed" in sets else []

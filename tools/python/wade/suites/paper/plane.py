@@ -9,7 +9,6 @@ import sys
 from wade.paths import CONFIGS, module_command
 from wade.reports.tables import markdown, section
 from wade.suites.paper import plan
-from wade.suites.paper.losses import value_at
 from wade.suites.paper.words import SET_UPS
 from wade.sweeps.depth_sweep import (BOUNDS, TableError, draw, level_of, limit_in_words, limit_of, read_table,
                                      resolved_scene, shares)
@@ -54,6 +53,14 @@ def danger_section(context):
         "mean speed of the water that the people met, the front among it, so that it may lie a level below what was "
         "asked for. A level alone does not say who arrives: people of tau 0 walk through water of the highest.")
     return section("Danger levels", text, markdown(head, lines))
+
+
+def value_at(points, target):
+    """Where a curve of (x, y) first passes a height, linear between its points; None if it does not."""
+    for (x0, y0), (x1, y1) in zip(points, points[1:]):
+        if (y0 - target) * (y1 - target) <= 0 and y0 != y1:
+            return x0 + (x1 - x0) * (target - y0) / (y1 - y0)
+    return None
 
 
 def half_products(rows):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from wade.reports.plots import COLOURS, INK, error_bars, panels, pyplot, save
+from wade.reports.plots import error_bars, pyplot, save
 from wade.sweeps.limits import contact_mass, limit_velocity, loss_velocity, middle, walking_speed
 
 
@@ -66,35 +66,4 @@ def phase_plot(file, results, scenarios, scene):
     axes.set_ylabel("endurance \u03c4")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.14))
     figure.colorbar(image, label="share that arrives within 400 s (numbers: %, with 95 % interval)")
-    save(figure, file)
-
-
-def curves_plot(file, shown, x_label):
-    """Panels side by side. shown: [(y label, {label: [(x, interval)]}, [(height, words)] of what is aimed at)]."""
-    figure, all_axes = panels(len(shown), labels=[(x_label, y_label) for y_label, _, _ in shown])
-    for axes, (_, curves, aims) in zip(all_axes, shown):
-        for index, (label, points) in enumerate(curves.items()):
-            error_bars(axes, [x for x, _ in points], [interval for _, interval in points], label, index)
-        for height, words in aims:
-            axes.axhline(height, color=INK, linestyle="--", linewidth=1)
-            axes.annotate(words, (1, height), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=8)
-    handles, labels = all_axes[0].get_legend_handles_labels()
-    if len(labels) > 1:
-        all_axes[-1].legend(handles, labels, loc="center left", bbox_to_anchor=(1.01, 0.5))
-    figure.tight_layout()
-    save(figure, file)
-
-
-def arrivals_plot(file, curves, marks):
-    """Number that has arrived over time. curves: {label: (times of all runs, runs)}; marks: [(t, n, words)]."""
-    figure, axes = pyplot.subplots(figsize=(7, 4.2))
-    for index, (label, (times, runs)) in enumerate(curves.items()):
-        axes.step([0, *times], np.arange(len(times) + 1) / runs, where="post", label=label,
-                  color=COLOURS[index % len(COLOURS)], linewidth=1.4)
-    for time, number, words in marks:
-        axes.plot(time, number, marker="x", color="black", markersize=8, markeredgewidth=2)
-        axes.annotate(words, (time, number), xytext=(6, -14), textcoords="offset points", fontsize=8, ha="right")
-    axes.set_xlabel("time, s")
-    axes.set_ylabel("agents that have arrived (mean over seeds)")
-    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
     save(figure, file)

@@ -24,7 +24,7 @@ Schaffer, Antonitsch, Neto, Musse: Towards Animating Virtual Humans in Flooded E
 """
 SEEDS = """A seed moves the markers; the start grid is the paper's and the water is one and the same for all crowds of a set-up.
 More seeds are added where an interval of 95 % is wider than a tenth of the agents or of the mean time, up to three times as many in
-the set as observed; the parts phase, depth, push, plane, rules, readings and variations have half as many seeds and no more."""
+the set as observed; the parts phase, plane, rules and readings have half as many seeds and no more."""
 
 
 class Context:
@@ -133,7 +133,7 @@ def closest(context, by_set):
         counts = [f"{SET_UPS[name]} {sum(row[i].holds for row in common)}" for i, name in enumerate(by_set)]
         text += f"\nOf the {len(common)} bands judged in each of them: {', '.join(counts)}."
         text += " S1 to S3 hold by construction: nothing pushes at tau 0, and the goal radius is fitted on S1.\n"
-    elsewhere = f" (at x {plan.OBSTACLE_AT} m; for other places see The place of the obstacle)"
+    elsewhere = f" (at x {plan.OBSTACLE_AT} m; for other places see [studies](studies.md))"
     missed = [row[0].name + (elsewhere if row[0].name == "obstacle" else "") for row in rows
               if not any(judgement.holds for judgement in row)]
     text += f"\nMet by no set: {', '.join(missed)}.\n" if missed else "\nEach band that was judged is met by at least one set.\n"

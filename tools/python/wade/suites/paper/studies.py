@@ -1,10 +1,10 @@
-"""Sections of report.md on readings, particles, phase diagram, goal radius, depth of the water and variations."""
+"""Sections of report.md on readings, ten times the particles, and who crosses over tau and v_F."""
 
 from wade.reports.tables import markdown, section
 from wade.suites.paper import plan, plots
 from wade.suites.paper.bands import count_in_words, judge_scenario, time_error
 from wade.sweeps.limits import loss_velocity, of_limit
-from wade.suites.paper.words import SET_UPS, arrived_of, crossing, met_of, outcome, shown, time_of
+from wade.suites.paper.words import SET_UPS, crossing, met_of, outcome
 
 TAUS = (0, 0.2, 0.8, 1)  # of S1 to S3, S4 to S6 and so on
 TABLE = {name: (TAUS[i // 3], plan.velocity_of(name)) for i, name in enumerate(plan.SCENARIOS)}
@@ -79,70 +79,3 @@ def phase_section(context):
         "heading straight across, they are lost where they drift as far as the fall before they are over, at v_F = "
         f"{lost:.2f} of that limit (way to the fall over width of the river).{far}")
     return section("Who crosses, over tau and v_F", text, "![phase diagram](phase.png)")
-
-
-def goal_section(context, paper_time=46):
-    points = [(radius, context.get(plan.goal_case(radius))) for radius in plan.GOAL_RADII]
-    points = [(radius, result) for radius, result in points if result is not None and result.time is not None]
-    if not points:
-        return ""
-    curve = {"S1": [(radius, result.time) for radius, result in points]}
-    plots.curves_plot(context.out / "goal.png", [("last arrival of S1, s", curve, [(paper_time, "paper")])], "goal radius, m")
-    lines = [[f"{radius:g}", time_of(result), arrived_of(result)] for radius, result in points]
-    text = "When an agent has arrived is not published. The scenes take 1.4 m, fitted on S1 alone."
-    return section("The fitted number: the goal radius", text, markdown(["goal radius, m", "S1: last arrival, s", "arrived"], lines),
-                   "![goal radius](goal.png)")
-
-
-def sweep_section(context, title, text, case_of, values, unit, picture, label):
-    """Outcomes over a property of the water; "" without results."""
-    values = sorted((*values, 1))
-    arrived, times, lines = {}, {}, []
-    for name in plan.SWEPT:
-        known = {value: result for value in values if (result := context.get(case_of(name, value))) is not None}
-        if len(known) < 2:
-            continue
-        words, group = name.replace("_", " "), "walkers" if name == "two_groups" else None
-        arrived[words] = [(v, r.arrived_of(group) if group else r.arrived) for v, r in known.items()]
-        times[words] = [(v, r.time) for v, r in known.items()]
-        lines.append([words, *(crossing(known.get(v)) if group else outcome(known.get(v)) for v in values)])
-    if not lines:
-        return ""
-    by_value = [{name: context.get(case_of(name, value)) for name in plan.PUSHED} for value in values]
-    lines.append(["bands of S4 to S10 met", *(count_in_words(map(judge_scenario, plan.PUSHED, found.values())) for found in by_value)])
-    lines.append(["times wrong by a factor of", *(factor_words(context, found.get) for found in by_value)])
-    panels = [("agents that arrive (of those that cross)", arrived, []), ("last arrival, s", times, [])]
-    plots.curves_plot(context.out / picture, panels, label)
-    return section(title, text, markdown(["", *(f"{value:g}{unit}" for value in values)], lines), f"![{title}]({picture})")
-
-
-def depth_section(context):
-    text = (
-        "The contact mass is proportional to the depth of the water at the agents, which the paper does not give for "
-        "its runs (1 m is the opening of its emitter). Set as observed, all else unchanged.")
-    return sweep_section(context, "The depth of the water", text, plan.depth_case, plan.DEPTHS, " m", "depth.png",
-                         "depth of the water, m")
-
-
-def push_section(context):
-    text = (
-        "The authors' logs of the run with v_F 1.5 m/s have 2.9 to 3.9 m/s at the agents near the front, 1.9 to 2.6 "
-        "times v_F. The set as observed moves front and particles at 2.6 v_F and pushes with v_F; here it pushes "
-        "faster, all else unchanged.")
-    return sweep_section(context, "The speed of the water at the agents", text, plan.push_case, plan.PUSHES, " v_F", "push.png",
-                         "speed with which the water pushes, over v_F")
-
-
-def variations_section(context):
-    lines = []
-    for scene_set in context.sets:
-        for name in plan.VARIATIONS:
-            result = context.other(scene_set, name) if plan.has_scene(scene_set, name) else None
-            if result is None:
-                continue
-            groups = [group["name"] for group in result.scene["crowd"]["groups"]]
-            each = "; ".join(f"{group} {result.arrived_of(group)[0]:.1f}" for group in groups)
-            lines.append([name.replace("_", " "), SET_UPS[scene_set], result.agents, time_of(result), arrived_of(result),
-                          shown(result.dead, 1), each if len(groups) > 1 else "-"])
-    head = ["scene", "set", "agents", "last arrival, s", "arrived", "dead", "arrived by group"]
-    return section("Variations", "What the paper's conclusions call for; it gives no numbers.", markdown(head, lines)) if lines else ""
