@@ -2,25 +2,21 @@
 
 #include <omp.h>
 
-#include <chrono>
-#include <csignal>
 #include <exception>
 #include <iostream>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "configs/program/command_line.hpp"
+#include "configs/program/memory.hpp"
 #include "configs/program/peer_support.hpp"
 #include "configs/program/program.hpp"
-#include "configs/program/run_control.hpp"
 #include "fluid_server/make_model.hpp"
 #include "fluid_server/model_choice/model_choice.hpp"
-#include "fluid_server/server/report.hpp"
-#include "fluid_server/server/run_server.hpp"
-#include "fluid_server/server/state_options.hpp"
+#include "fluid_server/server/serve.hpp"
+#include "shm_protocol/error.hpp"
 
 namespace {
 
@@ -37,140 +33,57 @@ ProgramDescription description() {
         "as "
         "written, and a run writes it as chosen into --out, scene_as_chosen.json, which repeats the run without a "
         "choice.",
-        {{"--consumers",
-          "Consumers in lockstep to wait for before frame 1, 0 to 16; 0: wait for nobody, free-running readers take "
-          "what they can",
-          NumberRange{0, shm::max_consumers, true}, 1},
-         {.name = "--clock",
-          .help = "fast: send each frame as soon as it is ready. real_time: send frame f not before f / frame_rate_hz "
-                  "of wall time. variable: a frame lasts as long as the wall time since the last one; not repeatable",
-          .word = Word{"MODE", "fast", {"fast", "real_time", "variable"}}},
-         {.name = "--from-state",
-          .help = "Go on from the state in FILE instead of the scene's t = 0. Frames count from 1, the duration from "
-                  "there. Spacing, kernel, rest density, channel and obstacles must be those of the state",
-          .word = Word{"FILE"}},
-         {.name = "--save-state",
-          .help = "Write the state of the water into FILE at the end of the run, however it ends but for a numerical "
-                  "failure, which leaves numerical_failure.state in --out or here",
-          .word = Word{"FILE"}}},
-        "none: no log; what a failure leaves goes here"};
+        server_options(), "none: no log; what a failure leaves goes here"};
 }
 
-Pace pace_of(const std::string& word) {
-    return word == "real_time" ? Pace::real_time : word == "variable" ? Pace::variable : Pace::fast;
-}
+// What stands between the scene and its run, the same for a run and for --check, which so says all that a run would say.
+struct Prepared {
+    std::vector<std::string> lines;  // what was chosen and why, and where the water goes on from
+    Estimate estimate;
+    std::unique_ptr<fluid::FluidModel> model;
+};
 
-std::string waits_for(int consumers) {
-    if (consumers == 0) return "waiting for nobody";
-    return consumers == 1 ? "waiting for a crowd" : "waiting for " + std::to_string(consumers) + " consumers";
-}
-
-std::optional<AgentsInlet> agents_inlet(const Scene& scene, const std::string& session, const shm::Waiting& waiting) {
-    if (scene.coupling.agents_stream == AgentsStream::off) return std::nullopt;
-    shm::JoinOptions options;
-    options.scene_hash = scene.hash;
-    options.waiting = waiting;
-    return AgentsInlet(session, scene.coupling.agents_stream == AgentsStream::parallel ? 1 : 0, options);
-}
-
-RunControl::Hooks control_hooks(shm::Publisher& publisher, RunClock& clock, Console& console) {
-    return {[&](bool paused) {
-                publisher.set_paused(paused);
-                publisher.heartbeat();
-                paused ? clock.pause() : clock.resume();
-            },
-            [&] { return received_signal() != 0 || !publisher.consumers_are_there(); },
-            [&](const std::string& text) { console.line(text); }};
-}
-
-// What a run that threw leaves behind; rethrows, with where the state is after a numerical failure.
-[[noreturn]] void end_badly(const ProgramStart& start, fluid::FluidModel& model, bool simulated, Console& console) {
-    const std::string& save = start.options.word("--save-state");
-    try {
-        throw;
-    } catch (const RunError& error) {
-        if (error.code() != ExitCode::numerical_failure) throw;
-        const std::string dump = dump_failure(model, start.loaded, start.options.out.value_or(""));
-        throw RunError(error.code(), dump.empty() ? error.what() : error.what() + ("\n" + dump));
-    } catch (const std::exception&) {
-        try {
-            if (simulated && !save.empty()) console.line(save_state(model, start.loaded, save));
-        } catch (const std::exception& error) {
-            console.warning(error.what());
-        }
-        throw;
-    }
-}
-
-// A scene whose model is "auto" becomes the one that is chosen for it; the lines say what was chosen and why.
-std::vector<std::string> make_choice(ProgramStart& start) {
-    if (!model_choice::is_open(start.loaded.scene)) return {};
-    model_choice::ModelChoice choice = model_choice::choose_model(start.loaded, start.options.scene_file.string());
-    start.loaded = std::move(choice.scene);
-    return choice.lines;
-}
-
-void choose_for_run(ProgramStart& start, Console& console) {
-    const std::vector<std::string> lines = make_choice(start);
-    for (const std::string& line : lines) console.line(line);
-    if (lines.empty() || !start.options.out) return;
-    console.line("the scene as chosen: " + model_choice::write_chosen(start.loaded, *start.options.out).string());
-}
-
-void run_scene(ProgramStart& start, Console& console) {
+// A scene whose model is "auto" becomes the one that is chosen for it. Throws ConfigurationError for all that cannot run,
+// memory that is not there before any is taken.
+Prepared prepare(ProgramStart& start) {
+    Prepared prepared;
     const RunOptions& options = start.options;
-    const auto consumers = static_cast<int>(options.extra("--consumers"));
-    if (options.threads > 0) omp_set_num_threads(options.threads);
-    if (options.out) console.copy_to(*options.out / "fluid_server.log");
-    choose_for_run(start, console);
-    const Scene& scene = start.loaded.scene;
-
-    const std::unique_ptr<fluid::FluidModel> model = make_fluid_model(scene);
-    const std::string &from = options.word("--from-state"), &save = options.word("--save-state");
-    if (!save.empty()) check_can_save_state(*model, save);
-    if (!from.empty()) console.line(start_from_state(*model, from));
-    RunClock clock(scene, pace_of(options.word("--clock")));
-    auto waiting = waiting_of<shm::Waiting>(options, console);
-    waiting.paused = [&](double seconds) { clock.discount(seconds); };
-    shm::Publisher publisher(options.session, stream_info(scene, *model), waiting);
-    RunControl control("");
-    const RunControl::Hooks hooks = control_hooks(publisher, clock, console);
-
-    // While the server waits for the agents it still lives for those who wait for the water.
-    shm::Waiting inlet_waiting = waiting;
-    inlet_waiting.interrupted = [&] {
-        publisher.heartbeat();
-        return received_signal() != 0 || !publisher.consumers_are_there();
-    };
-    // A crowd that pauses pauses the water, for all who wait for it.
-    inlet_waiting.paused = [&](double seconds) {
-        clock.discount(seconds);
-        publisher.set_paused(true);
-    };
-    std::optional<AgentsInlet> agents = agents_inlet(scene, options.session, inlet_waiting);
-
-    const auto begin = std::chrono::steady_clock::now();
-    const auto wall = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
-    ServerSummary summary;
-    ServerRun run{*model, publisher, clock, agents ? &*agents : nullptr, consumers};
-    run.interrupted = [&] { return control.quit_asked() ? SIGINT : received_signal(); };
-    run.hold = [&] {
-        control.wait_while_paused(hooks);
-        if (!control.take_tau_commands().empty()) console.warning("tau belongs to the crowd; tell it to crowd_client");
-    };
-    run.on_frame = [&](const shm::Diagnostics&) {
-        if (console.progress_due(clock.simulated())) console.progress(progress_line(run, summary, wall()));
-    };
-    console.line("session '" + options.session + "', scene '" + scene.name + "', " +
-                 std::to_string(omp_get_max_threads()) + " threads; " + waits_for(consumers));
-    try {
-        run_server(run, summary);
-    } catch (const std::exception&) {
-        console.line(summary_text(run, summary, wall()));
-        end_badly(start, *model, summary.frames > 0, console);
+    if (model_choice::is_open(start.loaded.scene)) {
+        model_choice::ModelChoice choice = model_choice::choose_model(start.loaded, options.scene_file.string());
+        start.loaded = std::move(choice.scene);
+        prepared.lines = std::move(choice.lines);
+        if (options.out && !options.check) {
+            prepared.lines.push_back("the scene as chosen: " +
+                                     model_choice::write_chosen(start.loaded, *options.out).string());
+        }
     }
-    console.line(summary_text(run, summary, wall()));
-    if (!save.empty()) console.line(save_state(*model, start.loaded, save));
+    const Scene& scene = start.loaded.scene;
+    prepared.estimate = estimate(scene);
+    check_memory(prepared.estimate.memory, available_memory(),
+                 options.scene_file.string() + ": the water (" + text_of(prepared.estimate) + ")",
+                 "lower /fluid/max_particles, or take larger particles, larger cells or a smaller channel");
+    prepared.model = make_fluid_model(scene);
+    for (const std::string& line : prepare_states(*prepared.model, options)) prepared.lines.push_back(line);
+    return prepared;
+}
+
+void answer(ProgramStart& start) {
+    std::vector<std::string> lines;
+    if (start.options.check) {
+        const Prepared prepared = prepare(start);
+        lines = prepared.lines;
+        lines.push_back("the water: " + text_of(prepared.estimate));
+    }
+    std::cout << *start.answer;
+    for (const std::string& line : lines) std::cout << line << '\n';
+}
+
+void run(ProgramStart& start, Console& console) {
+    if (start.options.threads > 0) omp_set_num_threads(start.options.threads);
+    if (start.options.out) console.copy_to(*start.options.out / "fluid_server.log");
+    const Prepared prepared = prepare(start);
+    for (const std::string& line : prepared.lines) console.line(line);
+    serve(start, *prepared.model, console);
 }
 
 }  // namespace
@@ -181,14 +94,11 @@ int main(int argc, char** argv) {
     try {
         ProgramStart start = start_program(description(), argc, argv);
         if (start.answer) {
-            const std::vector<std::string> choice =
-                start.options.check ? make_choice(start) : std::vector<std::string>();
-            std::cout << *start.answer;
-            for (const std::string& line : choice) std::cout << line << '\n';
+            answer(start);
             return 0;
         }
         catch_signals();
-        run_scene(start, console);
+        run(start, console);
         return 0;
     } catch (const std::exception& error) {
         console.line(error.what());

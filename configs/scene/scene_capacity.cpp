@@ -59,4 +59,9 @@ std::uint64_t particles_needed(const Scene& scene) {
     return sum;
 }
 
+std::uint64_t particles_expected(const Scene& scene) {
+    const auto room = static_cast<std::uint64_t>(std::max(scene.fluid.max_particles, 0));
+    return std::min(particles_needed(scene), room);
+}
+
 }  // namespace wade

@@ -26,4 +26,8 @@ namespace wade {
 //   closed         the sum over the water blocks, each volume / d^3, rounded
 [[nodiscard]] std::uint64_t particles_needed(const Scene& scene);
 
+// How many particles there will be at most, as far as the scene tells: those that its channel takes, no more than
+// fluid.max_particles.
+[[nodiscard]] std::uint64_t particles_expected(const Scene& scene);
+
 }  // namespace wade

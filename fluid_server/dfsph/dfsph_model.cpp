@@ -7,7 +7,10 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/scene_capacity.hpp"
+#include "fluid_server/dfsph/time_step.hpp"
 #include "fluid_server/particles/filling.hpp"
+#include "fluid_server/particles/inflow.hpp"
 #include "fluid_server/particles/parallel.hpp"
 #include "fluid_server/particles/river_measures.hpp"
 
@@ -25,6 +28,26 @@ bool is_sound(const StepReport& step, const Fluid& fluid) {
 constexpr double quiet_layers = 20;
 
 }  // namespace
+
+// Measured: bytes a particle that there is room for, of arrays and of two states that are kept; bytes a pair, and pairs of
+// the lists; seconds of CPU time a particle and step in a stream, which grow once water is deeper than `quiet_layers`.
+Estimate DfsphModel::estimate(const Scene& scene) {
+    constexpr double bytes_of_room = 250, bytes_of_pair = 3.2, step_cost = 1 / 4.5e6;
+    const double support = support_radius_of(scene.fluid), room = std::max(scene.fluid.max_particles, 1);
+    Estimate estimate;
+    estimate.particles = particles_expected(scene);
+    const auto n = static_cast<double>(estimate.particles);
+    estimate.memory = empty_server + bytes_of_room * room +
+                      bytes_of_pair * neighbours_within(support, scene.fluid) * n +
+                      sizeof(std::uint32_t) * layout_of_cells(scene, static_cast<float>(support)).all() +
+                      memory_of_frames(scene, static_cast<std::uint64_t>(room));
+    const double depth = deepest_water(scene), wave = std::sqrt(scene.world.gravity * depth);
+    const double speed = largest_velocity(scene.channel);
+    const TimeStep step = longest_step(scene.fluid, {speed, wave, wave}, 1 / scene.frame_rate);
+    const double deep = std::max(1.0, depth / (quiet_layers * scene.fluid.particle_spacing));
+    estimate.cpu_time = scene.duration / step.dt * n * step_cost * deep;
+    return estimate;
+}
 
 std::uint32_t DfsphModel::capacity() const {
     return static_cast<std::uint32_t>(std::max(world_.scene().fluid.max_particles, 1));

@@ -2,6 +2,7 @@
 // The solved water (FluidWorld) as a model of the server.
 
 #include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
 
 namespace wade::fluid {
@@ -9,6 +10,8 @@ namespace wade::fluid {
 class DfsphModel final : public FluidModel {
  public:
     explicit DfsphModel(const Scene& scene) : world_(scene), bed_(bed_facets(scene.channel)) {}
+
+    [[nodiscard]] static Estimate estimate(const Scene& scene);
 
     [[nodiscard]] std::string_view name() const override { return "dfsph"; }
     [[nodiscard]] std::uint32_t capacity() const override;

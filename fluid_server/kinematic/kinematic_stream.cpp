@@ -6,6 +6,7 @@
 #include "configs/numbers/splitmix.hpp"
 #include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/scene_frames.hpp"
 
 namespace wade::fluid {
 
@@ -39,6 +40,19 @@ KinematicStream::KinematicStream(const Scene& scene)
     make_strips(scene);
     place_at(0);
     for (Strip& strip : strips_) strip.first_at_start = strip.first_cell;
+}
+
+// Measured: seconds of CPU time a particle and frame. A strip may hold one more than its share.
+Estimate KinematicStream::estimate(const Scene& scene) {
+    constexpr double frame_cost = 1e-8;
+    const auto river = static_cast<double>(river_particles(scene));
+    const double strips = std::ceil(river * scene.fluid.particle_spacing / scene.channel.x.length()) + 1;
+    const double n = river + strips;
+    Estimate estimate;
+    estimate.particles = static_cast<std::uint64_t>(n);
+    estimate.memory = empty_server + sizeof(Strip) * strips + memory_of_frames(scene, estimate.particles);
+    estimate.cpu_time = frame_cost * n * static_cast<double>(frames_of(scene));
+    return estimate;
 }
 
 void KinematicStream::make_strips(const Scene& scene) {

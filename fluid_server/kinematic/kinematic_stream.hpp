@@ -15,6 +15,7 @@
 
 #include <vector>
 
+#include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
 #include "fluid_server/particles/velocity_profile.hpp"
 
@@ -24,6 +25,8 @@ class KinematicStream final : public FluidModel {
  public:
     // Needs a scene that flows (emitter or recirculating).
     explicit KinematicStream(const Scene& scene);
+
+    [[nodiscard]] static Estimate estimate(const Scene& scene);
 
     [[nodiscard]] std::string_view name() const override { return "kinematic"; }
     [[nodiscard]] std::uint32_t capacity() const override { return capacity_; }

@@ -7,6 +7,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "fluid_server/dfsph/dfsph_model.hpp"
 #include "fluid_server/shallow_water/model.hpp"
 
 namespace wade::fluid::mixed {
@@ -24,6 +25,14 @@ Closure closure_of(const MixedWorld& world) {
     closure.volume = closure.passed > 0 ? owed / closure.passed : 0;
     closure.momentum = carried > 0 ? momentum / carried : 0;
     return closure;
+}
+
+// Particles wherever they may be, and cells everywhere; the guards come on top of both.
+Estimate MixedModel::estimate(const Scene& scene) {
+    const Estimate particles = DfsphModel::estimate(scene);
+    const Estimate cells = shallow_water::ShallowWaterModel::estimate(scene);
+    return {particles.particles + cells.particles, particles.memory + cells.memory - empty_server,
+            particles.cpu_time + cells.cpu_time};
 }
 
 std::uint32_t MixedModel::capacity() const {

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
 #include "fluid_server/mixed/mixed_world.hpp"
 
@@ -20,6 +21,8 @@ struct Closure {
 class MixedModel final : public FluidModel {
  public:
     explicit MixedModel(const Scene& scene) : world_(scene) { world_.columns().count(world_.grid_water()); }
+
+    [[nodiscard]] static Estimate estimate(const Scene& scene);
 
     [[nodiscard]] std::string_view name() const override { return "mixed"; }
     [[nodiscard]] std::uint32_t capacity() const override;

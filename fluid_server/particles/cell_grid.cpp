@@ -27,6 +27,22 @@ void gather(std::vector<T>& target, const std::vector<T>& values, const std::vec
 
 }  // namespace
 
+CellLayout layout_of_cells(const Scene& scene, float support_radius) {
+    const Channel& channel = scene.channel;
+    // An emitter holds its next layers behind the upstream end.
+    const double behind = channel.flow == Flow::emitter ? 3 * static_cast<double>(support_radius) : 0;
+    const std::array<double, 3> lo{channel.x.lo, 0, channel.z.lo};
+    const double height = channel.top == Top::open ? headroom * deepest_water(scene) : channel.height;
+    const std::array<double, 3> hi{channel.x.hi + behind, height, channel.z.hi};
+    CellLayout layout{lo, {}, {}};
+    for (std::size_t k = 0; k < 3; ++k) {
+        layout.length[k] = hi[k] - lo[k];
+        const double width = static_cast<double>(support_radius) / (k == 0 ? cells_per_radius_along_row : 1);
+        layout.cells[k] = std::max(1.0, std::floor(layout.length[k] / width));
+    }
+    return layout;
+}
+
 CellGrid::CellGrid(const Scene& scene, float support_radius)
     : start_(),
       cell_of_(static_cast<std::size_t>(scene.fluid.max_particles)),
@@ -36,19 +52,13 @@ CellGrid::CellGrid(const Scene& scene, float support_radius)
     const Channel& channel = scene.channel;
     periodic_ = {channel.flow == Flow::recirculating || channel.flow == Flow::periodic, channel.top == Top::periodic,
                  channel.sides == Sides::periodic};
-    // An emitter holds its next layers behind the upstream end.
-    const double behind = channel.flow == Flow::emitter ? 3 * static_cast<double>(support_radius) : 0;
-    const std::array<double, 3> lo{channel.x.lo, 0, channel.z.lo};
-    const double height = channel.top == Top::open ? headroom * deepest_water(scene) : channel.height;
-    const std::array<double, 3> hi{channel.x.hi + behind, height, channel.z.hi};
+    const CellLayout layout = layout_of_cells(scene, support_radius);
     for (std::size_t k = 0; k < 3; ++k) {
-        const double length = hi[k] - lo[k];
-        const double width = static_cast<double>(support_radius) / (k == 0 ? cells_per_radius_along_row : 1);
-        cells_[k] = static_cast<std::uint32_t>(std::max(1.0, std::floor(length / width)));
-        origin_[k] = static_cast<float>(lo[k]);
-        length_[k] = static_cast<float>(length);
+        cells_[k] = static_cast<std::uint32_t>(layout.cells[k]);
+        origin_[k] = static_cast<float>(layout.lo[k]);
+        length_[k] = static_cast<float>(layout.length[k]);
         last_cell_[k] = static_cast<float>(cells_[k] - 1);
-        inverse_cell_[k] = static_cast<float>(static_cast<double>(cells_[k]) / length);
+        inverse_cell_[k] = static_cast<float>(layout.cells[k] / layout.length[k]);
     }
     start_.resize(std::size_t{cells_[0]} * cells_[1] * cells_[2] + 1);
 }

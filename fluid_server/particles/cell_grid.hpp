@@ -14,6 +14,13 @@
 
 namespace wade::fluid {
 
+// How many cells a grid has along each axis, and what they lie over, m.
+struct CellLayout {
+    std::array<double, 3> lo{}, length{}, cells{};
+    [[nodiscard]] double all() const { return cells[0] * cells[1] * cells[2]; }
+};
+[[nodiscard]] CellLayout layout_of_cells(const Scene& scene, float support_radius);
+
 // Rows of cells along x, as high and as wide as the support radius, cut into cells a quarter as long. The order of the cells
 // winds from row to row, so that a few particles in succession lie close together, at the end of a row as well:
 //

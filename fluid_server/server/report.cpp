@@ -3,12 +3,15 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <vector>
 
 namespace wade::fluid {
 
 namespace {
 
 using Count = unsigned long long;  // what printf knows
+
+constexpr std::size_t columns = 100;  // of a line of progress
 
 [[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...) {
     char buffer[512];
@@ -41,20 +44,28 @@ std::string agents_text(const AgentsInlet* agents) {
 
 }  // namespace
 
-std::string progress_line(const ServerRun& run, const ServerSummary& summary, double wall) {
+std::string progress_line(const ServerRun& run, const ServerSummary& summary, const TimeLeft& left) {
     const shm::Diagnostics& d = summary.last;
-    const double time = run.clock.simulated();
-    const double rate = time / wall;
-    std::string text = print("t %.1f s  step %llu  dt %.4f s  %u particles", time, Count{summary.steps}, d.last_dt_s,
-                             summary.particles);
+    // In their order; of what is too much for a line the last is left out first.
+    std::vector<std::string> words{
+        print("t %.1f/%.0f s  %u particles", run.clock.simulated(), run.clock.end(), summary.particles)};
+    if (const auto seconds = left.seconds()) {
+        words.push_back(print("  %.2f x real time, about ", left.pace()) + duration_text(*seconds) + " to go");
+    }
+    words.push_back(print("  dt %.4f s", d.last_dt_s));
     if (!std::isnan(d.mean_density_error)) {
-        text += print("  density error %.3f %% (max %.2f %%)  iterations %u+%u", 100 * d.mean_density_error,
-                      100 * d.max_density_error, d.divergence_iterations, d.density_iterations);
+        words.push_back(print("  density error %.3f %%", 100 * d.mean_density_error));
+        words.push_back(print("  %u+%u iterations", d.divergence_iterations, d.density_iterations));
     }
     // A dry river has neither.
-    if (!std::isnan(d.mean_depth_m)) text += print("  depth %.2f m", d.mean_depth_m);
-    if (!std::isnan(d.mean_speed_m_s)) text += print("  %.2f m/s", d.mean_speed_m_s);
-    return text + print("  %.1f x real time  ETA %.0f s", rate, (run.clock.end() - time) / rate);
+    if (!std::isnan(d.mean_depth_m)) words.push_back(print("  depth %.2f m", d.mean_depth_m));
+    if (!std::isnan(d.mean_speed_m_s)) words.push_back(print("  %.2f m/s", d.mean_speed_m_s));
+    std::string line;
+    for (const std::string& word : words) {
+        if (line.size() + word.size() > columns) break;
+        line += word;
+    }
+    return line;
 }
 
 std::string summary_text(const ServerRun& run, const ServerSummary& summary, double wall) {

@@ -3,12 +3,13 @@
 
 #include <string>
 
+#include "configs/program/time_left.hpp"
 #include "fluid_server/server/run_server.hpp"
 
 namespace wade::fluid {
 
-// One line on the frame just sent; wall: time since the start of the run, s, above 0.
-[[nodiscard]] std::string progress_line(const ServerRun& run, const ServerSummary& summary, double wall);
+// One line of at most 100 columns on the frame just sent.
+[[nodiscard]] std::string progress_line(const ServerRun& run, const ServerSummary& summary, const TimeLeft& left);
 
 // How the run went.
 [[nodiscard]] std::string summary_text(const ServerRun& run, const ServerSummary& summary, double wall);

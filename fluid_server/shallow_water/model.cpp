@@ -8,8 +8,25 @@
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/particle_volume.hpp"
+#include "configs/scene/scene_capacity.hpp"
+#include "fluid_server/particles/inflow.hpp"
 
 namespace wade::fluid::shallow_water {
+
+// Measured: bytes a cell, and seconds of CPU time a cell and step.
+Estimate ShallowWaterModel::estimate(const Scene& scene) {
+    constexpr double bytes_of_cell = 210, cell_step_cost = 4e-8;
+    const Grid grid = make_grid(scene);
+    const auto cells = static_cast<double>(grid.cells());
+    const auto room = static_cast<std::uint64_t>(std::max(scene.fluid.max_particles, 0)) + grid.cells();
+    Estimate estimate;
+    estimate.particles = std::min(particles_expected(scene) + grid.cells(), room);
+    estimate.memory = empty_server + bytes_of_cell * cells + memory_of_frames(scene, room);
+    const double speed = largest_velocity(scene.channel) + std::sqrt(scene.world.gravity * deepest_water(scene));
+    const double rate = speed * (1 / grid.dx + 1 / grid.dz) / scene.fluid.cfl;  // steps a second
+    estimate.cpu_time = scene.duration * std::max(rate, scene.frame_rate) * cells * cell_step_cost;
+    return estimate;
+}
 
 shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval) {
     const auto start = std::chrono::steady_clock::now();

@@ -1,6 +1,7 @@
 #pragma once
 // The shallow-water equations as a model of the server.
 
+#include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
 #include "fluid_server/shallow_water/column_particles.hpp"
 #include "fluid_server/shallow_water/step.hpp"
@@ -10,6 +11,8 @@ namespace wade::fluid::shallow_water {
 class ShallowWaterModel final : public FluidModel {
  public:
     explicit ShallowWaterModel(const Scene& scene) : world_(scene), particles_(world_) {}
+
+    [[nodiscard]] static Estimate estimate(const Scene& scene);
 
     [[nodiscard]] std::string_view name() const override { return "shallow_water"; }
     [[nodiscard]] std::uint32_t capacity() const override { return particles_.capacity(); }

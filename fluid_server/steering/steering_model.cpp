@@ -5,8 +5,28 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/scene_capacity.hpp"
+#include "fluid_server/particles/inflow.hpp"
 
 namespace wade::fluid {
+
+// Bytes a particle that there is room for and a pair of the lists, and seconds of CPU time a particle and step: measured.
+Estimate SteeringModel::estimate(const Scene& scene) {
+    constexpr double bytes_of_room = 90, bytes_of_pair = 5, step_cost = 1e-7;
+    const steering::Settings settings = steering::make_settings(scene);
+    const double room = std::max(scene.fluid.max_particles, 1);
+    Estimate estimate;
+    estimate.particles = particles_expected(scene);
+    const auto n = static_cast<double>(estimate.particles);
+    estimate.memory = empty_server + bytes_of_room * room +
+                      bytes_of_pair * neighbours_within(settings.reach, scene.fluid) * n +
+                      sizeof(std::uint32_t) * layout_of_cells(scene, static_cast<float>(settings.reach)).all() +
+                      memory_of_frames(scene, static_cast<std::uint64_t>(room));
+    const double speed = largest_velocity(scene.channel) + settings.wave_speed;
+    const double rate = speed / (scene.fluid.cfl * scene.fluid.particle_spacing);  // steps a second
+    estimate.cpu_time = scene.duration * std::max(rate, scene.frame_rate) * n * step_cost;
+    return estimate;
+}
 
 std::uint32_t SteeringModel::capacity() const {
     return static_cast<std::uint32_t>(std::max(world_.scene().fluid.max_particles, 1));

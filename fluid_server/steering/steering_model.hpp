@@ -1,6 +1,7 @@
 #pragma once
 // The water of steering vehicles as a model of the server.
 
+#include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
 #include "fluid_server/steering/steering_world.hpp"
 
@@ -9,6 +10,8 @@ namespace wade::fluid {
 class SteeringModel final : public FluidModel {
  public:
     explicit SteeringModel(const Scene& scene) : world_(scene), bed_(bed_facets(scene.channel)) {}
+
+    [[nodiscard]] static Estimate estimate(const Scene& scene);
 
     [[nodiscard]] std::string_view name() const override { return "steering"; }
     [[nodiscard]] std::uint32_t capacity() const override;

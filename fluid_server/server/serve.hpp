@@ -1,0 +1,24 @@
+#pragma once
+// A run of the server: its session, its clock, the agents that come back, and what it leaves behind however it ends.
+
+#include <string>
+#include <vector>
+
+#include "configs/program/command_line.hpp"
+#include "configs/program/program.hpp"
+#include "fluid_server/fluid_model.hpp"
+
+namespace wade::fluid {
+
+// Options of the server that no other program has.
+[[nodiscard]] std::vector<ProgramOption> server_options();
+
+// Goes on from --from-state and sees whether --save-state can be done. Returns what there is to say, one line each. Throws
+// ConfigurationError.
+[[nodiscard]] std::vector<std::string> prepare_states(FluidModel& model, const RunOptions& options);
+
+// Sends the water of the scene to those who join its session, to its end. Every error passes through, once the consumers
+// have been told and what can be kept is.
+void serve(const ProgramStart& start, FluidModel& model, Console& console);
+
+}  // namespace wade::fluid
