@@ -310,7 +310,7 @@ class RunMany(Launcher):
             for name in ("outcome.json", "agents.csv", "trajectories.sqlite", "water.bin"):
                 self.assertEqual(beside.bytes_of(name), alone.bytes_of(name), name)
         said = self.output_of(many)
-        self.assertIn("scenes-small  7     completed", said)
+        self.assertRegex(said, r"scenes-small +7 +completed")
         self.assertEqual(said.split("\n")[0].split()[3:6], ["arrived", "dead", "active"])
         for row in rows:
             self.assertEqual(sum(int(row[name]) for name in ("arrived", "dead", "active")), int(row["agents"]))

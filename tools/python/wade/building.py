@@ -16,7 +16,7 @@ from wade.errors import UsageError
 from wade.paths import BUILD, ROOT, own_folder
 from wade.terminal import say_error
 
-PICTURES = ("numpy", "matplotlib", "tabulate")
+PICTURES = ("numpy", "matplotlib", "PIL", "tabulate")
 
 
 class BuildError(Exception):

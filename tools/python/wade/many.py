@@ -6,7 +6,6 @@ all of them.
 """
 
 import argparse
-import csv
 import json
 import os
 import re
@@ -18,6 +17,8 @@ from pathlib import Path
 
 from wade.errors import UsageError
 from wade.paths import module_command
+from wade.reports.options import whole
+from wade.reports.tables import plain, write_csv
 from wade.run.arguments import is_given, values_of
 from wade.run.folders import new_folder
 from wade.run.outcome import BeforeRun
@@ -97,12 +98,6 @@ def seed_range(text):
     return range(int(match[1]), int(match[2] or match[1]) + 1)
 
 
-def positive(text):
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f'"{text}" is not allowed; allowed: whole numbers from 1')
-    return int(text)
-
-
 def parse(arguments):
     common = []
     if "--" in arguments:
@@ -110,7 +105,7 @@ def parse(arguments):
         arguments, common = arguments[:at], arguments[at + 1 :]
     parser = Parser("many", __doc__, EPILOG, usage="tools/wade many [options] SCENE... [-- options of every run]")
     parser.add_argument("scenes", nargs="+", metavar="SCENE", help="a file or a short name, as in tools/wade run")
-    parser.add_argument("--jobs", type=positive, default=max(1, len(os.sched_getaffinity(0)) // 2), metavar="N",
+    parser.add_argument("--jobs", type=whole(1), default=max(1, len(os.sched_getaffinity(0)) // 2), metavar="N",
                         help="pairs at once [half the processors, at least 1]")
     parser.add_argument("--out", type=Path, metavar="DIR", help="[runs/many-<time>/ in the project]")
     parser.add_argument("--seeds", type=seed_range, default=[None], metavar="A-B",
@@ -184,9 +179,7 @@ def run_all(jobs, pair, options):
 
 
 def table(rows):
-    lines = [TABLE, *([shown(row[key]) for key in TABLE] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*lines)]
-    return "\n".join("  ".join(map(str.ljust, line, widths)).rstrip() for line in lines)
+    return plain(TABLE, [[shown(row[key]) for key in TABLE] for row in rows])
 
 
 def shown(value):
@@ -197,20 +190,17 @@ def main(arguments):
     """tools/wade many."""
     options = parse(arguments)
     jobs = jobs_of(options)
+    summary = options.out / "summary.csv"
     try:
-        options.out.mkdir(parents=True, exist_ok=True)
-        summary = open(options.out / "summary.csv", "w", newline="", encoding="utf-8")
+        write_csv(summary, COLUMNS, [])
     except OSError as error:
         raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error
     pair = Pair()
     run_all(jobs, pair, options)
     rows = [job.row() for job in jobs]
-    with summary:
-        writer = csv.DictWriter(summary, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_csv(summary, COLUMNS, rows)
     print(table(rows))
-    print(f"summary: {options.out / 'summary.csv'}")
+    print(f"summary: {summary}")
     if pair.signal:
         return 130 if pair.signal == signal.SIGINT else 143
     return 0 if all(job.ended_well() for job in jobs) else 1

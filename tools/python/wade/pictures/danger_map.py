@@ -100,25 +100,11 @@ def draw(run, output):
     agents = run_files.read_agents(run / "agents.csv")
     paths = run_files.read_paths(run / "trajectories.sqlite", 2**53)
 
-    length, width = scene["world"]["length_m"], scene["world"]["width_m"]
-    map_wide, left, right, above, below = 10.0, 0.75, 0.25, 1.05, 1.1
-    map_high = float(np.clip(map_wide * width / length, 2.2, 11.0))
-    wide, high = left + map_wide + right, above + map_high + below
-    figure, axes = plt.subplots(figsize=(wide, high), dpi=160)
-    figure.subplots_adjust(left=left / wide, right=1 - right / wide, bottom=below / high, top=1 - above / high)
-    top_view.draw_ground(axes, scene)
+    figure, axes = top_view.new_map(scene, right=0.25, above=1.05, below=1.1)
     wet = draw_levels(axes, cells)
     top_view.draw_obstacles(axes, scene)
     draw_people(axes, agents, paths, top_view.period_of(scene))
     top_view.draw_goals(axes, scene, by_group=False)
-    axes.set_xlim(-0.01 * length, 1.01 * length)
-    axes.set_ylim(-0.02 * width, 1.02 * width)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x, m", fontsize=9, color=top_view.INK)
-    axes.set_ylabel("z, m", fontsize=9, color=top_view.INK)
-    axes.tick_params(labelsize=8, colors=top_view.INK, length=3)
-    for spine in axes.spines.values():
-        spine.set_visible(False)
 
     ends = {name: [a for a in agents if a["outcome"] == name] for name in ENDS}
     arrivals = [float(a["time_s"]) for a in ends["arrived"]]

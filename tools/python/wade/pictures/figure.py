@@ -9,7 +9,6 @@ import pathlib
 import warnings
 
 import matplotlib.pyplot as plt
-import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -70,34 +69,16 @@ def draw(run, time, output):
     arrivals = [float(a["time_s"]) for a in agents
                 if a["outcome"] == "arrived" and (whole_run or float(a["time_s"]) <= end_time + 1e-9)]
 
-    world = scene["world"]
-    length, width = world["length_m"], world["width_m"]
-    # Inches: the map, and round it room for title, labels and legend.
-    map_wide, left, right, above, below = 10.0, 0.75, 0.85, 0.85, 1.1 if top_view.group_colours(scene) else 0.92
-    map_high = float(np.clip(map_wide * width / length, 2.2, 11.0))
-    wide, high = left + map_wide + right, above + map_high + below
-    figure, axes = plt.subplots(figsize=(wide, high), dpi=160)
-    figure.subplots_adjust(left=left / wide, right=1 - right / wide, bottom=below / high, top=1 - above / high)
-    figure.patch.set_facecolor("white")
-    top_view.draw_ground(axes, scene)
+    figure, axes = top_view.new_map(scene, right=0.85, above=0.85, below=1.1 if top_view.group_colours(scene) else 0.92)
     cells = top_view.water_cells(water, scene) if water else None
     mesh = top_view.draw_water(axes, cells, scene) if water else None
     if mesh:
-        place = ((left + map_wide + 0.1) / wide, below / high, 0.12 / wide, min(map_high, 4.0) / high)
-        top_view.draw_depth_bar(figure, place, mesh)
+        top_view.draw_depth_bar(figure, axes, mesh)
     top_view.draw_flow(axes, scene, cells)
     top_view.draw_obstacles(axes, scene)
     top_view.draw_people(axes, ends, lines, scene)
     top_view.draw_goals(axes, scene)
 
-    axes.set_xlim(-0.01 * length, 1.01 * length)
-    axes.set_ylim(-0.02 * width, 1.02 * width)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x, m", fontsize=9, color=INK)
-    axes.set_ylabel("z, m", fontsize=9, color=INK)
-    axes.tick_params(labelsize=8, colors=INK, length=3)
-    for spine in axes.spines.values():
-        spine.set_visible(False)
     people = agents if agents else list(lines)
     cut_off = ""
     if outcome["status"] == "running":  # a run that is killed writes no other

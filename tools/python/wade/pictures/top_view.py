@@ -2,6 +2,7 @@
 
 import math
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap
@@ -74,11 +75,27 @@ def draw_ground(axes, scene):
     axes.add_patch(Rectangle((0, 0), length, width, fill=False, edgecolor=INK, linewidth=0.9, zorder=9))
     if channel["flow"] != "closed" and not period_of(scene):
         axes.plot([0, 0], [z0, z1], color=DEAD, linewidth=3.2, solid_capstyle="butt", zorder=9)
-        axes.annotate(
-            "fall", (0, (z0 + z1) / 2), xytext=(5, 0), textcoords="offset points",
-            rotation=90, ha="left", va="center", fontsize=8, color=INK, zorder=9,
-            path_effects=[withStroke(linewidth=2, foreground="white")],  # seen on dark colours, too
-        )
+        axes.annotate("fall", (0, (z0 + z1) / 2), xytext=(5, 0), textcoords="offset points", rotation=90, ha="left",
+                      va="center", fontsize=8, color=INK, zorder=9,
+                      path_effects=[withStroke(linewidth=2, foreground="white")])  # seen on dark colours, too
+
+
+def new_map(scene, right, above, below):
+    """A figure with the ground of a scene, and its axes; right, above, below: room round the map, inches."""
+    length, width = scene["world"]["length_m"], scene["world"]["width_m"]
+    map_wide, left = 10.0, 0.75
+    map_high = float(np.clip(map_wide * width / length, 2.2, 11.0))
+    wide, high = left + map_wide + right, above + map_high + below
+    figure, axes = plt.subplots(figsize=(wide, high), dpi=160)
+    figure.subplots_adjust(left=left / wide, right=1 - right / wide, bottom=below / high, top=1 - above / high)
+    draw_ground(axes, scene)
+    axes.set(xlim=(-0.01 * length, 1.01 * length), ylim=(-0.02 * width, 1.02 * width), aspect="equal")
+    axes.set_xlabel("x, m", fontsize=9, color=INK)
+    axes.set_ylabel("z, m", fontsize=9, color=INK)
+    axes.tick_params(labelsize=8, colors=INK, length=3)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    return figure, axes
 
 
 def depth_scale(scene):
@@ -140,8 +157,11 @@ def draw_water(axes, cells, scene):
                            edgecolors="none", antialiased=False, rasterized=True, zorder=3)
 
 
-def draw_depth_bar(figure, place, mesh):
-    """A slim colour bar of the depth of the water; place: left, bottom, width and height in shares of the figure."""
+def draw_depth_bar(figure, axes, mesh):
+    """A slim colour bar of the depth of the water beside the map."""
+    wide, high = figure.get_size_inches()
+    room = axes.get_subplotspec().get_position(figure)  # in shares of the figure
+    place = (room.x1 + 0.1 / wide, room.y0, 0.12 / wide, min(room.height, 4.0 / high))
     full = mesh.get_clim()[1]
     deeper = np.max(mesh.get_array()) > full
     bar = figure.colorbar(mesh, cax=figure.add_axes(place), extend="max" if deeper else "neither",
@@ -224,16 +244,12 @@ def draw_goals(axes, scene, by_group=True):
     crowd, length = scene["crowd"], scene["world"]["length_m"]
     style = {"markeredgecolor": INK, "markeredgewidth": 0.8, "zorder": 8, "clip_on": False}
     for x, z in far_goals(scene):
-        axes.plot(
-            length if x > length else 0, z, marker=">" if x > length else "<", markersize=13,
-            markerfacecolor=goal_colour(scene, (x, z)) if by_group else STAR, **style,
-        )
+        axes.plot(length if x > length else 0, z, marker=">" if x > length else "<", markersize=13,
+                  markerfacecolor=goal_colour(scene, (x, z)) if by_group else STAR, **style)
     for goal in sorted({(g["goal"]["x_m"], g["goal"]["z_m"]) for g in crowd["groups"]} - set(far_goals(scene))):
         # Cut off at the edge of the world, where nobody walks and the picture has its title.
-        reach = axes.add_patch(
-            Circle(goal, crowd["goal_radius_m"], fill=False, edgecolor="#9a7400", linewidth=0.9, linestyle=(0, (3, 2)),
-                   zorder=7)
-        )
+        reach = axes.add_patch(Circle(goal, crowd["goal_radius_m"], fill=False, edgecolor="#9a7400", linewidth=0.9,
+                                      linestyle=(0, (3, 2)), zorder=7))
         reach.set_clip_path(Rectangle((0, 0), length, scene["world"]["width_m"], transform=axes.transData))
         axes.plot(
             *goal, marker="*", markersize=19, markerfacecolor=goal_colour(scene, goal) if by_group else STAR, **style,

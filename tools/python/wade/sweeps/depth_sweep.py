@@ -12,7 +12,6 @@ import collections
 import csv
 import json
 import math
-import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -21,6 +20,7 @@ import numpy as np
 from matplotlib.ticker import PercentFormatter
 
 from wade.errors import UsageError
+from wade.many import seed_range
 from wade.paths import BUILD, CONFIGS, ROOT, module_command
 from wade.reports.files import say
 from wade.reports.plots import pyplot, save
@@ -58,10 +58,10 @@ def run_water(options, depth, speed, crowds):
     listed = folder / "crowds.json"
     listed.write_text(json.dumps([{"name": name, "set": {"/crowd/tau": tau, "/seed": seed}}
                                   for name, (tau, seed) in names.items()], indent=1), encoding="utf-8")
-    command = [*module_command("wade.run.pair"), options.scene, "--out", folder / "crowds", "--crowds", listed, "--no-trajectories", "--no-figure", "--threads", "1",
-               "--danger-every-s", "1", "--water-every-s", "0", "--set", f"/channel/depth_m={depth}",
-               "--set", f"/channel/velocity_m_s={speed}", "--set",
-               f"/fluid/particle_spacing_m={min(SPACING, depth)}"]
+    command = [*module_command("wade.run.pair"), options.scene, "--out", folder / "crowds", "--crowds", listed,
+               "--no-trajectories", "--no-figure", "--threads", "1", "--danger-every-s", "1", "--water-every-s", "0",
+               "--set", f"/channel/depth_m={depth}", "--set", f"/channel/velocity_m_s={speed}",
+               "--set", f"/fluid/particle_spacing_m={min(SPACING, depth)}"]
     if options.until_s:
         command += ["--until-s", str(options.until_s)]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, preexec_fn=end_with_parent)
@@ -201,13 +201,6 @@ def numbers(text):
     if not all(0 < value <= 1 for value in values):
         raise argparse.ArgumentTypeError(f"{text}, allowed is above 0 to 1 each")
     return values
-
-
-def seed_range(text):
-    match = re.fullmatch(r"(\d+)(?:-(\d+))?", text)
-    if not match or int(match[2] or match[1]) < int(match[1]):
-        raise argparse.ArgumentTypeError(f"{text}, allowed is A-B with whole numbers A <= B, or A")
-    return range(int(match[1]), int(match[2] or match[1]) + 1)
 
 
 def main(arguments):

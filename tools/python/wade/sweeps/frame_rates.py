@@ -7,17 +7,18 @@ water at each, and the report says so. Events must be given by time_s.
 """
 
 import argparse
-import csv
 import json
+import statistics
 import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
-
 from wade.errors import UsageError
-from wade.many import label, positive
+from wade.many import label
 from wade.paths import BUILD, ROOT, module_command
+from wade.reports.files import say, write_whole
+from wade.reports.options import whole
+from wade.reports.tables import read_csv, write_csv
 from wade.scenes import find_scene
 from wade.sweeps.frame_rates_report import COLUMNS, MEASURES, RULES, SAMPLED, interval, report
 from wade.terminal import Parser, say_error
@@ -118,9 +119,8 @@ def run(name, rate, scene, options):
 def figures_of(folder):
     """(arrived, time of the last arrival, mean time of the arrivals) of a crowd; times None if nobody arrived."""
     outcome = json.loads((folder / "outcome.json").read_text())
-    with open(folder / "agents.csv", newline="", encoding="utf-8") as file:
-        times = [float(row["time_s"]) for row in csv.DictReader(file) if row["outcome"] == "arrived"]
-    return outcome["arrived"], outcome["last_arrival_s"], float(np.mean(times)) if times else None
+    times = [float(row["time_s"]) for row in read_csv(folder / "agents.csv") if row["outcome"] == "arrived"]
+    return outcome["arrived"], outcome["last_arrival_s"], statistics.fmean(times) if times else None
 
 
 def rows_of(name, rate, scene, folders, seeds, rules=RULES):
@@ -144,7 +144,7 @@ failed, which makes its scene incomplete; 2 bad usage or scene.""")
                         help="files or short names [S5, S7 and S10 of configs/observed]")
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "frame_rates", metavar="DIR",
                         help="[runs/frame_rates in the project]")
-    parser.add_argument("--seeds", type=positive, default=10, metavar="N", help="seeds of the markers, 1 to 1000 [10]")
+    parser.add_argument("--seeds", type=whole(1, 1000), default=10, metavar="N", help="seeds of the markers, 1 to 1000 [10]")
     parser.add_argument("--rates", type=rates_of, default=list(RATES), metavar="A,B",
                         help="at least two frame rates, 0.01 to 1000 Hz [15,30,60,120]")
     parser.add_argument("--vary", choices=("both", "frames", "steps"), default="both",
@@ -155,8 +155,6 @@ failed, which makes its scene incomplete; 2 bad usage or scene.""")
     parser.add_argument("--threads", type=int, default=0, metavar="N",
                         help="of the crowds and the water [number of processors]")
     options = parser.parse_args(arguments)
-    if not options.seeds <= 1000:
-        parser.error(f"--seeds: {options.seeds} is not allowed; allowed: 1 to 1000")
     if options.sampling_rate_hz is not None and not 0 < options.sampling_rate_hz <= 100000:
         parser.error(f"--sampling-rate-hz: {options.sampling_rate_hz:g} is not allowed; allowed: above 0 to 100000")
     options.command = " ".join(["tools/wade", "frame-rates", *arguments])
@@ -177,11 +175,8 @@ def main(arguments):
     order = [label(name) for name in scenes]
     rules = rules_of(options.sampling_rate_hz)
     rows.sort(key=lambda row: (order.index(row["scene"]), rules.index(row["rule"]), row["frame_rate_hz"]))
-    with open(options.out / "frame_rates.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_csv(options.out / "frame_rates.csv", COLUMNS, rows)
     text = report(rows, options)
-    (options.out / "report.md").write_text(text)
-    print(text, end="")
+    write_whole(options.out / "report.md", text)
+    say(text)
     return 1 if failed else 0

@@ -1,6 +1,7 @@
-"""Table and report of tools/python/wade/sweeps/frame_rates.py: means, intervals, and whether the rates agree."""
+"""Table and report of `tools/wade frame-rates`: means, intervals, and whether the rates agree."""
 
-import numpy as np
+from wade.reports.intervals import bootstrap_mean
+from wade.reports.tables import document, markdown, section
 
 RULES = ("per_frame", "continuous", "no water")
 SAMPLED = "continuous, sampled"
@@ -8,16 +9,15 @@ MEASURES = ("arrived", "time_s", "agent_time_s")
 COLUMNS = ("scene", "model", "rule", "frame_rate_hz", "status", "seeds", "agents") + tuple(
     f"{measure}_{end}" for measure in MEASURES for end in ("mean", "lo", "hi")
 )
-RESAMPLES = 10000
 
 
 def interval(values):
-    """(mean, lower, upper) of the mean with 95 %, bootstrap with a fixed start."""
-    values = np.asarray([v for v in values if v is not None], dtype=float)
-    if values.size == 0:
-        return (None, None, None)
-    draws = np.random.default_rng(1).choice(values, (RESAMPLES, values.size)).mean(axis=1)
-    return (values.mean(), *np.percentile(draws, (2.5, 97.5)))
+    """(mean, lower, upper) of the mean of what is known, with 95 %; None if nothing is."""
+    values = [value for value in values if value is not None]
+    if not values:
+        return None, None, None
+    mean, *ends = bootstrap_mean(values)
+    return (mean, *(mean if end is None else end for end in ends))
 
 
 def verdict(rows, key):
@@ -55,25 +55,23 @@ here is due to the water, too.
 """
 
 
+def of_scene(scene, rows):
+    """The section of a scene."""
+    model = rows[0]["model"]
+    cells = [(row["rule"], row["frame_rate_hz"], shown(row, "arrived"), shown(row, "time_s"), shown(row, "agent_time_s", 2))
+             for row in rows]
+    answers = [(rule, *(verdict([row for row in rows if row["rule"] == rule], key) for key in MEASURES))
+               for rule in dict.fromkeys(row["rule"] for row in rows)]
+    return section(f"{scene} ({model})", "" if model == "kinematic" else OTHER_WATER.format(model=model),
+                   markdown(("rule", "rate", "arrived", "time, s", "agents' time, s"), cells),
+                   markdown(("rule", "arrived: range of the means", "time, s", "agents' time, s"), answers))
+
+
 def report(rows, options):
     rates = sorted({row["frame_rate_hz"] for row in rows})
     varied, other = VARIED[options.vary]
     kept = f", {other} at {max(rates)} Hz" if other else ""
-    text = HEADER.format(command=options.command, varied=varied, kept=kept, rates=", ".join(map(str, rates)),
+    head = HEADER.format(command=options.command, varied=varied, kept=kept, rates=", ".join(map(str, rates)),
                          seeds=options.seeds)
-    lines = [text]
-    for scene in dict.fromkeys(row["scene"] for row in rows):
-        of_scene = [row for row in rows if row["scene"] == scene]
-        model = of_scene[0]["model"]
-        lines += [f"## {scene} ({model})", ""]
-        lines += [] if model == "kinematic" else [OTHER_WATER.format(model=model)]
-        lines += ["| rule | rate | arrived | time, s | agents' time, s |", "|---|---|---|---|---|"]
-        for row in of_scene:
-            cells = shown(row, "arrived"), shown(row, "time_s"), shown(row, "agent_time_s", 2)
-            lines.append(f"| {row['rule']} | {row['frame_rate_hz']} | {' | '.join(cells)} |")
-        lines += ["", "| rule | arrived: range of the means | time, s | agents' time, s |", "|---|---|---|---|"]
-        for rule in dict.fromkeys(row["rule"] for row in of_scene):
-            answers = [verdict([row for row in of_scene if row["rule"] == rule], key) for key in MEASURES]
-            lines.append(f"| {rule} | {' | '.join(answers)} |")
-        lines.append("")
-    return "\n".join(lines).rstrip("\n") + "\n"
+    return document(head, *(of_scene(scene, [row for row in rows if row["scene"] == scene])
+                            for scene in dict.fromkeys(row["scene"] for row in rows)))
