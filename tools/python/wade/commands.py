@@ -48,7 +48,7 @@ COMMANDS = {
         Command("stability", "hard cases with all settings of the solver", "wade.suites.stability", ("stability",), True),
         Command("speed-vs-error", "cost and error of the settings of the water", "wade.suites.speed_vs_error",
                 ("validate",), True),
-        Command("models", "all models of the water side by side", "wade.suites.models", ("validate", *PAIR), True,
+        Command("models", "all models of the water side by side", "wade.suites.models", ("validate",), True,
                 ("compare-models",)),
         Command("model-choice", "how often the model that `auto` chooses keeps its error", "wade.suites.model_choice",
                 ("fluid_server", "impulse_scene"), True),

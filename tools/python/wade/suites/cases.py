@@ -1,8 +1,10 @@
 """The validation cases as the program `validate` lists them, and which of their runs there are to do."""
 
 import fnmatch
+import json
 import subprocess
 
+from wade.paths import CONFIGS
 from wade.reports.files import say
 from wade.reports.options import choose, patterns_of
 
@@ -55,6 +57,12 @@ def left_out(patterns, runs):
     """The patterns that none of these runs goes by."""
     names = {case.name for case, _ in runs}
     return [pattern for pattern in patterns_of(patterns) if not fnmatch.filter(names, pattern)]
+
+
+def known_models():
+    """The models of the water, as /fluid/model names them."""
+    schema = json.loads((CONFIGS / "scene.schema.json").read_text(encoding="utf-8"))
+    return schema["properties"]["fluid"]["properties"]["model"]["enum"]
 
 
 def model_changes(model):

@@ -1,4 +1,4 @@
-"""Pictures of the report: error over cost, the impulse on people, Table 1 by model."""
+"""The picture of the report: error over cost."""
 
 import math
 
@@ -7,7 +7,6 @@ from matplotlib.ticker import NullFormatter
 
 from wade.reports.plots import COLOURS, INK, pyplot, save
 from wade.suites.models.outcomes import COMPLETED, missed, worst
-from wade.suites.paper.plots import table1_plot
 
 # One colour a model in all pictures, that of its place here; a model of another name comes after them.
 ORDER = ("dfsph", "shallow_water", "steering", "kinematic", "mixed")
@@ -111,14 +110,6 @@ def error_over_cost(file, outcomes, models, limits):
     legend(figure, models, levels_of(outcomes), signs)
     save(figure, file)
     return True
-
-
-def table1_picture(file, paper, of_set):
-    """of_set: [ModelRuns] of one set of scenes."""
-    known = {runs.model: runs.results for runs in of_set}
-    places = ordered(known)
-    used = places[: 1 + max(places.index(model) for model in known)]  # so that each has its colour
-    table1_plot(file, paper, {m: known.get(m, {}) for m in used}, {m: model_words(m) for m in used})
 
 
 WORDS = (

@@ -1,11 +1,9 @@
-"""The tables of the report: validation cases, and Table 1."""
+"""The tables of the report."""
 
 from wade.reports.tables import markdown, number, section
 from wade.suites.models import rules
-from wade.suites.models.drawings import IMPULSE_ERRORS, model_words, table1_picture
+from wade.suites.models.drawings import IMPULSE_ERRORS, model_words
 from wade.suites.models.outcomes import COMPLETED, FAILED, LEFT_OUT, REFUSED, missed, worst
-from wade.suites.paper import bands
-from wade.suites.paper.words import SET_UPS, arrived_of, shown, time_of
 
 
 GUARDS = (
@@ -152,46 +150,7 @@ def refusals_section(outcomes, models):
     return section("What a model cannot run", "As the programs say it.", markdown(["model", "cases", "why"], lines))
 
 
-def missing_section(outcomes, failures):
+def missing_section(outcomes):
     lines = [f"* {code(o.case)} {o.level}, {model_words(o.model)}: {o.status}, {o.remark}." for o in outcomes
              if o.status in (FAILED, LEFT_OUT)]
-    lines += [f"* Table 1: {failure}." for failure in failures]
     return section("Failed or left out", "\n".join(lines))
-
-
-def ending(time, arrived):
-    """"63 s; all", "nobody"."""
-    return "nobody" if time == "-" else f"{time} s; {'all' if arrived in ('50', '50.0') else arrived}"
-
-
-def ending_of(result):
-    if result is None:
-        return "not run"
-    return ending(time_of(result), "50" if result.arrived[0] == 50 else arrived_of(result))
-
-
-def table1_section(of_set, paper, out):
-    """of_set: [ModelRuns] of one set of scenes."""
-    lines = []
-    for name, row in paper.items():
-        results = [runs.results.get(name) for runs in of_set]
-        if any(results):
-            lines.append([name, shown(row["tau"], 1), shown(row["v_f_m_s"], 1), ending(shown(row["time_s"]), shown(row["arrived"])),
-                          *map(ending_of, results)])
-    facts = []
-    for runs in of_set:
-        judged = [bands.judge_scenario(name, result) for name, result in runs.results.items()]
-        seeds = " or ".join(map(str, sorted({len(result.runs) for result in runs.results.values()})))
-        walls = [seconds(cost) for cost in sorted(cost for cost in runs.costs if cost is not None)]
-        cost = " to ".join(dict.fromkeys(walls[:1] + walls[-1:])) or "-"
-        facts.append([model_words(runs.model), seeds, bands.count_in_words(judged), cost, ", ".join(runs.commits)])
-    scene_set = of_set[0].set
-    picture = f"table1_{scene_set}.png"
-    table1_picture(out / picture, paper, of_set)
-    text = (
-        f"`configs/{scene_set}` with another `/fluid/model`. Time of the last arrival, s, and how many of 50 arrive: "
-        "means over the seeds with intervals of 95 %.")
-    head = ["model", "seeds", "bands of the paper met", "wall s of the solver a simulated s", "programs of commit"]
-    return section(f"Table 1, set {scene_set} ({SET_UPS[scene_set]})", text,
-                   markdown(["", "tau", "v_F", "paper", *(model_words(runs.model) for runs in of_set)], lines), markdown(head, facts),
-                   f"![Table 1, {scene_set}]({picture})")

@@ -22,8 +22,9 @@ from wade.reports import options
 from wade.reports.files import complain, publish, say, write_whole
 from wade.reports.tables import document, write_csv
 from wade.run.processes import Pair
+from wade.suites.cases import FOLLOWS_PEOPLE, known_models, model_changes
 from wade.suites.paper import (bands, others, pictures, plan, plane, plots, report, studies, verdict)
-from wade.suites.paper.ensembles import Ensembles, PlanError, Programs
+from wade.suites.paper.ensembles import Ensembles, OwnWaters, PlanError, Programs
 from wade.suites.paper.results import COLUMNS, Result, read_paper, table_row
 from wade.suites.paper.store import Store, StoreError
 from wade.suites.paper.words import SET_UPS
@@ -45,6 +46,7 @@ def parse(arguments):
     parser.add_argument("--parts", type=options.some_of(tuple(plan.PARTS)), metavar="A,B",
                         help="only these, see below [all; quick: table1 with S1, S4, S5 and S8]")
     parser.add_argument("--set-of-scenes", choices=tuple(SETS_OF), help="[all; quick: all but manning]")
+    parser.add_argument("--model", choices=known_models(), help="water by this model instead of the scenes' own")
     parser.add_argument("--threads", type=options.whole(1), default=2, metavar="N", help="of each program [2]")
     parser.add_argument("--until-s", type=options.above_0, metavar="T",
                         help="simulated time at which each run ends, s [the scene's, 400]; such runs are not judged")
@@ -132,7 +134,9 @@ def main(arguments):
     except (StoreError, OSError) as error:
         raise UsageError(f"--out: {error}") from error
     pair = Pair()
-    ensembles = Ensembles(Programs(BUILD, chosen.until_s), chosen.out, pair, chosen.threads, chosen.keep_all, store)
+    programs = Programs(BUILD, chosen.until_s, model_changes(chosen.model) if chosen.model else ())
+    kind = OwnWaters if chosen.model in FOLLOWS_PEOPLE else Ensembles
+    ensembles = kind(programs, chosen.out, pair, chosen.threads, chosen.keep_all, store)
     try:
         wanted = wanted_cases(chosen)
         ensembles.collect(wanted) if chosen.report_only else ensembles.run(wanted)

@@ -28,26 +28,27 @@ class PlanError(Exception):
 
 
 class Programs:
-    """The two programs, and the scenes as they read them."""
+    """The two programs, and the scenes as they read them, all with some values changed: (JSON pointer, value)."""
 
-    def __init__(self, folder, until_s=None):
-        self.folder, self.until_s = folder, until_s
+    def __init__(self, folder, until_s=None, changes=()):
+        self.folder, self.until_s, self.changes = folder, until_s, changes
         self.known = {}
 
     def resolved(self, scene, changes):
         """The scene with these (pointer, value) changes as the programs will run it."""
         key = (scene, repr(changes))
         if key not in self.known:
-            words = [word for pointer, value in changes for word in ("--set", f"{pointer}={json.dumps(value)}")]
-            command = [self.folder / "crowd_client", scene, *words, *self.until(), "--print-config"]
+            command = [self.folder / "crowd_client", scene, *self.words(changes), "--print-config"]
             answer = subprocess.run(command, stdout=subprocess.PIPE, text=True)
             if answer.returncode != 0:
                 raise PlanError(answer.returncode)
             self.known[key] = json.loads(answer.stdout)
         return self.known[key]
 
-    def until(self):
-        return [] if self.until_s is None else ["--until-s", str(self.until_s)]
+    def words(self, changes):
+        """Options of a scene with these changes besides."""
+        values = [word for pointer, value in (*self.changes, *changes) for word in ("--set", f"{pointer}={json.dumps(value)}")]
+        return values + ([] if self.until_s is None else ["--until-s", str(self.until_s)])
 
     def scene_of(self, case, seed):
         """The resolved scene of a case: its own crowd in the water that it shares."""
@@ -172,9 +173,8 @@ class Ensembles:
             crowd_entry(name_of(*run), self.programs.scene_of(*run), base, self.keeps_pictures(*run)) for run in missing
         ]
         (folder / "crowds.json").write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
-        words = [word for pointer, value in water.changes for word in ("--set", f"{pointer}={json.dumps(value)}")]
-        command = [*module_command("wade.run.pair"), water.scene, "--crowds", folder / "crowds.json", "--out", folder, "--no-figure", *words]
-        command += [*self.programs.until(), "--threads", str(self.threads)]
+        command = [*module_command("wade.run.pair"), water.scene, "--crowds", folder / "crowds.json", "--out", folder]
+        command += ["--no-figure", "--threads", str(self.threads), *self.programs.words(water.changes)]
         command += ["--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
         complain(f"{water.key}: {len(missing)} crowds")
         with open(self.log(water), "w", encoding="utf-8") as log:
@@ -220,6 +220,24 @@ class Ensembles:
             note_what_is_seen(run)
             self.store.add(case.key, seed, scene, record)
         return run
+
+
+class OwnWaters(Ensembles):
+    """Each crowd in a run of its own, of water that follows its people."""
+
+    def run_crowds(self, water, missing):
+        for case, seed in missing:
+            folder = self.folder(case, seed)
+            folder.mkdir(parents=True, exist_ok=True)
+            scene = folder / "scene.json"
+            scene.write_text(json.dumps(self.programs.scene_of(case, seed), indent=1) + "\n", encoding="utf-8")
+            command = [*module_command("wade.run.pair"), scene, "--out", folder, "--no-figure", "--water-every-s", "0"]
+            command += ["--threads", str(self.threads)]
+            with open(self.log(water), "w", encoding="utf-8") as log:
+                code = self.wait_for(self.pair.start(command, stdout=log, stderr=log), water)
+            if code != 0 or self.pair.signal:
+                return code
+        return 0
 
 
 def name_of(case, seed):
