@@ -12,7 +12,6 @@
 #include "configs/scene/scene.hpp"
 #include "fluid_server/dfsph/bed_friction.hpp"
 #include "fluid_server/dfsph/dfsph.hpp"
-#include "fluid_server/dfsph/fluid_state.hpp"
 #include "fluid_server/dfsph/midpoint.hpp"
 #include "fluid_server/dfsph/stages.hpp"
 #include "fluid_server/dfsph/step_measures.hpp"
@@ -21,6 +20,7 @@
 #include "fluid_server/particles/particles.hpp"
 #include "fluid_server/particles/solids.hpp"
 #include "fluid_server/particles/water_depth.hpp"
+#include "fluid_server/states/fluid_state.hpp"
 
 namespace wade::fluid {
 

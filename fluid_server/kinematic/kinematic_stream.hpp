@@ -17,7 +17,7 @@
 
 #include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
-#include "fluid_server/particles/velocity_profile.hpp"
+#include "fluid_server/kinematic/velocity_profile.hpp"
 
 namespace wade::fluid {
 

@@ -5,9 +5,9 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
-#include "fluid_server/dfsph/fluid_state.hpp"
 #include "fluid_server/dfsph/stabler_settings.hpp"
-#include "fluid_server/dfsph/state_file.hpp"
+#include "fluid_server/states/fluid_state.hpp"
+#include "fluid_server/states/state_file.hpp"
 
 namespace wade::fluid {
 

@@ -13,7 +13,7 @@ COLLAPSE = SCENES / "collapse.json"
 DEEP_COLUMN = ROOT / "configs" / "stability" / "deep_column.json"
 EMITTER = ROOT / "configs" / "paper" / "s05.json"
 RUN = ROOT / "tools" / "run.sh"
-HEADER_BYTES, PARTICLE_BYTES = 128, 33  # fluid_server/dfsph/state_file.hpp
+HEADER_BYTES, PARTICLE_BYTES = 128, 33  # fluid_server/states/state_file.hpp
 
 
 def water_of(file):

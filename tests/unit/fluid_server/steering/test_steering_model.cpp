@@ -3,8 +3,8 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "flock_pair.hpp"
-#include "fluid_server/dfsph/fluid_state.hpp"
 #include "fluid_server/make_model.hpp"
+#include "fluid_server/states/fluid_state.hpp"
 #include "fluid_server/steering/steering_model.hpp"
 
 using namespace wade;

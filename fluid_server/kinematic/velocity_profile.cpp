@@ -1,4 +1,4 @@
-#include "fluid_server/particles/velocity_profile.hpp"
+#include "fluid_server/kinematic/velocity_profile.hpp"
 
 #include <cmath>
 

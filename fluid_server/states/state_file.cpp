@@ -1,4 +1,4 @@
-#include "fluid_server/dfsph/state_file.hpp"
+#include "fluid_server/states/state_file.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -26,7 +26,7 @@
 #include <string>
 #include <string_view>
 
-#include "fluid_server/dfsph/fluid_state.hpp"
+#include "fluid_server/states/fluid_state.hpp"
 
 namespace wade::fluid {
 

@@ -11,9 +11,9 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "fluid_server/dfsph/dfsph_model.hpp"
-#include "fluid_server/dfsph/state_file.hpp"
 #include "fluid_server/make_model.hpp"
 #include "fluid_server/server/state_options.hpp"
+#include "fluid_server/states/state_file.hpp"
 
 using namespace wade;
 using namespace wade::fluid;

@@ -1,4 +1,4 @@
-#include "fluid_server/dfsph/fluid_state.hpp"
+#include "fluid_server/states/fluid_state.hpp"
 
 #include <algorithm>
 #include <sstream>

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "fluid_server/particles/velocity_profile.hpp"
+#include "fluid_server/kinematic/velocity_profile.hpp"
 
 using namespace wade;
 using namespace wade::fluid;
