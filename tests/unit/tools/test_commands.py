@@ -111,6 +111,11 @@ class Lines(unittest.TestCase):
                 self.assertEqual(code, 2, said)
                 self.assert_fits(said, command.name)
 
+    def test_help_of_the_programs_for_sessions_fits(self):
+        for name in ("shm_record", "shm_replay", "shm_inspect", "shm_clean"):
+            with self.subTest(name):
+                self.assert_fits(answer(BUILD / name, "--help").stdout, name)
+
     def test_help_of_the_other_scripts_fits(self):
         install = ROOT / "tools" / "install_dependencies.sh"
         self.assert_fits(answer(install, "--help").stdout, install.name)

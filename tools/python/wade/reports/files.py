@@ -6,6 +6,7 @@ import shutil
 import sys
 
 from wade.paths import ROOT
+from wade.terminal import wrapped
 
 PUBLISHED = ROOT / "docs" / "reports"
 PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+\.png)\)")
@@ -33,7 +34,8 @@ def say(text, stream=None):
 
 
 def complain(text):
-    say(text, sys.stderr)
+    """Tells on stderr what is wrong, or how far something is."""
+    say("\n".join(map(wrapped, str(text).split("\n"))), sys.stderr)
 
 
 def publish(out, suite, table):

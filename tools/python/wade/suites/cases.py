@@ -5,7 +5,7 @@ import json
 import subprocess
 
 from wade.paths import CONFIGS
-from wade.reports.files import say
+from wade.reports.files import complain
 from wade.reports.options import choose, patterns_of
 
 LEVELS = ("coarse", "medium", "fine")
@@ -49,7 +49,7 @@ def plan(cases, patterns, levels, quick, long):
     if not runs:
         raise ValueError("nothing to run: the cases chosen have none of these resolutions, take hours or are not quick")
     if left := left_out(patterns, runs):
-        say(f"left out, as they have none of these resolutions, take hours or are not quick: {', '.join(left)}")
+        complain(f"left out, as they have none of these resolutions, take hours or are not quick: {', '.join(left)}")
     return runs
 
 

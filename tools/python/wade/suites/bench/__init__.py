@@ -23,6 +23,7 @@ from wade.reports.files import complain, publish, say
 from wade.reports.machine import machine, machine_text
 from wade.suites.bench import end_to_end, kernels
 from wade.suites.bench.results import comparison, read, summary, write, write_table
+from wade.terminal import wrapped
 
 # Program, what its names begin with, whether it takes --only and --threads.
 PROGRAMS = (
@@ -121,9 +122,9 @@ def main(arguments):
         write_page(chosen, known["machine"], before)
         return 0
     here = machine()
-    say(machine_text(here))
+    say(wrapped(machine_text(here)))
     if here["busy"]:
-        say("warning: other programs use this machine; times are too long, only ratios within a program mean something")
+        say(wrapped("warning: other programs use this machine; times are too long, only ratios within a program mean something"))
     results, well = measure(chosen)
     if not results:
         complain(f"bench: --only {chosen.only}: no benchmark begins like this")
