@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from wade.errors import UsageError
-from wade.paths import BUILD, ROOT, own_folder
+from wade.paths import BUILD, ROOT, home_folder
 from wade.terminal import say_error
 
 PICTURES = ("numpy", "matplotlib", "PIL", "tabulate")
@@ -35,8 +35,9 @@ def install(*sets):
 
 def install_pictures():
     """Installs what pictures need, if something is missing; without it, runs go without pictures."""
-    if not os.access(Path.home(), os.W_OK):  # matplotlib keeps its list of fonts there
-        os.environ.setdefault("MPLCONFIGDIR", str(own_folder() / "matplotlib"))
+    home = home_folder()  # matplotlib keeps its list of fonts there
+    if str(home) != os.path.expanduser("~"):
+        os.environ.setdefault("MPLCONFIGDIR", str(home / "matplotlib"))
     if not all(map(importlib.util.find_spec, PICTURES)) and not install("pictures"):
         say_error("wade: pictures cannot be drawn without " + " and ".join(PICTURES))
 

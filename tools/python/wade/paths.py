@@ -11,8 +11,11 @@ BUILD = Path(os.environ.get("WADE_BUILD") or ROOT / "build" / "release").absolut
 WADE = ROOT / "tools" / "wade"
 
 
-def own_folder():
-    """A folder of this user among the temporary files, for who has no other place to write."""
+def home_folder():
+    """The user's home, or a folder of his own among the temporary files where he has none that can be written."""
+    home = Path(os.path.expanduser("~"))  # stays "~" for a user that the system does not know
+    if home.is_absolute() and os.access(home, os.W_OK):
+        return home
     import tempfile  # only for who needs it, as it takes its time
 
     folder = Path(tempfile.gettempdir()) / f"wade-{os.getuid()}"

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from wade.errors import UsageError
-from wade.paths import ROOT, own_folder
+from wade.paths import ROOT, home_folder
 
 
 def file_name(text):
@@ -16,9 +16,8 @@ def file_name(text):
 
 def runs_folder():
     """The first of these folders that can be written: runs/ of the project, of this folder, then one of the user's own."""
-    places = [ROOT / "runs", Path.cwd() / "runs", Path.home() / "wade-runs"]
-    for place in [*places, None]:
-        place = place or own_folder() / "runs"
+    places = [ROOT / "runs", Path.cwd() / "runs", home_folder() / "wade-runs"]
+    for place in places:
         try:
             place.mkdir(parents=True, exist_ok=True)
         except OSError:
