@@ -52,8 +52,7 @@ void draw_markers(MarkerLanes<float>& lanes, const DrawnMarkers& drawn, int colu
     make_room(lanes.z, Lanes<float>::padded(lanes.count));
 
     const std::uint64_t cell = drawn.grid.index(column, row);
-    constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
-    const std::uint64_t key = mix_bits(mix_bits(drawn.seed + golden * (drawn.epoch + 1)) + golden * cell);
+    const std::uint64_t key = mix_bits(mix_bits(drawn.seed + splitmix_step * (drawn.epoch + 1)) + splitmix_step * cell);
     const auto low = static_cast<std::uint32_t>(key), high = static_cast<std::uint32_t>(key >> 32);
     const float range = drawn.jitter * 0x1p-16F;
     const float* const first_x = drawn.first_x.data();

@@ -30,9 +30,10 @@ constexpr double quiet_layers = 20;
 }  // namespace
 
 // Measured: bytes a particle that there is room for, of arrays and of two states that are kept; bytes a pair, and pairs of
-// the lists; seconds of CPU time a particle and step in a stream, which grow once water is deeper than `quiet_layers`.
+// the lists; seconds of CPU time a particle and step in a stream, which grow once water is deeper than `quiet_layers` or
+// falls: blocks that collapse take some times the sweeps of a stream.
 Estimate DfsphModel::estimate(const Scene& scene) {
-    constexpr double bytes_of_room = 250, bytes_of_pair = 3.2, step_cost = 1 / 4.5e6;
+    constexpr double bytes_of_room = 250, bytes_of_pair = 3.2, step_cost = 1 / 4.5e6, blocks_cost = 5;
     const double support = support_radius_of(scene.fluid), room = std::max(scene.fluid.max_particles, 1);
     Estimate estimate;
     estimate.particles = particles_expected(scene);
@@ -45,7 +46,8 @@ Estimate DfsphModel::estimate(const Scene& scene) {
     const double speed = largest_velocity(scene.channel);
     const TimeStep step = longest_step(scene.fluid, {speed, wave, wave}, 1 / scene.frame_rate);
     const double deep = std::max(1.0, depth / (quiet_layers * scene.fluid.particle_spacing));
-    estimate.cpu_time = scene.duration / step.dt * n * step_cost * deep;
+    estimate.cpu_time =
+        scene.duration / step.dt * n * step_cost * deep * (scene.channel.water_blocks.empty() ? 1 : blocks_cost);
     return estimate;
 }
 
