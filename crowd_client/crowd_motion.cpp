@@ -6,6 +6,11 @@
 namespace wade::crowd {
 namespace {
 
+// Whether agents keep a velocity from step to step.
+bool keep_velocity(const CrowdWorld& crowd) {
+    return !crowd.next.at_end.empty();
+}
+
 // What is left of a velocity where walls kept `from` + `wanted` back at `to`: nothing along an axis that they cut.
 Vector2d stopped_at_walls(const Vector2d& velocity, const Vector2d& from, const Vector2d& wanted, const Vector2d& to) {
     const Vector2d free = from + wanted;
@@ -41,7 +46,7 @@ void limit_to_bodies(CrowdWorld& crowd) {
     crowd.wishes.resize(n);
     crowd.may_fall.resize(n);
     for (std::size_t k = 0; k < n; ++k) {
-        crowd.wishes[k] = crowd.velocity[k] * crowd.dt;
+        crowd.wishes[k] = crowd.next.mean[k] * crowd.dt;
         crowd.may_fall[k] = pushed_over_the_fall(crowd.agents.tau[crowd.active[k]], crowd.contacts[k]);
     }
     limit_steps(crowd.bodies, crowd.walls, crowd.positions, crowd.wishes, crowd.may_fall, threads_for(crowd));
@@ -53,8 +58,8 @@ Vector2d step_with_body(CrowdWorld& crowd, std::size_t k) {
     const World& world = crowd.scene.world;
     const Vector2d& u = crowd.bodies.step[k];
     note_blocked(crowd.bodies, crowd.agents, id, u, crowd.dt);
-    if (is_continuous(crowd)) {
-        crowd.agents.momentary[id] = stopped_by_bodies(crowd.agents.momentary[id], crowd.wishes[k], u, crowd.dt);
+    if (keep_velocity(crowd)) {
+        crowd.agents.momentary[id] = stopped_by_bodies(crowd.next.at_end[k], crowd.wishes[k], u, crowd.dt);
     }
     Vector2d to = crowd.positions[k] + u;
     if (world.ends == Ends::open) to.x() = std::min(to.x(), world.length);
@@ -65,11 +70,6 @@ Vector2d step_with_body(CrowdWorld& crowd, std::size_t k) {
 
 }  // namespace
 
-int threads_for(const CrowdWorld& crowd) {
-    constexpr std::size_t worth_it = 1000;
-    return crowd.active.size() < worth_it ? 1 : crowd.threads;
-}
-
 void move_agents(CrowdWorld& crowd) {
     Agents& agents = crowd.agents;
     if (has_bodies(crowd)) limit_to_bodies(crowd);
@@ -77,12 +77,12 @@ void move_agents(CrowdWorld& crowd) {
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
         const Vector2d& from = crowd.positions[k];
-        const Vector2d wanted = crowd.velocity[k] * crowd.dt;
+        const Vector2d wanted = crowd.next.mean[k] * crowd.dt;
         const Vector2d to = has_bodies(crowd) ? step_with_body(crowd, k)
                                               : slide(crowd.walls, from, wanted,
                                                       pushed_over_the_fall(agents.tau[id], crowd.contacts[k]));
-        if (is_continuous(crowd) && !has_bodies(crowd)) {
-            agents.momentary[id] = stopped_at_walls(agents.momentary[id], from, wanted, to);
+        if (keep_velocity(crowd) && !has_bodies(crowd)) {
+            agents.momentary[id] = stopped_at_walls(crowd.next.at_end[k], from, wanted, to);
         }
         const Vector2d way = to - from;
         const double length = std::sqrt(way.squaredNorm());

@@ -1,16 +1,24 @@
 #include "crowd_client/crowd_world.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "configs/scene/scene_frames.hpp"
 #include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/water/contacts.hpp"
-#include "crowd_client/water/sampled_coupling.hpp"
 #include "crowd_client/water/water_met.hpp"
 #include "crowd_client/ways/evasion.hpp"
 
 namespace wade::crowd {
 namespace {
+
+// What a stage works with: the crowd, the water near it and the number of the step.
+struct Step {
+    CrowdWorld& crowd;
+    const WaterBins& water;
+    std::uint64_t number;
+    [[nodiscard]] bool is_wet() const { return !water.x.empty(); }
+};
 
 void apply_event(Agents& agents, const Scene& scene, const TauEvent& event) {
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -20,61 +28,78 @@ void apply_event(Agents& agents, const Scene& scene, const TauEvent& event) {
     }
 }
 
-void apply_events_due(CrowdWorld& crowd, std::uint64_t step) {
+void apply_events_due(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
     const std::vector<TauEvent>& events = crowd.scene.events;
     for (; crowd.events_applied < events.size(); ++crowd.events_applied) {
         const TauEvent& event = events[crowd.events_applied];
-        if (step_of_frame(crowd.scene, event.frame) > step) return;
+        if (step_of_frame(crowd.scene, event.frame) > step.number) return;
         apply_event(crowd.agents, crowd.scene, event);
     }
 }
 
-void freeze_positions(CrowdWorld& crowd) {
-    crowd.positions.resize(crowd.active.size());
-    for (std::size_t k = 0; k < crowd.active.size(); ++k) crowd.positions[k] = crowd.agents.position[crowd.active[k]];
-}
-
-void find_contacts(CrowdWorld& crowd, const WaterBins& water) {
-    const double distance = contact_distance(crowd.scene.coupling);
-    if (water.x.empty()) {
+void find_contacts(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    if (!step.is_wet()) {
         crowd.contacts.assign(crowd.active.size(), {});
         return;
     }
+    const double distance = contact_distance(crowd.scene.coupling);
     crowd.contacts.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
-        crowd.contacts[k] = find_contact(water, crowd.positions[k], distance, crowd.touching);
+        crowd.contacts[k] = find_contact(step.water, crowd.positions[k], distance, crowd.touching);
     }
 }
 
-void choose_walking_velocities(CrowdWorld& crowd, const WaterBins& water, std::uint64_t step) {
-    const double period = crowd.scene.world.period();
+void note_water(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    if (step.is_wet()) note_water_met(crowd.agents, crowd.scene, crowd.active, crowd.positions, step.water);
+}
+
+void tumble(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    if (!has_ragdolls(crowd.scene)) return;
+    find_ragdolls(crowd.ragdolls, crowd.scene, crowd.agents, crowd.active, crowd.positions, step.water, step.number);
+}
+
+void find_ways(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
     crowd.goal_offsets.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
-        crowd.goal_offsets[k] = goal_offset(crowd.agents, crowd.active[k], period);
+        crowd.goal_offsets[k] = goal_offset(crowd.agents, crowd.active[k], crowd.scene.world.period());
     }
     if (finds_ways(crowd.navigation)) {
-        update_navigation(crowd.navigation, crowd.positions, step, crowd.threads);
+        update_navigation(crowd.navigation, crowd.positions, step.number, crowd.threads);
         steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, threads_for(crowd));
     }
-    if (crowd.scene.crowd.evasion.rule != EvasionRule::off && !water.x.empty()) {
-        evade(crowd.scene.crowd.evasion, crowd.agents, crowd.active, crowd.positions, water, crowd.goal_offsets);
+    const EvasionSettings& evasion = crowd.scene.crowd.evasion;
+    if (evasion.rule != EvasionRule::off && step.is_wet()) {
+        evade(evasion, crowd.agents, crowd.active, crowd.positions, step.water, crowd.goal_offsets);
     }
-    crowd.markers.drawn.epoch = marker_epoch(crowd.scene.crowd, step);
+}
+
+void compete_for_markers(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    const double radius = crowd.scene.crowd.perception_radius;
+    crowd.markers.drawn.epoch = marker_epoch(crowd.scene.crowd, step.number);
     Walkers walkers;
     walkers.position = crowd.positions;
     walkers.goal_offset = crowd.goal_offsets;
     if (has_bodies(crowd)) {
         prepare_bodies(crowd.bodies, walkers, crowd.agents, crowd.active, crowd.positions, crowd.goal_offsets,
-                       crowd.scene.world, crowd.scene.crowd.perception_radius, looks_whom_to_follow(step, crowd.dt),
-                       threads_for(crowd));
+                       crowd.scene.world, radius, looks_whom_to_follow(step.number, crowd.dt), threads_for(crowd));
     }
-    find_motion(crowd.motion, crowd.marker_memory, crowd.markers, walkers, crowd.scene.crowd.perception_radius, period,
+    find_motion(crowd.motion, crowd.marker_memory, crowd.markers, walkers, radius, crowd.scene.world.period(),
                 threads_for(crowd));
+}
+
+void choose_walking_velocities(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    const SpeedRule rule = crowd.scene.crowd.speed_rule;
     const double marker_area = GroundGrid::cell_size * GroundGrid::cell_size / crowd.scene.crowd.markers_per_cell;
     crowd.walking.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
-        const SpeedRule rule = crowd.scene.crowd.speed_rule;
         const Vector2d wish =
             has_bodies(crowd)
                 ? wished_velocity(crowd.bodies, crowd.agents, id, k, crowd.motion, marker_area, rule, crowd.dt)
@@ -83,29 +108,15 @@ void choose_walking_velocities(CrowdWorld& crowd, const WaterBins& water, std::u
     }
 }
 
-void couple_with_water(CrowdWorld& crowd, const WaterBins& water) {
-    Agents& agents = crowd.agents;
-    if (!is_continuous(crowd) && water.x.empty()) {
-        crowd.velocity = crowd.walking;
-        return;
-    }
-    crowd.velocity.resize(crowd.active.size());
-    const Sampling sampling = sampling_of(crowd.scene);
-    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
-        const std::uint32_t id = crowd.active[k];
-        if (!is_continuous(crowd)) {
-            crowd.velocity[k] = coupled_velocity(agents.mass[id], crowd.walking[k], agents.tau[id], crowd.contacts[k]);
-            continue;
-        }
-        const Walker walker{crowd.positions[k], agents.momentary[id], crowd.walking[k], agents.mass[id],
-                            agents.tau[id]};
-        const RelaxedVelocity relaxed = sampling.samples > 1
-                                            ? sampled_velocity(water, crowd.scene, sampling, walker, crowd.dt)
-                                            : relaxed_velocity(walker.mass, walker.velocity, walker.walking, walker.tau,
-                                                               crowd.contacts[k], crowd.dt);
-        crowd.velocity[k] = relaxed.mean;
-        agents.momentary[id] = relaxed.at_end;
-    }
+void respond_to_water(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    crowd.response->respond(
+        {crowd.scene, crowd.dt, crowd.agents, crowd.active, crowd.positions, crowd.walking, crowd.contacts, step.water},
+        crowd.next);
+}
+
+void move(const Step& step) {
+    move_agents(step.crowd);
 }
 
 Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
@@ -116,45 +127,70 @@ Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
     return rest.squaredNorm() <= reach * reach ? Outcome::arrived : Outcome::active;
 }
 
-void judge_outcomes(CrowdWorld& crowd, std::uint64_t step) {
+void judge_outcomes(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
     for (const std::uint32_t id : crowd.active) {
         const Outcome outcome = judge(crowd, id);
         crowd.agents.outcome[id] = outcome;
         if (outcome == Outcome::active) continue;
-        crowd.agents.end_step[id] = step;
+        crowd.agents.end_step[id] = step.number;
         ++(outcome == Outcome::arrived ? crowd.arrived : crowd.dead);
-        if (outcome == Outcome::arrived) crowd.last_arrival_step = step;
+        if (outcome == Outcome::arrived) crowd.last_arrival_step = step.number;
     }
     std::erase_if(crowd.active, [&](std::uint32_t id) { return crowd.agents.outcome[id] != Outcome::active; });
 }
 
-// The step, once the positions are frozen and the water round them is sorted.
+struct Stage {
+    std::string_view name;
+    void (*run)(const Step&);
+};
+
+// The method, once the positions are frozen and the water round them is sorted. Each stage reads what those before it
+// have written and the agents as the last step left them; `motion` writes the next state of all.
+constexpr std::array stages{
+    Stage{"events", apply_events_due},
+    Stage{"contacts", find_contacts},  // Eq. 5
+    Stage{"water met", note_water},
+    Stage{"ragdolls", tumble},
+    Stage{"ways", find_ways},
+    Stage{"markers", compete_for_markers},        // Eq. 1-3
+    Stage{"walking", choose_walking_velocities},  // Eq. 4
+    Stage{"response", respond_to_water},          // Eq. 6-9
+    Stage{"motion", move},
+    Stage{"outcomes", judge_outcomes},
+};
+
+void freeze_positions(CrowdWorld& crowd) {
+    crowd.positions.resize(crowd.active.size());
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) crowd.positions[k] = crowd.agents.position[crowd.active[k]];
+}
+
 void advance(CrowdWorld& crowd, const WaterBins& water) {
-    const std::uint64_t this_step = crowd.steps + 1;
-    apply_events_due(crowd, this_step);
-    find_contacts(crowd, water);  // Eq. 5
-    if (!water.x.empty()) note_water_met(crowd.agents, crowd.scene, crowd.active, crowd.positions, water);
-    if (has_ragdolls(crowd.scene)) {
-        find_ragdolls(crowd.ragdolls, crowd.scene, crowd.agents, crowd.active, crowd.positions, water, this_step);
+    const Step step{crowd, water, crowd.steps + 1};
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+        timed(crowd.times.get(), 1 + i, [&] { stages[i].run(step); });
     }
-    choose_walking_velocities(crowd, water, this_step);  // Eq. 1-4
-    couple_with_water(crowd, water);                     // Eq. 6-9
-    move_agents(crowd);
-    judge_outcomes(crowd, this_step);
-    crowd.steps = this_step;
+    crowd.steps = step.number;
+    if (crowd.times) ++crowd.times->steps;
 }
 
 }  // namespace
 
 void step(CrowdWorld& crowd, const WaterView& water) {
     freeze_positions(crowd);
-    bin_water(crowd.water, water, crowd.positions);
+    timed(crowd.times.get(), 0, [&] { bin_water(crowd.water, water, crowd.positions); });
     advance(crowd, crowd.water);
 }
 
 void step_through(CrowdWorld& crowd, const WaterBins& water) {
     freeze_positions(crowd);
     advance(crowd, water);
+}
+
+std::vector<std::string_view> stage_names() {
+    std::vector<std::string_view> names{"sorting the water"};
+    for (const Stage& stage : stages) names.push_back(stage.name);
+    return names;
 }
 
 }  // namespace wade::crowd

@@ -24,6 +24,11 @@ Subscriber Subscriber::in_process(Publisher& publisher, const std::string& consu
         attach({p.session, consumer_name, options, mode_lockstep, 1, base}), options));
 }
 
+void Subscriber::refuse(const std::string& session, const std::string& consumer_name, const JoinOptions& options,
+                        int reason_code, const std::string& text) {
+    attach({session, consumer_name, options, mode_lockstep, 1, nullptr, Refusal{reason_code, text}});
+}
+
 Subscriber::Subscriber(std::unique_ptr<SubscriberState> state) : state_(std::move(state)) {}
 
 Subscriber::~Subscriber() {

@@ -36,6 +36,12 @@ class Subscriber {
     // follow addresses; in all else like the constructor). The publisher must outlive the subscriber.
     static Subscriber in_process(Publisher& publisher, const std::string& consumer_name, JoinOptions options = {});
 
+    // Tells the producer of a session, which may come later, that this consumer will not take part, and why: a producer that
+    // waits for its first consumers ends, one that has published a frame goes on undisturbed. The text is cut at 511 bytes.
+    // Errors: as the constructor.
+    static void refuse(const std::string& session, const std::string& consumer_name, const JoinOptions& options,
+                       int reason_code, const std::string& text);
+
     ~Subscriber();
     Subscriber(Subscriber&&) noexcept;
     Subscriber& operator=(Subscriber&&) noexcept;

@@ -1,28 +1,13 @@
 #pragma once
 // The texts of a run folder: outcome.json, agents.csv, manifest.json.
 
-#include <optional>
 #include <string>
-#include <vector>
 
-#include "crowd_client/outputs/danger.hpp"
+#include "crowd_client/outputs/run_labels.hpp"
 #include "crowd_client/outputs/run_summary.hpp"
+#include "crowd_client/outputs/writers/danger.hpp"
 
 namespace wade::crowd {
-
-// What is known about a run besides the crowd. Times and names of machines are left empty in a reproducible run.
-struct RunLabels {
-    std::string model;            // of the fluid, as its producer calls itself; empty: never met
-    std::string canonical_scene;  // JSON of the resolved scene
-    std::string session;
-    bool latest_frames = false;  // the newest frames instead of all
-    int threads = 0;             // 0: as many as there are processors
-    std::vector<std::string> command_line;
-    bool reproducible = false;
-    std::optional<double> wall_time;  // s
-    std::string started_at;           // ISO 8601, UTC
-    std::string host;
-};
 
 // outcome.json; what is not known is null.
 [[nodiscard]] std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);

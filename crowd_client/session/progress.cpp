@@ -5,8 +5,6 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "configs/scene/scene_frames.hpp"
-
 namespace wade::crowd {
 namespace {
 
@@ -19,49 +17,69 @@ namespace {
     return {buffer, static_cast<std::size_t>(std::min(std::max(length, 0), static_cast<int>(sizeof buffer) - 1))};
 }
 
-std::string water_text(const shm::Frame& frame) {
-    const shm::Diagnostics& d = frame.diagnostics;
-    std::string text = print("water %u particles", frame.count);
-    if (!std::isnan(d.mean_density_error)) {
-        text += print(", density error %.3f %% (max %.2f %%)", 100 * d.mean_density_error, 100 * d.max_density_error);
-    }
-    if (d.sub_steps > 0) {
-        text += print(", %u+%u iterations in %u sub-steps", d.divergence_iterations, d.density_iterations, d.sub_steps);
-    }
-    if (!std::isnan(d.mean_depth_m)) text += print(", depth %.2f m", d.mean_depth_m);
-    if (!std::isnan(d.mean_speed_m_s)) text += print(", %.2f m/s", d.mean_speed_m_s);
-    return text;
-}
-
 std::string duration_text(double seconds) {
     const auto whole = static_cast<long>(std::ceil(seconds));
     if (whole < 60) return print("%ld s", whole);
-    return print("%ld min %02ld s", whole / 60, whole % 60);
+    if (whole < 7200) return print("%ld min", (whole + 59) / 60);
+    return print("%ld h", (whole + 3599) / 3600);
+}
+
+constexpr std::size_t columns = 100;
+
+// Words of a line in their order. Where it would be too long `more` is left out, then the health, then the water.
+struct Words {
+    std::string begin, water, health, more, pace;
+    [[nodiscard]] std::string line() const {
+        for (const std::string& middle : {water + health + more, water + health, water}) {
+            const std::string all = begin + "  " + middle + pace;
+            if (all.size() <= columns) return all;
+        }
+        return (begin + pace).substr(0, columns);
+    }
+};
+
+Words words_of_water(const shm::Frame& frame) {
+    Words words;
+    words.water = print("%u particles", frame.count);
+    const shm::Diagnostics& d = frame.diagnostics;
+    if (!std::isnan(d.mean_density_error)) words.health = print(", error %.3f %%", 100 * d.mean_density_error);
+    if (d.sub_steps > 0) {
+        words.more = print(", %u+%u iterations", d.divergence_iterations, d.density_iterations);
+    } else if (!std::isnan(d.mean_depth_m)) {
+        words.more = print(", depth %.2f m", d.mean_depth_m);
+    }
+    return words;
 }
 
 }  // namespace
 
-std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, double wall_time) {
-    const std::uint64_t last = steps_of(crowd.scene);
-    const double time = static_cast<double>(crowd.steps) * crowd.dt;
-    std::string line = print("t %.1f s  step %llu/%llu  active %zu arrived %zu dead %zu  ", time,
-                             static_cast<unsigned long long>(crowd.steps), static_cast<unsigned long long>(last),
-                             crowd.active.size(), crowd.arrived, crowd.dead);
-    line += water_text(frame);
-    if (wall_time > 0 && time > 0) {
-        const double factor = time / wall_time;
-        const double left = static_cast<double>(last - std::min(last, crowd.steps)) * crowd.dt / factor;
-        line += print("  %.2f x real time, at most ", factor) + duration_text(left) + " to go";
-    }
-    return line;
+double Pace::at(double simulated, double wall) {
+    constexpr double window = 0.2;  // of the wall time
+    while (marks_.size() > 1 && marks_[1].wall <= (1 - window) * wall) marks_.erase(marks_.begin());
+    const Mark& from = marks_.front();
+    const double pace = wall > from.wall ? (simulated - from.simulated) / (wall - from.wall) : 0;
+    if (wall > 1.02 * marks_.back().wall) marks_.push_back({simulated, wall});  // some ten in a window
+    return pace;
 }
 
-std::string progress_line(const CrowdsProgress& crowds, const shm::Frame& frame, double wall_time) {
-    std::string line = print("t %.1f s  %zu of %zu crowds walk, %zu agents  ", crowds.time, crowds.walking,
-                             crowds.crowds, crowds.active);
-    line += water_text(frame);
-    if (wall_time > 0) line += print("  %.2f x real time", crowds.time / wall_time);
-    return line;
+std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, double pace) {
+    const double time = static_cast<double>(crowd.steps) * crowd.dt;
+    Words words = words_of_water(frame);
+    words.begin = print("t %.1f/%g s  active %zu arrived %zu dead %zu", time, crowd.scene.duration, crowd.active.size(),
+                        crowd.arrived, crowd.dead);
+    if (pace > 0) {
+        const double left = std::max(0.0, crowd.scene.duration - time) / pace;
+        words.pace = print("  %.2f x real, ", pace) + duration_text(left) + " to go";
+    }
+    return words.line();
+}
+
+std::string progress_line(const CrowdsProgress& crowds, const shm::Frame& frame, double pace) {
+    Words words = words_of_water(frame);
+    words.begin = print("t %.1f s  %zu of %zu crowds walk, %zu agents", crowds.time, crowds.walking, crowds.crowds,
+                        crowds.active);
+    if (pace > 0) words.pace = print("  %.2f x real time", pace);
+    return words.line();
 }
 
 std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, double wall_time) {
@@ -77,12 +95,23 @@ std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, dou
                       static_cast<unsigned long long>(summary.dropped_frames));
     }
     const FluidSummary& fluid = summary.fluid;
-    text += print("; water: up to %u particles", fluid.particles_max);
+    text += print("\nwater: up to %u particles", fluid.particles_max);
     if (const auto error = fluid.density_error.value()) text += print(", mean density error %.3f %%", 100 * *error);
     if (fluid.steps > 0)
         text += print(", %llu position clamps", static_cast<unsigned long long>(fluid.position_clamps));
     if (fluid.resident_bytes > 0)
         text += print(", server memory %.0f MB", static_cast<double>(fluid.resident_bytes) * 1e-6);
+    return text;
+}
+
+std::string step_times_text(const CrowdWorld& crowd) {
+    if (!crowd.times || crowd.times->steps == 0) return "";
+    std::string text = "microseconds a step:";
+    const std::vector<std::string_view> names = stage_names();
+    const double per_step = 1e6 / static_cast<double>(crowd.times->steps);
+    for (std::size_t i = 0; i < names.size() && i < crowd.times->seconds.size(); ++i) {
+        text += print("\n  %8.1f  ", per_step * crowd.times->seconds[i]) + std::string(names[i]);
+    }
     return text;
 }
 

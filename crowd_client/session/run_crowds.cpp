@@ -2,27 +2,62 @@
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
-#include <string>
+#include <csignal>
 #include <utility>
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/program/peer_support.hpp"
 #include "crowd_client/session/frame_time.hpp"
+#include "crowd_client/water/plausibility.hpp"
 
 namespace wade::crowd {
 namespace {
 
-class CommonJourney {
+void stop_at_signal(int signal, std::uint64_t last_frame) {
+    if (signal == 0) return;
+    const bool terminated = signal == SIGTERM;
+    throw RunError(terminated ? ExitCode::terminated : ExitCode::interrupted,
+                   std::string("interrupted by ") + (terminated ? "SIGTERM" : "SIGINT") + " after frame " +
+                       std::to_string(last_frame));
+}
+
+void check_order(const FrameSource& source, const shm::Frame& frame, std::uint64_t last_frame) {
+    const std::uint64_t due = last_frame + 1;
+    if (source.in_lockstep() ? frame.frame == due : frame.frame >= due) return;
+    throw RunError(ExitCode::protocol_violation, "got frame " + std::to_string(frame.frame) +
+                                                     " of the water where frame " + std::to_string(due) + " was due");
+}
+
+// Takes a frame into the summary once the crowd has walked through it.
+void note_frame(RunSummary& summary, const FrameSource& source, const shm::Frame& frame) {
+    const double time = time_of_tick(source.info(), frame.tick);
+    add_frame(summary.fluid, frame, time, time - summary.time);
+    summary.time = time;
+    summary.last_frame = frame.frame;
+    ++summary.frames;
+    summary.dropped_frames = source.dropped_frames();
+    if (source.in_lockstep()) summary.frame_hash = frame.hash;
+}
+
+// One way through the stream: the frames that came and where they led.
+class Journey {
  public:
-    CommonJourney(std::span<CrowdRun> crowds, FrameSource& source, const CrowdsHooks& hooks, int threads)
-        : crowds_(crowds), source_(source), hooks_(hooks), threads_(threads) {
+    Journey(std::span<CrowdRun> crowds, FrameSource& source, const RunHooks& hooks, int threads,
+            AgentsPublisher* agents)
+        : crowds_(crowds),
+          source_(source),
+          hooks_(hooks),
+          threads_(threads),
+          agents_(agents),
+          plausibility_(crowds.front().crowd.scene) {
         for (std::size_t k = 0; k < crowds.size(); ++k) walking_.push_back(k);
         bins_ = empty_bins(crowds.front().crowd.scene);
         for (const CrowdRun& run : crowds) bins_.with_heights |= has_ragdolls(run.crowd.scene);
     }
 
     void take_frames() {
+        if (agents_ != nullptr) beside_water([&] { agents_->start(only().crowd); });
         bool last = false;
         while (!last) {
             const std::optional<shm::Frame> frame = next_frame();
@@ -30,20 +65,24 @@ class CommonJourney {
             check_order(source_, *frame, last_frame_);
             walk_through(*frame);
             last_frame_ = frame->frame;
-            if (hooks_.on_frame) hooks_.on_frame(*frame);
             const bool stream_ends = frame->final;
             part_with_finished(stream_ends);
+            if (walking_.empty()) demand_a_survivor();
+            if (hooks_.on_frame) hooks_.on_frame(*frame);
             last = stream_ends || walking_.empty();
-            if (last) demand_a_survivor();
+            publish_agents(frame->tick, last);
             source_.release();  // the water goes on while the crowds write their files
+            holds_frame_ = false;
             if (last && !stream_ends) source_.leave();
             tell_of_finished();
         }
+        if (agents_ != nullptr) beside_water([&] { agents_->close(); });
         part_with_finished(true);
         tell_of_finished();
     }
 
  private:
+    [[nodiscard]] CrowdRun& only() { return crowds_.front(); }
     [[nodiscard]] int signal() const { return hooks_.interrupted ? hooks_.interrupted() : 0; }
 
     std::optional<shm::Frame> next_frame() {
@@ -52,16 +91,38 @@ class CommonJourney {
             hooks_.before_frame();
             stop_at_signal(signal(), last_frame_);
         }
-        if (hooks_.quit && hooks_.quit()) {
-            source_.leave();
-            throw RunError(ExitCode::interrupted, "told to quit after frame " + std::to_string(last_frame_));
+        if (hooks_.quit && hooks_.quit()) quit();
+        std::optional<shm::Frame> frame = source_.acquire();
+        if (agents_ != nullptr) agents_->set_paused(false);  // as it may be while the water pauses
+        holds_frame_ = frame.has_value();
+        return frame;
+    }
+
+    // An end that was wished for is nobody's failure.
+    [[noreturn]] void quit() {
+        source_.leave();
+        if (agents_ != nullptr) agents_->close();
+        throw RunError(ExitCode::interrupted, "told to quit after frame " + std::to_string(last_frame_));
+    }
+
+    // A wait for those who take the agents; if the water goes meanwhile, its own stream says how.
+    template <typename Work>
+    void beside_water(Work&& work) {
+        try {
+            work();
+        } catch (const shm::Error& error) {
+            const bool by_signal = signal() != 0;
+            if (error.failure() != shm::Failure::interrupted || by_signal) throw;
+            if (holds_frame_) source_.release();
+            while (source_.acquire()) source_.release();
+            throw shm::Error(shm::Failure::peer_aborted, "The water ended its stream before it took the agents.");
         }
-        return source_.acquire();
     }
 
     // Most often each crowd takes one step a frame and the water near the agents is enough; one that takes several may
-    // leave the cells that were near.
+    // leave the cells that were near. A crowd that is alone sorts what it needs before each of its steps.
     void sort_water(const WaterView& water, const shm::Frame& frame) {
+        if (is_alone()) return;
         std::uint64_t most_steps = 0;
         positions_.clear();
         for (const std::size_t k : walking_) {
@@ -76,6 +137,7 @@ class CommonJourney {
             bin_all_water(bins_, water);
         }
     }
+    [[nodiscard]] bool is_alone() const { return crowds_.size() == 1; }
 
     // Without the error of the crowd, which is kept. A signal ends the walk early.
     void walk_one(std::size_t k, const WaterView& water, const shm::Frame& frame) {
@@ -87,7 +149,11 @@ class CommonJourney {
                     signal_in_steps_ = number;
                     return;
                 }
-                step_through(run.crowd, bins_);
+                if (is_alone()) {
+                    step(run.crowd, water);
+                } else {
+                    step_through(run.crowd, bins_);
+                }
                 if (hooks_.on_step) hooks_.on_step(k, water);
             }
         } catch (const std::exception& error) {
@@ -98,6 +164,10 @@ class CommonJourney {
 
     void walk_through(const shm::Frame& frame) {
         const WaterView water = ground_view(frame, source_.info());
+        for (const std::string& sentence :
+             plausibility_.look(water, frame.frame, time_of_tick(source_.info(), frame.tick))) {
+            if (hooks_.warn) hooks_.warn(sentence);
+        }
         sort_water(water, frame);
 #pragma omp parallel for schedule(dynamic) num_threads(threads_) if (threads_ > 1)
         for (std::size_t i = 0; i < walking_.size(); ++i) walk_one(walking_[i], water, frame);
@@ -107,12 +177,17 @@ class CommonJourney {
         }
     }
 
+    void publish_agents(std::uint64_t tick, bool last) {
+        if (agents_ == nullptr) return;
+        beside_water([&] { agents_->publish(only().crowd, tick, last); });
+        only().summary.agents_hash = agents_->hash();
+    }
+
     // All that are over are marked before any of them is told, so that what happens then touches nobody else.
     void part_with_finished(bool stream_ends) {
         std::erase_if(walking_, [&](std::size_t k) {
             CrowdRun& run = crowds_[k];
             if (!run.failure && !stream_ends && !run_is_over(run.crowd)) return false;
-            if (!run.failure) end_summary(run.summary, run.crowd);
             run.over = true;
             finished_.push_back(k);
             return true;
@@ -127,6 +202,9 @@ class CommonJourney {
     }
 
     void tell_of_finished() {
+        for (const std::size_t k : finished_) {
+            if (!crowds_[k].failure) end_summary(crowds_[k].summary, crowds_[k].crowd);
+        }
         for (const std::size_t k : std::exchange(finished_, {})) {
             try {
                 if (hooks_.on_over) hooks_.on_over(k);
@@ -139,29 +217,30 @@ class CommonJourney {
 
     std::span<CrowdRun> crowds_;
     FrameSource& source_;
-    const CrowdsHooks& hooks_;
+    const RunHooks& hooks_;
     int threads_;
+    AgentsPublisher* agents_;
     std::vector<std::size_t> walking_;   // crowds that are not over, ascending
     std::vector<std::size_t> finished_;  // that are over, with on_over still to be called
     std::atomic<int> signal_in_steps_ = 0;
     std::uint64_t last_frame_ = 0;
-    WaterBins bins_;
+    bool holds_frame_ = false;
+    Plausibility plausibility_;
+    WaterBins bins_;  // of crowds that are not alone
     std::vector<Vector2d> positions_;
 };
 
 }  // namespace
 
-void run_crowds(std::span<CrowdRun> crowds, FrameSource& source, const CrowdsHooks& hooks, int threads) {
+void run_crowds(std::span<CrowdRun> crowds, FrameSource& source, const RunHooks& hooks, int threads,
+                AgentsPublisher* agents) {
     try {
-        CommonJourney(crowds, source, hooks, threads).take_frames();
-    } catch (const RunError& error) {
-        source.abort(static_cast<int>(error.code()), error.what());
-        throw;
-    } catch (const shm::Error& error) {
-        source.abort(error.exit_code(), error.what());
-        throw;
+        Journey(crowds, source, hooks, threads, agents).take_frames();
     } catch (const std::exception& error) {
-        source.abort(static_cast<int>(ExitCode::unexpected), error.what());
+        // The stream that failed knows already, another one does not.
+        const int code = exit_code_of<shm::Error>(error);
+        source.abort(code, error.what());
+        if (agents != nullptr) agents->abort(code, error.what());
         throw;
     }
 }

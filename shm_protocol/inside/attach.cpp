@@ -86,7 +86,7 @@ bool claim_entry(Link& link, const AttachRequest& request) {
     return false;
 }
 
-void fill_entry(Link& link, const AttachRequest& request, ConsumerState state, const std::string& reason) {
+void fill_entry(Link& link, const AttachRequest& request, ConsumerState state, const Refusal& refusal) {
     ConsumerEntry& entry = *link.entry;
     store_release(entry.acknowledged_frame, std::uint64_t{0});
     store_release(entry.waiting, 0U);
@@ -100,8 +100,8 @@ void fill_entry(Link& link, const AttachRequest& request, ConsumerState state, c
     entry.start_time = process_start_time();
     entry.pid = static_cast<std::uint32_t>(getpid());
     store_text(entry.name, name_bytes, request.consumer_name);
-    entry.reason_code = reason.empty() ? 0 : static_cast<int>(Failure::protocol_violation);
-    store_text(entry.reason_text, reason_bytes, reason);
+    entry.reason_code = refusal.reason_code;
+    store_text(entry.reason_text, reason_bytes, refusal.text);
     store_release(entry.state, static_cast<std::uint32_t>(state));
     link.ring();
 }
@@ -193,10 +193,11 @@ Found look(const std::string& name, const AttachRequest& request) {
         const std::string reason = "The two programs were given different scenes: producer '" +
                                    link.map->info.producer_name + "' has scene " + hexadecimal(theirs) +
                                    ", consumer '" + request.consumer_name + "' has scene " + hexadecimal(ours) + ".";
-        fill_entry(link, request, consumer_refused, reason);
+        fill_entry(link, request, consumer_refused, {static_cast<int>(Failure::protocol_violation), reason});
         throw Error(Failure::protocol_violation, reason);
     }
-    fill_entry(link, request, consumer_joined, "");
+    fill_entry(link, request, request.refusal ? consumer_refused : consumer_joined,
+               request.refusal.value_or(Refusal{}));
     return {std::move(link), ""};
 }
 

@@ -3,11 +3,18 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "shm_protocol/inside/link.hpp"
 
 namespace wade::shm {
+
+// Why a consumer does not take part.
+struct Refusal {
+    int reason_code = 0;
+    std::string text;
+};
 
 struct AttachRequest {
     std::string session;
@@ -15,7 +22,8 @@ struct AttachRequest {
     JoinOptions options;
     ConsumerMode mode = mode_lockstep;
     std::uint32_t stride = 1;
-    std::byte* shared_base = nullptr;  // mapping of a producer in this process; null = map the segment
+    std::byte* shared_base = nullptr;               // mapping of a producer in this process; null = map the segment
+    std::optional<Refusal> refusal = std::nullopt;  // takes an entry to say so, instead of joining
 };
 
 // Tries until the attach timeout.

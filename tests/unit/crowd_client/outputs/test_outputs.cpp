@@ -1,71 +1,24 @@
-// Files of a run: trajectories, snapshots of the water, and what happens when they cannot be written.
-
-#include <sqlite3.h>
-#include <unistd.h>
+// Files of a run, and what happens when they cannot be written.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
+#include "crowd_client/outputs/report.hpp"
 #include "crowd_client/outputs/run_folder.hpp"
-#include "crowd_client/session/run_client.hpp"
+#include "crowd_client/outputs/writers/water_snapshots.hpp"
+#include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"
+#include "outputs/run_files.hpp"
 
 using namespace wade;
 using namespace wade::crowd;
-using wade::crowd::testing::one_agent_scene;
+using namespace wade::crowd::testing;
 namespace fs = std::filesystem;
 
 namespace {
-
-class TemporaryFolder {
- public:
-    TemporaryFolder() {
-        std::string name = (fs::temp_directory_path() / "wade-test-XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-        path = name;
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        fs::remove_all(path, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    fs::path path;
-};
-
-std::string content_of(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
-// All rows of a query, columns separated by '|', rows by a line end.
-std::string query(const fs::path& file, const std::string& sql) {
-    sqlite3* db = nullptr;
-    REQUIRE(sqlite3_open_v2(file.c_str(), &db, SQLITE_OPEN_READONLY, nullptr) == SQLITE_OK);
-    std::string rows;
-    const auto row = [](void* out, int columns, char** values, char**) {
-        auto& text = *static_cast<std::string*>(out);
-        for (int i = 0; i < columns; ++i) {
-            if (i > 0) text += '|';
-            text.append(values[i] == nullptr ? "" : values[i]);
-        }
-        text += '\n';
-        return 0;
-    };
-    char* error = nullptr;
-    const int code = sqlite3_exec(db, sql.c_str(), row, &rows, &error);
-    INFO((error == nullptr ? "" : error));
-    CHECK(code == SQLITE_OK);
-    sqlite3_free(error);
-    sqlite3_close(db);
-    return rows;
-}
 
 std::string message_of(const std::function<void()>& call) {
     try {
@@ -77,74 +30,6 @@ std::string message_of(const std::function<void()>& call) {
 }
 
 }  // namespace
-
-TEST_CASE("Trajectories have JuPedSim's tables, version 2, and one file remains") {
-    TemporaryFolder folder;
-    const fs::path file = folder.path / "trajectories.sqlite";
-    Scene scene = one_agent_scene(10, 25, 75, 50, 0.2);
-    scene.crowd.groups[0].count = scene.crowd.groups[0].columns = 2;
-    scene.obstacles.push_back({{60, 67}, {21.5, 28.5}, 1});
-    CrowdWorld crowd = make_crowd(scene);
-    scene.crowd.step_rate = 45;
-    TrajectoryFile trajectories(file, scene);
-    trajectories.write(0, crowd.agents, crowd.active);
-    crowd.active = {1};
-    trajectories.write(1, crowd.agents, crowd.active);
-    trajectories.close();
-
-    CHECK(query(file, "SELECT key, value FROM metadata ORDER BY key") ==
-          "fps|45\nversion|2\nxmax|100\nxmin|0\nymax|50\nymin|0\n");
-    CHECK(query(file, "SELECT frame, id, pos_x, pos_y FROM trajectory_data ORDER BY frame, id") ==
-          "0|0|10.0|25.0\n0|1|11.0|25.0\n1|1|11.0|25.0\n");
-    CHECK(query(file, "SELECT count(*) FROM trajectory_data WHERE abs(ori_x*ori_x + ori_y*ori_y - 1) > 1e-9") == "0\n");
-    CHECK(query(file, "SELECT frame FROM frame_data f JOIN geometry g ON f.geometry_hash = g.hash ORDER BY frame") ==
-          "0\n1\n");
-    CHECK(query(file, "SELECT wkt FROM geometry") ==
-          "POLYGON ((0 0, 100 0, 100 50, 0 50, 0 0), (60 21.5, 67 21.5, 67 28.5, 60 28.5, 60 21.5))\n");
-    CHECK(query(file, "SELECT name FROM sqlite_master WHERE type = 'index' AND tbl_name = 'trajectory_data'") ==
-          "frame_id_idx\n");
-    CHECK(query(file, "PRAGMA journal_mode") == "delete\n");
-    CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 1);
-}
-
-TEST_CASE("Holes of the walkable area touch neither its edge nor one another") {
-    Scene scene;
-    scene.obstacles.push_back({{0, 5}, {10, 20}, 1});
-    scene.obstacles.push_back({{40, 50}, {10, 20}, 1});
-    scene.obstacles.push_back({{50, 60}, {10, 20}, 1});
-    CHECK(walkable_area_wkt(scene) ==
-          "POLYGON ((0 0, 100 0, 100 50, 0 50, 0 0), "
-          "(0.001 10.001, 4.999 10.001, 4.999 19.999, 0.001 19.999, 0.001 10.001), "
-          "(40.001 10.001, 49.999 10.001, 49.999 19.999, 40.001 19.999, 40.001 10.001), "
-          "(50.001 10.001, 59.999 10.001, 59.999 19.999, 50.001 19.999, 50.001 10.001))");
-}
-
-TEST_CASE("When the database cannot grow, the error says so and the frames written before are whole") {
-    TemporaryFolder folder;
-    const fs::path file = folder.path / "trajectories.sqlite";
-    Scene scene = one_agent_scene(10, 1, 75, 50, 0.2);
-    scene.crowd.groups[0].columns = scene.crowd.groups[0].count = 20;
-    const CrowdWorld crowd = make_crowd(scene);
-    std::uint64_t frame = 0;
-    std::string message;
-    bool full = false;
-    {
-        TrajectoryFile trajectories(file, scene, 20);
-        try {
-            for (; frame < 100000; ++frame) trajectories.write(frame, crowd.agents, crowd.active);
-        } catch (const OutputError& error) {
-            message = error.what();
-            full = error.disk_full();
-            CHECK(error.code() == ExitCode::unexpected);
-        }
-    }
-    CHECK(full);
-    CHECK_THAT(message, Catch::Contains("no space left on the device of '" + file.string() + "'"));
-    REQUIRE(frame > 10);
-    CHECK(query(file, "SELECT count(*), count(DISTINCT frame), max(frame) FROM trajectory_data") ==
-          std::to_string(20 * frame) + "|" + std::to_string(frame) + "|" + std::to_string(frame - 1) + "\n");
-    CHECK(query(file, "PRAGMA integrity_check") == "ok\n");
-}
 
 TEST_CASE("A file is replaced as a whole, and stays as it was if the disk is full") {
     TemporaryFolder folder;
@@ -223,17 +108,17 @@ TEST_CASE("A run folder is complete at the end, and says 'running' until then") 
     TemporaryFolder folder;
     Scene scene = one_agent_scene(74, 46, 75, 50, 0.2);
     scene.duration = 2;
-    CrowdWorld crowd = make_crowd(scene);
+    CrowdRun one{.crowd = make_crowd(scene)};
+    CrowdWorld& crowd = one.crowd;
     RunLabels labels;
     labels.canonical_scene = "{}";
     RunFolder run(folder.path / "deep" / "run", crowd, labels, {.water_interval = 0.5});
     CHECK_THAT(content_of(run.path() / "outcome.json"), Catch::Contains("\"status\": \"running\""));
     testing::MadeUpSource source(1000, [](std::uint64_t) { return testing::MadeUpWater{}; });
-    RunSummary summary;
-    ClientHooks hooks;
-    hooks.on_step = [&](const CrowdWorld& c, const WaterView& water) { run.record(c, water); };
-    run_client(crowd, source, summary, hooks);
-    run.finish(crowd, summary, labels);
+    RunHooks hooks;
+    hooks.on_step = [&](std::size_t, const WaterView& water) { run.record(crowd, water); };
+    run_crowds({&one, 1}, source, hooks);
+    run.finish(crowd, one.summary, labels);
     CHECK_THAT(content_of(run.path() / "outcome.json"), Catch::Contains("\"status\": \"completed\""));
     for (const char* name : {"agents.csv", "manifest.json", "outcome.json", "trajectories.sqlite", "water.bin"}) {
         CHECK(fs::exists(run.path() / name));

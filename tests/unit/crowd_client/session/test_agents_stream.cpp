@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
-#include "crowd_client/session/run_client.hpp"
+#include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"
 #include "shm_protocol/inside/hash.hpp"
 #include "shm_protocol/subscriber.hpp"
@@ -108,15 +108,16 @@ class Consumer {
 enum Field { mass, vx, vy, vz, px, py, pz, radius, height, state };
 
 struct RunWithAgents {
-    CrowdWorld crowd;
-    RunSummary summary;
+    CrowdRun one;
+    const CrowdWorld& crowd = one.crowd;
+    const RunSummary& summary = one.summary;
     Consumer consumer;
 
     RunWithAgents(const char* name, const Scene& scene, MadeUpSource& source, std::uint64_t frames_wanted = 1'000'000,
-                  const ClientHooks& hooks = {})
-        : crowd(make_crowd(scene)), consumer(unique_session(name), frames_wanted) {
+                  const RunHooks& hooks = {})
+        : one{.crowd = make_crowd(scene)}, consumer(unique_session(name), frames_wanted) {
         AgentsPublisher agents(unique_session(name), crowd, source.info(), {});
-        run_client(crowd, source, summary, hooks, &agents);
+        run_crowds({&one, 1}, source, hooks, 1, &agents);
         consumer.join();
     }
 };
@@ -211,12 +212,12 @@ TEST_CASE("A water whose first frame is at tick 0 gets agents frames of increasi
 TEST_CASE("Agents are published before the water's frame is released") {
     MadeUpSource source(1000, no_water);
     const Scene scene = three_fates(wade::AgentsStream::serial);
-    CrowdWorld crowd = make_crowd(scene);
+    CrowdRun one{.crowd = make_crowd(scene)};
+    CrowdWorld& crowd = one.crowd;
     shm::JoinOptions options{.kind = shm::stream_agents};
     options.waiting.step_timeout_s = 1;  // what is not there now never comes
     AgentsPublisher agents(unique_session("before"), crowd, source.info(), options.waiting);
     shm::Subscriber water(unique_session("before"), "water", options);
-    RunSummary summary;
     std::uint64_t taken = 0;
     // One thread plays both sides.
     const auto take_up_to = [&](std::uint64_t frame) {
@@ -225,25 +226,25 @@ TEST_CASE("Agents are published before the water's frame is released") {
             water.release();
         }
     };
-    ClientHooks hooks;
+    RunHooks hooks;
     hooks.before_frame = [&] { take_up_to(source.released + 1); };
     source.on_release = [&] { take_up_to(source.released + 2); };
-    run_client(crowd, source, summary, hooks, &agents);
+    run_crowds({&one, 1}, source, hooks, 1, &agents);
     CHECK(taken == 16);
 }
 
 TEST_CASE("When the log fails both streams learn the reason") {
     MadeUpSource source(1000, no_water);
     const Scene scene = three_fates(wade::AgentsStream::serial);
-    CrowdWorld crowd = make_crowd(scene);
+    CrowdRun one{.crowd = make_crowd(scene)};
+    CrowdWorld& crowd = one.crowd;
     Consumer consumer(unique_session("log"));
     AgentsPublisher agents(unique_session("log"), crowd, source.info(), {});
-    RunSummary summary;
-    ClientHooks hooks;
-    hooks.on_step = [](const CrowdWorld& c, const WaterView&) {
-        if (c.steps == 5) throw RunError(ExitCode::unexpected, "no space left");
+    RunHooks hooks;
+    hooks.on_step = [&](std::size_t, const WaterView&) {
+        if (crowd.steps == 5) throw RunError(ExitCode::unexpected, "no space left");
     };
-    CHECK_THROWS_WITH(run_client(crowd, source, summary, hooks, &agents), "no space left");
+    CHECK_THROWS_WITH(run_crowds({&one, 1}, source, hooks, 1, &agents), "no space left");
     consumer.join();
     CHECK(source.abort_text == "no space left");
     REQUIRE(consumer.error);
@@ -254,13 +255,13 @@ TEST_CASE("When the log fails both streams learn the reason") {
 TEST_CASE("When the consumer of the agents gives up the water's stream is told") {
     MadeUpSource source(1000, no_water);
     const Scene scene = three_fates(wade::AgentsStream::serial);
-    CrowdWorld crowd = make_crowd(scene);
+    CrowdRun one{.crowd = make_crowd(scene)};
+    CrowdWorld& crowd = one.crowd;
     AgentsPublisher agents(unique_session("water"), crowd, source.info(), {});
     shm::Subscriber water(unique_session("water"), "water", {.kind = shm::stream_agents});
-    RunSummary summary;
-    ClientHooks hooks;
+    RunHooks hooks;
     hooks.before_frame = [&] { water.abort(9, "the water blew up"); };
-    CHECK_THROWS_WITH(run_client(crowd, source, summary, hooks, &agents), Catch::Contains("the water blew up"));
+    CHECK_THROWS_WITH(run_crowds({&one, 1}, source, hooks, 1, &agents), Catch::Contains("the water blew up"));
     CHECK(source.abort_code == 5);
     CHECK_THAT(source.abort_text, Catch::Contains("the water blew up"));
 }

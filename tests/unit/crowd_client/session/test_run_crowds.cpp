@@ -76,25 +76,24 @@ TEST_CASE("Each of many crowds ends up, to the bit, as if it had been alone, for
         for (const std::uint64_t stride : {1U, 4U}) {
             std::vector<CrowdRun> runs = runs_of(scenes);
             std::vector<Path> paths(runs.size());
-            CrowdsHooks hooks;
+            RunHooks hooks;
             hooks.on_step = [&](std::size_t k, const WaterView&) { log_step(paths[k], runs[k].crowd); };
             MadeUpSource together(60 / stride, wild_water);
             together.stride = stride;
             run_crowds(runs, together, hooks, threads);
             for (std::size_t k = 0; k < scenes.size(); ++k) {
                 INFO("crowd " << k << ", " << threads << " threads, every " << stride << ". frame");
-                CrowdWorld alone = make_crowd(scenes[k]);
-                RunSummary summary;
+                CrowdRun alone{.crowd = make_crowd(scenes[k])};
                 Path path;
-                ClientHooks alone_hooks;
-                alone_hooks.on_step = [&](const CrowdWorld& crowd, const WaterView&) { log_step(path, crowd); };
+                RunHooks alone_hooks;
+                alone_hooks.on_step = [&](std::size_t, const WaterView&) { log_step(path, alone.crowd); };
                 MadeUpSource source(60 / stride, wild_water);
                 source.stride = stride;
-                run_client(alone, source, summary, alone_hooks);
+                run_crowds({&alone, 1}, source, alone_hooks);
                 CHECK(paths[k] == path);
                 CHECK(runs[k].over);
-                CHECK(agents_csv(runs[k].crowd) == agents_csv(alone));
-                CHECK(outcome_json(runs[k].crowd, runs[k].summary, {}) == outcome_json(alone, summary, {}));
+                CHECK(agents_csv(runs[k].crowd) == agents_csv(alone.crowd));
+                CHECK(outcome_json(runs[k].crowd, runs[k].summary, {}) == outcome_json(alone.crowd, alone.summary, {}));
             }
         }
     }
@@ -105,7 +104,7 @@ TEST_CASE("The water is taken once a frame and told when the last crowd is over"
     std::vector<CrowdRun> runs = runs_of({near, nearer});
     std::vector<std::size_t> over;
     std::vector<std::uint64_t> steps_seen(2);
-    CrowdsHooks hooks;
+    RunHooks hooks;
     hooks.on_over = [&](std::size_t k) {
         over.push_back(k);
         CHECK(runs[k].summary.status == "completed");
@@ -136,7 +135,7 @@ TEST_CASE("A failing log of one crowd ends this crowd; the others walk on as if 
         std::vector<CrowdRun> runs = runs_of(scenes), sound = runs_of(scenes);
         MadeUpSource source(1000, [](std::uint64_t) { return MadeUpWater{}; });
         std::vector<std::size_t> over;
-        CrowdsHooks hooks;
+        RunHooks hooks;
         hooks.on_step = [&](std::size_t k, const WaterView&) {
             if (k == 1 && runs[k].crowd.steps == 5) throw RunError(ExitCode::unexpected, "no space left");
         };
@@ -163,7 +162,7 @@ TEST_CASE("A failing log of one crowd ends this crowd; the others walk on as if 
 TEST_CASE("Where the logs of all crowds fail the run ends and the producer is told why") {
     std::vector<CrowdRun> runs = runs_of({one_agent_scene(10, 25, 75, 50, 0), one_agent_scene(10, 25, 75, 50, 0)});
     MadeUpSource source(1000, [](std::uint64_t) { return MadeUpWater{}; });
-    CrowdsHooks hooks;
+    RunHooks hooks;
     int told = 0;
     hooks.on_step = [](std::size_t, const WaterView&) { throw RunError(ExitCode::unexpected, "no space left"); };
     hooks.on_over = [&](std::size_t) { ++told; };
@@ -177,7 +176,7 @@ TEST_CASE("A crowd whose last files fail changes no other, not even one that is 
                                           one_agent_scene(74, 46.9, 75, 50, 0)});
     runs[1].crowd.scene.duration = 1;
     MadeUpSource source(1000, [](std::uint64_t) { return MadeUpWater{}; });
-    CrowdsHooks hooks;
+    RunHooks hooks;
     hooks.on_over = [&](std::size_t k) {
         CHECK((runs[0].over && runs[2].over));
         CHECK(source.released == runs[k].summary.frames);  // the water does not wait for files
@@ -200,7 +199,7 @@ TEST_CASE("A signal is obeyed between two steps of a frame") {
     for (const int threads : {1, 2}) {
         std::vector<CrowdRun> runs = runs_of({scene, scene});
         MadeUpSource source(1000, [](std::uint64_t) { return MadeUpWater{}; });
-        CrowdsHooks hooks;
+        RunHooks hooks;
         hooks.interrupted = [&] { return runs[0].crowd.steps >= 150 ? SIGINT : 0; };
         // Two threads would read this counter while the other one writes it.
         if (threads == 2) {
@@ -218,7 +217,7 @@ TEST_CASE("A signal is obeyed between two steps of a frame") {
 TEST_CASE("A signal ends the run of many crowds") {
     std::vector<CrowdRun> runs = runs_of({one_agent_scene(10, 25, 75, 50, 0)});
     MadeUpSource source(1000, [](std::uint64_t) { return MadeUpWater{}; });
-    CrowdsHooks hooks;
+    RunHooks hooks;
     hooks.interrupted = [&] { return runs[0].summary.frames == 7 ? SIGTERM : 0; };
     CHECK_THROWS_WITH(run_crowds(runs, source, hooks, 1), "interrupted by SIGTERM after frame 7");
     CHECK(source.abort_code == 143);

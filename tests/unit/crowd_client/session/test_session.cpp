@@ -9,7 +9,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/session/frame_time.hpp"
-#include "crowd_client/session/run_client.hpp"
+#include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"
 #include "shm_protocol/publisher.hpp"
 
@@ -91,15 +91,16 @@ TEST_CASE("Over shared memory, one agent in a uniform stream moves at the veloci
     const MadeUpWater stream = testing::uniform_water(70, 90, 20, 35, 1, d, v_f, 0);
     Scene scene = one_agent_scene(80, 25, 75, 50, 0.2);
     scene.duration = 2;
-    CrowdWorld crowd = make_crowd(scene);
+    CrowdRun one{.crowd = make_crowd(scene)};
+    CrowdWorld& crowd = one.crowd;
     ProducerThread producer(session, stream_info(stream), stream, std::uint64_t{1000});
     const std::unique_ptr<FrameSource> source = join_session(session, 42, FrameMode::lockstep, {});
     CHECK(source->info().producer_name == "uniform");
 
     Vector2d before = crowd.agents.position[0];
     int checked = 0;
-    ClientHooks hooks;
-    hooks.on_step = [&](const CrowdWorld& c, const WaterView&) {
+    RunHooks hooks;
+    hooks.on_step = [&](std::size_t, const WaterView&) {
         double water_mass = 0;
         for (std::size_t k = 0; k < stream.mass.size(); ++k) {
             const double dx = static_cast<double>(stream.px[k]) - before.x();
@@ -107,15 +108,15 @@ TEST_CASE("Over shared memory, one agent in a uniform stream moves at the veloci
             if (std::hypot(dx, dz) < 0.25) water_mass += 1000 * d * d * d;
         }
         REQUIRE(water_mass > 0);
-        const Vector2d walking = c.walking[0];
-        const Vector2d v = (c.agents.position[0] - before) / c.dt;
+        const Vector2d walking = crowd.walking[0];
+        const Vector2d v = (crowd.agents.position[0] - before) / crowd.dt;
         REQUIRE(v.x() == Approx((65 * walking.x() + 0.2 * water_mass * v_f) / (65 + 0.2 * water_mass)).margin(1e-5));
         REQUIRE(v.y() == Approx(65 * walking.y() / (65 + 0.2 * water_mass)).margin(1e-5));
-        before = c.agents.position[0];
+        before = crowd.agents.position[0];
         ++checked;
     };
-    RunSummary summary;
-    run_client(crowd, *source, summary, hooks);
+    const RunSummary& summary = one.summary;
+    run_crowds({&one, 1}, *source, hooks);
     CHECK(checked == 60);
     CHECK(summary.status == "completed");
     CHECK(summary.frame_hash != 0);
@@ -134,9 +135,10 @@ TEST_CASE("A stream with another frame rate than the scene's is taken by its tic
     scene.duration = 2;
     CHECK_THAT(rate_note(scene, source->info()),
                Catch::Contains("20 frames a second") && Catch::Contains("/frame_rate_hz 30"));
-    CrowdWorld crowd = make_crowd(scene);
-    RunSummary summary;
-    run_client(crowd, *source, summary);
+    CrowdRun one{.crowd = make_crowd(scene)};
+    CrowdWorld& crowd = one.crowd;
+    const RunSummary& summary = one.summary;
+    run_crowds({&one, 1}, *source);
     producer.join();
     CHECK(producer.error == nullptr);
     CHECK(summary.status == "completed");
@@ -152,9 +154,10 @@ TEST_CASE("A client of the latest frames walks all steps and is not waited for")
     CHECK_FALSE(source->in_lockstep());
     Scene scene = one_agent_scene(80, 25, 75, 50, 0.2);
     scene.duration = 1;
-    CrowdWorld crowd = make_crowd(scene);
-    RunSummary summary;
-    ClientHooks hooks;
+    CrowdRun one{.crowd = make_crowd(scene)};
+    CrowdWorld& crowd = one.crowd;
+    const RunSummary& summary = one.summary;
+    RunHooks hooks;
     std::uint64_t sent = 0;
     // Before each frame that the client takes, the producer sends three without waiting.
     hooks.before_frame = [&] {
@@ -166,7 +169,7 @@ TEST_CASE("A client of the latest frames walks all steps and is not waited for")
             publisher.end_frame(static_cast<std::uint32_t>(water.mass.size()), {}, sent == 30);
         }
     };
-    run_client(crowd, *source, summary, hooks);
+    run_crowds({&one, 1}, *source, hooks);
     CHECK(summary.status == "completed");
     CHECK(summary.frames == 10);
     CHECK(summary.dropped_frames == 18);  // two before each frame but the first one taken
@@ -180,13 +183,12 @@ TEST_CASE("A client that gives up tells the producer the reason") {
     const MadeUpWater water = testing::uniform_water(0, 1, 0, 1, 0.5, 0.5, 0, 0);
     ProducerThread producer(session, stream_info(water), water, std::uint64_t{1000});
     const std::unique_ptr<FrameSource> source = join_session(session, 42, FrameMode::lockstep, {});
-    CrowdWorld crowd = make_crowd(one_agent_scene(80, 25, 75, 50, 0.2));
-    RunSummary summary;
-    ClientHooks hooks;
-    hooks.on_frame = [](const CrowdWorld&, const shm::Frame& frame) {
+    CrowdRun one{.crowd = make_crowd(one_agent_scene(80, 25, 75, 50, 0.2))};
+    RunHooks hooks;
+    hooks.on_frame = [](const shm::Frame& frame) {
         if (frame.frame == 3) throw RunError(ExitCode::unexpected, "no space left on the device of 'x'");
     };
-    CHECK_THROWS_AS(run_client(crowd, *source, summary, hooks), RunError);
+    CHECK_THROWS_AS(run_crowds({&one, 1}, *source, hooks), RunError);
     producer.join();
     REQUIRE(producer.error);
     CHECK_THROWS_WITH(std::rethrow_exception(producer.error), Catch::Contains("no space left"));

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include "crowd_client/crowd_world.hpp"
+#include "crowd_client/responses/sampled_coupling.hpp"
 #include "crowd_client/water/contacts.hpp"
-#include "crowd_client/water/sampled_coupling.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;

@@ -3,7 +3,7 @@
 #include <limits>
 #include <sstream>
 
-#include "crowd_client/outputs/danger.hpp"
+#include "crowd_client/outputs/writers/danger.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;

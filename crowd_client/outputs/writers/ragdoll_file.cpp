@@ -1,4 +1,4 @@
-#include "crowd_client/outputs/ragdoll_file.hpp"
+#include "crowd_client/outputs/writers/ragdoll_file.hpp"
 
 #include "crowd_client/outputs/csv_text.hpp"
 

@@ -1,4 +1,4 @@
-#include "crowd_client/outputs/danger.hpp"
+#include "crowd_client/outputs/writers/danger.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "crowd_client/water/sampled_coupling.hpp"
+#include "crowd_client/responses/sampled_coupling.hpp"
 
 #include <algorithm>
 #include <cmath>

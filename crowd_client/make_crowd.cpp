@@ -6,6 +6,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/crowd_world.hpp"
+#include "crowd_client/responses/registry.hpp"
 #include "crowd_client/water/contacts.hpp"
 
 namespace wade::crowd {
@@ -68,6 +69,7 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water = empty_bins(scene);
+    crowd.response = make_response("paper", scene);
     return crowd;
 }
 

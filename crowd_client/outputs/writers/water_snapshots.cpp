@@ -1,4 +1,4 @@
-#include "crowd_client/outputs/water_snapshots.hpp"
+#include "crowd_client/outputs/writers/water_snapshots.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "crowd_client/outputs/danger_level.hpp"
+#include "crowd_client/outputs/writers/danger_level.hpp"
 
 namespace wade::crowd {
 

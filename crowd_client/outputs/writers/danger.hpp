@@ -18,7 +18,7 @@
 
 #include "crowd_client/agents.hpp"
 #include "crowd_client/markers/ground_cells.hpp"
-#include "crowd_client/outputs/danger_level.hpp"
+#include "crowd_client/outputs/writers/danger_level.hpp"
 #include "crowd_client/water/water_view.hpp"
 
 namespace wade::crowd {

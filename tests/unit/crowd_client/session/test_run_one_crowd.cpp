@@ -5,8 +5,7 @@
 #include <limits>
 
 #include "configs/errors/exit_code.hpp"
-#include "crowd_client/session/progress.hpp"
-#include "crowd_client/session/run_client.hpp"
+#include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;
@@ -30,10 +29,10 @@ Scene short_scene(double duration) {
 }  // namespace
 
 TEST_CASE("A run ends as completed after its last frame, with all frames released") {
-    CrowdWorld crowd = make_crowd(short_scene(1));
+    CrowdRun one{.crowd = make_crowd(short_scene(1))};
     MadeUpSource source(1000, no_water);
-    RunSummary summary;
-    run_client(crowd, source, summary);
+    const RunSummary& summary = one.summary;
+    run_crowds({&one, 1}, source);
     CHECK(summary.status == "completed");
     CHECK(summary.frames == 30);
     CHECK(source.released == 30);
@@ -43,19 +42,19 @@ TEST_CASE("A run ends as completed after its last frame, with all frames release
 }
 
 TEST_CASE("A final frame at the end of the duration needs no goodbye") {
-    CrowdWorld crowd = make_crowd(short_scene(1));
+    CrowdRun one{.crowd = make_crowd(short_scene(1))};
     MadeUpSource source(30, no_water);
-    RunSummary summary;
-    run_client(crowd, source, summary);
+    const RunSummary& summary = one.summary;
+    run_crowds({&one, 1}, source);
     CHECK(summary.status == "completed");
     CHECK_FALSE(source.left);
 }
 
 TEST_CASE("A stream that ends early is told apart from a completed run") {
-    CrowdWorld crowd = make_crowd(short_scene(1));
+    CrowdRun one{.crowd = make_crowd(short_scene(1))};
     MadeUpSource source(12, no_water);
-    RunSummary summary;
-    run_client(crowd, source, summary);
+    const RunSummary& summary = one.summary;
+    run_crowds({&one, 1}, source);
     CHECK(summary.status == "stream_ended");
     CHECK(summary.frames == 12);
 }
@@ -65,10 +64,11 @@ TEST_CASE("A run ends when no agent is active, if the scene says so") {
     scene.duration = 10;
     for (const bool stop : {true, false}) {
         scene.stop_when_no_agent_is_active = stop;
-        CrowdWorld crowd = make_crowd(scene);
+        CrowdRun one{.crowd = make_crowd(scene)};
+        CrowdWorld& crowd = one.crowd;
         MadeUpSource source(1000, no_water);
-        RunSummary summary;
-        run_client(crowd, source, summary);
+        const RunSummary& summary = one.summary;
+        run_crowds({&one, 1}, source);
         CHECK(summary.status == "completed");
         CHECK(crowd.arrived == 1);
         CHECK((summary.frames < 300) == stop);
@@ -78,24 +78,24 @@ TEST_CASE("A run ends when no agent is active, if the scene says so") {
 TEST_CASE("A scene without agents runs for its whole duration") {
     Scene scene = short_scene(1);
     scene.crowd.groups.clear();
-    CrowdWorld crowd = make_crowd(scene);
+    CrowdRun one{.crowd = make_crowd(scene)};
     MadeUpSource source(1000, no_water);
-    RunSummary summary;
-    run_client(crowd, source, summary);
+    const RunSummary& summary = one.summary;
+    run_crowds({&one, 1}, source);
     CHECK(summary.frames == 30);
     CHECK(summary.status == "completed");
 }
 
 TEST_CASE("A signal between two frames ends the run and tells the producer") {
     for (const int signal : {SIGINT, SIGTERM}) {
-        CrowdWorld crowd = make_crowd(short_scene(1));
+        CrowdRun one{.crowd = make_crowd(short_scene(1))};
         MadeUpSource source(1000, no_water);
-        RunSummary summary;
-        ClientHooks hooks;
+        const RunSummary& summary = one.summary;
+        RunHooks hooks;
         hooks.interrupted = [&] { return summary.frames == 7 ? signal : 0; };
         const int code = signal == SIGINT ? 130 : 143;
         try {
-            run_client(crowd, source, summary, hooks);
+            run_crowds({&one, 1}, source, hooks);
             FAIL("the run went on");
         } catch (const RunError& error) {
             CHECK(static_cast<int>(error.code()) == code);
@@ -107,64 +107,62 @@ TEST_CASE("A signal between two frames ends the run and tells the producer") {
 }
 
 TEST_CASE("A failing log ends the run and tells the producer why") {
-    CrowdWorld crowd = make_crowd(short_scene(1));
+    CrowdRun one{.crowd = make_crowd(short_scene(1))};
+    CrowdWorld& crowd = one.crowd;
     MadeUpSource source(1000, no_water);
-    RunSummary summary;
-    ClientHooks hooks;
-    hooks.on_step = [](const CrowdWorld& c, const WaterView&) {
-        if (c.steps == 5) throw RunError(ExitCode::unexpected, "no space left");
+    RunHooks hooks;
+    hooks.on_step = [&](std::size_t, const WaterView&) {
+        if (crowd.steps == 5) throw RunError(ExitCode::unexpected, "no space left");
     };
-    CHECK_THROWS_WITH(run_client(crowd, source, summary, hooks), "no space left");
+    CHECK_THROWS_WITH(run_crowds({&one, 1}, source, hooks), "no space left");
     CHECK(source.abort_code == 1);
     CHECK(source.abort_text == "no space left");
 }
 
 TEST_CASE("A frame out of turn is a violation of the protocol") {
-    CrowdWorld crowd = make_crowd(short_scene(1));
+    CrowdRun one{.crowd = make_crowd(short_scene(1))};
     MadeUpSource source(1000, no_water);
     source.number_of_next = 2;
-    RunSummary summary;
-    CHECK_THROWS_WITH(run_client(crowd, source, summary), "got frame 2 of the water where frame 1 was due");
+    CHECK_THROWS_WITH(run_crowds({&one, 1}, source), "got frame 2 of the water where frame 1 was due");
     CHECK(source.abort_code == 6);
 }
 
 TEST_CASE("The log sees each step once, in order, before its frame is released") {
-    CrowdWorld crowd = make_crowd(short_scene(1));
+    CrowdRun one{.crowd = make_crowd(short_scene(1))};
+    CrowdWorld& crowd = one.crowd;
     MadeUpSource source(
         30, [](std::uint64_t f) { return testing::uniform_water(0, 1, 0, 1, 0.5, 0.5, static_cast<double>(f), 0); });
-    RunSummary summary;
-    ClientHooks hooks;
+    RunHooks hooks;
     std::uint64_t expected = 0;
-    hooks.on_step = [&](const CrowdWorld& c, const WaterView& water) {
+    hooks.on_step = [&](std::size_t, const WaterView& water) {
         ++expected;
-        REQUIRE(c.steps == expected);
+        REQUIRE(crowd.steps == expected);
         REQUIRE(source.released == expected - 1);
         REQUIRE(static_cast<double>(water.vx[0]) == static_cast<double>(expected));
     };
-    run_client(crowd, source, summary, hooks);
+    run_crowds({&one, 1}, source, hooks);
     CHECK(expected == 30);
 }
 
 TEST_CASE("Commands are taken before each frame, before it is asked for") {
-    CrowdWorld crowd = make_crowd(short_scene(1));
+    CrowdRun one{.crowd = make_crowd(short_scene(1))};
     MadeUpSource source(30, no_water);
-    RunSummary summary;
-    ClientHooks hooks;
+    RunHooks hooks;
     std::uint64_t calls = 0;
     hooks.before_frame = [&] { REQUIRE(source.number_of_next == ++calls); };
-    run_client(crowd, source, summary, hooks);
+    run_crowds({&one, 1}, source, hooks);
     CHECK(calls == 30);
 }
 
 TEST_CASE("A signal that comes with the commands ends the run before the next frame") {
-    CrowdWorld crowd = make_crowd(short_scene(1));
+    CrowdRun one{.crowd = make_crowd(short_scene(1))};
     MadeUpSource source(30, no_water);
-    RunSummary summary;
-    ClientHooks hooks;
+    const RunSummary& summary = one.summary;
+    RunHooks hooks;
     int signal = 0;
     hooks.before_frame = [&] { signal = summary.frames == 3 ? SIGINT : 0; };
     hooks.interrupted = [&] { return signal; };
-    CHECK_THROWS_WITH(run_client(crowd, source, summary, hooks), Catch::Contains("after frame 3"));
+    CHECK_THROWS_WITH(run_crowds({&one, 1}, source, hooks), Catch::Contains("after frame 3"));
     CHECK(source.number_of_next == 4);
 }
 
@@ -195,21 +193,4 @@ TEST_CASE("The summary of the water averages what frames gave after the first se
     CHECK(summary.max_density_error.value() == 0.05);
     CHECK(summary.depth.value().value() == Approx(0.9));
     CHECK_FALSE(summary.speed.value().has_value());
-}
-
-TEST_CASE("Progress shows time, people and the health of the water") {
-    CrowdWorld crowd = make_crowd(short_scene(100));
-    crowd.steps = 300;
-    shm::Frame frame;
-    frame.count = 26880;
-    frame.diagnostics.sub_steps = 3;
-    frame.diagnostics.density_iterations = 7;
-    frame.diagnostics.divergence_iterations = 4;
-    frame.diagnostics.mean_density_error = 0.0004;
-    frame.diagnostics.max_density_error = 0.01;
-    CHECK_THAT(progress_line(crowd, frame, 5.0),
-               Catch::Contains("t 10.0 s") && Catch::Contains("step 300/3000") &&
-                   Catch::Contains("active 1 arrived 0 dead 0") && Catch::Contains("26880 particles") &&
-                   Catch::Contains("0.040 %") && Catch::Contains("4+7 iterations") && Catch::Contains("3 sub-steps") &&
-                   Catch::Contains("2.00 x real time") && Catch::Contains("45 s to go"));
 }

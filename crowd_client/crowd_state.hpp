@@ -1,0 +1,68 @@
+#pragma once
+// The crowd and all it needs to take a step.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "crowd_client/agents.hpp"
+#include "crowd_client/bodies/bodies.hpp"
+#include "crowd_client/markers/biocrowds.hpp"
+#include "crowd_client/responses/response.hpp"
+#include "crowd_client/step_times.hpp"
+#include "crowd_client/water/ragdoll.hpp"
+#include "crowd_client/water/water_bins.hpp"
+#include "crowd_client/ways/navigation.hpp"
+#include "crowd_client/ways/obstacles.hpp"
+
+namespace wade::crowd {
+
+struct CrowdWorld {
+    Scene scene;
+    double dt = 0;            // length of a step, s
+    std::uint64_t steps = 0;  // taken; step k leads to the state at time k dt
+
+    Agents agents;
+    std::vector<std::uint32_t> active;  // ids of the agents that are neither arrived nor dead, ascending
+    std::size_t arrived = 0;
+    std::size_t dead = 0;
+    std::uint64_t last_arrival_step = 0;  // 0 = nobody has arrived
+    std::size_t events_applied = 0;       // of scene.events, which make_crowd sorts by frame
+
+    Markers markers;
+    Walls walls;
+    Navigation navigation;                     // empty where people go straight
+    std::shared_ptr<const Response> response;  // to the water; has no state, so that copies of a crowd share it
+    int threads = 1;  // at most that many walk the crowd; the results are the same for any number
+
+    // Of the step at hand; place k belongs to active[k]. Kept for their memory.
+    WaterBins water;  // unused where the water is sorted for several crowds
+    MarkerMemory marker_memory;
+    Bodies bodies;                       // empty where people have none
+    Motion motion;                       // Eq. 1-3
+    std::vector<Vector2d> goal_offsets;  // m; with navigation along the way
+    std::vector<Vector2d> positions;     // frozen at the beginning of the step
+    std::vector<Contact> contacts;       // Eq. 5
+    std::vector<Vector2d> walking;       // v_B, m/s
+    NextVelocities next;                 // of the response, v^{t+1}, m/s
+    std::vector<Vector2d> wishes;        // with bodies: next.mean * dt, m
+    std::vector<bool> may_fall;          // with bodies: over the edge at x = 0
+    std::vector<WaterParticle> touching;
+    std::vector<Ragdoll> ragdolls;  // empty where the scene has no condition for them
+
+    std::shared_ptr<StepTimes> times;  // if somebody wants to know how long the stages take
+};
+
+[[nodiscard]] inline bool has_bodies(const CrowdWorld& crowd) {
+    return crowd.bodies.rule != BodyRule::none;
+}
+
+// How many threads walk the crowd. One that is small takes less time than threads to wake up.
+[[nodiscard]] inline int threads_for(const CrowdWorld& crowd) {
+    constexpr std::size_t worth_it = 1000;
+    return crowd.active.size() < worth_it ? 1 : crowd.threads;
+}
+
+}  // namespace wade::crowd

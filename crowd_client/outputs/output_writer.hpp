@@ -1,0 +1,73 @@
+#pragma once
+// One output of a run: a file of the run folder, or several that belong together.
+//
+//   make --> on_step, on_step, ... keep, on_step, ... on_event, ... --> finish
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "crowd_client/crowd_world.hpp"
+#include "crowd_client/outputs/run_labels.hpp"
+#include "crowd_client/outputs/run_summary.hpp"
+
+namespace wade::crowd {
+
+class DangerRecord;
+
+// What of a run is stored step by step.
+struct Record {
+    double water_interval = 0;  // simulated seconds between two snapshots of the water, 0 = none
+    double danger_window = 0;   // over which the water is averaged for levels of danger, s; 0 = none are recorded
+    bool trajectories = true;   // trajectories.sqlite
+};
+
+// Without what only pictures need: trajectories and snapshots of the water.
+[[nodiscard]] inline Record without_pictures(const Record& record) {
+    return {.water_interval = 0, .danger_window = record.danger_window, .trajectories = false};
+}
+
+// What an output is made from.
+struct OutputPlace {
+    std::filesystem::path folder;  // exists and can be written to
+    const CrowdWorld& crowd;       // before its first step
+    const RunLabels& labels;
+    Record kept;
+    std::shared_ptr<DangerRecord> danger;          // null unless levels of danger are recorded
+    std::function<void(const std::string&)> warn;  // a sentence for the user; never empty
+};
+
+// A run as it stands.
+struct RunView {
+    const CrowdWorld& crowd;
+    const RunSummary& summary;
+    const RunLabels& labels;
+};
+
+// All members throw OutputError for what cannot be written; what was written before stays whole.
+class OutputWriter {
+ public:
+    OutputWriter() = default;
+    OutputWriter(const OutputWriter&) = delete;
+    OutputWriter& operator=(const OutputWriter&) = delete;
+    virtual ~OutputWriter() = default;
+
+    // After each step; water: as the step met it.
+    virtual void on_step(const CrowdWorld&, const WaterView&) {}
+
+    // After a frame of the water, every few seconds of wall time: results as they stand, for a run that is killed.
+    virtual void keep(const RunView&) {}
+
+    // A change of tau that the scene does not have, before its first step.
+    virtual void on_event(const TauEvent&) {}
+
+    // At the end of the run, be it good or bad. Once more if a later output fails, so that it can say so.
+    virtual void finish(const RunView&) = 0;
+
+    // Space on the disk that finish() needs at most, kept free from the start, bytes.
+    [[nodiscard]] virtual std::size_t bytes_at_end() const { return 0; }
+};
+
+}  // namespace wade::crowd

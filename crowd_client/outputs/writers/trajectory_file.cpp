@@ -1,0 +1,298 @@
+#include "crowd_client/outputs/writers/trajectory_file.hpp"
+
+#include <sqlite3.h>
+#include <time.h>
+
+#include <algorithm>
+#include <charconv>
+#include <string>
+#include <utility>
+
+#include "crowd_client/outputs/output_file.hpp"
+
+namespace wade::crowd {
+namespace {
+
+std::string text_of(double v) {
+    char buffer[32];
+    const auto end = std::to_chars(std::begin(buffer), std::end(buffer), v).ptr;
+    return {buffer, end};
+}
+
+std::string ring(const Interval& x, const Interval& z) {
+    const std::string x0 = text_of(x.lo), x1 = text_of(x.hi), z0 = text_of(z.lo), z1 = text_of(z.hi);
+    return "(" + x0 + " " + z0 + ", " + x1 + " " + z0 + ", " + x1 + " " + z1 + ", " + x0 + " " + z1 + ", " + x0 + " " +
+           z0 + ")";
+}
+
+bool touch(const Interval& a, const Interval& b) {
+    return a.lo <= b.hi && b.lo <= a.hi;
+}
+
+bool may_be_a_hole(const Scene& scene, const Obstacle& o) {
+    if (o.x.lo <= 0 || o.z.lo <= 0 || o.x.hi >= scene.world.length || o.z.hi >= scene.world.width) return false;
+    return std::none_of(scene.obstacles.begin(), scene.obstacles.end(), [&](const Obstacle& other) {
+        return &other != &o && touch(o.x, other.x) && touch(o.z, other.z);
+    });
+}
+
+// FNV-1a, cut to the positive range of SQLite's integers.
+std::int64_t geometry_hash(const std::string& wkt) {
+    std::uint64_t h = 0xcbf29ce484222325ULL;
+    for (const char c : wkt) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+    return static_cast<std::int64_t>(h >> 1);
+}
+
+void remove_old(const std::filesystem::path& file) {
+    for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+        std::error_code ignored;
+        std::filesystem::remove(file.string() + suffix, ignored);
+    }
+}
+
+}  // namespace
+
+std::string walkable_area_wkt(const Scene& scene) {
+    constexpr double inset = 1e-3;  // m
+    const World& world = scene.world;
+    std::string wkt = "POLYGON (" + ring({0, world.length}, {0, world.width});
+    for (const Obstacle& o : scene.obstacles) {
+        Interval x{std::max(o.x.lo, 0.0), std::min(o.x.hi, world.length)};
+        Interval z{std::max(o.z.lo, 0.0), std::min(o.z.hi, world.width)};
+        if (!may_be_a_hole(scene, o)) {
+            x = {x.lo + inset, x.hi - inset};
+            z = {z.lo + inset, z.hi - inset};
+        }
+        if (x.lo < x.hi && z.lo < z.hi) wkt += ", " + ring(x, z);
+    }
+    return wkt + ")";
+}
+
+// What came of an attempt to write.
+enum class Access { written, locked, gone };
+
+struct TrajectoryFile::Database {
+    std::filesystem::path file;
+    sqlite3* handle = nullptr;
+    sqlite3_stmt* insert_agent = nullptr;
+    sqlite3_stmt* insert_frame = nullptr;
+    std::int64_t geometry = 0;
+
+    Database(const std::filesystem::path& its_file, const Scene& scene, int pages);
+    Database(const Database&) = delete;
+    Database& operator=(const Database&) = delete;
+    ~Database() { release(); }
+
+    // Closing the last connection folds the log in and removes it.
+    void release() noexcept {
+        finalize();
+        sqlite3_close(handle);
+        handle = nullptr;
+    }
+    void finalize() noexcept {
+        sqlite3_finalize(insert_agent);
+        sqlite3_finalize(insert_frame);
+        insert_agent = insert_frame = nullptr;
+    }
+
+    [[noreturn]] void fail(int code) const {
+        const bool full = code == SQLITE_FULL;
+        throw OutputError(file, handle != nullptr ? sqlite3_errmsg(handle) : sqlite3_errstr(code), full);
+    }
+    void check(int code) const {
+        if (code != SQLITE_OK && code != SQLITE_DONE && code != SQLITE_ROW) fail(code);
+    }
+    [[nodiscard]] int try_to(const char* sql) const { return sqlite3_exec(handle, sql, nullptr, nullptr, nullptr); }
+    void run(const std::string& sql) const { check(try_to(sql.c_str())); }
+    [[nodiscard]] sqlite3_stmt* prepare(const char* sql) const {
+        sqlite3_stmt* statement = nullptr;
+        check(sqlite3_prepare_v2(handle, sql, -1, &statement, nullptr));
+        return statement;
+    }
+    void execute(sqlite3_stmt* statement) const {
+        const int code = sqlite3_step(statement);
+        sqlite3_reset(statement);
+        check(code);
+    }
+    void set_metadata(const std::string& key, const std::string& value) const;
+    void create_tables(const Scene& scene);
+
+    [[nodiscard]] bool has_moved() const {
+        int moved = 0;
+        return sqlite3_file_control(handle, "main", SQLITE_FCNTL_HAS_MOVED, &moved) == SQLITE_OK && moved != 0;
+    }
+    // All rows or none; wait: how long for who has the file locked, s.
+    [[nodiscard]] Access write(const PathRows& kept, double wait) const;
+    void insert(const PathRows& kept) const;
+};
+
+TrajectoryFile::Database::Database(const std::filesystem::path& its_file, const Scene& scene, int pages)
+    : file(its_file) {
+    remove_old(file);
+    try {
+        check(sqlite3_open_v2(file.c_str(), &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr));
+        sqlite3_busy_timeout(handle, 2000);  // ms, for who opens the file the moment it is there
+        // A log instead of a journal: a frame costs one append, not a flush to the disk. A crash of the process loses
+        // nothing that was written, a power cut at most the last frames.
+        run("PRAGMA page_size = 4096; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;");
+        if (pages > 0) run("PRAGMA max_page_count = " + std::to_string(pages) + ";");
+        run("BEGIN IMMEDIATE");
+        create_tables(scene);
+        run("COMMIT");
+        insert_agent = prepare("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)");
+        insert_frame = prepare("INSERT INTO frame_data VALUES (?, ?)");
+    } catch (...) {
+        release();
+        throw;
+    }
+}
+
+void TrajectoryFile::Database::create_tables(const Scene& scene) {
+    run("CREATE TABLE trajectory_data (frame INTEGER NOT NULL, id INTEGER NOT NULL, pos_x REAL NOT NULL,"
+        " pos_y REAL NOT NULL, ori_x REAL NOT NULL, ori_y REAL NOT NULL);"
+        "CREATE TABLE metadata (key TEXT NOT NULL UNIQUE PRIMARY KEY, value TEXT NOT NULL);"
+        "CREATE TABLE geometry (hash INTEGER NOT NULL, wkt TEXT NOT NULL);"
+        "CREATE TABLE frame_data (frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL);"
+        "CREATE INDEX frame_id_idx ON trajectory_data (frame, id);");
+    set_metadata("version", "2");
+    set_metadata("fps", text_of(scene.crowd.step_rate));
+    set_metadata("xmin", "0");
+    set_metadata("xmax", text_of(scene.world.length));
+    set_metadata("ymin", "0");
+    set_metadata("ymax", text_of(scene.world.width));
+    const std::string wkt = walkable_area_wkt(scene);
+    geometry = geometry_hash(wkt);
+    run("INSERT INTO geometry VALUES (" + std::to_string(geometry) + ", '" + wkt + "');");
+}
+
+// Both are words and numbers of our own, without quotes.
+void TrajectoryFile::Database::set_metadata(const std::string& key, const std::string& value) const {
+    run("INSERT INTO metadata VALUES ('" + key + "', '" + value + "');");
+}
+
+void TrajectoryFile::Database::insert(const PathRows& kept) const {
+    for (const std::int64_t frame : kept.frames) {
+        sqlite3_bind_int64(insert_frame, 1, frame);
+        sqlite3_bind_int64(insert_frame, 2, geometry);
+        execute(insert_frame);
+    }
+    for (const PathRows::Row& row : kept.rows) {
+        sqlite3_bind_int64(insert_agent, 1, row.frame);
+        sqlite3_bind_int64(insert_agent, 2, row.id);
+        sqlite3_bind_double(insert_agent, 3, row.x);
+        sqlite3_bind_double(insert_agent, 4, row.z);
+        sqlite3_bind_double(insert_agent, 5, row.heading_x);
+        sqlite3_bind_double(insert_agent, 6, row.heading_z);
+        execute(insert_agent);
+    }
+}
+
+Access TrajectoryFile::Database::write(const PathRows& kept, double wait) const {
+    if (has_moved()) return Access::gone;
+    sqlite3_busy_timeout(handle, static_cast<int>(1000 * wait));
+    const int code = try_to("BEGIN IMMEDIATE");
+    if (code == SQLITE_BUSY || code == SQLITE_LOCKED || code == SQLITE_PROTOCOL) return Access::locked;
+    if (code == SQLITE_READONLY) return Access::gone;
+    check(code);
+    try {
+        insert(kept);
+        run("COMMIT");
+    } catch (...) {
+        // SQLite may have rolled back by itself; then this does nothing.
+        sqlite3_exec(handle, "ROLLBACK", nullptr, nullptr, nullptr);
+        throw;
+    }
+    return Access::written;
+}
+
+TrajectoryFile::TrajectoryFile(const std::filesystem::path& file, const Scene& scene, const TrajectoryLimits& limits,
+                               Warn warn)
+    : file_(file),
+      rest_file_(file.parent_path() / (file.stem().string() + ".rest" + file.extension().string())),
+      scene_(scene),
+      limits_(limits),
+      warn_(std::move(warn)) {
+    remove_old(rest_file_);
+    database_ = std::make_unique<Database>(file, scene, limits.pages);
+}
+
+TrajectoryFile::~TrajectoryFile() = default;
+
+void TrajectoryFile::write(std::uint64_t frame, const Agents& agents, const std::vector<std::uint32_t>& active) {
+    const auto number = static_cast<std::int64_t>(frame);
+    kept_.frames.push_back(number);
+    for (const std::uint32_t id : active) {
+        const Vector2d &at = agents.position[id], &heading = agents.heading[id];
+        kept_.rows.push_back({number, id, at.x(), at.y(), heading.x(), heading.y()});
+    }
+    if (!is_gone_) flush();
+    if (is_gone_ || kept_.rows.size() + kept_.frames.size() > limits_.kept_rows) spill();
+}
+
+// What the disk does not take is lost, as it would be after a crash; all before it is whole.
+void TrajectoryFile::flush() {
+    try {
+        const Access access = database_->write(kept_, 0);
+        is_gone_ = access == Access::gone;
+        if (access != Access::written) return;
+    } catch (...) {
+        kept_ = {};
+        throw;
+    }
+    kept_.frames.clear();
+    kept_.rows.clear();
+}
+
+void TrajectoryFile::spill() {
+    const PathRows kept = std::exchange(kept_, {});
+    if (kept.frames.empty()) return;
+    if (!rest_) {
+        rest_ = std::make_unique<Database>(rest_file_, scene_, limits_.pages);
+        first_in_rest_ = kept.frames.front();
+    }
+    last_in_rest_ = kept.frames.back();
+    if (rest_->write(kept, limits_.patience) == Access::written) return;
+    throw OutputError(rest_file_, "another program has it locked, and '" + file_.string() + "' as well", false);
+}
+
+void TrajectoryFile::close() {
+    if (!database_) return;
+    if (!is_gone_ && !kept_.frames.empty() && database_->write(kept_, limits_.patience) == Access::written) kept_ = {};
+    spill();
+    if (!is_gone_) fold();
+    database_.reset();
+    if (!rest_) return;
+    rest_->finalize();
+    rest_->run("PRAGMA journal_mode = DELETE;");
+    rest_.reset();
+    warn_of_rest();
+}
+
+// Needs the file for itself for a moment; who only looks into it is gone soon.
+void TrajectoryFile::fold() {
+    database_->finalize();
+    constexpr int attempts = 10;
+    constexpr timespec pause{0, 50'000'000};
+    int code = SQLITE_BUSY;
+    for (int i = 0; i < attempts; ++i) {
+        code = database_->try_to("PRAGMA journal_mode = DELETE;");
+        if (code != SQLITE_BUSY && code != SQLITE_LOCKED) break;
+        nanosleep(&pause, nullptr);
+    }
+    if (code != SQLITE_BUSY && code != SQLITE_LOCKED) return database_->check(code);
+    // As much as can be goes into the file itself.
+    sqlite3_wal_checkpoint_v2(database_->handle, nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+    if (!warn_) return;
+    const std::string name = file_.string();
+    warn_("another program has '" + name + "' open: all frames are in it together with '" + name +
+          "-wal', which stays beside it until that program closes it");
+}
+
+void TrajectoryFile::warn_of_rest() const {
+    if (!warn_) return;
+    warn_("another program " + std::string(is_gone_ ? "moved or deleted" : "kept locked") + " '" + file_.string() +
+          "': frames " + std::to_string(first_in_rest_) + " to " + std::to_string(last_in_rest_) +
+          ", as far as they are not in it, are in '" + rest_file_.string() + "', a file of the same tables");
+}
+
+}  // namespace wade::crowd

@@ -1,0 +1,82 @@
+#pragma once
+// trajectories.sqlite: the paths in JuPedSim's format, schema version 2, as JuPedSim's and PedPy's tools read it.
+//
+// pos_x is our x, pos_y our z. Frame f holds the state after f steps of the crowd, frame 0 the start; fps is the rate of
+// the steps. Agents that have arrived or died have no rows from that frame on.
+//
+// Other programs may open the file during the run and cannot hurt it: readers see whole frames; while somebody has it locked,
+// frames are kept in memory and written once it is free. What is still kept when the memory or the run ends, or when the file
+// was moved or deleted, goes to a second file of the same tables beside it, trajectories.rest.sqlite.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "crowd_client/agents.hpp"
+
+namespace wade::crowd {
+
+// Rows that are not written yet.
+struct PathRows {
+    struct Row {
+        std::int64_t frame;
+        std::int64_t id;
+        double x, z, heading_x, heading_z;
+    };
+    std::vector<std::int64_t> frames;
+    std::vector<Row> rows;
+};
+
+struct TrajectoryLimits {
+    int pages = 0;                                 // largest size of the file in pages of 4 KiB, 0 = none
+    std::size_t kept_rows = std::size_t{1} << 20;  // in memory while the file is locked, 48 bytes each
+    double patience = 5;                           // s of wall time, for who still has it locked at the end
+};
+
+class TrajectoryFile {
+ public:
+    using Warn = std::function<void(const std::string&)>;
+
+    // Creates the file anew. warn: gets a sentence at the end for each thing that is not as it should be.
+    // Throws OutputError, as all members do.
+    TrajectoryFile(const std::filesystem::path& file, const Scene& scene, const TrajectoryLimits& limits = {},
+                   Warn warn = {});
+    ~TrajectoryFile();
+    TrajectoryFile(const TrajectoryFile&) = delete;
+    TrajectoryFile& operator=(const TrajectoryFile&) = delete;
+
+    // Writes the active agents, and whatever was kept, as one transaction: after a crash each frame is there as a whole or
+    // not at all.
+    void write(std::uint64_t frame, const Agents& agents, const std::vector<std::uint32_t>& active);
+
+    // Writes what was kept and folds the write-ahead log into the one file that remains. If another program has the file
+    // open the log stays beside it until that program closes it.
+    void close();
+
+ private:
+    struct Database;
+
+    void flush();
+    void spill();
+    void fold();
+    void warn_of_rest() const;
+
+    std::filesystem::path file_, rest_file_;
+    Scene scene_;
+    TrajectoryLimits limits_;
+    Warn warn_;
+    std::unique_ptr<Database> database_, rest_;
+    bool is_gone_ = false;  // moved or deleted by somebody else
+    PathRows kept_;
+    std::int64_t first_in_rest_ = 0, last_in_rest_ = 0;  // frames
+};
+
+// World rectangle with the obstacles as holes, in well-known text. A hole may touch neither the edge nor another hole
+// there, so an obstacle that does is drawn 1 mm smaller on each side.
+[[nodiscard]] std::string walkable_area_wkt(const Scene& scene);
+
+}  // namespace wade::crowd

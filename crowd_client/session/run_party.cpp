@@ -1,0 +1,300 @@
+#include "crowd_client/session/run_party.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "configs/program/peer_support.hpp"
+#include "configs/program/run_control.hpp"
+#include "crowd_client/outputs/played_events.hpp"
+#include "crowd_client/session/frame_time.hpp"
+#include "crowd_client/session/party.hpp"
+#include "crowd_client/session/progress.hpp"
+#include "shm_protocol/inside/segment.hpp"
+#include "shm_protocol/subscriber.hpp"
+
+namespace wade::crowd {
+namespace {
+
+constexpr double patience_to_refuse = 5;  // s, for water that a crowd cannot join to appear and be told so
+
+FrameMode mode_of(const RunOptions& options) {
+    return options.word("--mode") == "latest" ? FrameMode::latest : FrameMode::lockstep;
+}
+
+// Tells the water of the session, if it waits for its first consumers, why this crowd will not come. Nobody else is
+// disturbed: neither water that runs already nor a crowd that it runs with.
+void refuse_water(const ProgramStart& start, const std::exception& error, Console& console) {
+    const RunOptions& options = start.options;
+    if (mode_of(options) == FrameMode::latest) return;  // no water waits for it
+    auto waiting = waiting_of<shm::Waiting>(options, console);
+    waiting.attach_timeout_s = std::min(waiting.attach_timeout_s, patience_to_refuse);
+    try {
+        shm::Subscriber::refuse(options.session, "crowd", {.scene_hash = start.loaded.scene.hash, .waiting = waiting},
+                                exit_code_of<shm::Error>(error), error.what());
+    } catch (const std::exception&) {
+        // There is no water to be told.
+    }
+}
+
+// A step towards the run that happens before the crowd has joined.
+template <typename Work>
+void before_joining(const ProgramStart& start, Console& console, Work&& work) {
+    try {
+        work();
+    } catch (const std::exception& error) {
+        console.line(error.what());
+        refuse_water(start, error, console);
+        throw;
+    }
+}
+
+// Whether the frames so far are those of the scene, so that the same events in the same scene lead to the same run.
+struct Regularity {
+    bool so_far = true;
+    void see(const shm::StreamInfo& info, const shm::Frame& frame, const Scene& scene) {
+        so_far = so_far && rate_note(scene, info).empty() && frame.tick == frame.frame * info.ticks_per_frame;
+    }
+};
+
+CrowdsProgress progress_of(const Party& party) {
+    CrowdsProgress totals{.crowds = party.runs.size()};
+    for (const CrowdRun& run : party.runs) {
+        totals.time = std::max(totals.time, static_cast<double>(run.crowd.steps) * run.crowd.dt);
+        if (run.over) continue;
+        ++totals.walking;
+        totals.active += run.crowd.active.size();
+    }
+    return totals;
+}
+
+// A party on its way through the water.
+class Voyage {
+ public:
+    Voyage(Party& party, const ProgramStart& start, RunControl& control, Console& console)
+        : party_(party), start_(start), control_(control), console_(console) {}
+
+    void take_part() {
+        const RunOptions& options = start_.options;
+        demand_free_way_back();
+        join();
+        party_.clock = Stopwatch();
+        const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+        const int threads = options.threads > 0 ? options.threads : processors;
+        run_crowds(party_.runs, *source_, hooks(), party_.many ? threads : 1, agents_ ? &*agents_ : nullptr);
+    }
+
+ private:
+    [[nodiscard]] CrowdRun& only() { return party_.runs.front(); }
+    [[nodiscard]] bool has_way_back() {
+        return !party_.many && only().crowd.scene.coupling.agents_stream != AgentsStream::off;
+    }
+
+    // A second crowd, started by mistake, must not join the water and disturb the first one.
+    void demand_free_way_back() {
+        const std::string& session = start_.options.session;
+        if (!has_way_back() || !shm::has_living_producer(session, shm::stream_agents)) return;
+        throw shm::Error(shm::Failure::name_in_use,
+                         "Session '" + session + "' has a crowd whose agents the water takes; choose another session.");
+    }
+
+    void join() {
+        const RunOptions& options = start_.options;
+        const auto waiting = waiting_of<shm::Waiting>(options, console_);
+        // While the crowd waits for the water it still lives, or pauses with it, for those who wait for its agents.
+        shm::Waiting for_water = waiting;
+        for_water.interrupted = [&] {
+            if (agents_) agents_->heartbeat();
+            return received_signal() != 0;
+        };
+        for_water.paused = [&](double) {
+            if (agents_) agents_->set_paused(true);
+        };
+        source_ = join_session(options.session, start_.loaded.scene.hash, mode_of(options), for_water);
+        const std::string& model = source_->info().producer_name;
+        for (Member& member : party_.members) member.labels.model = model;
+        console_.line("joined session '" + options.session + "' of '" + model + "'" +
+                      (party_.many ? " with " + std::to_string(party_.runs.size()) + " crowds" : ""));
+        const std::string note = rate_note(start_.loaded.scene, source_->info());
+        if (!note.empty()) console_.line(note);
+        if (has_way_back()) open_way_back(waiting);
+    }
+
+    // The producer learns why there is no way back if it should have been there.
+    void open_way_back(shm::Waiting waiting) {
+        // While the crowd waits for the water to take its agents, the water may die.
+        waiting.interrupted = [this] { return received_signal() != 0 || !source_->producer_is_there(); };
+        try {
+            agents_.emplace(start_.options.session, only().crowd, source_->info(), waiting,
+                            static_cast<int>(start_.options.extra("--agents-consumers")));
+        } catch (const std::exception& error) {
+            source_->abort(exit_code_of<shm::Error>(error), error.what());
+            throw;
+        }
+    }
+
+    RunHooks hooks() {
+        RunHooks hooks;
+        hooks.interrupted = [] { return received_signal(); };
+        hooks.quit = [this] { return control_.quit_asked(); };
+        hooks.before_frame = [this] { take_commands(); };
+        hooks.on_step = [this](std::size_t k, const WaterView& water) {
+            party_.members[k].folder->record(party_.runs[k].crowd, water);
+        };
+        if (party_.many) {
+            hooks.on_over = [this](std::size_t k) { finish(party_, k, console_); };
+            hooks.on_frame = [this](const shm::Frame& frame) {
+                const CrowdsProgress now = progress_of(party_);
+                if (console_.progress_due(now.time)) {
+                    console_.progress(progress_line(now, frame, pace_.at(now.time, party_.clock.seconds())));
+                }
+            };
+        } else {
+            hooks.on_frame = [this](const shm::Frame& frame) { note_frame(frame); };
+        }
+        hooks.warn = [this](const std::string& text) { console_.warning(text); };
+        return hooks;
+    }
+
+    void take_commands() {
+        RunControl::Hooks pause;
+        pause.paused = [this](bool paused) {
+            source_->set_paused(paused);
+            if (!agents_) return;
+            agents_->set_paused(paused);
+            agents_->heartbeat();
+        };
+        pause.interrupted = [this] { return received_signal() != 0 || !source_->producer_is_there(); };
+        pause.message = [this](const std::string& text) { console_.line(text); };
+        control_.wait_while_paused(pause);
+        const std::vector<TauCommand> commands = control_.take_tau_commands();
+        if (party_.many && !commands.empty()) {
+            console_.line("tau of many crowds cannot be changed by a command; give them events in the list of crowds");
+            return;
+        }
+        for (const TauCommand& command : commands) obey(command);
+    }
+
+    void obey(const TauCommand& command) {
+        try {
+            const TauEvent event = event_of(only().crowd, command);
+            party_.members.front().folder->record_event(event);
+            add_event(only().crowd, event);
+            console_.line("from frame " + std::to_string(event.frame) + " on: " + event_json(event));
+            if (regularity_.so_far && source_->in_lockstep()) return;
+            console_.warning(
+                "the frames of this water are not those of the scene, so scene_as_played.json does not "
+                "repeat this run; a recording does (shm_record)");
+        } catch (const ConfigurationError& error) {
+            console_.line(error.what());
+        }
+    }
+
+    // Of the only crowd.
+    void note_frame(const shm::Frame& frame) {
+        const CrowdWorld& crowd = only().crowd;
+        regularity_.see(source_->info(), frame, crowd.scene);
+        const std::uint64_t steps = crowd.steps - std::exchange(steps_before_, crowd.steps);
+        if (static_cast<double>(steps) > crowd.scene.crowd.step_rate && !std::exchange(told_of_gaps_, true)) {
+            console_.warning(std::to_string(steps) + " steps, more than a second, were walked through frame " +
+                             std::to_string(frame.frame) + " alone; water that runs in real time leaves fewer gaps");
+        }
+        const Member& member = party_.members.front();
+        member.folder->keep_results(crowd, only().summary, member.labels);
+        const double time = static_cast<double>(crowd.steps) * crowd.dt;
+        const double pace = pace_.at(time, party_.clock.seconds());
+        if (console_.progress_due(time)) console_.progress(progress_line(crowd, frame, pace));
+    }
+
+    Party& party_;
+    const ProgramStart& start_;
+    RunControl& control_;
+    Console& console_;
+    std::unique_ptr<FrameSource> source_;
+    std::optional<AgentsPublisher> agents_;
+    Regularity regularity_;
+    Pace pace_;
+    std::uint64_t steps_before_ = 0;
+    bool told_of_gaps_ = false;
+};
+
+// The water ends for all at once, so that once is enough.
+void warn_of_early_end(const Party& party, Console& console) {
+    const auto ended_early = [](const CrowdRun& run) { return run.summary.status == "stream_ended"; };
+    const auto count = std::count_if(party.runs.begin(), party.runs.end(), ended_early);
+    if (count == 0) return;
+    const auto first = std::find_if(party.runs.begin(), party.runs.end(), ended_early);
+    console.warning(first->summary.message +
+                    (party.many ? "; crowds that it ended: " + std::to_string(count) : std::string()));
+}
+
+void say_goodbye(const Party& party, Console& console) {
+    if (party.many) {
+        const auto ended_well = std::count_if(party.runs.begin(), party.runs.end(),
+                                              [](const CrowdRun& run) { return run.over && !run.failure; });
+        console.line(std::to_string(ended_well) + " of " + std::to_string(party.runs.size()) +
+                     " crowds are over without error");
+    } else {
+        const CrowdRun& run = party.runs.front();
+        console.line(summary_text(run.crowd, run.summary, party.members.front().labels.wall_time.value_or(0)));
+        if (const std::string text = step_times_text(run.crowd); !text.empty()) console.line(text);
+    }
+    std::cout << (party.out / (party.many ? "crowds.csv" : "outcome.json")).string() << std::endl;
+}
+
+}  // namespace
+
+int run_party(const ProgramStart& start, Console& console) {
+    int code = static_cast<int>(ExitCode::ok);
+    const auto note = [&](const std::exception& error) {
+        if (code == static_cast<int>(ExitCode::ok)) code = exit_code_of<shm::Error>(error);
+    };
+    Party party;
+    std::optional<RunControl> control;
+    try {
+        before_joining(start, console, [&] {
+            party = make_party(start);
+            control.emplace(start.options.word("--commands"));
+        });
+    } catch (const std::exception& error) {
+        return exit_code_of<shm::Error>(error);
+    }
+    bool has_folders = false;
+    try {
+        before_joining(start, console, [&] { open_folders(party, console); });
+        has_folders = true;
+        Voyage(party, start, *control, console).take_part();
+    } catch (const std::exception& error) {
+        if (has_folders) console.line(error.what());
+        note(error);
+        give_up(party, error);
+    }
+    for (std::size_t k = 0; k < party.runs.size(); ++k) {
+        finish(party, k, console);
+        const std::exception_ptr failure = party.runs[k].failure;
+        if (!failure || code != static_cast<int>(ExitCode::ok)) continue;
+        code = static_cast<int>(ExitCode::unexpected);
+    }
+    if (!has_folders) return code;
+    warn_of_early_end(party, console);
+    try {
+        sum_up(party);
+    } catch (const std::exception& error) {
+        console.line(error.what());
+        note(error);
+    }
+    say_goodbye(party, console);
+    return code;
+}
+
+std::string check_party(const ProgramStart& start) {
+    const Party party = make_party(start);
+    if (!party.many) return "";
+    return start.options.word("--crowds") + ": valid; " + std::to_string(party.runs.size()) + " crowds\n";
+}
+
+}  // namespace wade::crowd

@@ -1,0 +1,271 @@
+// trajectories.sqlite, and what other programs may do to it during a run.
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <thread>
+#include <vector>
+
+#include "crowd_client/crowd_world.hpp"
+#include "crowd_client/outputs/output_file.hpp"
+#include "crowd_client/outputs/writers/trajectory_file.hpp"
+#include "made_up_water.hpp"
+#include "outputs/run_files.hpp"
+
+using namespace wade;
+using namespace wade::crowd;
+using namespace wade::crowd::testing;
+namespace fs = std::filesystem;
+
+namespace {
+
+// A file that is written frame by frame, and what others find in it.
+struct Log {
+    TemporaryFolder folder;
+    fs::path file = folder.path / "trajectories.sqlite";
+    fs::path rest = folder.path / "trajectories.rest.sqlite";
+    Scene scene = one_agent_scene(10, 25, 75, 50, 0.2);
+    CrowdWorld crowd = make_crowd(scene);
+    std::vector<std::string> warnings;
+    std::unique_ptr<TrajectoryFile> trajectories;
+    std::uint64_t frame = 0;
+
+    explicit Log(const TrajectoryLimits& limits = {}) {
+        trajectories = std::make_unique<TrajectoryFile>(file, scene, limits,
+                                                        [this](const std::string& text) { warnings.push_back(text); });
+    }
+    void write(int frames) {
+        for (int i = 0; i < frames; ++i) trajectories->write(frame++, crowd.agents, crowd.active);
+    }
+    [[nodiscard]] static std::string frames_in(const fs::path& where) {
+        return query(where, "SELECT count(*), min(frame), max(frame) FROM trajectory_data");
+    }
+};
+
+const TrajectoryLimits impatient{.pages = 0, .kept_rows = std::size_t{1} << 20, .patience = 0.01};
+
+}  // namespace
+
+TEST_CASE("A query that is left open costs a run nothing but the fold of its log") {
+    Log log;
+    log.write(10);
+    {
+        Reader reader(log.file);
+        reader.leave_open("SELECT frame FROM trajectory_data");
+        log.write(10);
+        log.trajectories->close();
+        REQUIRE(log.warnings.size() == 1);
+        CHECK_THAT(log.warnings[0],
+                   Catch::Contains("has '" + log.file.string() + "' open") && Catch::Contains("-wal'"));
+        CHECK(Log::frames_in(log.file) == "20|0|19\n");
+    }
+    CHECK(Log::frames_in(log.file) == "20|0|19\n");
+    CHECK_FALSE(fs::exists(log.rest));
+}
+
+TEST_CASE("A reader that has the file open all the time, and counts now and then, sees whole frames and hurts nobody") {
+    Log log;
+    log.write(5);
+    Reader reader(log.file);
+    for (int i = 1; i <= 10; ++i) {
+        log.write(5);
+        CHECK(reader.query("SELECT count(*) FROM trajectory_data") == std::to_string(5 + 5 * i) + "\n");
+    }
+    log.trajectories->close();
+    CHECK(Log::frames_in(log.file) == "55|0|54\n");
+}
+
+TEST_CASE("Frames of the time in which another program has the file locked are written afterwards") {
+    for (const char* lock : {"BEGIN IMMEDIATE", "BEGIN EXCLUSIVE"}) {
+        Log log;
+        log.write(3);
+        {
+            Reader writer(log.file, SQLITE_OPEN_READWRITE);
+            writer.query(lock);
+            log.write(4);
+            CHECK(Log::frames_in(log.file) == "3|0|2\n");
+            writer.query("ROLLBACK");
+        }
+        log.write(1);
+        CHECK(Log::frames_in(log.file) == "8|0|7\n");
+        log.trajectories->close();
+        CHECK(log.warnings.empty());
+        CHECK(query(log.file, "SELECT group_concat(frame) FROM frame_data") == "0,1,2,3,4,5,6,7\n");
+        CHECK(files_in(log.folder.path).size() == 1);
+    }
+}
+
+TEST_CASE("A lock that is given up while the run ends keeps no frame out") {
+    Log log;
+    log.write(3);
+    Reader writer(log.file, SQLITE_OPEN_READWRITE);
+    writer.query("BEGIN IMMEDIATE");
+    log.write(3);
+    std::atomic<bool> closing = false;
+    std::thread other([&] {
+        while (!closing) std::this_thread::yield();
+        sqlite3_exec(writer.handle, "ROLLBACK", nullptr, nullptr, nullptr);
+    });
+    closing = true;
+    log.trajectories->close();
+    other.join();
+    CHECK(Log::frames_in(log.file) == "6|0|5\n");
+    CHECK_FALSE(fs::exists(log.rest));
+}
+
+TEST_CASE("A lock for ever leaves the frames of its time in a file beside, with a warning that says so") {
+    Log log(impatient);
+    log.write(3);
+    Reader writer(log.file, SQLITE_OPEN_READWRITE);
+    writer.query("BEGIN IMMEDIATE");
+    log.write(4);
+    log.trajectories->close();
+    CHECK(Log::frames_in(log.file) == "3|0|2\n");
+    CHECK(Log::frames_in(log.rest) == "4|3|6\n");
+    CHECK(query(log.rest, "SELECT value FROM metadata WHERE key = 'fps'") == "30\n");
+    REQUIRE(log.warnings.size() == 2);
+    CHECK_THAT(log.warnings[1], Catch::Contains("kept locked '" + log.file.string()) &&
+                                    Catch::Contains("frames 3 to 6") && Catch::Contains(log.rest.string()));
+}
+
+TEST_CASE("What is kept of a locked file is bounded") {
+    TrajectoryLimits small = impatient;
+    small.kept_rows = 20;  // a frame and its one agent count two
+    Log log(small);
+    {
+        Reader writer(log.file, SQLITE_OPEN_READWRITE);
+        writer.query("BEGIN IMMEDIATE");
+        log.write(35);
+        CHECK(Log::frames_in(log.rest) == "33|0|32\n");
+        writer.query("ROLLBACK");
+    }
+    log.write(5);
+    log.trajectories->close();
+    CHECK(Log::frames_in(log.file) == "7|33|39\n");
+    CHECK(Log::frames_in(log.rest) == "33|0|32\n");
+    CHECK(log.warnings.size() == 1);
+}
+
+TEST_CASE("A file that is deleted or moved away in a run is not missed by the run") {
+    for (const bool moved : {false, true}) {
+        Log log;
+        log.write(3);
+        if (moved) {
+            fs::rename(log.file, log.folder.path / "elsewhere.sqlite");
+        } else {
+            fs::remove(log.file);
+        }
+        log.write(4);
+        log.trajectories->close();
+        CHECK(Log::frames_in(log.rest) == "4|3|6\n");
+        REQUIRE(log.warnings.size() == 1);
+        CHECK_THAT(log.warnings[0], Catch::Contains("moved or deleted '" + log.file.string()));
+        CHECK_FALSE(fs::exists(log.file));
+    }
+}
+
+TEST_CASE("A file that is made read-only, or replaced by another one, in a run ends it well") {
+    Log log;
+    log.write(3);
+    fs::permissions(log.file, fs::perms::owner_read);
+    log.write(4);
+    log.trajectories->close();
+    CHECK(Log::frames_in(log.file) == "7|0|6\n");
+
+    Log replaced;
+    replaced.write(3);
+    fs::remove(replaced.file);
+    std::ofstream(replaced.file) << "mine";
+    replaced.write(4);
+    replaced.trajectories->close();
+    CHECK(content_of(replaced.file) == "mine");
+    CHECK(Log::frames_in(replaced.rest) == "4|3|6\n");
+}
+
+TEST_CASE("What an earlier run left is gone, with its log and its rest, whoever still reads it") {
+    TemporaryFolder folder;
+    const fs::path file = folder.path / "trajectories.sqlite";
+    const Scene scene = one_agent_scene(10, 25, 75, 50, 0.2);
+    const CrowdWorld crowd = make_crowd(scene);
+    auto earlier = std::make_unique<TrajectoryFile>(file, scene);
+    earlier->write(0, crowd.agents, crowd.active);
+    Reader reader(file);
+    reader.leave_open("SELECT frame FROM trajectory_data");
+    earlier->write(1, crowd.agents, crowd.active);
+    earlier->close();
+    REQUIRE(fs::exists(file.string() + "-wal"));
+    std::ofstream(folder.path / "trajectories.rest.sqlite") << "old";
+
+    TrajectoryFile now(file, scene);
+    now.write(0, crowd.agents, crowd.active);
+    now.close();
+    CHECK(Log::frames_in(file) == "1|0|0\n");
+    CHECK(files_in(folder.path).size() == 1);
+}
+
+TEST_CASE("Trajectories have JuPedSim's tables, version 2, and one file remains") {
+    TemporaryFolder folder;
+    const fs::path file = folder.path / "trajectories.sqlite";
+    Scene scene = one_agent_scene(10, 25, 75, 50, 0.2);
+    scene.crowd.groups[0].count = scene.crowd.groups[0].columns = 2;
+    scene.obstacles.push_back({{60, 67}, {21.5, 28.5}, 1});
+    CrowdWorld crowd = make_crowd(scene);
+    scene.crowd.step_rate = 45;
+    TrajectoryFile trajectories(file, scene);
+    trajectories.write(0, crowd.agents, crowd.active);
+    crowd.active = {1};
+    trajectories.write(1, crowd.agents, crowd.active);
+    trajectories.close();
+
+    CHECK(query(file, "SELECT key, value FROM metadata ORDER BY key") ==
+          "fps|45\nversion|2\nxmax|100\nxmin|0\nymax|50\nymin|0\n");
+    CHECK(query(file, "SELECT frame, id, pos_x, pos_y FROM trajectory_data ORDER BY frame, id") ==
+          "0|0|10.0|25.0\n0|1|11.0|25.0\n1|1|11.0|25.0\n");
+    CHECK(query(file, "SELECT count(*) FROM trajectory_data WHERE abs(ori_x*ori_x + ori_y*ori_y - 1) > 1e-9") == "0\n");
+    CHECK(query(file, "SELECT frame FROM frame_data f JOIN geometry g ON f.geometry_hash = g.hash ORDER BY frame") ==
+          "0\n1\n");
+    CHECK(query(file, "SELECT wkt FROM geometry") ==
+          "POLYGON ((0 0, 100 0, 100 50, 0 50, 0 0), (60 21.5, 67 21.5, 67 28.5, 60 28.5, 60 21.5))\n");
+    CHECK(query(file, "SELECT name FROM sqlite_master WHERE type = 'index' AND tbl_name = 'trajectory_data'") ==
+          "frame_id_idx\n");
+    CHECK(query(file, "PRAGMA journal_mode") == "delete\n");
+    CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 1);
+}
+
+TEST_CASE("Holes of the walkable area touch neither its edge nor one another") {
+    Scene scene;
+    scene.obstacles.push_back({{0, 5}, {10, 20}, 1});
+    scene.obstacles.push_back({{40, 50}, {10, 20}, 1});
+    scene.obstacles.push_back({{50, 60}, {10, 20}, 1});
+    CHECK(walkable_area_wkt(scene) ==
+          "POLYGON ((0 0, 100 0, 100 50, 0 50, 0 0), "
+          "(0.001 10.001, 4.999 10.001, 4.999 19.999, 0.001 19.999, 0.001 10.001), "
+          "(40.001 10.001, 49.999 10.001, 49.999 19.999, 40.001 19.999, 40.001 10.001), "
+          "(50.001 10.001, 59.999 10.001, 59.999 19.999, 50.001 19.999, 50.001 10.001))");
+}
+
+TEST_CASE("When the database cannot grow, the error says so and the frames written before are whole") {
+    TemporaryFolder folder;
+    const fs::path file = folder.path / "trajectories.sqlite";
+    Scene scene = one_agent_scene(10, 1, 75, 50, 0.2);
+    scene.crowd.groups[0].columns = scene.crowd.groups[0].count = 20;
+    const CrowdWorld crowd = make_crowd(scene);
+    std::uint64_t frame = 0;
+    std::string message;
+    bool full = false;
+    {
+        TrajectoryFile trajectories(file, scene, {.pages = 20});
+        try {
+            for (; frame < 100000; ++frame) trajectories.write(frame, crowd.agents, crowd.active);
+        } catch (const OutputError& error) {
+            message = error.what();
+            full = error.disk_full();
+            CHECK(error.code() == ExitCode::unexpected);
+        }
+    }
+    CHECK(full);
+    CHECK_THAT(message, Catch::Contains("no space left on the device of '" + file.string() + "'"));
+    REQUIRE(frame > 10);
+    CHECK(query(file, "SELECT count(*), count(DISTINCT frame), max(frame) FROM trajectory_data") ==
+          std::to_string(20 * frame) + "|" + std::to_string(frame) + "|" + std::to_string(frame - 1) + "\n");
+    CHECK(query(file, "PRAGMA integrity_check") == "ok\n");
+}
