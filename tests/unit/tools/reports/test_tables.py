@@ -19,7 +19,8 @@ class Tables(unittest.TestCase):
 
     def test_numbers_stay_as_they_were_written(self):
         self.assertIn("| 1.10 |", tables.markdown(("a",), [("1.10",)]))
-        self.assertEqual(tables.plain(("name", "n"), [("a", "1.10"), ("bb", "10")]).splitlines()[1].split(), ["a", "1.10"])
+        self.assertEqual(tables.plain(("name", "n"), [("a", "1.10"), ("bb", "10")]).splitlines()[1].split(),
+                         ["a", "1.10"])
 
     def test_a_section_without_parts_is_none(self):
         self.assertEqual(tables.section("A", "", None), "")
@@ -29,10 +30,12 @@ class Tables(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "new" / "t.csv"
             tables.write_csv(file, ("a", "b", "c"), [{"a": 1.23456789, "c": "x,y"}, ["", None, 2]])
-            self.assertEqual(tables.read_csv(file), [{"a": "1.23457", "b": "", "c": "x,y"}, {"a": "", "b": "", "c": "2"}])
+            self.assertEqual(tables.read_csv(file),
+                             [{"a": "1.23457", "b": "", "c": "x,y"}, {"a": "", "b": "", "c": "2"}])
 
     def test_words(self):
-        self.assertEqual([tables.listed(parts) for parts in ([], "a", "ab", "abc")], ["none", "a", "a and b", "a, b and c"])
+        self.assertEqual([tables.listed(parts) for parts in ([], "a", "ab", "abc")],
+                         ["none", "a", "a and b", "a, b and c"])
         self.assertEqual([tables.count(n) for n in (None, 12345, 1.23456)], ["-", "12,345", "1.235"])
 
 

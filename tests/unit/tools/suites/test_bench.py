@@ -9,7 +9,8 @@ from wade.suites.bench import kernels, results
 
 
 def result(median, unit="particle_steps_per_s", name="fluid/river", threads=1, **extra):
-    return {"name": name, "size": 10, "threads": threads, "median": median, "min": median, "max": median, "unit": unit, **extra}
+    return {"name": name, "size": 10, "threads": threads, "median": median, "min": median, "max": median, "unit": unit,
+            **extra}
 
 
 class Comparison(unittest.TestCase):
@@ -20,7 +21,8 @@ class Comparison(unittest.TestCase):
 
     def test_only_what_both_have_is_compared_and_the_error_stands_beside(self):
         before = [result(100, mean_density_error_percent=0.04), result(7, threads=2), result(1, name="gone")]
-        lines = results.comparison(before, [result(150, mean_density_error_percent=0.05), result(1, name="new")]).splitlines()
+        lines = results.comparison(before,
+                                   [result(150, mean_density_error_percent=0.05), result(1, name="new")]).splitlines()
         self.assertIn("1.500", lines[-2])
         self.assertIn("0.04 -> 0.05", lines[-2])
         self.assertIn("only before: fluid/river, gone", lines[-1])

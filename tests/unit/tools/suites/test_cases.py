@@ -4,7 +4,8 @@ import unittest
 
 from wade.suites import cases
 
-CASES = [cases.Case("wave 0.1 0.05 0.025 quick=medium"), cases.Case("river 0.25 0.125 long=medium"), cases.Case("crowd 0")]
+CASES = [cases.Case("wave 0.1 0.05 0.025 quick=medium"), cases.Case("river 0.25 0.125 long=medium"),
+         cases.Case("crowd 0")]
 
 
 def names(plan):
@@ -18,7 +19,8 @@ class Planning(unittest.TestCase):
 
     def test_quick_long_and_patterns(self):
         self.assertEqual(names(cases.plan(CASES, "", "", True, False)), ["wave-medium"])
-        self.assertEqual(names(cases.plan(CASES, "r*,crowd", "", False, True)), ["river-coarse", "crowd-coarse", "river-medium"])
+        self.assertEqual(names(cases.plan(CASES, "r*,crowd", "", False, True)),
+                         ["river-coarse", "crowd-coarse", "river-medium"])
         self.assertEqual(names(cases.plan(CASES, "wave", "fine", False, False)), ["wave-fine"])
 
     def test_cases_without_a_run_are_named(self):
@@ -28,7 +30,8 @@ class Planning(unittest.TestCase):
         self.assertEqual(cases.left_out(None, some), [])
 
     def test_what_does_not_exist_is_refused_by_name(self):
-        for patterns, levels, word in (("wafe", "", "wafe"), ("", "rough", "rough"), ("river", "medium", "nothing to run")):
+        for patterns, levels, word in (("wafe", "", "wafe"), ("", "rough", "rough"),
+                                       ("river", "medium", "nothing to run")):
             with self.assertRaisesRegex(ValueError, word):
                 cases.plan(CASES, patterns, levels, False, False)
 

@@ -10,9 +10,11 @@ from wade.suites.model_choice.table import SCENES
 
 def row(**values):
     usual = {
-        "scene": "river_deep", "demand": "0.1", "kind": "river", "chosen": "dfsph, d = 0.2 m", "pilot": "", "went_up": "no",
+        "scene": "river_deep", "demand": "0.1", "kind": "river", "chosen": "dfsph, d = 0.2 m", "pilot": "",
+        "went_up": "no",
         "estimated_median": "0.05", "estimated_p95": "0.2", "actual_median": "0.02", "actual_p95": "0.1", "held": "yes",
-        "default_median": "0.2", "particle_steps": "1", "cpu_s_per_sim_s": "1", "cost_over_default": "2", "choice_cpu_s": "0.1",
+        "default_median": "0.2", "particle_steps": "1", "cpu_s_per_sim_s": "1", "cost_over_default": "2",
+        "choice_cpu_s": "0.1",
     }
     return usual | values
 
@@ -29,7 +31,8 @@ class Errors(unittest.TestCase):
     def test_standing_table_is_read_as_it_was_stored(self):
         document = {
             "particles": 1, "steps": 2, "solver_cpu_s": 3.0,
-            "standing_columns": ["agent", "impulse_x_kg_m", "impulse_z_kg_m", "load_kg_m"], "standing": [[7, -1.5, 0.25, 2.0]],
+            "standing_columns": ["agent", "impulse_x_kg_m", "impulse_z_kg_m", "load_kg_m"],
+            "standing": [[7, -1.5, 0.25, 2.0]],
         }
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "standing.csv"
@@ -60,7 +63,8 @@ class Table(unittest.TestCase):
 
 class Report(unittest.TestCase):
     def test_counts_what_held_and_names_what_did_not(self):
-        rows = [row(), row(demand="0.05", held="no", actual_median="0.07"), row(demand="0.3", refused="x; allowed: >= 0.4.")]
+        rows = [row(), row(demand="0.05", held="no", actual_median="0.07"),
+                row(demand="0.3", refused="x; allowed: >= 0.4.")]
         lines = "\n".join(report.summary(rows))
         self.assertIn("Of 3 demands in 1 scenes 2 were taken on and 1 refused", lines)
         self.assertIn("**1 of 2 held**", lines)

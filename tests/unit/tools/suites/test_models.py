@@ -65,13 +65,15 @@ class Rules(unittest.TestCase):
         self.assertAlmostEqual(its.ratio, 1.2)
 
     def test_by_grade_takes_the_best_resolution_of_each_case(self):
-        found = [run("steering", 1, 0.3), run("steering", 4, 0.04, level="medium"), run("steering", 1, 0.3, case="wave")]
+        found = [run("steering", 1, 0.3), run("steering", 4, 0.04, level="medium"),
+                 run("steering", 1, 0.3, case="wave")]
         graded = rules.by_grade(found, "steering", ["dam", "wave"], LIMITS)
         self.assertEqual([o.level for o, _ in graded[rules.GOOD]], ["medium"])
         self.assertEqual([o.case for o, _ in graded[rules.USELESS]], ["wave"])
 
     def test_where_limits_only_guard_dfsph_sets_them(self):
-        found = [run("dfsph", 8, 0.5, case="lee", impulse_median=0.1), run("steering", 1, 0.5, case="lee", impulse_median=0.12)]
+        found = [run("dfsph", 8, 0.5, case="lee", impulse_median=0.1),
+                 run("steering", 1, 0.5, case="lee", impulse_median=0.12)]
         limits = {("lee", "depth", "coarse"): 1.0, ("lee", "impulse_median", "coarse"): 0.5}
         reasons = {("lee", "depth"): "a guard", ("lee", "impulse_median"): "a guard against what breaks"}
         graded = rules.limits_of_people(found, limits, reasons)
@@ -92,7 +94,8 @@ class Words(unittest.TestCase):
 
     def test_the_table_of_grades_names_the_cases(self):
         text = sections.grades_section(self.FOUND, self.MODELS, LIMITS, {})
-        rows = {line.split("|")[1].strip(): [cell.strip() for cell in line.split("|")[2:-1]] for line in text.splitlines()
+        rows = {line.split("|")[1].strip(): [cell.strip() for cell in line.split("|")[2:-1]]
+                for line in text.splitlines()
                 if line.startswith("| ")}
         self.assertEqual(rows["DFSPH"], ["1: `dam`", "0", "0", "0"])
         self.assertEqual(rows["shallow water"], ["0", "1: `dam` (depth 0.15 of 0.1)", "0", "0"])
@@ -116,7 +119,8 @@ class Words(unittest.TestCase):
         self.assertEqual([(row["model"], row["met"], row["status"]) for row in rows],
                          [("dfsph", "yes", "completed"), ("steering", "no", "completed"),
                           ("shallow_water", "no", "completed"), ("kinematic", "", "refused")])
-        self.assertEqual((rows[0]["limit"], rows[0]["cpu_s_per_sim_s"], rows[3]["remark"]), ("0.1", "4", "needs a stream"))
+        self.assertEqual((rows[0]["limit"], rows[0]["cpu_s_per_sim_s"], rows[3]["remark"]),
+                         ("0.1", "4", "needs a stream"))
 
 
 class Running(unittest.TestCase):
@@ -132,7 +136,8 @@ class Running(unittest.TestCase):
                 return {"status": "failed", "error": coarse.remark, "refused": True}
             if coarse.status == FAILED:
                 return {"status": "failed", "error": coarse.remark}
-            return {"status": "completed", "model": point.model, "metrics": [], "particles": 1, "solver_cpu_s": coarse.cpu,
+            return {"status": "completed", "model": point.model, "metrics": [], "particles": 1,
+                    "solver_cpu_s": coarse.cpu,
                     "simulated_s": 2.0, "git": "abc"}
 
         plan = [(self.CASES[0], level) for level in ("coarse", "medium")]

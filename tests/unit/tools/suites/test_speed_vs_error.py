@@ -48,7 +48,8 @@ class CommandLine(unittest.TestCase):
         for cases in ("nosuch", "dam_break,nosuch", "no_error_of_its_own", ""):
             with self.subTest(cases), self.assertRaises(ValueError) as refused:
                 speed_vs_error.wanted_cases(speed_vs_error.parse(["--cases", cases]), there)
-            self.assertEqual(str(refused.exception), f'--cases: "{cases.split(",")[-1]}" is not allowed; allowed: dam_break')
+            self.assertEqual(str(refused.exception),
+                             f'--cases: "{cases.split(",")[-1]}" is not allowed; allowed: dam_break')
 
 
 class Settings(unittest.TestCase):
@@ -109,7 +110,8 @@ class Table(unittest.TestCase):
     def test_seeds_of_a_model_are_one_point(self):
         setting = Setting("impulse_river", 0.5, model="kinematic")
         runs = [
-            Measured(replace(setting, seed=k), 10, cpu, cpu, 1e5, 1, {"impulse_median": error, "outcome_changed": other})
+            Measured(replace(setting, seed=k), 10, cpu, cpu, 1e5, 1,
+                     {"impulse_median": error, "outcome_changed": other})
             for k, cpu, error, other in ((1, 3.0, 0.1, 0.0), (2, 1.0, 0.5, 0.2), (3, 2.0, 0.2, 0.4))
         ]
         point = of_seeds(setting, runs)
@@ -152,7 +154,8 @@ class Running(unittest.TestCase):
         program = Path(self.folder.name) / "validate"
         program.write_text("#!/bin/sh\n" + script)
         program.chmod(0o755)
-        runner = Runner(program, Path(self.folder.name) / "points", Fingerprints([program], Path(self.folder.name), ()), 1, time_limit)
+        runner = Runner(program, Path(self.folder.name) / "points", Fingerprints([program], Path(self.folder.name), ()),
+                        1, time_limit)
         return runner.run(default_setting("dam_break", 0.1))
 
     def setUp(self):

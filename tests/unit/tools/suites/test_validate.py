@@ -10,17 +10,21 @@ from wade.suites import cases
 from wade.suites.validate import TABLES, beside, convergence, report, results
 
 HEADER = "case,model,spacing_m,particles,metric,value,unit,threshold,pass,wall_s,cpu_s,reference"
-CASES = [cases.Case("wave 0.1 0.05 0.025 quick=medium"), cases.Case("river 0.25 0.125 long=medium"), cases.Case("crowd 0")]
+CASES = [cases.Case("wave 0.1 0.05 0.025 quick=medium"), cases.Case("river 0.25 0.125 long=medium"),
+         cases.Case("crowd 0")]
 
 
 def run_of(case, level, spacing, error, fingerprint="now"):
     return {
-        "case": case, "level": level, "status": "completed", "error": "", "truth": "The truth.", "reference": "somebody 1900",
+        "case": case, "level": level, "status": "completed", "error": "", "truth": "The truth.",
+        "reference": "somebody 1900",
         "model": "dfsph", "spacing_m": spacing, "particles": 10, "steps": 5, "particle_steps": 50.0, "simulated_s": 2.0,
-        "solver_cpu_s": 1.5, "solver_wall_s": 3.0, "threads": 1, "processor": "P", "processors": 2, "compiler": "C", "version": "0",
+        "solver_cpu_s": 1.5, "solver_wall_s": 3.0, "threads": 1, "processor": "P", "processors": 2, "compiler": "C",
+        "version": "0",
         "git": "abc", "fingerprint": fingerprint,
         "metrics": [{"name": "height", "value": error, "unit": "1"}, {"name": "rest", "value": 7.0, "unit": "m"}],
-        "curves": [{"name": "line", "file": f"{case}-{level}-line.csv", "columns": ["x_m", "height_m", "exact_height_m"]}],
+        "curves": [{"name": "line", "file": f"{case}-{level}-line.csv",
+                    "columns": ["x_m", "height_m", "exact_height_m"]}],
     }  # fmt: skip
 
 
@@ -116,7 +120,8 @@ class Reporting(unittest.TestCase):
         (there / "runs").mkdir(parents=True)
         other = {**run_of("wave", "coarse", 0.1, 0.4), "particle_steps": 100.0}
         (there / "runs" / "wave-coarse.json").write_text(json.dumps(other))
-        here = [{**run_of(*run), "folder": self.out / "runs"} for run in (("wave", "coarse", 0.1, 0.2), ("river", "coarse", 0.25, 1.0))]
+        here = [{**run_of(*run), "folder": self.out / "runs"}
+                for run in (("wave", "coarse", 0.1, 0.2), ("river", "coarse", 0.25, 1.0))]
         text = beside.text(here, there, CASES, self.judge)
         self.assertIn("Of 1 limits in 1 runs of water 0 are missed here and 1 there", text)
         self.assertIn("Errors are 0.50 times those there and a particle's step costs 2.00 times as much", text)

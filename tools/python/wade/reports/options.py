@@ -18,7 +18,8 @@ def parser_of(command, suite, text, table):
     parser.add_argument("--out", type=lambda name: Path(name).resolve(), default=ROOT / "runs" / suite, metavar="DIR",
                         help=f"folder of runs, report.md and {table} [runs/{suite}]")
     parser.add_argument("--quick", action="store_true", help="the short form")
-    parser.add_argument("--publish", action="store_true", help=f"put report, table and figures into docs/reports/{suite}")
+    parser.add_argument("--publish", action="store_true",
+                        help=f"put report, table and figures into docs/reports/{suite}")
     return parser
 
 

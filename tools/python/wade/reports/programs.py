@@ -22,7 +22,8 @@ def spheric2_data():
         return b""
     sizes = []
     if os.path.isdir(folder):
-        sizes = sorted((e.name, e.stat().st_size) for e in os.scandir(folder) if e.name.endswith(".csv") and e.is_file())
+        sizes = sorted((e.name, e.stat().st_size) for e in os.scandir(folder) if e.name.endswith(".csv")
+                       and e.is_file())
     return repr((os.path.abspath(folder), sizes)).encode()
 
 

@@ -77,7 +77,8 @@ class Plane(unittest.TestCase):
             drawing = depth_sweep.pyplot.gcf()
             self.addCleanup(depth_sweep.pyplot.close, drawing)
             legend = drawing.legends[0].get_window_extent()
-            self.assertTrue(drawing.bbox.x0 <= legend.x0 and legend.x1 <= drawing.bbox.x1, f"{legend} in {drawing.bbox}")
+            self.assertTrue(drawing.bbox.x0 <= legend.x0 and legend.x1 <= drawing.bbox.x1,
+                            f"{legend} in {drawing.bbox}")
 
     def test_without_a_sweep_there_is_no_section(self):
         self.assertEqual(self.section(), "")

@@ -103,7 +103,8 @@ class Stores(unittest.TestCase):
     def test_any_other_line_that_is_none_is_refused(self):
         Store(self.file).add(RUN, 1, SCENE, record(50))
         whole = self.file.read_text()
-        for wrong in ("<<<<<<< HEAD\n", "7\n", '{"format":2}\n', '{"run":"a/v/s1"}\n', '{"scene":"x","as":"y","but":{}}\n', "\n"):
+        for wrong in ("<<<<<<< HEAD\n", "7\n", '{"format":2}\n', '{"run":"a/v/s1"}\n',
+                      '{"scene":"x","as":"y","but":{}}\n', "\n"):
             with self.subTest(wrong=wrong), self.assertRaisesRegex(StoreError, "runs.jsonl:4: "):
                 self.file.write_text(whole + wrong + whole)
                 Store(self.file)
@@ -126,7 +127,8 @@ class Records(unittest.TestCase):
     def test_arrivals_come_back_to_the_last_bit(self):
         steps = {"a": [1367, 929, 1366, 929], "b": [930]}
         agents = [{"group": g, "outcome": "arrived", "time_s": repr(s / 30)} for g, of_g in steps.items() for s in of_g]
-        agents += [{"group": "b", "outcome": "dead", "time_s": "3"}, {"group": "c", "outcome": "active", "time_s": "400"}]
+        agents += [{"group": "b", "outcome": "dead", "time_s": "3"},
+                   {"group": "c", "outcome": "active", "time_s": "400"}]
         kept = json.loads(json.dumps({"groups": groups_of(agents, 30.0), "step_rate_hz": 30.0}))
         self.assertEqual(arrival_times(kept, "a"), [s / 30 for s in sorted(steps["a"])])
         self.assertEqual(arrival_times(kept), [s / 30 for s in sorted(steps["a"] + steps["b"])])

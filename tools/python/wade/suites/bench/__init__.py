@@ -40,7 +40,8 @@ PROGRAMS = (
 def parse(arguments):
     parser = options.parser_of("bench", "bench", __doc__, "bench.csv")
     parser.set_defaults(out=None)
-    parser.add_argument("--only", default="", metavar="NAME", help="names that begin with NAME, for example fluid/river")
+    parser.add_argument("--only", default="", metavar="NAME",
+                        help="names that begin with NAME, for example fluid/river")
     parser.add_argument("--threads", type=options.whole(1), metavar="N",
                         help="this number of threads only [one, and as many as there are processors]")
     parser.add_argument("--json", metavar="FILE", help="write the results to FILE")

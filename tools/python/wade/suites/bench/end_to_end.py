@@ -27,7 +27,8 @@ def one_run(scene, until, threads, options):
         command += ["--no-figure", "--out", folder, "--threads", str(threads), *options]
         if until is not None:
             command += ["--until-s", str(until)]
-        done = subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        done = subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                              text=True)
         if done.returncode != 0:
             raise RuntimeError(f"{scene} ended with exit code {done.returncode}: {done.stderr.strip()}")
         return json.loads((Path(folder) / "outcome.json").read_text(encoding="utf-8"))

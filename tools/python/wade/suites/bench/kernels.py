@@ -15,7 +15,8 @@ NO_MEASURE = {
 def command(program, file, only, quick):
     if quick:
         os.environ["WADE_BENCH_QUICK"] = "1"
-    words = [program, f"--benchmark_out={file}", "--benchmark_out_format=json", "--benchmark_display_aggregates_only=true"]
+    words = [program, f"--benchmark_out={file}", "--benchmark_out_format=json",
+             "--benchmark_display_aggregates_only=true"]
     words += [f"--benchmark_repetitions={3 if quick else 7}", f"--benchmark_min_time={0.1 if quick else 0.5}"]
     return words + ([f"--benchmark_filter=^{re.escape(only)}"] if only else [])
 
@@ -41,6 +42,7 @@ def results_of(found):
         extra = {k: median([r[k] for r in repetitions]) for k in repetitions[0] if k not in NO_MEASURE and k != counter}
         results.append({
             "name": name, "size": int(size[0]) if size else 0, "threads": repetitions[0]["threads"],
-            "median": median(series), "min": series[0], "max": series[-1], "unit": unit, "repetitions": len(series), **extra,
+            "median": median(series), "min": series[0], "max": series[-1], "unit": unit, "repetitions": len(series),
+            **extra,
         })  # fmt: skip
     return results

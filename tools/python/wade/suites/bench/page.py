@@ -56,7 +56,8 @@ def label(result):
 def rates(results):
     """What every benchmark gave."""
     return table(("name", "size", "threads", "median", "least to most", "unit"), [
-        (r["name"], count(r["size"]), r["threads"], count(r["median"]), f"{count(r['min'])} to {count(r['max'])}", r["unit"])
+        (r["name"], count(r["size"]), r["threads"], count(r["median"]), f"{count(r['min'])} to {count(r['max'])}",
+         r["unit"])
         for r in results])
 
 
@@ -66,7 +67,8 @@ def errors(results):
              "bytes a particle", "density error, mean %", "most %")
     return table(heads, [
         (r["name"], count(r["size"]), r["threads"], count(r["median"]),
-         f"{r['divergence_iterations_per_step']:.2f} + {r['density_iterations_per_step']:.2f}", count(r["sweeps_per_step"]),
+         f"{r['divergence_iterations_per_step']:.2f} + {r['density_iterations_per_step']:.2f}",
+         count(r["sweeps_per_step"]),
          count(r["pairs_per_particle"]), count(r["bytes_per_particle"]), f"{r['mean_density_error_percent']:.3g}",
          f"{r['max_density_error_percent']:.3g}")
         for r in results if "mean_density_error_percent" in r and "divergence_iterations_per_step" in r])
@@ -86,7 +88,8 @@ def bounds(results):
         moved = r["list_bytes_per_particle"] + BYTES_OF_A_PARTICLE
         useful = 1e9 * pairs / nanoseconds
         rows.append((r["name"], count(r["size"]), f"{nanoseconds:.1f}", count(useful / 1e6), f"{100 * lanes:.0f} %",
-                     f"{100 * useful / pairs_at_most:.0f} %", f"{100 * useful / lanes / pairs_at_most:.0f} %", count(moved),
+                     f"{100 * useful / pairs_at_most:.0f} %", f"{100 * useful / lanes / pairs_at_most:.0f} %",
+                     count(moved),
                      f"{100 * moved / nanoseconds / stream:.0f} %"))
     text = (
         f"One core makes {peak:.0f} GFLOP/s of multiply-adds in registers and moves {stream:.1f} GB/s. A pair costs a "
@@ -94,7 +97,8 @@ def bounds(results):
         f"{pairs_at_most / 1e6:,.0f} M pairs/s. A lane whose particle is too far away works for nothing: the last two "
         "columns of shares count useful pairs, and all lanes. Shares of the bandwidth hold for sizes that no cache "
         "holds.\n\n")
-    heads = ("sweep", "particles", "ns a particle", "useful M pairs/s", "lanes in use", "of the bound", "of the bound, all lanes",
+    heads = ("sweep", "particles", "ns a particle", "useful M pairs/s", "lanes in use", "of the bound",
+             "of the bound, all lanes",
              "bytes a particle", "of the bandwidth")
     return text + table(heads, rows)
 
@@ -126,7 +130,8 @@ def growth(results):
         smallest = min(same, key=lambda s: s["size"], default=None)
         if smallest is None or r["size"] <= smallest["size"]:
             continue
-        rows.append((r["name"], count(smallest["size"]), count(r["size"]), r["threads"], f"{smallest['median'] / r['median']:.2f}"))
+        rows.append((r["name"], count(smallest["size"]), count(r["size"]), r["threads"],
+                     f"{smallest['median'] / r['median']:.2f}"))
     return table(("name", "from", "to", "threads", "cost of an item, times"), rows)
 
 
@@ -155,7 +160,8 @@ def goals_of(results):
         best = r["max"] if side == "at least" else r["min"]
         reached = [value >= goal if side == "at least" else value <= goal for value in (r["median"], best)]
         words = "yes" if reached[0] else "in the best round" if reached[1] else f"no, {r['median'] / goal:.2f} of it"
-        rows.append((name, count(r["size"]), threads, f"{side} {count(goal)}", count(r["median"]), count(best), r["unit"], words))
+        rows.append((name, count(r["size"]), threads, f"{side} {count(goal)}", count(r["median"]), count(best),
+                     r["unit"], words))
     text = "Goals set for two cores of 2.5 GHz before anything was built, judged by the median.\n\n"
     return text + table(("name", "size", "threads", "goal", "median", "best", "unit", "reached"), rows) if rows else ""
 

@@ -33,7 +33,8 @@ def write_table(path, results):
 
 
 def summary(results):
-    return plain(COLUMNS, [(r["name"], count(r["size"]), r["threads"], *(count(r[key]) for key in ("median", "min", "max")),
+    return plain(COLUMNS,
+                 [(r["name"], count(r["size"]), r["threads"], *(count(r[key]) for key in ("median", "min", "max")),
                             r["unit"]) for r in results])
 
 

@@ -70,9 +70,11 @@ def rows_of(name, get):
 def main(arguments):
     parser = options.parser_of("model-choice", "model_choice", __doc__, "model_choice.csv")
     parser.add_argument("--report-only", action="store_true", help="run nothing: the report of the runs that are there")
-    parser.add_argument("--table", choices=("write", "check"), help="only write fluid_server/model_choice/table.csv from its "
+    parser.add_argument("--table", choices=("write", "check"),
+                        help="only write fluid_server/model_choice/table.csv from its "
                         "measurements, or check that it is what they give")
-    parser.add_argument("--measure", action="store_true", help="only measure anew, in DIR, what the table is made of beside "
+    parser.add_argument("--measure", action="store_true",
+                        help="only measure anew, in DIR, what the table is made of beside "
                         "speed-vs-error")
     chosen = parser.parse_args(arguments)
     if chosen.measure:

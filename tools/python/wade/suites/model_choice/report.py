@@ -86,14 +86,17 @@ def table(rows):
     for r in rows:
         if r.get("refused"):
             smallest = r["refused"].split("allowed: ")[-1].rstrip(".")
-            lines.append([r["scene"], r["demand"], f"refused; allowed: {smallest}", "", "", "", "", r["default_median"], "", ""])
+            lines.append([r["scene"], r["demand"], f"refused; allowed: {smallest}", "", "", "", "", r["default_median"],
+                          "", ""])
             continue
         chosen = r["chosen"] + (" (pilot went up)" if r["went_up"] == "yes" else "")
         actual = (">= " if near_finest(r) else "") + r["actual_median"]
         held = "yes" if r["held"] == "yes" else "**no**"
         lines.append([r["scene"], r["demand"], chosen, r["estimated_median"], actual, held,
-                      f"{r['estimated_p95']}, {r['actual_p95']}", r["default_median"], r["cost_over_default"], r["choice_cpu_s"]])
-    head = ("scene", "demand", "chosen", "estimate", "actual median", "held", "95 %: estimate, actual", "default's median",
+                      f"{r['estimated_p95']}, {r['actual_p95']}", r["default_median"], r["cost_over_default"],
+                      r["choice_cpu_s"]])
+    head = ("scene", "demand", "chosen", "estimate", "actual median", "held", "95 %: estimate, actual",
+            "default's median",
             "cost / default", "CPU s of the choice")
     return markdown(head, lines)
 

@@ -51,7 +51,8 @@ def run(scene, overrides, folder, time_limit=1800.0, only_stored=False):
 def choose(scene, demand):
     """What `fluid_server --check` chooses: a dictionary, or {"refused": why}."""
     command = [
-        BUILD / "fluid_server", scene, "--check", "--threads", "1", "--set", "/fluid/model=auto", "--set", f"/fluid/max_impulse_error={demand:g}",
+        BUILD / "fluid_server", scene, "--check", "--threads", "1", "--set", "/fluid/model=auto", "--set",
+        f"/fluid/max_impulse_error={demand:g}",
     ]
     before = os.times()
     answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
@@ -60,7 +61,8 @@ def choose(scene, demand):
         return {"refused": answer.stderr.strip()}
     if answer.returncode != 0:
         raise SystemExit(f"model_choice: {scene}: fluid_server ended with exit code {answer.returncode}: {answer.stderr}")
-    found = re.search(r"^chosen: (.*); estimated error: median (\S+), 95 % (\S+), by the kind (\S+)$", answer.stdout, re.M)
+    found = re.search(r"^chosen: (.*); estimated error: median (\S+), 95 % (\S+), by the kind (\S+)$", answer.stdout,
+                      re.M)
     same = re.search(r"^without a choice the same is:(.*)$", answer.stdout, re.M)
     pilot = re.search(r"impulses differ by (\S+) .* at most (\S+);", answer.stdout)
     return {

@@ -96,7 +96,8 @@ def measured_row(point, folder):
     solved = (*DEFAULT[:2], f"{cfl:g}", DEFAULT[3]) if model == "dfsph" else [""] * 4
     costs = (f"{document[key]:.10g}" for key in ("particle_steps", "simulated_s", "solver_cpu_s"))
     errors = (f"{error:.6g}" for error in median_and_p95(standing_of(document), finest(kind, folder)))
-    return dict(zip(COLUMNS, [kind, model, f"{d:g}", *solved, chance, document["particles"], *costs, *errors, "impulse_scene"]))
+    return dict(zip(COLUMNS,
+                    [kind, model, f"{d:g}", *solved, chance, document["particles"], *costs, *errors, "impulse_scene"]))
 
 
 def measure(folder):

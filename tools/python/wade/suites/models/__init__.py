@@ -33,9 +33,11 @@ DEFAULT_MODELS = ("dfsph", "mixed", "shallow_water", "steering", "kinematic")
 
 def parse(arguments):
     parser = options.parser_of("models", "models", __doc__, "models.csv")
-    parser.add_argument("--models", type=options.some_of(known_cases.known_models()), metavar="A,B", default=list(DEFAULT_MODELS),
+    parser.add_argument("--models", type=options.some_of(known_cases.known_models()), metavar="A,B",
+                        default=list(DEFAULT_MODELS),
                         help=f"models, as /fluid/model names them [{','.join(DEFAULT_MODELS)}]")
-    parser.add_argument("--cases", metavar="A,B", help="only these cases; patterns such as 'wet_bed*' may stand for several")
+    parser.add_argument("--cases", metavar="A,B",
+                        help="only these cases; patterns such as 'wet_bed*' may stand for several")
     parser.add_argument("--levels", metavar="L,M", help="resolutions of coarse, medium and fine [coarse,medium]")
     parser.add_argument("--time-limit", type=options.above_0, default=600.0, metavar="S",
                         help="wall time after which a run of a case is given up, s; a finer resolution that is expected to "
@@ -49,7 +51,8 @@ def compare_cases(chosen):
     """[Outcome]"""
     program = BUILD / "validate"
     try:
-        plan = known_cases.plan(water_cases(known_cases.list_cases(program)), chosen.cases, chosen.levels, chosen.quick, False)
+        plan = known_cases.plan(water_cases(known_cases.list_cases(program)), chosen.cases, chosen.levels, chosen.quick,
+                                False)
     except ValueError as error:
         raise UsageError(error) from error
     fingerprint_of = Fingerprints([program], ROOT, known_cases.INPUTS)

@@ -86,7 +86,8 @@ def rows_of(outcome, limits):
     for metric in outcome.metrics:
         limit = limits.get((outcome.case, metric["name"], outcome.level))
         met = "" if limit is None else "yes" if Judged(metric["name"], metric["value"], limit).ratio <= 1 else "no"
-        yield start + [outcome.particles, metric["name"], exact(metric["value"]), metric["unit"], exact(limit), met, *costs,
+        yield start + [outcome.particles, metric["name"], exact(metric["value"]), metric["unit"], exact(limit), met,
+                       *costs,
                        outcome.commit, ""]
 
 

@@ -36,7 +36,8 @@ def grades_section(outcomes, models, limits, reasons):
     lines = []
     for model in models:
         graded = rules.by_grade(outcomes, model, cases, limits)
-        lines.append([model_words(model), *(f"{len(found)}: {', '.join(words(*pair) for pair in found)}" if found else "0"
+        lines.append([model_words(model),
+                      *(f"{len(found)}: {', '.join(words(*pair) for pair in found)}" if found else "0"
                                             for found in graded.values()), len(rules.refusals(outcomes, model))])
     text = (
         "Of each case the resolution counts at which the model is nearest to the limits. Good enough: it keeps all of "
@@ -129,7 +130,8 @@ def impulse_section(outcomes):
             lines.append([*cells, "-" if factor is None or o.model == "dfsph" else f"{factor:.2g}", seconds(o.cpu)])
     if not lines:
         return ""
-    head = ["case", "resolution", "model", "median", "95 % of people", "another outcome", "median over DFSPH's", "CPU s"]
+    head = ["case", "resolution", "model", "median", "95 % of people", "another outcome", "median over DFSPH's",
+            "CPU s"]
     text = (
         "The time integral of the momentum of the water that touches a person who stands; the error is relative to our "
         "own finest run of DFSPH, which is no truth. Another outcome: share of those who walk and end otherwise than "

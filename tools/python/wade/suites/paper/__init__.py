@@ -100,7 +100,8 @@ def write_report(chosen, ensembles, paper, drawn):
     results = {key: Result(runs) for key, runs in ensembles.runs.items()}
     sets = [scene_set for scene_set in chosen.sets if any(key.startswith(f"{scene_set}/") for key in results)]
     obstacles = {scene_set: pictures.case_of(scene_set, "obstacle") for scene_set in sets}
-    lee = {scene_set: pictures.lee_of(results.get(case.key)) for scene_set, case in obstacles.items() if case is not None}
+    lee = {scene_set: pictures.lee_of(results.get(case.key)) for scene_set, case in obstacles.items()
+           if case is not None}
     context = report.Context(results, sets, paper, lee, chosen.out)
     cut_short = chosen.until_s is not None
     write_csv(chosen.out / "table1.csv", (*COLUMNS, "commits"), rows_of(context, cut_short))

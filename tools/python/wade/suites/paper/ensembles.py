@@ -47,7 +47,8 @@ class Programs:
 
     def words(self, changes):
         """Options of a scene with these changes besides."""
-        values = [word for pointer, value in (*self.changes, *changes) for word in ("--set", f"{pointer}={json.dumps(value)}")]
+        values = [word for pointer, value in (*self.changes, *changes)
+                  for word in ("--set", f"{pointer}={json.dumps(value)}")]
         return values + ([] if self.until_s is None else ["--until-s", str(self.until_s)])
 
     def scene_of(self, case, seed):
@@ -188,7 +189,8 @@ class Ensembles:
                 return process.wait(timeout=TOLD_EVERY_S)
             except subprocess.TimeoutExpired:
                 if not sys.stderr.isatty():
-                    said = [line for line in self.log(water).read_text(errors="replace").splitlines() if line[:2] == "t "]
+                    said = [line for line in self.log(water).read_text(errors="replace").splitlines()
+                            if line[:2] == "t "]
                     complain(f"{water.key}: {said[-1] if said else 'starts'}")
 
     def keeps_pictures(self, case, seed):

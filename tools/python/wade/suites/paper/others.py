@@ -16,7 +16,8 @@ def others_section(context):
             if result is None:
                 continue
             if case.name != "two_groups":
-                lines.append([name, SET_UPS[scene_set], time_of(result), arrived_of(result), shown(result.dead, 1), met_of(result)])
+                lines.append([name, SET_UPS[scene_set], time_of(result), arrived_of(result), shown(result.dead, 1),
+                              met_of(result)])
                 continue
             for group in ("walkers", "upstream"):
                 dead = statistics.fmean(run.outcome["groups"][group]["dead"] for run in result.runs)

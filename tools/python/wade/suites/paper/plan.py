@@ -168,7 +168,8 @@ def emitter_cases(scene_set, push):
 def reading_cases(scene_set):
     cases = [case for push in EMITTER_PUSHES for case in emitter_cases(scene_set, push)]
     for suffix, changes in water_readings(scene_set).values():
-        solved = suffix in ("g9.81", "filled", "d0.5") and scene_set != "manning"  # whose spacing is what its depth needs
+        solved = suffix in ("g9.81", "filled",
+                            "d0.5") and scene_set != "manning"  # whose spacing is what its depth needs
         if scene_set in KINEMATIC or solved:
             cases += reading_of(scene_set, suffix, changes)
     return cases

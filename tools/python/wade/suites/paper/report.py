@@ -98,7 +98,8 @@ def lost_line(context):
     for scene_set in context.sets:
         results = [context.scenario(scene_set, name) for name in LOST]
         if all(results):
-            some = [f"{name} {in_words(one.arrived)}" for name, one in zip(LOST, results) if one.arrived[0] > bands.SLACK]
+            some = [f"{name} {in_words(one.arrived)}" for name, one in zip(LOST, results)
+                    if one.arrived[0] > bands.SLACK]
             lines.append(f"{SET_UPS[scene_set]} {', '.join(some) + ' of 50 arrive' if some else 'nobody arrives either'}")
     return f"* Where the paper loses everybody ({', '.join(LOST)}): {'; '.join(lines)}.\n" if lines else ""
 
@@ -222,7 +223,8 @@ def runs_section(runs, failures):
         lines.append([name, len(of_water), f"{longest['sim_time_s']:.1f}", fluid["particles_max"],
                       shown(fluid["mean_depth_m"], 2), shown(fluid["mean_speed_m_s"], 2),
                       "-" if error is None else f"{100 * error:.2f}", fluid.get("position_clamps")])
-    head = ["water", "crowds", "simulated s", "particles", "mean depth m", "mean speed m/s", "density error max %", "clamps"]
+    head = ["water", "crowds", "simulated s", "particles", "mean depth m", "mean speed m/s", "density error max %",
+            "clamps"]
     text = (
         "Depth and speed: mean over the whole stream and the run. Density error: of the worst particle of any step, "
         "which is where water strikes a block; the solver's tolerance is for the mean.")

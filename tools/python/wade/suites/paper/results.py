@@ -63,7 +63,8 @@ def water_met(runs):
 
 def read_paper(file):
     """Table 1 of the paper by scenario, "" for what it does not give."""
-    return {row["scenario"]: {key: "" if value == "NA" else value for key, value in row.items()} for row in read_csv(file)}
+    return {row["scenario"]: {key: "" if value == "NA" else value for key, value in row.items()}
+            for row in read_csv(file)}
 
 
 def table_row(scene_set, scenario, result, paper, base=None, in_band=None):

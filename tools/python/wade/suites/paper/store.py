@@ -74,7 +74,8 @@ class Store:
             lines = [] if self.size else [FORMAT]
             lines += [] if key in self.scenes else [{"scene": key, "is": kept}]
             lines.append({"run": run, "seed": seed, "scene": key, **record})
-            data = "".join(json.dumps(line, separators=(",", ":"), ensure_ascii=False) + "\n" for line in lines).encode()
+            data = "".join(json.dumps(line, separators=(",", ":"), ensure_ascii=False) + "\n"
+                           for line in lines).encode()
             with open(self.file, "r+b" if self.file.exists() else "wb") as file:
                 file.truncate(self.size)  # of a last line that a crash cut off
                 file.seek(self.size)

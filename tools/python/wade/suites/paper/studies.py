@@ -16,7 +16,8 @@ def factor_words(context, result_of):
 
 
 def readings_section(context):
-    head = ["reading", *plan.PUSHED, "two groups: cross", "water met in S5", "bands of S4 to S10 met", "times wrong by a factor of"]
+    head = ["reading", *plan.PUSHED, "two groups: cross", "water met in S5", "bands of S4 to S10 met",
+            "times wrong by a factor of"]
     tables = []
     for scene_set in context.sets:
         rows = {"the scenes as they are": plan.reading_of(scene_set, "", ())}

@@ -31,7 +31,8 @@ from wade.suites.speed_vs_error.table import ERRORS, error_names, error_of, grou
 
 # River with agents, dam break, box in a tank, bump, obstacle, standing wave, river, water at rest; each at up to three
 # spacings of its case.
-CASES = ("impulse_river", "impulse_front", "impulse_lee", "dam_break", "bump_transcritical", "block", "bump_subcritical",
+CASES = ("impulse_river", "impulse_front", "impulse_lee", "dam_break", "bump_transcritical", "block",
+         "bump_subcritical",
          "spheric2", "sloshing", "uniform_river", "column")
 # Two spacings each, or one where the second one alone would take most of the two minutes.
 QUICK_CASES = {"impulse_river": 2, "impulse_front": 2, "impulse_lee": 2, "dam_break": 1}
@@ -40,13 +41,15 @@ QUICK_CASES = {"impulse_river": 2, "impulse_front": 2, "impulse_lee": 2, "dam_br
 def parse(arguments):
     parser = options.parser_of("speed-vs-error", "speed_vs_error", __doc__, "speed_vs_error.csv")
     parser.add_argument("--cases", metavar="A,B", help="only these [" + ", ".join(CASES) + "]")
-    parser.add_argument("--spacings", type=options.whole(1, 3), metavar="N", help="only the N coarsest spacings of a case [3]")
+    parser.add_argument("--spacings", type=options.whole(1, 3), metavar="N",
+                        help="only the N coarsest spacings of a case [3]")
     parser.add_argument("--repeats", type=options.whole(1), metavar="N",
                         help="runs of each point; its cost is their median [3, quick: 1]")
     parser.add_argument("--time-limit", type=options.above_0, default=3600.0, metavar="S",
                         help="wall time after which a run is given up, s [3600]; a larger limit tries it again, and a "
                         "spacing whose default is expected to take more CPU time is left out and named")
-    parser.add_argument("--reference", metavar="CASE", help="only make the reference of an impulse case, at --spacing: what "
+    parser.add_argument("--reference", metavar="CASE",
+                        help="only make the reference of an impulse case, at --spacing: what "
                         "each agent met in a fine run, tests/validation/data/CASE_standing.csv and _walking.csv")
     parser.add_argument("--spacing", metavar="D", help="of --reference, m")
     parser.add_argument("--threads", type=options.whole(1), default=os.cpu_count(), metavar="N", help="of --reference")

@@ -130,6 +130,7 @@ def of_seeds(setting, runs):
             metrics[name] = statistics.median(values)
             ranges[name] = (min(values), max(values))
     return replace(
-        runs[0], setting=setting, cpu=median(lambda r: r.cpu), wall=median(lambda r: r.wall), rate=median(lambda r: r.rate),
+        runs[0], setting=setting, cpu=median(lambda r: r.cpu), wall=median(lambda r: r.wall),
+        rate=median(lambda r: r.rate),
         run_time=median(lambda r: r.run_time), metrics=metrics, ranges=ranges, repeats=sum(r.repeats for r in runs),
     )

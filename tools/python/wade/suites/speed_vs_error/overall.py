@@ -33,7 +33,8 @@ def comparisons(groups):
                     continue
                 label = s.label(default_setting(s.case, s.spacing))
                 found.setdefault(label, []).append(
-                    (group.case, group.metric.rstrip("_*"), spacing, point.cpu / base.cpu, beyond_chance(error, lo, hi)))
+                    (group.case, group.metric.rstrip("_*"), spacing, point.cpu / base.cpu,
+                     beyond_chance(error, lo, hi)))
     return found
 
 

@@ -51,7 +51,8 @@ def plot(group, file):
             some = [(p, e) for p, e in here if p.setting.model == model]
             if some:
                 label = f"d = {spacing:g} m" + ("" if model == "dfsph" else f", {model.replace('_', ' ')}")
-                axes.scatter([p.cpu for p, _ in some], [e for _, e in some], s=26 if model == "dfsph" else 34, marker=marker,
+                axes.scatter([p.cpu for p, _ in some], [e for _, e in some], s=26 if model == "dfsph" else 34,
+                             marker=marker,
                              color=colour, alpha=0.75, linewidths=0, label=label)
         for p, e in here:
             if is_default(p.setting):

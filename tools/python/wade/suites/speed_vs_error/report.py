@@ -151,4 +151,5 @@ def write(out, groups, remarks, quick):
         remarks = ["What chance does to the errors was not measured (--quick).", *remarks]
     write_whole(out / "report.md", document(
         section("Speed against error", f"Written by {command}. Machine: {machine_line()}", HEAD, level=1),
-        overall_section(groups), *case_sections(groups), section("Remarks", "\n".join(f"* {remark}" for remark in remarks))))
+        overall_section(groups), *case_sections(groups),
+        section("Remarks", "\n".join(f"* {remark}" for remark in remarks))))

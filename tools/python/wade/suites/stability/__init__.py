@@ -40,7 +40,8 @@ def parse(arguments):
 def job_of(case, name, form, folder, fingerprint):
     """Each form has a folder of its own, so that none replaces another."""
     program = BUILD / "stability"
-    command = [program, "--case", case.name, "--setting", name, "--threads", "1", "--out", folder, "--fingerprint", fingerprint]
+    command = [program, "--case", case.name, "--setting", name, "--threads", "1", "--out", folder, "--fingerprint",
+               fingerprint]
     command += [] if form == "full" else [f"--{form}"]
     if name == "default" and not (form == "long" and case.name == "leak"):
         command += ["--compare-threads", "2"]

@@ -43,11 +43,14 @@ def draw_map(cases, found, file):
 
 def draw_sweep(found, sweep, label, file):
     """Compression and energy over the swept value; crosses where a rule is broken."""
-    figure, panels = plots.panels(2, (4.1, 3.2), [(label, "largest mean compression, %"), (label, "energy over energy put in")])
+    figure, panels = plots.panels(2, (4.1, 3.2),
+                                  [(label, "largest mean compression, %"), (label, "energy over energy put in")])
     for case in settings.SWEPT_CASES:
-        runs = {float(v): run for v in settings.SWEEPS[sweep][1] if (run := found.get((case, settings.sweep_name(sweep, v))))}
+        runs = {float(v): run for v in settings.SWEEPS[sweep][1]
+                if (run := found.get((case, settings.sweep_name(sweep, v))))}
         for axes, key, factor in ((panels[0], "mean_density_error", 100), (panels[1], "energy_ratio", 1)):
-            (line,) = axes.plot(list(runs), [factor * float(run[key]) for run in runs.values()], label=case, linewidth=1)
+            (line,) = axes.plot(list(runs), [factor * float(run[key]) for run in runs.values()], label=case,
+                                linewidth=1)
             for x, run in runs.items():
                 mark = "o" if results.is_stable(run) else "x"
                 axes.plot(x, factor * float(run[key]), mark, color=line.get_color(), markersize=5)
@@ -68,9 +71,11 @@ def case_table(cases, found):
             rows.append([case.name, case.trouble, "", "", "", "", "", "not run"])
             continue
         compression = f"{results.percent(run['mean_density_error'])}, {results.percent(run['max_density_error'])}"
-        rows.append([case.name, case.trouble, run["particles"], run["steps"], compression, results.number(run["energy_ratio"]),
+        rows.append([case.name, case.trouble, run["particles"], run["steps"], compression,
+                     results.number(run["energy_ratio"]),
                      results.number(run["max_displacement_over_spacing"]), LABELS[run["verdict"]]])
-    head = ("case", "what goes wrong elsewhere", "particles", "steps", "compression: mean, single", "energy", "step, d", "verdict")
+    head = ("case", "what goes wrong elsewhere", "particles", "steps", "compression: mean, single", "energy", "step, d",
+            "verdict")
     return markdown(head, rows)
 
 
@@ -115,5 +120,6 @@ def write(cases, found, known, form, fingerprint, folder):
     passing = "\n".join(f"* {line}" for line in results.now_pass(found, known))
     write_whole(folder / "report.md", document(
         section("Stability", RULES, made, "![Verdicts](verdicts.png)", level=1),
-        section("Cases at the default settings", case_table(cases, found), "Rules of single cases:", own_rules(cases, found)),
+        section("Cases at the default settings", case_table(cases, found), "Rules of single cases:",
+                own_rules(cases, found)),
         section("What is broken", broken_table(found), passing), *sweeps))

@@ -20,7 +20,8 @@ PARTS = ("rest", "viscosity", "settling", "dam")
 
 def main(arguments):
     parser = options.parser_of("steering", "steering", __doc__, "steering.csv")
-    parser.add_argument("parts", nargs="*", choices=[[], *PARTS], metavar="PART", help="only these of " + ", ".join(PARTS))
+    parser.add_argument("parts", nargs="*", choices=[[], *PARTS], metavar="PART",
+                        help="only these of " + ", ".join(PARTS))
     parser.add_argument("--report-only", action="store_true", help="measure nothing: the report of the tables in DIR")
     chosen = parser.parse_args(arguments)
     chosen.out.mkdir(parents=True, exist_ok=True)

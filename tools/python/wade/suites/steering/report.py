@@ -75,7 +75,8 @@ def viscosity(folder):
     at_strong = [r for r in rows if r["wall_stress_over_U2"] == strong]
     cohesion = sorted((r for r in at_strong if r["loss_weight"] == 0.1), key=lambda r: r["cohesion_weight"])
     loss = sorted((r for r in at_strong if r["cohesion_weight"] == 0), key=lambda r: r["loss_weight"])
-    figure, ax = panels(3, labels=[("weight of cohesion", "U d; U^2"), ("weight of the loss", "U d; U^2"), ("velocity, U", "height, d")])
+    figure, ax = panels(3, labels=[("weight of cohesion", "U d; U^2"), ("weight of the loss", "U d; U^2"),
+                                   ("velocity, U", "height, d")])
     for a, some, key in ((ax[0], cohesion, "cohesion_weight"), (ax[1], loss, "loss_weight")):
         line_over(a, some, key, (("parabola_viscosity_over_U_d", "o-", "viscosity, parabola"),
                                  ("bingham_viscosity_over_U_d", "s-", "viscosity, Bingham"),
@@ -90,7 +91,8 @@ def viscosity(folder):
     ax[2].legend(title="cohesion, loss,\nwall stress", fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))
     save(figure, folder / "viscosity.png")
     columns = [("cohesion_weight", "weight of cohesion"), ("loss_weight", "weight of the loss"),
-               ("wall_stress_over_U2", "stress at the planes, U^2"), ("parabola_viscosity_over_U_d", "viscosity by a parabola, U d"),
+               ("wall_stress_over_U2", "stress at the planes, U^2"),
+               ("parabola_viscosity_over_U_d", "viscosity by a parabola, U d"),
                ("residual", "residual, of the span"), ("bingham_viscosity_over_U_d", "viscosity by Bingham, U d"),
                ("yield_stress_over_U2", "yield stress, U^2"), ("sheared", "share of the height that shears"),
                ("slip_over_U", "slip, U"), ("peak_over_U", "peak, U")]
@@ -105,14 +107,16 @@ def settling(folder):
     energy = rows_of(folder / "energy.csv")
     for c, w in sorted({(r["loss_weight"], r["wall_loss"]) for r in energy}):
         some = [r for r in energy if (r["loss_weight"], r["wall_loss"]) == (c, w)]
-        ax[0].semilogy([r["time_s"] for r in some], [max(r["kinetic_j"], 1e-12) for r in some], lw=0.8, label=f"{c:g}, {w:g}")
+        ax[0].semilogy([r["time_s"] for r in some], [max(r["kinetic_j"], 1e-12) for r in some], lw=0.8,
+                       label=f"{c:g}, {w:g}")
     ax[0].legend(title="loss, walls", fontsize=7)
     for w in sorted({r["wall_loss"] for r in rows}):
         some = sorted((r for r in rows if r["wall_loss"] == w), key=lambda r: r["loss_weight"])
         ax[1].plot([r["loss_weight"] for r in some], [min(r["time_to_rest_s"], 20) for r in some], "o-", label=f"{w:g}")
     ax[1].legend(title="loss at walls", fontsize=7)
     save(figure, folder / "settling.png")
-    columns = [("loss_weight", "weight of the loss"), ("wall_loss", "loss at walls"), ("time_to_rest_s", "time to rest, s"),
+    columns = [("loss_weight", "weight of the loss"), ("wall_loss", "loss at walls"),
+               ("time_to_rest_s", "time to rest, s"),
                ("last_over_largest", "kinetic energy after 20 s over the largest"),
                ("energy_growth", "largest growth of the energy, of it")]
     return section("Time to rest", "![](settling.png)", table(rows, columns))
@@ -132,8 +136,10 @@ def dam(folder):
                 a.plot([r["s"] for r in some], [r[f"exact_{column}"] for r in some], "k-", linewidth=1, label="Ritter")
             a.legend(fontsize=8)
     save(figure, folder / "dam.png")
-    columns = [("model", "model"), ("spacing_m", "spacing, m"), ("particles", "particles"), ("depth_l1", "depth, L1 over H"),
-               ("speed_l1", "speed, L1 over sqrt(g H)"), ("tip_lag", "lag of the tip"), ("cpu_s", "CPU time of the steps, s"),
+    columns = [("model", "model"), ("spacing_m", "spacing, m"), ("particles", "particles"),
+               ("depth_l1", "depth, L1 over H"),
+               ("speed_l1", "speed, L1 over sqrt(g H)"), ("tip_lag", "lag of the tip"),
+               ("cpu_s", "CPU time of the steps, s"),
                ("steps", "steps"), ("particle_steps_per_cpu_s", "particle-steps a CPU second")]
     return section("Dam break over a dry bed, against Ritter (1892)", "![](dam.png)", table(rows, columns))
 

@@ -51,7 +51,8 @@ def parse(arguments):
 
 
 def job_of(case, level, chosen, fingerprint):
-    command = [BUILD / "validate", "--case", case.name, "--level", level, "--threads", chosen.threads, "--out", chosen.out]
+    command = [BUILD / "validate", "--case", case.name, "--level", level, "--threads", chosen.threads, "--out",
+               chosen.out]
     command += ["--fingerprint", fingerprint, *(word for setting in chosen.settings for word in ("--set", setting))]
     result = chosen.out / "runs" / f"{case.name}-{level}.json"
     return Job(f"{case.name} {level}", tuple(command), result, fingerprint, chosen.threads)

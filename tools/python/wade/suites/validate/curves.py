@@ -22,7 +22,8 @@ def read_curve(run, curve):
 
 def label(name):
     """depth_m -> "depth, m": the last part is the unit where it looks like one."""
-    units = {"m": "m", "s": "s", "Pa": "Pa", "pa": "Pa", "N": "N", "1": "", "m_s": "m/s", "m_s2": "m/s2", "m2_s": "m2/s", "per_m2": "1/m2"}
+    units = {"m": "m", "s": "s", "Pa": "Pa", "pa": "Pa", "N": "N", "1": "", "m_s": "m/s", "m_s2": "m/s2",
+             "m2_s": "m2/s", "per_m2": "1/m2"}
     for ending in sorted(units, key=len, reverse=True):
         if name.endswith("_" + ending):
             text = name[: -len(ending) - 1].replace("_", " ")
@@ -82,7 +83,8 @@ def draw_panel(axes, runs, name, column):
                 shown = [(a, b) for a, b in zip(x, y) if not (math.isnan(a) or math.isnan(b))]
                 what = f"{run['spacing_m']:g} m" if run["spacing_m"] else run["level"]
                 marker = "." if len(shown) < 25 else ""
-                axes.plot(*zip(*shown) if shown else ([], []), marker=marker, color=COLOURS[run["level"]], linewidth=1.2, label=what)
+                axes.plot(*zip(*shown) if shown else ([], []), marker=marker, color=COLOURS[run["level"]],
+                          linewidth=1.2, label=what)
                 finest = (x, columns, abscissa)
     if finest:
         draw_truth(axes, runs[-1]["case"], finest[0], finest[1], column)
@@ -96,7 +98,8 @@ def draw(runs, file):
     """Draws one case's runs, coarse to fine; whether it did: not if they hold no curves, or a curve's file is missing."""
     panels = panels_of(runs)
     repeats = runs[0]["case"].endswith(("_600s", "_wide"))  # a longer or wider form of another case
-    if not panels or repeats or not all((run["folder"] / curve["file"]).exists() for run in runs for curve in run["curves"]):
+    if not panels or repeats or not all((run["folder"] / curve["file"]).exists() for run in runs
+                                        for curve in run["curves"]):
         return False
     across = min(COLUMNS, len(panels))
     down = math.ceil(len(panels) / across)

@@ -33,7 +33,8 @@ def missed_words(run, judge):
         return f"**did not complete**: {run['error']}", ""
     verdicts = [(metric, judge.verdict(run, metric)) for metric in run["metrics"]]
     missed = [f"**{metric['name']}** {number(metric['value'])} (limit {number(judge.threshold(run, metric))}"
-              f"{', known' if verdict == 'known' else ''})" for metric, verdict in verdicts if verdict in ("no", "known")]
+              f"{', known' if verdict == 'known' else ''})" for metric, verdict in verdicts
+              if verdict in ("no", "known")]
     kept = sum(verdict == "yes" for _, verdict in verdicts)
     return "; ".join(missed), f"{kept} of {sum(verdict != '' for _, verdict in verdicts)}"
 
@@ -73,8 +74,10 @@ def cost_table(runs):
     for run in runs:
         time, cpu = run["simulated_s"], run["solver_cpu_s"]
         work = f"{run['particle_steps'] / cpu:,.0f}" if cpu and run["particle_steps"] else "-"
-        rows.append((run["level"], run["particles"], run["steps"], f"{time:g} s", number(cpu / time) if time else "-", work))
-    return markdown(("resolution", "particles", "steps", "simulated", "CPU s for 1 s", "particle steps per CPU s"), rows)
+        rows.append((run["level"], run["particles"], run["steps"], f"{time:g} s", number(cpu / time) if time else "-",
+                     work))
+    return markdown(("resolution", "particles", "steps", "simulated", "CPU s for 1 s", "particle steps per CPU s"),
+                    rows)
 
 
 def case_section(case, runs, judge, is_old, picture):
@@ -83,7 +86,8 @@ def case_section(case, runs, judge, is_old, picture):
     known = [f"Known to be missed: {metric} at {level}, up to {exact(guard)}: {reason}."
              for (owner, metric, level), (guard, reason) in judge.guards.items() if owner == case.name]
     old = ", ".join(f"{run['level']} {run['git']}" for run in runs if is_old(run))
-    return section(case.name, runs[-1]["truth"], *lost, metric_table(runs, judge), f"Limits: {reasons}." if reasons else "",
+    return section(case.name, runs[-1]["truth"], *lost, metric_table(runs, judge), f"Limits: {reasons}." if reasons
+                   else "",
                    *known, cost_table(runs), f"{OLD}: {old}." if old else "",
                    f"![{case.name}](figures/{case.name}.png)" if picture else "", level=3)
 
@@ -91,7 +95,8 @@ def case_section(case, runs, judge, is_old, picture):
 def seconds_expected(runs, spacing):
     """CPU time at a spacing that was not run, s: by the power law of the two finest runs, or with the particles of a volume,
     d^-3, and the steps, 1/d. None without a run."""
-    done = sorted((run["spacing_m"], run["solver_cpu_s"]) for run in runs if run["status"] == "completed" and run["spacing_m"])
+    done = sorted((run["spacing_m"], run["solver_cpu_s"]) for run in runs if run["status"] == "completed"
+                  and run["spacing_m"])
     if not done or done[0][1] <= 0:
         return None
     (finest, cpu), power = done[0], 4
@@ -118,11 +123,13 @@ def missing_runs(runs, cases):
 
 
 def machine_section(runs):
-    seen = dict.fromkeys((run["processor"], run["processors"], run["compiler"], run["version"], run["git"]) for run in runs)
+    seen = dict.fromkeys((run["processor"], run["processors"], run["compiler"], run["version"], run["git"])
+                         for run in runs)
     lines = [f"* {processor}, {count} processors; compiler {compiler}; version {version}, commit {git}."
              for processor, count, compiler, version, git in seen]
     several = "".join(f", but {run['threads']} in {run['case']} {run['level']}" for run in runs if run["threads"] > 1)
-    return section("Machine", "\n".join(lines), "CPU times are of the solver, without set-up and measurement; runs beside one "
+    return section("Machine", "\n".join(lines),
+                   "CPU times are of the solver, without set-up and measurement; runs beside one "
                    f"another slow each other down.\nEach run had one thread{several}.")
 
 
@@ -145,5 +152,6 @@ def write(runs, cases, judge, fingerprint_of, folder, settings=(), held_against=
         HEAD, with_settings if settings else "", section("Beside the other settings", held_against),
         section("Verdicts", verdict_table(ordered, judge, is_old), f"{OLD}." if any(map(is_old, runs)) else "",
                 "\n".join(f"* {line}" for line in judge.now_pass(runs))),
-        section("Not run", NOT_RUN, markdown(("case", "resolution", "spacing", "CPU time, about"), missing)) if missing else "",
+        section("Not run", NOT_RUN, markdown(("case", "resolution", "spacing", "CPU time, about"), missing))
+        if missing else "",
         "## Cases\n", *sections, machine_section(runs)))
