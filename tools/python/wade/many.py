@@ -11,12 +11,12 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 from wade.errors import UsageError
 from wade.paths import module_command
+from wade.reports.files import complain
 from wade.reports.options import whole
 from wade.reports.tables import plain, write_csv
 from wade.run.arguments import is_given, values_of
@@ -174,7 +174,7 @@ def run_all(jobs, pair, options):
         for job in [job for job in running if job.process.poll() is not None]:
             running.remove(job)
             done += 1
-            print(told(job, done, len(jobs)), file=sys.stderr, flush=True)
+            complain(told(job, done, len(jobs)))
         time.sleep(0.02)
 
 

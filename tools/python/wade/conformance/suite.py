@@ -16,7 +16,7 @@ from wade.conformance import checks_repeat
 from wade.conformance.bench import Bench, CannotStart
 from wade.conformance.expectation import PATIENCE_S, NotApplicable, Violation
 from wade.conformance.layout import KINDS
-from wade.terminal import Parser
+from wade.terminal import Parser, harmless, say_error, wrapped
 
 CHECKS = (
     checks_object.FIRST + checks_frames.ALL + checks_consumers.ALL + checks_repeat.ALL + checks_ends.ALL
@@ -77,7 +77,7 @@ def judge(check, bench):
     except Violation as violation:
         return "FAIL", str(violation)
     except CannotStart as error:
-        print(f"tools/wade conformance: error: {error}", file=sys.stderr)
+        say_error(f"wade conformance: error: {error}")
         sys.exit(2)
     except Exception as error:  # the suite itself met something it does not know
         traceback.print_exc(file=sys.stderr)
@@ -91,7 +91,7 @@ def main(arguments):
     options = parse(arguments)
     if options.list:
         for check in CHECKS:
-            print(f"{check.__name__:22} {check.__doc__}")
+            print(wrapped(f"{check.__name__:22} {check.__doc__}", indent=23 * " "))
         return 0
     bench = Bench(options.command, options.kind, options.patience_s, options.attach_timeout_option,
                   options.step_timeout_option, options.nondeterministic)
@@ -103,10 +103,8 @@ def main(arguments):
         began = time.monotonic()
         verdict, detail = ("skip", "--skip") if name in (options.skip or []) else judge(check, bench)
         seconds = time.monotonic() - began
-        if verdict == "pass":
-            print(f"pass {name} - {check.__doc__} ({detail})", flush=True)
-        else:
-            print(f"{verdict} {name} - {check.__doc__} {detail}", flush=True)
+        told = f"({detail})" if verdict == "pass" else detail
+        print(wrapped(harmless(f"{verdict} {name} - {check.__doc__} {told}")), flush=True)
         results.append({"check": name, "verdict": verdict, "detail": detail, "seconds": round(seconds, 3)})
         if verdict == "FAIL" and not options.keep_going:
             break

@@ -6,7 +6,7 @@ import shutil
 import sys
 
 from wade.paths import ROOT
-from wade.terminal import wrapped
+from wade.terminal import harmless, wrapped
 
 PUBLISHED = ROOT / "docs" / "reports"
 PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+\.png)\)")
@@ -35,7 +35,7 @@ def say(text, stream=None):
 
 def complain(text):
     """Tells on stderr what is wrong, or how far something is."""
-    say("\n".join(map(wrapped, str(text).split("\n"))), sys.stderr)
+    say("\n".join(wrapped(harmless(line)) for line in str(text).split("\n")), sys.stderr)
 
 
 def publish(out, suite, table):

@@ -107,7 +107,7 @@ def do(job, children):
         return f"{job.name}: not started"
     if code in job.fine:
         return f"{job.name}: done in {time.monotonic() - began:.1f} s"
-    lines = job.log.read_text(encoding="utf-8").splitlines()
+    lines = job.log.read_text("utf-8", "backslashreplace").splitlines()
     messages = [line for line in lines if line.startswith(f"{Path(job.command[0]).name}: ")]
     return f"{job.name}: exit code {code}; {(messages or lines or ['no message'])[-1]}"
 
