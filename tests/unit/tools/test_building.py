@@ -89,6 +89,11 @@ class Prepared(unittest.TestCase):
         self.assertIn("older than their sources", self.bring(*PAIR))
         self.assertEqual((self.started, self.installed), ([], []))
 
+    def test_a_build_folder_that_cannot_be_written_is_told_from_other_troubles(self):
+        (self.build / ".lock").mkdir()  # stops root, too
+        self.assertEqual(self.bring(*PAIR), "")
+        self.assertEqual((self.started, self.installed), ([], []))
+
     def test_without_write_access_missing_programs_are_named(self):
         self.no_write_access()
         (self.build / PAIR[1]).unlink()

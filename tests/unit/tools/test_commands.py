@@ -11,7 +11,9 @@ from pathlib import Path
 from unittest import mock
 
 from wade import cli
+from wade.building import BuildError
 from wade.commands import all_commands, find_command
+from wade.errors import UsageError
 from wade.paths import BUILD, ROOT, WADE
 
 WIDE = {"COLUMNS": "300"}  # a terminal wider than any line may be
@@ -59,6 +61,15 @@ class Table(unittest.TestCase):
         code, _, said = call("validte")
         self.assertEqual(code, 2)
         self.assertIn("did you mean validate?", said)
+
+    def test_an_end_from_outside_leaves_no_traceback(self):
+        for end, code in ((KeyboardInterrupt, 130), (BuildError, 1), (UsageError("no"), 2)):
+            with mock.patch.object(cli, "overview", side_effect=end):
+                self.assertEqual(call("--help")[0], code)
+
+    def test_a_reader_that_has_gone_leaves_no_traceback(self):
+        done = subprocess.run(["sh", "-c", f"{WADE} scenes | head -n 1"], capture_output=True, text=True)
+        self.assertEqual((len(done.stdout.splitlines()), done.stderr), (1, ""))
 
     def test_programs_are_targets_of_the_build(self):
         targets = set(re.findall(r"^build (\w+): (?:phony|CXX_EXECUTABLE)", (BUILD / "build.ninja").read_text(), re.MULTILINE))

@@ -61,8 +61,12 @@ def check_owner():
 @contextmanager
 def locked():
     """Lets two that start at the same time build one after the other. PermissionError where nothing can be written."""
-    BUILD.mkdir(parents=True, exist_ok=True)
-    with open(BUILD / ".lock", "ab") as lock:
+    try:
+        BUILD.mkdir(parents=True, exist_ok=True)
+        lock = open(BUILD / ".lock", "ab")
+    except OSError as error:  # of another user, or on a medium that is only read
+        raise PermissionError from error
+    with lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -51,6 +51,8 @@ def main(arguments):
     except BuildError:
         say_error("wade: the build failed; the messages above say why")
         return 1
+    except KeyboardInterrupt:
+        return 130
     except BrokenPipeError:  # whoever read what is printed has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         return 141
