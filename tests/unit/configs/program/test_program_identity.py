@@ -5,10 +5,7 @@ import sys
 import unittest
 from pathlib import Path
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(Path(__file__).resolve().parents[4] / "tools" / "validation"))
-
-from run_folder import program_bytes  # noqa: E402
+from wade.reports.programs import program_bytes
 
 CLEAN, DIRTY, OTHER_CODE = (Path(name) for name in sys.argv[1:4])
 
