@@ -1,4 +1,4 @@
-// steering_map OUT: what the weights of the steering water mean as properties of a fluid; tools/steering_map.sh runs it.
+// steering_map OUT: what the weights of the steering water mean as properties of a fluid; tools/wade steering runs it.
 //
 // OUT/rest.csv        spacing, density and depth at rest over the radius of separation
 // OUT/viscosity.csv   apparent viscosity between planes over the weight of cohesion and over the loss

@@ -10,7 +10,7 @@ from wade.reports.programs import Fingerprints
 from wade.suites import speed_vs_error
 from wade.suites.speed_vs_error.front import cheapest_below, distance_to_front, front
 from wade.suites.speed_vs_error.measure import Measured, Runner, of_seeds
-from wade.suites.speed_vs_error.overall import beyond_chance, overall_section
+from wade.suites.speed_vs_error.report import beyond_chance, overall_section
 from wade.suites.speed_vs_error.settings import (FACTORS, Setting, combinations, default_setting, near_front,
                                                  one_at_a_time, probes)
 from wade.suites.speed_vs_error.table import HEADER, error_of, groups_of, write_table

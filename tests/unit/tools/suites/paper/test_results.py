@@ -11,7 +11,7 @@ from pathlib import Path
 from wade.suites.paper import TABLE1, plan
 from wade.suites.paper.ensembles import is_done
 from wade.suites.paper.pictures import lee_length, lee_of, longest_lee, note_what_is_seen
-from wade.suites.paper.record import record_of
+from wade.suites.paper.results import record_of
 from wade.suites.paper.results import COLUMNS, Result, Run, read_paper, table_row
 
 SCENE = {

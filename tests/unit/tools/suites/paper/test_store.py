@@ -6,7 +6,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from wade.suites.paper.record import arrival_times, groups_of
+from wade.suites.paper.results import arrival_times, groups_of
 from wade.suites.paper.store import Store, StoreError, same_scene
 
 SCENE = {"name": "s05", "seed": 1, "fluid": {"model": "dfsph", "cfl": 0.5}, "crowd": {"groups": [{"tau": 0.2}]}}

@@ -23,11 +23,11 @@ from wade.reports.files import complain, publish, say, write_whole
 from wade.reports.tables import document, write_csv
 from wade.run.processes import Pair
 from wade.suites.cases import FOLLOWS_PEOPLE, known_models, model_changes
-from wade.suites.paper import (bands, others, pictures, plan, plane, plots, report, studies, verdict)
+from wade.suites.paper import (bands, pictures, plan, plane, plots, report, studies, verdict)
 from wade.suites.paper.ensembles import Ensembles, OwnWaters, PlanError, Programs
 from wade.suites.paper.results import COLUMNS, Result, read_paper, table_row
 from wade.suites.paper.store import Store, StoreError
-from wade.suites.paper.words import SET_UPS
+from wade.suites.paper.bands import SET_UPS
 
 SETS_OF = {"both": ("paper", "river"), "all": plan.SETS, **{name: (name,) for name in plan.SETS}}
 QUICK_SETS = ("observed", "paper", "river")  # what --quick takes where nothing is asked for: the others need an hour
@@ -113,7 +113,7 @@ def write_report(chosen, ensembles, paper, drawn):
     sections = [report.table1_section]
     if not cut_short:
         sections = [report.summary_section, report.bands_section, report.table1_section, report.limit_section,
-                    plane.danger_section, others.others_section]
+                    plane.danger_section, studies.others_section]
         sections += [studies.readings_section, studies.particles_section, studies.phase_section]
         sections += [plane.plane_section] if wants_plane(chosen) else []
     all_runs = [run for result in results.values() for run in result.runs]

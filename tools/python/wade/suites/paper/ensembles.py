@@ -9,7 +9,7 @@ from wade.paths import module_command
 from wade.reports.files import complain
 from wade.reports.intervals import precise_enough
 from wade.suites.paper.pictures import note_what_is_seen
-from wade.suites.paper.record import record_of
+from wade.suites.paper.results import record_of
 from wade.suites.paper.results import Run
 from wade.suites.paper.store import what_counts
 

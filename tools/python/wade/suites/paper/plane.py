@@ -9,7 +9,7 @@ import sys
 from wade.paths import CONFIGS, module_command
 from wade.reports.tables import markdown, section
 from wade.suites.paper import plan
-from wade.suites.paper.words import SET_UPS
+from wade.suites.paper.bands import SET_UPS
 from wade.sweeps.depth_sweep import (BOUNDS, TableError, draw, level_of, limit_in_words, limit_of, read_table,
                                      resolved_scene, shares)
 

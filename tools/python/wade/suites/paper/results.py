@@ -1,11 +1,12 @@
-"""What runs come to: one run, all runs of a case, and the rows of table1.csv."""
+"""What is kept of a single run, what all runs of a case come to, and the rows of table1.csv."""
 
+import json
 import statistics
+from itertools import accumulate
 
 from wade.reports.intervals import arrival_interval, bootstrap_mean
 from wade.reports.tables import read_csv
 from wade.sweeps.limits import in_words
-from wade.suites.paper.record import arrival_times
 
 COLUMNS = (
     "set,scenario,tau,v_f_m_s,contact_rule,initial_river,frame_rate_hz,gravity_m_s2,spacing_m,particle_mass_kg,"
@@ -42,7 +43,7 @@ class Result:
         self.dead = statistics.fmean(run.outcome["dead"] for run in runs)
         last = [run.outcome["last_arrival_s"] for run in runs if run.outcome["last_arrival_s"] is not None]
         self.time = bootstrap_mean(last) if last else None
-        self.depth, self.speed = water_met(runs)
+        self.depth, self.speed = mean_water_met(runs)
         self.commits = sorted({run.outcome["commit"] for run in runs})
 
     def arrived_of(self, group):
@@ -51,7 +52,7 @@ class Result:
         return arrival_interval([len(run.arrival_times(group)) for run in self.runs], size)
 
 
-def water_met(runs):
+def mean_water_met(runs):
     """Means over all agents that met water: the mean depth in which each stood, m, and the mean of its depth times speed
     over that depth, m/s; (None, None) if none did."""
     met = [run.outcome["water_met"] for run in runs if run.outcome["water_met"][0]]
@@ -99,3 +100,57 @@ def table_row(scene_set, scenario, result, paper, base=None, in_band=None):
             row["diff_percent"] = 100 * (result.time[0] - base) / base
     return row
 
+
+OUTCOME = (
+    "agents,arrived,dead,active,last_arrival_s,frames,step_rate_hz,sim_time_s,wall_time_s,frame_hash"
+).split(",")
+FLUID = (
+    "particles_max,particle_steps,solver_wall_s,mean_depth_m,mean_speed_m_s,max_density_error,position_clamps,"
+    "resident_bytes"
+).split(",")
+
+
+def record_of(folder):
+    """(record, resolved scene) of a complete run folder."""
+    outcome = json.loads((folder / "outcome.json").read_text())
+    manifest = json.loads((folder / "manifest.json").read_text())
+    agents = read_csv(folder / "agents.csv")
+    record = {"commit": manifest["git_hash"]}
+    record.update({key: outcome.get(key) for key in OUTCOME})
+    record["fluid"] = {key: (outcome.get("fluid") or {}).get(key) for key in FLUID}
+    record["groups"] = groups_of(agents, outcome["step_rate_hz"])
+    record["water_met"] = water_met(agents)
+    return record, manifest["resolved_scene"]
+
+
+def groups_of(agents, step_rate):
+    """Of each group how many there are and died, and when the others arrived: the step of the first, then how many steps
+    later each of the next."""
+    groups = {}
+    for agent in agents:
+        group = groups.setdefault(agent["group"], {"agents": 0, "dead": 0, "arrival_steps": []})
+        group["agents"] += 1
+        group["dead"] += agent["outcome"] == "dead"
+        if agent["outcome"] == "arrived":
+            group["arrival_steps"].append(round(float(agent["time_s"]) * step_rate))
+    for group in groups.values():
+        steps = sorted(group["arrival_steps"])
+        group["arrival_steps"] = [step - before for before, step in zip([0, *steps], steps)]
+    return groups
+
+
+def arrival_times(record, group=None):
+    """Sorted times at which agents of a group, or all, arrived, s."""
+    chosen = record["groups"].values() if group is None else [record["groups"][group]]
+    steps = sorted(step for of_group in chosen for step in accumulate(of_group["arrival_steps"]))
+    return [step / record["step_rate_hz"] for step in steps]
+
+
+def water_met(agents):
+    """[number of the agents that met water, mean over them of the mean depth in which each stood, m, and of its depth
+    times speed over that depth, m/s], the means None if none did."""
+    met = [(float(agent["mean_depth_m"]), float(agent["mean_dv_m2_s"])) for agent in agents]
+    wet = [(depth, dv) for depth, dv in met if depth > 0]
+    if not wet:
+        return [0, None, None]
+    return [len(wet), statistics.fmean(depth for depth, _ in wet), statistics.fmean(dv / depth for depth, dv in wet)]
