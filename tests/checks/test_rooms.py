@@ -1,0 +1,119 @@
+"""The rooms of the product: a door sign in each, no hall, no circle, and a compiler that keeps the direction."""
+
+import collections
+import json
+import os
+import re
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from sources import ROOT, tracked
+
+PRODUCT = ("configs", "shm_protocol", "fluid_server", "crowd_client")
+MOST_FILES = 25  # sources in a folder, a header and its source counted as two
+MOST_LINES = 400
+
+
+def product() -> list[Path]:
+    """Sources and headers of the product, relative to the root."""
+    paths = [path.relative_to(ROOT) for path in tracked(".cpp", ".hpp", ".h")]
+    return [path for path in paths if path.parts[0] in PRODUCT]
+
+
+def includes(path: Path) -> list[Path]:
+    """What a file of the product includes of the project."""
+    names = re.findall(r'^#include "([^"]+)"', (ROOT / path).read_text(), re.M)
+    return [Path(name) for name in names if name.split("/")[0] in PRODUCT]
+
+
+def circle(arrows: dict[Path, set[Path]]) -> list[Path]:
+    """Nodes of a circle; empty if there is none."""
+    done, way = set(), []
+
+    def visit(node):
+        if node in way:
+            return way[way.index(node):]
+        if node in done:
+            return []
+        way.append(node)
+        for other in sorted(arrows.get(node, ())):
+            found = visit(other)
+            if found:
+                return found
+        way.pop()
+        done.add(node)
+        return []
+
+    for start in sorted(arrows):
+        found = visit(start)
+        if found:
+            return found
+    return []
+
+
+def arrows_between(name_of) -> dict[Path, set[Path]]:
+    """Who includes whom, files named by name_of."""
+    arrows = collections.defaultdict(set)
+    for path in product():
+        for other in includes(path):
+            if name_of(other) != name_of(path):
+                arrows[name_of(path)].add(name_of(other))
+    return arrows
+
+
+def flags_of(source: str) -> list[str]:
+    """Where the compiler looks for headers when it compiles a source of the product."""
+    database = json.loads(Path(os.environ["WADE_PROGRAMS"], "compile_commands.json").read_text())
+    command = next(entry["command"] for entry in database if entry["file"] == str(ROOT / source))
+    words = command.split()
+    flags = [word for word in words if word.startswith("-I")]
+    return flags + [text for word, after in zip(words, words[1:]) if word == "-isystem" for text in (word, after)]
+
+
+def compiles(text: str, flags: list[str]) -> bool:
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder, "source.cpp")
+        source.write_text(text)
+        command = ["c++", "-std=c++20", "-fsyntax-only", *flags, str(source)]
+        return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+
+class Rooms(unittest.TestCase):
+    def test_each_has_a_door_sign(self):
+        folders = {path.parent for path in product()}
+        self.assertGreater(len(folders), 20)
+        self.assertEqual([folder for folder in sorted(folders) if not (ROOT / folder / "README.md").is_file()], [])
+
+    def test_none_is_a_hall(self):
+        folders = collections.Counter(path.parent for path in product())
+        self.assertEqual({folder: n for folder, n in folders.items() if n > MOST_FILES}, {})
+
+    def test_no_file_is_a_hall(self):
+        lines = {path: len((ROOT / path).read_text().splitlines()) for path in product()}
+        self.assertEqual({path: n for path, n in lines.items() if n > MOST_LINES}, {})
+
+    def test_no_circle_of_files(self):
+        self.assertEqual(circle(arrows_between(lambda path: path.with_suffix(""))), [])
+
+    def test_a_circle_is_seen(self):
+        a, b, c = Path("a"), Path("b"), Path("c")
+        self.assertEqual(circle({a: {b}, b: {c}, c: {b}}), [b, c])
+
+    def test_programs_do_not_know_one_another(self):
+        whole = arrows_between(lambda path: Path(path.parts[0]))
+        self.assertNotIn(Path("crowd_client"), whole[Path("fluid_server")])
+        self.assertNotIn(Path("fluid_server"), whole[Path("crowd_client")])
+        self.assertEqual(whole[Path("shm_protocol")], set())
+        self.assertEqual(whole[Path("configs")], set())
+
+    def test_the_compiler_keeps_the_direction(self):
+        flags = flags_of("crowd_client/markers/markers.cpp")
+        self.assertTrue(compiles('#include "crowd_client/equations.hpp"\n', flags))
+        self.assertFalse(compiles('#include "crowd_client/agents.hpp"\n', flags))
+        self.assertFalse(compiles('#include "fluid_server/fluid_model.hpp"\n', flags))
+
+
+if __name__ == "__main__":
+    unittest.main()
