@@ -27,6 +27,8 @@ tests     clang               clang                llvm
 tests     libclang-rt-14-dev  compiler-rt          llvm
 tests     libzmq3-dev         zeromq-devel         zeromq
 tests     pkgconf             pkgconf              pkgconf
+tests     help2man            help2man             help2man
+tests     dpkg-dev            dpkg-dev             dpkg
 tests     python3-jsonschema  python3-jsonschema   -
 tests     clang-format        clang-tools-extra    clang-format
 tests     clang-tidy          clang-tools-extra    llvm

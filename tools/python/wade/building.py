@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from wade.errors import UsageError
-from wade.paths import BUILD, ROOT, home_folder
+from wade.paths import BUILD, INSTALLED, ROOT, home_folder
 from wade.terminal import say_error
 
 PICTURES = ("numpy", "matplotlib", "PIL", "tabulate")
@@ -30,6 +30,8 @@ def can_build():
 
 def install(*sets):
     """Installs sets of packages of tools/install_dependencies.sh; false if that failed, which it says itself."""
+    if INSTALLED:
+        return False
     return subprocess.run([ROOT / "tools" / "install_dependencies.sh", *sets], stdout=sys.stderr).returncode == 0
 
 
@@ -115,12 +117,21 @@ def build(targets, with_tests):
     run_tool("ninja", "-C", BUILD, *targets)
 
 
+def check_installed(targets):
+    """UsageError if what is to be run is not part of an installation."""
+    missing = [name for name in targets if not is_built(name)]
+    if missing or not targets:
+        raise UsageError(f"{', '.join(missing) or 'this'} is not part of an installation; call tools/wade in the sources")
+
+
 def bring_up_to_date(targets, with_tests=False):
     """Builds these programs, all if none is named, if they are older than their sources.
 
     with_tests: they are built only together with the tests. Where nothing can be written, or nothing be built, programs
     that are there are taken as they are. BuildError, UsageError.
     """
+    if INSTALLED:
+        return check_installed(targets)
     check_owner()
     there = bool(targets) and all(map(is_built, targets))
     if there and not can_build():

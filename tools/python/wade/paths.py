@@ -6,6 +6,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 CONFIGS = ROOT / "configs"
+# An installed command has no sources beside it and builds nothing.
+INSTALLED = not (ROOT / "CMakeLists.txt").exists()
 # Another build folder may be named, for example one with sanitizers.
 BUILD = Path(os.environ.get("WADE_BUILD") or ROOT / "build" / "release").absolute()
 WADE = ROOT / "tools" / "wade"
