@@ -14,15 +14,12 @@ from wade.suites.paper.bands import LEE_AT_S
 from wade.suites.paper.verdict import DRY, path_hash
 
 # File of the picture: (case of a set, time in s or None for the whole run, what it shows). Which scenarios the paper's
-# figures 3, 5 and 6 show is not known to us; they are S1 to S12 at some time.
+# figure 6 shows is not known to us; it is one of S1 to S12 at some time.
 FIGURES = {
     "figure2_switch_29s": ("tau_switch", 29, "Figure 2: frame 870 (29 s), tau becomes 0"),
-    "figure3_s4": ("S4", 30, "Figure 3: S4, a weak stream, 30 s"),
-    "figure5_s6": ("S6", 45, "Figure 5: S6, most drift, 45 s"),
     "figure6_s8": ("S8", 45, "Figure 6: S8, carried, 45 s"),
     "figure7_two_groups_60s": ("two_groups", 60, "Figure 7: two groups, 60 s"),
     "figure8_obstacle_30s": ("obstacle", 30, "Figure 8: the lee at 30 s"),
-    "figure8_no_obstacle_30s": ("no_obstacle", 30, "Beside figure 8: without the obstacle, 30 s"),
 }
 PICTURE_WIDTH = 1100
 DRY_M = 0.05  # on average less water than this is the front's spray

@@ -204,8 +204,8 @@ def figures_section(drawn):
     gone = "; ".join(f"{words} (set-up {SET_UPS[set_]})" for set_, file, words in drawn if not file)
     text = (
         "Seed 1. Water blue, paths red, goals as stars. The paper's times are known for figures 2 and 8; which "
-        "scenarios its figures 3, 5 and 6 show is not known to us: scenarios of Table 1 stand for them. Drawn before: "
-        "the paths of its run are gone, the picture stays.")
+        "scenario its figure 6 shows is not known to us: one of Table 1 stands for it. Drawn before: the paths of its "
+        "run are gone, the picture stays.")
     there = [f"{words} (set-up {SET_UPS[set_]}):\n\n![{words}]({file})" for set_, file, words in drawn if file]
     return section("Figures in the paper's style", text, *there,
                    f"Not drawn, as the paths of their runs are gone: {gone}." if gone else "")
