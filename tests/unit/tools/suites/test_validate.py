@@ -5,9 +5,10 @@ import json
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from wade.suites import cases
-from wade.suites.validate import TABLES, beside, convergence, report, results
+from wade.suites.validate import TABLES, beside, convergence, curves, report, results
 
 HEADER = "case,model,spacing_m,particles,metric,value,unit,threshold,pass,wall_s,cpu_s,reference"
 CASES = [cases.Case("wave 0.1 0.05 0.025 quick=medium"), cases.Case("river 0.25 0.125 long=medium"),
@@ -49,6 +50,9 @@ class Reporting(unittest.TestCase):
         (self.out / "t.csv").write_text("case,metric,coarse,medium,fine,reason\nwave,height,0.2,,0.02,because, it, is\n")
         (self.out / "k.csv").write_text("case,metric,level,guard,reason\nwave,height,fine,0.05,thin\n")
         self.judge = results.Judge(self.out / "t.csv", self.out / "k.csv")
+        pictured = mock.patch.object(curves, "PICTURED", ("wave",))
+        pictured.start()
+        self.addCleanup(pictured.stop)
 
     def put(self, run):
         (self.out / "runs" / f"{run['case']}-{run['level']}.json").write_text(json.dumps(run))

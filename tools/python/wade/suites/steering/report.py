@@ -44,21 +44,11 @@ def rest(folder):
     rows = rows_of(folder / "rest.csv")
     if not rows:
         return ""
-    by_radius = [row for row in rows if row["cohesion_weight"] == 0]
-    by_cohesion = sorted((r for r in rows if r["separation_radius_d"] == 1.12), key=lambda r: r["cohesion_weight"])
-    figure, ax = panels(2, labels=[("radius of separation, d", "spacing, d; density over rest density"),
-                          ("weight of cohesion", "spacing, d; density over rest density")])
-    for row in rows:
-        row["filled_over_depth"] = 1 / row["depth_over_filled"]
-    for a, some, key in ((ax[0], by_radius, "separation_radius_d"), (ax[1], by_cohesion, "cohesion_weight")):
-        line_over(a, some, key, (("spacing_d", "o-", "nearest neighbour"), ("density", "s-", "density, middle third"),
-                                 ("filled_over_depth", "^:", "filled depth over depth")))
-    save(figure, folder / "rest.png")
     columns = [("separation_radius_d", "radius of separation, d"), ("cohesion_weight", "weight of cohesion"),
                ("spacing_d", "nearest neighbour, d"), ("density", "density, middle third"),
                ("depth_over_filled", "depth over that filled in"),
                ("unevenness_d", "unevenness of the surface, d")]
-    return section("Spacing and density at rest", "![](rest.png)", table(rows, columns))
+    return section("Spacing and density at rest", table(rows, columns))
 
 
 def viscosity(folder):
@@ -103,23 +93,11 @@ def settling(folder):
     rows = rows_of(folder / "settling.csv")
     if not rows:
         return ""
-    figure, ax = panels(2, labels=[("time, s", "kinetic energy, J"), ("weight of the loss", "time to rest, s")])
-    energy = rows_of(folder / "energy.csv")
-    for c, w in sorted({(r["loss_weight"], r["wall_loss"]) for r in energy}):
-        some = [r for r in energy if (r["loss_weight"], r["wall_loss"]) == (c, w)]
-        ax[0].semilogy([r["time_s"] for r in some], [max(r["kinetic_j"], 1e-12) for r in some], lw=0.8,
-                       label=f"{c:g}, {w:g}")
-    ax[0].legend(title="loss, walls", fontsize=7)
-    for w in sorted({r["wall_loss"] for r in rows}):
-        some = sorted((r for r in rows if r["wall_loss"] == w), key=lambda r: r["loss_weight"])
-        ax[1].plot([r["loss_weight"] for r in some], [min(r["time_to_rest_s"], 20) for r in some], "o-", label=f"{w:g}")
-    ax[1].legend(title="loss at walls", fontsize=7)
-    save(figure, folder / "settling.png")
     columns = [("loss_weight", "weight of the loss"), ("wall_loss", "loss at walls"),
                ("time_to_rest_s", "time to rest, s"),
                ("last_over_largest", "kinetic energy after 20 s over the largest"),
                ("energy_growth", "largest growth of the energy, of it")]
-    return section("Time to rest", "![](settling.png)", table(rows, columns))
+    return section("Time to rest", table(rows, columns))
 
 
 def dam(folder):
