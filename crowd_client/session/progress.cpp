@@ -5,6 +5,8 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "configs/program/time_left.hpp"
+
 namespace wade::crowd {
 namespace {
 
@@ -15,13 +17,6 @@ namespace {
     const int length = std::vsnprintf(buffer, sizeof buffer, format, values);
     va_end(values);
     return {buffer, static_cast<std::size_t>(std::min(std::max(length, 0), static_cast<int>(sizeof buffer) - 1))};
-}
-
-std::string duration_text(double seconds) {
-    const auto whole = static_cast<long>(std::ceil(seconds));
-    if (whole < 60) return print("%ld s", whole);
-    if (whole < 7200) return print("%ld min", (whole + 59) / 60);
-    return print("%ld h", (whole + 3599) / 3600);
 }
 
 constexpr std::size_t columns = 100;
@@ -53,24 +48,12 @@ Words words_of_water(const shm::Frame& frame) {
 
 }  // namespace
 
-double Pace::at(double simulated, double wall) {
-    constexpr double window = 0.2;  // of the wall time
-    while (marks_.size() > 1 && marks_[1].wall <= (1 - window) * wall) marks_.erase(marks_.begin());
-    const Mark& from = marks_.front();
-    const double pace = wall > from.wall ? (simulated - from.simulated) / (wall - from.wall) : 0;
-    if (wall > 1.02 * marks_.back().wall) marks_.push_back({simulated, wall});  // some ten in a window
-    return pace;
-}
-
-std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, double pace) {
+std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, double pace, std::optional<double> left) {
     const double time = static_cast<double>(crowd.steps) * crowd.dt;
     Words words = words_of_water(frame);
     words.begin = print("t %.1f/%g s  active %zu arrived %zu dead %zu", time, crowd.scene.duration, crowd.active.size(),
                         crowd.arrived, crowd.dead);
-    if (pace > 0) {
-        const double left = std::max(0.0, crowd.scene.duration - time) / pace;
-        words.pace = print("  %.2f x real, ", pace) + duration_text(left) + " to go";
-    }
+    if (pace > 0 && left) words.pace = print("  %.2f x real, ", pace) + duration_text(*left) + " to go";
     return words.line();
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 // The texts that tell a user how a run goes.
 
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/outputs/run_summary.hpp"
@@ -10,25 +10,12 @@
 
 namespace wade::crowd {
 
-// How fast the run is now: simulated time over wall time, of the last fifth of the run so far, as particles that come or go
-// make it slower or faster.
-class Pace {
- public:
-    // Both in s and growing, since the run began. Returns the pace, 0 while it is not known.
-    double at(double simulated, double wall);
-
- private:
-    struct Mark {
-        double simulated, wall;
-    };
-    std::vector<Mark> marks_{{0, 0}};
-};
-
 // One line of at most 100 columns: simulated time, agents, water, its health, pace and time to go; where it would be longer
 // the health is left out, then the water.
 //   "t 12.0/400 s  active 48 arrived 2 dead 0  26880 particles, error 0.012 %  1.25 x real, 6 min to go"
-// pace: simulated time over wall time, 0 = not known.
-[[nodiscard]] std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, double pace);
+// pace: simulated time over wall time, 0 = not known. left: wall time until the end of the scene (TimeLeft), s.
+[[nodiscard]] std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, double pace,
+                                        std::optional<double> left);
 
 // The same of many crowds: how many still walk, with how many agents.
 struct CrowdsProgress {

@@ -10,6 +10,8 @@
 
 #include "configs/program/peer_support.hpp"
 #include "configs/program/run_control.hpp"
+#include "configs/program/time_left.hpp"
+#include "configs/scene/scene_capacity.hpp"
 #include "crowd_client/outputs/played_events.hpp"
 #include "crowd_client/session/frame_time.hpp"
 #include "crowd_client/session/party.hpp"
@@ -76,7 +78,11 @@ CrowdsProgress progress_of(const Party& party) {
 class Voyage {
  public:
     Voyage(Party& party, const ProgramStart& start, RunControl& control, Console& console)
-        : party_(party), start_(start), control_(control), console_(console) {}
+        : party_(party),
+          start_(start),
+          control_(control),
+          console_(console),
+          left_(start.loaded.scene.duration, static_cast<double>(particles_expected(start.loaded.scene))) {}
 
     void take_part() {
         const RunOptions& options = start_.options;
@@ -149,9 +155,8 @@ class Voyage {
             hooks.on_over = [this](std::size_t k) { finish(party_, k, console_); };
             hooks.on_frame = [this](const shm::Frame& frame) {
                 const CrowdsProgress now = progress_of(party_);
-                if (console_.progress_due(now.time)) {
-                    console_.progress(progress_line(now, frame, pace_.at(now.time, party_.clock.seconds())));
-                }
+                left_.note(now.time, party_.clock.seconds(), frame.count);
+                if (console_.progress_due(now.time)) console_.progress(progress_line(now, frame, left_.pace()));
             };
         } else {
             hooks.on_frame = [this](const shm::Frame& frame) { note_frame(frame); };
@@ -206,8 +211,9 @@ class Voyage {
         const Member& member = party_.members.front();
         member.folder->keep_results(crowd, only().summary, member.labels);
         const double time = static_cast<double>(crowd.steps) * crowd.dt;
-        const double pace = pace_.at(time, party_.clock.seconds());
-        if (console_.progress_due(time)) console_.progress(progress_line(crowd, frame, pace));
+        left_.note(time, party_.clock.seconds(), frame.count);
+        if (!console_.progress_due(time)) return;
+        console_.progress(progress_line(crowd, frame, left_.pace(), left_.seconds()));
     }
 
     Party& party_;
@@ -217,7 +223,7 @@ class Voyage {
     std::unique_ptr<FrameSource> source_;
     std::optional<AgentsPublisher> agents_;
     Regularity regularity_;
-    Pace pace_;
+    TimeLeft left_;
     std::uint64_t steps_before_ = 0;
     bool told_of_gaps_ = false;
 };

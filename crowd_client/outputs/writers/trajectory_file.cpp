@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "configs/numbers/fnv1a.hpp"
 #include "crowd_client/outputs/output_file.hpp"
 
 namespace wade::crowd {
@@ -38,9 +39,7 @@ bool may_be_a_hole(const Scene& scene, const Obstacle& o) {
 
 // FNV-1a, cut to the positive range of SQLite's integers.
 std::int64_t geometry_hash(const std::string& wkt) {
-    std::uint64_t h = 0xcbf29ce484222325ULL;
-    for (const char c : wkt) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-    return static_cast<std::int64_t>(h >> 1);
+    return static_cast<std::int64_t>(fnv1a(wkt) >> 1);
 }
 
 void remove_old(const std::filesystem::path& file) {

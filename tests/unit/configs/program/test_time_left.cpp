@@ -57,6 +57,17 @@ TEST_CASE("nothing is said of the time that is left before a second frame, nor o
     CHECK(left.pace() > 0);
 }
 
+TEST_CASE("the pace is that of the last fifth of the wall time", "[program]") {
+    TimeLeft left(1000, 1);
+    double simulated = 0;
+    for (int wall = 1; wall <= 100; ++wall) {  // fast for a while, then, as particles come, slower
+        simulated += wall <= 50 ? 10 : 1;
+        left.note(simulated, wall, 1);
+        if (wall > 1 && wall <= 50) CHECK(left.pace() == Approx(10));
+    }
+    CHECK(left.pace() == Approx(1));
+}
+
 TEST_CASE("durations are rounded up in the unit that a reader can use", "[program]") {
     CHECK(duration_text(8.2) == "9 s");
     CHECK(duration_text(331) == "6 min");
