@@ -331,7 +331,7 @@ class RunMany(Launcher):
         many = self.many("--jobs", "2", SMALL, SMALL, SMALL, "--", *ENDLESS)
         folders = [self.folder / "many" / name for name in ("scenes-small", "scenes-small-2")]
         wait_until(
-            lambda: all((f / "run.log").exists() and "t 0.0 s" in (f / "run.log").read_text() for f in folders),
+            lambda: all((f / "run.log").exists() and "t 0.0/" in (f / "run.log").read_text() for f in folders),
             "two runs to walk",
         )
         many.send(signal.SIGINT)
