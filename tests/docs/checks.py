@@ -151,6 +151,8 @@ class Checker:
             first, ending = token.split("/")[0], os.path.splitext(token)[1]
             if token.startswith("build/release/"):
                 yield from self.program(line, token)
+            elif first == "build":
+                continue  # written by a build of another preset
             elif first in self.tree.top and "/" in token:
                 self.note("path")
                 if not self.tree.has(token):
