@@ -2,15 +2,16 @@
 
 #include <algorithm>
 
+#include "configs/scene/intervals.hpp"
 #include "crowd_client/water/contacts.hpp"
 
 namespace wade::crowd {
 namespace {
 
-// Length of what a cell along one axis shares with the channel, m.
-double common_length(const Interval& channel, double place) {
+// The cell of a place, along one axis.
+Interval cell_of(double place) {
     const double start = GroundGrid::line_start(GroundGrid::line_of(place));
-    return std::min(channel.hi, start + GroundGrid::cell_size) - std::max(channel.lo, start);
+    return {start, start + GroundGrid::cell_size};
 }
 
 bool holds(const Interval& interval, double place) {
@@ -26,7 +27,7 @@ double mean(double sum, std::uint64_t steps) {
 double channel_share(const Channel& channel, const Vector2d& place) {
     if (!holds(channel.x, place.x()) || !holds(channel.z, place.y())) return 0;
     constexpr double area = GroundGrid::cell_size * GroundGrid::cell_size;
-    return common_length(channel.x, place.x()) * common_length(channel.z, place.y()) / area;
+    return common_length(channel.x, cell_of(place.x())) * common_length(channel.z, cell_of(place.y())) / area;
 }
 
 void note_water_met(Agents& agents, const Scene& scene, std::span<const std::uint32_t> active,

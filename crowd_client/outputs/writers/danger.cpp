@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/intervals.hpp"
 #include "crowd_client/outputs/csv_text.hpp"
 #include "crowd_client/water/footprint.hpp"
 
@@ -12,17 +13,14 @@ namespace {
 constexpr double wanted_cell = 2;   // m
 constexpr double most_cells = 1e6;  // keeps memory and file in bounds for a channel of any size
 
-double overlap(const Interval& a, double lo, double hi) {
-    return std::max(0.0, std::min(a.hi, hi) - std::max(a.lo, lo));
-}
-
 // Part of a cell that obstacles leave free.
 double free_share(const GroundCells& grid, std::size_t cell, const std::vector<Obstacle>& obstacles) {
     const double x = grid.x0 + static_cast<double>(cell % grid.columns) * grid.step_x;
     const double z = grid.z0 + static_cast<double>(cell / grid.columns) * grid.step_z;
     const double all = grid.step_x * grid.step_z;
     double left = all;
-    for (const Obstacle& o : obstacles) left -= overlap(o.x, x, x + grid.step_x) * overlap(o.z, z, z + grid.step_z);
+    const Interval along{x, x + grid.step_x}, across{z, z + grid.step_z};
+    for (const Obstacle& o : obstacles) left -= common_length(o.x, along) * common_length(o.z, across);
     return left / all;
 }
 

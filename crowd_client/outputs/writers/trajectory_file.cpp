@@ -37,7 +37,7 @@ bool may_be_a_hole(const Scene& scene, const Obstacle& o) {
     });
 }
 
-// FNV-1a, cut to the positive range of SQLite's integers.
+// Cut to the positive range of SQLite's integers.
 std::int64_t geometry_hash(const std::string& wkt) {
     return static_cast<std::int64_t>(fnv1a(wkt) >> 1);
 }
