@@ -18,6 +18,7 @@ struct LatestReader::State {
     State(Link joined, const JoinOptions& options, std::uint32_t wanted_stride)
         : link(std::move(joined)), waiting(options.waiting), stride(wanted_stride) {
         history.check_values = options.check_values;
+        history.check_descriptor = link.map->descriptors_have_checks;
     }
 
     enum class Outlook { open, complete, ended };
@@ -59,7 +60,7 @@ bool LatestReader::State::take(std::uint64_t frame) {
         throw Error(Failure::protocol_violation, link.producer() + " published frame " + std::to_string(frame) +
                                                      " with a descriptor of frame " + std::to_string(descriptor.frame) +
                                                      ".");
-    check_count(link.map->info, frame, descriptor.count);
+    check_descriptor(link.map->info, frame, descriptor, history);
     for (std::size_t i = 0; i < link.map->fields.size(); ++i) {
         values[i].resize(descriptor.count);
         copy_overtaken(values[i].data(), link.pages.field(frame, i), descriptor.count * sizeof(float));

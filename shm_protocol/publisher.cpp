@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "shm_protocol/inside/atomic.hpp"
+#include "shm_protocol/inside/frame_check.hpp"
 #include "shm_protocol/inside/futex.hpp"
 #include "shm_protocol/inside/hash.hpp"
 #include "shm_protocol/inside/publisher_state.hpp"
@@ -122,7 +123,7 @@ std::optional<FrameFields> Publisher::begin_frame() {
     heartbeat();
     PublisherState::Census census;
     explained(s, [&] {
-        if (load_relaxed(s.pages.control().state) == producer_ready) s.enter(producer_running);
+        if (s.state == producer_ready) s.enter(producer_running);
         WaitTask task;
         task.ready = [&] {
             census = s.survey(frame);
@@ -165,9 +166,9 @@ void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, b
         throw std::invalid_argument("Frame " + std::to_string(frame) + " holds " + std::to_string(count) +
                                     " particles, the capacity is " + std::to_string(s.map.info.capacity) + ".");
     const std::uint64_t tick = given_tick.value_or(tick_of_frame(s.map.info, frame));
-    if (s.published > 0 && tick <= s.last_tick)
-        throw std::invalid_argument("Frame " + std::to_string(frame) + " has tick " + std::to_string(tick) +
-                                    ", the frame before it has " + std::to_string(s.last_tick) + ".");
+    const auto before = s.published > 0 ? std::optional<FrameTick>({s.published, s.last_tick}) : std::nullopt;
+    if (const std::string fault = tick_fault(s.map.info, {frame, tick}, final, before); !fault.empty())
+        throw std::invalid_argument("Frame " + std::to_string(frame) + " " + fault + ".");
 
     SlotDescriptor& descriptor = s.pages.descriptor(frame);
     descriptor.frame = frame;
@@ -185,6 +186,7 @@ void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, b
         if (result.nonfinite) descriptor.flags |= frame_nonfinite;
         s.chain = descriptor.hash = result.hash;
     }
+    descriptor.crc32c = descriptor_crc(descriptor);
     store_release(descriptor.sequence, 2 * frame);
     store_release(s.pages.control().published_frame, frame);
     s.published = frame;
@@ -192,8 +194,10 @@ void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, b
     s.frame_open = false;
     s.sent_final = final;
     heartbeat();
-    if (final) store_release(s.pages.control().state, static_cast<std::uint32_t>(producer_draining));
-    s.ring();
+    if (final)
+        s.enter(producer_draining);
+    else
+        s.ring();
 }
 
 void Publisher::close() {

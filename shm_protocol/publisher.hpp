@@ -46,7 +46,8 @@ class Publisher {
     std::optional<FrameFields> begin_frame();
 
     // Publishes the slot of begin_frame(). Without a tick it has the one of tick_of_frame().
-    // Errors: std::invalid_argument if count exceeds the capacity or the tick does not increase.
+    // Errors: std::invalid_argument if count exceeds the capacity or the tick does not increase, by a thousandth of
+    // ticks_per_frame at least (but for the final frame) and 8 times ticks_per_frame at most (streams of agents: by any).
     void end_frame(std::uint32_t count, const Diagnostics& diagnostics = {}, bool final = false,
                    std::optional<std::uint64_t> tick = std::nullopt);
 

@@ -177,6 +177,14 @@ int wade_subscriber_open(const char* session, const char* name, const wade_join*
         return Subscriber(session, name, c_api::from_c(join));
     });
 }
+int wade_subscriber_refuse(const char* session, const char* name, const wade_join* join, int reason_code,
+                           const char* text) {
+    return guarded([&] {
+        demand("wade_subscriber_refuse", session, name);
+        Subscriber::refuse(session, name, c_api::from_c(join), reason_code, text_or_empty(text));
+        return static_cast<int>(WADE_OK);
+    });
+}
 int wade_subscriber_stream(const wade_subscriber* subscriber, wade_stream* out) {
     return fetch(__func__, subscriber, out, WADE_OK, [](const Subscriber& s) { return &s.info(); });
 }

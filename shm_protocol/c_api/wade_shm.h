@@ -142,6 +142,9 @@ int wade_publisher_abort(wade_publisher* publisher, int reason_code, const char*
 void wade_publisher_free(wade_publisher* publisher); /* aborts the stream if it was not closed */
 
 int wade_subscriber_open(const char* session, const char* name, const wade_join* join, wade_subscriber** out);
+/* Tells the producer that this consumer will not take part, and why: its wait for consumers ends. */
+int wade_subscriber_refuse(const char* session, const char* name, const wade_join* join, int reason_code,
+                           const char* text);
 int wade_subscriber_stream(const wade_subscriber* subscriber, wade_stream* out);
 int wade_subscriber_acquire(wade_subscriber* subscriber, wade_frame* out);
 int wade_subscriber_release(wade_subscriber* subscriber);

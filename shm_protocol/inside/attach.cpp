@@ -88,11 +88,13 @@ bool claim_entry(Link& link, const AttachRequest& request) {
 
 void fill_entry(Link& link, const AttachRequest& request, ConsumerState state, const Refusal& refusal) {
     ConsumerEntry& entry = *link.entry;
+    link.mode = request.mode;
+    link.flags = request.options.follows ? std::uint32_t{consumer_follows} : 0U;
     store_release(entry.acknowledged_frame, std::uint64_t{0});
     store_release(entry.waiting, 0U);
     store_relaxed(entry.heartbeat_ns, static_cast<std::uint64_t>(monotonic_ns()));
-    store_relaxed(entry.mode, static_cast<std::uint32_t>(request.mode));
-    store_relaxed(entry.flags, request.options.follows ? std::uint32_t{consumer_follows} : 0U);
+    store_relaxed(entry.mode, static_cast<std::uint32_t>(link.mode));
+    store_relaxed(entry.flags, link.flags);
     store_relaxed(entry.paused, 0U);
     store_relaxed(entry.left_at_frame, state == consumer_joined ? ~std::uint64_t{0} : 0);
     entry.stride = request.stride;
@@ -125,7 +127,8 @@ struct Opened {
     std::string otherwise;
 };
 
-// Errors: protocol_violation for another user's object, unless the caller accepts one that is open to its group.
+// Errors: protocol_violation for what is no plain file, and for another user's object, unless the caller accepts one that
+// is open to its group.
 Opened open_trusted(const std::string& name, bool group_access) {
     const std::string foreign = "shared-memory segment " + name + " belongs to another user" +
                                 (group_access ? " and is not open to a group of this process" : "");
@@ -133,6 +136,8 @@ Opened open_trusted(const std::string& name, bool group_access) {
     std::optional<SegmentFile> file;
     try {
         file = SegmentFile::open(name);
+    } catch (const ForeignObject& what) {
+        throw Error(Failure::protocol_violation, std::string(what.what()) + ".");
     } catch (const std::system_error& e) {
         if (e.code().value() != EACCES) throw;
         // A new segment is its owner's alone until its producer opens it to the group.

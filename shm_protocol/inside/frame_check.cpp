@@ -1,6 +1,9 @@
 #include "shm_protocol/inside/frame_check.hpp"
 
+#include <cstddef>
 #include <string>
+
+#include "shm_protocol/inside/crc32c.hpp"
 
 namespace wade::shm {
 namespace {
@@ -12,20 +15,47 @@ namespace {
 
 }  // namespace
 
-void check_count(const StreamInfo& info, std::uint64_t frame, std::uint32_t count) {
-    if (count > info.capacity)
+std::string tick_fault(const StreamInfo& info, FrameTick now, bool final, const std::optional<FrameTick>& last) {
+    const std::string has = "has tick " + std::to_string(now.tick);
+    if (!last) return now.tick <= largest_first_tick ? "" : has + ", the first one may be 2^53 at most";
+    const std::string before =
+        ", frame " + std::to_string(last->frame) + " before it has " + std::to_string(last->tick);
+    if (now.tick <= last->tick) return has + before;
+    if (info.kind == stream_agents) return "";
+    const auto frame_time = static_cast<double>(info.ticks_per_frame);
+    const auto frames = static_cast<double>(now.frame - last->frame);
+    const auto passed = static_cast<double>(now.tick - last->tick);
+    const std::string header =
+        "; at " + std::to_string(info.ticks_per_frame) + " ticks a frame, as the header says, a frame ";
+    if (passed > longest_in_frames * frames * frame_time)
+        return has + before + header + "lasts at most " + std::to_string(longest_in_frames) + " times as long";
+    if (!final && passed * shortest_in_frames < frame_time)
+        return has + before + header + "lasts at least 1/" + std::to_string(shortest_in_frames) + " as long";
+    return "";
+}
+
+std::uint32_t descriptor_crc(const SlotDescriptor& descriptor) {
+    SlotDescriptor copy = descriptor;
+    copy.crc32c = 0;
+    return crc32c(std::as_bytes(std::span(&copy, 1)).subspan(offsetof(SlotDescriptor, frame)));
+}
+
+void check_descriptor(const StreamInfo& info, std::uint64_t frame, const SlotDescriptor& d,
+                      const FrameHistory& history) {
+    if (history.check_descriptor && descriptor_crc(d) != d.crc32c)
+        refuse(info, frame, "has a damaged descriptor: it does not match its CRC-32C");
+    if (d.count > info.capacity)
         refuse(info, frame,
-               "holds " + std::to_string(count) + " particles, the capacity is " + std::to_string(info.capacity));
+               "holds " + std::to_string(d.count) + " particles, the capacity is " + std::to_string(info.capacity));
 }
 
 Frame checked_frame(const StreamInfo& info, std::uint64_t frame, const SlotDescriptor& d, FieldSpans fields,
                     FrameHistory& history) {
-    if (history.last_tick && d.tick <= *history.last_tick)
-        refuse(
-            info, frame,
-            "has tick " + std::to_string(d.tick) + ", the frame before it has " + std::to_string(*history.last_tick));
+    const FrameTick now{frame, d.tick};
+    if (const std::string fault = tick_fault(info, now, (d.flags & frame_final) != 0, history.last); !fault.empty())
+        refuse(info, frame, fault);
     const ChainResult result =
-        history.check_values ? chain_frame(history.chain, frame, fields) : ChainResult{d.hash, false};
+        history.check_values ? chain_frame(history.chain, frame, fields) : ChainResult{d.hash, false, false};
     if (d.hash != 0 && d.hash != result.hash)
         refuse(info, frame,
                "does not match its hash: it was changed after it was published, or its chain is another one");
@@ -36,9 +66,15 @@ Frame checked_frame(const StreamInfo& info, std::uint64_t frame, const SlotDescr
                        "holds non-finite values (first: particle " + std::to_string(k) + ", field " +
                            required_fields(info.kind)[i] + ")");
     }
+    if (result.massless) {
+        const std::size_t k = first_massless(fields[0]);
+        refuse(info, frame,
+               "holds particles without mass (first: particle " + std::to_string(k) + " of " +
+                   std::to_string(fields[0][k]) + " kg); a mass is above 0");
+    }
     if ((d.flags & frame_nonfinite) != 0) refuse(info, frame, "is marked by its producer as holding non-finite values");
     history.chain = result.hash;
-    history.last_tick = d.tick;
+    history.last = now;
 
     Frame out;
     out.frame = frame;

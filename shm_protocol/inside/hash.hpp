@@ -18,6 +18,7 @@ using FieldSpans = std::span<const std::span<const float>>;
 struct ChainResult {
     std::uint64_t hash;
     bool nonfinite;  // some value is a NaN or an infinity
+    bool massless;   // some value of the first field, the mass, is not above 0
 };
 
 // The chain of frame f from the chain of frame f - 1 (0 before the first frame), in one pass over the arrays.
@@ -40,5 +41,8 @@ std::uint64_t chain_hash(std::uint64_t previous, std::uint64_t frame, FieldSpans
 
 // Position of the first NaN or infinity in an array, its length if there is none.
 std::size_t first_nonfinite(std::span<const float> values);
+
+// Position of the first value that is not above 0 (its sign bit is set, or it is 0), as above.
+std::size_t first_massless(std::span<const float> mass);
 
 }  // namespace wade::shm

@@ -209,21 +209,6 @@ std::span<const char* const> required_fields(StreamKind kind) {
     return std::span(names).first(kind == stream_agents ? names.size() : names.size() - 3);
 }
 
-std::string printable(const char* text, std::size_t bytes) {
-    std::string clean;
-    for (std::size_t i = 0; i < bytes && text[i] != 0; ++i) {
-        const auto c = static_cast<unsigned char>(text[i]);
-        clean += c < 0x20 || c == 0x7F ? '?' : text[i];  // bytes above 0x7F belong to UTF-8 sequences
-    }
-    return clean;
-}
-
-void store_text(char* field, std::size_t bytes, std::string_view text) {
-    const std::size_t length = std::min(text.size(), bytes - 1);
-    std::memset(field, 0, bytes);
-    std::memcpy(field, text.data(), length);
-}
-
 std::uint32_t header_crc(Header copy) {
     copy.crc32c = 0;
     return crc32c(std::as_bytes(std::span(&copy, 1)));
@@ -294,6 +279,7 @@ SegmentMap read_header(const Header& h, std::uint64_t file_bytes) {
     map.descriptor_stride = h.descriptor_stride;
     map.slot_stride = h.slot_stride;
     map.consumer_count = h.consumer_count;
+    map.descriptors_have_checks = h.version_minor >= minor_with_checks;
     for (const char* const name : required_fields(map.info.kind)) map.fields.push_back(field_offset(h, name));
     return map;
 }

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "shm_protocol/inside/text.hpp"
 #include "shm_protocol/layout.hpp"
 #include "shm_protocol/stream.hpp"
 
@@ -22,7 +22,8 @@ struct SegmentMap {
     std::uint64_t control = 0, doorbell = 0, consumers = 0, descriptors = 0, slots = 0;  // from the start of the file
     std::uint64_t consumer_stride = 0, descriptor_stride = 0, slot_stride = 0;
     std::uint32_t consumer_count = 0;
-    std::vector<std::uint64_t> fields;  // from the start of a slot, in the order of required_fields(info.kind)
+    bool descriptors_have_checks = false;  // the producer's version gives each descriptor a CRC-32C
+    std::vector<std::uint64_t> fields;     // from the start of a slot, in the order of required_fields(info.kind)
 };
 
 // The header of a new stream, complete but for the magic, which the producer stores last.
@@ -35,11 +36,5 @@ SegmentMap read_header(const Header& copy, std::uint64_t file_bytes);
 
 // CRC-32C of a header page with the word crc32c taken as 0.
 std::uint32_t header_crc(Header copy);
-
-// A text that another process wrote: ends at the first zero, what cannot be printed becomes '?'.
-std::string printable(const char* text, std::size_t bytes);
-
-// Copies a text into a zero-terminated field, cut where it does not fit.
-void store_text(char* field, std::size_t bytes, std::string_view text);
 
 }  // namespace wade::shm

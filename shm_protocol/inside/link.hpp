@@ -23,6 +23,8 @@ struct Link {
     ConsumerEntry* entry = nullptr;
     std::uint32_t index = 0;
     std::uint32_t producer_pid = 0;
+    ConsumerMode mode = mode_lockstep;  // what this consumer wrote into its entry
+    std::uint32_t flags = 0;
     bool gone = false;  // the goodbye was said
 
     void ring() const;  // tells the producer that something has changed
@@ -31,6 +33,8 @@ struct Link {
     // From the next frame on somebody else may take the entry, whose state is a goodbye.
     void lay_to_rest() const noexcept;
     void say_goodbye(ConsumerState last, int reason_code, std::string_view text) noexcept;
+    // Errors: protocol_violation if somebody else has written into this consumer's entry.
+    void check_entry(std::uint64_t acknowledged) const;
 
     [[nodiscard]] bool producer_lives() const;
     [[nodiscard]] std::string producer() const;      // "Producer 'dfsph' (process 123)"

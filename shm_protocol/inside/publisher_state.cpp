@@ -54,55 +54,91 @@ PublisherState::PublisherState(const std::string& session_name, const StreamInfo
     store_release(reinterpret_cast<Header*>(base)->magic, magic);
 }
 
+void PublisherState::admit(std::uint32_t i, std::uint64_t at) {
+    const ConsumerEntry& entry = pages.consumer(i);
+    members[i] = {at, load_relaxed(entry.mode), load_relaxed(entry.flags)};
+    store_release(pages.control().admitted_frame[i], at);
+}
+
+void PublisherState::dismiss(std::uint32_t i) {
+    members[i] = {};
+    store_release(pages.control().admitted_frame[i], std::uint64_t{0});  // the entry may be used again
+}
+
+void PublisherState::check_words(std::uint32_t i, std::uint32_t consumer_state) const {
+    const ConsumerEntry& entry = pages.consumer(i);
+    const auto demand = [&](bool ok, const char* word, std::uint32_t value) {
+        if (!ok)
+            throw Error(Failure::protocol_violation, label(i) + " took part, and now its page says " + word + " = " +
+                                                         std::to_string(value) + ": it was overwritten.");
+    };
+    demand(consumer_state >= consumer_joined && consumer_state <= consumer_aborted, "state", consumer_state);
+    demand(load_relaxed(entry.mode) == members[i].mode, "mode", load_relaxed(entry.mode));
+    demand(load_relaxed(entry.flags) == members[i].flags, "flags", load_relaxed(entry.flags));
+}
+
+void PublisherState::check_own_page() const {
+    const Control& control = pages.control();
+    if (load_relaxed(control.state) == state && load_relaxed(control.published_frame) == published) return;
+    throw Error(Failure::protocol_violation, "Somebody else has written into the control page of " + name + ": state " +
+                                                 std::to_string(load_relaxed(control.state)) + ", published_frame " +
+                                                 std::to_string(load_relaxed(control.published_frame)) + ".");
+}
+
 PublisherState::Census PublisherState::survey(std::uint64_t admit_at) {
+    check_own_page();
     Census census;
     bool news = false;
     for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
         const ConsumerEntry& entry = pages.consumer(i);
-        const std::uint32_t state = load_acquire(entry.state);
-        if (state == consumer_free) continue;
-        const std::uint32_t mode = load_relaxed(entry.mode);
-        if (state == consumer_joined && admitted[i] == 0 && admit_at != 0 && mode <= mode_latest) {
-            admitted[i] = admit_at;
-            store_release(pages.control().admitted_frame[i], admit_at);
+        const std::uint32_t consumer_state = load_acquire(entry.state);
+        if (consumer_state == consumer_free && members[i].admitted == 0) continue;
+        if (consumer_state == consumer_joined && members[i].admitted == 0 && admit_at != 0 &&
+            load_relaxed(entry.mode) <= mode_latest) {
+            admit(i, admit_at);
             news = true;
         }
-        // A free-running reader is nobody's peer: its end is a goodbye, whatever its reason.
-        const bool gone = state == consumer_left || (state == consumer_aborted && mode == mode_latest);
-        if (gone && admitted[i] != 0) {
-            admitted[i] = 0;
-            store_release(pages.control().admitted_frame[i], std::uint64_t{0});  // the entry may be used again
+        if (members[i].admitted != 0 && has_left(i, consumer_state)) {
+            dismiss(i);
             continue;
         }
+        if (members[i].in_lockstep()) check_words(i, consumer_state);
+        const bool lockstep =
+            members[i].admitted != 0 ? members[i].in_lockstep() : load_relaxed(entry.mode) == mode_lockstep;
         const bool before_start = refusals_count && published == 0;
-        if ((state == consumer_aborted && !gone && (admitted[i] != 0 || before_start)) ||
-            (state == consumer_refused && mode == mode_lockstep && before_start))
+        if (lockstep && ((consumer_state == consumer_aborted && (members[i].admitted != 0 || before_start)) ||
+                         (consumer_state == consumer_refused && before_start)))
             throw Error(
                 Failure::peer_aborted,
                 label(i) +
-                    (state == consumer_refused
+                    (consumer_state == consumer_refused
                          ? " refused the stream: "
                          : " gave up at frame " + std::to_string(load_acquire(entry.acknowledged_frame) + 1) + ": ") +
                     printable(entry.reason_text, reason_bytes));
-        if (state != consumer_joined || admitted[i] == 0 || mode != mode_lockstep) continue;
+        if (!members[i].in_lockstep()) continue;
         const std::uint64_t acknowledged = load_acquire(entry.acknowledged_frame);
         if (acknowledged > published)
             throw Error(Failure::protocol_violation, label(i) + " acknowledged frame " + std::to_string(acknowledged) +
                                                          ", the last one published is " + std::to_string(published) +
                                                          ".");
         ++census.joined;
-        if ((load_relaxed(entry.flags) & consumer_follows) == 0) ++census.active;
-        census.slowest = std::min(census.slowest, std::max(acknowledged, admitted[i] - 1));
+        if (!members[i].follows()) ++census.active;
+        census.slowest = std::min(census.slowest, std::max(acknowledged, members[i].admitted - 1));
     }
     had_lockstep = had_lockstep || census.active > 0;
     if (news) ring();
     return census;
 }
 
+bool PublisherState::has_left(std::uint32_t i, std::uint32_t consumer_state) const {
+    // A free-running reader is nobody's peer: its end is a goodbye, whatever its reason.
+    const bool goodbye =
+        consumer_state == consumer_left || (consumer_state == consumer_aborted && members[i].mode == mode_latest);
+    return goodbye && !is_locked_by_other(file.fd(), consumer_lock_byte + i);
+}
+
 bool PublisherState::counts(std::uint32_t i) const {
-    const ConsumerEntry& entry = pages.consumer(i);
-    return admitted[i] != 0 && load_acquire(entry.state) == consumer_joined &&
-           load_relaxed(entry.mode) == mode_lockstep;
+    return members[i].in_lockstep() && !has_left(i, load_acquire(pages.consumer(i).state));
 }
 
 bool PublisherState::waits_for_paused(std::uint64_t frame) const {
@@ -122,7 +158,7 @@ void PublisherState::check_alive(std::uint64_t owed) {
         if (load_acquire(entry.state) != consumer_joined) continue;
         const std::uint64_t acknowledged = load_acquire(entry.acknowledged_frame);
         if (acknowledged >= owed) continue;
-        const std::uint64_t died_at = std::max(acknowledged + 1, admitted[i]);
+        const std::uint64_t died_at = std::max(acknowledged + 1, members[i].admitted);
         throw Error(Failure::peer_dead, label(i) + " died at frame " + std::to_string(died_at) + ".");
     }
 }
@@ -130,12 +166,12 @@ void PublisherState::check_alive(std::uint64_t owed) {
 bool PublisherState::consumers_are_there() const {
     bool somebody = !had_lockstep;
     for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
-        const ConsumerEntry& entry = pages.consumer(i);
-        if (admitted[i] == 0 || load_relaxed(entry.mode) != mode_lockstep) continue;
+        if (!members[i].in_lockstep()) continue;
         const bool locked = is_locked_by_other(file.fd(), consumer_lock_byte + i);
-        const std::uint32_t state = load_acquire(entry.state);  // after the lock: a goodbye comes before it is given up
-        if (state == consumer_aborted || (state == consumer_joined && !locked)) return false;
-        somebody = somebody || state == consumer_joined;
+        // After the lock: a goodbye comes before it is given up.
+        const std::uint32_t said = load_acquire(pages.consumer(i).state);
+        if (said == consumer_aborted || (said == consumer_joined && !locked)) return false;
+        somebody = somebody || locked;
     }
     return somebody;
 }
@@ -151,6 +187,7 @@ void PublisherState::ring() {
 }
 
 void PublisherState::enter(ProducerState next) {
+    state = next;
     store_release(pages.control().state, static_cast<std::uint32_t>(next));
     ring();
 }
@@ -180,7 +217,7 @@ std::string PublisherState::everybody_behind(std::uint64_t frame) const {
     for (std::uint32_t i = 0; i < map.consumer_count; ++i) {
         const ConsumerEntry& entry = pages.consumer(i);
         if (!counts(i)) continue;
-        const std::uint64_t acknowledged = std::max(load_acquire(entry.acknowledged_frame), admitted[i] - 1);
+        const std::uint64_t acknowledged = std::max(load_acquire(entry.acknowledged_frame), members[i].admitted - 1);
         if (acknowledged >= frame) continue;
         const auto silent_ms = (now - static_cast<std::int64_t>(load_relaxed(entry.heartbeat_ns))) / 1'000'000;
         text += (text.empty() ? "" : ", ") + std::string("consumer '") + printable(entry.name, name_bytes) +

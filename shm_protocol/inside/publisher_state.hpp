@@ -25,7 +25,7 @@ struct PublisherState {
     PublisherState(const std::string& session, const StreamInfo& info, Waiting how);
 
     // Reads all consumer entries. Those that ask to join are admitted at frame `admit_at` (0: nobody is admitted).
-    // Errors: peer_aborted, protocol_violation.
+    // Errors: peer_aborted; protocol_violation, also if somebody has written into a page that is not his.
     Census survey(std::uint64_t admit_at);
 
     // Errors: peer_dead if a consumer's process has ended without a goodbye and still owes frame `owed` or one before.
@@ -39,7 +39,25 @@ struct PublisherState {
     void wait(const WaitTask& task) const;
     void end(ProducerState last) noexcept;
 
+    // What a consumer's words were when it was admitted; they are never read again, but for the comparison.
+    struct Member {
+        std::uint64_t admitted = 0;  // at this frame; 0 = no member
+        std::uint32_t mode = mode_lockstep;
+        std::uint32_t flags = 0;
+        [[nodiscard]] bool in_lockstep() const { return admitted != 0 && mode == mode_lockstep; }
+        [[nodiscard]] bool follows() const { return (flags & consumer_follows) != 0; }
+    };
+
+    void admit(std::uint32_t consumer, std::uint64_t at);
+    void dismiss(std::uint32_t consumer);
+    // Errors: protocol_violation unless the state, mode and flags of a member in lockstep are those of one.
+    void check_words(std::uint32_t consumer, std::uint32_t consumer_state) const;
+    // Errors: protocol_violation unless the control page holds what this side has written.
+    void check_own_page() const;
+
     [[nodiscard]] bool counts(std::uint32_t consumer) const;  // it is in lockstep, admitted and not gone
+    // It has said its goodbye and given its lock up; a state alone may have been written by anybody.
+    [[nodiscard]] bool has_left(std::uint32_t consumer, std::uint32_t consumer_state) const;
     [[nodiscard]] std::string label(std::uint32_t consumer) const;
     [[nodiscard]] std::string everybody_behind(std::uint64_t frame) const;
     [[nodiscard]] bool waits_for_paused(std::uint64_t frame) const;  // a consumer that owes `frame` pauses on purpose
@@ -52,9 +70,10 @@ struct PublisherState {
     boost::interprocess::mapped_region region;
     Pages<std::byte> pages;
 
-    std::array<std::uint64_t, max_consumers> admitted{};  // private copy, the shared one is for the consumers
-    bool had_lockstep = false;                            // there was a consumer for whom the stream goes on
-    bool refusals_count = false;                          // during wait_for_consumers()
+    std::array<Member, max_consumers> members{};
+    ProducerState state = producer_ready;  // as written into the control page
+    bool had_lockstep = false;             // there was a consumer for whom the stream goes on
+    bool refusals_count = false;           // during wait_for_consumers()
     bool hash_frames = true;
     bool frame_open = false;
     bool sent_final = false;  // no frame may follow

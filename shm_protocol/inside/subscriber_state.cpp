@@ -10,10 +10,12 @@ namespace wade::shm {
 SubscriberState::SubscriberState(Link joined, const JoinOptions& options)
     : link(std::move(joined)), waiting(options.waiting) {
     history.check_values = options.check_values;
+    history.check_descriptor = link.map->descriptors_have_checks;
 }
 
 SubscriberState::Outlook SubscriberState::look() {
     const Control& control = link.pages.control();
+    link.check_entry(released);
     // The state is read first: whatever was published before the producer ended is then visible below.
     const std::uint32_t state = load_acquire(control.state);
     if (next == 0) next = load_acquire(control.admitted_frame[link.index]);
@@ -60,11 +62,11 @@ Frame SubscriberState::check_frame() {
                                                      "' is not complete: its slot holds frame " +
                                                      std::to_string(d.frame) + " with sequence " +
                                                      std::to_string(sequence) + ".");
-    check_count(info, next, d.count);
+    check_descriptor(info, next, d, history);
     std::array<std::span<const float>, max_fields> fields;
     const std::size_t n = link.map->fields.size();
     for (std::size_t i = 0; i < n; ++i) fields[i] = {link.pages.field(next, i), d.count};
-    if (!history.last_tick && next > 1) history.chain = d.previous_hash;  // of the frames before this consumer joined
+    if (!history.last && next > 1) history.chain = d.previous_hash;  // of the frames before this consumer joined
     return checked_frame(info, next, d, std::span(fields).first(n), history);
 }
 

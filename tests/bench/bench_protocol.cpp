@@ -44,7 +44,7 @@ struct Series {
 // The times of single exchanges after some that warm up caches, page tables and sockets.
 void measure(const Case& c, const std::string& way, Series& series) {
     Payload payload(std::size_t{7} * c.particles);
-    for (std::size_t k = 0; k < payload.size(); ++k) payload[k] = static_cast<float>(k % 1000);
+    for (std::size_t k = 0; k < payload.size(); ++k) payload[k] = static_cast<float>(1 + k % 1000);
     const auto transport = make_transport(way, c.particles);
     for (int i = 0; i < c.exchanges / 10 + 3; ++i) transport->exchange(payload);
     std::vector<double> times;

@@ -69,6 +69,8 @@ class SharedMemory final : public Transport {
             std::size_t i = 0;
             for (const auto& to : {slot->mass, slot->vx, slot->vy, slot->vz, slot->px, slot->py, slot->pz})
                 std::ranges::copy(array_of(payload, i++), to.begin());
+        } else if (slot->frame <= publisher_.info().slots) {
+            std::ranges::fill(slot->mass, 1.0F);  // once for each slot, a mass is above 0
         }
         publisher_.end_frame(static_cast<std::uint32_t>(n));
     }

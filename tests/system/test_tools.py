@@ -215,14 +215,22 @@ class Clean(ToolTest):
         self.assert_kept("is no segment")
         self.segment().unlink()
 
+    def test_fifo_is_named_and_kept_and_nobody_waits_for_it(self):
+        os.mkfifo(self.segment(), 0o666)
+        self.assertIn("a FIFO of user", self.clean())
+        for words in ([INSPECT, self.session], [INSPECT, "--all", "--json"]):
+            done = subprocess.run([*words, "--interval-s", "0"], capture_output=True, text=True, timeout=60, check=False)
+            self.assertIn("a FIFO of user", done.stdout)
+        self.segment().unlink()
+
     def test_link_and_folder_are_kept(self):
         target = self.folder / "target"
         target.write_bytes(b"")
         self.segment().symlink_to(target)
-        self.assert_kept("no plain file")
+        self.assert_kept("is no plain file")
         self.segment().unlink()
         self.segment().mkdir()
-        self.assert_kept("no plain file")
+        self.assert_kept("is no plain file")
         self.segment().rmdir()
 
     @unittest.skipUnless(os.geteuid() == 0, "only root can make another user's file")

@@ -15,25 +15,12 @@
 #include "shm_protocol/inside/futex.hpp"
 #include "shm_protocol/inside/liveness.hpp"
 #include "shm_protocol/inside/pages.hpp"
+#include "shm_protocol/inside/segment.hpp"
 
 namespace wade {
 namespace {
 
 using shm::load_acquire;
-
-class ReadOnlyFile {
- public:
-    explicit ReadOnlyFile(const std::string& name) : fd_(::shm_open(name.c_str(), O_RDONLY | O_NOFOLLOW, 0)) {}
-    ~ReadOnlyFile() {
-        if (fd_ >= 0) ::close(fd_);
-    }
-    ReadOnlyFile(const ReadOnlyFile&) = delete;
-    ReadOnlyFile& operator=(const ReadOnlyFile&) = delete;
-    [[nodiscard]] int fd() const { return fd_; }
-
- private:
-    int fd_;
-};
 
 class ReadOnlyMap {
  public:
@@ -116,25 +103,48 @@ void look_inside(SegmentView& view, const shm::SegmentMap& map, const shm::Pages
 
 }  // namespace
 
+namespace {
+
+// The file if it can be looked at; else `view` says why not.
+std::optional<shm::SegmentFile> open_for(SegmentView& view, const std::string& name) {
+    view.condition = Condition::closed_off;
+    try {
+        auto file = shm::SegmentFile::open(name, shm::Access::read_only);
+        if (file) return file;
+        view.condition = Condition::absent;
+        view.problem = "there is no such segment";
+    } catch (const shm::ForeignObject&) {
+        view.condition = Condition::foreign;
+        view.problem = "is no plain file: " + shm::foreign_object(name);
+    } catch (const std::system_error& error) {
+        view.problem = "it cannot be opened: " + error.code().message();
+    }
+    return std::nullopt;
+}
+
+// The header page once its magic is stored.
+std::optional<shm::Header> header_of(int fd) {
+    const ReadOnlyMap page(fd, shm::page_bytes);
+    const auto& shared = *reinterpret_cast<const shm::Header*>(page.base());
+    if (load_acquire(shared.magic) == 0) return std::nullopt;
+    shm::Header header;
+    std::memcpy(&header, &shared, sizeof header);
+    return header;
+}
+
+}  // namespace
+
 SegmentView look_at(const std::string& name) {
     SegmentView view;
-    view.name = name;
+    view.name = shm::printable(name.data(), name.size());
     view.at_ns = shm::monotonic_ns();
-    const ReadOnlyFile file(name);
+    const auto file = open_for(view, name);
     struct stat about {};
-    if (file.fd() < 0 || ::fstat(file.fd(), &about) != 0) {
-        if (errno == ENOENT) {
-            view.problem = "there is no such segment";
-        } else {
-            view.condition = Condition::closed_off;
-            view.problem = std::string("it cannot be opened: ") + std::strerror(errno);
-        }
-        return view;
-    }
+    if (!file || ::fstat(file->fd(), &about) != 0) return view;
     view.owner = about.st_uid;
     view.mode = about.st_mode & 07777;
     view.bytes = static_cast<std::uint64_t>(about.st_size);
-    view.producer_alive = shm::is_locked_by_other(file.fd(), shm::producer_lock_byte);
+    view.producer_alive = shm::is_locked_by_other(file->fd(), shm::producer_lock_byte);
     view.condition = Condition::unfinished;
     view.problem = "its header is not finished";
     if (view.bytes == 0) return view;
@@ -143,19 +153,21 @@ SegmentView look_at(const std::string& name) {
         view.problem = "it is cut off: it holds " + std::to_string(view.bytes) + " bytes, its header alone 4096";
         return view;
     }
-    const ReadOnlyMap pages(file.fd(), view.bytes);
-    const auto& shared = *reinterpret_cast<const shm::Header*>(pages.base());
-    if (load_acquire(shared.magic) == 0) return view;
-    shm::Header header;
-    std::memcpy(&header, &shared, sizeof header);
     try {
-        const shm::SegmentMap map = shm::read_header(header, view.bytes);
+        const std::optional<shm::Header> header = header_of(file->fd());
+        if (!header) return view;
+        // Nothing but the header page is mapped before the header is known to be one.
+        const shm::SegmentMap map = shm::read_header(*header, view.bytes);
+        const ReadOnlyMap pages(file->fd(), view.bytes);
         view.condition = Condition::readable;
         view.problem.clear();
-        view.version_major = header.version_major;
-        view.version_minor = header.version_minor;
-        look_inside(view, map, {pages.base(), map}, file.fd());
+        view.version_major = header->version_major;
+        view.version_minor = header->version_minor;
+        look_inside(view, map, {pages.base(), map}, file->fd());
     } catch (const shm::Error& error) {
+        view.condition = Condition::refused;
+        view.problem = error.what();
+    } catch (const std::system_error& error) {
         view.condition = Condition::refused;
         view.problem = error.what();
     }
@@ -199,6 +211,8 @@ const char* word_for(Condition condition) {
     switch (condition) {
         case Condition::absent:
             return "absent";
+        case Condition::foreign:
+            return "foreign";
         case Condition::closed_off:
             return "closed_off";
         case Condition::unfinished:

@@ -13,11 +13,16 @@ namespace wade {
 
 enum class Condition {
     absent,      // there is no such segment
+    foreign,     // the name leads to something that is no plain file
     closed_off,  // it cannot be opened: another user's
     unfinished,  // its header is not there yet
     refused,     // its header breaks the contract
     readable
 };
+
+constexpr bool was_opened(Condition condition) {
+    return condition >= Condition::unfinished;
+}
 
 struct ConsumerView {
     std::uint32_t index = 0;

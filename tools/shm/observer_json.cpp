@@ -55,7 +55,7 @@ Json json_of(const Sample& sample) {
     const SegmentView& s = sample.segment;
     Json json = {{"segment", s.name}, {"condition", word_for(s.condition)}};
     if (!s.problem.empty()) json["problem"] = s.problem;
-    if (s.condition == Condition::absent || s.condition == Condition::closed_off) return json;
+    if (!was_opened(s.condition)) return json;
     json["producer_alive"] = s.producer_alive;
     json["owner_uid"] = s.owner;
     json["mode"] = s.mode;

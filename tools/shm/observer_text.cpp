@@ -87,8 +87,7 @@ std::string consumer_line(const SegmentView& s, const ConsumerView& c) {
 std::string text_of(const Sample& sample) {
     const SegmentView& s = sample.segment;
     std::string text = s.name + "  " + (s.condition == Condition::readable ? "" : s.problem + "; ");
-    if (s.condition == Condition::absent || s.condition == Condition::closed_off)
-        return s.name + "  " + s.problem + "\n";
+    if (!was_opened(s.condition)) return s.name + "  " + s.problem + "\n";
     const std::string file = print("%.2f MB, mode %04o, user %u", 1e-6 * static_cast<double>(s.bytes), s.mode, s.owner);
     if (s.condition != Condition::readable)
         return text + "its producer is " + (s.producer_alive ? "alive" : "dead") + " (" + file + ")\n";

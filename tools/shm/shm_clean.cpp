@@ -2,13 +2,14 @@
 
 #include <fcntl.h>
 #include <fnmatch.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <iostream>
+#include <optional>
 #include <string>
+#include <system_error>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/program/program.hpp"
@@ -37,19 +38,16 @@ bool is_segment(int fd, std::uint64_t bytes) {
            (magic == shm::magic || magic == 0);
 }
 
-// Whether the name leads to a plain file of this user; nothing else is ever opened.
-std::optional<Verdict> refuse_unopened(const std::string& name) {
-    struct stat about {};
-    if (::lstat(("/dev/shm" + name).c_str(), &about) != 0) return Verdict{Fate::kept, "it is gone already"};
-    if (!S_ISREG(about.st_mode)) return Verdict{Fate::kept, "no plain file"};
-    if (about.st_uid != ::geteuid())
-        return Verdict{Fate::kept, "belongs to another user (" + std::to_string(about.st_uid) + ")"};
-    return std::nullopt;
-}
-
 Verdict judge(const std::string& name, bool dry_run) {
-    if (auto refusal = refuse_unopened(name)) return *refusal;
-    const auto file = shm::SegmentFile::open(name);
+    std::optional<shm::SegmentFile> file;
+    try {
+        file = shm::SegmentFile::open(name);
+    } catch (const shm::ForeignObject&) {
+        return {Fate::kept, "is no plain file: " + shm::foreign_object(name)};
+    } catch (const std::system_error& error) {
+        if (error.code().value() != EACCES) throw;
+        return {Fate::kept, "belongs to another user"};
+    }
     if (!file) return {Fate::kept, "it is gone already"};
     if (!file->owned_by_this_user()) return {Fate::kept, "belongs to another user"};
     if (!is_segment(file->fd(), file->size())) return {Fate::kept, "is no segment of this protocol"};
@@ -83,7 +81,7 @@ int clean(const std::string& pattern, bool dry_run) {
                                  : verdict.fate == Fate::kept  ? "kept"
                                                                : "FAILED";
         ++(verdict.fate == Fate::removed ? removed : verdict.fate == Fate::kept ? kept : failed);
-        std::cout << word << "  " << name << "  " << verdict.words << "\n";
+        std::cout << word << "  " << shm::printable(name.data(), name.size()) << "  " << verdict.words << "\n";
     }
     std::cout << removed << (dry_run ? " to be removed, " : " removed, ") << kept << " kept";
     if (failed > 0) std::cout << ", " << failed << " failed";

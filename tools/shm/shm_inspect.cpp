@@ -83,13 +83,14 @@ void show(const Options& o, const std::vector<Sample>& samples) {
     std::cout << text << std::flush;
 }
 
-// Of a named session: 3 if there is none, 6 if its header is refused, 4 if its producer is dead, else 0.
+// Of a named session: 3 if there is none, 6 if it is no segment or its header is refused, 4 if its producer is dead, else 0.
 int verdict(const Options& o, const std::vector<Sample>& samples) {
     if (o.session.empty()) return 0;
     if (samples.empty()) return static_cast<int>(ExitCode::attach_timeout);
     int code = 0;
     for (const Sample& s : samples) {
-        if (s.segment.condition == Condition::refused) return static_cast<int>(ExitCode::protocol_violation);
+        if (s.segment.condition == Condition::refused || s.segment.condition == Condition::foreign)
+            return static_cast<int>(ExitCode::protocol_violation);
         if (!s.segment.producer_alive) code = static_cast<int>(ExitCode::peer_dead);
     }
     return code;

@@ -184,6 +184,20 @@ class TrustsAcknowledgements(Publisher):
         pass
 
 
+class BelievesAnyWords(Publisher):
+    caught_by = "overwritten_words"
+
+    def check_words(self, i, state):
+        pass
+
+
+class BelievesAnyGoodbye(Publisher):
+    caught_by = "false_goodbye"
+
+    def has_gone(self, i):
+        return True
+
+
 class DiesOfSigterm(Publisher):
     caught_by = "sigterm"
 

@@ -2,6 +2,7 @@
 
 import random
 import time
+from array import array
 
 from python_producer import CONTROL, SLOTS, Publisher
 
@@ -53,6 +54,83 @@ class NotANumber(Publisher):
         values = super().values(frame)
         if frame == 6:
             values[5][3] = float("nan")
+        return values
+
+
+class CountsInMilliseconds(Publisher):
+    """Its header says 32 ticks a second."""
+
+    caught_by = "frames"
+
+    def tick(self, frame):
+        return frame * 1000 // 32
+
+
+class NoCheckOfDescriptors(Publisher):
+    caught_by = "descriptor_check"
+
+    def descriptor_check(self, frame):
+        return 0
+
+
+class Massless(Publisher):
+    caught_by = "plausible"
+    mass = 0.0
+
+    def values(self, frame):
+        values = super().values(frame)
+        values[0][7] = self.mass
+        return values
+
+
+class NegativeMass(Massless):
+    caught_by = "plausible"
+    mass = -100.0
+
+
+class HugeMass(Massless):
+    caught_by = "plausible"
+    mass = 3e38
+
+
+class NeverAnyWater(Publisher):
+    caught_by = "plausible"
+
+    def count(self, frame):
+        return 0
+
+    def write_arrays(self, frame):
+        return [b""] * len(self.names)
+
+
+class SwapsYAndZ(Publisher):
+    """A wall of particles beside the bed, as high as the river is wide."""
+
+    caught_by = "plausible"
+
+    def values(self, frame):
+        values = super().values(frame)
+        for k in range(self.options.particles):
+            values[5][k], values[6][k] = 20 + 0.4 * (k % 10), 0.25
+        return values
+
+
+class SendsMillimetres(Publisher):
+    caught_by = "plausible"
+
+    def values(self, frame):
+        values = super().values(frame)
+        for axis in (4, 5, 6):
+            values[axis] = array("f", (1000 * v + k for k, v in enumerate(values[axis])))
+        return values
+
+
+class FarAway(Publisher):
+    caught_by = "plausible"
+
+    def values(self, frame):
+        values = super().values(frame)
+        values[4] = array("f", [1e6]) * self.options.particles
         return values
 
 

@@ -9,7 +9,7 @@ from array import array
 from pathlib import Path
 
 from wade.conformance import system
-from wade.conformance.hashes import chain, header_crc
+from wade.conformance.hashes import chain, descriptor_crc, header_crc
 from wade.conformance.layout import (
     ABORTED, CLOSED, DRAINING, FIELD_ENTRY, FIELDS, FINAL, FOLLOWS, GAVE_UP, HEADER_WORDS, JOINED, KINDS, LATEST, LEFT,
     LOCKSTEP, MAGIC, MAX_CONSUMERS, PAGE, READY, REFUSED, RUNNING, SLICE_S, ConsumerPage, ControlPage, Descriptor,
@@ -35,6 +35,7 @@ class Publisher:
         self.plan(options)
         self.published = self.chain = self.signal = 0
         self.admitted = [0] * MAX_CONSUMERS
+        self.joined_as = [(0, 0)] * MAX_CONSUMERS
         self.had_lockstep = False
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self.remember)
@@ -103,7 +104,7 @@ class Publisher:
         """The header page with its magic and checksum."""
         page = bytearray(PAGE)
         values = {
-            "magic": MAGIC, "version_major": 1, "version_minor": 1, "endian_tag": 0x01020304, "header_bytes": PAGE,
+            "magic": MAGIC, "version_major": 1, "version_minor": 2, "endian_tag": 0x01020304, "header_bytes": PAGE,
             "total_bytes": self.total_bytes, "session_id": int.from_bytes(os.urandom(8), "little") | 1,
             "stream_kind": KINDS[self.options.kind], "capacity": self.options.particles, "slot_count": self.slots,
             "depth": self.options.depth, "ticks_per_second": 32, "ticks_per_frame": 1, "metres_per_unit": 1.0,
@@ -140,6 +141,7 @@ class Publisher:
 
     def admit(self, i, frame):
         self.admitted[i] = frame
+        self.joined_as[i] = self.mode_and_flags(i)
         self.words.set_u64(CONTROL + ControlPage.ADMITTED_FRAME + 8 * i, frame)
         self.ring()
 
@@ -149,19 +151,31 @@ class Publisher:
 
     def takes_part(self, i):
         """Whether the producer waits for consumer i."""
-        return (
-            self.admitted[i] and self.consumer(i, ConsumerPage.STATE) == JOINED
-            and self.consumer(i, ConsumerPage.MODE) == LOCKSTEP
-        )
+        state, mode = self.consumer(i, ConsumerPage.STATE), self.joined_as[i][0]
+        return self.admitted[i] and mode == LOCKSTEP and (state == JOINED or state == LEFT and not self.has_gone(i))
+
+    def mode_and_flags(self, i):
+        return self.consumer(i, ConsumerPage.MODE), self.consumer(i, ConsumerPage.FLAGS)
+
+    def has_gone(self, i):
+        """A goodbye counts once the lock is free."""
+        return not system.is_locked_by_other(self.fd, 1 + i)
+
+    def check_words(self, i, state):
+        """What a consumer in lockstep wrote when it joined stays."""
+        if self.admitted[i] and self.joined_as[i][0] == LOCKSTEP:
+            if self.mode_and_flags(i) != self.joined_as[i] or state not in (JOINED, LEFT, GAVE_UP):
+                raise Failure(6, f"The page of consumer {i} was overwritten.")
 
     def survey(self, frame):
         """Admits at this frame (0: nobody), sees who left or gave up; the numbers of those who are waited for."""
         for i in range(MAX_CONSUMERS):
             state = self.consumer(i, ConsumerPage.STATE)
+            self.check_words(i, state)
             known_mode = self.consumer(i, ConsumerPage.MODE) in (LOCKSTEP, LATEST)
             if state == JOINED and not self.admitted[i] and frame and known_mode:
                 self.admit(i, frame)
-            elif state == LEFT and self.admitted[i]:
+            elif state == LEFT and self.admitted[i] and self.has_gone(i):
                 self.forget(i)
             elif state == GAVE_UP and self.admitted[i] or state == REFUSED and not self.published:
                 self.gave_up(i)
@@ -195,7 +209,7 @@ class Publisher:
 
     def goes_on(self, active):
         """Whether the stream has a reason to go on with these consumers."""
-        return any(not self.consumer(i, ConsumerPage.FLAGS) & FOLLOWS for i in active) or not self.had_lockstep
+        return any(not self.joined_as[i][1] & FOLLOWS for i in active) or not self.had_lockstep
 
     def someone_pauses(self):
         return any(self.takes_part(i) and self.consumer(i, ConsumerPage.PAUSED) for i in range(MAX_CONSUMERS))
@@ -297,6 +311,11 @@ class Publisher:
         self.words.set_u32(at + Descriptor.FLAGS, flags)
         self.words.set_u64(at + Descriptor.HASH, self.chain)
         self.words.set_u64(at + Descriptor.PREVIOUS_HASH, previous)
+        self.words.set_u32(at + Descriptor.CRC32C, self.descriptor_check(frame))
+
+    def descriptor_check(self, frame):
+        at = self.descriptor(frame)
+        return descriptor_crc(self.words.bytes[at : at + Descriptor.BYTES])
 
     def next_chain(self, frame, fields):
         return chain(self.chain, frame, fields)

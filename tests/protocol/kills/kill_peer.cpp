@@ -29,7 +29,7 @@ constexpr std::uint32_t particles = 512;  // seven arrays of 2 KiB: a copy is lo
 constexpr int torn = 42;                  // exit code of a consumer that was given a wrong value
 
 float value_of(std::uint64_t frame, std::size_t field, std::size_t k) {
-    return static_cast<float>((frame * 7 + field) % 1021) + static_cast<float>(k % 64) / 64;
+    return 1 + static_cast<float>((frame * 7 + field) % 1021) + static_cast<float>(k % 64) / 64;  // a mass is above 0
 }
 
 using Options = std::map<std::string, std::string>;

@@ -9,8 +9,9 @@ Usage: tools/wade check-model [--quick] [MODEL]
 Searches the state spaces of tests/protocol/model (or of one MODEL of it: lockstep, memory_order,
 latest) and prints a line for each search: verdict, states, depth, seconds, definitions. --quick
 leaves out the searches marked long in tests/protocol/model/runs.txt, which take up to MEMORY_MB
-(default 8000) of memory and some minutes each. Exit code 0 if every sound model is without error,
-every mutant refuted and no search cut short; 77 without spin.
+(default 8000) of memory and some minutes each, and makes as many at once as there are processors.
+Exit code 0 if every sound model is without error, every mutant refuted and no search cut short; 77
+without spin.
 HELP
 }
 
@@ -40,22 +41,21 @@ fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# search EXPECTATION MODEL DEFINITIONS...: leaves pan's report in $work/report
+# search FOLDER EXPECTATION MODEL DEFINITIONS...: leaves pan's report in FOLDER/report
 search() {
-  local model=$2 optimise=-O0 # mutants are found before a better compilation would pay
-  if [ "$1" = sound ] && [ "$model" = lockstep ]; then optimise=-O2; fi
-  shift 2
-  cd "$work"
-  rm -f pan* ./*.trail
+  local folder=$1 model=$3 optimise=-O0 # a small search is over before a better compilation would pay
+  if [ "$2" = sound ] && [ "$model" = lockstep ] && [ "$form" = long ]; then optimise=-O2; fi
+  shift 3
+  cd "$folder"
   spin -a "$@" "$models/$model.pml" >report 2>&1 || return
   # No check for cycles: nothing here may loop for ever without a step of another process, and such waits are sleeps.
   gcc $optimise -w -DSAFETY -DVECTORSZ=512 "-DMEMLIM=$memory_mb" -o pan pan.c >>report 2>&1 || return
   ./pan -m1000000 >>report 2>&1
 }
 
-# judge EXPECTATION: what the report amounts to
+# judge EXPECTATION REPORT: what the report amounts to
 judge() {
-  local report=$work/report
+  local report=$2
   if ! grep -q 'errors: ' "$report"; then
     echo "FAIL: no result"
   elif grep -q 'max search depth too small\|Search not completed\|out of memory\|pan: reached -DMEMLIM' "$report" &&
@@ -72,30 +72,41 @@ judge() {
   fi
 }
 
-count() { # of states or depth; a file without it is a failure that judge has seen
-  { grep -o "$1" "$work/report" || echo 0; } | grep -o '[0-9.e+]*[0-9]' | head -1
+count() { # of states or depth in a report; one without it is a failure that judge has seen
+  { grep -o "$1" "$2" || echo 0; } | grep -o '[0-9.e+]*[0-9]' | head -1
 }
 
-failures=0
+# run FOLDER EXPECTATION MODEL DEFINITIONS...: one search and its line; the end of a failed one on the error output
+run() {
+  local folder=$1 expectation=$2 began=$SECONDS verdict
+  (search "$@") || true
+  verdict=$(judge "$expectation" "$folder/report")
+  printf '%-28s %11.0f %6s %5s  %s\n' "$verdict" "$(count '[0-9.e+]* states, stored' "$folder/report")" \
+    "$(count 'depth reached [0-9]*' "$folder/report")" $((SECONDS - began)) "${*:3}"
+  case "$verdict" in
+    FAIL*)
+      touch "$folder/failed"
+      tail -n 5 "$folder/report" >&2
+      ;;
+  esac
+  rm -f "$folder"/pan* "$folder"/*.trail
+}
+
 searches=0
+jobs=1 # the large searches share the memory
+if [ "$form" = quick ]; then jobs=$(nproc); fi
 printf '%-28s %11s %6s %5s  %s\n' verdict states depth s model
 while read -r when expectation model definitions; do
   case "$when" in "" | "#"*) continue ;; esac
   if [ "$form" = quick ] && [ "$when" = long ]; then continue; fi
   if [ -n "$only" ] && [ "$only" != "$model" ]; then continue; fi
-  began=$SECONDS
+  while [ "$(jobs -rp | wc -l)" -ge "$jobs" ]; do wait -n || true; done
+  mkdir "$work/$searches"
   # shellcheck disable=SC2086  # the definitions are words
-  (search "$expectation" "$model" $definitions) || true
-  verdict=$(judge "$expectation")
-  printf '%-28s %11.0f %6s %5s  %s\n' "$verdict" "$(count '[0-9.e+]* states, stored')" \
-    "$(count 'depth reached [0-9]*')" $((SECONDS - began)) "$model $definitions"
+  run "$work/$searches" "$expectation" "$model" $definitions &
   searches=$((searches + 1))
-  case "$verdict" in
-    FAIL*)
-      failures=$((failures + 1))
-      tail -n 5 "$work/report" >&2
-      ;;
-  esac
 done <"$models/runs.txt"
+wait
+failures=$(find "$work" -name failed | wc -l)
 echo "$searches searches, $failures failed"
 [ "$failures" -eq 0 ] && [ "$searches" -gt 0 ]

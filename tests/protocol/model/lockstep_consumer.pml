@@ -91,7 +91,7 @@ inline claim_entry() {
   there = admitted[i];
   if
   :: there == 0 && rested(i, published)
-  :: else -> there = 0; locked[i] = 0; goto attach
+  :: else -> there = 0; locked[i] = 0; ring_doorbell(); goto attach
   fi;
 #else
   if
@@ -100,7 +100,7 @@ inline claim_entry() {
   fi;
   if
   :: rested(i, there) && admitted[i] == 0
-  :: else -> there = 0; locked[i] = 0; goto attach
+  :: else -> there = 0; locked[i] = 0; ring_doorbell(); goto attach
   fi;
 #endif
   there = 0
@@ -173,15 +173,14 @@ proctype consumer(byte i) {
     mortal(i, d_step { waiting[i] = 0; asleep[i] = 0 });
     mortal(i, consumer_state[i] = gave_up);
   told:
-#ifdef NO_RING_AT_GOODBYE
-    if :: outcome == ok :: else -> ring_doorbell() fi;
-#else
     ring_doorbell();
-#endif
 #ifdef ENTRIES_REST
     left_at[i] = published;
 #endif
     mortal(i, locked[i] = 0);
+#ifndef NO_RING_AFTER_UNLOCK
+    ring_doorbell();
+#endif
     forget_consumer();
     if
     :: outcome == ok && joins < JOINS -> outcome = none; goto attach

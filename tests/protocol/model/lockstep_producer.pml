@@ -1,7 +1,13 @@
 /* publisher.cpp, publisher_state.cpp. Parts of lockstep.pml. */
 
+#ifdef GOODBYE_BY_STATE /* producers up to version 1.1 */
+#define parted(i) 1
+#else
+#define parted(i) (!locked[i])
+#endif
+
 /* Publisher::State::survey of one entry; admit_at 0 admits nobody. The entry's state is read in one step, what follows
-   from it is done in the next. */
+   from it is done in the next, with the look at the lock: a goodbye counts once that is free. */
 inline survey_entry(i, first, admit_at) {
   d_step {
     if :: first -> anyone = 0; leader = 0; enough = 1; news = 0 :: else fi;
@@ -15,14 +21,14 @@ inline survey_entry(i, first, admit_at) {
     fi
   }
   if
-  :: die_if(PRODUCER, seen == left || seen == joined && mine[i] == 0)
+  :: die_if(PRODUCER, seen == left && parted(i) || seen == joined && mine[i] == 0)
   :: atomic { seen == none }
   :: atomic { seen == gave_up -> outcome = peer_aborted; goto abort }
-  :: d_step { seen == left -> mine[i] = 0; admitted[i] = 0 }
+  :: d_step { seen == left && parted(i) -> mine[i] = 0; admitted[i] = 0 }
   :: d_step { seen == joined && mine[i] == 0 -> mine[i] = admit_at; admitted[i] = admit_at; news = 1;
               anyone = 1; leader = leader || leads(i); had_lockstep = had_lockstep || leads(i);
               enough = enough && admit_at - 1 >= owed }
-  :: d_step { seen == joined && mine[i] != 0 -> anyone = 1; leader = leader || leads(i); had_lockstep = had_lockstep || leads(i);
+  :: d_step { mine[i] != 0 && (seen == joined || seen == left && !parted(i)) -> anyone = 1; leader = leader || leads(i); had_lockstep = had_lockstep || leads(i);
               assert(acknowledged[i] <= published); enough = enough && max(acknowledged[i], mine[i] - 1) >= owed }
   fi
 }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 
+#include "shm_protocol/inside/frame_check.hpp"
 #include "shm_protocol/layout.hpp"
 
 namespace wade::shm::test {
@@ -36,6 +37,11 @@ class Bytes {
         return as<SlotDescriptor>(header.descriptors_offset +
                                   (frame - 1) % header.slot_count * header.descriptor_stride);
     }
+    // Gives a changed descriptor the check that a producer who lies would give it.
+    void reseal(std::uint64_t frame) { descriptor(frame).crc32c = descriptor_crc(descriptor(frame)); }
+
+    ConsumerEntry& consumer(std::uint32_t i) { return as<ConsumerEntry>(consumers_offset + i * page_bytes); }
+    Control& control() { return as<Control>(control_offset); }
 
  private:
     int fd_;

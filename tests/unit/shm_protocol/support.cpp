@@ -125,8 +125,9 @@ std::uint32_t test_count(std::uint64_t frame) {
 }
 
 float test_value(std::uint64_t frame, int field, std::uint32_t particle) {
-    return static_cast<float>((frame * 131 + static_cast<std::uint64_t>(field) * 17 + particle * 7) % 1009) * 0.25F -
-           100;
+    const float least = field == 0 ? 1 : -100;  // a mass is above 0
+    return least +
+           static_cast<float>((frame * 131 + static_cast<std::uint64_t>(field) * 17 + particle * 7) % 1009) * 0.25F;
 }
 
 void fill(const FrameFields& f, std::uint32_t count) {

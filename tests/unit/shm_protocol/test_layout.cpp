@@ -86,6 +86,7 @@ const std::map<std::string, std::size_t> offsets{
     MEMBER(SlotDescriptor, flags),
     MEMBER(SlotDescriptor, hash),
     MEMBER(SlotDescriptor, previous_hash),
+    MEMBER(SlotDescriptor, crc32c),
     MEMBER(SlotDescriptor, diagnostics),
     MEMBER(Diagnostics, sub_steps),
     MEMBER(Diagnostics, density_iterations),

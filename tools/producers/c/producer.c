@@ -28,7 +28,7 @@
 #include <time.h>
 #include <unistd.h>
 
-// The bytes of a segment, contract 1.1.
+// The bytes of a segment, contract 1.2.
 //
 // Words that both sides use are _Atomic members: using one by name is sequentially consistent in C11, which is at least
 // what the contract asks for, on every machine that has lock-free atomics (x86-64, aarch64, ...); lock-free ones also
@@ -97,7 +97,8 @@ struct descriptor {
     _Atomic uint64_t sequence;
     uint64_t frame, tick;
     uint32_t count, flags;
-    uint64_t hash, previous_hash, reserved[2];
+    uint64_t hash, previous_hash;
+    uint32_t crc32c, reserved[3];  // of all from `frame` on
     uint32_t sub_steps, density_iterations, divergence_iterations, reserved0;  // from here on the diagnostics
     double last_dt_s, mean_density_error, max_density_error;
     uint64_t solver_ns;
@@ -120,7 +121,7 @@ _Static_assert(offsetof(struct control, admitted_frame) == 192 && offsetof(struc
                "control page");
 _Static_assert(offsetof(struct consumer, flags) == 88 && offsetof(struct consumer, reason_text) == 200,
                "consumer page");
-_Static_assert(offsetof(struct descriptor, sub_steps) == 64 && sizeof(struct descriptor) == 256, "slot descriptor");
+_Static_assert(offsetof(struct descriptor, crc32c) == 48 && offsetof(struct descriptor, sub_steps) == 64 && sizeof(struct descriptor) == 256, "slot descriptor");
 _Static_assert(sizeof(struct header) == page && sizeof(struct control) == page && sizeof(struct consumer) == page &&
                    offsetof(struct segment, descriptors) == 19 * page,
                "segment");
@@ -134,7 +135,7 @@ static inline uint64_t round_up(uint64_t value, uint64_t to) {
 static inline struct header new_header(uint64_t capacity, uint32_t depth, const char* producer) {
     static const char* const names[field_count] = {"mass", "vx", "vy", "vz", "px", "py", "pz"};
     const uint64_t array_bytes = round_up(capacity * sizeof(float), 64);
-    struct header h = {.version_major = 1, .version_minor = 1, .endian_tag = 0x01020304, .header_bytes = page};
+    struct header h = {.version_major = 1, .version_minor = 2, .endian_tag = 0x01020304, .header_bytes = page};
     h.stream_kind = 1;
     h.capacity = capacity;
     h.depth = depth;
@@ -180,7 +181,12 @@ static uint64_t scene_hash;
 static char name[256];  // of the shared-memory object
 static int fd = -1;
 static struct segment* segment;  // NULL while there is none
-static uint64_t published, chain, admitted[max_consumers];
+static uint64_t published, chain;
+// What a consumer's words were at its admission; admitted = 0: it takes no part.
+static struct {
+    uint64_t admitted;
+    uint32_t mode, flags;
+} members[max_consumers];
 static bool had_leader;
 static volatile sig_atomic_t signal_received;
 
@@ -212,11 +218,9 @@ static void enter(enum producer_state state) {
 
 static bool still_named(void) {
     struct stat mine, named;
-    const int other = shm_open(name, O_RDONLY, 0);
-    if (other < 0) return false;
-    const bool same = fstat(fd, &mine) == 0 && fstat(other, &named) == 0 && mine.st_ino == named.st_ino;
-    close(other);
-    return same;
+    char path[300];
+    snprintf(path, sizeof path, "/dev/shm%s", name);
+    return fstat(fd, &mine) == 0 && lstat(path, &named) == 0 && mine.st_ino == named.st_ino;
 }
 static void unlink_segment(void) {
     if (still_named()) shm_unlink(name);
@@ -230,7 +234,7 @@ __attribute__((noreturn, format(printf, 2, 3))) static void fail(int code, const
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     for (char* c = text; *c != 0; ++c)
-        if ((unsigned char)*c < 0x20 || *c == 0x7F) *c = '?';  // names and reasons of others are in it
+        if ((unsigned char)*c < 0x20 || (unsigned char)*c > 0x7E) *c = '?';  // names and reasons of others are in it
     fprintf(stderr, "c_producer: %s\n", text);
     if (segment != NULL) {
         segment->control.reason_code = code;
@@ -263,9 +267,12 @@ static void create_segment(uint64_t bytes) {
                  strerror(error));
         }
         if (errno != EEXIST) fail(unexpected, "Cannot create %s: %s.", name, strerror(errno));
-        fd = shm_open(name, O_RDWR, 0);
+        fd = shm_open(name, O_RDWR | O_NONBLOCK, 0);  // it may be a FIFO
         if (fd < 0 && errno == ENOENT) continue;
+        if (fd < 0 && errno != EACCES) fail(name_in_use, "Cannot open %s: %s.", name, strerror(errno));
         struct stat about;
+        if (fd >= 0 && fstat(fd, &about) == 0 && !S_ISREG(about.st_mode))
+            fail(name_in_use, "The name %s leads to no plain file; choose another session name.", name);
         if (fd < 0 || fstat(fd, &about) != 0 || about.st_uid != geteuid())
             fail(name_in_use, "The segment %s belongs to another user; choose another session name.", name);
         if (lock(F_OFD_SETLK, 0))
@@ -335,24 +342,34 @@ static struct census survey(uint64_t admit_at, uint64_t owed) {
     struct census census = {.slowest = UINT64_MAX};
     for (int i = 0; i < max_consumers; ++i) {
         struct consumer* const c = &segment->consumers[i];
-        const uint32_t state = c->state, mode = c->mode;
-        const bool admit = state == joined && mode <= latest && admitted[i] == 0 && admit_at != 0;
-        // A free-running reader is nobody's peer: nobody waits for it, and its end is a goodbye, whatever its reason.
-        const bool gone = state == left || (state == gave_up && mode == latest);
-        if (admit || (gone && admitted[i] != 0)) {
-            segment->control.admitted_frame[i] = admitted[i] = admit ? admit_at : 0;  // 0: the page may be taken again
+        const uint32_t state = c->state;
+        const bool member = members[i].admitted != 0;
+        const uint32_t mode = member ? members[i].mode : c->mode;
+        const bool admit = state == joined && mode <= latest && !member && admit_at != 0;
+        // A goodbye counts once the lock is free: the state alone may have been written by anybody. A free-running reader
+        // is nobody's peer: nobody waits for it, and its end is a goodbye, whatever its reason.
+        const bool goodbye = state == left || (state == gave_up && mode == latest);
+        const bool gone = member && goodbye && lock(F_OFD_GETLK, 1 + (uint64_t)i);
+        if (admit || gone) {
+            members[i].admitted = admit ? admit_at : 0;  // 0: the page may be taken again
+            members[i].mode = mode;
+            members[i].flags = c->flags;
+            segment->control.admitted_frame[i] = members[i].admitted;
             ring();
         }
-        if (mode != lockstep) continue;
+        if (mode != lockstep || gone) continue;
+        if (member && (c->mode != mode || c->flags != members[i].flags || state < joined || state > gave_up))
+            fail(violation, "The page of consumer '%.63s' (process %u) was overwritten: state %u, mode %u, flags %u.",
+                 c->name, c->pid, state, c->mode, c->flags);
         const bool before_start = published == 0 && !had_leader;
-        if ((state == gave_up && (admitted[i] != 0 || before_start)) || (state == refused && before_start))
+        if ((state == gave_up && (member || before_start)) || (state == refused && before_start))
             fail(peer_aborted, "Consumer '%.63s' (process %u) gave up: %.300s", c->name, c->pid, c->reason_text);
-        if (state != joined || admitted[i] == 0) continue;
-        const uint64_t acknowledged = c->acknowledged_frame, released = larger(acknowledged, admitted[i] - 1);
+        if (members[i].admitted == 0) continue;
+        const uint64_t acknowledged = c->acknowledged_frame, released = larger(acknowledged, members[i].admitted - 1);
         if (acknowledged > published)
             fail(violation, "Consumer '%.63s' (process %u) acknowledged frame %" PRIu64 ", only %" PRIu64 " exist.",
                  c->name, c->pid, acknowledged, published);
-        if ((c->flags & consumer_follows) == 0) ++census.leaders;
+        if ((members[i].flags & consumer_follows) == 0) ++census.leaders;
         if (released < census.slowest) census.slowest = released;
         if (released < owed && c->paused != 0) census.paused = true;
     }
@@ -364,9 +381,9 @@ static struct census survey(uint64_t admit_at, uint64_t owed) {
 static void check_alive(uint64_t owed) {
     for (int i = 0; i < max_consumers; ++i) {
         struct consumer* const c = &segment->consumers[i];
-        if (admitted[i] == 0 || c->mode != lockstep || !lock(F_OFD_GETLK, 1 + (uint64_t)i)) continue;
+        if (members[i].admitted == 0 || members[i].mode != lockstep || !lock(F_OFD_GETLK, 1 + (uint64_t)i)) continue;
         if (c->state != joined) continue;  // a goodbye comes before the lock is dropped
-        const uint64_t next = larger(c->acknowledged_frame + 1, admitted[i]);
+        const uint64_t next = larger(c->acknowledged_frame + 1, members[i].admitted);
         if (next <= owed)
             fail(peer_dead, "Consumer '%.63s' (process %u) died at frame %" PRIu64 ".", c->name, c->pid, next);
     }
@@ -472,6 +489,8 @@ static bool publish_frame(void) {
     d->hash = chain = chain_hash(chain, frame, d->count, fields);
     d->last_dt_s = d->mean_density_error = d->max_density_error = d->mean_depth_m = d->mean_speed_m_s = NAN;
     d->kinetic_energy_j = d->potential_energy_j = d->driving_acceleration_m_s2 = NAN;  // not given
+    d->crc32c = 0;
+    d->crc32c = crc32c(&d->frame, sizeof *d - offsetof(struct descriptor, frame));
     d->sequence = 2 * frame;
     segment->control.published_frame = published = frame;
     segment->control.heartbeat_ns = (uint64_t)now_ns();
@@ -525,6 +544,7 @@ int main(int argc, char** argv) {
     struct sigaction action = {.sa_handler = remember_signal};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    signal(SIGXFSZ, SIG_IGN);  // a segment larger than 'ulimit -f' allows is an error of the allocation
     open_stream();
     wait_for_consumers(true, 1, 0);
     while (published < (uint64_t)options[frames].value && publish_frame()) check_signal();

@@ -4,6 +4,7 @@ import ctypes
 import fcntl
 import os
 import platform
+import stat
 import struct
 
 SLICE_S = 0.05
@@ -94,12 +95,16 @@ class Segment:
 
     def remove_stale(self):
         try:
-            self.fd = os.open(self.path, os.O_RDWR | os.O_CLOEXEC)
+            self.fd = os.open(self.path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
         except FileNotFoundError:
             return
         except PermissionError:
             self.fd = -1
+        except OSError as error:
+            raise StreamError(NAME_IN_USE, f"{self.path} cannot be opened: {error.strerror}.") from error
         try:
+            if self.fd >= 0 and not stat.S_ISREG(os.fstat(self.fd).st_mode):
+                raise StreamError(NAME_IN_USE, f"{self.path} is no plain file; choose another session name.")
             if self.fd < 0 or os.fstat(self.fd).st_uid != os.geteuid():
                 raise StreamError(NAME_IN_USE, f"{self.path} belongs to another user; choose another session name.")
             if self.lock(0):
@@ -114,7 +119,7 @@ class Segment:
 
     def still_named(self):
         try:
-            return os.path.samestat(os.stat(self.path), os.fstat(self.fd))
+            return os.path.samestat(os.lstat(self.path), os.fstat(self.fd))
         except FileNotFoundError:
             return False
 

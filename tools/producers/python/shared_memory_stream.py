@@ -1,4 +1,4 @@
-"""The producer's end of the shared-memory contract (docs/protocol.md, version 1.1) in plain Python.
+"""The producer's end of the shared-memory contract (docs/protocol.md, version 1.2) in plain Python.
 
 Standard library only; ctypes makes the two system calls that Python has no name for. Copy it, with
 shared_memory_segment.py, as it is.
@@ -49,12 +49,19 @@ FOLLOWS = 1  # ConsumerEntry.flags
 FINAL = 1  # SlotDescriptor.flags
 
 
+def crc_of_byte(crc):
+    for _ in range(8):
+        crc = crc >> 1 ^ (0x82F63B78 if crc & 1 else 0)
+    return crc
+
+
+CRC_TABLE = [crc_of_byte(byte) for byte in range(256)]
+
+
 def crc32c(data):
     crc = 0xFFFFFFFF
     for byte in data:
-        crc ^= byte
-        for _ in range(8):
-            crc = crc >> 1 ^ (0x82F63B78 if crc & 1 else 0)
+        crc = crc >> 8 ^ CRC_TABLE[(crc ^ byte) & 0xFF]
     return crc ^ 0xFFFFFFFF
 
 
@@ -63,7 +70,7 @@ def round_up(value, to):
 
 
 def printable(data):
-    """Text up to the first zero byte, control characters replaced."""
+    """Text up to the first zero byte; what is no text or would steer a terminal is replaced."""
     text = bytes(data).split(b"\0")[0].decode(errors="replace")
     return "".join(c if c.isprintable() else "?" for c in text)
 
@@ -103,6 +110,7 @@ class SharedMemoryStream:
         self.ticks_per_frame = ticks_per_frame
         self.published = self.hash = 0
         self.admitted = [0] * MAX_CONSUMERS
+        self.joined_as = [None] * MAX_CONSUMERS  # mode and flags of a consumer when it was admitted
         self.had_leader = self.ended = False
         self.kernel = Kernel()
 
@@ -129,7 +137,7 @@ class SharedMemoryStream:
 
     def header(self, total, scene_hash, ticks_per_second, producer_name):
         page = bytearray(PAGE)
-        struct.pack_into("=8s6I", page, 0, b"WADESHM1", 1, 1, 0x01020304, PAGE, 0, 0)
+        struct.pack_into("=8s6I", page, 0, b"WADESHM1", 1, 2, 0x01020304, PAGE, 0, 0)
         struct.pack_into("=3Q2I", page, 32, total, secrets.randbits(63) + 1, scene_hash, 1, 0)
         struct.pack_into("=Q2I", page, 64, self.capacity, self.slots, self.depth)
         struct.pack_into("=2Q", page, 80, ticks_per_second, self.ticks_per_frame)
@@ -170,21 +178,28 @@ class SharedMemoryStream:
         leaders, slowest, paused, news = 0, float("inf"), False, False
         for i in range(MAX_CONSUMERS):
             page = CONSUMERS + i * PAGE
-            state, mode = self.u32[page // 4], self.u32[page // 4 + 1]
+            state, now = self.u32[page // 4], (self.u32[page // 4 + 1], self.u32[page // 4 + 22])
+            mode, flags = self.joined_as[i] if self.admitted[i] else now
             admit = state == JOINED and mode <= LATEST and self.admitted[i] == 0 and admit_at != 0
-            # A free-running reader is nobody's peer: its end is a goodbye, whatever its reason.
-            gone = state == LEFT or (state == GAVE_UP and mode == LATEST)
-            if admit or (gone and self.admitted[i] != 0):
+            # A goodbye counts once the lock is free: the state alone may have been written by anybody. A free-running
+            # reader is nobody's peer: its end is a goodbye, whatever its reason.
+            goodbye = self.admitted[i] != 0 and (state == LEFT or (state == GAVE_UP and mode == LATEST))
+            gone = goodbye and not self.segment.locked_by_other(1 + i)
+            if admit or gone:
+                self.joined_as[i] = now
                 self.admitted[i] = admit_at if admit else 0  # 0: the page may be taken again
                 self.u64[(CONTROL + 192) // 8 + i] = self.admitted[i]
                 news = True
-            if mode != LOCKSTEP:
+            if mode != LOCKSTEP or gone:
                 continue
+            if self.admitted[i] != 0 and (now != (mode, flags) or not JOINED <= state <= GAVE_UP):
+                words = f"state {state}, mode {now[0]}, flags {now[1]}"
+                raise StreamError(VIOLATION, f"The page of {self.consumer(i)} was overwritten: {words}.")
             before_start = self.published == 0 and not self.had_leader
             if (state == GAVE_UP and (self.admitted[i] != 0 or before_start)) or (state == REFUSED and before_start):
                 reason = printable(self.bytes[page + 200 : page + 712])
                 raise StreamError(PEER_ABORTED, f"{self.consumer(i)} gave up: {reason}")
-            if state != JOINED or self.admitted[i] == 0:
+            if self.admitted[i] == 0:
                 continue
             acknowledged = self.u64[page // 8 + 1]
             if acknowledged > self.published:
@@ -192,7 +207,7 @@ class SharedMemoryStream:
                     VIOLATION, f"{self.consumer(i)} acknowledged frame {acknowledged}, only {self.published} exist."
                 )
             released = max(acknowledged, self.admitted[i] - 1)
-            leaders += not self.u32[(page + 88) // 4] & FOLLOWS
+            leaders += not flags & FOLLOWS
             slowest = min(slowest, released)
             paused = paused or (released < owed and self.u32[(page + 84) // 4] != 0)
         self.had_leader = self.had_leader or leaders > 0
@@ -204,7 +219,7 @@ class SharedMemoryStream:
         """A consumer whose lock is free has died, unless it said goodbye or had released all that it owed."""
         for i in range(MAX_CONSUMERS):
             page = CONSUMERS + i * PAGE
-            if self.admitted[i] == 0 or self.u32[page // 4 + 1] != LOCKSTEP or self.segment.locked_by_other(1 + i):
+            if self.admitted[i] == 0 or self.joined_as[i][0] != LOCKSTEP or self.segment.locked_by_other(1 + i):
                 continue
             following = max(self.u64[page // 8 + 1] + 1, self.admitted[i])
             if self.u32[page // 4] == JOINED and following <= owed:  # a goodbye comes before the lock is dropped
@@ -277,6 +292,8 @@ class SharedMemoryStream:
         struct.pack_into("=2Q2I2Q", self.bytes, at + 8, frame, tick, count, flags, frame_hash, self.hash)
         nan = float("nan")  # diagnostics that are not given
         struct.pack_into("=3dQ5d", self.bytes, at + 80, nan, nan, nan, 0, nan, nan, nan, nan, nan)
+        struct.pack_into("=I", self.bytes, at + 48, 0)
+        struct.pack_into("=I", self.bytes, at + 48, crc32c(self.bytes[at + 8 : at + DESCRIPTOR_BYTES]))
         self.kernel.fence()
         self.u64[at // 8] = 2 * frame
         self.kernel.fence()

@@ -114,6 +114,7 @@ void walk(const std::string& session, std::uint32_t lag, std::uint64_t frames) {
         for (const auto& field :
              {slot->mass, slot->vx, slot->vy, slot->vz, slot->py, slot->pz, slot->radius, slot->height, slot->state})
             field[0] = 0;
+        slot->mass[0] = 65;
         slot->px[0] = 100 + static_cast<float>(f);
         agents.end_frame(1);
         if (!water.acquire()) break;

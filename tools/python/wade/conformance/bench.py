@@ -32,6 +32,7 @@ class Bench:
     attach_timeout_option: str = ""
     step_timeout_option: str = ""
     nondeterministic: bool = False
+    scene: str = None
     runs: list = field(default_factory=list)
 
     def start(self, session=None, extra=(), held=False):

@@ -3,12 +3,15 @@
 import signal
 import time
 
+from wade.conformance import system
 from wade.conformance.bench import FRAMES, follow
 from wade.conformance.checks_consumers import together
 from wade.conformance.checks_object import expect_aborted
 from wade.conformance.child import start_child
 from wade.conformance.expectation import NotApplicable, expect
-from wade.conformance.layout import CLOSED, DRAINING, FINAL, GAVE_UP, SLICE_S, ConsumerPage
+from wade.conformance.layout import (
+    CHECKED_MINOR, CLOSED, DRAINING, FINAL, FOLLOWS, FREE, GAVE_UP, LATEST, LEFT, RUNNING, SLICE_S, ConsumerPage,
+)
 
 STEP_TIMEOUT_S = 1.0
 
@@ -127,6 +130,48 @@ def false_acknowledgement(bench):
     return f"'{consumer.reason()[1]}'"
 
 
+def overwritten_words(bench):
+    """A consumer whose mode, flags or state was overwritten ends the producer with exit code 6."""
+    for name, offset, value in (
+        ("mode", ConsumerPage.MODE, LATEST), ("flags", ConsumerPage.FLAGS, FOLLOWS), ("state", ConsumerPage.STATE, FREE),
+    ):
+        run = bench.start()
+        consumer = run.join()
+        demand_checked(consumer)
+        follow([consumer], 2)
+        consumer.page.set_u32(offset, value)
+        consumer.ring()
+        run.expect_end(6, f"the {name} of a consumer in lockstep stays what it was at its admission")
+        expect_aborted(consumer, 6)
+    return "mode, flags, state"
+
+
+def false_goodbye(bench):
+    """A goodbye counts once the lock is free: a state alone may have been written by somebody else."""
+    run = bench.start()
+    consumer = run.join()
+    demand_checked(consumer)
+    follow([consumer], 2)
+    consumer.take()
+    consumer.page.set_u32(ConsumerPage.STATE, LEFT)
+    consumer.ring()
+    bound = consumer.published() + consumer.header.depth
+    deadline = time.monotonic() + 4 * SLICE_S
+    while time.monotonic() < deadline:
+        expect(run.code() is None and consumer.state() == RUNNING and consumer.published() <= bound,
+               "a consumer that holds its lock is waited for", lambda: run.over() or consumer.situation())
+        time.sleep(0.01)
+    system.unlock_byte(consumer.fd, 1 + consumer.index)
+    consumer.ring()
+    run.expect_end(0, "a producer drains when all consumers have left")
+    return f"held at frame {consumer.next}"
+
+
+def demand_checked(consumer):
+    if consumer.header.version_minor < CHECKED_MINOR:
+        raise NotApplicable("the producer speaks 1.1 or 1.0, this rule came with 1.2")
+
+
 def sigterm(bench):
     """SIGTERM ends the producer with 143; its consumers learn that it gave up, and why."""
     return signalled(bench, signal.SIGTERM, 143)
@@ -189,5 +234,6 @@ def paused_consumer(bench):
 
 ALL = (
     end, all_leave, consumer_aborts, hostile_texts, consumer_killed, consumer_killed_at_end, false_acknowledgement,
+    overwritten_words, false_goodbye,
     sigterm, sigint, signal_before, step_timeout, paused_consumer,
 )

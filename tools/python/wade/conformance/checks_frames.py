@@ -7,8 +7,10 @@ import time
 from wade.conformance import system
 from wade.conformance.bench import FRAMES, follow
 from wade.conformance.expectation import NotApplicable, expect
-from wade.conformance.hashes import chain
-from wade.conformance.layout import FINAL, KINDS, NONFINITE, READY, RUNNING, SLICE_S, ConsumerPage, ControlPage
+from wade.conformance.hashes import chain, descriptor_crc
+from wade.conformance.layout import (
+    CHECKED_MINOR, FINAL, KINDS, NONFINITE, READY, RUNNING, SLICE_S, ConsumerPage, ControlPage, Descriptor,
+)
 
 LONG_HOLD_S = 5 * SLICE_S
 
@@ -19,10 +21,19 @@ def frames(bench):
     expect(consumer.wait_for_admission() == 1, "who joins before frame 1 gets it", f"admitted at {consumer.first}")
     last_tick = 0 if consumer.header.version_minor == 0 else -1
     counts, seen = set(), 0
+    if consumer.kind == KINDS["fluid"]:
+        shortest, longest = consumer.header.ticks_per_frame / 1000, 8 * consumer.header.ticks_per_frame
+    else:
+        shortest, longest = 0, 2**64  # agents have the ticks of their water
     while seen < 2 * FRAMES and not consumer.at_end():
         frame = consumer.take()
         expect(frame.tick > last_tick, f"the tick of frame {frame.frame} is above the one before, {last_tick}",
                f"{frame.tick}")
+        if seen and consumer.header.version_minor >= CHECKED_MINOR:
+            lasted = frame.tick - last_tick
+            expect(lasted <= longest and (lasted >= shortest or frame.flags & FINAL),
+                   f"a frame lasts 1/1000 to 8 times ticks_per_frame = {consumer.header.ticks_per_frame}",
+                   f"frame {frame.frame} lasts {lasted} ticks")
         expect(frame.flags & ~(FINAL | NONFINITE) == 0, "flags are final (1) and non-finite (2)", f"{frame.flags}")
         expect_finite(consumer, frame)
         if consumer.kind == KINDS["agents"]:
@@ -52,6 +63,23 @@ def expect_finite(consumer, frame):
         if not all(map(math.isfinite, values)):
             bad = next(k for k, value in enumerate(values) if not math.isfinite(value))
             expect(False, f"frame {frame.frame} holds finite values", f"{entry.name}[{bad}] = {values[bad]}")
+
+
+def descriptor_check(bench):
+    """Each descriptor has the CRC-32C of its bytes."""
+    consumer = bench.start().join()
+    if consumer.header.version_minor < CHECKED_MINOR:
+        raise NotApplicable("the producer speaks 1.1 or 1.0, the check of a descriptor came with 1.2")
+    count = 0
+    while count < 2 * FRAMES and not consumer.at_end():
+        frame = consumer.take()
+        at = consumer.header.descriptor(frame.frame)
+        own = descriptor_crc(consumer.words.bytes[at : at + Descriptor.BYTES])
+        given = consumer.words.u32(at + Descriptor.CRC32C)
+        expect(given == own, f"crc32c (offset 48) of frame {frame.frame} is that of bytes 8 .. 255, {own}", f"{given}")
+        count += 1
+        consumer.release()
+    return f"{count} descriptors"
 
 
 def hash_chain(bench):
@@ -252,4 +280,4 @@ def heartbeat(bench):
     return f"{(beats[-1] - beats[0]) / 2e6:.0f} ms between beats"
 
 
-ALL = (frames, hash_chain, states, lockstep, depth, write_mark, wake_up, heartbeat)
+ALL = (frames, descriptor_check, hash_chain, states, lockstep, depth, write_mark, wake_up, heartbeat)

@@ -30,6 +30,12 @@ def header_crc(page):
     return crc32c(page[:24] + bytes(4) + page[28:])
 
 
+def descriptor_crc(descriptor):
+    """CRC-32C of a descriptor without its sequence, its own word taken as zero."""
+    data = bytes(descriptor)
+    return crc32c(data[8:48] + bytes(4) + data[52:])
+
+
 def mix(z):
     """The finaliser of splitmix64."""
     z ^= z >> 30

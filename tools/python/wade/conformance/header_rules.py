@@ -97,7 +97,7 @@ def check_apart(regions, room, whole):
 
 def check_reserved(header):
     """Reserved bytes are zero as far as this minor version is known."""
-    if header.version_minor > 1:
+    if header.version_minor > 2:
         return
     entries = FIELD_ENTRY[0] + header.field_count * FIELD_ENTRY[1]
     for start, end in RESERVED_IN_HEADER + ((entries, 1024),):

@@ -10,6 +10,7 @@ MAX_CONSUMERS = 16
 MAX_SLOTS = 64
 MAX_FIELDS = 16
 SLICE_S = 0.05
+CHECKED_MINOR = 2  # from this minor version on a descriptor has a check, and words that others overwrite are an error
 
 KINDS = {"fluid": 1, "agents": 2}
 FIELDS = {1: ("mass", "vx", "vy", "vz", "px", "py", "pz")}
@@ -42,7 +43,8 @@ class ConsumerPage:
 class Descriptor:
     """Offsets from the start of a slot's descriptor."""
 
-    SEQUENCE, FRAME, TICK, COUNT, FLAGS, HASH, PREVIOUS_HASH, DIAGNOSTICS = 0, 8, 16, 24, 28, 32, 40, 64
+    SEQUENCE, FRAME, TICK, COUNT, FLAGS, HASH, PREVIOUS_HASH, CRC32C, DIAGNOSTICS = 0, 8, 16, 24, 28, 32, 40, 48, 64
+    BYTES = 256
 
 
 HEADER_WORDS = {

@@ -235,6 +235,7 @@ class Consumer(Segment):
             self.ring()
             self.page.set_u64(ConsumerPage.LEFT_AT_FRAME, self.published())
             system.unlock_byte(self.fd, 1 + self.index)
+            self.ring()  # the goodbye counts once the lock is free
 
 
 class LatestReader(Consumer):

@@ -12,6 +12,7 @@ from wade.conformance import checks_consumers
 from wade.conformance import checks_ends
 from wade.conformance import checks_frames
 from wade.conformance import checks_object
+from wade.conformance import checks_plausible
 from wade.conformance import checks_repeat
 from wade.conformance.bench import Bench, CannotStart
 from wade.conformance.expectation import PATIENCE_S, NotApplicable, Violation
@@ -19,8 +20,8 @@ from wade.conformance.layout import KINDS
 from wade.terminal import Parser, harmless, say_error, wrapped
 
 CHECKS = (
-    checks_object.FIRST + checks_frames.ALL + checks_consumers.ALL + checks_repeat.ALL + checks_ends.ALL
-    + checks_object.LAST
+    checks_object.FIRST + checks_frames.ALL + checks_plausible.ALL + checks_consumers.ALL + checks_repeat.ALL
+    + checks_ends.ALL + checks_object.LAST
 )
 
 DESCRIPTION = """Runs a producer through the contract of docs/protocol.md, each check with a fresh run of it.
@@ -46,6 +47,8 @@ def parse(arguments):
     parser.add_argument("--keep-going", action="store_true", help="go on after a check that failed")
     parser.add_argument("--report", metavar="FILE", help="write the results as JSON")
     parser.add_argument("--kind", choices=sorted(KINDS), default="fluid", help="kind of the stream [fluid]")
+    parser.add_argument("--scene", metavar="FILE",
+                        help="the scene whose channel the particles fill [the first .json file in COMMAND]")
     parser.add_argument("--attach-timeout-option", metavar="OPTION", default="",
                         help="the producer's option for its attach time-out in seconds; it shortens nobody_comes")
     parser.add_argument("--step-timeout-option", metavar="OPTION", default="",
@@ -94,7 +97,7 @@ def main(arguments):
             print(wrapped(f"{check.__name__:22} {check.__doc__}", indent=23 * " "))
         return 0
     bench = Bench(options.command, options.kind, options.patience_s, options.attach_timeout_option,
-                  options.step_timeout_option, options.nondeterministic)
+                  options.step_timeout_option, options.nondeterministic, options.scene)
     results = []
     for check in CHECKS:
         name = check.__name__

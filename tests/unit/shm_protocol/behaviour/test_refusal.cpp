@@ -76,7 +76,7 @@ TEST_CASE("a producer of another version is refused at once, with both versions"
     const Publisher publisher(session.name(), test_info(), patient());
     Bytes bytes(session.path());
     bytes.as<Header>(0).version_major = 9;
-    check_refused(try_to_join(session), "version 9.1, this program version 1.1");
+    check_refused(try_to_join(session), "version 9.2, this program version 1.2");
 }
 
 TEST_CASE("another scene is refused at once on both sides, with both hashes") {
@@ -89,6 +89,30 @@ TEST_CASE("another scene is refused at once on both sides, with both hashes") {
     const Caught producer = catch_error([&] { publisher.wait_for_consumers(1); });
     CHECK(producer.failure == Failure::peer_aborted);
     CHECK(contains(producer.text, "different scenes"));
+}
+
+TEST_CASE("a consumer that refuses tells the producer at once, and why") {
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    Subscriber::refuse(session.name(), "crowd", {.waiting = patient()}, 1, "There is no room left for /runs/s05.");
+    const Caught caught = catch_error([&] { publisher.wait_for_consumers(1); });
+    CHECK(caught.failure == Failure::peer_aborted);
+    CHECK(contains(caught.text, "Consumer 'crowd'"));
+    CHECK(contains(caught.text, "refused the stream: There is no room left for /runs/s05."));
+}
+
+TEST_CASE("a consumer refuses a producer that comes later, and gives up where none comes") {
+    const Session session;
+    const Caught alone =
+        catch_error([&] { Subscriber::refuse(session.name(), "crowd", {.waiting = hasty()}, 1, "no"); });
+    CHECK(alone.failure == Failure::attach_timeout);
+    Child consumer([&] {
+        Subscriber::refuse(session.name(), "crowd", {.waiting = patient()}, 1, "no");
+        return 0;
+    });
+    Publisher publisher(session.name(), test_info(), patient());
+    CHECK(catch_error([&] { publisher.wait_for_consumers(1); }).failure == Failure::peer_aborted);
+    CHECK(consumer.wait() == 0);
 }
 
 TEST_CASE("a consumer of another scene does not disturb a stream that runs") {
@@ -223,13 +247,75 @@ TEST_CASE("a frame that was changed after its publication does not match its has
 }
 
 TEST_CASE("a descriptor that lies is refused") {
-    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).count = test_capacity + 1; }),
-                  "the capacity is");
-    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).count = 0xFFFFFFFF; }),
-                  "the capacity is");
-    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).frame = 2; }), "not complete");
-    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).sequence = 1; }), "not complete");
-    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).count -= 1; }), "hash");
+    const auto lie = [](auto change) {
+        return receive_spoiled([change](Bytes& b, const FrameFields&) {
+            change(b.descriptor(1));
+            b.reseal(1);
+        });
+    };
+    check_refused(lie([](SlotDescriptor& d) { d.count = test_capacity + 1; }), "the capacity is");
+    check_refused(lie([](SlotDescriptor& d) { d.count = 0xFFFFFFFF; }), "the capacity is");
+    check_refused(lie([](SlotDescriptor& d) { d.frame = 2; }), "not complete");
+    check_refused(lie([](SlotDescriptor& d) { d.sequence = 1; }), "not complete");
+    check_refused(lie([](SlotDescriptor& d) { d.count -= 1; }), "hash");
+    check_refused(lie([](SlotDescriptor& d) { d.tick = std::uint64_t{1} << 54; }), "the first one may be 2^53 at most");
+}
+
+TEST_CASE("each bit of a descriptor, changed after its publication, leads to a refusal") {
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    publish_next(publisher);
+    Bytes bytes(session.path());
+    const StreamInfo& info = publisher.info();
+    const SlotDescriptor sound = bytes.descriptor(1);
+    FrameHistory history;
+    history.check_descriptor = true;
+    CHECK_NOTHROW(check_descriptor(info, 1, sound, history));
+    for (std::size_t bit = 8 * offsetof(SlotDescriptor, frame); bit < 8 * sizeof sound; ++bit) {
+        unsigned char changed[sizeof sound];
+        std::memcpy(changed, &sound, sizeof sound);
+        changed[bit / 8] = static_cast<unsigned char>(changed[bit / 8] ^ (1U << bit % 8));
+        SlotDescriptor descriptor;
+        std::memcpy(&descriptor, changed, sizeof changed);
+        CAPTURE(bit);
+        REQUIRE(catch_error([&] { check_descriptor(info, 1, descriptor, history); }).failure ==
+                Failure::protocol_violation);
+    }
+    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).tick |= std::uint64_t{1} << 40; }),
+                  "damaged descriptor");
+}
+
+TEST_CASE("a producer of version 1.1, whose descriptors have no check, is accepted") {
+    for (const std::uint32_t minor : {0U, 1U, 2U}) {
+        const Session session;
+        Publisher publisher(session.name(), test_info(), patient());
+        Bytes bytes(session.path());
+        bytes.as<Header>(0).version_minor = minor;
+        bytes.as<Header>(0).crc32c = header_crc(bytes.as<Header>(0));
+        Subscriber subscriber(session.name(), "crowd", {.waiting = patient()});
+        publisher.wait_for_consumers(1);
+        publish_next(publisher);
+        bytes.descriptor(1).crc32c = 0;
+        const Caught caught = catch_error([&] { (void)subscriber.acquire(); });
+        CAPTURE(minor, caught.text);
+        CHECK(caught.failure.has_value() == (minor == 2));
+        if (!caught.failure) subscriber.release();
+        if (!caught.failure) subscriber.leave();
+    }
+}
+
+TEST_CASE("a frame with a mass that is not above 0 is refused by particle") {
+    for (const float mass : {0.0F, -0.0F, -100.0F}) {
+        const Session session;
+        Publisher publisher(session.name(), test_info(), patient());
+        Subscriber subscriber(session.name(), "crowd", {.waiting = patient()});
+        publisher.wait_for_consumers(1);
+        const auto fields = publisher.begin_frame();
+        fill(*fields, 30);
+        fields->mass[11] = mass;
+        publisher.end_frame(30);
+        check_refused(catch_error([&] { subscriber.acquire(); }), "without mass (first: particle 11 of ");
+    }
 }
 
 TEST_CASE("a frame whose time does not go on is refused") {
@@ -243,14 +329,20 @@ TEST_CASE("a frame whose time does not go on is refused") {
     subscriber.release();
     REQUIRE(publisher.begin_frame());
     publisher.end_frame(0, {}, false, 6);
-    Bytes(session.path()).descriptor(2).tick = 5;
-    check_refused(catch_error([&] { subscriber.acquire(); }), "has tick 5, the frame before it has 5");
+    Bytes bytes(session.path());
+    bytes.descriptor(2).tick = 5;
+    bytes.reseal(2);
+    check_refused(catch_error([&] { subscriber.acquire(); }), "has tick 5, frame 1 before it has 5");
 }
 
 TEST_CASE("a producer that runs away from its consumer is refused") {
-    check_refused(
-        receive_spoiled([](Bytes& b, const FrameFields&) { b.as<Control>(control_offset).published_frame = 5; }),
-        "before frame 1 was released");
+    const Session session;
+    Publisher publisher(session.name(), test_info(), patient());
+    Subscriber subscriber(session.name(), "crowd", {.waiting = patient()});
+    publisher.wait_for_consumers(1);
+    publish_next(publisher);
+    Bytes(session.path()).control().published_frame = 5;
+    check_refused(catch_error([&] { (void)subscriber.acquire(); }), "before frame 1 was released");
 }
 
 TEST_CASE("a producer that overwrites a frame in use is refused") {
@@ -296,22 +388,6 @@ TEST_CASE("a consumer's name has to fit") {
     CHECK_THROWS_AS(Subscriber(session.name(), std::string(64, 'x'), {.waiting = hasty()}), std::invalid_argument);
 }
 
-TEST_CASE("a successor under the same name is not taken for the object that was opened, nor removed in its stead") {
-    const Session session;
-    const std::string name = segment_name(session.name(), stream_fluid);
-    const auto old = SegmentFile::create_exclusive(name);
-    REQUIRE(old);
-    CHECK(old->is_named(name));
-    CHECK_FALSE(SegmentFile::create_exclusive(name));
-    unlink_segment(*old, name);
-    CHECK_FALSE(old->is_named(name));
-    const auto successor = SegmentFile::create_exclusive(name);
-    REQUIRE(successor);
-    CHECK_FALSE(old->is_named(name));
-    unlink_segment(*old, name);
-    CHECK(successor->is_named(name));
-}
-
 TEST_CASE("a consumer that checks no values takes the producer's word for the hash") {
     const Session session;
     Publisher publisher(session.name(), test_info(), patient());
@@ -321,7 +397,8 @@ TEST_CASE("a consumer that checks no values takes the producer's word for the ha
     publisher.wait_for_consumers(1);
     publish_next(publisher);
     Bytes bytes(session.path());
-    bytes.as<SlotDescriptor>(descriptors_offset).hash ^= 1;  // a checking consumer refuses this frame
+    bytes.descriptor(1).hash ^= 1;  // a checking consumer refuses this frame
+    bytes.reseal(1);
     const auto frame = subscriber.acquire();
     REQUIRE(frame);
     CHECK(frame->hash == (publisher.frame_hash() ^ 1));

@@ -101,6 +101,7 @@ TEST_CASE("a fluid stream has no radius, height and state") {
     const auto slot = publisher.begin_frame();
     REQUIRE(slot);
     CHECK((slot->radius.empty() && slot->height.empty() && slot->state.empty()));
+    fill(*slot, 5);
     publisher.end_frame(5);
     const auto frame = subscriber.acquire();
     REQUIRE(frame);

@@ -90,7 +90,7 @@ TEST_CASE("the producer is never further ahead than the depth") {
             for (std::uint64_t f = 1; f <= frames; ++f) {
                 if (!publisher.begin_frame()) return;
                 begun = f;
-                publisher.end_frame(1, {}, f == frames);
+                publisher.end_frame(0, {}, f == frames);
             }
             publisher.close();
         });

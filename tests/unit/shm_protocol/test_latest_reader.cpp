@@ -281,13 +281,14 @@ TEST_CASE(
 }
 
 TEST_CASE("a newest frame that lies is refused by a free-running reader") {
-    const auto refusal = [](auto&& change) {
+    const auto refusal = [](auto&& change, bool sealed = true) {
         Pair pair;
         const auto fields = pair.publisher.begin_frame();
         fill(*fields, test_count(1));
         pair.publisher.end_frame(test_count(1));
         Bytes bytes(pair.session.path());
         change(bytes.descriptor(1), *fields);
+        if (sealed) bytes.reseal(1);
         const Caught caught = catch_error([&] { (void)pair.reader.poll(); });
         CHECK(caught.failure == Failure::protocol_violation);
         CHECK_NOTHROW(publish(pair.publisher, 3));
@@ -298,6 +299,7 @@ TEST_CASE("a newest frame that lies is refused by a free-running reader") {
     CHECK(contains(refusal([](Descriptor& d, const Fields&) { d.count = 0xFFFFFFFF; }), "the capacity is"));
     CHECK(contains(refusal([](Descriptor& d, const Fields&) { d.frame = 9; }), "descriptor of frame 9"));
     CHECK(contains(refusal([](Descriptor& d, const Fields&) { d.hash += 1; }), "hash"));
+    CHECK(contains(refusal([](Descriptor& d, const Fields&) { d.tick += 1; }, false), "damaged descriptor"));
     CHECK(contains(refusal([](Descriptor&, const Fields& f) { f.px[2] += 1; }), "hash"));
     CHECK(contains(refusal([](Descriptor& d, const Fields& f) { d.hash = 0, f.vy[17] = std::nanf(""); }),
                    "particle 17, field vy"));
