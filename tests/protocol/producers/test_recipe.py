@@ -1,4 +1,4 @@
-"""The recipe "A producer" of CONTRIBUTING.md: its program, compiled as it says, is sound, and a crowd walks in its water."""
+"""The recipe "A producer" of CONTRIBUTING.md: its program is sound, and a crowd walks in its water."""
 
 import json
 import os
@@ -16,8 +16,8 @@ SCENE = ROOT / "tests" / "system" / "scenes" / "small.json"
 
 def done(*words, **options):
     """What a command says; AssertionError with that if it fails."""
-    run = subprocess.run(list(map(str, words)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
-                         **options)
+    run = subprocess.run(list(map(str, words)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                         check=False, **options)
     assert run.returncode == 0, f"{words}: {run.returncode}\n{run.stdout}"
     return run.stdout
 
@@ -31,8 +31,8 @@ class Recipe(unittest.TestCase):
         done(sys.executable, "-B", ROOT / "tests" / "recipes" / "apply_recipe.py", ROOT, "A producer", cls.folder,
              "my_water.cpp")
         cls.program = cls.folder / "my_water"
-        done("g++", cls.folder / "my_water.cpp", "-o", cls.program, f"-I{ROOT / 'shm_protocol' / 'c_api'}", f"-L{PROGRAMS}",
-             "-lwade_shm", f"-Wl,-rpath,{PROGRAMS}")
+        done("g++", cls.folder / "my_water.cpp", "-o", cls.program, f"-I{ROOT / 'shm_protocol' / 'c_api'}",
+             f"-L{PROGRAMS}", "-lwade_shm", f"-Wl,-rpath,{PROGRAMS}")
 
     def test_conforms_to_the_contract(self):
         """nobody_comes lasts as long as the library's attach time-out."""

@@ -98,7 +98,7 @@ struct descriptor {
     uint64_t frame, tick;
     uint32_t count, flags;
     uint64_t hash, previous_hash;
-    uint32_t crc32c, reserved[3];  // of all from `frame` on
+    uint32_t crc32c, reserved[3];                                              // of all from `frame` on
     uint32_t sub_steps, density_iterations, divergence_iterations, reserved0;  // from here on the diagnostics
     double last_dt_s, mean_density_error, max_density_error;
     uint64_t solver_ns;
@@ -121,7 +121,9 @@ _Static_assert(offsetof(struct control, admitted_frame) == 192 && offsetof(struc
                "control page");
 _Static_assert(offsetof(struct consumer, flags) == 88 && offsetof(struct consumer, reason_text) == 200,
                "consumer page");
-_Static_assert(offsetof(struct descriptor, crc32c) == 48 && offsetof(struct descriptor, sub_steps) == 64 && sizeof(struct descriptor) == 256, "slot descriptor");
+_Static_assert(offsetof(struct descriptor, crc32c) == 48 && offsetof(struct descriptor, sub_steps) == 64 &&
+                   sizeof(struct descriptor) == 256,
+               "slot descriptor");
 _Static_assert(sizeof(struct header) == page && sizeof(struct control) == page && sizeof(struct consumer) == page &&
                    offsetof(struct segment, descriptors) == 19 * page,
                "segment");

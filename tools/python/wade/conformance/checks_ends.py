@@ -133,7 +133,8 @@ def false_acknowledgement(bench):
 def overwritten_words(bench):
     """A consumer whose mode, flags or state was overwritten ends the producer with exit code 6."""
     for name, offset, value in (
-        ("mode", ConsumerPage.MODE, LATEST), ("flags", ConsumerPage.FLAGS, FOLLOWS), ("state", ConsumerPage.STATE, FREE),
+        ("mode", ConsumerPage.MODE, LATEST), ("flags", ConsumerPage.FLAGS, FOLLOWS),
+        ("state", ConsumerPage.STATE, FREE),
     ):
         run = bench.start()
         consumer = run.join()

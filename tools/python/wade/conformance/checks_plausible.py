@@ -45,7 +45,8 @@ def plausible(bench):
             most = max(most, frame.count)
         consumer.release()
     expect(most, "some frame holds particles", "all are empty")
-    return f"{most} particles, last in {box}" + (f"; the channel: {channel}" if channel else "; give --scene to compare")
+    compared = f"the channel: {channel}" if channel else "give --scene to compare"
+    return f"{most} particles, last in {box}; {compared}"
 
 
 def channel_of(bench):
@@ -54,8 +55,7 @@ def channel_of(bench):
     server = BUILD / "fluid_server"
     if not scene or not server.exists():
         return None
-    answer = subprocess.run([server, scene, "--print-config"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                            check=False)
+    answer = subprocess.run([server, scene, "--print-config"], capture_output=True, text=True, check=False)
     if answer.returncode:
         raise NotApplicable(f"fluid_server does not read {scene}: {answer.stderr.strip()}")
     channel = json.loads(answer.stdout)["channel"]
