@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include "shm_protocol/inside/atomic.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 #include "shm_protocol/inside/frame_check.hpp"
 #include "shm_protocol/inside/futex.hpp"
-#include "shm_protocol/inside/hash.hpp"
 #include "shm_protocol/inside/publisher_state.hpp"
 
 namespace wade::shm {

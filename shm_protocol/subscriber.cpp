@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "shm_protocol/inside/atomic.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 #include "shm_protocol/inside/futex.hpp"
-#include "shm_protocol/inside/hash.hpp"
 #include "shm_protocol/inside/liveness.hpp"
 #include "shm_protocol/inside/publisher_state.hpp"
 #include "shm_protocol/inside/subscriber_state.hpp"

@@ -7,7 +7,7 @@
 #include <span>
 #include <tuple>
 
-#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 #include "shm_protocol/inside/header.hpp"
 
 namespace wade::crowd {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "shm_protocol/inside/crc32c.hpp"
+#include "shm_protocol/inside/bytes/crc32c.hpp"
 
 namespace wade::shm {
 namespace {

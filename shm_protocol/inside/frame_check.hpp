@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 #include "shm_protocol/inside/header.hpp"
 #include "shm_protocol/layout.hpp"
 #include "shm_protocol/stream.hpp"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "shm_protocol/inside/crc32c.hpp"
+#include "shm_protocol/inside/bytes/crc32c.hpp"
 
 namespace wade::shm {
 namespace {

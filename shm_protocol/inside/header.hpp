@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "shm_protocol/inside/text.hpp"
+#include "shm_protocol/inside/bytes/text.hpp"
 #include "shm_protocol/layout.hpp"
 #include "shm_protocol/stream.hpp"
 

@@ -10,7 +10,7 @@
 #include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_view.hpp"
 #include "fluid_server/dfsph/dfsph_model.hpp"
-#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 #include "tests/bench/bench_options.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/scenes.hpp"

@@ -10,8 +10,8 @@
 #include <span>
 
 #include "configs/errors/exit_code.hpp"
-#include "shm_protocol/inside/crc32c.hpp"
-#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/bytes/crc32c.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 #include "tools/shm/frame_payload.hpp"
 
 namespace wade::recording {

@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "configs/errors/exit_code.hpp"
-#include "shm_protocol/inside/crc32c.hpp"
+#include "shm_protocol/inside/bytes/crc32c.hpp"
 #include "shm_protocol/inside/header.hpp"
 #include "tools/shm/frame_payload.hpp"
 

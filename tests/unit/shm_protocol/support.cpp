@@ -15,7 +15,7 @@
 #include <system_error>
 #include <vector>
 
-#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 
 namespace wade::shm::test {
 

@@ -10,7 +10,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"
-#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 #include "shm_protocol/subscriber.hpp"
 
 using namespace wade;

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "segment_bytes.hpp"
-#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 #include "shm_protocol/inside/header.hpp"
 #include "support.hpp"
 

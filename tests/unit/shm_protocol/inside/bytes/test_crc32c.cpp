@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "shm_protocol/inside/crc32c.hpp"
+#include "shm_protocol/inside/bytes/crc32c.hpp"
 
 using wade::shm::crc32c;
 

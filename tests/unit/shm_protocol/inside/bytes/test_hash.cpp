@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 
 using namespace wade::shm;
 

@@ -1,4 +1,4 @@
-#include "shm_protocol/inside/hash.hpp"
+#include "shm_protocol/inside/bytes/hash.hpp"
 
 #include <bit>
 

@@ -1,4 +1,4 @@
-#include "shm_protocol/inside/crc32c.hpp"
+#include "shm_protocol/inside/bytes/crc32c.hpp"
 
 #include <array>
 #include <bit>

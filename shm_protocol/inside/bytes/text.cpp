@@ -1,4 +1,4 @@
-#include "shm_protocol/inside/text.hpp"
+#include "shm_protocol/inside/bytes/text.hpp"
 
 #include <algorithm>
 #include <cstdint>

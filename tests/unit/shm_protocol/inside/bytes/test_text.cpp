@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "shm_protocol/inside/text.hpp"
+#include "shm_protocol/inside/bytes/text.hpp"
 
 using namespace wade::shm;
 
