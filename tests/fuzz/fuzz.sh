@@ -50,9 +50,9 @@ flags=(-std=c++20 -O2 -g -Wall -Wextra -Werror "-I$root")
 # The checksum is most of the work and none of the question: no sanitizers there.
 "$compiler" "${flags[@]}" -c "$root/shm_protocol/inside/bytes/crc32c.cpp" -o "$work/crc32c.o"
 "$compiler" "${flags[@]}" -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
-  "$root/tests/fuzz/fuzz_header.cpp" "$root/shm_protocol/inside/header.cpp" "$work/crc32c.o" -o "$work/fuzz_header"
+  "$root/tests/fuzz/fuzz_header.cpp" "$root/shm_protocol/inside/header.cpp" "$root/shm_protocol/inside/bytes/text.cpp" "$work/crc32c.o" -o "$work/fuzz_header"
 if $merge; then
-  "$compiler" "${flags[@]}" "$root/tests/fuzz/header_seeds.cpp" "$root/shm_protocol/inside/header.cpp" "$work/crc32c.o" \
+  "$compiler" "${flags[@]}" "$root/tests/fuzz/header_seeds.cpp" "$root/shm_protocol/inside/header.cpp" "$root/shm_protocol/inside/bytes/text.cpp" "$work/crc32c.o" \
     -o "$work/header_seeds"
   mkdir "$work/seeds"
   "$work/header_seeds" "$work/seeds"
