@@ -75,6 +75,15 @@ class Tables(unittest.TestCase):
             self.assertLessEqual(written[room], seen, f"{room} stands above what it builds on")
             seen.add(room)
 
+    def test_steps_have_the_stages_of_the_programs(self):
+        water = re.search(r"stage_names\{([^}]*)\}", TREE.text("fluid_server/dfsph/stages.hpp"))[1]
+        rows = re.findall(r"(?m)^\| `(\w+)` \|", TREE.text("docs/step_of_the_water.md"))
+        self.assertEqual(sorted(rows), sorted(re.findall(r'"(\w+)"', water)))
+        crowd = re.findall(r'Stage\{"([\w ]+)"', TREE.text("crowd_client/crowd_world.cpp"))
+        self.assertGreater(len(crowd), 5)
+        rows = re.findall(r"(?m)^\| ([\w ]+) \|[^|]*\|[^|]*\|[^|]*\|$", TREE.text("docs/step_of_the_crowd.md"))
+        self.assertEqual([row for row in rows if row in crowd], crowd)
+
     def test_lists_of_documents_and_of_tests_are_complete(self):
         for sign, form in (("docs/README.md", r"docs/(\w+\.md)$"), ("tests/README.md", r"(tests/\w+)/"),
                            ("docs/reports/README.md", r"docs/reports/(\w+/report\.md)$")):
