@@ -4,7 +4,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from sources import ROOT, complaints, tracked
+from sources import complaints, tracked
 
 CHECK = ["/usr/bin/python3", "-m", "pyflakes"]
 
@@ -14,11 +14,6 @@ class Python(unittest.TestCase):
         sources = tracked(".py")
         self.assertGreater(len(sources), 50)
         self.assertEqual(complaints(*CHECK, *sources), "")
-
-    def test_lines_of_tools_fit(self):
-        long = [f"{path}:{number}" for path in tracked(".py") if ROOT / "tools" in path.parents
-                for number, line in enumerate(path.read_text().splitlines(), 1) if len(line) > 120]
-        self.assertEqual(long, [])
 
     def test_a_fault_is_seen(self):
         with tempfile.TemporaryDirectory() as folder:
