@@ -44,7 +44,8 @@ TEST_CASE("the demand and the model auto need each other") {
 }
 
 TEST_CASE("an open model cannot be simulated") {
-    CHECK_THROWS_WITH(fluid::make_fluid_model(scene_with(river).scene), Contains("/fluid/model: \"auto\" is no model by itself"));
+    CHECK_THROWS_WITH(fluid::make_fluid_model(scene_with(river).scene),
+                      Contains("/fluid/model: \"auto\" is no model by itself"));
 }
 
 TEST_CASE("a demand that no candidate meets is refused with the smallest error that can be had and its cost") {
