@@ -17,10 +17,13 @@ void refuse(const std::string& source, const std::string& pointer, const std::st
 }
 
 void check_scene(const Scene& scene, const std::string& source) {
-    check_geometry(scene, source);
-    check_boundaries(scene, source);
-    check_water(scene, source);
-    check_crowd(scene, source);
+    Problems problems;
+    check_geometry(scene, source, problems);
+    problems.throw_if_any();
+    check_boundaries(scene, source, problems);
+    check_water(scene, source, problems);
+    check_crowd(scene, source, problems);
+    problems.throw_if_any();
 }
 
 }  // namespace wade

@@ -3,11 +3,13 @@
 
 #include <string>
 
+#include "configs/errors/problems.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade {
 
-// Throws ConfigurationError, beginning with `source` and the JSON pointer, for the first of these that is wrong:
+// Throws one ConfigurationError with a line, beginning with `source` and the JSON pointer, for each of these that is wrong;
+// for what lies where first, as the others compute with lengths and places:
 //   geometry    intervals, the channel in the world, obstacles and water blocks in the channel and apart from one another
 //   boundaries  bed points, top, planes without slip, slope, friction, an inflow that changes
 //   water       a flow that can be, spacing against the channel, periodic lengths, capacity, iteration limits
@@ -15,14 +17,16 @@ namespace wade {
 void check_scene(const Scene& scene, const std::string& source);
 
 // The four parts.
-void check_geometry(const Scene& scene, const std::string& source);
-void check_boundaries(const Scene& scene, const std::string& source);
-void check_bed(const Scene& scene, const std::string& source);  // a part of the boundaries
-void check_water(const Scene& scene, const std::string& source);
-void check_shallow_water(const Scene& scene, const std::string& source);  // a part of the water
-void check_mixed(const Scene& scene, const std::string& source);          // a part of the water
-void check_steering(const Scene& scene, const std::string& source);       // a part of the water
-void check_crowd(const Scene& scene, const std::string& source);
+void check_geometry(const Scene& scene, const std::string& source, Problems& problems);
+void check_boundaries(const Scene& scene, const std::string& source, Problems& problems);
+void check_water(const Scene& scene, const std::string& source, Problems& problems);
+void check_crowd(const Scene& scene, const std::string& source, Problems& problems);
+
+// Parts of the boundaries and of the water; each throws for the first that is wrong.
+void check_bed(const Scene& scene, const std::string& source);
+void check_shallow_water(const Scene& scene, const std::string& source);
+void check_mixed(const Scene& scene, const std::string& source);
+void check_steering(const Scene& scene, const std::string& source);
 
 // Whether the flow brings or starts with water up to channel.depth.
 [[nodiscard]] bool has_river(const Channel& channel);

@@ -152,12 +152,12 @@ void check_velocity_history(const Channel& channel, const std::string& source) {
 
 }  // namespace
 
-void check_boundaries(const Scene& scene, const std::string& source) {
-    check_top(scene, source);
-    check_bed(scene, source);
-    check_no_slip(scene, source);
-    check_slope_and_friction(scene.channel, source);
-    check_velocity_history(scene.channel, source);
+void check_boundaries(const Scene& scene, const std::string& source, Problems& problems) {
+    problems.attempt([&] { check_top(scene, source); });
+    problems.attempt([&] { check_bed(scene, source); });
+    problems.attempt([&] { check_no_slip(scene, source); });
+    problems.attempt([&] { check_slope_and_friction(scene.channel, source); });
+    problems.attempt([&] { check_velocity_history(scene.channel, source); });
 }
 
 }  // namespace wade

@@ -1,6 +1,7 @@
 // Whether the agents have places, goals and markers, and whether events name what exists.
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <set>
 #include <vector>
@@ -74,25 +75,52 @@ double goal_in_world(const Scene& scene, double x) {
     return period > 0 ? x - period * std::floor(x / period) : x;
 }
 
-void check_spread(const Spread& spread, const std::string& source, const std::string& pointer) {
-    if (spread.lo <= spread.hi) return;
+void check_count(const AgentGroup& group, const std::string& source, const std::string& pointer) {
+    const std::int64_t places = std::int64_t{group.columns} * group.rows;
+    if (group.count <= places) return;
     refuse(source, pointer,
-           "min " + short_number(spread.lo) + " is above max " + short_number(spread.hi) + "; allowed: min <= max.");
+           std::to_string(group.count) + " agents do not fit on the start grid of " + std::to_string(group.columns) +
+               " columns and " + std::to_string(group.rows) + " rows; allowed: <= " + std::to_string(places) + ".");
 }
 
-void check_groups(const Scene& scene, const std::string& source) {
+void check_groups(const Scene& scene, const std::string& source, Problems& problems) {
     std::set<std::string> names;
     for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
         const AgentGroup& group = scene.crowd.groups[g];
         const std::string pointer = "/crowd/groups/" + std::to_string(g);
-        if (!names.insert(group.name).second) {
+        problems.attempt([&] {
+            if (names.insert(group.name).second) return;
             refuse(source, pointer + "/name",
                    "\"" + group.name + "\" is the name of an earlier group; allowed: any other.");
-        }
-        check_spread(group.tau, source, pointer + "/tau");
-        check_spread(group.mass, source, pointer + "/mass_kg");
-        check_place(goal_in_world(scene, group.goal_x), group.goal_z, scene, "the goal of group \"" + group.name + "\"",
-                    source, pointer + "/goal");
+        });
+        problems.attempt([&] { check_count(group, source, pointer + "/count"); });
+        problems.attempt([&] {
+            check_place(goal_in_world(scene, group.goal_x), group.goal_z, scene,
+                        "the goal of group \"" + group.name + "\"", source, pointer + "/goal");
+        });
+    }
+}
+
+// Their numbers and places must fit into memory before they can be looked at one by one.
+void check_number(const Crowd& crowd, const std::string& source) {
+    constexpr std::int64_t most = 10'000'000;
+    std::int64_t agents = 0;
+    for (const AgentGroup& group : crowd.groups) agents += group.count;
+    if (agents <= most) return;
+    refuse(source, "/crowd/groups",
+           std::to_string(agents) + " agents in all are too many; allowed: <= " + std::to_string(most) + ".");
+}
+
+// The first agent of each group that has no place to start.
+void check_starts(const std::vector<Place>& places, const Scene& scene, const std::string& source, Problems& problems) {
+    std::set<std::size_t> told;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        if (told.contains(places[i].group)) continue;
+        const bool right = problems.attempt([&] {
+            check_place(places[i].x, places[i].z, scene, "agent " + std::to_string(i), source,
+                        "/crowd/groups/" + std::to_string(places[i].group) + "/start");
+        });
+        if (!right) told.insert(places[i].group);
     }
 }
 
@@ -173,48 +201,45 @@ void check_sampling(const Coupling& coupling, const std::string& source) {
                "\"continuous\".");
 }
 
-void check_events(const Scene& scene, std::size_t agents, const std::string& source) {
-    for (std::size_t i = 0; i < scene.events.size(); ++i) {
-        const TauEvent& event = scene.events[i];
-        const std::string pointer = "/events/" + std::to_string(i);
-        if (event.agent && event.group) {
-            refuse(source, pointer, "an event names an agent or a group, not both.");
-        }
-        if (event.agent && static_cast<std::size_t>(*event.agent) >= agents) {
-            refuse(
-                source, pointer + "/agent",
-                "there is no agent " + std::to_string(*event.agent) + "; allowed: " +
-                    (agents == 0 ? "none, as the scene has no agents." : "0 to " + std::to_string(agents - 1) + "."));
-        }
-        if (!event.group) continue;
-        std::string known;
-        bool found = false;
-        for (const AgentGroup& group : scene.crowd.groups) {
-            found = found || group.name == *event.group;
-            known += (known.empty() ? "\"" : ", \"") + group.name + "\"";
-        }
-        if (found) continue;
-        refuse(source, pointer + "/group",
-               "there is no group \"" + *event.group +
-                   "\"; allowed: " + (known.empty() ? "none, as the scene has no groups." : known + "."));
+void check_event(const Scene& scene, std::size_t i, std::size_t agents, const std::string& source) {
+    const TauEvent& event = scene.events[i];
+    const std::string pointer = "/events/" + std::to_string(i);
+    if (event.agent && event.group) {
+        refuse(source, pointer, "an event names an agent or a group, not both.");
     }
+    if (event.agent && static_cast<std::size_t>(*event.agent) >= agents) {
+        refuse(source, pointer + "/agent",
+               "there is no agent " + std::to_string(*event.agent) + "; allowed: " +
+                   (agents == 0 ? "none, as the scene has no agents." : "0 to " + std::to_string(agents - 1) + "."));
+    }
+    if (!event.group) return;
+    std::string known;
+    bool found = false;
+    for (const AgentGroup& group : scene.crowd.groups) {
+        found = found || group.name == *event.group;
+        known += (known.empty() ? "\"" : ", \"") + group.name + "\"";
+    }
+    if (found) return;
+    refuse(source, pointer + "/group",
+           "there is no group \"" + *event.group +
+               "\"; allowed: " + (known.empty() ? "none, as the scene has no groups." : known + "."));
 }
 
 }  // namespace
 
-void check_crowd(const Scene& scene, const std::string& source) {
-    check_groups(scene, source);
+void check_crowd(const Scene& scene, const std::string& source, Problems& problems) {
+    check_groups(scene, source, problems);
+    if (!problems.attempt([&] { check_number(scene.crowd, source); })) return;
     const std::vector<Place> places = start_places(scene.crowd);
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        check_place(places[i].x, places[i].z, scene, "agent " + std::to_string(i), source,
-                    "/crowd/groups/" + std::to_string(places[i].group) + "/start");
+    check_starts(places, scene, source, problems);
+    problems.attempt([&] { check_distances(places, scene.crowd, source); });
+    problems.attempt([&] { check_ends(scene, places, source); });
+    problems.attempt([&] { check_markers(scene.crowd, source); });
+    problems.attempt([&] { check_ragdoll(scene, source); });
+    problems.attempt([&] { check_sampling(scene.coupling, source); });
+    for (std::size_t i = 0; i < scene.events.size(); ++i) {
+        problems.attempt([&] { check_event(scene, i, places.size(), source); });
     }
-    check_distances(places, scene.crowd, source);
-    check_ends(scene, places, source);
-    check_markers(scene.crowd, source);
-    check_ragdoll(scene, source);
-    check_sampling(scene.coupling, source);
-    check_events(scene, places.size(), source);
 }
 
 }  // namespace wade

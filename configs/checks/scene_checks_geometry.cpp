@@ -49,17 +49,15 @@ void check_box(const Box& box, const std::string& what, const Scene& scene, cons
                words(channel.x) + ", z " + words(channel.z) + ".");
 }
 
-// Each pair is compared; scenes have few boxes.
+// The last box against those before it; scenes have few boxes.
 void check_apart(const std::vector<Box>& boxes, const std::string& source) {
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        for (std::size_t k = 0; k < i; ++k) {
-            if (!overlap(boxes[i], boxes[k])) continue;
-            const Interval x{std::max(boxes[i].x.lo, boxes[k].x.lo), std::min(boxes[i].x.hi, boxes[k].x.hi)};
-            const Interval z{std::max(boxes[i].z.lo, boxes[k].z.lo), std::min(boxes[i].z.hi, boxes[k].z.hi)};
-            refuse(
-                source, boxes[i].pointer,
-                "overlaps " + boxes[k].pointer + " at x " + words(x) + ", z " + words(z) + "; they may touch at most.");
-        }
+    const Box& last = boxes.back();
+    for (std::size_t k = 0; k + 1 < boxes.size(); ++k) {
+        if (!overlap(last, boxes[k])) continue;
+        const Interval x{std::max(last.x.lo, boxes[k].x.lo), std::min(last.x.hi, boxes[k].x.hi)};
+        const Interval z{std::max(last.z.lo, boxes[k].z.lo), std::min(last.z.hi, boxes[k].z.hi)};
+        refuse(source, last.pointer,
+               "overlaps " + boxes[k].pointer + " at x " + words(x) + ", z " + words(z) + "; they may touch at most.");
     }
 }
 
@@ -84,33 +82,42 @@ void check_reach(const Scene& scene, const std::string& source) {
     }
 }
 
+void check_in_world(const Scene& scene, const std::string& source) {
+    const Channel& channel = scene.channel;
+    const Interval world_x{0, scene.world.length}, world_z{0, scene.world.width};
+    if (within(channel.x, world_x) && within(channel.z, world_z)) return;
+    refuse(source, "/channel",
+           "the channel at x " + words(channel.x) + ", z " + words(channel.z) +
+               " reaches outside the world; allowed: x " + words(world_x) + ", z " + words(world_z) + ".");
+}
+
 }  // namespace
 
-void check_geometry(const Scene& scene, const std::string& source) {
+void check_geometry(const Scene& scene, const std::string& source, Problems& problems) {
     const Channel& channel = scene.channel;
-    check_interval(channel.x, "x", source, "/channel");
-    check_interval(channel.z, "z", source, "/channel");
-    const Interval world_x{0, scene.world.length}, world_z{0, scene.world.width};
-    if (!within(channel.x, world_x) || !within(channel.z, world_z)) {
-        refuse(source, "/channel",
-               "the channel at x " + words(channel.x) + ", z " + words(channel.z) +
-                   " reaches outside the world; allowed: x " + words(world_x) + ", z " + words(world_z) + ".");
-    }
+    problems.attempt([&] { check_interval(channel.x, "x", source, "/channel"); });
+    problems.attempt([&] { check_interval(channel.z, "z", source, "/channel"); });
+    if (!problems.none()) return;
+    problems.attempt([&] { check_in_world(scene, source); });
 
     std::vector<Box> boxes;
+    const auto check = [&](const Box& box, const std::string& what) {
+        boxes.push_back(box);
+        problems.attempt([&] {
+            check_box(box, what, scene, source);
+            check_apart(boxes, source);
+        });
+    };
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
         const Obstacle& obstacle = scene.obstacles[i];
-        boxes.push_back({obstacle.x, {0, obstacle.height}, obstacle.z, "/obstacles/" + std::to_string(i)});
-        check_box(boxes.back(), "the obstacle", scene, source);
+        check({obstacle.x, {0, obstacle.height}, obstacle.z, "/obstacles/" + std::to_string(i)}, "the obstacle");
     }
     for (std::size_t i = 0; i < channel.water_blocks.size(); ++i) {
         const WaterBlock& block = channel.water_blocks[i];
         const Interval y{block.y_min, block.y_min + block.depth};
-        boxes.push_back({block.x, y, block.z, "/channel/water_blocks/" + std::to_string(i)});
-        check_box(boxes.back(), "the block of water", scene, source);
+        check({block.x, y, block.z, "/channel/water_blocks/" + std::to_string(i)}, "the block of water");
     }
-    check_apart(boxes, source);
-    check_reach(scene, source);
+    if (problems.none()) problems.attempt([&] { check_reach(scene, source); });
 }
 
 }  // namespace wade

@@ -52,9 +52,7 @@ void check_mixed(const Scene& scene, const std::string& source) {
     }
     check_place(scene, source);
     check_room(scene, source);
-    const MixedWindow& mixed = scene.fluid.mixed;
-    const bool at_obstacles = mixed.obstacles && !scene.obstacles.empty();
-    if (scene.coupling.agents_stream == AgentsStream::off && !mixed.x_min && !at_obstacles) {
+    if (scene.coupling.agents_stream == AgentsStream::off && mixed_needs_agents(scene)) {
         refuse(source, "/fluid/model",
                "\"mixed\" does not know where particles are needed; allowed: /coupling/agents_stream \"serial\" or "
                "\"parallel\", so that they follow the people, or /fluid/mixed/x_min_m and x_max_m, or "

@@ -51,7 +51,6 @@ void check_start(const Channel& channel, const std::string& source) {
 }
 
 void check_flow(const Channel& channel, const std::string& source) {
-    check_start(channel, source);
     if (channel.flow == Flow::closed && channel.velocity != 0) {
         refuse(source, "/channel/velocity_m_s",
                short_number(channel.velocity) + " m/s has no effect in a closed channel; allowed: 0 m/s.");
@@ -201,24 +200,7 @@ void check_limits(const PressureSolve& solve, const std::string& source, const s
                std::to_string(solve.max_iterations) + "; allowed: <= " + std::to_string(solve.max_iterations) + ".");
 }
 
-}  // namespace
-
-void check_water(const Scene& scene, const std::string& source) {
-    check_flow(scene.channel, source);
-    check_model_choice(scene.fluid, source);
-    check_kinematic(scene, source);
-    check_shallow_water(scene, source);
-    check_mixed(scene, source);
-    check_steering(scene, source);
-    check_limits(scene.fluid.density_solve, source, "/fluid/density_solve");
-    check_limits(scene.fluid.divergence_solve, source, "/fluid/divergence_solve");
-    if (!carries_water(scene.channel)) return;
-    if (scene.fluid.model != ModelKind::automatic) {  // which chooses a spacing that fits
-        check_spacing(scene, source);
-        check_kernel(scene.fluid, source);
-        check_periodic(scene, source);
-        check_walls_apart(scene, source);
-    }
+void check_capacity(const Scene& scene, const std::string& source) {
     const std::uint64_t needed = particles_needed(scene);
     if (static_cast<std::uint64_t>(scene.fluid.max_particles) < needed) {
         refuse(source, "/fluid/max_particles",
@@ -226,6 +208,29 @@ void check_water(const Scene& scene, const std::string& source) {
                    " particles are too few for the water of this scene at a spacing of " +
                    short_number(scene.fluid.particle_spacing) + " m; allowed: >= " + std::to_string(needed) + ".");
     }
+}
+
+}  // namespace
+
+void check_water(const Scene& scene, const std::string& source, Problems& problems) {
+    const Fluid& fluid = scene.fluid;
+    problems.attempt([&] { check_start(scene.channel, source); });
+    problems.attempt([&] { check_flow(scene.channel, source); });
+    problems.attempt([&] { check_model_choice(fluid, source); });
+    problems.attempt([&] { check_kinematic(scene, source); });
+    problems.attempt([&] { check_shallow_water(scene, source); });
+    problems.attempt([&] { check_mixed(scene, source); });
+    problems.attempt([&] { check_steering(scene, source); });
+    problems.attempt([&] { check_limits(fluid.density_solve, source, "/fluid/density_solve"); });
+    problems.attempt([&] { check_limits(fluid.divergence_solve, source, "/fluid/divergence_solve"); });
+    if (!carries_water(scene.channel)) return;
+    if (fluid.model != ModelKind::automatic) {  // which chooses a spacing that fits
+        if (!problems.attempt([&] { check_spacing(scene, source); })) return;
+        problems.attempt([&] { check_kernel(fluid, source); });
+        problems.attempt([&] { check_periodic(scene, source); });
+        problems.attempt([&] { check_walls_apart(scene, source); });
+    }
+    problems.attempt([&] { check_capacity(scene, source); });
 }
 
 }  // namespace wade

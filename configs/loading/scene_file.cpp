@@ -1,19 +1,23 @@
 #include "configs/loading/scene_file.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <system_error>
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
-#include "configs/scene/scene_schema.hpp"
+#include "configs/errors/problems.hpp"
+#include "configs/scene/keys.hpp"
 
 namespace wade {
 
@@ -73,11 +77,6 @@ class Watch {
     std::optional<std::string> first_;
 };
 
-struct Link {
-    std::filesystem::path file;  // as named in errors
-    json document;
-};
-
 // The same file under whatever name, to recognise a cycle.
 std::filesystem::path identity(const std::filesystem::path& file) {
     std::error_code ignored;  // a file that cannot be resolved cannot be read either, and that error is reported
@@ -85,11 +84,43 @@ std::filesystem::path identity(const std::filesystem::path& file) {
     return ignored ? file : resolved;
 }
 
-[[noreturn]] void throw_cycle(const std::vector<Link>& chain, const std::filesystem::path& again) {
-    std::string way;
-    for (const Link& link : chain) way += link.file.string() + " -> ";
-    throw ConfigurationError(chain.back().file.string() + ": /extends: the files extend one another: " + way +
-                             again.string() + ".");
+// The files that extend one another, the first being the one that was asked for.
+class Chain {
+ public:
+    static constexpr std::size_t most_files = 32;
+
+    // Throws if `file`, which `named_by` extends, is in the chain already or makes it too long.
+    void add(const std::filesystem::path& file, const std::string& named_by) {
+        const bool is_new = known_.insert(identity(file)).second;
+        names_.push_back(file.string());
+        if (!is_new) {
+            throw ConfigurationError(named_by + ": /extends: the files extend one another: " + way() + ".");
+        }
+        if (names_.size() > most_files) {
+            throw ConfigurationError(named_by + ": /extends: more than " + std::to_string(most_files) +
+                                     " files extend one another in a row, from " + names_.front() +
+                                     " on; allowed: <= " + std::to_string(most_files) + ".");
+        }
+    }
+
+ private:
+    [[nodiscard]] std::string way() const {
+        std::string text;
+        for (const std::string& name : names_) text += (text.empty() ? "" : " -> ") + name;
+        return text;
+    }
+
+    std::set<std::filesystem::path> known_;
+    std::vector<std::string> names_;
+};
+
+// Why a file is not read: its name may lead to something that never ends or never begins. Empty for a plain file.
+std::string kind_but_plain(const struct stat& about) {
+    if (S_ISREG(about.st_mode)) return "";
+    if (S_ISDIR(about.st_mode)) return "it is a folder";
+    if (S_ISFIFO(about.st_mode)) return "it is a pipe (FIFO); allowed: a plain file";
+    if (S_ISSOCK(about.st_mode)) return "it is a socket; allowed: a plain file";
+    return "it is a device; allowed: a plain file";
 }
 
 }  // namespace
@@ -98,20 +129,23 @@ std::string read_text_file(const std::filesystem::path& file, const std::string&
     const auto fail = [&context](const std::string& reason) -> void {
         throw ConfigurationError(context + " cannot be read: " + reason + ".");
     };
-    std::error_code ignored;  // a file whose status is unknown fails to open below
-    if (std::filesystem::is_directory(file, ignored)) fail("it is a folder");
-    errno = 0;
-    std::ifstream in(file, std::ios::binary);
-    if (!in) fail(errno != 0 ? std::strerror(errno) : "unknown reason");
-    constexpr std::size_t longest = std::size_t{64} << 20;  // /dev/zero never ends
+    // Without O_NONBLOCK the opening of a FIFO waits for somebody who writes.
+    const int fd = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0) fail(errno == ENXIO ? "it is no plain file" : std::strerror(errno));
+    const std::unique_ptr<const int, void (*)(const int*)> closing(&fd, [](const int* its) { ::close(*its); });
+    struct stat about {};
+    if (::fstat(fd, &about) != 0) fail(std::strerror(errno));
+    if (const std::string kind = kind_but_plain(about); !kind.empty()) fail(kind);
+    constexpr std::size_t longest = std::size_t{64} << 20;
     std::string text;
     std::array<char, 1 << 16> piece;
-    while (in.read(piece.data(), piece.size()) || in.gcount() > 0) {
-        text.append(piece.data(), static_cast<std::size_t>(in.gcount()));
+    while (true) {
+        const ssize_t got = ::read(fd, piece.data(), piece.size());
+        if (got < 0) fail("the read was cut short: " + std::string(std::strerror(errno)));
+        if (got <= 0) return text;
+        text.append(piece.data(), static_cast<std::size_t>(got));
         if (text.size() > longest) fail("it is longer than 64 MiB");
     }
-    if (in.bad()) fail("the read was cut short");
-    return text;
 }
 
 json parse_scene_text(std::string_view text, const std::string& source) {
@@ -153,27 +187,29 @@ void merge_over(json& lower, const json& upper) {
 }
 
 std::vector<json> scene_layers(std::string_view text, const std::filesystem::path& file) {
-    std::vector<Link> chain;
-    std::string current(text);
-    std::filesystem::path current_file = file;
-    while (true) {
-        const std::string source = current_file.string();
-        chain.push_back({current_file, parse_scene_text(current, source)});
-        const json& document = chain.back().document;
-        check_against_schema(document, scene_schema(), "", source);
-        if (!document.contains("extends")) break;
-        const std::filesystem::path parent =
-            (current_file.parent_path() / document["extends"].get<std::string>()).lexically_normal();
-        if (std::any_of(chain.begin(), chain.end(),
-                        [&parent](const Link& link) { return identity(link.file) == identity(parent); })) {
-            throw_cycle(chain, parent);
-        }
-        current = read_text_file(parent, source + ": /extends: the file " + parent.string() + " that it extends");
-        current_file = parent;
-    }
-
+    Problems problems;
+    Chain chain;
     std::vector<json> layers;
-    for (auto link = chain.rbegin(); link != chain.rend(); ++link) layers.push_back(std::move(link->document));
+    problems.attempt([&] {
+        chain.add(file, file.string());
+        std::string current(text);
+        std::filesystem::path current_file = file;
+        while (true) {
+            const std::string source = current_file.string();
+            json document = parse_scene_text(current, source);
+            check_keys(document, scene_keys(), "", {source, problems});
+            const json extends = document.is_object() ? document.value("extends", json()) : json();
+            layers.push_back(std::move(document));
+            if (!extends.is_string() || extends == "") break;
+            const std::filesystem::path parent =
+                (current_file.parent_path() / extends.get<std::string>()).lexically_normal();
+            chain.add(parent, source);
+            current = read_text_file(parent, source + ": /extends: the file " + parent.string() + " that it extends");
+            current_file = parent;
+        }
+    });
+    problems.throw_if_any();
+    std::reverse(layers.begin(), layers.end());
     return layers;
 }
 

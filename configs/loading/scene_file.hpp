@@ -15,15 +15,15 @@ namespace wade {
 // Lays `upper` over `lower`: objects merge key by key, everything else is replaced.
 void merge_over(nlohmann::json& lower, const nlohmann::json& upper);
 
-// Parses the text of `file` and reads the files that it extends, each checked against the schema on its own; `file` is the
-// last.
+// Parses the text of `file` and reads the files that it extends, at most 32, each checked against the keys on its own; `file`
+// is the last. Throws one ConfigurationError for all mistakes of keys and values in them.
 [[nodiscard]] std::vector<nlohmann::json> scene_layers(std::string_view text, const std::filesystem::path& file);
 
 // Merges each over those before it. name and description are those of the last alone; the result has neither "extends"
 // nor "$schema".
 [[nodiscard]] nlohmann::json merge_layers(const std::vector<nlohmann::json>& layers);
 
-// The contents of a file; throws ConfigurationError with the system's reason, beginning with `context`.
+// The contents of a plain file; throws ConfigurationError with the reason, beginning with `context`, and never waits.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& file, const std::string& context);
 
 }  // namespace wade

@@ -1,15 +1,16 @@
 #include "configs/loading/scene_loader.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/errors/problems.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/loading/scene_override.hpp"
 #include "configs/numbers/fnv1a.hpp"
 #include "configs/scene/scene_json.hpp"
-#include "configs/scene/scene_schema.hpp"
 
 namespace wade {
 
@@ -36,6 +37,40 @@ bool must_be_used(const std::string& key, const std::vector<nlohmann::json>& lay
     return crowd >= groups;
 }
 
+// The keys of the crowd that groups take over which set none.
+std::vector<std::string> inherited_by_groups() {
+    std::vector<std::string> names;
+    for (const KeyNode& node : scene_keys().find("crowd")->inside) {
+        if (node.key.storage == Storage::shorthand) names.emplace_back(node.key.name);
+    }
+    return names;
+}
+
+void note_if_unused(const std::string& key, const nlohmann::json& crowd, const std::string& source,
+                    Problems& problems) {
+    const nlohmann::json groups = crowd.value("groups", nlohmann::json::array());
+    const bool used =
+        std::any_of(groups.begin(), groups.end(), [&](const auto& group) { return !group.contains(key); });
+    if (groups.empty() || used) return;
+    problems.note(source + ": /crowd/" + key + ": " + crowd[key].dump() +
+                  " has no effect, as every group sets its own; set /crowd/groups/0/" + key + " instead.");
+}
+
+// A name for folders and titles that is as near to the file's as its characters allow: "my scene.json" is "my_scene". A
+// character of several bytes (UTF-8) becomes one '_'.
+std::string name_from(const std::filesystem::path& file) {
+    std::string name;
+    for (const char c : file.stem().string()) {
+        const bool continues = (static_cast<unsigned char>(c) & 0xC0u) == 0x80u;
+        const bool allowed = ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9') || c == '_' ||
+                             c == '-' || c == '.';
+        if (!continues) name += allowed ? c : '_';
+    }
+    const std::size_t longest = scene_keys().find("name")->key.text.longest;
+    if (name.size() > longest) name.resize(longest);
+    return name.empty() ? "scene" : name;
+}
+
 // What a scene is called does not change what happens in it.
 std::uint64_t scene_hash(nlohmann::json document) {
     document.erase("name");
@@ -50,23 +85,21 @@ LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& 
     const std::string source = file.string();
     const std::vector<nlohmann::json> layers = scene_layers(text, file);
     nlohmann::json document = merge_layers(layers);
-    for (const SceneOverride& change : overrides) apply_override(document, change);
-    if (!document.contains("name")) {
-        document["name"] = file.stem().string();
-        check_against_schema(document["name"], scene_schema()["properties"]["name"], "/name", source);
-    }
-    std::vector<std::string> to_be_used;
+    Problems problems;
+    for (const SceneOverride& change : overrides) problems.attempt([&] { apply_override(document, change); });
+    problems.throw_if_any();
     for (const std::string& key : inherited_by_groups()) {
-        if (must_be_used(key, layers, overrides, document)) to_be_used.push_back(key);
+        if (must_be_used(key, layers, overrides, document)) note_if_unused(key, document["crowd"], source, problems);
     }
-    complete_with_defaults(document, scene_schema(), "", source);
-    resolve_shorthands(document, to_be_used, source);
 
     LoadedScene loaded;
-    loaded.scene = scene_from_json(document);
+    loaded.scene.name = name_from(file);
+    read_scene(document, loaded.scene, {source, problems});
+    problems.throw_if_any();
     check_scene(loaded.scene, source);
-    loaded.scene.hash = scene_hash(document);
-    loaded.canonical_json = document.dump(2) + "\n";
+    const nlohmann::json resolved = written_scene(loaded.scene);
+    loaded.scene.hash = scene_hash(resolved);
+    loaded.canonical_json = resolved.dump(2) + "\n";
     return loaded;
 }
 

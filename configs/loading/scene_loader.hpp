@@ -1,11 +1,11 @@
 #pragma once
 // The one loader of scene files, used by both programs.
 //
-//   file -> parse (comments allowed) -> check against the schema -> merge with what it extends -> overrides
-//        -> defaults -> typed Scene -> checks that need several values at once
+//   file -> parse (comments allowed) -> check against the keys -> merge with what it extends -> overrides
+//        -> typed Scene with its defaults -> checks that need several values at once
 //
-// Every error is a ConfigurationError whose sentence names the file (or the option), the JSON pointer, the value and
-// what would be allowed.
+// Every error is a ConfigurationError with a line for each mistake that names the file (or the option), the JSON pointer,
+// the value and what would be allowed. Mistakes of one of these steps are reported together.
 
 #include <filesystem>
 #include <string>

@@ -4,7 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "configs/errors/exit_code.hpp"
-#include "configs/scene/scene_schema.hpp"
+#include "configs/errors/problems.hpp"
+#include "configs/scene/keys.hpp"
 
 namespace wade {
 
@@ -67,25 +68,24 @@ json parsed(const std::string& text) {
 }
 
 // JSON if it is, else the text itself; a key that takes a string takes any text as it stands, quoted or not.
-json value_of(const SceneOverride& change, const json& schema) {
+json value_of(const SceneOverride& change, const Key& key) {
     if (!is_utf8(change.value)) {
         throw ConfigurationError(change.source + ": the value is not valid UTF-8 text.");
     }
+    const bool takes_words = key.kind == KeyKind::text || key.kind == KeyKind::choice;
     json value = parsed(change.value);
-    if (value.is_discarded() || (schema["type"] == "string" && !value.is_string())) return change.value;
+    if (value.is_discarded() || (takes_words && !value.is_string())) return change.value;
     return value;
 }
 
 // What to write for a value that may be an object and is none.
-std::string object_form(const json& schema, const std::string& pointer) {
-    if (!schema["type"].is_array() || !schema.contains("required")) return "";
-    std::string members;
-    for (const json& key : schema["required"]) {
-        if (!members.empty()) members += ',';
-        members += key.dump();
-        members += ":...";
-    }
-    return "; it may be an object: " + pointer + "={" + members + "}";
+std::string object_form(const KeyNode& node, const std::string& pointer) {
+    if (node.key.kind != KeyKind::spread) return "";
+    return "; it may be an object: " + pointer + R"(={"min":...,"max":...})";
+}
+
+bool holds_keys(const KeyNode& node, const json& place) {
+    return node.key.kind == KeyKind::object || (node.key.kind == KeyKind::spread && place.is_object());
 }
 
 }  // namespace
@@ -102,34 +102,42 @@ SceneOverride parse_override(const std::string& assignment) {
 }
 
 void apply_override(json& document, const SceneOverride& change) {
-    const json* schema = &scene_schema();
+    Problems problems;
+    const Reading reading{change.source, problems};
+    KeyNode element;  // of a list that was entered: a nameless object
+    const KeyNode* node = &scene_keys();
     json* place = &document;
     std::string pointer;
     for (const std::string& key : keys_of(change)) {
-        const std::string type = type_for(*place, *schema);
-        if (type == "array") {
+        if (node->key.kind == KeyKind::list) {
             const std::size_t index = index_of(key, *place, pointer, change);
-            schema = &(*schema)["items"];
-            if (index == place->size()) place->push_back((*schema)["type"] == "object" ? json::object() : json());
+            element = {{"", KeyKind::object, ""}, {}, std::vector<KeyNode>(node->inside)};
+            node = &element;
+            if (index == place->size()) place->push_back(json::object());
             place = &(*place)[index];
-        } else if (type == "object") {
-            if (!(*schema)["properties"].contains(key)) throw_unknown_key(*schema, key, pointer, change.source);
-            schema = &(*schema)["properties"][key];
+        } else if (holds_keys(*node, *place)) {
+            const KeyNode* const inner = node->find(key);
+            if (inner == nullptr) {
+                note_unknown_key(*place, *node, key, pointer, reading);
+                problems.throw_if_any();
+            }
+            node = inner;
             place = &(*place)[key];
-            if (place->is_null() && (*schema)["type"] == "object") *place = json::object();
-            if (place->is_null() && (*schema)["type"] == "array") *place = json::array();
+            if (place->is_null() && node->key.kind == KeyKind::object) *place = json::object();
+            if (place->is_null() && node->key.kind == KeyKind::list) *place = json::array();
         } else {
             throw ConfigurationError(change.source + ": " + pointer +
                                      " is no object and no array, so that nothing lies below it" +
-                                     object_form(*schema, pointer) + ".");
+                                     object_form(*node, pointer) + ".");
         }
         pointer = pointer_to(pointer, key);
     }
-    if (pointer == "/extends" || pointer == "/$schema") {
+    if (node->key.storage == Storage::file) {
         throw ConfigurationError(change.source + ": " + pointer + " can only be set in a scene file.");
     }
-    *place = value_of(change, *schema);
-    check_against_schema(*place, *schema, pointer, change.source);
+    *place = value_of(change, node->key);
+    check_keys(*place, *node, pointer, reading);
+    problems.throw_if_any();
 }
 
 }  // namespace wade

@@ -2,14 +2,15 @@
 
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
 #include "configs/errors/nearest_name.hpp"
+#include "configs/program/help_format.hpp"
 #include "configs/program/version.hpp"
 
 namespace wade {
@@ -99,7 +100,7 @@ Parsed parse(const ProgramDescription& program, int argc, const char* const* arg
 
     CLI::App app(program.purpose, program.name);
     app.set_version_flag("--version", version_text(program.name), "Print version, git hash and compiler, and end");
-    app.get_formatter()->column_width(28);
+    app.formatter(std::make_shared<HelpFormat>());
     app.allow_extras();  // what is left over is refused below, with the nearest option
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("SCENE", scene_file, "Scene file (.json)")->option_text(" ");

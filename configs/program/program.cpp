@@ -9,9 +9,11 @@
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
+#include <sstream>
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/program/console_text.hpp"
 
 namespace wade {
 
@@ -80,11 +82,14 @@ void Console::copy_to(const std::filesystem::path& file) {
 
 void Console::line(const std::string& text) {
     const std::string prefix = program_ + ": ";
-    write(text.rfind(prefix, 0) == 0 ? text : prefix + text, true);  // errors of usage name the program themselves
+    std::istringstream lines(harmless(text));
+    for (std::string line; std::getline(lines, line);) {
+        write(wrapped(line.rfind(prefix, 0) == 0 ? line : prefix + line), true);  // some name the program themselves
+    }
 }
 
 void Console::progress(const std::string& text) {
-    write(text, !terminal_);
+    write(terminal_ ? shortened(harmless(text)) : wrapped(harmless(text)), !terminal_);
 }
 
 void Console::write(const std::string& text, bool stays) {

@@ -36,7 +36,8 @@ class ProgressPacer {
     double next_ = 0;  // s of wall time on a terminal, else of simulated time
 };
 
-// Log and progress on stderr; a progress line on a terminal is overwritten by what comes next.
+// Log and progress on stderr, in lines of at most 100 columns without control characters; a progress line on a terminal is
+// overwritten by what comes next.
 class Console {
  public:
     // `program` starts each line.

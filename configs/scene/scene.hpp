@@ -2,8 +2,8 @@
 // The scene: all that describes a run, as typed plain data in SI units.
 //
 // x runs along the stream's axis, z across it, y is up; the bed is the plane y = 0. The stream flows towards -x.
-// Keys, units, ranges and defaults stand in scene.schema.json, the one place that defines them; a Scene is what remains
-// once a file was read, merged with those that it extends, completed with the defaults and checked.
+// What a member holds in a new struct is the default of its key; names, units, ranges and meanings of the keys stand in
+// fields/. A Scene is what remains once a file was read, merged with those that it extends and checked.
 
 #include <array>
 #include <cstdint>
@@ -137,7 +137,7 @@ struct MixedWindow {
 struct FlockBehaviour {
     double radius = 0;   // of the neighbourhood, in spacings d
     double angle = 180;  // between the velocity and the way to a neighbour, degrees; 180: all round
-    double weight = 0;   // see the schema for the unit
+    double weight = 0;   // see the key for the unit
 };
 
 enum class CohesionForm {
@@ -165,18 +165,18 @@ struct SteeringBody {
 
 // The steering model: each particle is a vehicle of Reynolds that steers by its neighbours.
 struct Steering {
-    FlockBehaviour separation, alignment, cohesion;
+    FlockBehaviour separation{1.12, 180, 4}, alignment{2, 180, 0}, cohesion{2, 180, 0};
     CohesionForm cohesion_form = CohesionForm::equal;
     bool only_where_needed = true;
-    double loss = 0;         // near neighbours
-    double loss_radius = 0;  // in spacings
+    double loss = 0.1;         // near neighbours
+    double loss_radius = 1.5;  // in spacings
     LossForm loss_form = LossForm::relative;
     SteeringWalls walls = SteeringWalls::both;
-    double wall_radius = 0;  // in spacings
-    double wall_weight = 0;
-    double wall_loss = 0;
-    double max_force = 0;
-    double max_speed = 0;
+    double wall_radius = 0.6;  // in spacings
+    double wall_weight = 4;
+    double wall_loss = 0.02;
+    double max_force = 20;
+    double max_speed = 4;
     std::vector<SteeringClass> classes;
     std::vector<SteeringBody> bodies;
 };
@@ -184,7 +184,7 @@ struct Steering {
 enum class KernelKind { cubic_spline, quartic_spline, wendland_c2 };
 
 struct PressureSolve {
-    double tolerance = 0;  // mean error that ends the iteration, see the schema for what it is relative to
+    double tolerance = 0;  // mean error that ends the iteration, see the key for what it is relative to
     int min_iterations = 0;
     int max_iterations = 0;
 };
@@ -196,15 +196,15 @@ struct Fluid {
     ShallowWaterGrid shallow_water;
     MixedWindow mixed;
     Steering steering;
-    double particle_spacing = 0;  // d; particle mass = rest_density * d^3
+    double particle_spacing = 0.4642;  // d; particle mass = rest_density * d^3
     KernelKind kernel = KernelKind::cubic_spline;
     double support_in_spacings = 2;  // of the cubic spline: h / d
     double rest_density = 1000;
-    double kinematic_viscosity = 0;
+    double kinematic_viscosity = 0.01;
     int max_particles = 100000;
-    double cfl = 0;  // time step <= cfl * d / (largest speed + sqrt(g * depth))
-    PressureSolve density_solve;
-    PressureSolve divergence_solve;  // max_iterations = 0 switches it off
+    double cfl = 0.5;  // time step <= cfl * d / (largest speed + sqrt(g * depth))
+    PressureSolve density_solve{5e-4, 2, 100};
+    PressureSolve divergence_solve{1e-3, 1, 100};  // max_iterations = 0 switches it off
 };
 
 enum class SpeedRule { pi, per_frame, per_second };
@@ -240,7 +240,7 @@ struct AgentGroup {
 
 enum class RagdollCondition { off, paper, local_speed, depth_speed };
 
-// When the water tumbles an animator's character, see the schema.
+// When the water tumbles an animator's character, see the keys.
 struct RagdollRule {
     RagdollCondition condition = RagdollCondition::off;
     double tau_min = 0.8;

@@ -26,6 +26,12 @@ namespace wade {
     return static_cast<std::uint64_t>(std::floor(time * scene.crowd.step_rate + 1e-6));
 }
 
+// The first frame at or after `time`, s; a time that is a frame's up to rounding means this frame.
+[[nodiscard]] inline std::uint64_t frame_at(double time, double frame_rate) {
+    constexpr double rounding = 1e-6;  // frames
+    return static_cast<std::uint64_t>(std::ceil(std::max(0.0, time * frame_rate - rounding)));
+}
+
 // The step of the crowd from which on an event of this frame of the water holds: the first after the frame before.
 [[nodiscard]] inline std::uint64_t step_of_frame(const Scene& scene, std::uint64_t frame) {
     if (frame == 0) return 0;

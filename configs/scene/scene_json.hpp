@@ -1,24 +1,23 @@
 #pragma once
-// From a complete JSON document to the typed scene.
+// From JSON to the members that a list of fields names, and back.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
-#include "configs/scene/scene.hpp"
+#include "configs/scene/keys.hpp"
 
 namespace wade {
 
-// Writes out what stands for something else: the crowd's tau, mass and speed into the groups that set none, count, and
-// an event's time as a frame. `document` has all defaults; `must_be_used` names those of the crowd's that are refused if
-// every group has its own; `source` is named in errors.
-void resolve_shorthands(nlohmann::json& document, const std::vector<std::string>& must_be_used,
-                        const std::string& source);
+// Sets the members of `list` from a merged document that check_keys found to be right. Notes required keys that are missing
+// and what does not go together within one object. `skipped`: see Fields.
+void read_fields(const nlohmann::json& document, const FieldList& list, const Reading& reading,
+                 const std::string& skipped = "");
 
-// tau, mass_kg and desired_speed_m_s: what the crowd gives to the groups that have none.
-[[nodiscard]] const std::vector<std::string>& inherited_by_groups();
+// The members of `list` as a document that states every key.
+[[nodiscard]] nlohmann::json written_fields(const FieldList& list, const std::string& skipped = "");
 
-// Reads a document that resolve_shorthands has left. The hash is not set.
-[[nodiscard]] Scene scene_from_json(const nlohmann::json& document);
+// The same for a scene. Its name is that of the document, or else as it was.
+void read_scene(const nlohmann::json& document, Scene& scene, const Reading& reading, const std::string& skipped = "");
+[[nodiscard]] nlohmann::json written_scene(const Scene& scene, const std::string& skipped = "");
 
 }  // namespace wade

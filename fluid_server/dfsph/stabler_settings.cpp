@@ -6,11 +6,6 @@ namespace wade::fluid {
 
 namespace {
 
-// The defaults of scene.schema.json; a test compares them.
-constexpr double usual_cfl = 0.5;
-constexpr PressureSolve usual_density{5e-4, 2, 100};
-constexpr PressureSolve usual_divergence{1e-3, 1, 100};
-
 class Changes {
  public:
     void at_most(const std::string& pointer, double value, double limit) {
@@ -33,11 +28,12 @@ void tighten(Changes& changes, const std::string& pointer, const PressureSolve& 
 }  // namespace
 
 std::vector<SettingChange> stabler_settings(const Fluid& fluid) {
+    const Fluid usual;  // the defaults
     Changes changes;
-    changes.at_most("/fluid/cfl", fluid.cfl, usual_cfl);
-    tighten(changes, "/fluid/density_solve", fluid.density_solve, usual_density);
+    changes.at_most("/fluid/cfl", fluid.cfl, usual.cfl);
+    tighten(changes, "/fluid/density_solve", fluid.density_solve, usual.density_solve);
     const bool switched_off = fluid.divergence_solve.max_iterations == 0;
-    if (!switched_off) tighten(changes, "/fluid/divergence_solve", fluid.divergence_solve, usual_divergence);
+    if (!switched_off) tighten(changes, "/fluid/divergence_solve", fluid.divergence_solve, usual.divergence_solve);
     if (changes.list.empty()) changes.add("/fluid/cfl", fluid.cfl, fluid.cfl / 2);
     return changes.list;
 }

@@ -1,12 +1,12 @@
 #include "tools/shm/tool_arguments.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/errors/nearest_name.hpp"
+#include "configs/program/help_format.hpp"
 #include "configs/program/peer_support.hpp"
 #include "configs/program/version.hpp"
 
@@ -58,7 +58,7 @@ ToolArguments::ToolArguments(const std::string& program, const std::string& purp
                          program + " " + std::string(version()) + " (git " + std::string(git_hash()) + ", " +
                              std::string(compiler()) + ")\n",
                          "Print version, git hash and compiler, and end");
-    app.get_formatter()->column_width(28);
+    app.formatter(std::make_shared<HelpFormat>());
     app.allow_extras();  // what is left over is refused below, with the nearest option
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }

@@ -65,7 +65,6 @@ COMMANDS = {
         Command("check-protocol", "models, kills, races, fuzzing and producers, long form", "wade.check_protocol"),
         Command("check-model", "search the SPIN models of the protocol", script="tests/protocol/model/check_model.sh"),
         Command("fuzz", "fuzz what readers do with a header page", script="tests/fuzz/fuzz.sh"),
-        Command("scene-docs", "write the table of scene keys into docs/scene_keys.md", "wade.scene_docs"),
     ),
 }
 

@@ -1,5 +1,6 @@
 // What the mixed model of the water cannot do, and what it needs.
 
+#include "configs/scene/choices.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -26,9 +27,33 @@ TEST_CASE("the window of mixed water is given, follows people, or follows obstac
     CHECK(given.chunk == 4);
     CHECK_FALSE(given.obstacles);
     CHECK(load_patched(river(R"("margin_m": 2)", "", serial)).scene.fluid.mixed.margin == 2);
-    CHECK_THAT(refusal(river("")), Contains("/fluid/model: \"mixed\" does not know where particles are needed; "
-                                            "allowed: /coupling/agents_stream \"serial\" or \"parallel\""));
-    CHECK_THAT(refusal(river(R"("obstacles": true)")), Contains("does not know where particles are needed"));
+    const std::string off = R"("agents_stream": "off")";
+    CHECK_THAT(refusal(river("", "", off)),
+               Contains("/fluid/model: \"mixed\" does not know where particles are needed; "
+                        "allowed: /coupling/agents_stream \"serial\" or \"parallel\""));
+    CHECK_THAT(refusal(river(R"("obstacles": true)", "", off)), Contains("does not know where particles are needed"));
+}
+
+TEST_CASE("mixed water asks for the people itself where only they can say where particles are needed") {
+    using wade::AgentsStream;
+    CHECK(load_patched(river("")).scene.coupling.agents_stream == AgentsStream::serial);
+    CHECK(load_patched(river("", "", R"("agents_stream": "parallel")")).scene.coupling.agents_stream ==
+          AgentsStream::parallel);
+    CHECK(load_patched(river(R"("x_min_m": 5, "x_max_m": 12)")).scene.coupling.agents_stream == AgentsStream::off);
+    CHECK(load_patched("{}").scene.coupling.agents_stream == AgentsStream::off);
+}
+
+TEST_CASE("a model is switched by one key") {
+    const std::string s04 = std::string(WADE_SCENES) + "/paper/s04.json";
+    for (const std::string& model : wade::names_of<wade::ModelKind>()) {
+        INFO(model);
+        CHECK_NOTHROW(wade::load_scene(s04, {{"/fluid/model", model, "--set"}}));
+    }
+    CHECK(wade::load_scene(s04, {{"/fluid/model", "auto", "--set"}}).scene.fluid.max_impulse_error == 0.3);
+    CHECK(wade::load_scene(s04, {{"/fluid/model", "dfsph", "--set"}}).scene.fluid.max_impulse_error == 0);
+    CHECK_THAT(refusal(R"({"fluid": {"model": "auto", "max_impulse_error": 0}})"),
+               Contains("/fluid/max_impulse_error: 0: the model \"auto\" is chosen by the error that is allowed"));
+    CHECK_THAT(refusal(R"({"fluid": {"max_impulse_error": 0.1}})"), Contains("has no effect"));
 }
 
 TEST_CASE("the ends of the window of mixed water must make sense") {

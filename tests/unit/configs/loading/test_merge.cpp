@@ -49,6 +49,20 @@ TEST_CASE("name and description are not taken over; the name defaults to the fil
     CHECK(wade::load_scene(top).scene.hash == wade::load_scene(base).scene.hash);
 }
 
+TEST_CASE("a name is made of the file's, whatever characters that has") {
+    const TemporaryFolder folder;
+    const auto name_of_file = [&](const std::string& file) {
+        return wade::load_scene(folder.write(file, dry_scene)).scene.name;
+    };
+    CHECK(name_of_file("my scene.json") == "my_scene");
+    CHECK(name_of_file("\u00dcberflutung.json") == "_berflutung");
+    CHECK(name_of_file("[1] (2) {3}.json") == "_1___2___3_");
+    CHECK(name_of_file("v1.2-final.json") == "v1.2-final");
+    std::string longer;
+    while (longer.size() < 100) longer += "ten_letter";
+    CHECK(name_of_file(longer + ".json") == longer.substr(0, 64));
+}
+
 TEST_CASE("files that extend one another are refused with the way round") {
     const TemporaryFolder folder;
     const std::string a = folder.write("a.json", R"({"extends": "b.json"})").string();

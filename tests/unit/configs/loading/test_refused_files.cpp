@@ -1,8 +1,11 @@
 // What is wrong with a file taken by itself: unreadable, not JSON, unknown keys, wrong types, values out of range.
 
+#include <sys/stat.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "configs/scene/scene_schema.hpp"
+#include "configs/errors/problems.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -103,37 +106,93 @@ TEST_CASE("a missing required key is refused with its type, values and meaning")
                Contains("/crowd/groups/0/start: required key \"start\" is missing"));
 }
 
-// The loader knows some keywords of JSON Schema; any other would be passed over in silence.
-void check_keywords(const nlohmann::json& schema, const std::string& place) {
-    const std::vector<std::string> known{"$schema",
-                                         "title",
-                                         "description",
-                                         "type",
-                                         "properties",
-                                         "required",
-                                         "items",
-                                         "enum",
-                                         "minimum",
-                                         "maximum",
-                                         "exclusiveMinimum",
-                                         "exclusiveMaximum",
-                                         "minLength",
-                                         "maxLength",
-                                         "pattern",
-                                         "default",
-                                         "x-unit",
-                                         "x-default",
-                                         "additionalProperties"};
-    INFO(place);
-    for (const auto& [keyword, value] : schema.items()) CHECK_THAT(known, Catch::Matchers::VectorContains(keyword));
-    CHECK((place.find("[]") == place.size() - 2 || schema.contains("description")));
-    if (schema.contains("properties")) {
-        CHECK(schema.value("additionalProperties", true) == false);
-        for (const auto& [key, member] : schema["properties"].items()) check_keywords(member, place + "/" + key);
-    }
-    if (schema["type"] == "array") check_keywords(schema["items"], place + "[]");
+TEST_CASE("a key that belongs elsewhere is answered with its full place") {
+    const auto unknown = [](const std::string& patch) { return refusal(patch); };
+    CHECK_THAT(unknown(R"({"tau": 0.5})"), Contains("/tau: unknown key \"tau\"; the nearest known key is /crowd/tau; "
+                                                    "also /events/0/tau, /crowd/groups/0/tau."));
+    CHECK_THAT(unknown(R"({"cfl": 0.5})"), Contains("the nearest known key is /fluid/cfl."));
+    CHECK_THAT(unknown(R"({"crowd": {"model": "dfsph"}})"), Contains("the nearest known key is /fluid/model."));
+    CHECK_THAT(unknown(R"({"fluid": {"depth_m": 1}})"), Contains("the nearest known key is /channel/depth_m"));
+    CHECK_THAT(unknown(R"({"contact_rul": "sum"})"), Contains("the nearest known key is /coupling/contact_rule."));
+    CHECK_THAT(unknown(R"({"fluid": {"cfll": 1}})"), Contains("the nearest known key is \"cfl\"."));
+    CHECK_THAT(unknown(R"({"world": {"length": 1}})"), Contains("the nearest known key is \"length_m\"."));
+    CHECK_THAT(refusal("{}", {"/goal_radius_m=2"}), Contains("the nearest known key is /crowd/goal_radius_m."));
 }
 
-TEST_CASE("the schema uses only keywords that the loader checks, and describes every key") {
-    check_keywords(wade::scene_schema(), "/");
+TEST_CASE("of keys that are equally near, one that is not set yet is named") {
+    const std::string goal = R"({"crowd": {"groups": [{"name": "a", "start": {"x_m": 1, "z_m": 1}, "goal": )";
+    CHECK_THAT(refusal(goal + R"({"x_m": 1, "y_m": 2}}]}})"),
+               Contains("/crowd/groups/0/goal/y_m: unknown key \"y_m\"; the nearest known key is \"z_m\"."));
+    CHECK_THAT(refusal(goal + R"({"z_m": 1, "y_m": 2}}]}})"), Contains("the nearest known key is \"x_m\"."));
+}
+
+TEST_CASE("a list where a number or limits belong is answered with the form of limits") {
+    for (const std::string place : {R"({"crowd": {"tau": [0.1, 0.2]}})", R"({"crowd": {"mass_kg": [50, 90]}})"}) {
+        CHECK_THAT(refusal(place), Contains(R"(expected a number or an object {"min": ..., "max": ...}, found [)"));
+    }
+}
+
+TEST_CASE("all mistakes of keys and values are told at once, a line each") {
+    CHECK_THAT(refusal(R"({"sead": 3, "fluid": {"cfl": 9}, "crowd": {"tau": "much"}, "obstacles": [{"x_m": 1}]})"),
+               Equals("scene.json: /crowd/tau: expected a number or an object {\"min\": ..., \"max\": ...}, found "
+                      "\"much\" (string).\n"
+                      "scene.json: /fluid/cfl: 9 is out of range; allowed: > 0 and <= 2.\n"
+                      "scene.json: /obstacles/0/x_m: unknown key \"x_m\"; the nearest known key is \"x_min_m\".\n"
+                      "scene.json: /sead: unknown key \"sead\"; the nearest known key is \"seed\"."));
+    const std::string two = refusal_of_text(R"({"channel": {"x_min_m": 0, "x_max_m": 9}})");
+    for (const std::string missing : {"/channel/z_min_m", "/channel/z_max_m", "/channel/flow"}) {
+        CHECK_THAT(two, Contains("scene.json: " + missing + ": required key"));
+    }
+    const std::string options = refusal("{}", {"/seed=-1", "/sead=2", "/fluid/cfl=9"});
+    for (const std::string option :
+         {"--set /seed=-1: /seed", "--set /sead=2: /sead", "--set /fluid/cfl=9: /fluid/cfl"}) {
+        CHECK_THAT(options, Contains(option));
+    }
+}
+
+TEST_CASE("all mistakes of values that do not go together are told at once") {
+    const std::string all = refusal(R"({"channel": {"slope": 0.1, "velocity_m_s": 1, "no_slip": [{"plane": "top"}]},
+        "crowd": {"markers": "redrawn", "markers_per_cell": 63, "ragdoll": {"condition": "paper"},
+                  "groups": [)" + group("a", 1, 1) +
+                                    "," + group("a", 2000, 1) + R"(]},
+        "events": [{"frame": 1, "agent": 7, "tau": 1}, {"frame": 1, "group": "b", "tau": 1}]})");
+    for (const std::string place :
+         {"/channel/no_slip/0/plane", "/channel/velocity_m_s", "/crowd/groups/1/name", "/crowd/groups/1/start",
+          "/crowd/markers_per_cell", "/crowd/ragdoll/condition", "/events/0/agent", "/events/1/group"}) {
+        CHECK_THAT(all, Contains("scene.json: " + place + ": "));
+    }
+}
+
+TEST_CASE("more mistakes than anybody reads are counted") {
+    std::string keys;
+    for (int i = 0; i < 40; ++i)
+        keys += (i == 0 ? "\"" : ", \"") + std::string("unknown_") + std::to_string(i) + "\": 1";
+    const std::string all = refusal("{" + keys + "}");
+    CHECK(std::count(all.begin(), all.end(), '\n') == wade::Problems::most_shown);
+    CHECK_THAT(all, Catch::Matchers::EndsWith("\nand 28 more mistakes."));
+}
+
+TEST_CASE("only plain files are read, and none is waited for") {
+    const TemporaryFolder folder;
+    const std::string fifo = (folder.path() / "fifo.json").string();
+    REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
+    CHECK_THAT(refusal_of_file(fifo), Equals(fifo + " cannot be read: it is a pipe (FIFO); allowed: a plain file."));
+    const std::string child = folder.write("child.json", R"({"extends": "fifo.json"})").string();
+    CHECK_THAT(refusal_of_file(child),
+               StartsWith(child + ": /extends: the file " + fifo + " that it extends cannot be "));
+    CHECK_THAT(refusal_of_file(folder.path()), Contains("cannot be read: it is a folder."));
+    for (const std::string device : {"/dev/null", "/dev/zero", "/dev/full"}) {
+        CHECK_THAT(refusal_of_file(device), Equals(device + " cannot be read: it is a device; allowed: a plain file."));
+    }
+    CHECK_THAT(refusal_of_file(folder.path() / "gone.json"), Contains("No such file or directory"));
+}
+
+TEST_CASE("a chain of files that extend one another has an end") {
+    const TemporaryFolder folder;
+    const auto name = [](int i) { return "f" + std::to_string(i) + ".json"; };
+    folder.write(name(0), dry_scene);
+    for (int i = 1; i <= 40; ++i) folder.write(name(i), R"({"extends": ")" + name(i - 1) + R"("})");
+    CHECK(wade::load_scene(folder.path() / name(31)).scene.channel.x.hi == 40);
+    CHECK_THAT(refusal_of_file(folder.path() / name(32)), Contains("/extends: more than 32 files extend one another"));
+    CHECK_THAT(refusal_of_file(folder.path() / name(40)), Contains("/extends: more than 32 files extend one another"));
 }

@@ -1,5 +1,7 @@
 #include <unistd.h>
 
+#include <sstream>
+
 #include "configs/errors/exit_code.hpp"
 #include "configs/program/command_line.hpp"
 #include "configs/program/version.hpp"
@@ -152,6 +154,11 @@ TEST_CASE("--help names every option with its default, and needs no scene") {
                                      "[fast]"}) {
         CHECK_THAT(*help.answer, Contains(option));
     }
+}
+
+TEST_CASE("no line of --help is wider than 100 columns") {
+    std::istringstream lines(start({"--help"}).answer.value());
+    for (std::string line; std::getline(lines, line);) CHECK(line.size() <= 100);
 }
 
 TEST_CASE("--version names program, version and commit") {

@@ -1,0 +1,41 @@
+#pragma once
+// Mistakes that are reported together, so that who wrote three of them need not start three times.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "configs/errors/exit_code.hpp"
+
+namespace wade {
+
+class Problems {
+ public:
+    // One sentence, as of a ConfigurationError. A sentence that is there already is not noted again.
+    void note(const std::string& sentence);
+
+    // Notes what `check` throws as ConfigurationError; whether it threw nothing.
+    template <typename Check>
+    bool attempt(const Check& check) {
+        try {
+            check();
+            return true;
+        } catch (const ConfigurationError& error) {
+            note(error.what());
+            return false;
+        }
+    }
+
+    [[nodiscard]] bool none() const { return count_ == 0; }
+
+    // Throws a ConfigurationError of all sentences, a line each, if there are any; the first `most_shown` if there are more.
+    void throw_if_any() const;
+
+    static constexpr std::size_t most_shown = 12;
+
+ private:
+    std::vector<std::string> sentences_;  // at most most_shown
+    std::size_t count_ = 0;
+};
+
+}  // namespace wade

@@ -1,0 +1,60 @@
+// Keys of the coupling and of the events.
+
+#include "configs/scene/fields/lists.hpp"
+#include "configs/scene/mixed_window.hpp"
+#include "configs/scene/scene_frames.hpp"
+
+namespace wade {
+
+void fields(Coupling& coupling, Fields& f, const Scene& scene) {
+    f.choice("contact_rule", coupling.contact_rule,
+             "Distance, in the ground plane, below which an agent and a particle touch. difference: |agent_radius_m - "
+             "particle_radius_m|, as in the authors' code. sum: agent_radius_m + particle_radius_m, as in the paper's "
+             "text.");
+    f.choice(
+        "rule", coupling.rule,
+        "per_frame: Eq. 9 once a step of the crowd, from the velocity that the agent has without water. continuous: "
+        "agents tend to the velocity of Eq. 9 within 1/30 s, so that they have inertia; the steady state is that of "
+        "Eq. 9 at any rate, and the path after a change of the water is the same for steps of any length.");
+    f.number("sampling_rate_hz", coupling.sampling_rate, "1/s", from(0).to(1e5),
+             "Times a second at which the rule continuous looks for the water in contact: several times within a step, "
+             "with each particle moved on at its velocity from where it was at the begin of the step; once a step if 0 "
+             "or not above the crowd's step rate. Agents go along with the particles that push them, which long steps "
+             "do not see. Needs rule continuous if above 0.");
+    f.choice("agents_stream", coupling.agents_stream,
+             "The way back, from the crowd to the water. serial: the crowd publishes its agents and the water waits "
+             "for them before each of its frames. parallel: the water takes the agents of one frame earlier, so that "
+             "both work at the same time. No water of this version is moved by the agents; that of the mixed model has "
+             "its particles where they are.",
+             preset_but("serial where the model mixed needs it to know where people are", [&] {
+                 return mixed_needs_agents(scene) ? KeyValue(name_of(AgentsStream::serial)) : KeyValue();
+             }));
+    f.number("agent_radius_m", coupling.agent_radius, "m", above(0).to(1),
+             "r_a; at most 1, so that a contact lies within the 3 x 3 cells round an agent.");
+    f.number("particle_radius_m", coupling.particle_radius, "m", above(0).to(1),
+             "r_p, of contacts only: neither mass nor spacing of the particles follows from it.");
+}
+
+void fields(TauEvent& event, Fields& f, double frame_rate) {
+    std::optional<std::uint64_t> frame = event.frame;
+    std::optional<double> time;
+    f.whole("frame", frame, "", from(0).to(1e9),
+            "Frame from which on the new tau holds. Exactly one of frame and time_s is set.", otherwise("from time_s"));
+    f.shorthands([&] {
+        f.number("time_s", time, "s", from(0).to(1e6), "Time instead of a frame: the first frame at or after it.",
+                 otherwise("from frame"));
+    });
+    f.whole("agent", event.agent, "", from(0).to(999999999), "Number of the agent.", otherwise("none"));
+    f.text("group", event.group, {.shortest = 1}, "Name of the group.", otherwise("none"));
+    f.number("tau", event.tau, "", from(0).to(1), "The new tau.", required);
+    f.once_read([&]() -> std::optional<std::string> {
+        if (frame.has_value() == time.has_value()) {
+            return std::string("an event needs exactly one of \"frame\" and \"time_s\", and has ") +
+                   (frame ? "both." : "neither.");
+        }
+        event.frame = frame ? *frame : frame_at(*time, frame_rate);
+        return std::nullopt;
+    });
+}
+
+}  // namespace wade

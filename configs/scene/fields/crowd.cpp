@@ -1,0 +1,144 @@
+// Keys of the crowd.
+
+#include "configs/scene/fields/lists.hpp"
+
+namespace wade {
+
+void fields(EvasionSettings& evasion, Fields& f) {
+    f.choice("rule", evasion.rule,
+             "off: as in the source, agents do not look at the water. flee: one with water within the radius, all on "
+             "one side of it, goes the opposite way instead of towards its goal. evasion: away from where that water "
+             "will be. Who is surrounded by water goes on towards the goal.");
+    f.number("radius_m", evasion.radius, "m", above(0).to(2), "Distance within which water is seen.");
+    f.number("prediction_s", evasion.prediction, "s", from(0).to(10),
+             "evasion: longest time that agents look ahead; they take the distance over their desired speed if that is "
+             "less.");
+}
+
+void fields(NavigationSettings& navigation, Fields& f) {
+    f.choice("rule", navigation.rule,
+             "straight: as in the source, towards the goal; an obstacle on the way is slid along. travel_time: the "
+             "quickest way round the obstacles, at least body_radius_m away from them where the ground allows it, by a "
+             "field of the travel time to each goal (fast marching); towards the goal once it is in sight. An agent "
+             "that starts without a way to its goal is refused.");
+    f.number("cell_m", navigation.cell, "m", from(0.1).to(10),
+             "Largest cell of the field. Gaps between obstacles must be a cell plus 2 body_radius_m wide to be found "
+             "for certain.");
+    f.number("crowding", navigation.crowding, "", from(0).to(10),
+             "How much people in the way count: agents expect to walk at the speed of Weidmann's curve for so many "
+             "times the density of people there, and choose ways round crowds, also where the goal is in sight. 0: not "
+             "at all. 1: as measured crowds are slowed.");
+    f.number("every_s", navigation.every, "s", from(0).to(1e6),
+             "Time after which the fields are solved again for where people are; 0: once, for where they start. Unused "
+             "with crowding 0, as obstacles do not move.");
+}
+
+void fields(RagdollRule& ragdoll, Fields& f) {
+    f.choice("condition", ragdoll.condition,
+             "paper: tau >= tau_min and v_F > speed_m_s, v_F that of the channel at this time. local_speed: the same "
+             "with the speed of the water at the agent, which differs from v_F where a front arrives or an obstacle "
+             "stands. depth_speed: depth times speed of the water at the agent >= depth_speed_m2_s, whatever tau. At "
+             "the agent: in its cell of 2 x 2 m.");
+    f.number("tau_min", ragdoll.tau_min, "", from(0).to(1),
+             "Smallest tau of paper and local_speed; unused by depth_speed.");
+    f.number("speed_m_s", ragdoll.speed, "m/s", from(0).to(1000),
+             "Speed that must be exceeded in paper and local_speed; unused by depth_speed.");
+    f.number("depth_speed_m2_s", ragdoll.depth_speed, "m2/s", from(0).to(1000),
+             "Smallest depth times speed of depth_speed, begin of the level High of Table 2; unused by the others.");
+    f.flag("random_sign", ragdoll.random_sign,
+           "The random part of the rotation rates, uniform in 0.1 to 0.5 rad/s. false: added, as in the paper's text. "
+           "true: added or subtracted with equal chance, as in the authors' code.");
+}
+
+void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
+    f.text("name", group.name, short_name,
+           "Name in events and logs, one of its own for each group: letters, digits, '_', '-' and '.'.", required);
+    f.whole("columns", group.columns, "", from(1).to(1e5), "Agents of the start grid along x.");
+    f.whole("rows", group.rows, "", from(1).to(1e5), "Agents of the start grid along z.");
+    f.whole("count", group.count, "", from(1).to(1e6), "Agents placed on the grid; the last row may stay incomplete.",
+            otherwise("columns * rows", [&] { return KeyValue(std::int64_t{group.columns} * group.rows); }));
+    f.object(
+        "start",
+        [&] {
+            f.number("x_m", group.start_x, "m", from(0).to(1e5), "x of the first column.", required);
+            f.number("z_m", group.start_z, "m", from(0).to(1e5), "z of the first row.", required);
+            f.number("pitch_x_m", group.pitch_x, "m", from(0).to(10000), "Distance of the columns.");
+            f.number("pitch_z_m", group.pitch_z, "m", from(0).to(10000), "Distance of the rows.");
+            f.number("jitter_m", group.start_jitter, "m", from(0).to(1000),
+                     "Each agent starts at random, uniformly, up to this far from its place on the grid along x and "
+                     "along z; at the edges of the world the deviation is mirrored inwards. A start in an obstacle or "
+                     "within 1 mm of another one is drawn again; the pitch may then be 0.");
+        },
+        "The start grid.", required);
+    f.object(
+        "goal",
+        [&] {
+            f.number("x_m", group.goal_x, "m", from(-100000).to(1e5),
+                     "x of the goal, in the world. Where world.ends is periodic it may lie beyond either end: the "
+                     "agent walks that far, lap by lap, so that a goal far away is a direction.",
+                     required);
+            f.number("z_m", group.goal_z, "m", from(0).to(1e5), "z of the goal.", required);
+        },
+        "Where the group wants to go.", required);
+    f.number("desired_speed_m_s", group.desired_speed, "m/s", from(0).to(10),
+             "Speed at which an agent walks when nothing holds it up.",
+             otherwise("that of crowd", [&] { return KeyValue(of_crowd.desired_speed); }));
+    f.spread("mass_kg", group.mass, "kg", above(0).to(1000),
+             "m_a, mass of an agent. With min and max each agent has a mass of its own, drawn uniformly.",
+             otherwise("that of crowd", [&] { return KeyValue(of_crowd.mass); }));
+    f.spread("tau", group.tau, "", from(0).to(1),
+             "How much the water moves an agent: 0 not at all, 1 like a body without resistance. With min and max each "
+             "agent has a tau of its own, drawn uniformly.",
+             otherwise("that of crowd", [&] { return KeyValue(of_crowd.tau); }));
+}
+
+void fields(Crowd& crowd, Fields& f, double frame_rate) {
+    f.choice("speed_rule", crowd.speed_rule,
+             "Reading of Eq. 4, m the sum of the weighted ways to the markers. pi: speed min(pi |m| / 1 s, desired "
+             "speed), so that a free agent walks at 0.99 of it. per_frame: way min(|m|, desired speed * dt) in a step. "
+             "per_second: speed min(|m| / 1 s, desired speed).");
+    f.number(
+        "step_rate_hz", crowd.step_rate, "1/s", from(0.01).to(10000),
+        "Steps of the crowd in a second of simulated time. Above frame_rate_hz the crowd walks several steps through "
+        "one frame of the water, below it some frames pass between two steps; each step uses the newest frame.",
+        otherwise("frame_rate_hz", [=] { return KeyValue(frame_rate); }));
+    f.whole("markers_per_cell", crowd.markers_per_cell, "", from(1).to(1000), "Markers in each cell of 2 x 2 m.");
+    f.number("marker_min_distance_m", crowd.marker_min_distance, "m", from(0).to(2),
+             "Smallest distance of two markers.");
+    f.choice("markers", crowd.markers,
+             "fixed: drawn once, at random with the minimum distance, as in the source. redrawn: drawn anew every "
+             "marker_epoch_s, one in each of sqrt(markers_per_cell) x sqrt(markers_per_cell) sub-cells, so that crowds "
+             "whose ways cross do not lock; no memory, and the crowd steps faster.");
+    f.number("marker_epoch_s", crowd.marker_epoch, "s", from(0).to(1e6),
+             "Time after which markers are redrawn; 0: in each step. Unused if they are fixed.");
+    f.choice("bodies", crowd.bodies,
+             "none: BioCrowds as in the source, agents are points. fast, human: agents are discs of body_radius_m that "
+             "never overlap one another or an obstacle, whatever pushes them, and that get round one another; who "
+             "starts too close is moved apart. fast: as fast as the way is free. human: slower the less ground is free "
+             "among people who walk the same way, as Weidmann's curve of measured crowds. Meant for redrawn markers: "
+             "with fixed ones crowds whose ways cross lock.");
+    f.number("body_radius_m", crowd.body_radius, "m", above(0).to(0.5),
+             "Radius of the discs; without bodies only the distance to obstacles that navigation keeps.");
+    f.object("evasion", crowd.evasion,
+             "Whether agents step back from water that comes towards them (steering behaviours of Reynolds 1999).");
+    f.object("navigation", crowd.navigation, "How agents find the way to their goal.");
+    f.number("perception_radius_m", crowd.perception_radius, "m", above(0).to(2),
+             "R: an agent perceives markers within it; at most the size of a cell.");
+    f.number("goal_radius_m", crowd.goal_radius, "m", above(0).to(1000),
+             "An agent this close to its goal has arrived and is removed.");
+    f.object("ragdoll", crowd.ragdoll,
+             "Data for animators (ragdoll.csv): where the water tumbles a character. It changes no path. A row for "
+             "each agent and step in which the condition holds and at least one particle touches the agent.");
+    AgentGroup of_crowd;  // what groups take that set none
+    f.shorthands([&] {
+        f.spread("tau", of_crowd.tau, "", from(0).to(1), "tau of the groups that set none.");
+        f.spread("mass_kg", of_crowd.mass, "kg", above(0).to(1000), "Mass of the agents of groups that set none.");
+        f.number("desired_speed_m_s", of_crowd.desired_speed, "m/s", from(0).to(10),
+                 "Desired speed of the agents of groups that set none.");
+    });
+    f.list("groups", crowd.groups,
+           "Groups of agents. Agents are numbered from 0 through all groups in order, in a group row by row.",
+           [&](AgentGroup& group, Fields&) { fields(group, f, of_crowd); });
+}
+
+}  // namespace wade

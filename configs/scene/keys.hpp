@@ -1,0 +1,67 @@
+#pragma once
+// The keys of a scene as a tree: what the lists of fields declare, to check documents and to speak of keys in messages.
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "configs/errors/problems.hpp"
+#include "configs/scene/fields.hpp"
+
+namespace wade {
+
+// A key with those below it: of an object, of the objects of a list, or "min" and "max" of a spread.
+struct KeyNode {
+    Key key;
+    KeyValue preset;  // of a new struct
+    std::vector<KeyNode> inside;
+
+    [[nodiscard]] const KeyNode* find(std::string_view name) const;
+};
+
+// A list of fields of any struct, such as [&](Fields& f) { fields(scene, f); }.
+using FieldList = std::function<void(Fields&)>;
+
+// What a list declares for a new struct, as a nameless object. `skipped`: see Fields.
+[[nodiscard]] KeyNode declared_keys(const FieldList& list, const std::string& skipped = "");
+
+// The keys of a scene.
+[[nodiscard]] const KeyNode& scene_keys();
+
+// Where a document comes from and where its mistakes go.
+struct Reading {
+    std::string source;  // named in messages: the file or the option
+    Problems& problems;
+    const KeyNode& keys = scene_keys();  // all of them, for names that belong elsewhere
+};
+
+// Notes all unknown keys, wrong types and values out of range of `value`, which is at `pointer` and is to be as `node`
+// says. Required keys may be missing: a file that another extends, or that extends another, is only a part of a scene.
+void check_keys(const nlohmann::json& value, const KeyNode& node, const std::string& pointer, const Reading& reading);
+
+// Notes that `key` is not known in the object at `pointer`, and what may have been meant: a key of this object, first
+// those that `present` has not set, or else one that stands elsewhere.
+void note_unknown_key(const nlohmann::json& present, const KeyNode& node, const std::string& key,
+                      const std::string& pointer, const Reading& reading);
+
+// Notes that the key at `pointer` is required and missing.
+void note_missing_key(const KeyNode& node, const std::string& pointer, const Reading& reading);
+
+// `pointer` extended by one key, escaped as RFC 6901 demands.
+[[nodiscard]] std::string pointer_to(const std::string& pointer, const std::string& key);
+
+// The allowed values as words with unit, for example "> 0 and <= 2 s".
+[[nodiscard]] std::string allowed_values(const Key& key);
+
+// What a value must be, with its article: "a number or an object {"min": ..., "max": ...}".
+[[nodiscard]] std::string type_words(const Key& key);
+
+// What a JSON value is as a value of the key, whose type it must have; -0 becomes 0, so that equal scenes have equal texts.
+[[nodiscard]] KeyValue key_value(const nlohmann::json& value, const Key& key);
+
+// The value as JSON; null: none.
+[[nodiscard]] nlohmann::json json_of(const KeyValue& value);
+
+}  // namespace wade

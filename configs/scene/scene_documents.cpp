@@ -1,0 +1,214 @@
+#include "configs/scene/scene_documents.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace wade {
+
+namespace {
+
+using nlohmann::json;
+using ordered = nlohmann::ordered_json;
+
+// 5 for 5.0, as people write it.
+ordered number(double value) {
+    const bool whole = std::trunc(value) == value && std::abs(value) < 1e15 * 10;
+    return whole ? ordered(static_cast<std::int64_t>(value)) : ordered(value);
+}
+
+ordered preset_of(const KeyNode& node) {
+    if (node.key.kind == KeyKind::list) return ordered::array();
+    if (const auto* value = std::get_if<double>(&node.preset)) return number(*value);
+    if (const auto* spread = std::get_if<Spread>(&node.preset)) return number(spread->lo);
+    return json_of(node.preset);
+}
+
+bool is_required(const KeyNode& node) {
+    return node.key.presence.rule == Presence::Rule::required;
+}
+
+ordered names_of_required(const KeyNode& node) {
+    ordered names = ordered::array();
+    for (const KeyNode& inner : node.inside) {
+        if (is_required(inner)) names.push_back(inner.key.name);
+    }
+    return names;
+}
+
+const char* type_of(KeyKind kind) {
+    switch (kind) {
+        case KeyKind::number:
+        case KeyKind::spread:
+            return "number";
+        case KeyKind::whole:
+            return "integer";
+        case KeyKind::flag:
+            return "boolean";
+        case KeyKind::text:
+        case KeyKind::choice:
+            return "string";
+        case KeyKind::object:
+            return "object";
+        case KeyKind::list:
+            return "array";
+    }
+    return "";
+}
+
+ordered schema_of(const KeyNode& node, bool whole);
+
+// `whole`: the object is never merged with another, so that it must have what is required.
+void add_properties(ordered& schema, const KeyNode& node, bool whole) {
+    schema["additionalProperties"] = false;
+    if (const ordered names = names_of_required(node); whole && !names.empty()) schema["required"] = names;
+    ordered& properties = schema["properties"] = ordered::object();
+    for (const KeyNode& inner : node.inside) properties[std::string(inner.key.name)] = schema_of(inner, whole);
+}
+
+void add_limits(ordered& schema, const Key& key) {
+    if (!key.unit.empty()) schema["x-unit"] = key.unit;
+    if (key.kind == KeyKind::choice) schema["enum"] = key.choices;
+    if (std::isfinite(key.range.lo))
+        schema[key.range.without_lo ? "exclusiveMinimum" : "minimum"] = number(key.range.lo);
+    if (std::isfinite(key.range.hi))
+        schema[key.range.without_hi ? "exclusiveMaximum" : "maximum"] = number(key.range.hi);
+    if (key.text.shortest > 0) schema["minLength"] = key.text.shortest;
+    if (key.text.longest != std::string::npos) schema["maxLength"] = key.text.longest;
+    if (!key.text.characters.empty())
+        schema["pattern"] = std::string("^[").append(key.text.characters).append(key.text.shortest > 0 ? "]+$" : "]*$");
+}
+
+ordered schema_of(const KeyNode& node, bool whole) {
+    const Key& key = node.key;
+    ordered schema;
+    if (key.kind == KeyKind::spread) {
+        schema["type"] = {"number", "object"};
+    } else {
+        schema["type"] = type_of(key.kind);
+    }
+    add_limits(schema, key);
+    const Presence& presence = key.presence;
+    if (presence.rule == Presence::Rule::preset && key.kind != KeyKind::object) schema["default"] = preset_of(node);
+    if (!presence.words.empty()) schema["x-default"] = presence.words;
+    schema["description"] = key.meaning;
+    if (key.kind == KeyKind::list) {
+        ordered& items = schema["items"] = {{"type", "object"}};
+        add_properties(items, node, true);
+    } else if (key.kind == KeyKind::object) {
+        add_properties(schema, node, whole);
+    } else if (key.kind == KeyKind::spread) {
+        add_properties(schema, node, true);
+    }
+    return schema;
+}
+
+// What a whole scene must have of this object and of those below it.
+ordered required_of_whole(const KeyNode& node) {
+    ordered schema = ordered::object();
+    if (const ordered names = names_of_required(node); !names.empty()) schema["required"] = names;
+    for (const KeyNode& inner : node.inside) {
+        if (inner.key.kind != KeyKind::object) continue;
+        const ordered its = required_of_whole(inner);
+        if (!its.empty()) schema["properties"][std::string(inner.key.name)] = its;
+    }
+    return schema;
+}
+
+std::string code(const std::string& text) {
+    return std::string("`").append(text).append("`");
+}
+
+std::string interval(const Range& range) {
+    const auto limit = [](double v) { return std::isfinite(v) ? number(v).dump() : v < 0 ? "-inf" : "inf"; };
+    std::string text = range.without_lo ? "(" : "[";
+    return text.append(limit(range.lo)).append(", ").append(limit(range.hi)).append(range.without_hi ? ")" : "]");
+}
+
+std::string range_of(const Key& key) {
+    std::string words;
+    switch (key.kind) {
+        case KeyKind::choice:
+            for (const std::string& name : key.choices) words += (words.empty() ? "" : ", ") + code(name);
+            return words;
+        case KeyKind::number:
+            return interval(key.range);
+        case KeyKind::spread:
+            return interval(key.range) + ", or `min` and `max`";
+        case KeyKind::whole:
+            return "whole, " + interval(key.range);
+        case KeyKind::flag:
+            return "`true`, `false`";
+        case KeyKind::text:
+            return "text";
+        case KeyKind::list:
+            return "list";
+        case KeyKind::object:
+            return "object";
+    }
+    return "";
+}
+
+std::string default_of(const KeyNode& node) {
+    if (is_required(node)) return "**required**";
+    const std::string words(node.key.presence.words);
+    if (node.key.presence.rule == Presence::Rule::otherwise) return words;
+    if (node.key.kind == KeyKind::object) return "";
+    return words.empty() ? code(preset_of(node).dump()) : code(preset_of(node).dump()) + "; " + words;
+}
+
+std::string cell(std::string_view text) {
+    std::string escaped(" ");
+    for (const char c : text) {
+        if (c == '|') escaped += '\\';
+        escaped += c;
+    }
+    return escaped.append(" |");
+}
+
+void add_rows(std::string& table, const KeyNode& node, const std::string& before) {
+    for (const KeyNode& inner : node.inside) {
+        const Key& key = inner.key;
+        const std::string name = before + std::string(key.name);
+        table += "|";
+        table += cell(code(name)) + cell(key.unit) + cell(range_of(key)) + cell(default_of(inner)) + cell(key.meaning) +
+                 "\n";
+        if (key.kind == KeyKind::object) add_rows(table, inner, name + ".");
+        if (key.kind == KeyKind::list) add_rows(table, inner, name + "[].");
+    }
+}
+
+}  // namespace
+
+std::string schema_text(const KeyNode& keys) {
+    ordered schema;
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
+    schema["title"] = "Wade scene";
+    schema["description"] =
+        "All that describes a run. x runs along the stream's axis, z across it, y up; the bed is y = 0; the stream "
+        "flows "
+        "towards -x.";
+    schema["type"] = "object";
+    schema["if"] = {{"required", {"extends"}}};
+    schema["else"] = required_of_whole(keys);
+    add_properties(schema, keys, false);
+    return schema.dump(2) + "\n";
+}
+
+std::string keys_table(const KeyNode& keys) {
+    std::string table = "| key | unit | range | default | meaning |\n|---|---|---|---|---|\n";
+    add_rows(table, keys, "");
+    return table;
+}
+
+std::vector<SceneDocument> scene_documents() {
+    const std::string page =
+        "# All keys of a scene\n\n"
+        "Written from the lists in `configs/scene/fields`; how to write a scene: [scenes](scenes.md). Round brackets "
+        "exclude "
+        "the\nlimit, square brackets include it. `[]` marks the elements of a list. The JSON pointer of `fluid.cfl` is "
+        "`/fluid/cfl`.\n\n";
+    return {{"configs/scene.schema.json", schema_text(scene_keys())},
+            {"docs/scene_keys.md", page + keys_table(scene_keys())}};
+}
+
+}  // namespace wade

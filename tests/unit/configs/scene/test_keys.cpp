@@ -1,0 +1,202 @@
+// Each key of the schema reaches the typed scene, and nothing but its one declaration takes it there.
+
+#include <nlohmann/json.hpp>
+
+#include "configs/loading/scene_file.hpp"
+#include "configs/scene/fields/lists.hpp"
+#include "configs/scene/scene_documents.hpp"
+#include "configs/scene/scene_json.hpp"
+#include "scene_texts.hpp"
+
+using nlohmann::json;
+using wade::Problems;
+using wade::Scene;
+
+namespace {
+
+std::string text_of_file(const std::string& name) {
+    return wade::read_text_file(std::string(WADE_SCENES) + "/../" + name, name);
+}
+
+// Every list has an element and every key that may be left out is set in one of them.
+const json everything = json::parse(R"({
+    "name": "everything", "description": "a", "seed": 3,
+    "channel": {"x_min_m": 1, "x_max_m": 40, "z_min_m": 2, "z_max_m": 30, "flow": "emitter",
+                "bed_points": [{"x_m": 3, "y_m": 0.1}], "no_slip": [{"plane": "bed"}],
+                "velocity_history": [{"time_s": 1, "velocity_m_s": 1}],
+                "water_blocks": [{"x_min_m": 1, "x_max_m": 2, "z_min_m": 1, "z_max_m": 2, "depth_m": 1}]},
+    "obstacles": [{"x_min_m": 1, "x_max_m": 2, "z_min_m": 1, "z_max_m": 2, "height_m": 1}],
+    "fluid": {"max_impulse_error": 0.1, "mixed": {"x_min_m": 2, "x_max_m": 3, "margin_m": 1},
+              "steering": {"classes": [{"share": 0.1}],
+                           "bodies": [{"x_m": 1, "y_m": 1, "z_m": 1, "radius_m": 0.5}]}},
+    "crowd": {"tau": 0.1, "mass_kg": 70, "desired_speed_m_s": 1, "step_rate_hz": 30,
+              "groups": [{"name": "takes", "start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 1, "z_m": 1}},
+                         {"name": "sets", "start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 1, "z_m": 1},
+                          "columns": 3, "rows": 3, "count": 5, "tau": 0.2, "mass_kg": 60, "desired_speed_m_s": 2}]},
+    "coupling": {"agents_stream": "serial"},
+    "events": [{"frame": 3, "agent": 1, "tau": 0.5}, {"time_s": 3, "group": "sets", "tau": 0.6}]
+})");
+
+struct Leaf {
+    std::string pattern;  // "/crowd/groups/*/tau"
+    std::string pointer;  // "/crowd/groups/1/tau"
+    json schema;
+};
+
+// The last element that sets the key, or the last that there is.
+std::size_t index_for(const json& list, const std::string& key) {
+    for (std::size_t i = list.size(); i > 0; --i) {
+        if (list[i - 1].contains(key)) return i - 1;
+    }
+    return list.size() - 1;
+}
+
+void collect(const json& schema, const json& value, const std::string& pattern, const std::string& pointer,
+             std::vector<Leaf>& leaves) {
+    for (const auto& [key, its] : schema["properties"].items()) {
+        const std::string below = pattern + "/" + key;
+        const json member = value.value(key, json());
+        if (its["type"] == "object") {
+            collect(its, member.is_null() ? json::object() : member, below, pointer + "/" + key, leaves);
+        } else if (its["type"] == "array") {
+            INFO(below);
+            REQUIRE(!member.empty());
+            for (const auto& [name, inner] : its["items"]["properties"].items()) {
+                const std::size_t i = index_for(member, name);
+                const json one = {{"properties", {{name, inner}}}};
+                collect(one, member[i], below + "/*", pointer + "/" + key + "/" + std::to_string(i), leaves);
+            }
+        } else {
+            leaves.push_back({below, pointer + "/" + key, its});
+        }
+    }
+}
+
+// Of the schema that editors use; $schema and extends tell how a file is read and reach no scene.
+std::vector<Leaf> leaves_of_schema() {
+    json schema = json::parse(text_of_file("configs/scene.schema.json"));
+    schema["properties"].erase("$schema");
+    schema["properties"].erase("extends");
+    std::vector<Leaf> leaves;
+    collect(schema, everything, "", "", leaves);
+    return leaves;
+}
+
+// Another value that the schema allows.
+json other_value(const json& schema, const json& present) {
+    const json& type = schema["type"];
+    if (type == "boolean") return !present.get<bool>();
+    if (schema.contains("enum")) return schema["enum"][0] == present ? schema["enum"][1] : schema["enum"][0];
+    if (type == "string") return "another";
+    const double lo = schema.contains("minimum") ? schema["minimum"] : schema["exclusiveMinimum"];
+    const double hi = schema.contains("maximum") ? schema["maximum"] : schema["exclusiveMaximum"];
+    for (const double share : {0.5, 0.25}) {
+        const double value = lo + share * (hi - lo);
+        const json other = type == "integer" ? json(static_cast<std::int64_t>(value)) : json(value);
+        if (other != present) return other;
+    }
+    FAIL("no other value");
+    return {};
+}
+
+json read_and_written(const json& document, const std::string& skipped = "") {
+    Problems problems;
+    Scene scene;
+    wade::read_scene(document, scene, {"scene.json", problems}, skipped);
+    if (skipped.empty()) problems.throw_if_any();
+    return wade::written_scene(scene);
+}
+
+json changed(const Leaf& leaf) {
+    json document = everything;
+    const json::json_pointer place(leaf.pointer);
+    const json before = read_and_written(everything);
+    const json present = document.contains(place) ? document[place] : before.contains(place) ? before[place] : json();
+    document[place] = other_value(leaf.schema, present);
+    return document;
+}
+
+bool noted_as_unknown(const std::string& skipped) {
+    Problems problems;
+    const wade::KeyNode keys =
+        wade::declared_keys([scene = Scene()](wade::Fields& f) mutable { fields(scene, f); }, skipped);
+    json document = everything;
+    for (const Leaf& leaf : leaves_of_schema()) {
+        if (leaf.pattern == skipped) document = changed(leaf);
+    }
+    wade::check_keys(document, keys, "", {"scene.json", problems, keys});
+    return !problems.none();
+}
+
+}  // namespace
+
+TEST_CASE("the scene with everything keeps the keys' rules") {
+    Problems problems;
+    wade::check_keys(everything, wade::scene_keys(), "", {"scene.json", problems});
+    CHECK_NOTHROW(problems.throw_if_any());
+    CHECK(leaves_of_schema().size() > 150);
+}
+
+TEST_CASE("another value of any key is allowed, changes the typed scene and is printed") {
+    const json before = read_and_written(everything);
+    for (const Leaf& leaf : leaves_of_schema()) {
+        INFO(leaf.pointer);
+        const json document = changed(leaf);
+        Problems problems;
+        wade::check_keys(document, wade::scene_keys(), "", {"scene.json", problems});
+        CHECK_NOTHROW(problems.throw_if_any());
+        const json after = read_and_written(document);
+        CHECK(after != before);
+        // A key of the crowd that groups take over, or a time that becomes a frame, is printed where it went.
+        const json::json_pointer place(leaf.pointer);
+        const bool shorthand = !before.contains(place);
+        if (!shorthand) CHECK(after.at(place) == document.at(place));
+    }
+}
+
+TEST_CASE("limits of a spread are keys as well") {
+    for (const std::string key : {"tau", "mass_kg"}) {
+        for (const json::json_pointer& place :
+             {json::json_pointer("/crowd/" + key), json::json_pointer("/crowd/groups/1/" + key)}) {
+            json document = everything;
+            document[place] = {{"min", 0.2}, {"max", 0.7}};
+            const json spread = read_and_written(document);
+            document[place]["min"] = 0.3;
+            const json higher = read_and_written(document);
+            document[place]["max"] = 0.8;
+            CHECK(spread != higher);
+            CHECK(higher != read_and_written(document));
+        }
+    }
+}
+
+TEST_CASE("without its one declaration a key does nothing and is not known: no other code reads it") {
+    for (const Leaf& leaf : leaves_of_schema()) {
+        INFO(leaf.pattern);
+        CHECK(read_and_written(changed(leaf), leaf.pattern) == read_and_written(everything, leaf.pattern));
+        CHECK(noted_as_unknown(leaf.pattern));
+        const json whole = wade::written_scene(Scene());
+        const json without = wade::written_scene(Scene(), leaf.pattern);
+        const json::json_pointer place(
+            leaf.pattern);  // of keys in lists, which a new scene has none of, nothing is printed
+        if (whole.contains(place)) CHECK_FALSE(without.contains(place));
+    }
+}
+
+TEST_CASE("schema and documentation are those of the declared keys; `ninja scene_documents` writes them") {
+    for (const wade::SceneDocument& document : wade::scene_documents()) {
+        INFO(document.file);
+        CHECK((text_of_file(document.file) == document.text));
+    }
+}
+
+TEST_CASE("every key says what it means") {
+    const std::function<void(const wade::KeyNode&)> check = [&](const wade::KeyNode& node) {
+        for (const wade::KeyNode& inner : node.inside) {
+            INFO(inner.key.name);
+            CHECK(inner.key.meaning.size() > 5);
+            check(inner);
+        }
+    };
+    check(wade::scene_keys());
+}
