@@ -8,6 +8,7 @@ import csv
 import itertools
 import json
 import os
+import re
 import secrets
 import signal
 import sqlite3
@@ -43,6 +44,11 @@ def wait_until(condition, what):
         time.sleep(0.001)
 
 
+def unwrapped(text):
+    """Messages in one line each, which the console breaks at 100 columns and indents."""
+    return re.sub(r"\n {2,}", " ", text)
+
+
 class Program:
     """A running program whose messages go to a file, so that it never waits for a reader."""
 
@@ -69,8 +75,9 @@ class Program:
         return stat.rsplit(")", 1)[1].split()[0] == "T"
 
     def messages(self):
+        """What the program said, each message in one line, however the console broke it."""
         self.errors.seek(0)
-        return self.errors.read()
+        return unwrapped(self.errors.read())
 
     def close(self):
         if self.running():
