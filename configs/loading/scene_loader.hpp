@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "configs/loading/scene_override.hpp"
 #include "configs/scene/scene.hpp"
 #include "configs/scene/scene_capacity.hpp"
 
@@ -22,16 +23,6 @@ struct LoadedScene {
     // The resolved scene: every default explicit, keys sorted, nothing extended. Loading it again gives the same hash.
     std::string canonical_json;
 };
-
-// One value set from outside the scene file, applied after the merge.
-struct SceneOverride {
-    std::string pointer;  // JSON pointer of a key that the schema knows, for example "/crowd/groups/0/tau"
-    std::string value;    // JSON, or else a plain string
-    std::string source;   // named in errors, for example "--set /seed=7"
-};
-
-// Splits "/json/pointer=value"; throws ConfigurationError if that is not its form.
-[[nodiscard]] SceneOverride parse_override(const std::string& assignment);
 
 // Reads a scene file and those that it extends.
 [[nodiscard]] LoadedScene load_scene(const std::filesystem::path& file,

@@ -6,8 +6,6 @@
 #include <sstream>
 #include <vector>
 
-#include "configs/scene/keys.hpp"
-
 namespace wade {
 
 namespace {

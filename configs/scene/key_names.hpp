@@ -5,10 +5,9 @@
 #include <string>
 
 #include "configs/errors/nearest_name.hpp"
+#include "configs/scene/key_node.hpp"
 
 namespace wade {
-
-struct KeyNode;
 
 // "the nearest known key is "z_m"", for `name` in the object `present`, whose keys are `node`'s; or the full pointer of a
 // key that stands elsewhere in `all`, if that is what was written and nothing here is near it:

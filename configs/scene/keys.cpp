@@ -135,20 +135,6 @@ const KeyNode& scene_keys() {
     return keys;
 }
 
-std::string pointer_to(const std::string& pointer, const std::string& key) {
-    std::string escaped = pointer + "/";
-    for (const char c : key) {
-        if (c == '~') {
-            escaped += "~0";
-        } else if (c == '/') {
-            escaped += "~1";
-        } else {
-            escaped += c;
-        }
-    }
-    return escaped;
-}
-
 std::string type_words(const Key& key) {
     switch (key.kind) {
         case KeyKind::number:

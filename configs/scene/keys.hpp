@@ -9,17 +9,9 @@
 
 #include "configs/errors/problems.hpp"
 #include "configs/scene/fields.hpp"
+#include "configs/scene/key_node.hpp"
 
 namespace wade {
-
-// A key with those below it: of an object, of the objects of a list, or "min" and "max" of a spread.
-struct KeyNode {
-    Key key;
-    KeyValue preset;  // of a new struct
-    std::vector<KeyNode> inside;
-
-    [[nodiscard]] const KeyNode* find(std::string_view name) const;
-};
 
 // A list of fields of any struct, such as [&](Fields& f) { fields(scene, f); }.
 using FieldList = std::function<void(Fields&)>;
@@ -48,9 +40,6 @@ void note_unknown_key(const nlohmann::json& present, const KeyNode& node, const 
 
 // Notes that the key at `pointer` is required and missing.
 void note_missing_key(const KeyNode& node, const std::string& pointer, const Reading& reading);
-
-// `pointer` extended by one key, escaped as RFC 6901 demands.
-[[nodiscard]] std::string pointer_to(const std::string& pointer, const std::string& key);
 
 // The allowed values as words with unit, for example "> 0 and <= 2 s".
 [[nodiscard]] std::string allowed_values(const Key& key);
