@@ -8,6 +8,9 @@ target_compile_options(wade_options INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion
     -Wold-style-cast -Wcast-align -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference -Wduplicated-cond>
   -ffp-contract=off -fno-math-errno -fno-trapping-math)
+# These are the same for all, too, so that all can share the compiled headers below.
+target_compile_options(wade_options INTERFACE -fPIC $<$<COMPILE_LANGUAGE:CXX>:-fopenmp>)
+target_compile_definitions(wade_options INTERFACE BOOST_ALL_NO_LIB)
 if(WADE_WARNINGS_AS_ERRORS)
   target_compile_options(wade_options INTERFACE -Werror)
 endif()
@@ -18,6 +21,19 @@ if(WADE_SANITIZE)
   target_compile_options(wade_options INTERFACE -fsanitize=${WADE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(wade_options INTERFACE -fsanitize=${WADE_SANITIZE})
 endif()
+
+# wade_headers(NAME [HEADER ...]): headers of the standard library that many sources read, and these, compiled once. Every
+# source still includes what it uses.
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/nothing.cpp CONTENT "")
+function(wade_headers name)
+  add_library(${name} STATIC ${PROJECT_BINARY_DIR}/nothing.cpp)
+  target_link_libraries(${name} PRIVATE wade_options)
+  target_precompile_headers(${name} PRIVATE <algorithm> <array> <chrono> <cmath> <cstdint> <cstring> <filesystem> <fstream>
+    <functional> <iostream> <limits> <map> <memory> <optional> <set> <span> <sstream> <stdexcept> <string> <string_view>
+    <utility> <vector> ${ARGN})
+endfunction()
+wade_headers(headers_of_rooms)
+set(wade_headers_here headers_of_rooms)  # what targets of this folder and below share
 
 # wade_doors(TARGET ENTRY ...): who links TARGET may include these headers, or all of the folder for ".", of the folder
 # that calls, as "room/header.hpp" from the project's root. Nothing else is to be seen through this target, so that the
@@ -48,7 +64,7 @@ function(wade_room name)
   if(room_UNPARSED_ARGUMENTS)
     add_library(${name} STATIC ${room_UNPARSED_ARGUMENTS})
     target_link_libraries(${name} PUBLIC wade_options ${room_USES})
-    set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_precompile_headers(${name} REUSE_FROM ${wade_headers_here})
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE wade_options ${room_USES})
@@ -70,12 +86,13 @@ function(wade_library name)
   add_library(${name} STATIC ${ARGN})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PUBLIC wade_options)
-  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_precompile_headers(${name} REUSE_FROM ${wade_headers_here})
 endfunction()
 
 # wade_program(NAME SOURCES ...): a program, placed at the top of the build folder.
 function(wade_program name)
   add_executable(${name} ${ARGN})
   target_link_libraries(${name} PRIVATE wade_options)
+  target_precompile_headers(${name} REUSE_FROM ${wade_headers_here})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 endfunction()

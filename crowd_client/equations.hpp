@@ -25,6 +25,9 @@ struct Contact {
     Vector2d momentum = Vector2d::Zero();  // sum of m_i v_i, kg m/s
 };
 
+// Eq. 1 to 3 as they are written, for tests to compare with: markers/fixed_owners.cpp has them in the order of the markers,
+// to the bit, and markers/drawn_owners.cpp with one division a marker.
+
 // Eq. 1: the motion vector m = sum_k w_k (a_k - X), m.
 // weights: w_k of Eq. 2; marker_offsets: a_k - X of the agent's own markers, m; both of the same length.
 [[nodiscard]] Vector2d motion_vector(std::span<const double> weights, std::span<const Vector2d> marker_offsets);

@@ -200,7 +200,7 @@ std::vector<json> scene_layers(std::string_view text, const std::filesystem::pat
             check_keys(document, scene_keys(), "", {source, problems});
             const json extends = document.is_object() ? document.value("extends", json()) : json();
             layers.push_back(std::move(document));
-            if (!extends.is_string() || extends == "") break;
+            if (!extends.is_string() || extends.get_ref<const std::string&>().empty()) break;
             const std::filesystem::path parent =
                 (current_file.parent_path() / extends.get<std::string>()).lexically_normal();
             chain.add(parent, source);

@@ -173,6 +173,7 @@ template <typename Choice>
 template <typename Choice>
 [[nodiscard]] std::vector<std::string> names_of() {
     std::vector<std::string> names;
+    names.reserve(Words<Choice>::all.size());
     for (const auto& [name, value] : Words<Choice>::all) names.emplace_back(name);
     return names;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// Friction of a rough bed by Manning's formula (Manning 1891), as in the shallow-water equations:
+// Friction of a rough bed by Manning's formula (Manning 1891), as in the shallow-water equations (W6 of
+// docs/step_of_the_water.md):
 //
 //   du/dt = - k u,   k = g n^2 |U| / h^(4/3)
 //

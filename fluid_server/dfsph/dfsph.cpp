@@ -67,7 +67,7 @@ struct Operator {
 // One number for each particle of a block.
 using BlockOf = std::array<float, block_size>;
 
-// From sum_j p_j g_ij to a_i(p).
+// W7: from sum_j p_j g_ij to a_i(p).
 void finish_acceleration(const std::vector<float>& pressure, const Operator& o, std::size_t begin, std::size_t end) {
     ParticleFields& f = o.f;
     for (std::size_t i = begin; i < end; ++i) {
@@ -78,7 +78,7 @@ void finish_acceleration(const std::vector<float>& pressure, const Operator& o, 
     }
 }
 
-// Calls body(i, D_i(u), block) for each particle of a block, from sum_j u_j . (R g_ij).
+// W7: calls body(i, D_i(u), block) for each particle of a block, from sum_j u_j . (R g_ij).
 template <typename Body>
 void finish_density_rate(const ConstVectorArrays& u, const BlockOf& sums, const Operator& o, std::size_t begin,
                          std::size_t end, std::size_t b, Body&& body) {
@@ -150,6 +150,7 @@ ConstVectorArrays velocities(const Particles& p) {
 
 }  // namespace
 
+// W2 and W3.
 void compute_density_and_diagonal(const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
                                   ParticleFields& f) {
     lists.factor_unit =
@@ -208,6 +209,7 @@ std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& l
     });
 }
 
+// W8.
 template <typename Source>
 SolveResult PressureSolver::solve(const PressureSystem& system, const Task& task, Source&& source) {
     const Particles& p = system.particles;
@@ -282,6 +284,7 @@ void apply_acceleration(Particles& p, const ParticleFields& f, float dt) {
     });
 }
 
+// W9.
 SolveResult PressureSolver::solve_divergence(const PressureSystem& system, float dt, float step_share,
                                              const PressureSolve& settings) {
     const ParticleFields& f = system.fields;
@@ -302,6 +305,7 @@ SolveResult PressureSolver::solve_divergence(const PressureSystem& system, float
     return result;
 }
 
+// W10.
 SolveResult PressureSolver::solve_density(const PressureSystem& system, DensitySolve what, float dt,
                                           const PressureSolve& settings) {
     Particles& p = system.particles;

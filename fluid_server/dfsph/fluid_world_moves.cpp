@@ -52,6 +52,7 @@ void FluidWorld::touch_solids(float dt, StepReport& report) {
     report.contact_force = mass * sums_.total([](double& sum, double a) { sum += a; });
 }
 
+// W11.
 void FluidWorld::move(float dt, float shift_time, StepReport& report) {
     Particles& p = particles_;
     const float opening = ends_->opening_x();

@@ -1,5 +1,5 @@
 #pragma once
-// How long a step of the solved water may be.
+// How long a step of the solved water may be: W1 of docs/step_of_the_water.md.
 
 #include "configs/scene/scene.hpp"
 

@@ -71,13 +71,14 @@ void KinematicStream::make_strips(const Scene& scene) {
     const std::uint64_t particles = river_particles(scene);
     const std::uint64_t seed_key = mix_bits(scene.seed + splitmix_step);
     for (std::uint64_t s = 0; s < all; ++s) {
-        const auto layer = static_cast<double>(s / across);
+        const std::uint64_t row = s / across;
+        const auto layer = static_cast<double>(row);
         Strip strip;
         strip.y = static_cast<float>((layer + 0.5) * layer_depth);
         strip.z_lo = channel.z.lo + static_cast<double>(s % across) * strip_width_;
         strip.velocity = mean_velocity_between(stream, layer * layer_depth, (layer + 1) * layer_depth);
         strip.random_key = mix_bits(seed_key + s * splitmix_step);
-        if (layers > 1) strip.lattice_point = s / across % 2 == 0 ? 0.25 : 0.75;
+        if (layers > 1) strip.lattice_point = row % 2 == 0 ? 0.25 : 0.75;
         // A round channel holds whole cells; the strips share them so that their sum is that of the river.
         strip.cells = static_cast<std::int64_t>((s + 1) * particles / all - s * particles / all);
         strip.cell_length =

@@ -90,8 +90,8 @@ std::vector<Probe> probes_of(const Scene& scene) {
     std::vector<Probe> all;
     for (const AgentGroup& group : scene.crowd.groups) {
         for (int k = 0; k < group.count; ++k) {
-            const Probe start{group.start_x + (k % group.columns) * group.pitch_x,
-                              group.start_z + (k / group.columns) * group.pitch_z};
+            const int column = k % group.columns, row = k / group.columns;
+            const Probe start{group.start_x + column * group.pitch_x, group.start_z + row * group.pitch_z};
             const bool stands = group.desired_speed == 0;
             for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
                 const Probe place{start.x + share * (group.goal_x - start.x),
@@ -113,6 +113,7 @@ std::optional<Meeting> scout(const LoadedScene& written, const SceneWater& water
     if (!coarse) return std::nullopt;
     swe::ShallowWater world(coarse->scene);
     std::vector<Record> records;
+    records.reserve(probes.size());
     for (const Probe& probe : probes) records.push_back({cell_at(world.grid, probe)});
 
     Meeting meeting;

@@ -1,5 +1,5 @@
 #pragma once
-// Kernel gradients that are exact for velocities that change linearly in space.
+// Kernel gradients that are exact for velocities that change linearly in space: W4 of docs/step_of_the_water.md.
 //
 // Sum_j (u_i - u_j) . g_ij over a packing that is not a lattice sees a divergence in water that only shears, so that
 // the divergence solve holds the shear up as if the water were a soft solid. Bonet and Lok (1999) correct it by

@@ -11,10 +11,10 @@
 namespace wade::shm {
 
 // Without FUTEX_PRIVATE_FLAG: the sleeper and the waker are different processes.
-Wake futex_wait(const std::uint32_t& word, std::uint32_t seen, std::int64_t slice_ns) {
+Wake futex_wait(const std::uint32_t& word, std::uint32_t seen, std::int64_t at_most_ns) {
     timespec slice{};
-    slice.tv_sec = slice_ns / 1'000'000'000;
-    slice.tv_nsec = slice_ns % 1'000'000'000;
+    slice.tv_sec = at_most_ns / 1'000'000'000;
+    slice.tv_nsec = at_most_ns % 1'000'000'000;
     if (syscall(SYS_futex, &word, FUTEX_WAIT, seen, &slice, nullptr, 0) == 0 || errno == EAGAIN) return Wake::changed;
     return errno == EINTR ? Wake::signal : Wake::timed_out;
 }

@@ -8,8 +8,8 @@ namespace wade::shm {
 
 enum class Wake { changed, timed_out, signal };
 
-// Sleeps while `word` holds `seen`, at most slice_ns; the word may be mapped read-only. Spurious returns are possible.
-Wake futex_wait(const std::uint32_t& word, std::uint32_t seen, std::int64_t slice_ns);
+// Sleeps while `word` holds `seen`, at most at_most_ns; the word may be mapped read-only. Spurious returns are possible.
+Wake futex_wait(const std::uint32_t& word, std::uint32_t seen, std::int64_t at_most_ns);
 
 // Wakes all sleepers on `word` in all processes.
 void futex_wake_all(const std::uint32_t& word);

@@ -17,7 +17,6 @@ from sources import ROOT, git, tracked
 COMMITS = 20
 MOST = 6
 PRODUCT = ("configs/", "shm_protocol/", "fluid_server/", "crowd_client/", "tools/shm/")
-GCC_ONLY = ("-Wduplicated-cond",)
 
 
 def compiled() -> dict[Path, list[str]]:
@@ -27,9 +26,10 @@ def compiled() -> dict[Path, list[str]]:
     for entry in json.loads(database.read_text()):
         source = Path(entry["file"])
         if source.is_relative_to(ROOT) and str(source.relative_to(ROOT)).startswith(PRODUCT):
-            words = entry["command"].split(" -o ")[0].split()
-            commands[source] = [word for word in words[1:] if word.startswith(("-I", "-D", "-std", "-isystem", "/"))
-                                and word != str(source) and word not in GCC_ONLY and not word.endswith("c++")]
+            words = entry["command"].split()
+            commands[source] = [part for word, following in zip(words, words[1:]) for part in
+                                ((word, following) if word == "-isystem" else
+                                 (word,) if word.startswith(("-I", "-D", "-std", "-fopenmp")) else ())]
     return commands
 
 
@@ -60,7 +60,7 @@ class Tidy(unittest.TestCase):
             chosen = [source for source in changed_last() if source in commands][:MOST]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             said = list(pool.map(lambda source: tidy(source, commands[source]), chosen))
-        self.assertEqual("".join(said), "")
+        self.assertFalse(any(said), "".join(said))
 
     def test_a_fault_is_seen(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -16,7 +16,8 @@ constexpr double most_cells = 1e6;  // keeps memory and file in bounds for a cha
 // Part of a cell that obstacles leave free.
 double free_share(const GroundCells& grid, std::size_t cell, const std::vector<Obstacle>& obstacles) {
     const double x = grid.x0 + static_cast<double>(cell % grid.columns) * grid.step_x;
-    const double z = grid.z0 + static_cast<double>(cell / grid.columns) * grid.step_z;
+    const std::size_t row = cell / grid.columns;
+    const double z = grid.z0 + static_cast<double>(row) * grid.step_z;
     const double all = grid.step_x * grid.step_z;
     double left = all;
     const Interval along{x, x + grid.step_x}, across{z, z + grid.step_z};
@@ -132,12 +133,14 @@ std::string exposure_times(const Exposure& exposure, double dt) {
 std::string danger_csv(const DangerRecord& record) {
     const GroundCells& grid = record.grid();
     std::string csv = "x_min_m,x_max_m,z_min_m,z_max_m,danger_level,max_depth_m,max_speed_m_s,max_dv_m2_s,";
-    csv += std::string(exposure_columns) + '\n';
+    csv += exposure_columns;
+    csv += '\n';
     for (std::size_t c = 0; c < record.cells().size(); ++c) {
         const Exposure& cell = record.cells()[c];
-        const double column = static_cast<double>(c % grid.columns), row = static_cast<double>(c / grid.columns);
-        csv += csv_number(grid.x0 + column * grid.step_x) + ',' + csv_number(grid.x0 + (column + 1) * grid.step_x);
-        csv += ',' + csv_number(grid.z0 + row * grid.step_z) + ',' + csv_number(grid.z0 + (row + 1) * grid.step_z);
+        const std::size_t row = c / grid.columns;
+        const double i = static_cast<double>(c % grid.columns), k = static_cast<double>(row);
+        csv += csv_number(grid.x0 + i * grid.step_x) + ',' + csv_number(grid.x0 + (i + 1) * grid.step_x);
+        csv += ',' + csv_number(grid.z0 + k * grid.step_z) + ',' + csv_number(grid.z0 + (k + 1) * grid.step_z);
         csv += ',' + std::string(danger_name(cell.largest));
         for (const double v : {cell.max_depth, cell.max_speed, cell.max_depth_speed}) csv += ',' + csv_number(v);
         csv += ',' + exposure_times(cell, record.dt()) + '\n';

@@ -14,8 +14,8 @@ leaves out the tests with the label `long`. Its exit code is that of ctest.
 
   --all  all tests
 Other options go to ctest, for example -R unit -V. Where they choose tests (-R, -L, -LE, -I,
---rerun-failed), long ones are not left out. As many tests run at once as there are processors, or
-CTEST_PARALLEL_LEVEL."""
+--rerun-failed), long ones are not left out. As most tests wait for other processes, two run at once
+for each processor; CTEST_PARALLEL_LEVEL is another number."""
 CHOICES = ("-R", "--tests-regex", "-L", "--label-regex", "-LE", "--label-exclude", "-I", "--tests-information",
            "--rerun-failed")
 
@@ -34,5 +34,5 @@ def main(arguments):
         return 0
     install("build", "pictures", "tests")
     bring_up_to_date((), with_tests=True)
-    os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(len(os.sched_getaffinity(0))))
+    os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(2 * len(os.sched_getaffinity(0))))
     return os.execvp("ctest", ["ctest", *ctest_options(arguments)])

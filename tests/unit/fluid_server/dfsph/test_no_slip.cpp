@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "configs/scene/scene_capacity.hpp"
-#include "fluid_server/dfsph/forces.hpp"
+#include "fluid_server/dfsph/viscosity.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/particles/solids.hpp"
 #include "scenes.hpp"

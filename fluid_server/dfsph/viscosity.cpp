@@ -1,4 +1,4 @@
-#include "fluid_server/dfsph/forces.hpp"
+#include "fluid_server/dfsph/viscosity.hpp"
 
 #include "fluid_server/neighbours/sweeps.hpp"
 

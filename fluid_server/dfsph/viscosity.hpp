@@ -1,5 +1,5 @@
 #pragma once
-// Viscosity.
+// Viscosity: W5 of docs/step_of_the_water.md.
 
 #include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "fluid_server/dfsph/fluid_world.hpp"
-#include "fluid_server/dfsph/forces.hpp"
+#include "fluid_server/dfsph/viscosity.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "scenes.hpp"
 
