@@ -78,12 +78,22 @@ void answer(ProgramStart& start) {
     for (const std::string& line : lines) std::cout << line << '\n';
 }
 
-void run(ProgramStart& start, Console& console) {
+// Returns the exit code of what fails before anybody could join; later errors pass through.
+int run(ProgramStart& start, Console& console) {
     if (start.options.threads > 0) omp_set_num_threads(start.options.threads);
-    if (start.options.out) console.copy_to(*start.options.out / "fluid_server.log");
-    const Prepared prepared = prepare(start);
+    Prepared prepared;
+    try {
+        if (start.options.out) console.copy_to(*start.options.out / "fluid_server.log");
+        prepared = prepare(start);
+    } catch (const std::exception& error) {
+        const int code = exit_code_of<shm::Error>(error);
+        console.line(error.what());
+        tell_waiting_crowd(start, code, error.what());
+        return code;
+    }
     for (const std::string& line : prepared.lines) console.line(line);
     serve(start, *prepared.model, console);
+    return 0;
 }
 
 }  // namespace
@@ -98,8 +108,7 @@ int main(int argc, char** argv) {
             return 0;
         }
         catch_signals();
-        run(start, console);
-        return 0;
+        return run(start, console);
     } catch (const std::exception& error) {
         console.line(error.what());
         return exit_code_of<shm::Error>(error);

@@ -96,6 +96,25 @@ std::vector<std::string> prepare_states(FluidModel& model, const RunOptions& opt
     return {start_from_state(model, from)};
 }
 
+void tell_waiting_crowd(const ProgramStart& start, int code, const std::string& why) noexcept {
+    constexpr double at_most =
+        1;  // s; who waits looks for the session every 5 ms, and who started with the server soon does
+    try {
+        shm::StreamInfo info;
+        info.producer_name = "fluid_server";
+        info.capacity = 1;
+        shm::Waiting waiting;
+        waiting.attach_timeout_s = at_most;
+        shm::Publisher no_water(start.options.session, info, waiting);
+        try {
+            no_water.wait_for_consumers(1);
+        } catch (const shm::Error&) {
+        }
+        no_water.abort(code, why);
+    } catch (const std::exception&) {  // what made the server fail is what it says
+    }
+}
+
 void serve(const ProgramStart& start, FluidModel& model, Console& console) {
     const RunOptions& options = start.options;
     const auto consumers = static_cast<int>(options.extra("--consumers"));

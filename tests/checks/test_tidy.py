@@ -15,7 +15,7 @@ from pathlib import Path
 from sources import ROOT, git, tracked
 
 COMMITS = 20
-MOST = 6
+MOST = 4
 PRODUCT = ("configs/", "shm_protocol/", "fluid_server/", "crowd_client/", "tools/shm/")
 
 

@@ -7,7 +7,7 @@ usage() {
 Usage: tools/wade fuzz [--runs N] [--quick] [--merge]
 
 Builds tests/fuzz/fuzz_header.cpp with clang and runs it on the inputs in tests/fuzz/corpus.tar.gz:
-N inputs (default 3000000), with --quick 200000. New inputs go to a temporary folder; --merge adds
+N inputs (default 3000000), with --quick 100000. New inputs go to a temporary folder; --merge adds
 those that reach new code to the kept corpus, minimised. An input that breaks an expectation is kept
 as fuzz_header-crash-* in the current folder; give that file to the program to see it again. Exit
 code 0 without a finding, 1 with one, 77 without clang and its fuzzer library.
@@ -21,7 +21,7 @@ merge=false
 while [ $# -gt 0 ]; do
   case "$1" in
     -h | --help) usage; exit 0 ;;
-    --quick) runs=200000 ;;
+    --quick) runs=100000 ;;
     --merge) merge=true ;;
     --runs)
       runs=${2:-}

@@ -122,6 +122,24 @@ class FailingStarts(SystemTest):
         file.write_text("mine")
         self.assert_ends(self.client("--attach-timeout-s", "0.1", out=file), 2, "--out")
 
+    def test_water_that_cannot_start_tells_the_crowd(self):
+        """Of the water the same: who already waits for it ends at once, with its reason."""
+        file = self.folder / "file"
+        file.write_text("mine")
+        for text, options in (
+            ("no state of the fluid", ("--from-state", str(file))),
+            ("--out", ("--out", str(file / "run"))),
+            ("--save-state", ("--save-state", str(file / "state"))),
+        ):
+            with self.subTest(options=options):
+                crowd = self.client("--attach-timeout-s", "0")
+                wait_until(crowd.run.folder.exists, "the crowd")
+                server = self.server(*options)
+                self.assertNotEqual(server.wait(), 0)
+                self.assertIn(text, server.messages())
+                self.assert_ends(crowd, 5, text)
+                self.assertEqual(crowd.run.outcome()["status"], "peer_aborted")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -44,6 +44,22 @@ def install_pictures():
         say_error("wade: pictures cannot be drawn without " + " and ".join(PICTURES))
 
 
+@contextmanager
+def installing_pictures():
+    """Installs what pictures need beside what is done within, if root can do so without a question."""
+    alone = INSTALLED or not can_build() or os.geteuid() != 0
+    if alone or all(map(importlib.util.find_spec, PICTURES)):
+        install_pictures()
+        yield
+        return
+    print("Installing what pictures need, beside the build", file=sys.stderr)
+    script = ROOT / "tools" / "install_dependencies.sh"
+    with subprocess.Popen([script, "pictures"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL):
+        yield
+    importlib.invalidate_caches()
+    install_pictures()  # is quick now, or says what is wrong
+
+
 def cached(name):
     """A value of the build folder's CMake cache; empty if there is none."""
     try:

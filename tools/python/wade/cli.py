@@ -2,8 +2,9 @@
 
 import importlib
 import os
+from contextlib import nullcontext
 
-from wade.building import BuildError, bring_up_to_date, install_pictures
+from wade.building import BuildError, bring_up_to_date, install_pictures, installing_pictures
 from wade.commands import COMMANDS, all_commands, find_command
 from wade.errors import UsageError
 from wade.paths import ROOT
@@ -31,12 +32,13 @@ def unknown(name):
 def carry_out(command, arguments):
     """Builds what a subcommand needs, unless it is only asked for help, and calls it; returns its exit code."""
     runs = not asks_for_help(arguments)
-    if runs and command.pictures:
+    if runs and command.pictures and not command.draws_last:
         install_pictures()
     module = importlib.import_module(command.module)
-    if runs and command.programs:
-        programs = getattr(module, "programs_for", lambda _: command.programs)(arguments)
-        bring_up_to_date(programs, command.with_tests)
+    with installing_pictures() if runs and command.draws_last else nullcontext():
+        if runs and command.programs:
+            programs = getattr(module, "programs_for", lambda _: command.programs)(arguments)
+            bring_up_to_date(programs, command.with_tests)
     return module.main(arguments)
 
 

@@ -15,18 +15,20 @@ class Command:
 
     programs: of the build folder, brought up to date before it starts; with_tests: these are built only together with
     the tests; old_names: of scripts in tools/, without their ending; script: run where there is no module; pictures: it
-    draws though it needs no programs.
+    draws though it needs no programs; draws_last: only what it starts does, so that programs can be built meanwhile.
     """
 
-    def __init__(self, name, meaning, module="", programs=(), with_tests=False, old_names=(), script="", pictures=False):
+    def __init__(self, name, meaning, module="", programs=(), with_tests=False, old_names=(), script="", pictures=False,
+                 draws_last=False):
         self.name, self.meaning, self.module, self.script = name, meaning, module, script
         self.programs, self.with_tests, self.pictures = programs, with_tests, pictures or bool(programs)
-        self.old_names = old_names
+        self.old_names, self.draws_last = old_names, draws_last
 
 
 COMMANDS = {
     "Run scenes": (
-        Command("run", "run a scene with both programs and draw its picture", "wade.run.pair", PAIR),
+        Command("run", "run a scene with both programs and draw its picture", "wade.run.pair", PAIR,
+                draws_last=True),
         Command("many", "run many scenes, or one with many seeds, several at once", "wade.many", PAIR,
                 old_names=("run-many",)),
         Command("scenes", "list the scenes by their short names", "wade.scenes"),

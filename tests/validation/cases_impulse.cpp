@@ -1,4 +1,4 @@
-// A river of 1 m and 1.5 m/s on people who stand and walk in it.
+// What the water does to people.
 
 #include <numbers>
 
@@ -8,8 +8,9 @@
 #include "impulse.hpp"
 
 namespace wade::validation {
-
 namespace {
+
+// A river of 1 m and 1.5 m/s on people who stand and walk in it.
 
 // rho pi r^2 h v_F T towards -x: what a stream of uniform speed brings into the contact distance r of an agent.
 crowd::Vector2d uniform_stream(const Scene& scene) {
@@ -18,7 +19,7 @@ crowd::Vector2d uniform_stream(const Scene& scene) {
     return {-mass * scene.channel.velocity * scene.duration, 0};
 }
 
-Result run(const Request& request) {
+Result run_impulse_river(const Request& request) {
     const std::string name = "impulse_river";
     const Scene scene = scene_for(request, "validation/" + name + ".json");
     const ImpulseRun reference = read_reference(request, name);
@@ -40,7 +41,35 @@ Case impulse_river_case() {
     c.reference = "finest run";
     c.spacings = {0.4642, 0.2321, 0.1161};
     c.quick = true;
-    c.run = run;
+    c.run = run_impulse_river;
+    return c;
+}
+
+// The front of a dam break on people who stand and walk.
+Case impulse_front_case() {
+    Case c;
+    c.name = "impulse_front";
+    c.truth =
+        "our own finest run (tests/validation/data/impulse_front_*.csv): the front of a dam break, 1 m of water 5 m "
+        "long, meets 16 people who stand and 9 who walk on a dry bed.";
+    c.reference = "finest run";
+    c.spacings = {0.4642, 0.2321, 0.1161};
+    c.quick = true;
+    c.run = [](const Request& request) { return run_impulse_case(request, "impulse_front"); };
+    return c;
+}
+
+// People in the lee of a block that stands in a stream.
+Case impulse_lee_case() {
+    Case c;
+    c.name = "impulse_lee";
+    c.truth =
+        "our own finest run (tests/validation/data/impulse_lee_*.csv): a block of 1.2 m x 1.2 m in a stream of 1 m/s, "
+        "9 people stand in its lee, 6 beside it, 8 walk through the lee.";
+    c.reference = "finest run";
+    c.spacings = {0.4642, 0.2321, 0.1161};
+    c.quick = true;
+    c.run = [](const Request& request) { return run_impulse_case(request, "impulse_lee"); };
     return c;
 }
 
