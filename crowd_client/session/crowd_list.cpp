@@ -144,7 +144,7 @@ std::vector<ListedCrowd> load_crowds_text(std::string_view text, const std::file
                                  ": /coupling/agents_stream: many crowds share a water that none of them moves; " +
                                  "allowed with --crowds: \"off\".");
     }
-    const json water_document = json::parse(water.canonical_json);
+    const json water_document = parse_scene_text(water.canonical_json, source);
     const auto in_order = nlohmann::ordered_json::parse(text.begin(), text.end(), nullptr, true, true);
     std::vector<ListedCrowd> crowds;
     std::set<std::string> taken;
@@ -153,7 +153,7 @@ std::vector<ListedCrowd> load_crowds_text(std::string_view text, const std::file
         const std::string who = source + ": crowd \"" + name + "\"";
         const bool pictures = pictures_of(document[i], who);
         crowds.push_back({name, load_one(in_order[i], who, scene_file, overrides), pictures});
-        demand_same_water(water_document, json::parse(crowds.back().loaded.canonical_json), who);
+        demand_same_water(water_document, parse_scene_text(crowds.back().loaded.canonical_json, source), who);
     }
     return crowds;
 }
