@@ -54,7 +54,9 @@ def installing_pictures():
         return
     print("Installing what pictures need, beside the build", file=sys.stderr)
     script = ROOT / "tools" / "install_dependencies.sh"
-    with subprocess.Popen([script, "pictures"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL):
+    # matplotlib makes its list of fonts when it is first used, which takes seconds, too.
+    work = ["sh", "-c", '"$0" pictures && exec "$1" -c "import matplotlib.font_manager"', script, sys.executable]
+    with subprocess.Popen(work, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL):
         yield
     importlib.invalidate_caches()
     install_pictures()  # is quick now, or says what is wrong
