@@ -23,7 +23,7 @@ if(WADE_SANITIZE)
 endif()
 
 # wade_headers(NAME [HEADER ...]): headers of the standard library that many sources read, and these, compiled once. Every
-# source still includes what it uses.
+# source still includes what it uses, which clang-tidy sees, as it reads none of these.
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/nothing.cpp CONTENT "")
 function(wade_headers name)
   add_library(${name} STATIC ${PROJECT_BINARY_DIR}/nothing.cpp)

@@ -7,6 +7,8 @@
 
 #include "fluid_server/neighbours/sweeps.hpp"
 
+// W2 to W10: the equations of docs/step_of_the_water.md.
+
 namespace wade::fluid {
 
 namespace {

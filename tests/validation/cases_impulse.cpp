@@ -10,8 +10,6 @@
 namespace wade::validation {
 namespace {
 
-// A river of 1 m and 1.5 m/s on people who stand and walk in it.
-
 // rho pi r^2 h v_F T towards -x: what a stream of uniform speed brings into the contact distance r of an agent.
 crowd::Vector2d uniform_stream(const Scene& scene) {
     const double r = crowd::contact_distance(scene.coupling);
@@ -30,47 +28,41 @@ Result run_impulse_river(const Request& request) {
     return result;
 }
 
-}  // namespace
-
-Case impulse_river_case() {
+Case impulse_case(const std::string& name, const std::string& truth, Result (*run)(const Request&)) {
     Case c;
-    c.name = "impulse_river";
-    c.truth =
-        "our own finest run (tests/validation/data/impulse_river_*.csv): 16 people stand and 12 walk in a "
-        "recirculating river of 12 m x 6 m, 1 m deep, 1.5 m/s; and rho pi r^2 h v T of a uniform stream.";
+    c.name = name;
+    c.truth = "our own finest run (tests/validation/data/" + name + "_*.csv): " + truth;
     c.reference = "finest run";
     c.spacings = {0.4642, 0.2321, 0.1161};
     c.quick = true;
-    c.run = run_impulse_river;
+    c.run = run;
     return c;
+}
+
+}  // namespace
+
+Case impulse_river_case() {
+    return impulse_case("impulse_river",
+                        "16 people stand and 12 walk in a recirculating river of 12 m x 6 m, 1 m deep, 1.5 m/s; and "
+                        "rho pi r^2 h v T of a uniform stream.",
+                        run_impulse_river);
 }
 
 // The front of a dam break on people who stand and walk.
 Case impulse_front_case() {
-    Case c;
-    c.name = "impulse_front";
-    c.truth =
-        "our own finest run (tests/validation/data/impulse_front_*.csv): the front of a dam break, 1 m of water 5 m "
-        "long, meets 16 people who stand and 9 who walk on a dry bed.";
-    c.reference = "finest run";
-    c.spacings = {0.4642, 0.2321, 0.1161};
-    c.quick = true;
-    c.run = [](const Request& request) { return run_impulse_case(request, "impulse_front"); };
-    return c;
+    return impulse_case(
+        "impulse_front",
+        "the front of a dam break, 1 m of water 5 m long, meets 16 people who stand and 9 who walk on a "
+        "dry bed.",
+        [](const Request& request) { return run_impulse_case(request, "impulse_front"); });
 }
 
 // People in the lee of a block that stands in a stream.
 Case impulse_lee_case() {
-    Case c;
-    c.name = "impulse_lee";
-    c.truth =
-        "our own finest run (tests/validation/data/impulse_lee_*.csv): a block of 1.2 m x 1.2 m in a stream of 1 m/s, "
-        "9 people stand in its lee, 6 beside it, 8 walk through the lee.";
-    c.reference = "finest run";
-    c.spacings = {0.4642, 0.2321, 0.1161};
-    c.quick = true;
-    c.run = [](const Request& request) { return run_impulse_case(request, "impulse_lee"); };
-    return c;
+    return impulse_case("impulse_lee",
+                        "a block of 1.2 m x 1.2 m in a stream of 1 m/s, 9 people stand in its lee, 6 beside it, 8 walk "
+                        "through the lee.",
+                        [](const Request& request) { return run_impulse_case(request, "impulse_lee"); });
 }
 
 }  // namespace wade::validation

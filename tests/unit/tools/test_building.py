@@ -54,6 +54,25 @@ class Prepared(unittest.TestCase):
             building.bring_up_to_date(targets, **options)
         return said.getvalue()
 
+    def pictures_beside(self, missing, root):
+        """What starts beside the build where packages for pictures are missing or not, for root or somebody else."""
+        processes, said = mock.MagicMock(), io.StringIO()
+        with (
+            mock.patch.object(building.importlib.util, "find_spec", lambda _name: None if missing else True),
+            mock.patch.object(building.os, "geteuid", lambda: 0 if root else 1000),
+            mock.patch.object(building.subprocess, "Popen", processes),
+            contextlib.redirect_stderr(said),
+            building.installing_pictures(),
+        ):
+            within = processes.call_count, list(self.installed)
+        return *within, list(self.installed)
+
+    def test_pictures_are_installed_beside_the_build_by_root_only(self):
+        self.assertEqual(self.pictures_beside(missing=False, root=True), (0, [], []))
+        self.assertEqual(self.pictures_beside(missing=True, root=True), (1, [], [("pictures",)]))
+        self.installed.clear()
+        self.assertEqual(self.pictures_beside(missing=True, root=False), (0, [("pictures",)], [("pictures",)]))
+
     def test_nothing_is_installed_where_nothing_is_to_be_compiled(self):
         self.assertEqual(self.bring(*PAIR), "")
         self.assertEqual((self.started, self.installed), (["ninja"], []))
