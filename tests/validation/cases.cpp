@@ -44,6 +44,20 @@ const std::vector<Case>& all_cases() {
         crowd_counterflow_case(),
         crowd_mirror_case(),
         crowd_bodies_case(),
+        crowd_openings_case(),
+        crowd_doors_case(),
+        crowd_pushed_case(),
+        crowd_rooms_case(),
+        crowd_blocks_case(),
+        crowd_two_way_doors_case(),
+        crowd_two_way_case(),
+        crowd_crossing_case(),
+        crowd_head_on_case(),
+        crowd_walks_case(),
+        crowd_corner_case(),
+        crowd_exits_case(),
+        crowd_cabins_case(),
+        crowd_step_rates_case(),
     };
     return cases;
 }

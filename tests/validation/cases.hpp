@@ -44,5 +44,19 @@ Case crowd_circle_case();
 Case crowd_counterflow_case();
 Case crowd_mirror_case();
 Case crowd_bodies_case();
+Case crowd_openings_case();
+Case crowd_doors_case();
+Case crowd_pushed_case();
+Case crowd_rooms_case();
+Case crowd_blocks_case();
+Case crowd_two_way_doors_case();
+Case crowd_two_way_case();
+Case crowd_crossing_case();
+Case crowd_head_on_case();
+Case crowd_walks_case();
+Case crowd_corner_case();
+Case crowd_exits_case();
+Case crowd_cabins_case();
+Case crowd_step_rates_case();
 
 }  // namespace wade::validation

@@ -8,11 +8,14 @@ double weidmann_speed(double density) {
     return 1.34 * (1 - std::exp(-1.913 * (1 / density - 1 / 5.4)));
 }
 
-crowd::CrowdWorld corridor_crowd(const Request& request, SpeedRule rule, double density, bool two_ways) {
+crowd::CrowdWorld corridor_crowd(const Request& request, SpeedRule rule, double density, bool two_ways,
+                                 const Interval& across) {
     Scene scene = crowd_scene(request, "validation/crowd_ring_corridor.json");
     scene.crowd.speed_rule = rule;
     const double length = scene.world.length;
-    const double width = corridor_z.length();
+    scene.obstacles.at(0).z.hi = across.lo;
+    scene.obstacles.at(1).z.lo = across.hi;
+    const double width = across.length();
     const int people = static_cast<int>(std::lround(density * length * width));
     AgentGroup& group = scene.crowd.groups.at(0);
     group.rows = std::max(1, static_cast<int>(std::lround(std::sqrt(people * width / length))));
@@ -21,7 +24,7 @@ crowd::CrowdWorld corridor_crowd(const Request& request, SpeedRule rule, double 
     group.pitch_x = length / group.columns;
     group.pitch_z = width / group.rows;
     group.start_x = group.pitch_x / 2;
-    group.start_z = corridor_z.lo + group.pitch_z / 2;
+    group.start_z = across.lo + group.pitch_z / 2;
     crowd::CrowdWorld crowd = crowd::make_crowd(scene);
     jitter(crowd, 0.3 * group.pitch_x, 0.3 * group.pitch_z);
     if (scene.crowd.bodies != BodyRule::none) {
@@ -31,7 +34,8 @@ crowd::CrowdWorld corridor_crowd(const Request& request, SpeedRule rule, double 
     return crowd;
 }
 
-double mean_progress(crowd::CrowdWorld& crowd, double time, Result& result, Overlaps& overlaps) {
+double mean_progress(crowd::CrowdWorld& crowd, double time, Result& result, Overlaps& overlaps,
+                     const std::function<void()>& after_step) {
     const auto place = [&](std::size_t id) {
         return crowd.agents.goal[id].x() > 0 ? unrolled_x(crowd, id) : -unrolled_x(crowd, id);
     };
@@ -40,6 +44,7 @@ double mean_progress(crowd::CrowdWorld& crowd, double time, Result& result, Over
     const auto steps = static_cast<int>(std::lround(time / crowd.dt));
     for (int k = 1; k <= steps; ++k) {
         walk(crowd, result);
+        if (after_step) after_step();
         if (k % 10 == 0) note_overlaps(crowd, overlaps);
     }
     double end = 0;

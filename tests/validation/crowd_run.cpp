@@ -26,11 +26,11 @@ Result crowd_result() {
     return result;
 }
 
-void walk(crowd::CrowdWorld& crowd, Result& result) {
+void walk(crowd::CrowdWorld& crowd, Result& result, const crowd::WaterView& water) {
     const double cpu = process_cpu_time();
     const double wall = wall_time();
     result.particle_steps += static_cast<double>(crowd.active.size());
-    crowd::step(crowd, {});
+    crowd::step(crowd, water);
     ++result.steps;
     result.particles = std::max(result.particles, crowd.agents.size());
     result.simulated_time += crowd.dt;

@@ -18,8 +18,8 @@ extern const std::vector<double> marker_spacings;
 // (the paper's 0.1 m for its 0.25 m).
 Scene crowd_scene(const Request& request, const std::string& name);
 
-// Takes a step on dry ground and counts it in the result.
-void walk(crowd::CrowdWorld& crowd, Result& result);
+// Takes a step, on dry ground unless there is water, and counts it in the result.
+void walk(crowd::CrowdWorld& crowd, Result& result, const crowd::WaterView& water = {});
 
 // Starts a result: the model's name and the number of agents.
 Result crowd_result();

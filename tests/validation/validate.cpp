@@ -154,6 +154,7 @@ Record make_record(const Options& options) {
                *options.spacing <= what.spacings[record.level_index + 1] * (1 + 1e-9)) {
             ++record.level_index;
         }
+        record.request.level = record.level_index;
         return record;
     }
     const auto level = std::find(level_names.begin(), level_names.end(), record.level);
@@ -166,6 +167,7 @@ Record make_record(const Options& options) {
         throw ConfigurationError("--level " + record.level + ": allowed for " + what.name + ": " + names + ".");
     }
     record.request.spacing = what.spacings[record.level_index];
+    record.request.level = record.level_index;
     return record;
 }
 

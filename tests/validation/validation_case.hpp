@@ -32,6 +32,7 @@ struct Curve {
 // applied to each scene that the case loads.
 struct Request {
     double spacing = 0;
+    std::size_t level = 0;  // index of the case's resolution, for cases whose levels are numbers of runs
     std::vector<std::string> overrides;
     bool compares_with_finest_run = true;  // false: a case whose truth is a stored run of our own makes a new one
 };

@@ -1,0 +1,58 @@
+#pragma once
+// Crowds that go from one place to another: when each one passes a line, and that nobody overlaps anybody or stands in a
+// wall meanwhile.
+
+#include <functional>
+#include <vector>
+
+#include "crowd_route.hpp"
+#include "crowd_run.hpp"
+
+namespace wade::validation {
+
+// A scene of configs/validation/ with a seed, and with settings that go before those of the request.
+Scene people_scene(const Request& request, const std::string& name, std::uint64_t seed,
+                   const std::vector<std::string>& settings = {});
+
+// What is looked at after each step, over one run or several.
+struct Tally {
+    double steps = 0;        // of people
+    double overlaps = 0;     // pairs of bodies that overlap
+    double in_walls = 0;     // bodies that reach into an obstacle, centres beyond the edge of the world
+    double deepest = 0;      // m, of both
+    double left_behind = 0;  // people who have not passed their line at the end: the most of a run
+};
+
+// Looks at the active agents as they stand.
+void note_bodies(const crowd::CrowdWorld& crowd, Tally& tally);
+
+// Adds overlaps, in_walls and left_behind to the metrics.
+void report_tally(const Tally& tally, Result& result);
+
+// When people passed the lines of their groups, s; NaN: not within the scene's duration.
+struct Trip {
+    std::vector<double> passed_at;  // by agent
+    double end = 0;                 // of the run, s
+};
+
+// Walks until everybody has passed the line of his group, the last line standing for all further groups. `before_step` may
+// set goals. Between two steps the line is passed in proportion.
+Trip walk_past(crowd::CrowdWorld& crowd, const std::vector<Gate>& lines, Result& result, Tally& tally,
+               const crowd::WaterView& water = {}, const std::function<void()>& before_step = {});
+
+// Times of a group, ascending; of those who have passed.
+std::vector<double> times_of(const crowd::CrowdWorld& crowd, const Trip& trip, std::uint32_t group = 0);
+
+// People a second, of the middle 80 % of those who passed; NaN: fewer than 20 did.
+double middle_flow(const std::vector<double>& times);
+
+// People outside over time, a column a run, every `step` s until the last one is out.
+Curve curve_of_leaving(const std::string& name, const std::vector<std::string>& columns,
+                       const std::vector<std::vector<double>>& times, double step);
+
+double mean(const std::vector<double>& values);
+
+// The greater one; NaN if one of them is.
+double worse(double a, double b);
+
+}  // namespace wade::validation
