@@ -9,9 +9,10 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "crowd_client/markers/biocrowds.hpp"
 #include "crowd_client/markers/claims.hpp"
+#include "crowd_client/markers/markers.hpp"
 #include "crowd_client/markers/walker_cells.hpp"
+#include "crowd_client/markers/walkers.hpp"
 
 namespace wade::crowd {
 

@@ -1,13 +1,11 @@
 #include "crowd_client/outputs/output_list.hpp"
 
-#include "crowd_client/outputs/writers/agents_file.hpp"
-#include "crowd_client/outputs/writers/danger_file.hpp"
-#include "crowd_client/outputs/writers/events_file.hpp"
-#include "crowd_client/outputs/writers/manifest_file.hpp"
-#include "crowd_client/outputs/writers/outcome_file.hpp"
-#include "crowd_client/outputs/writers/ragdolls.hpp"
+#include "crowd_client/outputs/writers/danger.hpp"
+#include "crowd_client/outputs/writers/played_events.hpp"
+#include "crowd_client/outputs/writers/ragdoll_file.hpp"
+#include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/outputs/writers/trajectories.hpp"
-#include "crowd_client/outputs/writers/water_pictures.hpp"
+#include "crowd_client/outputs/writers/water_snapshots.hpp"
 
 namespace wade::crowd {
 namespace {

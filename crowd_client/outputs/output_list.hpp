@@ -7,7 +7,7 @@
 #include <span>
 #include <string_view>
 
-#include "crowd_client/outputs/output_writer.hpp"
+#include "crowd_client/results/output_writer.hpp"
 
 namespace wade::crowd {
 

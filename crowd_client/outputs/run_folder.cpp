@@ -1,5 +1,7 @@
 #include "crowd_client/outputs/run_folder.hpp"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <ctime>
 #include <exception>
@@ -7,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "configs/errors/exit_code.hpp"
 #include "crowd_client/outputs/writers/danger.hpp"
 
 namespace wade::crowd {
@@ -15,6 +18,27 @@ std::size_t files_kept_open(const Scene& scene, const Record& kept) {
     std::size_t files = 0;
     for (const RegisteredOutput& output : outputs()) files += output.wanted(scene, kept) ? output.kept_open : 0;
     return files;
+}
+
+void allow_open_files(std::span<const std::size_t> per_crowd) {
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    constexpr rlim_t others = 48;  // the segment, streams, files that are written as a whole, and some to spare
+    rlim_t needed = others;
+    std::size_t fitting = 0;
+    for (const std::size_t files : per_crowd) {
+        needed += files;
+        if (needed <= limit.rlim_max) ++fitting;
+    }
+    if (needed > limit.rlim_max) {
+        throw ConfigurationError("--crowds: " + std::to_string(per_crowd.size()) + " crowds keep up to " +
+                                 std::to_string(needed) + " files open, but this process may have " +
+                                 std::to_string(limit.rlim_max) + " (ulimit -Hn); allowed: the first " +
+                                 std::to_string(fitting) +
+                                 " crowds of the list, or fewer files with \"pictures\": false.");
+    }
+    limit.rlim_cur = std::max(limit.rlim_cur, needed);
+    ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 std::string earlier_run(const std::filesystem::path& folder) {

@@ -9,14 +9,19 @@
 #include <string>
 #include <vector>
 
-#include "crowd_client/outputs/output_file.hpp"
 #include "crowd_client/outputs/output_list.hpp"
-#include "crowd_client/outputs/stopwatch.hpp"
+#include "crowd_client/results/output_file.hpp"
+#include "crowd_client/results/stopwatch.hpp"
 
 namespace wade::crowd {
 
 // How many files the folder of such a run keeps open until it is finished.
 [[nodiscard]] std::size_t files_kept_open(const Scene& scene, const Record& kept);
+
+// Raises the limit of open files of this process, so that crowds that keep as many open each as `per_crowd` says have
+// room: up to five each, where the usual limit of 1024 would end at some 200 crowds.
+// Throws ConfigurationError if even the largest limit that the process may have is too low.
+void allow_open_files(std::span<const std::size_t> per_crowd);
 
 // What a folder holds of an earlier run, in words, from its outcome.json: "s05, 50 of 50 arrived"; empty if there is none.
 [[nodiscard]] std::string earlier_run(const std::filesystem::path& folder);

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
-#include "crowd_client/outputs/open_files.hpp"
-#include "crowd_client/outputs/report.hpp"
+#include "crowd_client/outputs/run_folder.hpp"
+#include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/session/crowd_list.hpp"
 #include "crowd_client/session/run_labels.hpp"
 

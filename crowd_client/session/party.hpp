@@ -9,7 +9,7 @@
 #include "configs/program/command_line.hpp"
 #include "configs/program/program.hpp"
 #include "crowd_client/outputs/run_folder.hpp"
-#include "crowd_client/outputs/stopwatch.hpp"
+#include "crowd_client/results/stopwatch.hpp"
 #include "crowd_client/session/run_crowds.hpp"
 
 namespace wade::crowd {

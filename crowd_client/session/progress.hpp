@@ -5,7 +5,7 @@
 #include <string>
 
 #include "crowd_client/crowd_world.hpp"
-#include "crowd_client/outputs/run_summary.hpp"
+#include "crowd_client/results/run_summary.hpp"
 #include "shm_protocol/stream.hpp"
 
 namespace wade::crowd {

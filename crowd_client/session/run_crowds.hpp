@@ -14,7 +14,7 @@
 #include <string>
 
 #include "crowd_client/crowd_world.hpp"
-#include "crowd_client/outputs/run_summary.hpp"
+#include "crowd_client/results/run_summary.hpp"
 #include "crowd_client/session/agents_stream.hpp"
 #include "crowd_client/session/frame_source.hpp"
 

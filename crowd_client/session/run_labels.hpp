@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "configs/program/command_line.hpp"
-#include "crowd_client/outputs/output_writer.hpp"
-#include "crowd_client/outputs/run_labels.hpp"
+#include "crowd_client/results/output_writer.hpp"
+#include "crowd_client/results/run_labels.hpp"
 
 namespace wade::crowd {
 

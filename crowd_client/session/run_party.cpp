@@ -12,7 +12,7 @@
 #include "configs/program/run_control.hpp"
 #include "configs/program/time_left.hpp"
 #include "configs/scene/scene_capacity.hpp"
-#include "crowd_client/outputs/played_events.hpp"
+#include "crowd_client/outputs/writers/played_events.hpp"
 #include "crowd_client/session/frame_time.hpp"
 #include "crowd_client/session/party.hpp"
 #include "crowd_client/session/progress.hpp"

@@ -7,7 +7,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/markers/ground_grid.hpp"
-#include "crowd_client/ways/way_direction.hpp"
+#include "crowd_client/ways/way_fields.hpp"
 
 namespace wade::crowd {
 namespace {

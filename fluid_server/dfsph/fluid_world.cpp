@@ -13,6 +13,7 @@
 #include "fluid_server/particles/body_force.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/inflow.hpp"
+#include "fluid_server/particles/make_channel_ends.hpp"
 
 namespace wade::fluid {
 

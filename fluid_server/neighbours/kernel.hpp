@@ -36,6 +36,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <variant>
+
+#include "configs/scene/scene.hpp"
 
 namespace wade::fluid {
 
@@ -183,8 +186,8 @@ class WendlandC2 {
 
 // - d^3 sum x^2 (dW/dr) / r over the cubic lattice of spacing d: 1 for a kernel that is fine against the lattice, 1.020 for
 // the cubic spline at 2 d. The viscous operator is divided by it, so that it is exact for a parabola on the lattice.
-template <typename Kernel>
-double lattice_second_moment(const Kernel& kernel, double spacing) {
+template <typename AnyKernel>
+double lattice_second_moment(const AnyKernel& kernel, double spacing) {
     constexpr int reach = 3;
     double sum = 0;
     for (int i = -reach; i <= reach; ++i) {
@@ -199,5 +202,9 @@ double lattice_second_moment(const Kernel& kernel, double spacing) {
     }
     return sum * std::pow(spacing, 5);
 }
+
+// The kernel of a scene, of its support radius.
+using Kernel = std::variant<CubicSpline, QuarticSpline, WendlandC2>;
+[[nodiscard]] Kernel make_kernel(const Fluid& fluid);
 
 }  // namespace wade::fluid

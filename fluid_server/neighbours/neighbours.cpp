@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <span>
 
-#include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/neighbours/sweeps.hpp"
 
 namespace wade::fluid {
@@ -211,19 +210,6 @@ class BlockSearch {
 };
 
 }  // namespace
-
-Kernel make_kernel(const Fluid& fluid) {
-    const auto h = static_cast<float>(support_radius_of(fluid));
-    switch (fluid.kernel) {
-        case KernelKind::quartic_spline:
-            return QuarticSpline(h, support_in_spacings_of(fluid));
-        case KernelKind::wendland_c2:
-            return WendlandC2(h);
-        case KernelKind::cubic_spline:
-            break;
-    }
-    return CubicSpline(h, support_in_spacings_of(fluid));
-}
 
 void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& p, float support_radius,
                      NeighbourLists& lists) {

@@ -5,29 +5,16 @@
 // Terms (dfsph.hpp): g_ij = V grad W_ij; x~ and g~ as in neighbours.hpp. Arrays are written for whole clusters, so that a
 // few entries beyond the last particle change (particles.hpp, padded).
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
-#include "fluid_server/neighbours/neighbours.hpp"
+#include "fluid_server/neighbours/kernel.hpp"
+#include "fluid_server/neighbours/neighbour_lists.hpp"
+#include "fluid_server/particles/particle_fields.hpp"
 
 namespace wade::fluid {
-
-// A vector a particle, as arrays.
-struct VectorArrays {
-    float *x, *y, *z;
-};
-struct ConstVectorArrays {
-    const float *x, *y, *z;
-    ConstVectorArrays(const float* xs, const float* ys, const float* zs) : x(xs), y(ys), z(zs) {}
-    ConstVectorArrays(const VectorArrays& v) : x(v.x), y(v.y), z(v.z) {}  // NOLINT: a view of the same
-};
-
-// A symmetric 3 x 3 matrix a particle: the arrays of its entries xx, yy, zz, xy, xz, yz.
-using MatrixArrays = std::array<float*, 6>;
-using ConstMatrixArrays = std::array<const float*, 6>;
 
 // What the first sweep finds of each particle.
 struct KernelSums {

@@ -8,7 +8,8 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "fluid_server/neighbours/sweeps.hpp"
+#include "fluid_server/neighbours/neighbour_lists.hpp"
+#include "fluid_server/particles/particle_fields.hpp"
 
 // Once for each instruction set.
 #if defined(WADE_VECTORS_INL_HPP) == defined(HWY_TARGET_TOGGLE)

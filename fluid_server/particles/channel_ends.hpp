@@ -12,11 +12,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 
-#include "configs/scene/scene.hpp"
 #include "fluid_server/particles/particles.hpp"
 
 namespace wade::fluid {
@@ -38,16 +36,18 @@ class ChannelEnds {
 
     // Before a step of dt, s, from `time`, s: may add and remove particles, says which are Kind::inflow and what velocity
     // those have.
-    virtual void begin_step(Particles& particles, double time, double dt);
+    virtual void begin_step(Particles& /*particles*/, double /*time*/, double /*dt*/) {}
 
-    virtual void take_out(std::size_t particles);
+    virtual void take_out(std::size_t /*particles*/) {}
 
     // Along x, towards -x, of all fluid in a step of dt, s, to the time `end`, s, beside gravity, m/s^2; none: nothing drives it.
-    [[nodiscard]] virtual std::optional<double> driving_acceleration(const Particles& particles, double end,
-                                                                     double dt) const;
+    [[nodiscard]] virtual std::optional<double> driving_acceleration(const Particles& /*particles*/, double /*end*/,
+                                                                     double /*dt*/) const {
+        return std::nullopt;
+    }
 
     // After a step of dt, s. x_before: of each particle at its begin, m
-    virtual void end_step(Particles& particles, std::span<const float> x_before, double dt);
+    virtual void end_step(Particles& /*particles*/, std::span<const float> /*x_before*/, double /*dt*/) {}
 
     // Particles that are not above it have left, m.
     [[nodiscard]] virtual float outflow_x() const { return -std::numeric_limits<float>::infinity(); }
@@ -60,7 +60,7 @@ class ChannelEnds {
 
     [[nodiscard]] virtual std::optional<EmitterState> state() const { return std::nullopt; }
     // Goes on from a state at `time`, s. Only for ends that have one.
-    virtual void restore(const EmitterState& state, Particles& particles, double time);
+    virtual void restore(const EmitterState& /*state*/, Particles& /*particles*/, double /*time*/) {}
 };
 
 // The velocity along x, at most vx, with which a particle at x does not pass an opening within dt.
@@ -68,8 +68,5 @@ class ChannelEnds {
     if (opening_x == std::numeric_limits<float>::infinity()) return vx;
     return std::min(vx, std::max(opening_x - x, 0.0F) / dt);
 }
-
-// Those that the scene names, once its channel has been filled; an emitter adds what waits behind its opening.
-[[nodiscard]] std::unique_ptr<ChannelEnds> make_channel_ends(const Scene& scene, Particles& particles);
 
 }  // namespace wade::fluid

@@ -1,6 +1,7 @@
 #pragma once
 // What a step knows of each particle besides its state.
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -27,6 +28,20 @@ struct ParticleFields {
           ay(padded(capacity)),
           az(padded(capacity)) {}
 };
+
+// A vector a particle, as arrays.
+struct VectorArrays {
+    float *x, *y, *z;
+};
+struct ConstVectorArrays {
+    const float *x, *y, *z;
+    ConstVectorArrays(const float* xs, const float* ys, const float* zs) : x(xs), y(ys), z(zs) {}
+    ConstVectorArrays(const VectorArrays& v) : x(v.x), y(v.y), z(v.z) {}  // NOLINT: a view of the same
+};
+
+// A symmetric 3 x 3 matrix a particle: the arrays of its entries xx, yy, zz, xy, xz, yz.
+using MatrixArrays = std::array<float*, 6>;
+using ConstMatrixArrays = std::array<const float*, 6>;
 
 // dt^2 / A_ii from sum_j g_ij and sum_j |g_ij|^2; 0 for a particle alone, which has no pressure.
 inline float inverse_of_diagonal(float gx, float gy, float gz, float squares) {

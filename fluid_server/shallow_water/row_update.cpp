@@ -1,7 +1,6 @@
 #include "fluid_server/shallow_water/row_update.hpp"
 
 #include <array>
-#include <cmath>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE
@@ -191,41 +190,6 @@ HWY_EXPORT(UpdateBand);
 void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
                  RowMemory& buffer, const BandTo& to) {
     HWY_DYNAMIC_DISPATCH(UpdateBand)(world, from, terms, begin, end, buffer, to);
-}
-
-double sum_of_row(const double* values, std::size_t n) {
-    double total = 0;
-#pragma omp simd reduction(+ : total)
-    for (std::size_t i = 0; i < n; ++i) total += values[i];
-    return total;
-}
-
-void find_primitive(const double* h, const double* qx, const double* qz, const double* bed, std::size_t n, double dry,
-                    const CellRow& primitive) {
-    double *const depth = primitive.h, *const eta = primitive.eta, *const u = primitive.normal,
-                  *const v = primitive.along;
-#pragma omp simd
-    for (std::size_t i = 0; i < n; ++i) {
-        const bool wet = h[i] > dry;
-        const double inverse = 1 / (wet ? h[i] : 1.0);
-        depth[i] = h[i];
-        eta[i] = h[i] + bed[i];
-        u[i] = wet ? qx[i] * inverse : 0.0;
-        v[i] = wet ? qz[i] * inverse : 0.0;
-    }
-}
-
-double fastest_of_row(const Cells& cells, std::size_t n, double gravity, double per_dx, double per_dz) {
-    const double *const h = cells.h, *const u = cells.normal, *const v = cells.along;
-    double fastest = 0, check = 0;
-#pragma omp simd reduction(max : fastest) reduction(+ : check)
-    for (std::size_t i = 0; i < n; ++i) {
-        const double c = std::sqrt(gravity * h[i]);
-        const double rate = (std::abs(u[i]) + c) * per_dx + (std::abs(v[i]) + c) * per_dz;
-        fastest = rate > fastest ? rate : fastest;
-        check += rate;  // a comparison would pass over NaN
-    }
-    return std::isfinite(check) ? fastest : check;
 }
 
 }  // namespace wade::fluid::shallow_water

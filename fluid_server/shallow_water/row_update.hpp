@@ -1,11 +1,10 @@
 #pragma once
-// One Euler step of a band of rows, and loops over a row.
+// One Euler step of a band of rows.
 
 #include <cstddef>
-#include <vector>
 
 #include "fluid_server/shallow_water/face_flux.hpp"
-#include "fluid_server/shallow_water/step.hpp"
+#include "fluid_server/shallow_water/world.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -32,14 +31,5 @@ struct BandTo {
 // Writes what the world keeps by row. `to` may be qx and qz of `from`, and the world's primitive.
 void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
                  RowMemory& buffer, const BandTo& to);
-
-[[nodiscard]] double sum_of_row(const double* values, std::size_t n);
-
-// Depth, surface and velocity of n cells; the velocity is 0 up to the depth `dry`.
-void find_primitive(const double* h, const double* qx, const double* qz, const double* bed, std::size_t n, double dry,
-                    const CellRow& primitive);
-
-// The largest (|u| + c) per_dx + (|v| + c) per_dz of a row, 1/s; NaN or infinite if a value is. cells: normal is u.
-[[nodiscard]] double fastest_of_row(const Cells& cells, std::size_t n, double gravity, double per_dx, double per_dz);
 
 }  // namespace wade::fluid::shallow_water

@@ -1,13 +1,10 @@
 #include "fluid_server/shallow_water/step.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
-#include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/inflow.hpp"
 #include "fluid_server/shallow_water/row_update.hpp"
 
@@ -15,46 +12,34 @@ namespace wade::fluid::shallow_water {
 
 namespace {
 
-// With fewer cells than this the threads would wait for one another longer than they work.
-constexpr std::size_t serial_below = 4096;
-
-// A cell is dry below this share of the deepest water: a film without velocity.
-constexpr double dry_share = 1e-5;
-
 // A step of 1/1000 that still empties a cell too far is taken.
 constexpr int most_halvings = 10;
 
-// `step`: from a cell to the one above the face.
-Walls find_walls(const Grid& grid, const RowMemory& obstacle, std::size_t step) {
-    Walls walls;
-    if (obstacle.empty()) return walls;
-    walls.side.assign(grid.stored(), 0);
-    walls.rows.assign(grid.stored() / grid.stride, 0);
-    for (std::size_t c = step; c < grid.stored(); ++c) {
-        walls.side[c] = obstacle[c] - obstacle[c - step];
-        if (walls.side[c] != 0) walls.rows[c / grid.stride] = 1;
+// The largest (|u| + c) per_dx + (|v| + c) per_dz of a row, 1/s; NaN or infinite if a value is. cells: normal is u.
+double fastest_of_row(const Cells& cells, std::size_t n, double gravity, double per_dx, double per_dz) {
+    const double *const h = cells.h, *const u = cells.normal, *const v = cells.along;
+    double fastest = 0, check = 0;
+#pragma omp simd reduction(max : fastest) reduction(+ : check)
+    for (std::size_t i = 0; i < n; ++i) {
+        const double c = std::sqrt(gravity * h[i]);
+        const double rate = (std::abs(u[i]) + c) * per_dx + (std::abs(v[i]) + c) * per_dz;
+        fastest = rate > fastest ? rate : fastest;
+        check += rate;  // a comparison would pass over NaN
     }
-    return walls;
+    return std::isfinite(check) ? fastest : check;
+}
+
+double sum_of_row(const double* values, std::size_t n) {
+    double total = 0;
+#pragma omp simd reduction(+ : total)
+    for (std::size_t i = 0; i < n; ++i) total += values[i];
+    return total;
 }
 
 double sum(const std::vector<double>& values) {
     double total = 0;
     for (const double value : values) total += value;
     return total;
-}
-
-// Calls body(first row, end row, buffer) for a band of rows in each thread.
-template <typename Body>
-void for_each_band(ShallowWater& world, Body&& body) {
-    const Grid& grid = world.grid;
-    const bool parallel = grid.cells() >= serial_below;
-    world.buffers.resize(static_cast<std::size_t>(parallel ? omp_get_max_threads() : 1));
-#pragma omp parallel if (parallel)
-    {
-        const auto threads = static_cast<std::size_t>(parallel ? omp_get_num_threads() : 1);
-        const auto thread = static_cast<std::size_t>(parallel ? omp_get_thread_num() : 0);
-        body(thread * grid.nz / threads, (thread + 1) * grid.nz / threads, world.buffers[thread]);
-    }
 }
 
 // One Euler step, mixed with the world's `water`: see update_band().
@@ -147,54 +132,6 @@ double drive(ShallowWater& world, double dt) {
 }
 
 }  // namespace
-
-ShallowWater::ShallowWater(const Scene& its_scene)
-    : scene(its_scene),
-      grid(make_grid(scene)),
-      bed(make_bed(scene, grid)),
-      water(initial_water(scene, grid, bed)),
-      primitive(grid, bed),
-      stage(grid),
-      stage_primitive(grid, bed),
-      walls_x(find_walls(grid, bed.obstacle, 1)),
-      walls_z(find_walls(grid, bed.obstacle, grid.stride)),
-      row_fastest(grid.nz, 0),
-      row_least(grid.nz, 0),
-      row_volume(grid.nz, 0),
-      row_momentum(grid.nz, 0),
-      row_inflow(grid.nz, 0),
-      row_outflow(grid.nz, 0) {
-    const double tilt = std::atan(scene.channel.slope);
-    constants.gravity = scene.world.gravity * std::cos(tilt);
-    constants.dry = dry_share * deepest_water(scene);
-    acceleration = -scene.world.gravity * std::sin(tilt);
-    update_primitive(*this);
-}
-
-void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces) {
-    world.watched.clear();
-    for (const std::size_t face : faces) {
-        WatchedFace& watched = world.watched.emplace_back();
-        watched.face = face;
-        watched.row_mass.assign(world.grid.nz, 0);
-        watched.row_momentum.assign(world.grid.nz, 0);
-    }
-}
-
-void update_primitive(ShallowWater& world) {
-    const Water& water = world.water;
-    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const std::size_t c = world.grid.row(static_cast<std::ptrdiff_t>(k));
-            Primitive& p = world.primitive;
-            double* const eta = p.eta.empty() ? p.h.data() : p.eta.data();
-            find_primitive(water.h.data() + c, water.qx.data() + c, water.qz.data() + c, world.bed.height.data() + c,
-                           world.grid.nx, world.constants.dry,
-                           {p.h.data() + c, eta + c, p.u.data() + c, p.v.data() + c});
-        }
-    });
-    fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity);
-}
 
 StepReport step(ShallowWater& world, double remaining) {
     StepReport report;

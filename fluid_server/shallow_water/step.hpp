@@ -17,12 +17,7 @@
 // of dt, as waves may speed up within it. A recirculating channel gets, after each step, the
 // velocity along x that all of it lacks to v_F.
 
-#include <cstdint>
-#include <vector>
-
-#include "fluid_server/shallow_water/boundary.hpp"
-#include "fluid_server/shallow_water/face_flux.hpp"
-#include "fluid_server/shallow_water/grid.hpp"
+#include "fluid_server/shallow_water/world.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -32,78 +27,8 @@ struct StepReport {
     double inflow = 0, outflow = 0;   // volume that came in at x.hi and left at x.lo, m^3
 };
 
-// Faces across the whole width whose flux is summed up, for whoever hands water over there (mixed/).
-struct WatchedFace {
-    std::size_t face = 0;                        // the lower one of the cells of this number along x
-    double volume = 0;                           // that passed towards +x since this was last set to 0, m^3
-    double momentum = 0;                         // along x, that the water carried with it, over density, m^4/s
-    std::vector<double> row_mass, row_momentum;  // of the stage at hand, m^2/s and m^3/s^2
-    double step_volume = 0, step_momentum = 0;   // of the step at hand
-};
-
-// Faces between an obstacle and a cell that is none, see find_fluxes(); empty without obstacles.
-struct Walls {
-    RowMemory side;                  // by cell: of the face below it, 1 or -1 where there is a wall, else 0
-    std::vector<std::uint8_t> rows;  // by row, ghosts included: whether it has any
-
-    // Of the faces from place c on in a row; null if there is none in the row.
-    [[nodiscard]] const double* from(std::size_t c, const Grid& grid) const {
-        return rows.empty() || rows[c / grid.stride] == 0 ? nullptr : side.data() + c;
-    }
-};
-
-struct ShallowWater {
-    explicit ShallowWater(const Scene& its_scene);
-
-    Scene scene;
-    Grid grid;
-    Bed bed;
-    Water water;          // at `time`; the ghost cells of these hold nothing
-    Primitive primitive;  // of `water`
-    double time = 0;      // s
-    FluxConstants constants;
-    double acceleration = 0;  // a, m/s^2
-
-    // Of the step at hand; kept for their memory.
-    Water stage;
-    Primitive stage_primitive;                     // of the first stage, whose depths are only here
-    Walls walls_x, walls_z;                        // of faces along x and across
-    std::vector<double> row_fastest;               // by row: largest s_x / dx + s_z / dz, 1/s
-    std::vector<double> row_least;                 // by row: smallest depth, below 0 where a step was too long
-    std::vector<double> row_volume, row_momentum;  // by row: sums of h and of h u
-    std::vector<double> row_inflow, row_outflow;   // by row: mass flux at x.hi and x.lo, m^2/s
-    std::vector<RowMemory> buffers;                // by thread
-    std::vector<WatchedFace> watched;              // see watch_faces(); usually none
-};
-
 // Advances by the longest time step that is stable, at most `remaining` and a whole part of it. Throws RunError
 // (numerical_failure) if the water is not finite.
 StepReport step(ShallowWater& world, double remaining);
-
-// Sets depth and velocity of each cell from functions of its centre: f(x, z), m and m/s.
-template <typename Depth, typename VelocityX, typename VelocityZ>
-void set_water(ShallowWater& world, Depth&& depth, VelocityX&& u, VelocityZ&& v);
-
-// Sums up the flux through these faces from now on; none: no longer.
-void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces);
-
-// To be called after a change of `water`.
-void update_primitive(ShallowWater& world);
-
-template <typename Depth, typename VelocityX, typename VelocityZ>
-void set_water(ShallowWater& world, Depth&& depth, VelocityX&& u, VelocityZ&& v) {
-    const Grid& grid = world.grid;
-    for (std::size_t k = 0; k < grid.nz; ++k) {
-        for (std::size_t i = 0; i < grid.nx; ++i) {
-            const double x = grid.x.lo + (static_cast<double>(i) + 0.5) * grid.dx;
-            const double z = grid.z.lo + (static_cast<double>(k) + 0.5) * grid.dz;
-            const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k)) + i;
-            world.water.h[c] = depth(x, z);
-            world.water.qx[c] = world.water.h[c] * u(x, z);
-            world.water.qz[c] = world.water.h[c] * v(x, z);
-        }
-    }
-    update_primitive(world);
-}
 
 }  // namespace wade::fluid::shallow_water

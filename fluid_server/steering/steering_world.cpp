@@ -10,6 +10,7 @@
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/particles/body_force.hpp"
 #include "fluid_server/particles/filling.hpp"
+#include "fluid_server/particles/make_channel_ends.hpp"
 
 namespace wade::fluid::steering {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "configs/scene/intervals.hpp"
-#include "crowd_client/outputs/csv_text.hpp"
+#include "crowd_client/results/output_file.hpp"
 #include "crowd_client/water/footprint.hpp"
 
 namespace wade::crowd {
@@ -44,6 +44,18 @@ void close_block(Exposure& exposure, std::uint64_t block_steps) {
     exposure.open_steps = 0;
     exposure.depth_sum = 0;
     exposure.discharge_sum.setZero();
+}
+
+DangerLevel danger_level(double depth, double depth_speed) {
+    if (!(depth > 0)) return DangerLevel::none;
+    auto level = static_cast<std::size_t>(DangerLevel::low);
+    while (level + 1 < danger_levels && depth_speed >= danger_bounds[level + 1]) ++level;
+    return static_cast<DangerLevel>(level);
+}
+
+std::string_view danger_name(DangerLevel level) {
+    constexpr std::array<std::string_view, danger_levels> names{"none", "low", "moderate", "high", "very_high"};
+    return names[static_cast<std::size_t>(level)];
 }
 
 void add_step(Exposure& exposure, double depth, const Vector2d& discharge, std::uint64_t block_steps) {

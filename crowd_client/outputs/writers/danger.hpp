@@ -14,14 +14,29 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "crowd_client/agents.hpp"
 #include "crowd_client/markers/ground_cells.hpp"
-#include "crowd_client/outputs/writers/danger_level.hpp"
+#include "crowd_client/results/output_file.hpp"
+#include "crowd_client/results/output_writer.hpp"
 #include "crowd_client/water/water_view.hpp"
 
 namespace wade::crowd {
+
+// How dangerous water is to people on foot, by its depth times its speed: Table 2 of Schaffer et al. (2020), after Viseu (2006); lower bounds of depth times speed, inclusive, m2/s:
+//   low 0   moderate 0.5   high 0.75   very_high 1
+// none stands for a place without water, which the table does not have.
+enum class DangerLevel : std::uint8_t { none, low, moderate, high, very_high };
+constexpr std::size_t danger_levels = 5;
+constexpr std::array<double, danger_levels> danger_bounds{0, 0, 0.5, 0.75, 1};
+
+// depth: m, not negative; depth_speed: depth times speed, m2/s.
+[[nodiscard]] DangerLevel danger_level(double depth, double depth_speed);
+
+// The name as it is written to files.
+[[nodiscard]] std::string_view danger_name(DangerLevel level);
 
 // What one place or one person met.
 struct Exposure {
@@ -81,5 +96,26 @@ constexpr const char* exposure_columns = "none_s,low_s,moderate_s,high_s,very_hi
 // danger.csv, a line a cell: x_min_m,x_max_m,z_min_m,z_max_m,danger_level,max_depth_m,max_speed_m_s,max_dv_m2_s and the
 // times. The maxima are each for itself.
 [[nodiscard]] std::string danger_csv(const DangerRecord& record);
+
+// danger.csv. Keeps the record up to date for others, too.
+class DangerFile final : public OutputWriter {
+ public:
+    explicit DangerFile(const OutputPlace& place) : file_(place.folder / "danger.csv"), record_(place.danger) {}
+
+    void on_step(const CrowdWorld& crowd, const WaterView& water) override {
+        record_->add(crowd.agents, crowd.active, water);
+    }
+    void keep(const RunView&) override { write_whole_file(file_, danger_csv(*record_)); }
+    void finish(const RunView& run) override {
+        record_->close();
+        keep(run);
+    }
+    // Twice the length of a line for each cell.
+    [[nodiscard]] std::size_t bytes_at_end() const override { return 400 * record_->cells().size(); }
+
+ private:
+    std::filesystem::path file_;
+    std::shared_ptr<DangerRecord> record_;
+};
 
 }  // namespace wade::crowd

@@ -1,6 +1,6 @@
 #include "crowd_client/outputs/writers/ragdoll_file.hpp"
 
-#include "crowd_client/outputs/csv_text.hpp"
+#include "crowd_client/results/output_file.hpp"
 
 namespace wade::crowd {
 

@@ -7,7 +7,8 @@
 #include <string>
 
 #include "crowd_client/agents.hpp"
-#include "crowd_client/outputs/output_file.hpp"
+#include "crowd_client/results/output_file.hpp"
+#include "crowd_client/results/output_writer.hpp"
 #include "crowd_client/water/ragdoll.hpp"
 
 namespace wade::crowd {
@@ -24,6 +25,20 @@ class RagdollFile {
  private:
     AppendFile file_;
     std::string rows_;
+};
+
+// The output of a run.
+class Ragdolls final : public OutputWriter {
+ public:
+    explicit Ragdolls(const OutputPlace& place) : file_(place.folder / "ragdoll.csv") {}
+
+    void on_step(const CrowdWorld& crowd, const WaterView&) override {
+        file_.write(crowd.steps, crowd.ragdolls, crowd.agents);
+    }
+    void finish(const RunView&) override {}
+
+ private:
+    RagdollFile file_;
 };
 
 }  // namespace wade::crowd

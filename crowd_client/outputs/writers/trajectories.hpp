@@ -1,8 +1,8 @@
 #pragma once
 // trajectories.sqlite: where everybody was after each step (trajectory_file.hpp).
 
-#include "crowd_client/outputs/output_writer.hpp"
 #include "crowd_client/outputs/writers/trajectory_file.hpp"
+#include "crowd_client/results/output_writer.hpp"
 
 namespace wade::crowd {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "configs/numbers/fnv1a.hpp"
-#include "crowd_client/outputs/output_file.hpp"
+#include "crowd_client/results/output_file.hpp"
 
 namespace wade::crowd {
 namespace {

@@ -6,6 +6,8 @@
 // columns * rows u16, row by row (z), depth in millimetres: volume of the particles over the area of the cell, each dealt to
 // the cells that it covers (footprint.hpp).
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -13,7 +15,8 @@
 
 #include "configs/scene/scene.hpp"
 #include "crowd_client/markers/ground_cells.hpp"
-#include "crowd_client/outputs/output_file.hpp"
+#include "crowd_client/results/output_file.hpp"
+#include "crowd_client/results/output_writer.hpp"
 #include "crowd_client/water/water_view.hpp"
 
 namespace wade::crowd {
@@ -32,6 +35,26 @@ class WaterSnapshots {
     double rest_density_;
     std::vector<double> mass_;
     std::string record_;
+};
+
+// The output of a run.
+class WaterPictures final : public OutputWriter {
+ public:
+    explicit WaterPictures(const OutputPlace& place)
+        : file_(place.folder / "water.bin", place.crowd.scene),
+          steps_between_(
+              static_cast<std::uint64_t>(std::max(1LL, std::llround(place.kept.water_interval / place.crowd.dt)))) {}
+
+    // After the first and the last step, too, so that any time of the run has a picture at most one interval away.
+    void on_step(const CrowdWorld& crowd, const WaterView& water) override {
+        const bool due = crowd.steps == 1 || crowd.steps % steps_between_ == 0;
+        if (due || run_is_over(crowd)) file_.write(crowd.steps, static_cast<double>(crowd.steps) * crowd.dt, water);
+    }
+    void finish(const RunView&) override {}
+
+ private:
+    WaterSnapshots file_;
+    std::uint64_t steps_between_;
 };
 
 }  // namespace wade::crowd

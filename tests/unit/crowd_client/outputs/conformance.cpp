@@ -9,9 +9,9 @@
 #include <csignal>
 #include <set>
 
-#include "crowd_client/outputs/output_file.hpp"
 #include "crowd_client/outputs/run_folder.hpp"
 #include "crowd_client/outputs/writers/danger.hpp"
+#include "crowd_client/results/output_file.hpp"
 #include "made_up_water.hpp"
 #include "outputs/run_files.hpp"
 

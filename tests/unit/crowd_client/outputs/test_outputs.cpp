@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "crowd_client/outputs/report.hpp"
 #include "crowd_client/outputs/run_folder.hpp"
+#include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/outputs/writers/water_snapshots.hpp"
 #include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"

@@ -7,7 +7,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/markers/counter_random.hpp"
-#include "crowd_client/outputs/report.hpp"
+#include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"
 

@@ -6,7 +6,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
-#include "crowd_client/ways/way_direction.hpp"
+#include "crowd_client/ways/way_fields.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fluid_server/particles/channel_ends.hpp"
+#include "fluid_server/particles/make_channel_ends.hpp"
 #include "scenes.hpp"
 
 using namespace wade;

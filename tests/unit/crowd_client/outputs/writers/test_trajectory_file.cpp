@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "crowd_client/crowd_world.hpp"
-#include "crowd_client/outputs/output_file.hpp"
 #include "crowd_client/outputs/writers/trajectory_file.hpp"
+#include "crowd_client/results/output_file.hpp"
 #include "made_up_water.hpp"
 #include "outputs/run_files.hpp"
 

@@ -1,11 +1,11 @@
-#include "crowd_client/outputs/report.hpp"
+#include "crowd_client/outputs/writers/report.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include "configs/loading/scene_loader.hpp"
 #include "configs/program/version.hpp"
 #include "configs/scene/choices.hpp"
-#include "crowd_client/outputs/csv_text.hpp"
+#include "crowd_client/results/output_file.hpp"
 #include "crowd_client/water/water_met.hpp"
 
 namespace wade::crowd {

@@ -58,4 +58,7 @@ class AppendFile {
     long long size_ = 0;
 };
 
+// A number of a table: as many digits as it takes to read back the same bits, whatever the locale.
+[[nodiscard]] std::string csv_number(double v);
+
 }  // namespace wade::crowd

@@ -5,7 +5,7 @@
 
 #include "configs/loading/scene_loader.hpp"
 #include "configs/scene/scene_frames.hpp"
-#include "crowd_client/outputs/played_events.hpp"
+#include "crowd_client/outputs/writers/played_events.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;

@@ -1,10 +1,12 @@
-#include "crowd_client/outputs/output_file.hpp"
+#include "crowd_client/results/output_file.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <iterator>
 #include <utility>
 
 namespace wade::crowd {
@@ -106,6 +108,12 @@ void AppendFile::append(std::string_view bytes) {
         throw OutputError(file_, error);
     }
     size_ += static_cast<long long>(bytes.size());
+}
+
+std::string csv_number(double v) {
+    char buffer[32];
+    const auto end = std::to_chars(std::begin(buffer), std::end(buffer), v).ptr;
+    return {buffer, end};
 }
 
 }  // namespace wade::crowd

@@ -1,4 +1,4 @@
-#include "crowd_client/outputs/played_events.hpp"
+#include "crowd_client/outputs/writers/played_events.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

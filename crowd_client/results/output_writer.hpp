@@ -10,8 +10,8 @@
 #include <string>
 
 #include "crowd_client/crowd_world.hpp"
-#include "crowd_client/outputs/run_labels.hpp"
-#include "crowd_client/outputs/run_summary.hpp"
+#include "crowd_client/results/run_labels.hpp"
+#include "crowd_client/results/run_summary.hpp"
 
 namespace wade::crowd {
 

@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "configs/loading/scene_loader.hpp"
-#include "crowd_client/outputs/report.hpp"
+#include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/session/run_labels.hpp"
 #include "made_up_water.hpp"
 

@@ -1,4 +1,4 @@
-#include "crowd_client/ways/way_direction.hpp"
+#include "crowd_client/ways/way_fields.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,14 @@
 #pragma once
 // Changes of tau that a user asks for while the run goes on, as events of the scene, so that the run can be repeated.
 
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "configs/program/run_control.hpp"
-#include "crowd_client/crowd_world.hpp"
+#include "crowd_client/results/output_file.hpp"
+#include "crowd_client/results/output_writer.hpp"
 
 namespace wade::crowd {
 
@@ -22,5 +25,27 @@ void add_event(CrowdWorld& crowd, const TauEvent& event);
 
 // The resolved scene with further events at the end of its list.
 [[nodiscard]] std::string scene_with_events(const std::string& canonical_scene, std::span<const TauEvent> events);
+
+// events.jsonl: each tau command as an event of the scene, absent if there was none. scene_as_played.json: the scene with
+// these events, which repeats the run; rewritten as a whole with each.
+class EventsFile final : public OutputWriter {
+ public:
+    explicit EventsFile(const OutputPlace& place)
+        : folder_(place.folder), canonical_scene_(place.labels.canonical_scene) {}
+
+    void on_event(const TauEvent& event) override {
+        played_.push_back(event);
+        if (!lines_) lines_.emplace(folder_ / "events.jsonl");
+        lines_->append(event_json(event) + "\n");
+        write_whole_file(folder_ / "scene_as_played.json", scene_with_events(canonical_scene_, played_));
+    }
+    void finish(const RunView&) override {}
+
+ private:
+    std::filesystem::path folder_;
+    std::string canonical_scene_;
+    std::vector<TauEvent> played_;
+    std::optional<AppendFile> lines_;
+};
 
 }  // namespace wade::crowd

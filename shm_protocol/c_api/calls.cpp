@@ -1,10 +1,9 @@
-#include "shm_protocol/c_api/wade_shm.h"
-
 #include <exception>
 #include <stdexcept>
 #include <string>
 
 #include "shm_protocol/c_api/convert.hpp"
+#include "shm_protocol/c_api/wade_shm.h"
 #include "shm_protocol/latest_reader.hpp"
 #include "shm_protocol/publisher.hpp"
 #include "shm_protocol/subscriber.hpp"

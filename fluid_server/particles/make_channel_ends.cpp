@@ -1,4 +1,4 @@
-#include "fluid_server/particles/channel_ends.hpp"
+#include "fluid_server/particles/make_channel_ends.hpp"
 
 #include "fluid_server/particles/body_force.hpp"
 #include "fluid_server/particles/emitter.hpp"
@@ -23,18 +23,6 @@ class RecirculatingEnds final : public ChannelEnds {
 };
 
 }  // namespace
-
-void ChannelEnds::begin_step(Particles&, double, double) {}
-
-void ChannelEnds::take_out(std::size_t) {}
-
-std::optional<double> ChannelEnds::driving_acceleration(const Particles&, double, double) const {
-    return std::nullopt;
-}
-
-void ChannelEnds::end_step(Particles&, std::span<const float>, double) {}
-
-void ChannelEnds::restore(const EmitterState&, Particles&, double) {}
 
 std::unique_ptr<ChannelEnds> make_channel_ends(const Scene& scene, Particles& particles) {
     switch (scene.channel.flow) {
