@@ -18,8 +18,10 @@ Vector2d stopped_at_walls(const Vector2d& velocity, const Vector2d& from, const 
 }
 
 // Nobody walks over the fall at x = 0; water that pushes towards it may carry an agent over.
-bool pushed_over_the_fall(double tau, const Contact& contact) {
-    return tau > 0 && contact.momentum.x() < 0;
+Interval ends_of_step(const CrowdWorld& crowd, std::size_t k) {
+    const std::uint32_t id = crowd.active[k];
+    const bool carried_down = crowd.agents.tau[id] > 0 && crowd.contacts[k].momentum.x() < 0;
+    return ends_for(crowd.walls, crowd.positions[k], crowd.agents.goal[id].x(), carried_down);
 }
 
 // Brings an agent that left a periodic world over one end in at the other.
@@ -44,27 +46,25 @@ Vector2d stopped_by_bodies(const Vector2d& velocity, const Vector2d& wanted, con
 void limit_to_bodies(CrowdWorld& crowd) {
     const std::size_t n = crowd.active.size();
     crowd.wishes.resize(n);
-    crowd.may_fall.resize(n);
+    crowd.ends.resize(n);
     for (std::size_t k = 0; k < n; ++k) {
         crowd.wishes[k] = crowd.next.mean[k] * crowd.dt;
-        crowd.may_fall[k] = pushed_over_the_fall(crowd.agents.tau[crowd.active[k]], crowd.contacts[k]);
+        crowd.ends[k] = ends_of_step(crowd, k);
     }
-    limit_steps(crowd.bodies, crowd.walls, crowd.positions, crowd.wishes, crowd.may_fall, threads_for(crowd));
+    limit_steps(crowd.bodies, crowd.walls, crowd.positions, crowd.wishes, crowd.ends, threads_for(crowd));
 }
 
 // Where agent k goes with its body, and what that does to its memory.
 Vector2d step_with_body(CrowdWorld& crowd, std::size_t k) {
     const std::uint32_t id = crowd.active[k];
-    const World& world = crowd.scene.world;
     const Vector2d& u = crowd.bodies.step[k];
     note_blocked(crowd.bodies, crowd.agents, id, u, crowd.dt);
     if (keep_velocity(crowd)) {
         crowd.agents.momentary[id] = stopped_by_bodies(crowd.next.at_end[k], crowd.wishes[k], u, crowd.dt);
     }
     Vector2d to = crowd.positions[k] + u;
-    if (world.ends == Ends::open) to.x() = std::min(to.x(), world.length);
-    if (world.ends == Ends::open && !crowd.may_fall[k]) to.x() = std::max(to.x(), 0.0);
-    to.y() = std::clamp(to.y(), 0.0, world.width);
+    to.x() = std::clamp(to.x(), crowd.ends[k].lo, crowd.ends[k].hi);
+    to.y() = std::clamp(to.y(), 0.0, crowd.scene.world.width);
     return to;
 }
 
@@ -78,9 +78,8 @@ void move_agents(CrowdWorld& crowd) {
         const std::uint32_t id = crowd.active[k];
         const Vector2d& from = crowd.positions[k];
         const Vector2d wanted = crowd.next.mean[k] * crowd.dt;
-        const Vector2d to = has_bodies(crowd) ? step_with_body(crowd, k)
-                                              : slide(crowd.walls, from, wanted,
-                                                      pushed_over_the_fall(agents.tau[id], crowd.contacts[k]));
+        const Vector2d to =
+            has_bodies(crowd) ? step_with_body(crowd, k) : slide(crowd.walls, from, wanted, ends_of_step(crowd, k));
         if (keep_velocity(crowd) && !has_bodies(crowd)) {
             agents.momentary[id] = stopped_at_walls(crowd.next.at_end[k], from, wanted, to);
         }

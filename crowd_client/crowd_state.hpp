@@ -48,7 +48,7 @@ struct CrowdWorld {
     std::vector<Vector2d> walking;       // v_B, m/s
     NextVelocities next;                 // of the response, v^{t+1}, m/s
     std::vector<Vector2d> wishes;        // with bodies: next.mean * dt, m
-    std::vector<bool> may_fall;          // with bodies: over the edge at x = 0
+    std::vector<Interval> ends;          // with bodies: of the world along x, for each, m
     std::vector<WaterParticle> touching;
     std::vector<Ragdoll> ragdolls;  // empty where the scene has no condition for them
 

@@ -79,9 +79,9 @@ void prepare_bodies(Bodies& bodies, Walkers& walkers, const Agents& agents, std:
 [[nodiscard]] Vector2d wished_velocity(const Bodies& bodies, Agents& agents, std::uint32_t id, std::size_t k,
                                        const Motion& motion, double marker_area, SpeedRule rule, double dt);
 
-// Of the wishes, m, the steps that overlap nobody, into bodies.step. may_fall: who may leave the world at x = 0.
+// Of the wishes, m, the steps that overlap nobody, into bodies.step. ends: along x, for each, by ends_for().
 void limit_steps(Bodies& bodies, const Walls& walls, std::span<const Vector2d> positions,
-                 std::span<const Vector2d> wishes, const std::vector<bool>& may_fall, int threads);
+                 std::span<const Vector2d> wishes, std::span<const Interval> ends, int threads);
 
 // Updates b of an agent after its step u, m.
 void note_blocked(const Bodies& bodies, Agents& agents, std::uint32_t id, const Vector2d& u, double dt);

@@ -40,15 +40,13 @@ void add_obstacles(std::vector<Limit>& limits, const Walls& walls, const Vector2
     }
 }
 
-// The centre stays in the world, except who may fall at x = 0. Edges further away than `step` do not matter.
-void add_edges(std::vector<Limit>& limits, const World& world, const Vector2d& p, bool may_fall, double step) {
+// The centre stays between the ends along x and the edges along z. Those further away than `step` do not matter.
+void add_edges(std::vector<Limit>& limits, const World& world, const Vector2d& p, const Interval& ends, double step) {
     const auto add = [&](double nx, double nz, double gap) {
         if (gap < step + body_slack) limits.push_back({nx, nz, std::max(0.0, gap)});
     };
-    if (world.ends == Ends::open) {
-        if (!may_fall) add(-1, 0, p.x());
-        add(1, 0, world.length - p.x());
-    }
+    add(-1, 0, p.x() - ends.lo);
+    add(1, 0, ends.hi - p.x());
     add(0, -1, p.y());
     add(0, 1, world.width - p.y());
 }
@@ -78,7 +76,7 @@ Vector2d within(const std::vector<Limit>& limits, Vector2d u) {
 }  // namespace
 
 void limit_steps(Bodies& bodies, const Walls& walls, std::span<const Vector2d> positions,
-                 std::span<const Vector2d> wishes, const std::vector<bool>& may_fall, int threads) {
+                 std::span<const Vector2d> wishes, std::span<const Interval> ends, int threads) {
     const std::size_t n = positions.size();
     bodies.step.resize(n);
     double longest = 0;
@@ -93,7 +91,7 @@ void limit_steps(Bodies& bodies, const Walls& walls, std::span<const Vector2d> p
             limits.clear();
             add_neighbours(limits, bodies, k, positions[k], reach);
             add_obstacles(limits, walls, positions[k], bodies.radius, longest);
-            add_edges(limits, walls.world, positions[k], may_fall[k], longest);
+            add_edges(limits, walls.world, positions[k], ends[k], longest);
             const double length = wishes[k].norm();
             const Vector2d wish = length > longest ? Vector2d(wishes[k] * (longest / length)) : wishes[k];
             bodies.step[k] = within(limits, wish);

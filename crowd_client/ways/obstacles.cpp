@@ -54,6 +54,8 @@ bool free_of_boxes(const Walls& walls, const Vector2d& p) {
 
 Walls make_walls(const Scene& scene) {
     Walls walls{scene.world, scene.obstacles};
+    walls.has_fall = scene.world.ends == Ends::open && scene.channel.flow != Flow::closed;
+    if (scene.channel.flow == Flow::closed) walls.tank = Walls::Tank{scene.channel.x, scene.channel.z};
     if (const double period = scene.world.period(); period > 0) {
         for (const Obstacle& box : scene.obstacles) {
             for (const double shift : {-period, period}) {
@@ -66,6 +68,14 @@ Walls make_walls(const Scene& scene) {
         box.z = {box.z.lo - Walls::skin, box.z.hi + Walls::skin};
     }
     return walls;
+}
+
+Interval ends_for(const Walls& walls, const Vector2d& p, double goal_x, bool carried_down) {
+    constexpr double nowhere = std::numeric_limits<double>::infinity();
+    if (walls.world.ends == Ends::periodic) return {-nowhere, nowhere};
+    Interval ends{walls.has_fall && carried_down ? -nowhere : 0, walls.world.length};
+    if (!walls.tank || !walls.tank->x.contains(p.x()) || !walls.tank->z.contains(p.y())) return ends;
+    return walls.tank->x.contains(goal_x) ? walls.tank->x : ends;
 }
 
 std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p) {
@@ -98,14 +108,10 @@ Vector2d keep_in_world(const World& world, const Vector2d& p, const Vector2d& wa
             std::clamp(walking.y(), -p.y() / dt, (world.width - p.y()) / dt)};
 }
 
-Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displacement, bool may_fall) {
-    const World& world = walls.world;
+Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displacement, const Interval& ends) {
     Vector2d target = p + displacement;
-    if (world.ends == Ends::open) {
-        target.x() = std::min(target.x(), world.length);
-        if (!may_fall) target.x() = std::max(target.x(), 0.0);
-    }
-    target.y() = std::clamp(target.y(), 0.0, world.width);
+    target.x() = std::clamp(target.x(), ends.lo, ends.hi);
+    target.y() = std::clamp(target.y(), 0.0, walls.world.width);
     if (walls.boxes.empty()) return target;
 
     // Each face met takes one component away, so two faces end a step; further turns serve boxes that are met while

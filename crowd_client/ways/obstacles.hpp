@@ -1,5 +1,16 @@
 #pragma once
 // Where agents may be: the world's rectangle without the obstacles; and how a step is bent to stay there.
+//
+// Along x the world ends in one of these ways:
+//
+//   flow of the channel                  at x = 0                    at x = length
+//   emitter, recirculating, periodic     the fall, where who is      a wall
+//                                        carried over it is lost
+//   closed                               a wall                      a wall
+//   any, in a world with periodic ends   x = length                  x = 0
+//
+// The two ends of a closed channel are walls wherever it lies in the world, for whoever is in it and has its goal between them;
+// who wants to leave it passes, as people pass the banks.
 
 #include <optional>
 #include <vector>
@@ -14,11 +25,23 @@ namespace wade::crowd {
 struct Walls {
     static constexpr double skin = 1e-6;  // m
 
+    // The ground of a closed channel.
+    struct Tank {
+        Interval x, z;
+    };
+
     World world;
     std::vector<Obstacle> boxes;
+    bool has_fall = true;
+    std::optional<Tank> tank = {};
 };
 
 [[nodiscard]] Walls make_walls(const Scene& scene);
+
+// The ends along x that hold for a step of somebody at p, m; infinite where there is none.
+//   goal_x        of its goal, m
+//   carried_down  whether the water pushes it towards -x
+[[nodiscard]] Interval ends_for(const Walls& walls, const Vector2d& p, double goal_x, bool carried_down);
 
 // The nearest place outside all boxes for a point that is at most `skin` inside one; nothing if it lies deeper.
 [[nodiscard]] std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p);
@@ -28,10 +51,9 @@ struct Walls {
 [[nodiscard]] Vector2d keep_in_world(const World& world, const Vector2d& p, const Vector2d& walking, double dt);
 
 // Moves a point along `displacement` and slides along the faces it meets; it never enters a box, however far it moves.
-// The world's edges stop it too, except the fall at x = 0 where `may_fall` is true, and except the ends of a periodic
-// world: there the result may lie beyond them.
+// The ends along x and the world's edges along z stop it, too.
 //   p             a place outside all boxes, in the world
 //   displacement  m
-[[nodiscard]] Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displacement, bool may_fall);
+[[nodiscard]] Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displacement, const Interval& ends);
 
 }  // namespace wade::crowd

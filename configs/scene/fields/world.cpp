@@ -5,11 +5,14 @@
 namespace wade {
 
 void fields(World& world, Fields& f) {
-    f.number("length_m", world.length, "m", above(0).to(1e5), "Extent along x. An agent carried to x < 0 is dead.");
+    f.number("length_m", world.length, "m", above(0).to(1e5),
+             "Extent along x. x = 0 is the fall, and who is carried over it is dead, unless the flow of the channel is "
+             "closed: then it is a wall.");
     f.number("width_m", world.width, "m", above(0).to(1e5), "Extent along z.");
     f.number("gravity_m_s2", world.gravity, "m/s2", from(0).to(100), "Gravity, along -y.");
     f.choice("ends", world.ends,
-             "open: the world ends at x = 0 and at length_m. periodic: it repeats along x, so that who walks or is "
+             "open: the world ends at x = 0 (the fall, or a wall if the channel is closed) and at length_m (a wall). "
+             "periodic: it repeats along x, so that who walks or is "
              "carried over one end comes in at the other and nobody dies there; length_m must be a multiple of the "
              "cells' 2 m and at least 6 m, and a channel that is not dry must be as long as the world and flow "
              "recirculating or periodic. For corridors without ends.");

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/ways/obstacles.hpp"
@@ -15,6 +16,13 @@ Walls block_in_world() {
     return make_walls(scene);
 }
 
+constexpr double nowhere = std::numeric_limits<double>::infinity();
+constexpr Interval world_ends{0, 100}, over_the_fall{-nowhere, 100};
+
+bool same(const Interval& a, const Interval& b) {
+    return a.lo == b.lo && a.hi == b.hi;
+}
+
 bool inside(const Obstacle& o, const Vector2d& p) {
     return o.x.lo < p.x() && p.x() < o.x.hi && o.z.lo < p.y() && p.y() < o.z.hi;
 }
@@ -25,30 +33,30 @@ TEST_CASE("A free step ends exactly at its target") {
     const Walls walls = block_in_world();
     const Vector2d p(10.1, 10.2);
     const Vector2d d(0.1, -0.3);
-    CHECK(slide(walls, p, d, false) == p + d);
+    CHECK(slide(walls, p, d, world_ends) == p + d);
 }
 
 TEST_CASE("A step into a face slides along it") {
     const Walls walls = block_in_world();
-    const Vector2d end = slide(walls, {39, 25}, {5, 2}, false);
+    const Vector2d end = slide(walls, {39, 25}, {5, 2}, world_ends);
     CHECK(end.x() == 40 - Walls::skin);
     // The face takes the component across, the one along it stays; 1e-12 is the rounding of the split of the step.
     CHECK(end.y() == Approx(27).margin(1e-12));
-    CHECK(slide(walls, {51, 25}, {-1000, -3}, false).x() == 50 + Walls::skin);
-    CHECK(slide(walls, {45, 31}, {1, -500}, false).y() == 30 + Walls::skin);
+    CHECK(slide(walls, {51, 25}, {-1000, -3}, world_ends).x() == 50 + Walls::skin);
+    CHECK(slide(walls, {45, 31}, {1, -500}, world_ends).y() == 30 + Walls::skin);
 }
 
 TEST_CASE("A point on a face goes along it and leaves it freely") {
     const Walls walls = block_in_world();
-    const Vector2d on_face = slide(walls, {39, 25}, {5, 0}, false);
-    CHECK(slide(walls, on_face, {0, 3}, false) == on_face + Vector2d(0, 3));
-    CHECK(slide(walls, on_face, {-3, 1}, false) == on_face + Vector2d(-3, 1));
-    CHECK(slide(walls, on_face, {3, 0}, false) == on_face);
+    const Vector2d on_face = slide(walls, {39, 25}, {5, 0}, world_ends);
+    CHECK(slide(walls, on_face, {0, 3}, world_ends) == on_face + Vector2d(0, 3));
+    CHECK(slide(walls, on_face, {-3, 1}, world_ends) == on_face + Vector2d(-3, 1));
+    CHECK(slide(walls, on_face, {3, 0}, world_ends) == on_face);
 }
 
 TEST_CASE("A step exactly at a corner does not get through") {
     const Walls walls = block_in_world();
-    const Vector2d end = slide(walls, {38, 18}, {14, 14}, false);
+    const Vector2d end = slide(walls, {38, 18}, {14, 14}, world_ends);
     CHECK_FALSE(inside(walls.boxes[0], end));
     CHECK((end.x() <= 40 || end.y() <= 20));
 }
@@ -58,7 +66,7 @@ TEST_CASE("Two boxes that touch have no gap between them") {
     scene.obstacles.push_back({{40, 50}, {10, 25}, 1});
     scene.obstacles.push_back({{40, 50}, {25, 40}, 1});
     const Walls walls = make_walls(scene);
-    CHECK(slide(walls, {39, 25}, {20, 0}, false) == Vector2d(40 - Walls::skin, 25));
+    CHECK(slide(walls, {39, 25}, {20, 0}, world_ends) == Vector2d(40 - Walls::skin, 25));
 }
 
 TEST_CASE("A step into an inner corner of two boxes stops there") {
@@ -66,9 +74,9 @@ TEST_CASE("A step into an inner corner of two boxes stops there") {
     scene.obstacles.push_back({{40, 50}, {10, 40}, 1});
     scene.obstacles.push_back({{20, 40}, {30, 40}, 1});
     const Walls walls = make_walls(scene);
-    const Vector2d end = slide(walls, {39, 29}, {7, 5}, false);
+    const Vector2d end = slide(walls, {39, 29}, {7, 5}, world_ends);
     CHECK(end == Vector2d(40 - Walls::skin, 30 - Walls::skin));
-    CHECK(slide(walls, end, {7, 5}, false) == end);
+    CHECK(slide(walls, end, {7, 5}, world_ends) == end);
 }
 
 TEST_CASE("No step, however long and wherever it starts, ends in a box or crosses one") {
@@ -83,7 +91,7 @@ TEST_CASE("No step, however long and wherever it starts, ends in a box or crosse
             // Lengths over eight orders of magnitude.
             const double length = std::pow(10.0, 8 * counter_uniform(2, run, i) - 5);
             const double angle = 6.283185307179586 * counter_uniform(3, run, i);
-            p = slide(walls, p, Vector2d(length * std::cos(angle), length * std::sin(angle)), true);
+            p = slide(walls, p, Vector2d(length * std::cos(angle), length * std::sin(angle)), over_the_fall);
             for (const Obstacle& box : scene.obstacles) REQUIRE_FALSE(inside(box, p));
             REQUIRE(p.x() >= 11);  // never through the wall
             REQUIRE(p.x() <= 100);
@@ -95,9 +103,45 @@ TEST_CASE("No step, however long and wherever it starts, ends in a box or crosse
 
 TEST_CASE("The world's edges stop a step, except the fall where that is allowed") {
     const Walls walls = block_in_world();
-    CHECK(slide(walls, {1, 1}, {-5, -5}, false) == Vector2d(0, 0));
-    CHECK(slide(walls, {1, 1}, {-5, -5}, true) == Vector2d(-4, 0));
-    CHECK(slide(walls, {99, 49}, {5, 5}, true) == Vector2d(100, 50));
+    CHECK(slide(walls, {1, 1}, {-5, -5}, world_ends) == Vector2d(0, 0));
+    CHECK(slide(walls, {1, 1}, {-5, -5}, over_the_fall) == Vector2d(-4, 0));
+    CHECK(slide(walls, {99, 49}, {5, 5}, over_the_fall) == Vector2d(100, 50));
+}
+
+TEST_CASE("Water carries nobody over x = 0 where the channel is closed, and over the fall elsewhere") {
+    Scene scene;
+    scene.world = {30, 10, 9.81, Ends::open};
+    scene.channel.z = {1, 9};
+    const auto ends = [&](bool carried_down) { return ends_for(make_walls(scene), {6, 5}, 20, carried_down); };
+    for (const Interval& x : {Interval{0, 30}, Interval{5, 25}}) {
+        scene.channel.x = x;
+        for (const Flow flow : {Flow::emitter, Flow::recirculating, Flow::periodic}) {
+            scene.channel.flow = flow;
+            CHECK(same(ends(true), Interval{-nowhere, 30}));
+            CHECK(same(ends(false), Interval{0, 30}));
+        }
+        scene.channel.flow = Flow::closed;
+        CHECK(same(ends(true), x));
+        CHECK(same(ends(false), x));
+    }
+    scene.world.ends = Ends::periodic;
+    CHECK(same(ends(true), Interval{-nowhere, nowhere}));
+}
+
+TEST_CASE("The ends of a closed channel keep who is in it and has its goal there, and nobody else") {
+    Scene scene;
+    scene.world = {30, 10, 9.81, Ends::open};
+    scene.channel.flow = Flow::closed;
+    scene.channel.x = {5, 25};
+    scene.channel.z = {1, 9};
+    const Walls walls = make_walls(scene);
+    for (const bool carried_down : {false, true}) {
+        CHECK(same(ends_for(walls, {5, 5}, 20, carried_down), Interval{5, 25}));
+        CHECK(same(ends_for(walls, {25, 5}, 25, carried_down), Interval{5, 25}));
+        CHECK(same(ends_for(walls, {5, 5}, 2, carried_down), Interval{0, 30}));     // wants to leave
+        CHECK(same(ends_for(walls, {4.9, 5}, 20, carried_down), Interval{0, 30}));  // is outside
+        CHECK(same(ends_for(walls, {5, 0.5}, 20, carried_down), Interval{0, 30}));  // on the bank
+    }
 }
 
 TEST_CASE("A walk is shortened at the edge of the world and nowhere else") {

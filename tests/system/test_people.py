@@ -1,0 +1,71 @@
+"""What becomes of people between walls and water."""
+
+import json
+import unittest
+
+from harness import SystemTest
+
+
+def closed_scene(model, bodies, moved_m=0, mirrored=False):
+    """A dam breaks towards nine people who stand at the other end of a closed channel, 10 m long."""
+    length, end = 10, moved_m + 10
+
+    def along(x):
+        return end - x if mirrored else moved_m + x
+
+    def between(a, b):
+        return {"x_min_m": min(along(a), along(b)), "x_max_m": max(along(a), along(b)), "z_min_m": 0, "z_max_m": 3}
+
+    return {
+        "name": "closed",
+        "duration_s": 5,
+        "frame_rate_hz": 30,
+        "world": {"length_m": 2 * moved_m + length, "width_m": 3},
+        "channel": {**between(0, length), "flow": "closed", "water_blocks": [{**between(7, 10), "depth_m": 2}]},
+        "fluid": {"model": model, "particle_spacing_m": 0.25, "max_particles": 2000},
+        "crowd": {
+            "tau": 1,
+            "desired_speed_m_s": 0.3,
+            "goal_radius_m": 0.5,
+            "bodies": bodies,
+            "markers": "redrawn",
+            "groups": [
+                {
+                    "name": "walkers",
+                    "columns": 3,
+                    "rows": 3,
+                    "start": {"x_m": min(along(0.3), along(1.9)), "z_m": 0.7, "pitch_x_m": 0.8, "pitch_z_m": 0.8},
+                    "goal": {"x_m": along(9), "z_m": 1.5},
+                }
+            ],
+        },
+    }
+
+
+class ClosedChannels(SystemTest):
+    def test_nobody_dies_or_passes_a_wall_of_a_closed_channel(self):
+        """Whichever model moves the water, whatever people are, wherever the channel lies."""
+        for model, bodies, moved_m, mirrored in (
+            ("shallow_water", "none", 0, False),
+            ("shallow_water", "human", 5, False),
+            ("dfsph", "none", 0, False),
+            ("dfsph", "human", 0, False),
+            ("dfsph", "fast", 5, True),
+            ("mixed", "fast", 0, False),
+            ("mixed", "none", 5, False),
+        ):
+            with self.subTest(model=model, bodies=bodies, moved_m=moved_m, mirrored=mirrored):
+                scene = self.folder / f"{model}-{bodies}-{moved_m}.json"
+                scene.write_text(json.dumps(closed_scene(model, bodies, moved_m, mirrored)))
+                run = self.pair(scene=scene)
+                self.assertEqual(run.outcome()["dead"], 0)
+                ends = run.query("SELECT min(pos_x), max(pos_x) FROM trajectory_data")[0]
+                self.assertGreaterEqual(ends[0], moved_m)
+                self.assertLessEqual(ends[1], moved_m + 10)
+                # The water reached those who started 0.3 m away and pressed them against the wall.
+                reached = moved_m + 10 - ends[1] if mirrored else ends[0] - moved_m
+                self.assertLess(reached, 0.05)
+
+
+if __name__ == "__main__":
+    unittest.main()
