@@ -167,7 +167,7 @@ std::string percent(double density) {
 Result run_bodies(const Request& request) {
     const std::vector<double> densities{0.5, 1, 2, 3};
     Result result = crowd_result();
-    Curve speeds{"speed", {"density_per_m2", "speed_human_m_s", "measured_speed_m_s", "speed_fast_m_s"}, {}};
+    Curve speeds{"speed_by_density_m_s", {"density_per_m2", "human", "exact_Weidmann", "fast"}, {}};
     for (const double rho : densities) speeds.rows.push_back({rho, 0, weidmann_speed(rho), 0});
     for (const auto& [style, column] : {std::pair{"human", 1}, std::pair{"fast", 3}}) {
         Request with_bodies = request;

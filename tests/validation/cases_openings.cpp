@@ -144,7 +144,7 @@ Result run_openings(const Request& request) {
 Result run_doors(const Request& request) {
     Result result = crowd_result();
     Tally tally;
-    Curve last{"last_one_out", {"width_m", "human_30_Hz_s", "human_10_Hz_s", "fast_30_Hz_s", "fast_10_Hz_s"}, {}};
+    Curve last{"last_one_out_s", {"width_m", "human_30_Hz", "human_10_Hz", "fast_30_Hz", "fast_10_Hz"}, {}};
     double locked = 0, runs = 0;
     std::vector<double> widths{0.62, 0.90, 0.96};  // m
     if (request.level > 0) widths.clear();

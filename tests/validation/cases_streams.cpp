@@ -214,7 +214,7 @@ Result run_two_way(const Request& request) {
     Result result = crowd_result();
     Tally tally;
     double outside = 0;
-    Curve speeds{"speed", {"density_per_m2", "two_way_m_s", "reference_one_way_m_s", "exact_Weidmann"}, {}};
+    Curve speeds{"speed_by_density_m_s", {"density_per_m2", "two_way", "one_way", "exact_Weidmann"}, {}};
     for (const double density : densities) {
         double speed[2] = {0, 0};
         for (const bool two_ways : {false, true}) {

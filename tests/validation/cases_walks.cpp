@@ -199,7 +199,7 @@ Result run_cabins(const Request& request) {
 Result run_step_rates(const Request& request) {
     Result result = crowd_result();
     Tally tally;
-    Curve speeds{"speed", {"step_rate_Hz", "alone_m_s", "in_a_stream_m_s"}, {}};
+    Curve speeds{"speed_by_step_rate_m_s", {"step_rate_Hz", "alone", "in_a_stream"}, {}};
     double alone_dependence = 0, stream_dependence = 0;
     std::array<double, 2> usual{};
     for (const double rate : {30.0, 0.5, 1.0, 2.0, 5.0, 10.0, 60.0}) {

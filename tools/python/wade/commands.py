@@ -57,6 +57,10 @@ COMMANDS = {
         Command("steering", "what the weights of the steering water mean in a fluid", "wade.suites.steering",
                 ("steering_map",), True, ("steering-map",)),
     ),
+    "Judge the crowd": (
+        Command("verify-crowd", "tests of ISO 20414, RiMEA and IMO, doors, counter-flow, water", "wade.suites.verify_crowd",
+                ("validate",), True),
+    ),
     "Measure speed": (
         Command("bench", "what each part costs on this machine", "wade.suites.bench",
                 (*PAIR, *BENCHMARKS), True),

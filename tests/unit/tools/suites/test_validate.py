@@ -2,12 +2,14 @@
 
 import csv
 import json
+import re
 import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
 
-from wade.suites import cases
+from wade.paths import ROOT
+from wade.suites import cases, verify_crowd
 from wade.suites.validate import TABLES, beside, convergence, curves, report, results
 
 HEADER = "case,model,spacing_m,particles,metric,value,unit,threshold,pass,wall_s,cpu_s,reference"
@@ -117,7 +119,7 @@ class Reporting(unittest.TestCase):
         two["solver_cpu_s"] = 8 * one["solver_cpu_s"]
         self.assertEqual(list(report.missing_runs([one, two], CASES[:1])), [("wave", "fine", "0.025 m", "1.6 min")])
         self.assertEqual(report.seconds_expected([one], 0.05), 16 * one["solver_cpu_s"])
-        self.assertEqual(list(report.missing_runs([], CASES[2:])), [("crowd", "coarse", "0 m", "-")])
+        self.assertEqual(list(report.missing_runs([], CASES[2:])), [("crowd", "coarse", "-", "-")])
 
     def test_runs_of_other_settings_are_held_against_these(self):
         there = self.out / "there"
@@ -140,6 +142,26 @@ class Reporting(unittest.TestCase):
         judge = results.Judge(TABLES / "thresholds.csv", TABLES / "known_failures.csv")
         for key, (guard, _) in judge.guards.items():
             self.assertGreater(guard, judge.thresholds[key], key)
+
+
+class Guidelines(unittest.TestCase):
+    def test_each_case_of_people_stands_in_the_tables_and_no_other(self):
+        listed = re.findall(r"\b(crowd_\w+)_case\(\)", (ROOT / "tests/validation/cases.cpp").read_text())
+        shown = " ".join([row[4] for row in verify_crowd.TESTS] + [row[1] for row in verify_crowd.BEYOND]).split()
+        self.assertEqual(set(shown), set(listed))
+        self.assertTrue(all(bool(names) != bool(why) for *_, names, why in verify_crowd.TESTS))
+
+    def test_the_worst_verdict_of_a_case_is_shown(self):
+        class Judge:
+            def verdict(self, run, metric):
+                return metric
+
+        runs = [{"case": "a", "status": "completed", "metrics": ["yes", ""]},
+                {"case": "b", "status": "completed", "metrics": ["yes", "known"]},
+                {"case": "b", "status": "completed", "metrics": ["no"]},
+                {"case": "c", "status": "failed", "metrics": []}, {"case": "d", "status": "completed", "metrics": [""]}]
+        found = [verify_crowd.verdict_of(name, runs, Judge()) for name in "abcde"]
+        self.assertEqual(found, ["pass", "**FAIL**", "**FAIL**", "reported", "not run"])
 
 
 if __name__ == "__main__":

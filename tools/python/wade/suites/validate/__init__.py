@@ -1,10 +1,11 @@
-"""Runs each validation case at its coarse, medium and fine resolution and compares it with what is known.
+"""Runs each case of the water at its coarse, medium and fine resolution and compares it with what is known.
 
 The truths are analytic solutions, published experiments and tables. report.md has a plot a case and
-the observed order of convergence, DIR/runs/ the numbers and curves of each run. A run that is
-complete and whose program and scenes are still the same is not repeated, so that the command goes on
-where it was stopped; a commit repeats runs only if it changes what is computed. With --quick a case
-runs at one resolution, as the tests run it. Give runs with --set a folder of their own: runs of other
+the observed order of convergence, DIR/runs/ the numbers and curves of each run. The cases of the
+crowd, crowd_*, are those of verify-crowd, and run here if --cases names them. A run that is complete
+and whose program and scenes are still the same is not repeated, so that the command goes on where it
+was stopped; a commit repeats runs only if it changes what is computed. With --quick a case runs at
+one resolution, as the tests run it. Give runs with --set a folder of their own: runs of other
 settings count as those of another version.
 
 Columns of validation.csv, a line a metric: case, model; spacing_m; particles; metric, value, unit;
@@ -31,8 +32,27 @@ from wade.suites.validate import beside, report, results
 TABLES = ROOT / "tests" / "validation"
 
 
-def parse(arguments):
-    parser = options.parser_of("validate", "validation", __doc__, "validation.csv")
+class Suite:
+    """Validation cases that make one report: the water's, or the crowd's.
+
+    folder: below runs/ and docs/reports/, and the name of the table; text: of --help; has: whether a case, by its name, is
+    run unless --cases says otherwise; head: of the report; front: of (runs, judge), a section before the verdicts.
+    """
+
+    def __init__(self, command, folder, text, has, head, front=lambda runs, judge: ""):
+        self.command, self.folder, self.text, self.has = command, folder, text, has
+        self.head, self.front, self.table = head, front, f"{folder}.csv"
+
+
+def is_of_people(name):
+    return name.startswith("crowd_")
+
+
+WATER = Suite("validate", "validation", __doc__, lambda name: not is_of_people(name), report.HEAD)
+
+
+def parse(arguments, suite):
+    parser = options.parser_of(suite.command, suite.folder, suite.text, suite.table)
     options.add_jobs(parser)
     parser.set_defaults(jobs=None)
     parser.add_argument("--cases", metavar="A,B", help="only these; patterns such as 'wet_bed*' may stand for several")
@@ -58,17 +78,18 @@ def job_of(case, level, chosen, fingerprint):
     return Job(f"{case.name} {level}", tuple(command), result, fingerprint, chosen.threads)
 
 
-def main(arguments):
-    chosen = parse(arguments)
+def main(arguments, suite=WATER):
+    chosen = parse(arguments, suite)
     end_children_on_signals()
-    cases = known_cases.list_cases(BUILD / "validate")
+    everything = known_cases.list_cases(BUILD / "validate")
+    cases = everything if chosen.cases else [case for case in everything if suite.has(case.name)]
     if chosen.list:
         say("\n".join(case.describe() for case in cases))
         return 0
     try:
         plan = known_cases.plan(cases, chosen.cases, chosen.levels, chosen.quick, chosen.long)
     except ValueError as error:
-        complain(f"validate: {error}")
+        complain(f"{suite.command}: {error}")
         return 2
     fingerprint_of = Fingerprints([BUILD / "validate"], ROOT, known_cases.INPUTS, chosen.settings)
     jobs = [job_of(case, level, chosen, fingerprint_of(case.name)) for case, level in plan]
@@ -76,11 +97,14 @@ def main(arguments):
 
     judge = results.Judge(TABLES / "thresholds.csv", TABLES / "known_failures.csv")
     # What older programs found stays in the report, marked, until it is repeated.
-    found = results.read_runs(chosen.out / "runs", cases)
-    results.write_table(found, judge, chosen.out / "validation.csv")
-    held_against = beside.text(found, chosen.beside, cases, judge) if chosen.beside else ""
-    report.write(found, cases, judge, fingerprint_of, chosen.out, chosen.settings, held_against)
-    say(f"report: {chosen.out / 'report.md'}, table: {chosen.out / 'validation.csv'}")
+    found = results.read_runs(chosen.out / "runs", everything)
+    results.write_table(found, judge, chosen.out / suite.table)
+    held_against = beside.text(found, chosen.beside, everything, judge) if chosen.beside else ""
+    ran = {run["case"] for run in found}
+    shown = [case for case in everything if case.name in ran or suite.has(case.name)]
+    report.write(found, shown, judge, fingerprint_of, chosen.out,
+                 chosen.settings, held_against, suite.head, suite.front(found, judge))
+    say(f"report: {chosen.out / 'report.md'}, table: {chosen.out / suite.table}")
     if chosen.publish:
-        publish(chosen.out, "validation", "validation.csv")
+        publish(chosen.out, suite.folder, suite.table)
     return interrupted or results.print_summary(plan, found, judge)

@@ -13,7 +13,10 @@ COLUMNS = 2  # panels side by side
 
 # Cases that have a picture; the numbers of the others stand in the report.
 PICTURED = ("dam_break", "wet_bed_05", "uniform_river", "bump_transcritical", "jump_fr3", "cavity_400", "spheric2",
-            "impulse_front", "crowd_counterflow", "crowd_rimea_12")
+            "impulse_front", "crowd_bodies", "crowd_corner", "crowd_counterflow", "crowd_crossing", "crowd_doors", "crowd_exits",
+            "crowd_openings", "crowd_rimea_12", "crowd_rooms", "crowd_step_rates", "crowd_two_way")
+# Curves whose columns share a panel, of the finest run only: begin with these.
+TOGETHER = ("people_", "last_one_out", "speed_by_")
 
 
 def read_curve(run, curve):
@@ -37,12 +40,12 @@ def label(name):
 
 
 def panels_of(runs):
-    """(curve, column) of each simulated column, in the order in which they first appear."""
+    """(curve, column) of each simulated column, in the order in which they first appear; (curve, None) of those together."""
     panels = []
     for run in runs:
         for curve in run["curves"]:
-            for column in curve["columns"][1:]:
-                if not column.startswith(TRUTHS) and (curve["name"], column) not in panels:
+            for column in [None] if curve["name"].startswith(TOGETHER) else curve["columns"][1:]:
+                if not (column or "").startswith(TRUTHS) and (curve["name"], column) not in panels:
                     panels.append((curve["name"], column))
     return panels
 
@@ -72,10 +75,27 @@ def truths_of(columns, column):
 
 
 def draw_truth(axes, case, x, columns, column):
+    """A truth whose name is not that of the column, as measured_Kretz_2006, is named in the legend."""
     styles = {"exact_": ("k-", "exact"), "measured_": ("ko", "measured"), "reference_": ("k--", "reference")}
+    markers = iter("o^sv")
     for prefix, name in truths_of(columns, column):
         style, words = COMPUTED.get((case, prefix), styles[prefix])
+        if (case, prefix) not in COMPUTED and name != prefix + column:
+            words = name[len(prefix) :].replace("_", " ")
+            style = style.replace("o", next(markers))
         axes.plot(x, columns[name], style, label=words, linewidth=1, markersize=3, zorder=3, fillstyle="none")
+
+
+def draw_together(axes, run, name):
+    curve = next(curve for curve in run["curves"] if curve["name"] == name)
+    abscissa, columns = read_curve(run, curve)
+    for column in curve["columns"][1:]:
+        style = next((("k:" if prefix == "reference_" else "k--") for prefix in TRUTHS if column.startswith(prefix)), "-")
+        axes.plot(columns[abscissa], columns[column], style, linewidth=1.2, label=label(column.removeprefix("exact_")))
+    axes.set_xlabel(label(abscissa), fontsize=8)
+    axes.set_ylabel(label(name), fontsize=8)
+    axes.tick_params(labelsize=7)
+    axes.legend(fontsize=7)
 
 
 def draw_panel(axes, runs, name, column):
@@ -110,6 +130,9 @@ def draw(runs, file):
     figure, axes = pyplot.subplots(down, across, figsize=(4.2 * across, 2.7 * down), squeeze=False)
     names = [column for _, column in panels]
     for axis, panel in zip(axes.flat, panels):
+        if panel[1] is None:
+            draw_together(axis, [run for run in runs if any(c["name"] == panel[0] for c in run["curves"])][-1], panel[0])
+            continue
         draw_panel(axis, runs, *panel)
         if names.count(panel[1]) > 1:  # told apart by the curve alone
             axis.set_title(panel[0].replace("_", " "), fontsize=8)

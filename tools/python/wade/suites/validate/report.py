@@ -18,8 +18,8 @@ fall with the spacing or are at the level of noise.
 
 `tools/wade validate` writes this file; `validation.csv` holds the same numbers.
 """
-NOT_RUN = """Runs that this report has no result of, and the CPU time they would take by what the others took. `tools/wade validate
---cases NAME --levels LEVEL` makes one; those that take hours need `--long`."""
+NOT_RUN = """Runs that this report has no result of, and the CPU time they would take by what the others took. `--cases NAME --levels
+LEVEL` makes one; those that take hours need `--long`."""
 OLD = "\\* by another version of the program"
 
 
@@ -119,7 +119,7 @@ def missing_runs(runs, cases):
         done = {run["level"] for run in of_case}
         for level, d in zip(case.levels, case.spacings):
             if level not in done:
-                yield case.name, level, f"{d:g} m", time_text(seconds_expected(of_case, d))
+                yield case.name, level, f"{d:g} m" if d else "-", time_text(seconds_expected(of_case, d))
 
 
 def machine_section(runs):
@@ -133,8 +133,9 @@ def machine_section(runs):
                    f"another slow each other down.\nEach run had one thread{several}.")
 
 
-def write(runs, cases, judge, fingerprint_of, folder, settings=(), held_against=""):
-    """settings: of all runs, as --set has them; held_against: text about another folder of runs, or none."""
+def write(runs, cases, judge, fingerprint_of, folder, settings=(), held_against="", head=HEAD, front=""):
+    """settings: of all runs, as --set has them; held_against: text about another folder of runs, or none; head: title and
+    what the report is; front: a section before the verdicts, or none."""
 
     def is_old(run):
         return run["fingerprint"] != fingerprint_of(run["case"])
@@ -149,7 +150,7 @@ def write(runs, cases, judge, fingerprint_of, folder, settings=(), held_against=
         curves.draw(of_case, picture)
         sections.append(case_section(case, of_case, judge, is_old, picture.exists()))
     write_whole(folder / "report.md", document(
-        HEAD, with_settings if settings else "", section("Beside the other settings", held_against),
+        head, with_settings if settings else "", front, section("Beside the other settings", held_against),
         section("Verdicts", verdict_table(ordered, judge, is_old), f"{OLD}." if any(map(is_old, runs)) else "",
                 "\n".join(f"* {line}" for line in judge.now_pass(runs))),
         section("Not run", NOT_RUN, markdown(("case", "resolution", "spacing", "CPU time, about"), missing))
