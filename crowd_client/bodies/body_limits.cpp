@@ -31,13 +31,21 @@ Vector2d nearest_in(const Obstacle& box, const Vector2d& p) {
     return {std::clamp(p.x(), box.x.lo, box.x.hi), std::clamp(p.y(), box.z.lo, box.z.hi)};
 }
 
-void add_obstacles(std::vector<Limit>& limits, const Walls& walls, const Vector2d& p, double radius, double step) {
-    for (const Obstacle& box : walls.boxes) {
+// Calls visit(way, d) for each obstacle less than `reach` away: the way to its nearest place, d long, m; d > 0.
+template <typename Visit>
+void for_each_within(const Walls& walls, const Vector2d& p, double reach, Visit&& visit) {
+    const Interval x{p.x() - reach, p.x() + reach}, z{p.y() - reach, p.y() + reach};
+    for_each_near(walls.boxes, x, z, [&](const Obstacle& box) {
         const Vector2d way = nearest_in(box, p) - p;
         const double d = std::sqrt(way.squaredNorm());
-        if (d >= radius + body_slack + step || !(d > 0)) continue;
+        if (d < reach && d > 0) visit(way, d);
+    });
+}
+
+void add_obstacles(std::vector<Limit>& limits, const Walls& walls, const Vector2d& p, double radius, double step) {
+    for_each_within(walls, p, radius + body_slack + step, [&](const Vector2d& way, double d) {
         limits.push_back({way.x() / d, way.y() / d, std::max(0.0, d - radius - body_slack)});
-    }
+    });
 }
 
 // The centre stays between the ends along x and the edges along z. Those further away than `step` do not matter.
@@ -115,13 +123,10 @@ Vector2d push_of(const BodyCells& cells, const Walls& walls, const std::vector<V
         const Vector2d n = d > 1e-9 ? Vector2d(dx / d, dz / d) : Vector2d(k < j ? 1 : -1, 0);
         push -= (0.5 * (apart - d) + body_slack) * n;
     });
-    for (const Obstacle& box : walls.boxes) {
-        const Vector2d way = nearest_in(box, places[k]) - places[k];
-        const double d = std::sqrt(way.squaredNorm());
-        if (d >= radius + 2 * body_slack || !(d > 0)) continue;
+    for_each_within(walls, places[k], radius + 2 * body_slack, [&](const Vector2d& way, double d) {
         ++too_close;
         push -= (radius + 3 * body_slack - d) * (way / d);
-    }
+    });
     return push;
 }
 

@@ -14,11 +14,17 @@ void close_lanes(MarkerLanes<Real>& lanes) {
     }
 }
 
-bool inside_obstacle(const std::vector<Obstacle>& obstacles, double x, double z) {
-    for (const Obstacle& o : obstacles) {
-        if (o.x.contains(x) && o.z.contains(z)) return true;
+void drop_those_inside(MarkerLanes<float>& lanes, const Obstacle& box) {
+    const double origin_x = lanes.origin_x, origin_z = lanes.origin_z;
+    const auto count = static_cast<std::uint32_t>(lanes.count);
+    float* const at_x = lanes.x.data();
+    const float* const at_z = lanes.z.data();
+#pragma omp simd
+    for (std::uint32_t m = 0; m < count; ++m) {
+        const double x = origin_x + static_cast<double>(at_x[m]), z = origin_z + static_cast<double>(at_z[m]);
+        const bool inside = (box.x.lo <= x) & (x <= box.x.hi) & (box.z.lo <= z) & (z <= box.z.hi);
+        at_x[m] = inside ? static_cast<float>(out_of_reach) : at_x[m];
     }
-    return false;
 }
 
 // Two numbers of 16 bits in one. "lowbias32" by C. Wellons (Hash function prospector, 2018).
@@ -65,13 +71,10 @@ void draw_markers(MarkerLanes<float>& lanes, const DrawnMarkers& drawn, int colu
         x[i] = first_x[i] + range * static_cast<float>(static_cast<std::int32_t>(h & 0xffffU));
         z[i] = first_z[i] + range * static_cast<float>(static_cast<std::int32_t>(h >> 16));
     }
-    if (drawn.has_obstacle(column, row)) {
-        for (std::size_t m = 0; m < lanes.count; ++m) {
-            const double at_x = lanes.origin_x + static_cast<double>(lanes.x[m]);
-            const double at_z = lanes.origin_z + static_cast<double>(lanes.z[m]);
-            if (inside_obstacle(drawn.obstacles, at_x, at_z)) lanes.x[m] = static_cast<float>(out_of_reach);
-        }
-    }
+    const double half = GroundGrid::cell_size / 2;
+    for_each_near(drawn.obstacles, {lanes.origin_x - half, lanes.origin_x + half},
+                  {lanes.origin_z - half, lanes.origin_z + half},
+                  [&](const Obstacle& box) { drop_those_inside(lanes, box); });
     close_lanes(lanes);
 }
 

@@ -19,11 +19,9 @@ struct Point {
     double z = 0;
 };
 
-bool inside_obstacle(const std::vector<Obstacle>& obstacles, const Point& p) {
-    for (const Obstacle& o : obstacles) {
-        if (o.x.contains(p.x) && o.z.contains(p.z)) return true;
-    }
-    return false;
+bool inside_obstacle(const PlacedBoxes& obstacles, const Point& p) {
+    return any_near(obstacles, {p.x, p.x}, {p.z, p.z},
+                    [&](const Obstacle& o) { return o.x.contains(p.x) && o.z.contains(p.z); });
 }
 
 bool far_from_all(const std::vector<Point>& others, const Point& p, double min_distance) {
@@ -79,21 +77,6 @@ void check_ranges(const Crowd& crowd, const GroundGrid& grid) {
     throw ConfigurationError(message.str());
 }
 
-// Whether a box reaches into each cell.
-std::vector<std::uint8_t> cells_with(const std::vector<Obstacle>& obstacles, const GroundGrid& grid) {
-    std::vector<std::uint8_t> reached(obstacles.empty() ? 0 : grid.cells(), 0);
-    for (const Obstacle& o : obstacles) {
-        const int last_row = std::min(GroundGrid::line_of(o.z.hi), grid.rows - 1);
-        const int last_column = std::min(GroundGrid::line_of(o.x.hi), grid.columns - 1);
-        for (int row = std::max(GroundGrid::line_of(o.z.lo), 0); row <= last_row; ++row) {
-            for (int column = std::max(GroundGrid::line_of(o.x.lo), 0); column <= last_column; ++column) {
-                reached[grid.index(column, row)] = 1;
-            }
-        }
-    }
-    return reached;
-}
-
 DrawnMarkers drawn_markers(const Scene& scene, const GroundGrid& grid) {
     const Crowd& crowd = scene.crowd;
     DrawnMarkers drawn;
@@ -110,8 +93,7 @@ DrawnMarkers drawn_markers(const Scene& scene, const GroundGrid& grid) {
         }
     }
     drawn.seed = scene.seed;
-    drawn.obstacles = scene.obstacles;
-    drawn.with_obstacle = cells_with(scene.obstacles, grid);
+    drawn.obstacles = place_boxes(scene.obstacles);
     return drawn;
 }
 
@@ -133,6 +115,7 @@ Markers place_markers(const Scene& scene) {
         return markers;
     }
     const GroundGrid& grid = markers.grid;
+    const PlacedBoxes obstacles = place_boxes(scene.obstacles);
     const double min_distance = crowd.marker_min_distance;
     const auto wanted = static_cast<std::size_t>(crowd.markers_per_cell);
 
@@ -191,7 +174,7 @@ Markers place_markers(const Scene& scene) {
                 shift_x(here[0], -period);
             }
             for (const Point& p : own) {
-                if (inside_obstacle(scene.obstacles, p)) continue;
+                if (inside_obstacle(obstacles, p)) continue;
                 markers.x.push_back(p.x);
                 markers.z.push_back(p.z);
             }

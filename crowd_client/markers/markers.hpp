@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "crowd_client/markers/ground_grid.hpp"
+#include "crowd_client/markers/placed_boxes.hpp"
 
 namespace wade::crowd {
 
@@ -18,12 +19,7 @@ struct DrawnMarkers {
     float jitter = 0;                     // how far it may be from there, along x and along z, m
     std::uint64_t seed = 0;
     std::uint64_t epoch = 0;
-    std::vector<Obstacle> obstacles;          // inside them there are none
-    std::vector<std::uint8_t> with_obstacle;  // by cell, whether an obstacle reaches into it; empty without obstacles
-
-    [[nodiscard]] bool has_obstacle(int column, int row) const {
-        return !with_obstacle.empty() && with_obstacle[grid.index(column, row)] != 0;
-    }
+    PlacedBoxes obstacles;  // inside them there are none
 };
 
 struct Markers {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <sstream>
+#include <utility>
 
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/markers/ground_grid.hpp"
@@ -72,35 +73,6 @@ void solve(Navigation& navigation, std::span<const Vector2d> positions, int thre
     }
 }
 
-// A box is near a cell if it may hide a node within the reach from a place in the cell.
-void sort_boxes(Navigation& navigation) {
-    const TravelGrid& grid = navigation.grid;
-    const double margin_x = navigation.reach * grid.dx + navigation.sight.clearance;
-    const double margin_z = navigation.reach * grid.dz + navigation.sight.clearance;
-    const auto line = [](double coordinate, double origin, double spacing, int count) {
-        return static_cast<int>(std::clamp(std::floor((coordinate - origin) / spacing), 0.0, count - 1.0));
-    };
-    const auto visit = [&](const Obstacle& box, const auto& cell) {
-        const int first = line(box.x.lo - margin_x, grid.origin.x(), grid.dx, grid.columns);
-        const int last = line(box.x.hi + margin_x, grid.origin.x(), grid.dx, grid.columns);
-        const int first_row = line(box.z.lo - margin_z, grid.origin.y(), grid.dz, grid.rows);
-        const int last_row = line(box.z.hi + margin_z, grid.origin.y(), grid.dz, grid.rows);
-        for (int row = first_row; row <= last_row; ++row) {
-            for (int column = first; column <= last; ++column) cell(grid.node(column, row));
-        }
-    };
-    std::vector<std::uint32_t>& begin = navigation.box_begin;
-    begin.assign(grid.closed.size() + 1, 0);
-    for (const Obstacle& box : navigation.sight.boxes) visit(box, [&](std::uint32_t cell) { ++begin[cell + 1]; });
-    for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
-    navigation.boxes.resize(begin.back());
-    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-    for (std::size_t i = 0; i < navigation.sight.boxes.size(); ++i) {
-        visit(navigation.sight.boxes[i],
-              [&](std::uint32_t cell) { navigation.boxes[next[cell]++] = static_cast<std::uint32_t>(i); });
-    }
-}
-
 // Exact times on the nodes round the goal that it sees.
 void start_at_goal(const Navigation& navigation, WayField& field) {
     const TravelGrid& grid = navigation.grid;
@@ -142,25 +114,26 @@ void check_size(const Scene& scene, std::size_t goals) {
 void lay_out(Navigation& navigation, const Scene& scene) {
     const double period = scene.world.period(), cell = scene.crowd.navigation.cell;
     navigation.sight.clearance = scene.crowd.body_radius;
+    std::vector<Obstacle> boxes;
     for (int lap = period > 0 ? -lap_of_goals : 0; lap <= (period > 0 ? lap_of_goals : 0); ++lap) {
         for (Obstacle box : scene.obstacles) {
             box.x = {box.x.lo + lap * period, box.x.hi + lap * period};
-            navigation.sight.boxes.push_back(box);
+            boxes.push_back(box);
         }
     }
     const double lap_cell = period > 0 ? period / std::ceil(period / cell - 1e-9) : cell;
     navigation.grid =
         period > 0 ? travel_grid({-lap_of_goals * period, 0}, {laps_laid_out * period, scene.world.width}, lap_cell)
                    : travel_grid({0, 0}, {scene.world.length, scene.world.width}, cell);
-    for (const Obstacle& box : navigation.sight.boxes) {
+    for (const Obstacle& box : boxes) {
         close_box(navigation.grid, grown(box, navigation.sight.clearance));
     }
+    navigation.sight.boxes = place_boxes(std::move(boxes));
     // From the cell of a place within the clearance to the nodes outside it, and one on.
     const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
     const double narrowest = std::min(navigation.grid.dx, navigation.grid.dz);
     navigation.reach = 1 + static_cast<int>(std::ceil(navigation.sight.clearance / narrowest));
     navigation.start_radius = std::max(scene.crowd.goal_radius, 2 * widest);
-    sort_boxes(navigation);
 }
 
 void name_goals(Navigation& navigation, const Agents& agents) {

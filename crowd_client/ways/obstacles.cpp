@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace wade::crowd {
 namespace {
@@ -45,28 +47,34 @@ Hit entry(const Obstacle& box, const Vector2d& p, const Vector2d& d) {
     return hit;
 }
 
+// Between two coordinates, and a skin more on either side for what is rounded.
+Interval between(double a, double b) {
+    return {std::min(a, b) - Walls::skin, std::max(a, b) + Walls::skin};
+}
+
 bool free_of_boxes(const Walls& walls, const Vector2d& p) {
-    return std::none_of(walls.boxes.begin(), walls.boxes.end(),
-                        [&](const Obstacle& b) { return strictly_inside(b, p); });
+    return !any_near(walls.boxes, {p.x(), p.x()}, {p.y(), p.y()},
+                     [&](const Obstacle& b) { return strictly_inside(b, p); });
 }
 
 }  // namespace
 
 Walls make_walls(const Scene& scene) {
-    Walls walls{scene.world, scene.obstacles};
-    walls.has_fall = scene.world.ends == Ends::open && scene.channel.flow != Flow::closed;
-    if (scene.channel.flow == Flow::closed) walls.tank = Walls::Tank{scene.channel.x, scene.channel.z};
+    std::vector<Obstacle> boxes = scene.obstacles;
     if (const double period = scene.world.period(); period > 0) {
         for (const Obstacle& box : scene.obstacles) {
             for (const double shift : {-period, period}) {
-                walls.boxes.push_back({{box.x.lo + shift, box.x.hi + shift}, box.z, box.height});
+                boxes.push_back({{box.x.lo + shift, box.x.hi + shift}, box.z, box.height});
             }
         }
     }
-    for (Obstacle& box : walls.boxes) {
+    for (Obstacle& box : boxes) {
         box.x = {box.x.lo - Walls::skin, box.x.hi + Walls::skin};
         box.z = {box.z.lo - Walls::skin, box.z.hi + Walls::skin};
     }
+    Walls walls{scene.world, place_boxes(std::move(boxes))};
+    walls.has_fall = scene.world.ends == Ends::open && scene.channel.flow != Flow::closed;
+    if (scene.channel.flow == Flow::closed) walls.tank = Walls::Tank{scene.channel.x, scene.channel.z};
     return walls;
 }
 
@@ -82,7 +90,9 @@ std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p) {
     if (free_of_boxes(walls, p)) return p;
     std::optional<Vector2d> best;
     double best_distance = 3 * Walls::skin;
-    for (const Obstacle& box : walls.boxes) {
+    const double reach = best_distance;
+    const Interval near_x = between(p.x() - reach, p.x() + reach), near_z = between(p.y() - reach, p.y() + reach);
+    for_each_near(walls.boxes, near_x, near_z, [&](const Obstacle& box) {
         for (const double x : {p.x(), box.x.lo, box.x.hi}) {
             for (const double z : {p.y(), box.z.lo, box.z.hi}) {
                 const Vector2d candidate(x, z);
@@ -94,7 +104,7 @@ std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p) {
                 }
             }
         }
-    }
+    });
     return best;
 }
 
@@ -112,7 +122,8 @@ Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displaceme
     Vector2d target = p + displacement;
     target.x() = std::clamp(target.x(), ends.lo, ends.hi);
     target.y() = std::clamp(target.y(), 0.0, walls.world.width);
-    if (walls.boxes.empty()) return target;
+    const Interval x = between(p.x(), target.x()), z = between(p.y(), target.y());
+    if (!any_near(walls.boxes, x, z, [](const Obstacle&) { return true; })) return target;
 
     // Each face met takes one component away, so two faces end a step; further turns serve boxes that are met while
     // sliding along another. What is left after the last turn is given up: the point is then where it last touched.
@@ -121,10 +132,10 @@ Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displaceme
     for (int turn = 0; turn < max_turns && at != target; ++turn) {
         const Vector2d rest = target - at;
         Hit first;
-        for (const Obstacle& box : walls.boxes) {
+        for_each_near(walls.boxes, x, z, [&](const Obstacle& box) {
             const Hit hit = entry(box, at, rest);
             if (hit.time < first.time) first = hit;
-        }
+        });
         if (first.time > 1) return free_of_boxes(walls, target) ? target : at;
         const int along = 1 - first.axis;
         const auto [lo, hi] = std::minmax(at[along], target[along]);

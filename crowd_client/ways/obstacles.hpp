@@ -13,10 +13,10 @@
 // who wants to leave it passes, as people pass the banks.
 
 #include <optional>
-#include <vector>
 
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
+#include "crowd_client/markers/placed_boxes.hpp"
 
 namespace wade::crowd {
 
@@ -31,7 +31,7 @@ struct Walls {
     };
 
     World world;
-    std::vector<Obstacle> boxes;
+    PlacedBoxes boxes;
     bool has_fall = true;
     std::optional<Tank> tank = {};
 };

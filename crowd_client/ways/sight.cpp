@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace wade::crowd {
 namespace {
@@ -22,6 +23,39 @@ bool cut(double p, double d, const Interval& side, double& t_in, double& t_out) 
     return t_in < t_out;
 }
 
+// The rectangle round p and q, grown by a margin.
+struct Rectangle {
+    Interval x, z;
+};
+Rectangle round_both(const Vector2d& p, const Vector2d& q, double margin_x, double margin_z) {
+    const auto [lo_x, hi_x] = std::minmax(p.x(), q.x());
+    const auto [lo_z, hi_z] = std::minmax(p.y(), q.y());
+    return {{lo_x - margin_x, hi_x + margin_x}, {lo_z - margin_z, hi_z + margin_z}};
+}
+
+// Asks, in no order and perhaps more than once, all boxes that reach nearer to the way from p to q than the margins. The way is
+// looked at in pieces, as a rectangle round all of it would hold far more.
+template <typename Test>
+bool any_along(const PlacedBoxes& boxes, const Vector2d& p, const Vector2d& q, double margin_x, double margin_z,
+               Test&& test) {
+    if (boxes.all.empty()) return false;
+    margin_x += rounding;
+    margin_z += rounding;
+    const Vector2d way = q - p;
+    const double left_x = boxes.cell - 2 * margin_x, left_z = boxes.cell - 2 * margin_z;
+    const double least = 0.25 * boxes.cell;
+    const double pieces = std::ceil(
+        std::max({std::abs(way.x()) / std::max(left_x, least), std::abs(way.y()) / std::max(left_z, least), 1.0}) +
+        rounding);
+    if (pieces >= static_cast<double>(boxes.all.size())) return std::any_of(boxes.all.begin(), boxes.all.end(), test);
+    const int count = static_cast<int>(pieces);
+    for (int i = 0; i < count; ++i) {
+        const Rectangle piece = round_both(p + (i / pieces) * way, p + ((i + 1) / pieces) * way, margin_x, margin_z);
+        if (any_near(boxes, piece.x, piece.z, test)) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 Obstacle grown(const Obstacle& box, double margin) {
@@ -39,9 +73,13 @@ double margin_at(const Obstacle& box, double clearance, const Vector2d& p) {
 
 bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q) {
     double margin = sight.clearance;
-    for (const Obstacle& box : sight.boxes) margin = margin_at(box, margin_at(box, margin, p), q);
-    return std::none_of(sight.boxes.begin(), sight.boxes.end(),
-                        [&](const Obstacle& box) { return crosses(grown(box, margin), p, q); });
+    const double reach = sight.clearance + 2 * rounding;
+    for (const Vector2d* end : {&p, &q}) {
+        const Rectangle near = round_both(*end, *end, reach, reach);
+        for_each_near(sight.boxes, near.x, near.z, [&](const Obstacle& box) { margin = margin_at(box, margin, *end); });
+    }
+    return !any_along(sight.boxes, p, q, reach, reach,
+                      [&](const Obstacle& box) { return crosses(grown(box, margin), p, q); });
 }
 
 // in_sight: all ways from the rectangle to the goal lie within half its sides of the way from its middle.
@@ -53,16 +91,14 @@ View view_of(const Sight& sight, const Interval& x, const Interval& z, const Vec
     const std::array<Vector2d, 4> corners{Vector2d(x.lo, z.lo), Vector2d(x.hi, z.lo), Vector2d(x.lo, z.hi),
                                           Vector2d(x.hi, z.hi)};
     View view = View::in_sight;
-    for (const Obstacle& box : sight.boxes) {
+    const bool is_hidden = any_along(sight.boxes, middle, goal, half_x, half_z, [&](const Obstacle& box) {
         const Obstacle wide{{box.x.lo - half_x, box.x.hi + half_x}, {box.z.lo - half_z, box.z.hi + half_z}, box.height};
-        if (!crosses(wide, middle, goal)) continue;
-        const bool hides = std::all_of(corners.begin(), corners.end(), [&](const Vector2d& corner) {
-            return crosses(grown(box, -rounding), corner, goal);
-        });
-        if (hides) return View::hidden;
+        if (!crosses(wide, middle, goal)) return false;
         view = View::unknown;
-    }
-    return view;
+        return std::all_of(corners.begin(), corners.end(),
+                           [&](const Vector2d& corner) { return crosses(grown(box, -rounding), corner, goal); });
+    });
+    return is_hidden ? View::hidden : view;
 }
 
 }  // namespace wade::crowd

@@ -2,16 +2,16 @@
 // Whether obstacles stand between two places.
 
 #include <cstdint>
-#include <vector>
 
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
+#include "crowd_client/markers/placed_boxes.hpp"
 
 namespace wade::crowd {
 
 // Obstacles of the whole way, and the distance to them that a way should keep along each axis.
 struct Sight {
-    std::vector<Obstacle> boxes;
+    PlacedBoxes boxes;
     double clearance = 0;  // m, >= 0
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 namespace wade::crowd {
 namespace {
@@ -37,20 +36,21 @@ std::optional<Vector2d> down_the_gradient(const TravelGrid& grid, const WayField
 std::optional<Vector2d> towards_a_node(const Navigation& navigation, const WayField& field, const Cell& cell,
                                        const Vector2d& p) {
     const TravelGrid& grid = navigation.grid;
-    const std::uint32_t number = grid.node(cell.column, cell.row);
-    const std::span<const std::uint32_t> near(navigation.boxes.data() + navigation.box_begin[number],
-                                              navigation.box_begin[number + 1] - navigation.box_begin[number]);
-    const std::vector<Obstacle>& boxes = navigation.sight.boxes;
-    double margin = navigation.sight.clearance;
-    for (const std::uint32_t i : near) margin = margin_at(boxes[i], margin, p);
+    const int reach = navigation.reach;
+    const double clearance = navigation.sight.clearance;
+    const Vector2d lo = grid.place(cell.column - reach, cell.row - reach);
+    const Vector2d hi = grid.place(cell.column + 1 + reach, cell.row + 1 + reach);
+    const Interval near_x{lo.x() - clearance, hi.x() + clearance}, near_z{lo.y() - clearance, hi.y() + clearance};
+    double margin = clearance;
+    for_each_near(navigation.sight.boxes, near_x, near_z,
+                  [&](const Obstacle& box) { margin = margin_at(box, margin, p); });
     const auto sees = [&](const Vector2d& q) {
-        return std::none_of(near.begin(), near.end(),
-                            [&](std::uint32_t i) { return crosses(grown(boxes[i], margin), p, q); });
+        return !any_near(navigation.sight.boxes, near_x, near_z,
+                         [&](const Obstacle& box) { return crosses(grown(box, margin), p, q); });
     };
     const double nearest = std::min(grid.dx, grid.dz);
     std::optional<Vector2d> best;
     double least = unreachable;
-    const int reach = navigation.reach;
     for (int row = std::max(cell.row - reach, 0); row <= std::min(cell.row + 1 + reach, grid.rows - 1); ++row) {
         for (int column = std::max(cell.column - reach, 0);
              column <= std::min(cell.column + 1 + reach, grid.columns - 1); ++column) {

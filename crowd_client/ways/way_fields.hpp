@@ -30,9 +30,8 @@ struct Navigation {
 
     Sight sight;
     TravelGrid grid;
-    std::vector<std::uint32_t> box_begin, boxes;  // by cell: numbers of the sight's boxes within the reach
-    std::vector<double> slowness;                 // v / f by node; empty without crowding
-    std::vector<double> density;                  // people per m2, by node of one lap
+    std::vector<double> slowness;  // v / f by node; empty without crowding
+    std::vector<double> density;   // people per m2, by node of one lap
     std::vector<WayField> fields;
     std::vector<std::uint32_t> field_of;  // by agent
 };

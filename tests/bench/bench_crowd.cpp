@@ -1,5 +1,5 @@
-// bench_crowd [--quick] [--quality] [--json FILE]: steps of agents a second on an open plane with crossing goals, and how
-// well they get on there.
+// bench_crowd [--quick] [--quality | --boxes] [--json FILE]: steps of agents a second on a plane with crossing goals, and how
+// well they get on there; with --boxes, among 0 to 1,000 boxes.
 //
 // Times are those of the process on its processors, so that other work on the machine disturbs them little; shown are
 // medians over rounds.
@@ -24,6 +24,7 @@ constexpr double density = 0.7;  // people per m2
 struct Options {
     bool quick = false;
     bool quality = false;
+    bool boxes = false;
     std::string json;
 };
 
@@ -129,6 +130,47 @@ void show_quality(const Variant& variant, std::vector<Result>& results) {
     show("deepest overlap", overlaps.deepest, "m");
 }
 
+// Goals per agent and minute since the start, and people inside a box.
+void show_boxes(const Variant& variant, const Options& options, std::vector<Result>& results) {
+    constexpr std::size_t people = 10'000;
+    const std::string name = std::string("crowd/boxes") + variant.name;
+    std::printf("\n%s, %zu agents, %.1f people/m2, crossing goals among boxes of 1 x 1 m\n", variant.title, people,
+                density);
+    std::printf("  %8s %16s %10s %10s %12s %18s %8s\n", "boxes", "ns/agent-step", "smallest", "largest", "times none",
+                "goals/agent-min", "inside");
+    const std::size_t counts[] = {0, 25, 100, 1000};
+    std::vector<Crossing> crossings;
+    for (const std::size_t boxes : counts)
+        crossings.push_back(make_crossing(people, density, variant.settings, 1, boxes));
+    // In turns, so that a disturbed moment disturbs all.
+    std::vector<std::vector<double>> costs(crossings.size());
+    for (Crossing& crossing : crossings)
+        for (int k = 0; k < 30; ++k) walk(crossing);
+    for (int round = 0; round < (options.quick ? 3 : 15); ++round) {
+        for (std::size_t i = 0; i < crossings.size(); ++i) {
+            constexpr int steps = 10;
+            const double start = cpu_seconds();
+            for (int k = 0; k < steps; ++k) walk(crossings[i]);
+            costs[i].push_back(1e9 * (cpu_seconds() - start) / (steps * people));
+        }
+    }
+    for (std::size_t i = 0; i < crossings.size(); ++i) {
+        const Crossing& crossing = crossings[i];
+        Result r = result_of(name, counts[i], 1, costs[i], "ns_per_agent_step");
+        double goals = 0, inside = 0;
+        for (const std::uint32_t reached : crossing.goals_reached) goals += reached;
+        for (const crowd::Vector2d& p : crossing.crowd.agents.position)
+            for (const Obstacle& box : crossing.crowd.scene.obstacles)
+                if (box.x.lo < p.x() && p.x() < box.x.hi && box.z.lo < p.y() && p.y() < box.z.hi) ++inside;
+        const double minutes = crossing.crowd.dt * static_cast<double>(crossing.crowd.steps) / 60;
+        const double ratio = r.median / (i == 0 ? r.median : results[results.size() - i].median);
+        r.extra = {{"times_none", ratio}, {"goals_per_agent_minute", goals / people / minutes}, {"inside", inside}};
+        std::printf("  %8zu %16.1f %10.1f %10.1f %12.2f %18.2f %8.0f\n", counts[i], r.median, r.min, r.max, ratio,
+                    goals / people / minutes, inside);
+        results.push_back(r);
+    }
+}
+
 Options parse(int argc, char** argv) {
     Options options;
     for (int i = 1; i < argc; ++i) {
@@ -136,11 +178,13 @@ Options parse(int argc, char** argv) {
             options.quick = true;
         else if (std::strcmp(argv[i], "--quality") == 0)
             options.quality = true;
+        else if (std::strcmp(argv[i], "--boxes") == 0)
+            options.boxes = true;
         else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc)
             options.json = argv[++i];
         else
             throw std::invalid_argument(std::string("unexpected argument ") + argv[i] +
-                                        "; allowed: --quick, --quality, --json FILE");
+                                        "; allowed: --quick, --quality, --boxes, --json FILE");
     }
     return options;
 }
@@ -149,7 +193,9 @@ void run(const Options& options) {
     std::vector<Result> results;
     std::printf("%s\n", machine().c_str());
     for (const Variant& variant : variants()) {
-        if (options.quality)
+        if (options.boxes)
+            show_boxes(variant, options, results);
+        else if (options.quality)
             show_quality(variant, results);
         else
             show_speed(variant, options, results);

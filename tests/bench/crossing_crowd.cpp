@@ -19,9 +19,24 @@ void draw_goal(Crossing& crossing, std::size_t id) {
         scene.world.width * crowd::counter_uniform(scene.seed, stream + id, 2 * draw + 1)};
 }
 
+// Each in the middle of four starts, on a coarser grid of as many places as there are boxes, or a few more.
+void add_boxes(Scene& scene, std::size_t boxes) {
+    const AgentGroup& group = scene.crowd.groups[0];
+    const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(boxes))));
+    const auto start_before = [&](std::size_t k, int starts) {
+        return std::floor((static_cast<double>(k) + 0.5) * starts / static_cast<double>(side));
+    };
+    for (std::size_t i = 0; i < boxes; ++i) {
+        const double x = group.pitch_x * start_before(i % side, group.columns);
+        const double z = group.pitch_z * start_before(i / side, group.rows);
+        scene.obstacles.push_back({{x - 0.5, x + 0.5}, {z - 0.5, z + 0.5}, 3});
+    }
+}
+
 }  // namespace
 
-Crossing make_crossing(std::size_t people, double density, const Crowd& settings, std::uint64_t seed) {
+Crossing make_crossing(std::size_t people, double density, const Crowd& settings, std::uint64_t seed,
+                       std::size_t boxes) {
     Scene scene;
     scene.seed = seed;
     scene.crowd = settings;
@@ -39,6 +54,7 @@ Crossing make_crossing(std::size_t people, double density, const Crowd& settings
     group.start_z = group.pitch_z / 2;
     group.start_jitter = std::max(0.0, 0.45 * (std::min(group.pitch_x, group.pitch_z) - 0.51));
     scene.crowd.groups = {group};
+    add_boxes(scene, boxes);
     Crossing crossing{crowd::make_crowd(scene), std::vector<std::uint32_t>(people, 0)};
     for (std::size_t id = 0; id < people; ++id) draw_goal(crossing, id);
     return crossing;

@@ -16,8 +16,10 @@ struct Crossing {
 inline constexpr double goal_reach = 1.0;  // m; who is this close to the goal gets the next
 
 // `people` at `density` (1/m2) on a square, on a jittered grid that keeps them more than a body apart up to 2 people/m2;
-// goals uniform over the square. All of `crowd` but the groups holds for them.
-[[nodiscard]] Crossing make_crossing(std::size_t people, double density, const Crowd& crowd, std::uint64_t seed = 1);
+// goals uniform over the square. All of `crowd` but the groups holds for them. Boxes of 1 x 1 m, at most as many as people,
+// stand evenly between the places where they start.
+[[nodiscard]] Crossing make_crossing(std::size_t people, double density, const Crowd& crowd, std::uint64_t seed = 1,
+                                     std::size_t boxes = 0);
 
 // One step of the crowd on dry ground, then new goals for those who have reached theirs.
 void walk(Crossing& crossing);

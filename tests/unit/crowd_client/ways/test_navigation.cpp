@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
@@ -102,6 +103,36 @@ TEST_CASE("Out of a court that is open at the back people find by travel times, 
     CrowdWorld straight = make_crowd(scene);
     take_steps(straight, 60 * 30);
     CHECK(straight.arrived == 0);
+}
+
+TEST_CASE("What is in sight does not depend on how the boxes are found") {
+    Sight sight{{}, GENERATE(0.0, 0.25, 1.5)};
+    std::vector<Obstacle> boxes;
+    for (std::uint64_t i = 0; i < 80; ++i) {
+        const auto draw = [&](std::uint64_t k, double most) { return most * counter_uniform(5, i, k); };
+        const double x = draw(0, 120), z = draw(1, 60);
+        boxes.push_back({{x, x + draw(2, 3)}, {z, z + draw(3, 3)}, 3});
+    }
+    sight.boxes = place_boxes(boxes);
+    Sight one_by_one = sight;
+    one_by_one.boxes = place_boxes(boxes, 1e4);
+    std::array<int, 3> views{};
+    int seen = 0;
+    constexpr int looks = 3000;
+    for (std::uint64_t k = 0; k < looks; ++k) {
+        const auto draw = [&](std::uint64_t i, double most) { return most * counter_uniform(6, k, i); };
+        const Vector2d p(draw(0, 130) - 5, draw(1, 70) - 5), q(draw(2, 130) - 5, draw(3, 70) - 5);
+        const Vector2d to = p + std::pow(draw(4, 1), 3) * (q - p);  // near and far
+        REQUIRE(in_sight(sight, p, to) == in_sight(one_by_one, p, to));
+        seen += in_sight(sight, p, to) ? 1 : 0;
+        const Interval x{p.x(), p.x() + draw(5, 1)}, z{p.y(), p.y() + draw(6, 1)};
+        const View view = view_of(sight, x, z, to);
+        REQUIRE(view == view_of(one_by_one, x, z, to));
+        ++views[static_cast<std::size_t>(view)];
+    }
+    CHECK(seen > looks / 10);
+    CHECK(seen < looks * 9 / 10);
+    for (const int count : views) CHECK(count > 50);
 }
 
 // Half a metre of detour is the clearance and the cells that it is rounded up to; a lone agent's way wavers by its markers.

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/ways/obstacles.hpp"
@@ -57,7 +59,7 @@ TEST_CASE("A point on a face goes along it and leaves it freely") {
 TEST_CASE("A step exactly at a corner does not get through") {
     const Walls walls = block_in_world();
     const Vector2d end = slide(walls, {38, 18}, {14, 14}, world_ends);
-    CHECK_FALSE(inside(walls.boxes[0], end));
+    CHECK_FALSE(inside(walls.boxes.all[0], end));
     CHECK((end.x() <= 40 || end.y() <= 20));
 }
 
@@ -99,6 +101,51 @@ TEST_CASE("No step, however long and wherever it starts, ends in a box or crosse
             REQUIRE(p.y() <= 50);
         }
     }
+}
+
+TEST_CASE("Steps end at the same bits whether boxes are found by cells or asked one by one") {
+    Scene scene;
+    scene.world.length = 120;
+    scene.world.width = 40;
+    scene.world.ends = GENERATE(Ends::open, Ends::periodic);
+    for (std::uint64_t i = 0; i < 150; ++i) {
+        // On a lattice of a quarter of a metre, so that many touch and overlap, and steps meet corners; some walls.
+        const auto draw = [&](std::uint64_t k, double most) {
+            return 0.25 * std::floor(4 * most * counter_uniform(7, i, k));
+        };
+        const double x = draw(0, 117), z = draw(1, 38), length = i % 20 == 0 ? 12 : 0.25 + draw(2, 2);
+        scene.obstacles.push_back({{x, std::min(x + length, 120.0)}, {z, std::min(z + 0.25 + draw(3, 2), 40.0)}, 2});
+    }
+    const Walls walls = make_walls(scene);
+    Walls one_by_one = walls;
+    one_by_one.boxes = place_boxes(walls.boxes.all, 1e4);
+    REQUIRE(one_by_one.boxes.listed.size() <= 9 * walls.boxes.all.size());
+
+    std::uint64_t bent = 0, left_behind = 0;
+    for (std::uint64_t run = 0; run < 500; ++run) {
+        const auto on_lattice = [&](double v) { return run % 2 == 0 ? 0.25 * std::floor(4 * v) : v; };
+        const Vector2d start(on_lattice(120 * counter_uniform(1, run, 0)), on_lattice(40 * counter_uniform(1, run, 1)));
+        const auto place = place_outside(walls, start);
+        REQUIRE(place == place_outside(one_by_one, start));
+        if (!place) ++left_behind;
+        if (!place) continue;
+        Vector2d p = *place;
+        for (std::uint64_t i = 1; i <= 30; ++i) {
+            // From a step of 30 Hz to one of a person whom fast water carries for seconds.
+            const double length = 0.04 * std::pow(10.0, 3 * counter_uniform(2, run, i));
+            const double angle = std::numbers::pi / 8 * std::floor(16 * counter_uniform(3, run, i));
+            const Vector2d step(length * std::cos(angle), length * std::sin(angle));
+            const Interval ends = ends_for(walls, p, p.x(), i % 2 == 0);
+            const Vector2d to = slide(walls, p, step, ends);
+            REQUIRE(to == slide(one_by_one, p, step, ends));
+            if (to != p + step) ++bent;
+            p = to;
+            p.x() = std::clamp(p.x(), 0.0, scene.world.length);
+            if (const auto near = place_outside(walls, p); near) p = *near;
+        }
+    }
+    CHECK(bent > 3000);
+    CHECK(left_behind > 20);
 }
 
 TEST_CASE("The world's edges stop a step, except the fall where that is allowed") {
