@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/choices.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/responses/registry.hpp"
 #include "crowd_client/water/contacts.hpp"
@@ -69,7 +70,7 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water = empty_bins(scene);
-    crowd.response = make_response("paper", scene);
+    crowd.response = make_response(name_of(scene.crowd.response), scene);
     return crowd;
 }
 

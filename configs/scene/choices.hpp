@@ -101,6 +101,10 @@ struct Words<KernelKind> {
                                                            {"wendland_c2", KernelKind::wendland_c2}}};
 };
 template <>
+struct Words<ResponseKind> {
+    static constexpr std::array<Named<ResponseKind>, 1> all{{{"paper", ResponseKind::paper}}};
+};
+template <>
 struct Words<SpeedRule> {
     static constexpr std::array<Named<SpeedRule>, 3> all{
         {{"pi", SpeedRule::pi}, {"per_frame", SpeedRule::per_frame}, {"per_second", SpeedRule::per_second}}};

@@ -270,7 +270,10 @@ struct EvasionSettings {
     double prediction = 1;  // longest time ahead, s
 };
 
+enum class ResponseKind { paper };  // how people answer the water
+
 struct Crowd {
+    ResponseKind response = ResponseKind::paper;
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second
     int markers_per_cell = 64;  // in a cell of 2 x 2 m

@@ -11,7 +11,7 @@
 namespace wade::crowd {
 
 struct RegisteredResponse {
-    std::string_view name;
+    std::string_view name;  // its word in scenes, of Words<ResponseKind> (configs/scene/choices.hpp)
     std::unique_ptr<Response> (*make)(const Scene&);
 };
 

@@ -93,6 +93,10 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
 }
 
 void fields(Crowd& crowd, Fields& f, double frame_rate) {
+    f.choice(
+        "response", crowd.response,
+        "How agents answer the water that touches them. paper: the momentum of the particles moves them, Eq. 6-9, by "
+        "/coupling/rule.");
     f.choice("speed_rule", crowd.speed_rule,
              "Reading of Eq. 4, m the sum of the weighted ways to the markers. pi: speed min(pi |m| / 1 s, desired "
              "speed), so that a free agent walks at 0.99 of it. per_frame: way min(|m|, desired speed * dt) in a step. "

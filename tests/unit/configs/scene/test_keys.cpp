@@ -82,10 +82,16 @@ std::vector<Leaf> leaves_of_schema() {
     return leaves;
 }
 
-// Another value that the schema allows.
+// A choice of a single word so far.
+bool has_one_value(const json& schema) {
+    return schema.contains("enum") && schema["enum"].size() == 1;
+}
+
+// Another value that the schema allows, the only one where there is no other.
 json other_value(const json& schema, const json& present) {
     const json& type = schema["type"];
     if (type == "boolean") return !present.get<bool>();
+    if (has_one_value(schema)) return schema["enum"][0];
     if (schema.contains("enum")) return schema["enum"][0] == present ? schema["enum"][1] : schema["enum"][0];
     if (type == "string") return "another";
     const double lo = schema.contains("minimum") ? schema["minimum"] : schema["exclusiveMinimum"];
@@ -141,6 +147,7 @@ TEST_CASE("another value of any key is allowed, changes the typed scene and is p
     const json before = read_and_written(everything);
     for (const Leaf& leaf : leaves_of_schema()) {
         INFO(leaf.pointer);
+        if (has_one_value(leaf.schema)) continue;
         const json document = changed(leaf);
         Problems problems;
         wade::check_keys(document, wade::scene_keys(), "", {"scene.json", problems});

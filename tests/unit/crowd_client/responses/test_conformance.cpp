@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "configs/errors/exit_code.hpp"
-#include "crowd_client/crowd_world.hpp"
+#include "configs/scene/choices.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "responses/conformance.hpp"
 
@@ -23,12 +23,15 @@ TEST_CASE("Every response keeps what responses promise") {
     }
 }
 
-TEST_CASE("Names of responses differ, and one that is not there is refused with those that are") {
-    std::vector<std::string_view> names;
-    for (const RegisteredResponse& entry : responses()) names.push_back(entry.name);
+TEST_CASE("Each response is a word of the scene's key and each word is a response") {
+    std::vector<std::string> names;
+    for (const RegisteredResponse& entry : responses()) names.emplace_back(entry.name);
+    CHECK(names == names_of<ResponseKind>());
     std::sort(names.begin(), names.end());
     CHECK(std::adjacent_find(names.begin(), names.end()) == names.end());
-    REQUIRE(std::find(names.begin(), names.end(), "paper") != names.end());
+}
+
+TEST_CASE("A response that is not there is refused with those that are") {
     CHECK_THROWS_AS(make_response("papper", Scene{}), ConfigurationError);
     CHECK_THROWS_WITH(make_response("papper", Scene{}),
                       Catch::Contains("/crowd/response: \"papper\"") && Catch::Contains("\"paper\""));
