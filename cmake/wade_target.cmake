@@ -57,11 +57,15 @@ function(wade_doors target)
   endif()
 endfunction()
 
-# wade_room(NAME [SOURCE ...] [DOORS HEADER ...] [USES ROOM ...]): a room of the product, a static library. It sees its own
-# headers and those of the rooms that it uses, and of the rooms that these use. Without DOORS its headers are the folder's.
+# wade_room(NAME [IN FOLDER] [SOURCE ...] [DOORS HEADER ...] [USES ROOM ...]): a room of the product, a static library. It sees
+# its own headers and those of the rooms that it uses, and of the rooms that these use. Sources lie in the folder, and without
+# DOORS its headers are all of the folder's.
 function(wade_room name)
-  cmake_parse_arguments(room "" "" "DOORS;USES" ${ARGN})
+  cmake_parse_arguments(room "" "IN" "DOORS;USES" ${ARGN})
   if(room_UNPARSED_ARGUMENTS)
+    if(room_IN)
+      list(TRANSFORM room_UNPARSED_ARGUMENTS REPLACE "^([^/].*)" "${room_IN}/\\1")
+    endif()
     add_library(${name} STATIC ${room_UNPARSED_ARGUMENTS})
     target_link_libraries(${name} PUBLIC wade_options ${room_USES})
     target_precompile_headers(${name} REUSE_FROM ${wade_headers_here})
@@ -70,7 +74,7 @@ function(wade_room name)
     target_link_libraries(${name} INTERFACE wade_options ${room_USES})
   endif()
   if(NOT room_DOORS)
-    set(room_DOORS .)
+    set(room_DOORS ${room_IN})
   endif()
   wade_doors(${name} ${room_DOORS})
 endfunction()
