@@ -1,5 +1,6 @@
-// bench_crowd [--quick] [--quality | --boxes] [--json FILE]: steps of agents a second on a plane with crossing goals, and how
-// well they get on there; with --boxes, among 0 to 1,000 boxes.
+// bench_crowd [--quick] [--quality | --boxes | --rvo2 PROGRAM] [--json FILE]: steps of agents a second on a plane with
+// crossing goals, and how well they get on there; with --boxes, among 0 to 1,000 boxes; with --rvo2, cost and quality beside
+// RVO2 (tools/rvo2/crossing.cpp).
 //
 // Times are those of the process on its processors, so that other work on the machine disturbs them little; shown are
 // medians over rounds.
@@ -12,6 +13,7 @@
 #include <string>
 
 #include "tests/bench/bench_report.hpp"
+#include "tests/bench/beside_rvo2.hpp"
 #include "tests/bench/crossing_crowd.hpp"
 
 namespace {
@@ -25,7 +27,7 @@ struct Options {
     bool quick = false;
     bool quality = false;
     bool boxes = false;
-    std::string json;
+    std::string json, rvo2;
 };
 
 struct Variant {
@@ -182,9 +184,11 @@ Options parse(int argc, char** argv) {
             options.boxes = true;
         else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc)
             options.json = argv[++i];
+        else if (std::strcmp(argv[i], "--rvo2") == 0 && i + 1 < argc)
+            options.rvo2 = argv[++i];
         else
             throw std::invalid_argument(std::string("unexpected argument ") + argv[i] +
-                                        "; allowed: --quick, --quality, --boxes, --json FILE");
+                                        "; allowed: --quick, --quality, --boxes, --rvo2 PROGRAM, --json FILE");
     }
     return options;
 }
@@ -192,7 +196,9 @@ Options parse(int argc, char** argv) {
 void run(const Options& options) {
     std::vector<Result> results;
     std::printf("%s\n", machine().c_str());
+    if (!options.rvo2.empty()) show_beside_rvo2(options.rvo2, options.quick, results);
     for (const Variant& variant : variants()) {
+        if (!options.rvo2.empty()) break;
         if (options.boxes)
             show_boxes(variant, options, results);
         else if (options.quality)

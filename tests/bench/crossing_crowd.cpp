@@ -11,12 +11,7 @@ namespace {
 using crowd::Vector2d;
 
 void draw_goal(Crossing& crossing, std::size_t id) {
-    constexpr std::uint64_t stream = std::uint64_t{1} << 41;  // apart from those of markers and agents
-    const Scene& scene = crossing.crowd.scene;
-    const std::uint64_t draw = crossing.goals_reached[id];
-    crossing.crowd.agents.goal[id] = {
-        scene.world.length * crowd::counter_uniform(scene.seed, stream + id, 2 * draw),
-        scene.world.width * crowd::counter_uniform(scene.seed, stream + id, 2 * draw + 1)};
+    crossing.crowd.agents.goal[id] = goal_drawn(crossing, id, crossing.goals_reached[id]);
 }
 
 // Each in the middle of four starts, on a coarser grid of as many places as there are boxes, or a few more.
@@ -34,6 +29,13 @@ void add_boxes(Scene& scene, std::size_t boxes) {
 }
 
 }  // namespace
+
+Vector2d goal_drawn(const Crossing& crossing, std::size_t id, std::uint64_t draw) {
+    constexpr std::uint64_t stream = std::uint64_t{1} << 41;  // apart from those of markers and agents
+    const Scene& scene = crossing.crowd.scene;
+    return {scene.world.length * crowd::counter_uniform(scene.seed, stream + id, 2 * draw),
+            scene.world.width * crowd::counter_uniform(scene.seed, stream + id, 2 * draw + 1)};
+}
 
 Crossing make_crossing(std::size_t people, double density, const Crowd& settings, std::uint64_t seed,
                        std::size_t boxes) {

@@ -21,6 +21,9 @@ inline constexpr double goal_reach = 1.0;  // m; who is this close to the goal g
 [[nodiscard]] Crossing make_crossing(std::size_t people, double density, const Crowd& crowd, std::uint64_t seed = 1,
                                      std::size_t boxes = 0);
 
+// The goal that an agent gets after having reached `draw` others, m.
+[[nodiscard]] crowd::Vector2d goal_drawn(const Crossing& crossing, std::size_t id, std::uint64_t draw);
+
 // One step of the crowd on dry ground, then new goals for those who have reached theirs.
 void walk(Crossing& crossing);
 

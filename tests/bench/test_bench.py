@@ -45,6 +45,24 @@ class Programs(unittest.TestCase):
             done = subprocess.run([*command, "--only", "nothing"], capture_output=True, text=True)
             self.assertEqual(done.returncode, 2)
 
+    def test_rvo2_is_measured_beside_the_crowd_by_a_program_from_outside(self):
+        with tempfile.TemporaryDirectory() as folder:
+            program = Path(folder, "stand-in")
+            for text, code in (("read people goals rest; cat >/dev/null; echo 3 0.5 $people 7 $goals", 0), ("exit 3", 1)):
+                program.write_text(f"#!/bin/sh\n{text}\n")
+                program.chmod(0o755)
+                done = subprocess.run([*module_command("wade.suites.bench"), "--quick", "--rvo2", program, "--json",
+                                       f"{folder}/c.json"], capture_output=True, text=True)  # fmt: skip
+                self.assertEqual(done.returncode, code, done.stderr)
+                if code:
+                    self.assertIn("tools/rvo2/crossing.cpp", done.stderr)
+                    continue
+                found = {each["name"]: each for each in json.loads(Path(folder, "c.json").read_text())["results"]}
+                theirs = found["crowd/crossing RVO2 10 Hz"]
+                self.assertEqual((theirs["median"], theirs["size"]), (0.1, 1000))  # 3 s of 30
+                self.assertEqual((theirs["goals_per_agent_and_minute"], theirs["deepest_overlap_m"]), (2, 64))
+                self.assertEqual(found["crowd/crossing human 30 Hz"]["overlapping_pair_steps"], 0)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -44,11 +44,17 @@ def parse(arguments):
                         help="names that begin with NAME, for example fluid/river")
     parser.add_argument("--threads", type=options.whole(1), metavar="N",
                         help="this number of threads only [one, and as many as there are processors]")
+    parser.add_argument("--rvo2", type=Path, metavar="PROGRAM",
+                        help="the crossing crowd beside RVO2 and nothing else: a program built from tools/rvo2/crossing.cpp")
     parser.add_argument("--json", metavar="FILE", help="write the results to FILE")
     parser.add_argument("--compare", metavar="FILE", help="how many times as fast as in FILE, which --json has written")
     parser.add_argument("--from", dest="source", metavar="FILE",
                         help="measure nothing: the page of --out anew from the bench.json of another day")
     chosen = parser.parse_args(arguments)
+    if chosen.rvo2:
+        if not chosen.rvo2.is_file() or chosen.only:
+            parser.error(f"--rvo2 {chosen.rvo2}: allowed: a program built from tools/rvo2/crossing.cpp, without --only")
+        chosen.only = "crowd/crossing"
     if (chosen.source or chosen.publish) and not chosen.out:
         parser.error("--from and --publish need --out")
     return chosen
@@ -66,6 +72,8 @@ def run_program(program, chosen, takes_all):
             command = kernels.command(program, file, chosen.only, chosen.quick)
         else:
             command = [program, "--json", file] + (["--quick"] if chosen.quick else [])
+        if chosen.rvo2:
+            command += ["--rvo2", chosen.rvo2.resolve()]
         if takes_all and chosen.only:
             command += ["--only", chosen.only]
         if takes_all and chosen.threads:
