@@ -81,7 +81,7 @@ void find_ways(const Step& step) {
 void compete_for_markers(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     const double radius = crowd.scene.crowd.perception_radius;
-    crowd.markers.drawn.epoch = marker_epoch(crowd.scene.crowd, step.number);
+    redraw(crowd.markers.drawn, marker_epoch(crowd.scene.crowd, step.number));
     Walkers walkers;
     walkers.position = crowd.positions;
     walkers.goal_offset = crowd.goal_offsets;

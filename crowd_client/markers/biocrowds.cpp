@@ -68,7 +68,8 @@ void find_motion(Motion& motion, MarkerMemory& memory, const Markers& markers, c
     MarkerWork& work = *memory;
     const std::size_t n = walkers.position.size();
     const bool with_bodies = !walkers.site.empty();
-    sort_walkers(work.cells, markers.grid, with_bodies ? walkers.site : walkers.position, perception_radius, period);
+    sort_walkers(work.cells, markers.grid, with_bodies ? walkers.site : walkers.position, perception_radius, period,
+                 markers.drawn.moved);
     if (with_bodies) sort_bodies(work.bodies, work.cells, walkers);
     motion.vector.resize(n);
     motion.owned.resize(n);

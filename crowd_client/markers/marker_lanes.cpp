@@ -14,8 +14,8 @@ void close_lanes(MarkerLanes<Real>& lanes) {
     }
 }
 
-void drop_those_inside(MarkerLanes<float>& lanes, const Obstacle& box) {
-    const double origin_x = lanes.origin_x, origin_z = lanes.origin_z;
+void drop_those_inside(MarkerLanes<float>& lanes, const Vector2d& moved, const Obstacle& box) {
+    const double origin_x = lanes.origin_x + moved.x(), origin_z = lanes.origin_z + moved.y();
     const auto count = static_cast<std::uint32_t>(lanes.count);
     float* const at_x = lanes.x.data();
     const float* const at_z = lanes.z.data();
@@ -72,9 +72,9 @@ void draw_markers(MarkerLanes<float>& lanes, const DrawnMarkers& drawn, int colu
         z[i] = first_z[i] + range * static_cast<float>(static_cast<std::int32_t>(h >> 16));
     }
     const double half = GroundGrid::cell_size / 2;
-    for_each_near(drawn.obstacles, {lanes.origin_x - half, lanes.origin_x + half},
-                  {lanes.origin_z - half, lanes.origin_z + half},
-                  [&](const Obstacle& box) { drop_those_inside(lanes, box); });
+    const double middle_x = lanes.origin_x + drawn.moved.x(), middle_z = lanes.origin_z + drawn.moved.y();
+    for_each_near(drawn.obstacles, {middle_x - half, middle_x + half}, {middle_z - half, middle_z + half},
+                  [&](const Obstacle& box) { drop_those_inside(lanes, drawn.moved, box); });
     close_lanes(lanes);
 }
 

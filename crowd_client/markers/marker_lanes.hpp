@@ -21,7 +21,7 @@ struct MarkerLanes {
 // Of fixed markers.
 void read_markers(MarkerLanes<double>& lanes, const Markers& markers, int column, int row);
 
-// Of markers that are drawn by a hash whenever they are needed; see DrawnMarkers.
+// Of markers that are drawn by a hash whenever they are needed; see DrawnMarkers. Where they are before they are moved.
 void draw_markers(MarkerLanes<float>& lanes, const DrawnMarkers& drawn, int column, int row);
 
 inline void markers_of(MarkerLanes<double>& lanes, const Markers& m, int column, int row) {

@@ -94,10 +94,18 @@ DrawnMarkers drawn_markers(const Scene& scene, const GroundGrid& grid) {
     }
     drawn.seed = scene.seed;
     drawn.obstacles = place_boxes(scene.obstacles);
+    if (crowd.bodies == BodyRule::none) drawn.play = pitch;
     return drawn;
 }
 
 }  // namespace
+
+void redraw(DrawnMarkers& drawn, std::uint64_t epoch) {
+    constexpr std::uint64_t stream = std::uint64_t{1} << 41;  // apart from those of the agents
+    drawn.epoch = epoch;
+    drawn.moved = drawn.play * Vector2d(counter_uniform(drawn.seed, stream, 2 * epoch),
+                                        counter_uniform(drawn.seed, stream, 2 * epoch + 1));
+}
 
 std::uint64_t marker_epoch(const Crowd& crowd, std::uint64_t step) {
     if (!(crowd.marker_epoch > 0)) return step;

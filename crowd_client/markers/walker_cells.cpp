@@ -8,16 +8,16 @@ namespace wade::crowd {
 namespace {
 
 // The walkers once each, then those that reach over the joint a second time.
-void list_entries(WalkerCells& cells, std::span<const Vector2d> sites, double radius, double period) {
+void list_entries(WalkerCells& cells, std::span<const Vector2d> sites, double radius, double period, double moved) {
     const std::size_t n = sites.size();
     cells.listed.resize(n);
     cells.listed_shift.assign(n, 0.0);
     const auto reaches = [&](double x) { return x > -radius && x < period + radius; };
     for (std::size_t k = 0; k < n; ++k) {
         cells.listed[k] = static_cast<std::uint32_t>(k);
-        bool is_listed = reaches(sites[k].x());
+        bool is_listed = reaches(sites[k].x() - moved);
         for (const double shift : {period, -period}) {
-            if (!reaches(sites[k].x() + shift)) continue;
+            if (!reaches(sites[k].x() - moved + shift)) continue;
             if (is_listed) {
                 cells.listed.push_back(static_cast<std::uint32_t>(k));
                 cells.listed_shift.push_back(shift);
@@ -47,11 +47,11 @@ void link_images(WalkerCells& cells, std::size_t walkers) {
 }  // namespace
 
 void sort_walkers(WalkerCells& cells, const GroundGrid& grid, std::span<const Vector2d> sites, double radius,
-                  double period) {
+                  double period, const Vector2d& moved) {
     cells.grid = grid;
     cells.span = 2 * radius <= GroundGrid::cell_size ? 2 : 3;
     const bool ring = period > 0;
-    if (ring) list_entries(cells, sites, radius, period);
+    if (ring) list_entries(cells, sites, radius, period, moved.x());
     const std::size_t entries = ring ? cells.listed.size() : sites.size();
     const auto walker_of = [&](std::size_t i) { return ring ? cells.listed[i] : static_cast<std::uint32_t>(i); };
     const auto shift_of = [&](std::size_t i) { return ring ? cells.listed_shift[i] : 0.0; };
@@ -59,7 +59,7 @@ void sort_walkers(WalkerCells& cells, const GroundGrid& grid, std::span<const Ve
     cells.cell.resize(entries);
     cells.start.assign(grid.cells() + 1, 0);
     for (std::size_t i = 0; i < entries; ++i) {
-        const Vector2d& site = sites[walker_of(i)];
+        const Vector2d site = sites[walker_of(i)] - moved;
         // An image may reach cells from beyond the grid.
         const int column = std::max(GroundGrid::line_of(site.x() + shift_of(i) - radius), 0);
         const std::size_t cell = grid.index(column, std::max(GroundGrid::line_of(site.y() - radius), 0));
@@ -81,8 +81,8 @@ void sort_walkers(WalkerCells& cells, const GroundGrid& grid, std::span<const Ve
         const std::uint32_t to = cells.start[cells.cell[i] + std::size_t{1}]++;
         const std::uint32_t k = walker_of(i);
         cells.walker[to] = k;
-        cells.x[to] = sites[k].x() + shift_of(i);
-        cells.z[to] = sites[k].y();
+        cells.x[to] = sites[k].x() - moved.x() + shift_of(i);
+        cells.z[to] = sites[k].y() - moved.y();
         if (ring) cells.shift[to] = shift_of(i);
     }
     if (ring) link_images(cells, sites.size());

@@ -43,9 +43,9 @@ struct WalkerCells {
 
 // Sorts walkers that claim markers within `radius` (at most 2 m) of their sites. Where `period` is above 0, a site that
 // reaches over the joint gets an image, and one beyond it is brought back with its walker standing beyond.
-// Each site must be in the world or less than 2 m - radius outside.
+// Each site must be in the world or less than 2 m - radius outside. moved: of the markers, m; sites count from there.
 void sort_walkers(WalkerCells& cells, const GroundGrid& grid, std::span<const Vector2d> sites, double radius,
-                  double period);
+                  double period, const Vector2d& moved);
 
 // Calls body(row, first, last, before) for each run of walkers that reach a cell: the entries [first, last), whose corner
 // cells are in `row`; `before` entries were in earlier runs.
