@@ -51,17 +51,35 @@ void jitter(crowd::CrowdWorld& crowd, double amplitude_x, double amplitude_z) {
     }
 }
 
+namespace {
+
+// A template, so that agents need no half width.
+template <typename Agents>
+double half_width_of(const Agents& agents, std::uint32_t id, double otherwise) {
+    if constexpr (requires { agents.half_width; }) {
+        if (!agents.half_width.empty()) return agents.half_width[id];
+    }
+    return otherwise;
+}
+
+}  // namespace
+
+double half_width(const crowd::CrowdWorld& crowd, std::uint32_t id) {
+    return half_width_of(crowd.agents, id, crowd.scene.crowd.body_radius);
+}
+
 void note_overlaps(const crowd::CrowdWorld& crowd, Overlaps& overlaps) {
-    constexpr double diameter = 0.5;  // m
     const double period = crowd.scene.world.period();
     std::vector<bool> touched(crowd.active.size(), false);
     for (std::size_t i = 0; i < crowd.active.size(); ++i) {
         const crowd::Vector2d& p = crowd.agents.position[crowd.active[i]];
+        const double radius = half_width(crowd, crowd.active[i]);
         for (std::size_t j = i + 1; j < crowd.active.size(); ++j) {
             crowd::Vector2d gap = crowd.agents.position[crowd.active[j]] - p;
             if (period > 0) gap.x() -= period * std::round(gap.x() / period);
-            if (gap.squaredNorm() >= diameter * diameter) continue;
-            const double depth = diameter - gap.norm();
+            const double reach = radius + half_width(crowd, crowd.active[j]);
+            if (gap.squaredNorm() >= reach * reach) continue;
+            const double depth = reach - gap.norm();
             touched[i] = touched[j] = true;
             overlaps.pairs += 1;
             overlaps.depth_sum += depth;

@@ -30,7 +30,10 @@ double unrolled_x(const crowd::CrowdWorld& crowd, std::size_t id);
 // Moves everybody by up to `amplitude` m along x and z, at random, the same for a scene's seed.
 void jitter(crowd::CrowdWorld& crowd, double amplitude_x, double amplitude_z);
 
-// Discs of 0.25 m radius round the agents that overlap, over several samples.
+// Half of the width that an agent takes up as it stands now, m; without bodies that of `body_radius`.
+double half_width(const crowd::CrowdWorld& crowd, std::uint32_t id);
+
+// Discs of their half widths round the agents that overlap, over several samples.
 struct Overlaps {
     double samples = 0;      // agents summed over samples
     double overlapping = 0;  // of them, those that overlap somebody

@@ -12,11 +12,6 @@ namespace {
 
 constexpr double rounding = 1e-6;  // m; walls stand a skin of as much before their faces
 
-// Half of the width that a person takes as he stands now, m.
-double half_width(const crowd::CrowdWorld& crowd, std::uint32_t /*id*/) {
-    return crowd.scene.crowd.body_radius;
-}
-
 // How far a disc reaches into a box, m; at most 0: it does not.
 double depth_in(const Obstacle& box, const crowd::Vector2d& p, double radius) {
     const crowd::Vector2d nearest(std::clamp(p.x(), box.x.lo, box.x.hi), std::clamp(p.y(), box.z.lo, box.z.hi));
