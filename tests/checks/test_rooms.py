@@ -1,4 +1,5 @@
-"""The rooms of the product: a door sign in each, no hall, no circle, and a compiler that keeps the direction."""
+"""The rooms of the product: a door sign in each, no hall, no circle, a compiler that keeps the direction; and the weight
+of the house."""
 
 import collections
 import json
@@ -9,16 +10,18 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from sources import ROOT, tracked
+from sources import ROOT, git, tracked
 
 PRODUCT = ("configs", "shm_protocol", "fluid_server", "crowd_client")
 MOST_FILES = 25  # sources in a folder, a header and its source counted as two
 MOST_LINES = 400
+MOST_TRACKED = 1250
+CODE = (".cpp", ".hpp", ".h")  # of the product
 
 
 def product() -> list[Path]:
     """Sources and headers of the product, relative to the root."""
-    paths = [path.relative_to(ROOT) for path in tracked(".cpp", ".hpp", ".h")]
+    paths = [path.relative_to(ROOT) for path in tracked(*CODE)]
     return [path for path in paths if path.parts[0] in PRODUCT]
 
 
@@ -121,6 +124,11 @@ class Rooms(unittest.TestCase):
         self.assertTrue(compiles('#include "crowd_client/equations.hpp"\n', flags))
         self.assertFalse(compiles('#include "crowd_client/agents.hpp"\n', flags))
         self.assertFalse(compiles('#include "fluid_server/fluid_model.hpp"\n', flags))
+
+
+class Weight(unittest.TestCase):
+    def test_no_more_files_than_one_can_know(self):
+        self.assertLessEqual(len(git("ls-files")), MOST_TRACKED)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "tests/reasoned_table.hpp"
+
 namespace wade::stability {
 
 namespace {
@@ -18,6 +20,23 @@ nlohmann::json number(double value) {
 }
 
 }  // namespace
+
+std::vector<KnownFailure> read_known_failures(const std::filesystem::path& file) {
+    std::vector<KnownFailure> all;
+    for (const tables::Row& row : tables::read(file, "case,setting,rule,guard,reason")) {
+        const double guard = tables::number(row.fields[3], row.place, "a guard, a number >= 0");
+        all.push_back({row.fields[0], row.fields[1], row.fields[2], guard, row.reason});
+    }
+    return all;
+}
+
+bool is_known(const std::vector<KnownFailure>& all, const std::string& name, const std::string& setting,
+              const Check& check) {
+    return std::any_of(all.begin(), all.end(), [&](const KnownFailure& f) {
+        return f.name == name && (f.setting == "*" || f.setting == setting) && f.rule == check.name &&
+               check.holds(f.guard);
+    });
+}
 
 std::string verdict(const Case& hard_case, const Run& run, const Result& result,
                     const std::vector<KnownFailure>& known) {

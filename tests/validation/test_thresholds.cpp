@@ -7,7 +7,6 @@
 #include <fstream>
 
 #include "configs/errors/exit_code.hpp"
-#include "known_failures.hpp"
 #include "thresholds.hpp"
 #include "validation_case.hpp"
 

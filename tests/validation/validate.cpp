@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
-#include "known_failures.hpp"
 #include "record.hpp"
 #include "run.hpp"
+#include "thresholds.hpp"
 
 using namespace wade;
 using namespace wade::validation;

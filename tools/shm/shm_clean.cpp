@@ -92,19 +92,12 @@ int clean(const std::string& pattern, bool dry_run) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    Console console("shm_clean");
-    return run_tool(console, [&] {
-        std::string pattern;
-        bool dry_run = false;
-        ToolArguments arguments("shm_clean",
-                                "Removes the segments in /dev/shm whose producer is dead; never a living "
-                                "one's, never another user's.");
-        arguments.positional("PATTERN", pattern, "Sessions or segments, with * and ? as a shell has them [all]", false);
-        arguments.flag("--dry-run", dry_run, "Only say what would be removed");
-        if (const auto answer = arguments.parse(argc, argv)) {
-            std::cout << *answer;
-            return 0;
-        }
-        return clean(pattern, dry_run);
-    });
+    std::string pattern;
+    bool dry_run = false;
+    ToolArguments arguments(
+        "shm_clean",
+        "Removes the segments in /dev/shm whose producer is dead; never a living one's, never another user's.");
+    arguments.positional("PATTERN", pattern, "Sessions or segments, with * and ? as a shell has them [all]", false);
+    arguments.flag("--dry-run", dry_run, "Only say what would be removed");
+    return run_tool(arguments, argc, argv, [&](Console&) { return clean(pattern, dry_run); });
 }

@@ -24,21 +24,6 @@ struct Options {
     double count = 0;
 };
 
-std::optional<std::string> parse(Options& o, int argc, char** argv) {
-    ToolArguments arguments(
-        "shm_inspect", "Shows sessions: header, state, frame, rate, and how far each participant is. Disturbs nobody.");
-    arguments.positional("SESSION", o.session, "Name of the session [all]", false);
-    arguments.flag("--all", o.all, "All segments of this machine");
-    arguments.flag("--watch", o.watch, "Show again after each interval, until the session is gone or Ctrl-C");
-    arguments.number("--interval-s", o.interval_s, "Interval over which the rate is measured, s; 0: no rate", "S",
-                     {0, 3600});
-    arguments.number("--count", o.count, "With --watch: end after N times; 0: go on", "N", {0, 1e9}, Whole::yes);
-    arguments.flag("--json", o.json, "One JSON array of segments, with --watch one a line");
-    const auto answer = arguments.parse(argc, argv);
-    if (!answer && o.all && !o.session.empty()) throw ConfigurationError("SESSION and --all exclude one another.");
-    return answer;
-}
-
 std::vector<std::string> names_of(const Options& o) {
     if (o.session.empty()) return segment_names();
     return {shm::segment_name(o.session, shm::stream_fluid), shm::segment_name(o.session, shm::stream_agents)};
@@ -120,14 +105,19 @@ int inspect(const Options& o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    Console console("shm_inspect");
-    return run_tool(console, [&] {
-        Options options;
-        if (const auto answer = parse(options, argc, argv)) {
-            std::cout << *answer;
-            return 0;
-        }
+    Options o;
+    ToolArguments arguments(
+        "shm_inspect", "Shows sessions: header, state, frame, rate, and how far each participant is. Disturbs nobody.");
+    arguments.positional("SESSION", o.session, "Name of the session [all]", false);
+    arguments.flag("--all", o.all, "All segments of this machine");
+    arguments.flag("--watch", o.watch, "Show again after each interval, until the session is gone or Ctrl-C");
+    arguments.number("--interval-s", o.interval_s, "Interval over which the rate is measured, s; 0: no rate", "S",
+                     {0, 3600});
+    arguments.number("--count", o.count, "With --watch: end after N times; 0: go on", "N", {0, 1e9}, Whole::yes);
+    arguments.flag("--json", o.json, "One JSON array of segments, with --watch one a line");
+    return run_tool(arguments, argc, argv, [&](Console&) {
+        if (o.all && !o.session.empty()) throw ConfigurationError("SESSION and --all exclude one another.");
         catch_signals();
-        return inspect(options);
+        return inspect(o);
     });
 }

@@ -2,7 +2,6 @@
 // stream nor keeps it alive unless it is told to lead.
 
 #include <cstdio>
-#include <iostream>
 #include <optional>
 #include <string>
 
@@ -25,21 +24,6 @@ struct Options {
     double compression = 1;
     shm::Waiting waiting;
 };
-
-std::optional<std::string> parse(Options& o, int argc, char** argv) {
-    ToolArguments arguments("shm_record", "Records a session into a file, frame by frame, until its stream ends.");
-    arguments.positional("SESSION", o.session, "Name of the session");
-    arguments.positional("FILE", o.file, "Recording to be written; an older recording is replaced");
-    arguments.word("--stream", o.stream, "What to record: the water or the way back",
-                   {"KIND", "", {"fluid", "agents"}});
-    arguments.flag("--lead", o.lead, "Be somebody for whom the stream starts and goes on, as a crowd is");
-    arguments.number("--frames", o.frames, "Leave after N frames, the run goes on; 0: stay to the end", "N", {0, 1e15},
-                     Whole::yes);
-    arguments.number("--compression", o.compression, "0 stores, 1 to 19 compress, faster to smaller", "LEVEL", {0, 19},
-                     Whole::yes);
-    arguments.waiting(o.waiting);
-    return arguments.parse(argc, argv);
-}
 
 std::string megabytes(std::uint64_t bytes) {
     char text[32];
@@ -127,14 +111,20 @@ int record(Options& o, Console& console) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    Console console("shm_record");
-    return run_tool(console, [&] {
-        Options options;
-        if (const auto answer = parse(options, argc, argv)) {
-            std::cout << *answer;
-            return 0;
-        }
+    Options o;
+    ToolArguments arguments("shm_record", "Records a session into a file, frame by frame, until its stream ends.");
+    arguments.positional("SESSION", o.session, "Name of the session");
+    arguments.positional("FILE", o.file, "Recording to be written; an older recording is replaced");
+    arguments.word("--stream", o.stream, "What to record: the water or the way back",
+                   {"KIND", "", {"fluid", "agents"}});
+    arguments.flag("--lead", o.lead, "Be somebody for whom the stream starts and goes on, as a crowd is");
+    arguments.number("--frames", o.frames, "Leave after N frames, the run goes on; 0: stay to the end", "N", {0, 1e15},
+                     Whole::yes);
+    arguments.number("--compression", o.compression, "0 stores, 1 to 19 compress, faster to smaller", "LEVEL", {0, 19},
+                     Whole::yes);
+    arguments.waiting(o.waiting);
+    return run_tool(arguments, argc, argv, [&](Console& console) {
         catch_signals();
-        return record(options, console);
+        return record(o, console);
     });
 }

@@ -28,22 +28,6 @@ struct Options {
     shm::Waiting waiting;
 };
 
-std::optional<std::string> parse(Options& o, int argc, char** argv) {
-    ToolArguments arguments("shm_replay", "Plays a recording as the producer of a session, or prints what it holds.");
-    arguments.positional("FILE", o.file, "Recording written by shm_record");
-    arguments.word("--session", o.session, "Name under which the consumers find the stream", {"NAME"});
-    arguments.flag("--info", o.info, "Print what the file holds, and end");
-    arguments.number("--depth", o.depth, "Frames the replay may be ahead, 1 to 63; 0: as recorded", "D", {0, 63},
-                     Whole::yes);
-    arguments.number("--consumers", o.consumers, "Consumers in lockstep to wait for before the first frame; 0: none",
-                     "N", {0, 16}, Whole::yes);
-    arguments.flag("--any-scene", o.any_scene,
-                   "Do not tell the scene of the recording, so that any other may be played");
-    arguments.flag("--take-agents", o.take_agents, "Take the frames of the way back, and ignore them");
-    arguments.waiting(o.waiting);
-    return arguments.parse(argc, argv);
-}
-
 std::string ending_of(const Recording& r) {
     const std::uint64_t last = r.frames().empty() ? 0 : r.frames().back().descriptor.frame;
     const std::string after = last == 0 ? "before its first frame" : "after frame " + std::to_string(last);
@@ -148,21 +132,26 @@ int replay(Options& o, Recording& r, Console& console) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    Console console("shm_replay");
-    return run_tool(console, [&] {
-        Options options;
-        if (const auto answer = parse(options, argc, argv)) {
-            std::cout << *answer;
-            return 0;
-        }
-        if (!options.info && options.session.empty())
+    Options o;
+    ToolArguments arguments("shm_replay", "Plays a recording as the producer of a session, or prints what it holds.");
+    arguments.positional("FILE", o.file, "Recording written by shm_record");
+    arguments.word("--session", o.session, "Name under which the consumers find the stream", {"NAME"});
+    arguments.flag("--info", o.info, "Print what the file holds, and end");
+    arguments.number("--depth", o.depth, "Frames the replay may be ahead, 1 to 63; 0: as recorded", "D", {0, 63},
+                     Whole::yes);
+    arguments.number("--consumers", o.consumers, "Consumers in lockstep to wait for before the first frame; 0: none",
+                     "N", {0, 16}, Whole::yes);
+    arguments.flag("--any-scene", o.any_scene,
+                   "Do not tell the scene of the recording, so that any other may be played");
+    arguments.flag("--take-agents", o.take_agents, "Take the frames of the way back, and ignore them");
+    arguments.waiting(o.waiting);
+    return run_tool(arguments, argc, argv, [&](Console& console) {
+        if (!o.info && o.session.empty())
             throw ConfigurationError("--session NAME or --info is required (shm_replay --help shows the options).");
         catch_signals();
-        Recording recording(options.file);
-        if (options.info) {
-            std::cout << info_text(options, recording);
-            return 0;
-        }
-        return replay(options, recording, console);
+        Recording recording(o.file);
+        if (!o.info) return replay(o, recording, console);
+        std::cout << info_text(o, recording);
+        return 0;
     });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <sstream>
 
 #include "configs/errors/exit_code.hpp"
@@ -93,10 +94,13 @@ void ToolArguments::waiting(shm::Waiting& value) {
            "T", {0, 86400});
 }
 
+std::string ToolArguments::program() const {
+    return insides_->app.get_name();
+}
+
 std::optional<std::string> ToolArguments::parse(int argc, const char* const* argv) {
     CLI::App& app = insides_->app;
-    const std::string program = app.get_name();
-    const std::string see_help = " (" + program + " --help shows the options).";
+    const std::string see_help = " (" + program() + " --help shows the options).";
     try {
         app.parse(argc, argv);
     } catch (const CLI::CallForHelp&) {
@@ -127,9 +131,14 @@ void connect(shm::Waiting& waiting, Console& console) {
     waiting.warn = [&console](const std::string& text) { console.warning(text); };
 }
 
-int run_tool(Console& console, const std::function<int()>& work) {
+int run_tool(ToolArguments& arguments, int argc, char** argv, const std::function<int(Console&)>& work) {
+    Console console(arguments.program());
     try {
-        return work();
+        if (const auto answer = arguments.parse(argc, argv)) {
+            std::cout << *answer;
+            return 0;
+        }
+        return work(console);
     } catch (const std::exception& error) {
         console.line(error.what());
         return exit_code_of<shm::Error>(error);

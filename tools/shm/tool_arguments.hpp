@@ -4,8 +4,9 @@
 //   ToolArguments arguments("shm_record", "Records a session into a file.");
 //   arguments.positional("SESSION", session, "Name of the session");
 //   arguments.number("--frames", frames, "Leave after N frames; 0: never", "N", {0, 1e15}, Whole::yes);
-//   if (const auto answer = arguments.parse(argc, argv)) { std::cout << *answer; return 0; }
+//   return run_tool(arguments, argc, argv, [&](Console& console) { return record(session, frames, console); });
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,7 @@ class ToolArguments {
     // Fills the variables; the text of --help or --version if one of them is asked for.
     // Throws ConfigurationError for wrong usage.
     [[nodiscard]] std::optional<std::string> parse(int argc, const char* const* argv);
+    [[nodiscard]] std::string program() const;
 
  private:
     struct Insides;
@@ -47,7 +49,8 @@ class ToolArguments {
 // Makes a wait end at a signal and warn on the console, which must live longer.
 void connect(shm::Waiting& waiting, Console& console);
 
-// Runs `work` of a program; an exception becomes a line on the console and its exit code.
-int run_tool(Console& console, const std::function<int()>& work);
+// The whole of main(): answers --help and --version, or fills the variables and runs `work`, whose result is the exit code;
+// an exception becomes a line on the console and its exit code.
+int run_tool(ToolArguments& arguments, int argc, char** argv, const std::function<int(Console&)>& work);
 
 }  // namespace wade

@@ -9,7 +9,7 @@ from array import array
 from pathlib import Path
 
 from wade.conformance import system
-from wade.conformance.hashes import chain, descriptor_crc, header_crc
+from wade.conformance.layout import chain, descriptor_crc, header_crc
 from wade.conformance.layout import (
     ABORTED, CLOSED, DRAINING, FIELD_ENTRY, FIELDS, FINAL, FOLLOWS, GAVE_UP, HEADER_WORDS, JOINED, KINDS, LATEST, LEFT,
     LOCKSTEP, MAGIC, MAX_CONSUMERS, PAGE, READY, REFUSED, RUNNING, SLICE_S, ConsumerPage, ControlPage, Descriptor,

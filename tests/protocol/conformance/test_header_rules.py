@@ -7,7 +7,7 @@ from argparse import Namespace
 from python_producer import Publisher
 
 from wade.conformance.expectation import Violation
-from wade.conformance.hashes import header_crc
+from wade.conformance.layout import header_crc
 from wade.conformance.header_rules import read_header
 from wade.conformance.layout import HEADER_WORDS
 

@@ -12,7 +12,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tests" / "system"))
 from harness import PROGRAMS, SystemTest  # noqa: E402
-from wade.conformance.hashes import chain  # noqa: E402
+from wade.conformance.layout import chain  # noqa: E402
 
 FOLDER = ROOT / "tools" / "producers"
 PYTHON = ["/usr/bin/python3", "-B"]

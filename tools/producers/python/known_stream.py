@@ -2,6 +2,7 @@
 
 import argparse
 import signal
+import sys
 
 MASS_KG, HEIGHT_M, FRAME_RATE_HZ = 100, 0.23, 30
 SPACING_M, ROWS, FIRST_X_M, FIRST_Z_M, LENGTH_M = 0.4642, 50, 60, 12, 100
@@ -43,6 +44,15 @@ def read_options(program):
     return parser.parse_args()
 
 
+def run(program, produce, failure):
+    """The whole of a producer: its options, its frames, and the exit code of a failure, whose text it shows."""
+    try:
+        produce(read_options(program))
+    except failure as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        sys.exit(error.code)
+
+
 def catch_signals():
     """Remembers SIGINT and SIGTERM; returns a function that gives the number of the one received, 0 before."""
     received = [0]
@@ -70,6 +80,24 @@ def chain(previous, frame, count, sums):
     for s in sums:
         h = mix(h ^ s % 2**64)
     return h or 1
+
+
+def block(np, particles):
+    """x of each particle at the start and its z, m; np: numpy."""
+    k = np.arange(particles)
+    return FIRST_X_M + k // ROWS * SPACING_M, FIRST_Z_M + k % ROWS * SPACING_M
+
+
+def fill(np, fields, start_x, z, speed, frame):
+    """The seven arrays of a frame: computed in double precision, rounded to float32 by the assignment."""
+    mass, vx, vy, vz, px, py, pz = fields
+    x = start_x - travelled(speed, frame)
+    mass[:] = MASS_KG
+    vx[:] = -speed
+    vy[:] = vz[:] = 0
+    px[:] = x - LENGTH_M * np.floor(x / LENGTH_M)
+    py[:] = HEIGHT_M
+    pz[:] = z
 
 
 def travelled(speed, frame):

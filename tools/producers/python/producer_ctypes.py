@@ -6,7 +6,6 @@ The library is found in build/release or where WADE_SHM_LIBRARY says. With numpy
 
 import ctypes
 import os
-import sys
 from pathlib import Path
 
 import known_stream
@@ -44,9 +43,8 @@ class Waiting(ctypes.Structure):
 class Slot(ctypes.Structure):
     """wade_slot"""
 
-    _fields_ = [("frame", U64), ("capacity", U64)] + [
-        (name, ctypes.POINTER(ctypes.c_float)) for name in FIELDS + ("radius", "height", "state")
-    ]
+    _fields_ = [("frame", U64), ("capacity", U64)] + [(name, ctypes.POINTER(ctypes.c_float))
+                                                      for name in FIELDS + ("radius", "height", "state")]
 
 
 class StreamError(Exception):
@@ -91,23 +89,8 @@ def open_publisher(library, options, interrupted):
     return publisher
 
 
-def fill(slot, start_x, z, options):
-    """Computed in double precision, rounded to float32 by the assignment."""
-    shape = (slot.capacity,)
-    mass, vx, vy, vz, px, py, pz = (np.ctypeslib.as_array(getattr(slot, name), shape) for name in FIELDS)
-    x = start_x - known_stream.travelled(options.speed, slot.frame)
-    mass[:] = known_stream.MASS_KG
-    vx[:] = -options.speed
-    vy[:] = vz[:] = 0
-    px[:] = x - known_stream.LENGTH_M * np.floor(x / known_stream.LENGTH_M)
-    py[:] = known_stream.HEIGHT_M
-    pz[:] = z
-
-
 def play(library, publisher, options, signal_received):
-    k = np.arange(options.particles)
-    start_x = known_stream.FIRST_X_M + k // known_stream.ROWS * known_stream.SPACING_M
-    z = known_stream.FIRST_Z_M + k % known_stream.ROWS * known_stream.SPACING_M
+    start_x, z = known_stream.block(np, options.particles)
     slot = Slot()
     library("publisher_wait_for_consumers", publisher, 1)
     for frame in range(1, options.frames + 1):
@@ -115,7 +98,8 @@ def play(library, publisher, options, signal_received):
             raise StreamError(128 + signal_received(), f"Interrupted after frame {frame - 1}.")
         if library("publisher_begin_frame", publisher, ctypes.byref(slot)) == END:
             break
-        fill(slot, start_x, z, options)
+        fields = [np.ctypeslib.as_array(getattr(slot, name), (slot.capacity,)) for name in FIELDS]
+        known_stream.fill(np, fields, start_x, z, options.speed, slot.frame)
         library("publisher_end_frame", publisher, options.particles, None, int(frame == options.frames))
     library("publisher_close", publisher)
 
@@ -135,8 +119,4 @@ def produce(options):
 
 
 if __name__ == "__main__":
-    try:
-        produce(known_stream.read_options("producer_ctypes"))
-    except StreamError as error:
-        print(f"producer_ctypes: {error}", file=sys.stderr)
-        sys.exit(error.code)
+    known_stream.run("producer_ctypes", produce, StreamError)

@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """Plays the known stream of ../README.md; with numpy, in place in the shared memory."""
 
-import sys
 
 import known_stream
 import numpy as np
@@ -18,47 +17,21 @@ def field_sums(fields):
         yield int(np.sum(x.astype(np.uint64) * y, dtype=np.uint64))
 
 
-def fill(fields, start_x, z, options, frame):
-    """Computed in double precision, rounded to float32 by the assignment."""
-    mass, vx, vy, vz, px, py, pz = fields
-    x = start_x - known_stream.travelled(options.speed, frame)
-    mass[:] = known_stream.MASS_KG
-    vx[:] = -options.speed
-    vy[:] = vz[:] = 0
-    px[:] = x - known_stream.LENGTH_M * np.floor(x / known_stream.LENGTH_M)
-    py[:] = known_stream.HEIGHT_M
-    pz[:] = z
-
-
 def produce(options):
-    k = np.arange(options.particles)
-    start_x = known_stream.FIRST_X_M + k // known_stream.ROWS * known_stream.SPACING_M
-    z = known_stream.FIRST_Z_M + k % known_stream.ROWS * known_stream.SPACING_M
-    with SharedMemoryStream(
-        options.session,
-        options.particles,
-        "producer_numpy",
-        options.depth,
-        options.scene_hash,
-        options.attach_timeout_s,
-        options.step_timeout_s,
-        known_stream.catch_signals(),
-    ) as stream:
+    start_x, z = known_stream.block(np, options.particles)
+    with SharedMemoryStream(options.session, options.particles, "producer_numpy", options.depth, options.scene_hash,
+                            options.attach_timeout_s, options.step_timeout_s, known_stream.catch_signals()) as stream:
         stream.wait_for_consumers()
         for frame in range(1, options.frames + 1):
             arrays = stream.begin_frame()
             if arrays is None:
                 break
             fields = [np.frombuffer(values, np.float32) for values in arrays]
-            fill(fields, start_x, z, options, frame)
+            known_stream.fill(np, fields, start_x, z, options.speed, frame)
             chain = known_stream.chain(stream.hash, frame, options.particles, field_sums(fields))
             stream.end_frame(options.particles, chain, final=frame == options.frames)
         stream.close()
 
 
 if __name__ == "__main__":
-    try:
-        produce(known_stream.read_options("producer_numpy"))
-    except StreamError as error:
-        print(f"producer_numpy: {error}", file=sys.stderr)
-        sys.exit(error.code)
+    known_stream.run("producer_numpy", produce, StreamError)

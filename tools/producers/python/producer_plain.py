@@ -2,7 +2,6 @@
 """Plays the known stream of ../README.md; standard library only."""
 
 import math
-import sys
 from array import array
 from operator import mul
 
@@ -47,16 +46,8 @@ def positions(start, travelled):
 def produce(options):
     still, start = still_arrays(options)
     weights = hash_weights(options.particles)
-    with SharedMemoryStream(
-        options.session,
-        options.particles,
-        "producer_plain",
-        options.depth,
-        options.scene_hash,
-        options.attach_timeout_s,
-        options.step_timeout_s,
-        known_stream.catch_signals(),
-    ) as stream:
+    with SharedMemoryStream(options.session, options.particles, "producer_plain", options.depth, options.scene_hash,
+                            options.attach_timeout_s, options.step_timeout_s, known_stream.catch_signals()) as stream:
         stream.wait_for_consumers()
         for frame in range(1, options.frames + 1):
             fields = stream.begin_frame()
@@ -72,8 +63,4 @@ def produce(options):
 
 
 if __name__ == "__main__":
-    try:
-        produce(known_stream.read_options("producer_plain"))
-    except StreamError as error:
-        print(f"producer_plain: {error}", file=sys.stderr)
-        sys.exit(error.code)
+    known_stream.run("producer_plain", produce, StreamError)

@@ -35,9 +35,8 @@ class Kernel:
     def __init__(self):
         machine = platform.machine()
         if machine not in SYSTEM_CALLS or platform.python_implementation() != "CPython":
-            raise StreamError(
-                USAGE, f"Not possible on {machine} with {platform.python_implementation()}: use libwade_shm.so."
-            )
+            raise StreamError(USAGE,
+                              f"Not possible on {machine} with {platform.python_implementation()}: use libwade_shm.so.")
         self.futex, self.membarrier = SYSTEM_CALLS[machine]
         self.call = ctypes.CDLL(None, use_errno=True).syscall
         self.slice = self.Timespec(0, int(SLICE_S * 1e9))
@@ -64,9 +63,8 @@ class Segment:
 
     def __init__(self, session, total):
         if not 1 <= len(session) <= 200 or not SESSION_CHARACTERS.issuperset(session):
-            raise StreamError(
-                USAGE, f"Session name '{session}' is not allowed: 1 to 200 characters of A-Z a-z 0-9 . _ - are."
-            )
+            raise StreamError(USAGE,
+                              f"Session name '{session}' is not allowed: 1 to 200 characters of A-Z a-z 0-9 . _ - are.")
         self.path = f"/dev/shm/{session}-fluid"
         self.create(total)
 
@@ -110,9 +108,8 @@ class Segment:
             if self.lock(0):
                 self.unlink()
             elif self.still_named():
-                raise StreamError(
-                    NAME_IN_USE, f"{self.path} is in use by a living producer; choose another session name."
-                )
+                raise StreamError(NAME_IN_USE,
+                                  f"{self.path} is in use by a living producer; choose another session name.")
         finally:
             if self.fd >= 0:
                 os.close(self.fd)

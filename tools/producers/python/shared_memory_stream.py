@@ -24,19 +24,8 @@ import secrets
 import struct
 import time
 
-from shared_memory_segment import (
-    ATTACH_TIMEOUT,
-    PEER_ABORTED,
-    PEER_DEAD,
-    SLICE_S,
-    STEP_TIMEOUT,
-    UNEXPECTED,
-    USAGE,
-    VIOLATION,
-    Kernel,
-    Segment,
-    StreamError,
-)
+from shared_memory_segment import (ATTACH_TIMEOUT, PEER_ABORTED, PEER_DEAD, SLICE_S, STEP_TIMEOUT, UNEXPECTED, USAGE,
+                                   VIOLATION, Kernel, Segment, StreamError)
 
 PAGE, MAX_CONSUMERS, DESCRIPTOR_BYTES = 4096, 16, 256
 CONTROL, DOORBELL, CONSUMERS = PAGE, 2 * PAGE, 3 * PAGE
@@ -89,19 +78,8 @@ class SharedMemoryStream:
     that asks to stop, or 0. Time-outs in seconds, 0: wait for ever. Errors: StreamError.
     """
 
-    def __init__(
-        self,
-        session,
-        capacity,
-        producer_name,
-        depth=1,
-        scene_hash=0,
-        attach_timeout_s=10,
-        step_timeout_s=60,
-        interrupted=lambda: 0,
-        ticks_per_second=30,
-        ticks_per_frame=1,
-    ):
+    def __init__(self, session, capacity, producer_name, depth=1, scene_hash=0, attach_timeout_s=10, step_timeout_s=60,
+                 interrupted=lambda: 0, ticks_per_second=30, ticks_per_frame=1):
         if not 1 <= capacity < 2**32 or not 1 <= depth <= 63:
             raise StreamError(USAGE, f"Capacity {capacity} must be 1 to 2^32 - 1 and depth {depth} 1 to 63.")
         self.session, self.interrupted = session, interrupted
@@ -203,9 +181,8 @@ class SharedMemoryStream:
                 continue
             acknowledged = self.u64[page // 8 + 1]
             if acknowledged > self.published:
-                raise StreamError(
-                    VIOLATION, f"{self.consumer(i)} acknowledged frame {acknowledged}, only {self.published} exist."
-                )
+                raise StreamError(VIOLATION,
+                                  f"{self.consumer(i)} acknowledged frame {acknowledged}, only {self.published} exist.")
             released = max(acknowledged, self.admitted[i] - 1)
             leaders += not flags & FOLLOWS
             slowest = min(slowest, released)
@@ -256,9 +233,8 @@ class SharedMemoryStream:
                 spent_s += SLICE_S if passed > 4 * SLICE_S else passed
             if 0 < limit_s <= spent_s:
                 what = f"a consumer of session '{self.session}'" if start else f"the release of frame {owed}"
-                raise StreamError(
-                    ATTACH_TIMEOUT if start else STEP_TIMEOUT, f"Waited {limit_s:g} s in vain for {what}."
-                )
+                raise StreamError(ATTACH_TIMEOUT if start else STEP_TIMEOUT,
+                                  f"Waited {limit_s:g} s in vain for {what}.")
         self.u32[(CONTROL + 64) // 4] = 0
         return leaders
 

@@ -26,21 +26,8 @@ from wade.run.processes import Pair, exit_code
 from wade.scenes import find_scene
 from wade.terminal import Parser
 
-COLUMNS = (
-    "scene",
-    "seed",
-    "status",
-    "exit_code",
-    "agents",
-    "arrived",
-    "dead",
-    "active",
-    "last_arrival_s",
-    "frames",
-    "frame_hash",
-    "wall_time_s",
-    "folder",
-)
+COLUMNS = ("scene", "seed", "status", "exit_code", "agents", "arrived", "dead", "active", "last_arrival_s", "frames",
+           "frame_hash", "wall_time_s", "folder")
 TABLE = ("scene", "seed", "status", "arrived", "dead", "active", "last_arrival_s", "frame_hash")
 
 
@@ -114,10 +101,10 @@ def parse(arguments):
     options, others = parser.parse_known_args(arguments)
     if others:
         parser.error(f"{others[0]}: options of the runs stand behind --, for example: SCENE... -- {' '.join(others)}")
-    if not any(word.split("=")[0] == "--threads" for word in common):
+    if not is_given(common, "--threads"):
         common += ["--threads", str(max(1, len(os.sched_getaffinity(0)) // options.jobs))]
     for name in ("--out", "--session", "--record", "--commands"):
-        if any(word.split("=")[0] == name for word in common):
+        if is_given(common, name):
             parser.error(f"{name} is not allowed behind --: the runs would share what each needs for itself")
     if options.seeds != [None] and is_given(common, "--seed"):
         parser.error("--seeds and, behind --, --seed exclude one another: all runs would have the same seed")

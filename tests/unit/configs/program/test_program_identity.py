@@ -5,7 +5,7 @@ import sys
 import unittest
 from pathlib import Path
 
-from wade.reports.programs import program_bytes
+from wade.reports.jobs import program_bytes
 
 CLEAN, DIRTY, OTHER_CODE = (Path(name) for name in sys.argv[1:4])
 

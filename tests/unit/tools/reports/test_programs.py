@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from wade.reports.programs import Fingerprints
+from wade.reports.jobs import Fingerprints
 
 
 class Fingerprint(unittest.TestCase):

@@ -5,7 +5,7 @@ import unittest
 from pathlib import Path
 
 from wade.reports.machine import machine, machine_text
-from wade.suites.bench import kernels, results
+from wade.suites.bench import results
 
 
 def result(median, unit="particle_steps_per_s", name="fluid/river", threads=1, **extra):
@@ -45,7 +45,7 @@ class Files(unittest.TestCase):
              "ns_per_item": value, "cpu_time": 1}  # fmt: skip
             for kind, value in (("iteration", 9.0), ("iteration", 5.0), ("iteration", 6.0), ("aggregate", 99.0))
         ]
-        (found,) = kernels.results_of({"benchmarks": runs})
+        (found,) = results.kernel_results({"benchmarks": runs})
         self.assertEqual((found["name"], found["size"], found["unit"]), ("kernels/sort", 100, "ns_per_particle"))
         self.assertEqual((found["median"], found["min"], found["max"]), (6.0, 5.0, 9.0))
 

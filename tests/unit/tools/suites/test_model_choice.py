@@ -4,7 +4,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from wade.suites.model_choice import report, runs, scenes, table
+from wade.suites.model_choice import report, runs, table
 from wade.suites.model_choice.table import SCENES
 
 
@@ -41,7 +41,7 @@ class Errors(unittest.TestCase):
 
     def test_what_is_there_is_not_run_again(self):
         with tempfile.TemporaryDirectory() as folder:
-            scene = scenes.file_of("river_deep")
+            scene = runs.file_of("river_deep")
             self.assertIsNone(runs.run(scene, [], Path(folder), only_stored=True))
             self.assertEqual(list(Path(folder).iterdir()), [])
 
@@ -56,9 +56,9 @@ class Table(unittest.TestCase):
 
     def test_scenes_of_the_check_are_not_in_the_table(self):
         measured = {Path(scene).stem for scene, _, _ in SCENES.values()}
-        self.assertFalse(measured & set(scenes.FINEST))
-        for name in scenes.FINEST:
-            self.assertTrue((runs.ROOT / scenes.file_of(name)).exists(), name)
+        self.assertFalse(measured & set(runs.FINEST))
+        for name in runs.FINEST:
+            self.assertTrue((runs.ROOT / runs.file_of(name)).exists(), name)
 
 
 class Report(unittest.TestCase):

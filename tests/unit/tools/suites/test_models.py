@@ -5,7 +5,7 @@ import unittest
 from types import SimpleNamespace
 
 from wade.suites.cases import Case
-from wade.suites.models import case_runs, outcomes, rules, sections
+from wade.suites.models import outcomes, rules, sections
 from wade.suites.models.outcomes import COMPLETED, FAILED, LEFT_OUT, REFUSED, Outcome, judged_metrics, missed, worst
 
 LIMITS = {("dam", "depth", "coarse"): 0.1, ("dam", "depth", "medium"): 0.05, ("dam", "clamps", "coarse"): 0.0,
@@ -141,7 +141,7 @@ class Running(unittest.TestCase):
                     "simulated_s": 2.0, "git": "abc"}
 
         plan = [(self.CASES[0], level) for level in ("coarse", "medium")]
-        return case_runs.run_cases(plan, models, SimpleNamespace(one_run=one_run, time_limit=100)), asked
+        return outcomes.run_cases(plan, models, SimpleNamespace(one_run=one_run, time_limit=100)), asked
 
     def test_a_finer_run_that_is_too_dear_is_left_out_and_named(self):
         found, asked = self.plan_with(run("steering", 10, 0.1))
@@ -158,16 +158,16 @@ class Running(unittest.TestCase):
 
     def test_a_case_that_runs_another_model_has_refused(self):
         document = {"status": "completed", "model": "dfsph"}
-        point = case_runs.Point("dam", "coarse", 0.1, "steering")
-        self.assertEqual(case_runs.outcome_of(point, document).status, REFUSED)
+        point = outcomes.Point("dam", "coarse", 0.1, "steering")
+        self.assertEqual(outcomes.outcome_of(point, document).status, REFUSED)
 
     def test_water_that_follows_people_is_told_where_they_are(self):
-        point = case_runs.Point("dam", "coarse", 0.1, "mixed")
+        point = outcomes.Point("dam", "coarse", 0.1, "mixed")
         self.assertEqual(point.overrides(), ["/fluid/model=mixed", "/coupling/agents_stream=serial"])
 
     def test_why_a_model_is_refused_is_told_without_file_names(self):
         error = 'validate: /a/b.json: /fluid/model: "kinematic" does not flow; allowed: "dfsph".'
-        self.assertEqual(case_runs.reason(error), '"kinematic" does not flow; allowed: "dfsph".')
+        self.assertEqual(outcomes.reason(error), '"kinematic" does not flow; allowed: "dfsph".')
 
 
 if __name__ == "__main__":

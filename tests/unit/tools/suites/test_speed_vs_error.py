@@ -6,9 +6,9 @@ import unittest
 from dataclasses import replace
 from pathlib import Path
 
-from wade.reports.programs import Fingerprints
+from wade.reports.jobs import Fingerprints
 from wade.suites import speed_vs_error
-from wade.suites.speed_vs_error.front import cheapest_below, distance_to_front, front
+from wade.suites.speed_vs_error.table import cheapest_below, distance_to_front, front
 from wade.suites.speed_vs_error.measure import Measured, Runner, of_seeds
 from wade.suites.speed_vs_error.report import beyond_chance, overall_section
 from wade.suites.speed_vs_error.settings import (FACTORS, Setting, combinations, default_setting, near_front,

@@ -10,7 +10,7 @@ from unittest import mock
 
 from wade.paths import ROOT
 from wade.suites import cases, verify_crowd
-from wade.suites.validate import TABLES, beside, convergence, curves, report, results
+from wade.suites.validate import TABLES, curves, report, results
 
 HEADER = "case,model,spacing_m,particles,metric,value,unit,threshold,pass,wall_s,cpu_s,reference"
 CASES = [cases.Case("wave 0.1 0.05 0.025 quick=medium"), cases.Case("river 0.25 0.125 long=medium"),
@@ -33,14 +33,14 @@ def run_of(case, level, spacing, error, fingerprint="now"):
 
 class Order(unittest.TestCase):
     def test_of_a_power_law(self):
-        self.assertAlmostEqual(convergence.order([0.4, 0.2, 0.1], [0.16, 0.04, 0.01]), 2)
+        self.assertAlmostEqual(results.observed_order([0.4, 0.2, 0.1], [0.16, 0.04, 0.01]), 2)
 
     def test_none_where_errors_do_not_fall(self):
-        self.assertIsNone(convergence.order([0.4, 0.2, 0.1], [0.03, 0.02, 0.04]))
-        self.assertIsNone(convergence.order([0.4, 0.2, 0.1], [0.01, 0.02, 0.04]))
-        self.assertIsNone(convergence.order([0.4, 0.2], [0.2, 0.1]))
-        self.assertIsNone(convergence.order([0.4, 0.2, 0.1], [1e-7, 5e-8, 0]))
-        self.assertIsNone(convergence.order([0.4, 0.2, 0.1], [0.1, None, 0.02]))
+        self.assertIsNone(results.observed_order([0.4, 0.2, 0.1], [0.03, 0.02, 0.04]))
+        self.assertIsNone(results.observed_order([0.4, 0.2, 0.1], [0.01, 0.02, 0.04]))
+        self.assertIsNone(results.observed_order([0.4, 0.2], [0.2, 0.1]))
+        self.assertIsNone(results.observed_order([0.4, 0.2, 0.1], [1e-7, 5e-8, 0]))
+        self.assertIsNone(results.observed_order([0.4, 0.2, 0.1], [0.1, None, 0.02]))
 
 
 class Reporting(unittest.TestCase):
@@ -128,7 +128,7 @@ class Reporting(unittest.TestCase):
         (there / "runs" / "wave-coarse.json").write_text(json.dumps(other))
         here = [{**run_of(*run), "folder": self.out / "runs"}
                 for run in (("wave", "coarse", 0.1, 0.2), ("river", "coarse", 0.25, 1.0))]
-        text = beside.text(here, there, CASES, self.judge)
+        text = report.beside_text(here, there, CASES, self.judge)
         self.assertIn("Of 1 limits in 1 runs of water 0 are missed here and 1 there", text)
         self.assertIn("Errors are 0.50 times those there and a particle's step costs 2.00 times as much", text)
         self.assertIn("| [wave](#wave) | coarse | height 0.4! -> 0.2 | 1.00 | 2.00 |", text)
@@ -136,7 +136,7 @@ class Reporting(unittest.TestCase):
         text = (self.out / "report.md").read_text()
         self.assertIn("All runs have `/fluid/kernel=quartic_spline`, whatever their scene says.", text)
         self.assertLess(text.index("## Beside the other settings"), text.index("## Verdicts"))
-        self.assertEqual(beside.text(here[1:], there, CASES, self.judge), "No case of water is complete in both.\n")
+        self.assertEqual(report.beside_text(here[1:], there, CASES, self.judge), "No case of water is complete in both.\n")
 
     def test_the_program_and_the_script_read_the_same_tables(self):
         judge = results.Judge(TABLES / "thresholds.csv", TABLES / "known_failures.csv")

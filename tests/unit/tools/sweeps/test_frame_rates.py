@@ -4,7 +4,7 @@ import argparse
 import types
 import unittest
 
-from wade.sweeps import frame_rates, frame_rates_report
+from wade.sweeps import frame_rates
 
 
 def scene(taus=(0.2,), events=(), model="kinematic"):
@@ -77,13 +77,13 @@ class Report(unittest.TestCase):
             for row in frame_rates.rows_of("configs/observed/s05.json", rate, described, None, 2):
                 if figures:
                     row["status"] = "completed"
-                    for measure in frame_rates_report.MEASURES:
+                    for measure in frame_rates.MEASURES:
                         row.update(zip((f"{measure}_{end}" for end in ("mean", "lo", "hi")), figures))
                 yield row
 
     def verdicts(self, arrived_at):
         rows = [row for row in self.rows(arrived_at) if row["rule"] == "continuous"]
-        return {frame_rates_report.verdict(rows, measure) for measure in frame_rates_report.MEASURES}
+        return {frame_rates.verdict(rows, measure) for measure in frame_rates.MEASURES}
 
     def test_verdict_asks_all_intervals_for_a_common_value(self):
         self.assertEqual(self.verdicts({15: (5, 4, 6), 30: (6.5, 6, 7)}), {"1.50, pass"})
@@ -92,7 +92,7 @@ class Report(unittest.TestCase):
 
     def test_failed_rate_stays_in_the_table_and_leaves_the_verdict_open(self):
         self.assertEqual(self.verdicts({15: (5, 4, 6), 30: None, 60: (5, 4, 6)}), {"incomplete"})
-        text = frame_rates_report.report(list(self.rows({15: (5, 4, 6), 30: None})), self.options)
+        text = frame_rates.report(list(self.rows({15: (5, 4, 6), 30: None})), self.options)
         self.assertIn("at 15, 30 Hz", text)
         self.assertIn("| per_frame | 30 | failed | failed | failed |", text)
         self.assertIn("| per_frame | incomplete | incomplete | incomplete |", text)
@@ -101,20 +101,20 @@ class Report(unittest.TestCase):
     def test_report_says_that_solved_water_differs_between_rates(self):
         figures = {15: (5, 4, 6), 30: (5, 4, 6)}
         said = "of the model dfsph is not the same at all rates"
-        self.assertIn(said, frame_rates_report.report(list(self.rows(figures, "dfsph")), self.options))
-        text = frame_rates_report.report(list(self.rows(figures)), self.options)
+        self.assertIn(said, frame_rates.report(list(self.rows(figures, "dfsph")), self.options))
+        text = frame_rates.report(list(self.rows(figures)), self.options)
         self.assertIn("## observed-s05 (kinematic)", text)
         self.assertNotIn("not the same", text)
 
     def test_report_says_what_was_kept(self):
         options = types.SimpleNamespace(command="tools/frame_rates.sh --vary frames", seeds=2, vary="frames")
-        text = frame_rates_report.report(list(self.rows({15: (5, 4, 6), 30: (5, 4, 6)})), options)
+        text = frame_rates.report(list(self.rows({15: (5, 4, 6), 30: (5, 4, 6)})), options)
         self.assertIn("frames of the water at 15, 30 Hz, steps of the crowd at 30 Hz, 2 seeds", text)
 
     def test_interval_is_that_of_the_mean_of_what_is_known(self):
-        self.assertEqual(frame_rates_report.interval([None, None]), (None, None, None))
-        self.assertEqual(frame_rates_report.interval([3, 3, None]), (3, 3, 3))
-        mean, low, high = frame_rates_report.interval([1, 2, 3, 4])
+        self.assertEqual(frame_rates.interval([None, None]), (None, None, None))
+        self.assertEqual(frame_rates.interval([3, 3, None]), (3, 3, 3))
+        mean, low, high = frame_rates.interval([1, 2, 3, 4])
         self.assertTrue(1 <= low < mean == 2.5 < high <= 4)
 
 

@@ -74,10 +74,8 @@ class Run:
             raise CannotStart(f"there is no program '{words[0]}'")
         self.messages = tempfile.TemporaryFile()
         # In a session of its own, so that a ^C of the suite's terminal does not reach it and a wrapper ends with it.
-        self.process = subprocess.Popen(
-            [*before, *words, *extra], stdin=subprocess.DEVNULL, stdout=self.messages, stderr=self.messages,
-            start_new_session=True,
-        )
+        self.process = subprocess.Popen([*before, *words, *extra], stdin=subprocess.DEVNULL, stdout=self.messages,
+                                        stderr=self.messages, start_new_session=True)
 
     # What is the case.
 
@@ -131,19 +129,15 @@ class Run:
 
     def join(self, name="conformance", reader=Consumer, **options):
         self.wait_for_magic()
-        consumer = reader(
-            self.path, self.kind, name=name, patience_s=self.bench.patience_s, over=self.over, **options
-        )
+        consumer = reader(self.path, self.kind, name=name, patience_s=self.bench.patience_s, over=self.over, **options)
         self.participants.append(consumer)
         return consumer
 
     def expect_end(self, code, contract):
         """The producer ends with this exit code and its name is gone."""
         contract = f"{contract}: exit code {code}"
-        wait_until(
-            lambda: self.code() is not None, contract, lambda: "it still runs; " + self.situation(),
-            self.bench.patience_s,
-        )
+        wait_until(lambda: self.code() is not None, contract, lambda: "it still runs; " + self.situation(),
+                   self.bench.patience_s)
         expect(self.code() == code, contract, self.over)
         expect(not self.has_name(), f"a producer that ends unlinks {self.path.name}", "it is still there")
 
@@ -203,6 +197,15 @@ def page_of(path):
         return file.read(PAGE)
 
 
+def holding(bench, frames):
+    """A run and its one consumer, which has had so many frames and holds the next one."""
+    run = bench.start()
+    consumer = run.join()
+    follow([consumer], frames)
+    consumer.take()
+    return run, consumer
+
+
 def follow(consumers, frames=FRAMES, between=None):
     """Takes frames with several consumers, each at its own pace, until the stream ends or each has had `frames`.
 
@@ -217,9 +220,8 @@ def follow(consumers, frames=FRAMES, between=None):
         busy = [c for c in consumers if c.next <= last and not c.at_end()]
         if not busy:
             return seen
-        busy[0].wait(
-            lambda: any(c.available() or c.at_end() for c in busy), "the next frame follows, or the end of the stream"
-        )
+        busy[0].wait(lambda: any(c.available() or c.at_end() for c in busy),
+                     "the next frame follows, or the end of the stream")
         for consumer, digests in zip(consumers, seen):
             if consumer in busy and consumer.available():
                 frame = consumer.take()

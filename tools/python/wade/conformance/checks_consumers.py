@@ -7,8 +7,7 @@ from wade.conformance import system
 from wade.conformance.bench import FRAMES, follow
 from wade.conformance.child import start_child
 from wade.conformance.expectation import NotApplicable, expect
-from wade.conformance.hashes import chain
-from wade.conformance.layout import FOLLOWS, LATEST, SLICE_S, ControlPage
+from wade.conformance.layout import FOLLOWS, LATEST, SLICE_S, ControlPage, chain
 from wade.conformance.participant import LatestReader
 
 
@@ -263,6 +262,5 @@ def follower(bench):
     return f"{same} frames the same, drained at frame {recorder.published()}"
 
 
-ALL = (
-    two_consumers, three_consumers, sixteen_consumers, late_joiner, leaver, hasty_leaver, latest, latest_dies, follower,
-)
+ALL = (two_consumers, three_consumers, sixteen_consumers, late_joiner, leaver, hasty_leaver, latest, latest_dies,
+       follower)

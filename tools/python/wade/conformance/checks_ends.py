@@ -4,14 +4,13 @@ import signal
 import time
 
 from wade.conformance import system
-from wade.conformance.bench import FRAMES, follow
+from wade.conformance.bench import FRAMES, follow, holding
 from wade.conformance.checks_consumers import together
 from wade.conformance.checks_object import expect_aborted
 from wade.conformance.child import start_child
 from wade.conformance.expectation import NotApplicable, expect
-from wade.conformance.layout import (
-    CHECKED_MINOR, CLOSED, DRAINING, FINAL, FOLLOWS, FREE, GAVE_UP, LATEST, LEFT, RUNNING, SLICE_S, ConsumerPage,
-)
+from wade.conformance.layout import (CHECKED_MINOR, CLOSED, DRAINING, FINAL, FOLLOWS, FREE, GAVE_UP, LATEST, LEFT,
+                                     RUNNING, SLICE_S, ConsumerPage)
 
 STEP_TIMEOUT_S = 1.0
 
@@ -40,12 +39,10 @@ def end(bench):
 def hold_last(run, consumer):
     """Whoever holds the final frame keeps the producer from closing."""
     consumer.wait(lambda: consumer.state() >= DRAINING, "the state is draining (3) after the final frame")
-    deadline = time.monotonic() + 4 * SLICE_S
-    while time.monotonic() < deadline:
-        expect(consumer.state() == DRAINING and run.code() is None and run.has_name(),
-               "the producer drains until the final frame is acknowledged",
-               lambda: run.over() or f"{consumer.situation()}, the name {'is there' if run.has_name() else 'is gone'}")
-        time.sleep(0.01)
+    expect_meanwhile(
+        4 * SLICE_S, lambda: consumer.state() == DRAINING and run.code() is None and run.has_name(),
+        "the producer drains until the final frame is acknowledged",
+        lambda: run.over() or f"{consumer.situation()}, the name {'is there' if run.has_name() else 'is gone'}")
 
 
 def all_leave(bench):
@@ -75,10 +72,7 @@ def consumer_aborts(bench):
 
 def hostile_texts(bench):
     """Texts of a consumer without an end and with control characters do not spoil the producer's own."""
-    run = bench.start()
-    consumer = run.join()
-    follow([consumer], 3)
-    consumer.take()
+    run, consumer = holding(bench, 3)
     page, control_characters = consumer.page, bytes(range(1, 32)) + b"\x7f"
     for at, room in (ConsumerPage.NAME, ConsumerPage.NAME_BYTES), (ConsumerPage.REASON_TEXT, ConsumerPage.REASON_BYTES):
         page.bytes[at : at + room] = (control_characters + b"x" * room)[:room]
@@ -120,10 +114,7 @@ def killed(bench, frames):
 
 def false_acknowledgement(bench):
     """An acknowledgement of a frame that was not published ends the producer with exit code 6."""
-    run = bench.start()
-    consumer = run.join()
-    follow([consumer], 2)
-    consumer.take()
+    run, consumer = holding(bench, 2)
     consumer.acknowledge(consumer.published() + 1_000_000)
     run.expect_end(6, "no acknowledgement goes beyond what was published")
     expect_aborted(consumer, 6)
@@ -149,19 +140,14 @@ def overwritten_words(bench):
 
 def false_goodbye(bench):
     """A goodbye counts once the lock is free: a state alone may have been written by somebody else."""
-    run = bench.start()
-    consumer = run.join()
+    run, consumer = holding(bench, 2)
     demand_checked(consumer)
-    follow([consumer], 2)
-    consumer.take()
     consumer.page.set_u32(ConsumerPage.STATE, LEFT)
     consumer.ring()
     bound = consumer.published() + consumer.header.depth
-    deadline = time.monotonic() + 4 * SLICE_S
-    while time.monotonic() < deadline:
-        expect(run.code() is None and consumer.state() == RUNNING and consumer.published() <= bound,
-               "a consumer that holds its lock is waited for", lambda: run.over() or consumer.situation())
-        time.sleep(0.01)
+    expect_meanwhile(
+        4 * SLICE_S, lambda: run.code() is None and consumer.state() == RUNNING and consumer.published() <= bound,
+        "a consumer that holds its lock is waited for", lambda: run.over() or consumer.situation())
     system.unlock_byte(consumer.fd, 1 + consumer.index)
     consumer.ring()
     run.expect_end(0, "a producer drains when all consumers have left")
@@ -171,6 +157,14 @@ def false_goodbye(bench):
 def demand_checked(consumer):
     if consumer.header.version_minor < CHECKED_MINOR:
         raise NotApplicable("the producer speaks 1.1 or 1.0, this rule came with 1.2")
+
+
+def expect_meanwhile(seconds, holds, contract, seen):
+    """Something holds for all of a while."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        expect(holds(), contract, seen)
+        time.sleep(0.01)
 
 
 def sigterm(bench):
@@ -184,10 +178,7 @@ def sigint(bench):
 
 
 def signalled(bench, number, code):
-    run = bench.start()
-    consumer = run.join()
-    follow([consumer], 3)
-    consumer.take()
+    run, consumer = holding(bench, 3)
     run.send(number)
     run.expect_end(code, f"a producer that gets {number.name} stops")
     expect_aborted(consumer, code, 130)  # 130 stands for every request to stop
@@ -233,8 +224,5 @@ def paused_consumer(bench):
     return f"{count} frames after a pause of 2.5 time-outs"
 
 
-ALL = (
-    end, all_leave, consumer_aborts, hostile_texts, consumer_killed, consumer_killed_at_end, false_acknowledgement,
-    overwritten_words, false_goodbye,
-    sigterm, sigint, signal_before, step_timeout, paused_consumer,
-)
+ALL = (end, all_leave, consumer_aborts, hostile_texts, consumer_killed, consumer_killed_at_end, false_acknowledgement,
+       overwritten_words, false_goodbye, sigterm, sigint, signal_before, step_timeout, paused_consumer)

@@ -7,10 +7,8 @@ import time
 from wade.conformance import system
 from wade.conformance.bench import FRAMES, follow
 from wade.conformance.expectation import NotApplicable, expect
-from wade.conformance.hashes import chain, descriptor_crc
-from wade.conformance.layout import (
-    CHECKED_MINOR, FINAL, KINDS, NONFINITE, READY, RUNNING, SLICE_S, ConsumerPage, ControlPage, Descriptor,
-)
+from wade.conformance.layout import (CHECKED_MINOR, FINAL, KINDS, NONFINITE, READY, RUNNING, SLICE_S, ConsumerPage,
+                                     ControlPage, Descriptor, chain, descriptor_crc)
 
 LONG_HOLD_S = 5 * SLICE_S
 

@@ -28,10 +28,8 @@ def header(bench):
     time.sleep(0.05)
     expect(page_of(run.path) == page[:PAGE], "the header never changes once its magic is stored", "it changed")
     name = found.producer_name.split(b"\0", 1)[0].decode("utf-8", "replace")
-    return (
-        f"'{name}', version {found.version_major}.{found.version_minor}, capacity {found.capacity}, "
-        f"{found.slot_count} slots, depth {found.depth}, {looks} looks"
-    )
+    return (f"'{name}', version {found.version_major}.{found.version_minor}, capacity {found.capacity}, "
+            f"{found.slot_count} slots, depth {found.depth}, {looks} looks")
 
 
 def first_header(run, deadline):

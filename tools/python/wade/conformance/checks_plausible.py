@@ -103,10 +103,8 @@ def expect_filled(header, frame, kilograms, box):
 def expect_inside(frame, places, box, channel):
     """Most particles lie in the channel or not far from it."""
     margins = [max(channel.extent(axis), 1.0) / 2 for axis in range(3)]
-    inside = sum(
-        all(channel.low[a] - margins[a] <= place[a] <= channel.high[a] + margins[a] for a in range(3))
-        for place in zip(*places)
-    )
+    inside = sum(all(channel.low[a] - margins[a] <= place[a] <= channel.high[a] + margins[a] for a in range(3))
+                 for place in zip(*places))
     expect(inside >= INSIDE * frame.count, f"the particles lie in the channel ({channel})",
            f"{inside} of {frame.count} in frame {frame.frame} do: {box}")
 

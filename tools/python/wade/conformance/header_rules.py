@@ -3,11 +3,8 @@
 import math
 
 from wade.conformance.expectation import expect
-from wade.conformance.hashes import header_crc
-from wade.conformance.layout import (
-    ENDIAN_TAG, FIELD_ENTRY, FIELDS, HEADER_WORDS, MAGIC, MAX_CONSUMERS, MAX_FIELDS, MAX_SLOTS, PAGE,
-    RESERVED_IN_HEADER, Header,
-)
+from wade.conformance.layout import (ENDIAN_TAG, FIELDS, FIELD_ENTRY, HEADER_WORDS, MAGIC, MAX_CONSUMERS, MAX_FIELDS,
+                                     MAX_SLOTS, PAGE, RESERVED_IN_HEADER, Header, header_crc)
 
 
 def read_header(page, file_bytes, kind):

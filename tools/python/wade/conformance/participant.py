@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from wade.conformance import system
 from wade.conformance.expectation import PATIENCE_S, expect, wait_until
 from wade.conformance.header_rules import read_header
-from wade.conformance.layout import (
-    FREE, GAVE_UP, JOINED, LATEST, LEFT, LOCKSTEP, PAGE, PRODUCER_STATES, ConsumerPage, ControlPage, Descriptor,
-    text_of,
-)
+from wade.conformance.layout import (FREE, GAVE_UP, JOINED, LATEST, LEFT, LOCKSTEP, PAGE, PRODUCER_STATES, ConsumerPage,
+                                     ControlPage, Descriptor, text_of)
 
 
 @dataclass
@@ -79,10 +77,8 @@ class Segment:
     def raw(self, frame):
         """All bytes of the slot and the descriptor of a frame."""
         slot, descriptor = self.header.slot(frame), self.header.descriptor(frame)
-        return (
-            bytes(self.words.bytes[slot : slot + self.header.slot_stride])
-            + bytes(self.words.bytes[descriptor : descriptor + self.header.descriptor_stride])
-        )
+        return (bytes(self.words.bytes[slot : slot + self.header.slot_stride]) +
+                bytes(self.words.bytes[descriptor : descriptor + self.header.descriptor_stride]))
 
     def copy(self, frame):
         """A copy of what lies in the slot of a frame now."""
@@ -92,10 +88,8 @@ class Segment:
         count, flags = self.words.u32(at + Descriptor.COUNT), self.words.u32(at + Descriptor.FLAGS)
         hashes = self.words.u64(at + Descriptor.HASH), self.words.u64(at + Descriptor.PREVIOUS_HASH)
         slot, size = self.header.slot(frame), 4 * min(count, self.header.capacity)
-        fields = [
-            bytes(self.words.bytes[slot + entry.offset : slot + entry.offset + size])
-            for entry in self.header.required_fields()
-        ]
+        fields = [bytes(self.words.bytes[slot + entry.offset : slot + entry.offset + size])
+                  for entry in self.header.required_fields()]
         return Frame(sequence, number, tick, count, flags, *hashes, fields)
 
     def producer_lives(self):
@@ -176,9 +170,8 @@ class Consumer(Segment):
     def wait_for_admission(self):
         """The first frame of this consumer."""
         if not self.next:
-            self.next = self.first = self.wait(
-                self.admitted, "the producer answers a consumer that joined with its admitted_frame"
-            )
+            self.next = self.first = self.wait(self.admitted,
+                                               "the producer answers a consumer that joined with its admitted_frame")
         return self.first
 
     def available(self):
@@ -192,16 +185,11 @@ class Consumer(Segment):
         self.wait_for_admission()
         self.wait(self.available, f"frame {self.next} follows when all frames before it are acknowledged")
         frame = self.copy(self.next)
-        expect(
-            frame.sequence == 2 * self.next and frame.frame == self.next,
-            f"published frame {self.next} lies in its slot with sequence {2 * self.next}",
-            f"frame {frame.frame} with sequence {frame.sequence}",
-        )
-        expect(
-            frame.count <= self.header.capacity,
-            f"a frame has at most capacity = {self.header.capacity} particles",
-            f"frame {frame.frame} has {frame.count}",
-        )
+        expect(frame.sequence == 2 * self.next and frame.frame == self.next,
+               f"published frame {self.next} lies in its slot with sequence {2 * self.next}",
+               f"frame {frame.frame} with sequence {frame.sequence}")
+        expect(frame.count <= self.header.capacity, f"a frame has at most capacity = {self.header.capacity} particles",
+               f"frame {frame.frame} has {frame.count}")
         return frame
 
     def release(self):

@@ -99,10 +99,8 @@ def futex_wait(address, seen, seconds):
 
 
 def futex_wake_all(address):
-    _libc.syscall(
-        ctypes.c_long(_FUTEX), ctypes.c_void_p(address), ctypes.c_long(_FUTEX_WAKE), ctypes.c_long(2**31 - 1),
-        ctypes.c_void_p(None), ctypes.c_void_p(None), ctypes.c_long(0),
-    )
+    _libc.syscall(ctypes.c_long(_FUTEX), ctypes.c_void_p(address), ctypes.c_long(_FUTEX_WAKE), ctypes.c_long(2**31 - 1),
+                  ctypes.c_void_p(None), ctypes.c_void_p(None), ctypes.c_long(0))
 
 
 @contextmanager

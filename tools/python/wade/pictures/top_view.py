@@ -194,21 +194,16 @@ def draw_flow(axes, scene, cells):
             half = 0.018 * length
             if not (is_wet(cells, x - half, z) and is_wet(cells, x + half, z)):
                 continue
-            axes.annotate(
-                "", xy=(x - half, z), xytext=(x + half, z), zorder=4,
-                arrowprops={"arrowstyle": "-|>,head_width=0.18,head_length=0.36", "color": "white", "alpha": 0.85,
-                            "linewidth": 1.3},
-            )
+            axes.annotate("", xy=(x - half, z), xytext=(x + half, z), zorder=4,
+                          arrowprops={"arrowstyle": "-|>,head_width=0.18,head_length=0.36", "color": "white",
+                                      "alpha": 0.85, "linewidth": 1.3})
 
 
 def draw_obstacles(axes, scene):
     for box in scene.get("obstacles", []):
-        axes.add_patch(
-            Rectangle(
-                (box["x_min_m"], box["z_min_m"]), box["x_max_m"] - box["x_min_m"], box["z_max_m"] - box["z_min_m"],
-                facecolor="#8d8d93", edgecolor=INK, linewidth=0.9, hatch="////", zorder=5,
-            )
-        )
+        axes.add_patch(Rectangle((box["x_min_m"], box["z_min_m"]), box["x_max_m"] - box["x_min_m"],
+                                 box["z_max_m"] - box["z_min_m"], facecolor="#8d8d93", edgecolor=INK, linewidth=0.9,
+                                 hatch="////", zorder=5))
 
 
 def far_goals(scene):
@@ -251,9 +246,8 @@ def draw_goals(axes, scene, by_group=True):
         reach = axes.add_patch(Circle(goal, crowd["goal_radius_m"], fill=False, edgecolor="#9a7400", linewidth=0.9,
                                       linestyle=(0, (3, 2)), zorder=7))
         reach.set_clip_path(Rectangle((0, 0), length, scene["world"]["width_m"], transform=axes.transData))
-        axes.plot(
-            *goal, marker="*", markersize=19, markerfacecolor=goal_colour(scene, goal) if by_group else STAR, **style,
-        )
+        axes.plot(*goal, marker="*", markersize=19, markerfacecolor=goal_colour(scene, goal) if by_group else STAR,
+                  **style)
 
 
 def people_at(agents, paths, end_time, whole_run):
@@ -278,10 +272,8 @@ def draw_people(axes, ends, lines, scene):
     colours = path_colours(scene, list(lines))
     parts = [(thinned(part), colour) for points, colour in zip(lines.values(), colours)
              for part in laps_apart(points, period_of(scene))]
-    axes.add_collection(
-        LineCollection([part for part, _ in parts], colors=[colour for _, colour in parts], linewidths=0.9, alpha=0.78,
-                       zorder=6, capstyle="round", joinstyle="round")
-    )
+    axes.add_collection(LineCollection([part for part, _ in parts], colors=[colour for _, colour in parts],
+                                       linewidths=0.9, alpha=0.78, zorder=6, capstyle="round", joinstyle="round"))
     if lines:
         starts = np.array([points[0] for points in lines.values()])
         axes.scatter(*starts.T, s=9, facecolors="white", edgecolors=colours, linewidths=0.7, zorder=7, clip_on=False)

@@ -15,6 +15,7 @@ def parser_of(command, suite, text, table):
     table: name of its CSV, which --publish puts beside the report.
     """
     parser = Parser(command, text.partition("\n\n")[0], text.partition("\n\n")[2])
+    parser.epilog += "\n\nThe columns of the table: docs/reports/README.md."
     parser.add_argument("--out", type=lambda name: Path(name).resolve(), default=ROOT / "runs" / suite, metavar="DIR",
                         help=f"folder of runs, report.md and {table} [runs/{suite}]")
     parser.add_argument("--quick", action="store_true", help="the short form")

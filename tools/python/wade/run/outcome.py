@@ -50,10 +50,8 @@ def summary(folder):
         return []
     last = outcome["last_arrival_s"]
     arrival = f", the last after {last:.1f} s" if last is not None else ""
-    lines = [
-        f"{outcome['scene']}: {outcome['status']}; {outcome['arrived']} of {outcome['agents']} arrived{arrival}; "
-        f"{outcome['dead']} dead, {outcome['active']} active"
-    ]
+    lines = [f"{outcome['scene']}: {outcome['status']}; {outcome['arrived']} of {outcome['agents']} arrived{arrival}; "
+             f"{outcome['dead']} dead, {outcome['active']} active"]
     wall, memory = outcome["wall_time_s"], outcome["fluid"].get("resident_bytes")
     if wall:
         simulated = outcome["sim_time_s"]
@@ -75,10 +73,8 @@ def crowds_summary(folder):
     """The outcome of many crowds in words, a line each."""
     for row in crowds_of(folder):
         last = f", the last after {float(row['last_arrival_s']):.1f} s" if row["last_arrival_s"] else ""
-        yield (
-            f"{row['name']}: {row['status']}; {row['arrived']} of {row['agents']} arrived{last}; "
-            f"{row['dead']} dead, {row['active']} active"
-        )
+        yield (f"{row['name']}: {row['status']}; {row['arrived']} of {row['agents']} arrived{last}; "
+               f"{row['dead']} dead, {row['active']} active")
 
 
 def has_frames(folder):

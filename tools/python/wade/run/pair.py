@@ -16,9 +16,8 @@ from pathlib import Path
 from wade.building import PICTURES
 from wade.errors import UsageError
 from wade.paths import BUILD, module_command
-from wade.run.arguments import asks_for_help, is_given, options_of, split_arguments, suit_to_latest, values_of
+from wade.run.arguments import HELP, asks_for_help, is_given, options_of, split_arguments, suit_to_latest, values_of
 from wade.run.folders import new_folder
-from wade.run.help import HELP
 from wade.run.outcome import BeforeRun, crowds_summary, has_frames, state_of, summary
 from wade.run.processes import Pair, meaning, wait_for_own_segment, wait_until_joined
 from wade.scenes import find_scene

@@ -1,11 +1,15 @@
 """The processes of a run: started together, signalled together, waited for together; and a look at their segment."""
 
 import ctypes
+import json
 import signal
 import struct
 import subprocess
 import time
 from pathlib import Path
+
+from wade.errors import UsageError
+from wade.paths import BUILD
 
 # Exit codes that are only the echo of what happened to the other side: attach time-out, peer dead, peer aborted,
 # step time-out. The other side's own code says more.
@@ -128,6 +132,14 @@ def wait_until_joined(consumer, producer, session):
                 return True
         time.sleep(0.01)
     return False
+
+
+def resolved(scene, *options):
+    """A scene as crowd_client reads it with these options. UsageError for one that it refuses, of which it says itself why."""
+    answer = subprocess.run([BUILD / "crowd_client", scene, *options, "--print-config"], stdout=subprocess.PIPE, text=True)
+    if answer.returncode != 0:
+        raise UsageError(f"the scene {scene} cannot be used")
+    return json.loads(answer.stdout)
 
 
 def exit_code(process):

@@ -43,9 +43,8 @@ def plan(cases, patterns, levels, quick, long):
     for level in allowed:
         if level not in LEVELS:
             raise ValueError(f"--levels {level}: allowed: {', '.join(LEVELS)}")
-    runs = [(case, level) for index, level in enumerate(LEVELS) for case in chosen
-            if (not quick or case.quick == level) and level in allowed and level in case.levels
-            and (long or index < case.long_from)]
+    runs = [(case, level) for index, level in enumerate(LEVELS) for case in chosen if (not quick or case.quick == level)
+            and level in allowed and level in case.levels and (long or index < case.long_from)]
     if not runs:
         raise ValueError("nothing to run: the cases chosen have none of these resolutions, take hours or are not quick")
     if left := left_out(patterns, runs):

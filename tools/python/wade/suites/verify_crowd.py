@@ -7,7 +7,7 @@ numbers and curves of each run. Cases with bodies count their levels by the runs
 is what the tests run, medium and fine have more seeds, widths and rates; the others count them by the
 markers. A run that is complete and whose program and scenes are still the same is not repeated.
 
-Columns of verify_crowd.csv: those of validation.csv, see validate --help. Exit code 1: a run failed,
+Exit code 1: a run failed,
 or a value is above its threshold and no known failure (tests/validation/known_failures.csv); 2: wrong
 options; 130, 143: interrupted.
 """

@@ -21,11 +21,11 @@ from matplotlib.ticker import PercentFormatter
 
 from wade.errors import UsageError
 from wade.many import seed_range
-from wade.paths import BUILD, CONFIGS, ROOT, module_command
+from wade.paths import CONFIGS, ROOT, module_command
 from wade.reports.files import say
 from wade.reports.plots import pyplot, save
 from wade.reports.tables import read_csv
-from wade.run.processes import end_with_parent
+from wade.run.processes import end_with_parent, resolved
 from wade.scenes import find_scene
 from wade.sweeps.limits import limits_of
 from wade.terminal import Parser
@@ -71,14 +71,6 @@ def run_water(options, depth, speed, crowds):
     rows = [row_of(folder / "crowds" / name, depth, speed, *crowd) | cut for name, crowd in names.items()]
     shutil.rmtree(folder)
     return rows
-
-
-def resolved_scene(scene):
-    """The scene as crowd_client resolves it, which says itself what is wrong with one."""
-    answer = subprocess.run([BUILD / "crowd_client", scene, "--print-config"], stdout=subprocess.PIPE, text=True)
-    if answer.returncode != 0:
-        raise UsageError(f"--scene: {scene} cannot be used")
-    return json.loads(answer.stdout)
 
 
 def row_of(folder, depth, speed, tau, seed):
@@ -216,7 +208,7 @@ def main(arguments):
     if not 2 <= options.points <= 50:
         parser.error(f"--points: {options.points}, allowed is 2 to 50")
     options.scene = find_scene(str(options.scene))
-    scene = resolved_scene(options.scene)
+    scene = resolved(options.scene)
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / "depth_sweep.csv"
     done = rows_to_go_on_with(path, options.until_s)

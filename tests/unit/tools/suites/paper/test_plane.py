@@ -32,7 +32,7 @@ class Plane(unittest.TestCase):
         temporary = tempfile.TemporaryDirectory(prefix="wade-test-")
         self.addCleanup(temporary.cleanup)
         self.out = Path(temporary.name)
-        patch = mock.patch.object(plane, "resolved_scene", lambda _scene: SCENE)
+        patch = mock.patch.object(plane, "resolved", lambda _scene: SCENE)
         patch.start()
         self.addCleanup(patch.stop)
 

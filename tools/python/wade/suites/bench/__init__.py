@@ -21,8 +21,8 @@ from wade.paths import BUILD
 from wade.reports import options
 from wade.reports.files import complain, publish, say
 from wade.reports.machine import machine, machine_text
-from wade.suites.bench import end_to_end, kernels
-from wade.suites.bench.results import comparison, read, summary, write, write_table
+from wade.suites.bench import end_to_end
+from wade.suites.bench.results import comparison, kernel_command, kernel_results, read, summary, write, write_table
 from wade.terminal import wrapped
 
 # Program, what its names begin with, whether it takes --only and --threads.
@@ -69,7 +69,7 @@ def run_program(program, chosen, takes_all):
     with tempfile.TemporaryDirectory(prefix="wade-bench-") as folder:
         file = Path(folder) / "results.json"
         if program.name == "bench_kernels":
-            command = kernels.command(program, file, chosen.only, chosen.quick)
+            command = kernel_command(program, file, chosen.only, chosen.quick)
         else:
             command = [program, "--json", file] + (["--quick"] if chosen.quick else [])
         if chosen.rvo2:
@@ -84,7 +84,7 @@ def run_program(program, chosen, takes_all):
         if done.returncode != 0:
             raise RuntimeError(f"ended with exit code {done.returncode}")
         found = read(file)
-        return kernels.results_of(found) if program.name == "bench_kernels" else found["results"]
+        return kernel_results(found) if program.name == "bench_kernels" else found["results"]
 
 
 def measure(chosen):

@@ -65,13 +65,12 @@ def errors(results):
     """Work and error of a step of the water."""
     heads = ("name", "particles", "threads", "particle-steps/s", "iterations, divergence + density", "sweeps", "pairs",
              "bytes a particle", "density error, mean %", "most %")
-    return table(heads, [
-        (r["name"], count(r["size"]), r["threads"], count(r["median"]),
-         f"{r['divergence_iterations_per_step']:.2f} + {r['density_iterations_per_step']:.2f}",
-         count(r["sweeps_per_step"]),
-         count(r["pairs_per_particle"]), count(r["bytes_per_particle"]), f"{r['mean_density_error_percent']:.3g}",
-         f"{r['max_density_error_percent']:.3g}")
-        for r in results if "mean_density_error_percent" in r and "divergence_iterations_per_step" in r])
+    return table(heads, [(r["name"], count(r["size"]), r["threads"], count(r["median"]),
+                          f"{r['divergence_iterations_per_step']:.2f} + {r['density_iterations_per_step']:.2f}",
+                          count(r["sweeps_per_step"]), count(r["pairs_per_particle"]), count(r["bytes_per_particle"]),
+                          f"{r['mean_density_error_percent']:.3g}", f"{r['max_density_error_percent']:.3g}")
+                         for r in results if "mean_density_error_percent" in r
+                         and "divergence_iterations_per_step" in r])
 
 
 def bounds(results):
@@ -89,8 +88,7 @@ def bounds(results):
         useful = 1e9 * pairs / nanoseconds
         rows.append((r["name"], count(r["size"]), f"{nanoseconds:.1f}", count(useful / 1e6), f"{100 * lanes:.0f} %",
                      f"{100 * useful / pairs_at_most:.0f} %", f"{100 * useful / lanes / pairs_at_most:.0f} %",
-                     count(moved),
-                     f"{100 * moved / nanoseconds / stream:.0f} %"))
+                     count(moved), f"{100 * moved / nanoseconds / stream:.0f} %"))
     text = (
         f"One core makes {peak:.0f} GFLOP/s of multiply-adds in registers and moves {stream:.1f} GB/s. A pair costs a "
         f"sweep at least {OPERATIONS_OF_A_PAIR} vector operations a lane, so that no core makes more than "
@@ -98,8 +96,7 @@ def bounds(results):
         "columns of shares count useful pairs, and all lanes. Shares of the bandwidth hold for sizes that no cache "
         "holds.\n\n")
     heads = ("sweep", "particles", "ns a particle", "useful M pairs/s", "lanes in use", "of the bound",
-             "of the bound, all lanes",
-             "bytes a particle", "of the bandwidth")
+             "of the bound, all lanes", "bytes a particle", "of the bandwidth")
     return text + table(heads, rows)
 
 

@@ -5,13 +5,6 @@ rivers, fronts, blocks, emitters, a slope. Each with /fluid/model "auto" and a m
 0.05, 0.1 and 0.3, with the default settings, and with a fine spacing as the truth. About ten
 minutes; a run that is there, of the same scene and settings, is not repeated: after a change of a
 solver take another DIR.
-
-Columns of model_choice.csv, a line a scene and demand: scene; demand; kind, the kind of water that
-decides; chosen; pilot, the difference that it found and the largest that is allowed; went_up, yes if
-the pilot contradicted the first choice; estimated_median, estimated_p95; actual_median, actual_p95;
-held, whether the actual median is at most the demand; default_median, error of the default settings;
-particle_steps, cpu_s_per_sim_s, cost_over_default (CPU time of the solver); choice_cpu_s, CPU time
-of the choice with its pilot; refused, why the demand was refused.
 """
 
 import sys
@@ -20,7 +13,7 @@ from wade.paths import ROOT
 from wade.reports import options
 from wade.reports.files import publish, say, write_whole
 from wade.reports.tables import write_csv
-from wade.suites.model_choice import report, runs, scenes, table
+from wade.suites.model_choice import report, runs, table
 
 HEADER = (
     "scene,demand,kind,chosen,pilot,went_up,estimated_median,estimated_p95,actual_median,actual_p95,held,default_median,"
@@ -38,7 +31,7 @@ def row_of(name, demand, truth, default, choice, get):
     row = {"scene": name, "demand": f"{demand:g}", "default_median": f"{default_median:.4g}"}
     if "refused" in choice:
         return row | {"refused": choice["refused"]}
-    document = get(scenes.file_of(name), choice["overrides"])
+    document = get(runs.file_of(name), choice["overrides"])
     if document is None:
         return None
     if "error" in document:
@@ -55,15 +48,15 @@ def row_of(name, demand, truth, default, choice, get):
 
 def rows_of(name, get):
     """The lines of a scene; `get` answers a run, or None if it is not there. Demands with the same choice share a run."""
-    scene = scenes.file_of(name)
-    finest, default = get(scene, scenes.finest_overrides(name)), get(scene, [])
+    scene = runs.file_of(name)
+    finest, default = get(scene, runs.finest_overrides(name)), get(scene, [])
     if finest is None or default is None:
         return []
     for document in (finest, default):
         if "error" in document:
             raise SystemExit(f"model-choice: {scene}: {document['error']}")
     truth = runs.standing_of(finest)
-    rows = [row_of(name, d, truth, default, runs.choose(scene, d), get) for d in scenes.demands(name)]
+    rows = [row_of(name, d, truth, default, runs.choose(scene, d), get) for d in runs.demands(name)]
     return [row for row in rows if row is not None]
 
 
@@ -74,8 +67,7 @@ def main(arguments):
                         help="only write fluid_server/model_choice/table.csv from its "
                         "measurements, or check that it is what they give")
     parser.add_argument("--measure", action="store_true",
-                        help="only measure anew, in DIR, what the table is made of beside "
-                        "speed-vs-error")
+                        help="only measure anew, in DIR, what the table is made of beside speed-vs-error")
     chosen = parser.parse_args(arguments)
     if chosen.measure:
         table.measure(chosen.out / "runs")
@@ -89,7 +81,7 @@ def main(arguments):
             f"{'' if same else '; tools/wade model-choice --table write'}")
         return 0 if same else 1
     rows = []
-    names = scenes.QUICK if chosen.quick else list(scenes.FINEST)
+    names = runs.QUICK if chosen.quick else list(runs.FINEST)
     for name in names:
         rows += rows_of(name, lambda scene, overrides: runs.run(scene, overrides, chosen.out / "runs",
                                                                 only_stored=chosen.report_only))

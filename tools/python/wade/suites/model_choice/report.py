@@ -8,7 +8,7 @@ from wade.reports.files import write_whole
 from wade.reports.machine import machine_line
 from wade.reports.plots import pyplot
 from wade.reports.tables import document, markdown, section
-from wade.suites.model_choice import scenes
+from wade.suites.model_choice import runs
 
 MARKS = {"0.05": "o", "0.1": "s", "0.3": "^"}
 INTRO = """\
@@ -32,7 +32,7 @@ gravity from the start. The scenes {unseen} were added after that change.
 def near_finest(row):
     """Whether the fine run is hardly finer than what was chosen, so that their distance says less than the error."""
     found = re.match(r"dfsph, d = (\S+) m", row["chosen"])
-    return found is not None and float(found[1]) < 2 * scenes.FINEST[row["scene"]]
+    return found is not None and float(found[1]) < 2 * runs.FINEST[row["scene"]]
 
 
 def summary(rows):
@@ -40,12 +40,10 @@ def summary(rows):
     held = [r for r in met if r["held"] == "yes"]
     below = [r for r in met if float(r["actual_median"]) <= float(r["estimated_median"])]
     p95 = [r for r in met if float(r["actual_p95"]) <= float(r["estimated_p95"])]
-    lines = [
-        f"* Of {len(rows)} demands in {len({r['scene'] for r in rows})} scenes {len(met)} were taken on and "
-        f"{len(rows) - len(met)} refused as no candidate is estimated to meet them.",
-        f"* Of those taken on, **{len(held)} of {len(met)} held**.",
-    ]
-    for demand in scenes.DEMANDS:
+    lines = [f"* Of {len(rows)} demands in {len({r['scene'] for r in rows})} scenes {len(met)} were taken on and "
+             f"{len(rows) - len(met)} refused as no candidate is estimated to meet them.",
+             f"* Of those taken on, **{len(held)} of {len(met)} held**."]
+    for demand in runs.DEMANDS:
         some = [r for r in met if float(r["demand"]) == demand]
         if some:
             good = sum(r["held"] == "yes" for r in some)
@@ -55,15 +53,15 @@ def summary(rows):
         f"* The median was at most the estimate in {len(below)} of {len(met)}, the 95th percentile at most its own in "
         f"{len(p95)} of {len(met)}."
     )
-    some = [r for r in met if r["scene"] in scenes.UNSEEN]
+    some = [r for r in met if r["scene"] in runs.UNSEEN]
     if some:
         good = sum(r["held"] == "yes" for r in some)
         lines.append(f"* In the scenes that were added after the table was changed {good} of {len(some)} held.")
     lines.append(f"* The pilot contradicted the first choice in {sum(r['went_up'] == 'yes' for r in met)} of {len(met)}.")
     distinct = {r["scene"]: float(r["default_median"]) for r in rows}
-    for demand in scenes.DEMANDS:
+    for demand in runs.DEMANDS:
         good = sum(v <= demand for v in distinct.values())
-        lines.append(f"* The default settings have an error of at most {demand:g} in {good} of {len(distinct)} scenes.")
+        lines.append(f"* The default settings have an error of at most {demand:g} in {good} of {len(distinct)} runs.")
     near = [r for r in met if near_finest(r)]
     if near:
         lines.append(
@@ -73,11 +71,8 @@ def summary(rows):
     failed = [r for r in met if r["held"] != "yes"]
     if failed:
         lines += ["", "Not held:", ""]
-        lines += [
-            f"* {r['scene']}, demand {r['demand']}: {r['chosen']}, estimated {r['estimated_median']}, actual "
-            f"{r['actual_median']}"
-            for r in failed
-        ]
+        lines += [f"* {r['scene']}, demand {r['demand']}: {r['chosen']}, estimated {r['estimated_median']}, actual "
+                  f"{r['actual_median']}" for r in failed]
     return lines
 
 
@@ -96,15 +91,14 @@ def table(rows):
                       f"{r['estimated_p95']}, {r['actual_p95']}", r["default_median"], r["cost_over_default"],
                       r["choice_cpu_s"]])
     head = ("scene", "demand", "chosen", "estimate", "actual median", "held", "95 %: estimate, actual",
-            "default's median",
-            "cost / default", "CPU s of the choice")
+            "default's median", "cost / default", "CPU s of the choice")
     return markdown(head, lines)
 
 
 def references(names):
-    left_out = ", ".join(f"{name} at {demand:g}" for name, demand in sorted(scenes.LEFT_OUT) if name in names)
+    left_out = ", ".join(f"{name} at {demand:g}" for name, demand in sorted(runs.LEFT_OUT) if name in names)
     note = f"Left out, as the run as chosen would take longer than the finest: {left_out}." if left_out else ""
-    rows = [(f"`{scenes.file_of(name)}`", f"{scenes.FINEST[name]:g}") for name in names]
+    rows = [(f"`{runs.file_of(name)}`", f"{runs.FINEST[name]:g}") for name in names]
     return section("Finest runs", note, markdown(("scene", "spacing, m"), rows))
 
 
@@ -133,8 +127,8 @@ def draw(rows, file):
 
 def write(rows, names, out):
     draw(rows, out / "estimate_against_actual.png")
-    demands = ", ".join(f"{d:g}" for d in scenes.DEMANDS[:-1]) + f" and {scenes.DEMANDS[-1]:g}"
-    head = INTRO.format(machine=machine_line(), demands=demands, unseen=" and ".join(scenes.UNSEEN))
+    demands = ", ".join(f"{d:g}" for d in runs.DEMANDS[:-1]) + f" and {runs.DEMANDS[-1]:g}"
+    head = INTRO.format(machine=machine_line(), demands=demands, unseen=" and ".join(runs.UNSEEN))
     picture = "![estimate against actual error](estimate_against_actual.png)"
     write_whole(out / "report.md", document(head, section("How often it held", "\n".join(summary(rows)), picture),
                                             section("All demands", table(rows)), references(names)))

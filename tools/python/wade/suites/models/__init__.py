@@ -6,10 +6,7 @@ follow from the numbers by rule, and models.csv. A run that is complete and whos
 are the same is not repeated. Some hours, most of them for DFSPH; with --quick the quick cases at one
 resolution each. Table 1 of the paper by a model: tools/wade paper --model NAME --parts table1.
 
-Columns of models.csv, a line a metric of a run: case, model, level, spacing_m; status: completed,
-refused, failed or left out; particles, or cells of a grid; metric, value, unit; limit; met, yes or no,
-empty if the metric has no limit; cpu_s of the solver, simulated_s, cpu_s_per_sim_s; commit of the
-program; remark, why there is no result. Exit code 1: a run failed; 2: wrong options; 130, 143:
+Exit code 1: a run failed; 2: wrong options; 130, 143:
 interrupted. A limit that is missed is a result, not a failure.
 """
 
@@ -17,14 +14,12 @@ from wade.errors import UsageError
 from wade.paths import BUILD, ROOT
 from wade.reports import options
 from wade.reports.files import publish, say, write_whole
-from wade.reports.jobs import end_children_on_signals, exit_code
+from wade.reports.jobs import Fingerprints, end_children_on_signals, exit_code
 from wade.reports.machine import machine_line
-from wade.reports.programs import Fingerprints
 from wade.reports.tables import document, section
 from wade.suites import cases as known_cases
 from wade.suites.models import drawings, rules, sections
-from wade.suites.models.case_runs import run_cases, water_cases
-from wade.suites.models.outcomes import write_table
+from wade.suites.models.outcomes import run_cases, water_cases, write_table
 from wade.suites.speed_vs_error.measure import Runner
 from wade.suites.validate import TABLES
 from wade.suites.validate.results import Judge

@@ -6,10 +6,9 @@ from wade.suites.models.drawings import IMPULSE_ERRORS, model_words
 from wade.suites.models.outcomes import COMPLETED, FAILED, LEFT_OUT, REFUSED, missed, worst
 
 
-GUARDS = (
-    "\\*: the limits of the case only guard against a broken coupling; the model is held against the"
-    " [impulse on people](#impulse-on-people) instead: its median error must not be larger than"
-    f" {rules.SAME_AS:g} times that of DFSPH at the same resolution.")
+GUARDS = ("\\*: the limits of the case only guard against a broken coupling; the model is held against the"
+          " [impulse on people](#impulse-on-people) instead: its median error must not be larger than"
+          f" {rules.SAME_AS:g} times that of DFSPH at the same resolution.")
 
 
 def code(name):

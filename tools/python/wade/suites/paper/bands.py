@@ -142,13 +142,10 @@ def judge_particles(pairs):
     known = {name: pair for name, pair in pairs.items() if None not in pair}
     if known:
         arrived = {name: [crossing_of(name, result) for result in pair] for name, pair in known.items()}
-        judgement.found = "; ".join(
-            f"{name} {in_words(arrived[name][1])} against {in_words(arrived[name][0])}"
-            for name, (coarse, fine) in known.items()
-        )
-        judgement.holds = all(
-            abs(fine[0] - coarse[0]) <= max(PARTICLES_SHARE * coarse[0], SLACK) for coarse, fine in arrived.values()
-        )
+        judgement.found = "; ".join(f"{name} {in_words(arrived[name][1])} against {in_words(arrived[name][0])}"
+                                    for name, (coarse, fine) in known.items())
+        judgement.holds = all(abs(fine[0] - coarse[0]) <= max(PARTICLES_SHARE * coarse[0], SLACK)
+                              for coarse, fine in arrived.values())
     return judgement
 
 

@@ -9,8 +9,7 @@ from wade.paths import module_command
 from wade.reports.files import complain
 from wade.reports.intervals import precise_enough
 from wade.suites.paper.pictures import note_what_is_seen
-from wade.suites.paper.results import record_of
-from wade.suites.paper.results import Run
+from wade.suites.paper.results import Run, record_of
 from wade.suites.paper.store import what_counts
 
 # Where the crowds of one water may differ; all else belongs to the water.
@@ -170,9 +169,8 @@ class Ensembles:
         folder = self.out / water.key
         folder.mkdir(parents=True, exist_ok=True)
         base = self.programs.resolved(water.scene, water.changes)
-        entries = [
-            crowd_entry(name_of(*run), self.programs.scene_of(*run), base, self.keeps_pictures(*run)) for run in missing
-        ]
+        entries = [crowd_entry(name_of(*run), self.programs.scene_of(*run), base, self.keeps_pictures(*run))
+                   for run in missing]
         (folder / "crowds.json").write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
         command = [*module_command("wade.run.pair"), water.scene, "--crowds", folder / "crowds.json", "--out", folder]
         command += ["--no-figure", "--threads", str(self.threads), *self.programs.words(water.changes)]

@@ -8,10 +8,11 @@ import sys
 
 from wade.paths import CONFIGS, module_command
 from wade.reports.tables import markdown, section
+from wade.run.processes import resolved
 from wade.suites.paper import plan
 from wade.suites.paper.bands import SET_UPS
 from wade.sweeps.depth_sweep import (BOUNDS, TableError, draw, level_of, limit_in_words, limit_of, read_table,
-                                     resolved_scene, shares)
+                                     shares)
 
 SCENE = CONFIGS / "observed" / "observed.json"
 TAUS = (0.2, 0.8)  # those of S4 to S6 and of S7 to S9
@@ -100,7 +101,7 @@ def plane_section(context):
         return section(title, f"Not drawn: {error}.")
     if not rows:
         return ""
-    scene = resolved_scene(SCENE)
+    scene = resolved(SCENE)
     draw(rows, scene, context.out / "depth_sweep.png")
     taus = sorted({float(row["tau"]) for row in rows})
     of_tau = {tau: [row for row in rows if float(row["tau"]) == tau] for tau in taus}
@@ -113,11 +114,10 @@ def plane_section(context):
         if any(known):
             lines.append([level.replace("_", " "), max(found[0] for found in known if found),
                           *("-" if found is None else f"{100 * found[1]:.0f}" for found in known)])
-    text = (
-        f"Who arrives at {(share == share).sum()} points, depths of {depths[0]:g} to {depths[-1]:g} m and v_F of "
-        f"{speeds[0]:g} to {speeds[-1]:g} m/s, set as observed, simulated with the pair (seeds {seeds[0]} to "
-        f"{seeds[-1]}, programs of commit {', '.join(commits)}). Water shallower than the particles' spacing has "
-        "smaller particles. The shares of a level are means over its points and depend on where these lie.")
+    text = (f"Who arrives at {(share == share).sum()} points, depths of {depths[0]:g} to {depths[-1]:g} m and v_F of "
+            f"{speeds[0]:g} to {speeds[-1]:g} m/s, set as observed, simulated with the pair (seeds {seeds[0]} to "
+            f"{seeds[-1]}, programs of commit {', '.join(commits)}). Water shallower than the particles' spacing has "
+            "smaller particles. The shares of a level are means over its points and depend on where these lie.")
     table = markdown(["level of H v_F", "points", *(f"tau {tau:g}: arrive, %" for tau in taus)], lines)
     return section(title, text, table, "\n".join(half_words(tau, of_tau[tau], scene) for tau in taus),
                    "![depth times velocity](depth_sweep.png)")

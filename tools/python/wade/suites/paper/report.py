@@ -5,9 +5,8 @@ from pathlib import Path
 
 from wade.reports.tables import markdown, section
 from wade.suites.paper import bands, plan
-from wade.suites.paper.bands import in_words
+from wade.suites.paper.bands import SET_UPS, arrived_of, error_percent, in_words, met_of, shown, time_of
 from wade.sweeps.limits import limits_of, of_limit
-from wade.suites.paper.bands import SET_UPS, arrived_of, error_percent, met_of, shown, time_of
 
 WHY = "Why it differs, as far as it is known: [how near to the paper](README.md)."
 LOST = ("S8", "S9", "S11", "S12")  # nobody arrives in the paper

@@ -73,26 +73,14 @@ def table_row(scene_set, scenario, result, paper, base=None, in_band=None):
     scene = result.scene
     fluid = scene["fluid"]
     row = dict.fromkeys(COLUMNS, "")
-    row.update(
-        set=scene_set,
-        scenario=scenario,
-        tau=in_words(scene["crowd"]["groups"][0]["tau"]),
-        v_f_m_s=scene["channel"]["velocity_m_s"],
-        contact_rule=scene["coupling"]["contact_rule"],
-        initial_river=scene["channel"]["initial_river"],
-        frame_rate_hz=scene["frame_rate_hz"],
-        gravity_m_s2=scene["world"]["gravity_m_s2"],
-        spacing_m=fluid["particle_spacing_m"],
-        particle_mass_kg=fluid["rest_density_kg_m3"] * fluid["particle_spacing_m"] ** 3,
-        paper_time_s=paper["time_s"],
-        paper_diff_percent=paper["diff_percent"],
-        paper_arrived=paper["arrived"],
-        seeds=len(result.runs),
-        dead_mean=result.dead,
-        agent_depth_m=result.depth,
-        agent_speed_m_s=result.speed,
-        in_band="" if in_band is None else "yes" if in_band else "no",
-    )
+    row.update(set=scene_set, scenario=scenario, tau=in_words(scene["crowd"]["groups"][0]["tau"]),
+               v_f_m_s=scene["channel"]["velocity_m_s"], contact_rule=scene["coupling"]["contact_rule"],
+               initial_river=scene["channel"]["initial_river"], frame_rate_hz=scene["frame_rate_hz"],
+               gravity_m_s2=scene["world"]["gravity_m_s2"], spacing_m=fluid["particle_spacing_m"],
+               particle_mass_kg=fluid["rest_density_kg_m3"] * fluid["particle_spacing_m"] ** 3,
+               paper_time_s=paper["time_s"], paper_diff_percent=paper["diff_percent"], paper_arrived=paper["arrived"],
+               seeds=len(result.runs), dead_mean=result.dead, agent_depth_m=result.depth, agent_speed_m_s=result.speed,
+               in_band="" if in_band is None else "yes" if in_band else "no")
     row.update(zip(("arrived_mean", "arrived_lo", "arrived_hi"), result.arrived))
     if result.time:
         row.update(zip(("time_s_mean", "time_s_lo", "time_s_hi"), result.time))
@@ -101,13 +89,9 @@ def table_row(scene_set, scenario, result, paper, base=None, in_band=None):
     return row
 
 
-OUTCOME = (
-    "agents,arrived,dead,active,last_arrival_s,frames,step_rate_hz,sim_time_s,wall_time_s,frame_hash"
-).split(",")
-FLUID = (
-    "particles_max,particle_steps,solver_wall_s,mean_depth_m,mean_speed_m_s,max_density_error,position_clamps,"
-    "resident_bytes"
-).split(",")
+OUTCOME = "agents,arrived,dead,active,last_arrival_s,frames,step_rate_hz,sim_time_s,wall_time_s,frame_hash".split(",")
+FLUID = ("particles_max,particle_steps,solver_wall_s,mean_depth_m,mean_speed_m_s,max_density_error,position_clamps,"
+         "resident_bytes").split(",")
 
 
 def record_of(folder):

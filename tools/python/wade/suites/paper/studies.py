@@ -102,7 +102,6 @@ def others_section(context):
     if not lines:
         return ""
     head = ["scenario", "set", "time of the last arrival, s", "arrived", "dead", "water met"]
-    text = (
-        "Paper: 8 of 100 arrive with two groups; 26 of 52 with the obstacle (x 60 to 67 m, an assumption) and 8 "
-        "without; all after the switch of tau.")
+    text = ("Paper: 8 of 100 arrive with two groups; 26 of 52 with the obstacle (x 60 to 67 m, an assumption) and 8 "
+            "without; all after the switch of tau.")
     return section("Two groups, obstacle, switch of tau", text, markdown(head, lines))

@@ -5,13 +5,6 @@ of both solves, fewest iterations, CFL numbers, kernels and numbers of threads: 
 the default, then joined where each alone lies near the front. report.md says "for an error below x
 choose this", with a plot of error over CPU time a case. Takes hours; a run that is there, of the
 same program and scenes, is not repeated. --quick: two spacings, few settings, one run each.
-
-Columns of speed_vs_error.csv, a line a point and error: case, model; spacing_m; tolerance of the
-density solve; cfl; threads; particles; cpu_s_per_sim_s and wall_s_per_sim_s of the solver, medians
-of the repeats; particle_steps_per_s of wall time; error_metric, error; on_front, yes if nothing
-cheaper is as exact; min_iterations of the density solve; divergence_tolerance ("off" without that
-solve); kernel; repeats; is_default, yes for the default settings at this spacing; failure, why
-there is no result.
 """
 
 import os
@@ -20,8 +13,7 @@ from dataclasses import replace
 from wade.paths import BUILD, ROOT
 from wade.reports import options
 from wade.reports.files import complain, publish, say
-from wade.reports.jobs import end_children_on_signals, exit_code
-from wade.reports.programs import Fingerprints
+from wade.reports.jobs import Fingerprints, end_children_on_signals, exit_code
 from wade.suites import cases as known_cases
 from wade.suites.speed_vs_error import reference, report
 from wade.suites.speed_vs_error.measure import Runner, of_seeds
@@ -32,8 +24,7 @@ from wade.suites.speed_vs_error.table import ERRORS, error_names, error_of, grou
 # River with agents, dam break, box in a tank, bump, obstacle, standing wave, river, water at rest; each at up to three
 # spacings of its case.
 CASES = ("impulse_river", "impulse_front", "impulse_lee", "dam_break", "bump_transcritical", "block",
-         "bump_subcritical",
-         "spheric2", "sloshing", "uniform_river", "column")
+         "bump_subcritical", "spheric2", "sloshing", "uniform_river", "column")
 # Two spacings each, or one where the second one alone would take most of the two minutes.
 QUICK_CASES = {"impulse_river": 2, "impulse_front": 2, "impulse_lee": 2, "dam_break": 1}
 

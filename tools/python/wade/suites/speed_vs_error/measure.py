@@ -98,16 +98,11 @@ def summary(setting, documents):
     def median(value):
         return statistics.median(value(d) for d in documents)
 
-    return Measured(
-        setting,
-        particles=first["particles"],
-        cpu=median(lambda d: d["solver_cpu_s"] / d["simulated_s"]),
-        wall=median(lambda d: d["solver_wall_s"] / d["simulated_s"]),
-        run_time=median(lambda d: d["solver_cpu_s"]),
-        rate=median(lambda d: d["particle_steps"] / max(d["solver_wall_s"], 1e-9)),
-        repeats=len(documents),
-        metrics=metrics,
-    )
+    return Measured(setting, particles=first["particles"], cpu=median(lambda d: d["solver_cpu_s"] / d["simulated_s"]),
+                    wall=median(lambda d: d["solver_wall_s"] / d["simulated_s"]),
+                    run_time=median(lambda d: d["solver_cpu_s"]),
+                    rate=median(lambda d: d["particle_steps"] / max(d["solver_wall_s"], 1e-9)), repeats=len(documents),
+                    metrics=metrics)
 
 
 def of_seeds(setting, runs):
@@ -129,8 +124,6 @@ def of_seeds(setting, runs):
         if None not in values:
             metrics[name] = statistics.median(values)
             ranges[name] = (min(values), max(values))
-    return replace(
-        runs[0], setting=setting, cpu=median(lambda r: r.cpu), wall=median(lambda r: r.wall),
-        rate=median(lambda r: r.rate),
-        run_time=median(lambda r: r.run_time), metrics=metrics, ranges=ranges, repeats=sum(r.repeats for r in runs),
-    )
+    return replace(runs[0], setting=setting, cpu=median(lambda r: r.cpu), wall=median(lambda r: r.wall),
+                   rate=median(lambda r: r.rate), run_time=median(lambda r: r.run_time), metrics=metrics, ranges=ranges,
+                   repeats=sum(r.repeats for r in runs))

@@ -56,8 +56,7 @@ def plot(group, file):
             if some:
                 label = f"d = {spacing:g} m" + ("" if model == "dfsph" else f", {model.replace('_', ' ')}")
                 axes.scatter([p.cpu for p, _ in some], [e for _, e in some], s=26 if model == "dfsph" else 34,
-                             marker=marker,
-                             color=colour, alpha=0.75, linewidths=0, label=label)
+                             marker=marker, color=colour, alpha=0.75, linewidths=0, label=label)
         for p, e in here:
             if is_default(p.setting):
                 lo, hi = group.spread.get(spacing, (e, e))

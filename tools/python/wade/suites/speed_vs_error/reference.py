@@ -14,12 +14,10 @@ TABLES = {"standing": ("impulse", 4), "walking": ("outcome", 5)}
 
 
 def heading(run):
-    return [
-        f"# Reference of the case {run['case']}: a run of our own at a spacing of {run['spacing_m']:g} m, "
-        f"{run['particles']} particles, {run['steps']} steps, {run['cpu_s']:.0f} s of CPU; not a measurement.",
-        f"# Commit {run['git']}, {run['compiler']}. Made by tools/wade speed-vs-error --reference {run['case']} "
-        f"--spacing {run['spacing_m']:.10g}",
-    ]
+    return [f"# Reference of the case {run['case']}: a run of our own at a spacing of {run['spacing_m']:g} m, "
+            f"{run['particles']} particles, {run['steps']} steps, {run['cpu_s']:.0f} s of CPU; not a measurement.",
+            f"# Commit {run['git']}, {run['compiler']}. Made by tools/wade speed-vs-error --reference {run['case']} "
+            f"--spacing {run['spacing_m']:.10g}"]
 
 
 def make(program, case, spacing, threads):

@@ -5,10 +5,9 @@ import math
 from wade.reports.files import write_whole
 from wade.reports.machine import machine_line
 from wade.reports.tables import document, markdown, section
-from wade.suites.speed_vs_error.front import cheapest_below, distance_to_front, front
 from wade.suites.speed_vs_error.plots import has_plot, plot, plot_name, words
 from wade.suites.speed_vs_error.settings import default_setting
-from wade.suites.speed_vs_error.table import is_default
+from wade.suites.speed_vs_error.table import cheapest_below, distance_to_front, front, is_default
 
 LIMITS = (0.5, 0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01)
 
@@ -182,9 +181,8 @@ def comparisons(groups):
                 if s.model != "dfsph" or s.threads != 1 or s.spacing != spacing or error is None or is_default(s):
                     continue
                 label = s.label(default_setting(s.case, s.spacing))
-                found.setdefault(label, []).append(
-                    (group.case, group.metric.rstrip("_*"), spacing, point.cpu / base.cpu,
-                     beyond_chance(error, lo, hi)))
+                found.setdefault(label, []).append((group.case, group.metric.rstrip("_*"), spacing,
+                                                    point.cpu / base.cpu, beyond_chance(error, lo, hi)))
     return found
 
 

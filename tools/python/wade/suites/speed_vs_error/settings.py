@@ -75,11 +75,8 @@ class Setting:
         if self.model != "dfsph":
             seed = [f"/seed={self.seed}"] if self.seed else []
             return [*model_overrides(self.model), *seed]
-        values = [
-            f"/fluid/density_solve/tolerance={self.tolerance:g}",
-            f"/fluid/density_solve/min_iterations={self.min_iterations}",
-            f"/fluid/cfl={self.cfl:g}",
-        ]
+        values = [f"/fluid/density_solve/tolerance={self.tolerance:g}",
+                  f"/fluid/density_solve/min_iterations={self.min_iterations}", f"/fluid/cfl={self.cfl:g}"]
         if self.divergence_tolerance == "off":
             values.append("/fluid/divergence_solve/max_iterations=0")
         else:

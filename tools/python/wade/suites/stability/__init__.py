@@ -1,12 +1,5 @@
 """Runs each hard case (configs/stability) with each solver setting, and sweeps CFL factor and tolerance in three of them.
 
-Columns of stability.csv: case, setting, model; steps of the solver; max_density_error, the
-compression max(0, rho/rho_0 - 1) of the worst single particle in any step; energy_ratio, energy
-over what was there or put in, the largest of all steps; lost_particles; nonfinite;
-max_displacement_over_spacing, the longest way of a particle in a step; pass, yes or no; remark,
-what is broken; mean_density_error, the compression as mean over the particles, the largest of all
-steps. The rule on compression (1 %) is about the mean: single particles may have more.
-
 A run that is complete and whose program and scenes are still the same is not repeated. Exit code 1:
 a run left no result, or one at one of the settings breaks a rule and is not a known failure
 (tests/stability/known_failures.csv); the sweeps look for what breaks and do not count. 2: wrong
@@ -18,9 +11,8 @@ import subprocess
 from wade.paths import BUILD, ROOT
 from wade.reports import options
 from wade.reports.files import complain, publish, say
-from wade.reports.jobs import Job, do_all, end_children_on_signals, read_result
-from wade.reports.programs import Fingerprints
-from wade.suites.stability import report, results, settings
+from wade.reports.jobs import Fingerprints, Job, do_all, end_children_on_signals, read_result
+from wade.suites.stability import report, results
 
 INPUTS = ("configs/stability/*.json", "configs/scene.schema.json")
 
@@ -45,7 +37,7 @@ def job_of(case, name, form, folder, fingerprint):
     command += [] if form == "full" else [f"--{form}"]
     if name == "default" and not (form == "long" and case.name == "leak"):
         command += ["--compare-threads", "2"]
-    command += [word for override in settings.overrides_of(name) for word in ("--set", override)]
+    command += [word for override in results.overrides_of(name) for word in ("--set", override)]
     return Job(f"{case.name} ({name})", tuple(command), folder / f"{case.name}-{name}.json", fingerprint, fine=(0, 1))
 
 
@@ -54,15 +46,15 @@ def main(arguments):
     end_children_on_signals()
     program = BUILD / "stability"
     lines = subprocess.run([program, "--list"], check=True, capture_output=True, text=True).stdout.splitlines()
-    cases = [settings.Case(line) for line in lines if line]
+    cases = [results.Case(line) for line in lines if line]
     if chosen.list:
         for case in cases:
             say(f"{case.name}: {case.trouble}{'' if case.varied else '; at the default settings only'}")
-        say("settings: " + ", ".join(settings.SETTINGS))
+        say("settings: " + ", ".join(results.SETTINGS))
         return 0
     try:
         cases = options.choose(cases, chosen.cases)
-        plan = settings.plan(cases, chosen.settings, chosen.quick)
+        plan = results.plan(cases, chosen.settings, chosen.quick)
     except ValueError as error:
         complain(f"stability: {error}")
         return 2

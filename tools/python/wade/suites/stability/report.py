@@ -5,7 +5,7 @@ from wade.reports.files import write_whole
 from wade.reports.machine import processor
 from wade.reports.plots import pyplot
 from wade.reports.tables import document, markdown, section
-from wade.suites.stability import results, settings
+from wade.suites.stability import results
 
 COLOURS = {"pass": "#2a7f3f", "known": "#d9a400", "fail": "#c0392b", None: "#dddddd"}
 LABELS = {"pass": "all rules hold", "known": "known failure", "fail": "fails", None: "not run"}
@@ -23,7 +23,7 @@ CFL = """ From a factor of 0.9 on it sets no step any more: the solver's own lim
 
 def draw_map(cases, found, file):
     """Cases against settings, the verdict as colour."""
-    names = [name for name in settings.SETTINGS if any(key[1] == name for key in found)]
+    names = [name for name in results.SETTINGS if any(key[1] == name for key in found)]
     figure, axes = pyplot.subplots(figsize=(2.8 + 0.75 * len(names), 1.6 + 0.26 * len(cases)), layout="constrained")
     verdicts = {(row, column): found.get((case.name, name), {}).get("verdict")
                 for row, case in enumerate(cases) for column, name in enumerate(names)}
@@ -45,9 +45,9 @@ def draw_sweep(found, sweep, label, file):
     """Compression and energy over the swept value; crosses where a rule is broken."""
     figure, panels = plots.panels(2, (4.1, 3.2),
                                   [(label, "largest mean compression, %"), (label, "energy over energy put in")])
-    for case in settings.SWEPT_CASES:
-        runs = {float(v): run for v in settings.SWEEPS[sweep][1]
-                if (run := found.get((case, settings.sweep_name(sweep, v))))}
+    for case in results.SWEPT_CASES:
+        runs = {float(v): run for v in results.SWEEPS[sweep][1]
+                if (run := found.get((case, results.sweep_name(sweep, v))))}
         for axes, key, factor in ((panels[0], "mean_density_error", 100), (panels[1], "energy_ratio", 1)):
             (line,) = axes.plot(list(runs), [factor * float(run[key]) for run in runs.values()], label=case,
                                 linewidth=1)
@@ -93,13 +93,13 @@ def own_rules(cases, found):
 
 def broken_table(found):
     rows = [[case, name, results.remark(run)] for (case, name), run in found.items()
-            if not run["pass"] and name in settings.SETTINGS]
+            if not run["pass"] and name in results.SETTINGS]
     return markdown(("case", "setting", "what is broken"), rows)
 
 
 def sweep_table(found, sweep, what):
     rows = []
-    for case in settings.SWEPT_CASES:
+    for case in results.SWEPT_CASES:
         if answer := results.largest_stable(found, case, sweep):
             largest, beyond = answer
             text = f"{beyond[0]}: {results.remark(beyond[1])}" if beyond else "nothing up to the largest allowed"

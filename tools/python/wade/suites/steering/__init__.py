@@ -4,8 +4,6 @@ Parts: rest, spacing, density and depth over the radius of separation and the we
 viscosity, apparent viscosity between planes over the weights of cohesion and of the loss; settling,
 time until the kinetic energy is 1e-4 of its largest, over the losses; dam, a dam break over a dry
 bed, error against Ritter and CPU time beside DFSPH. All of them take about ten minutes.
-
-steering.csv: table, row of it, quantity, value.
 """
 
 import subprocess

@@ -40,15 +40,16 @@ def line_over(axes, rows, key, curves):
     axes.legend(fontsize=8)
 
 
-def rest(folder):
-    rows = rows_of(folder / "rest.csv")
-    if not rows:
-        return ""
-    columns = [("separation_radius_d", "radius of separation, d"), ("cohesion_weight", "weight of cohesion"),
-               ("spacing_d", "nearest neighbour, d"), ("density", "density, middle third"),
-               ("depth_over_filled", "depth over that filled in"),
-               ("unevenness_d", "unevenness of the surface, d")]
-    return section("Spacing and density at rest", table(rows, columns))
+REST = (("separation_radius_d", "radius of separation, d"), ("cohesion_weight", "weight of cohesion"),
+        ("spacing_d", "nearest neighbour, d"), ("density", "density, middle third"),
+        ("depth_over_filled", "depth over that filled in"), ("unevenness_d", "unevenness of the surface, d"))
+SETTLING = (("loss_weight", "weight of the loss"), ("wall_loss", "loss at walls"), ("time_to_rest_s", "time to rest, s"),
+            ("last_over_largest", "kinetic energy after 20 s over the largest"),
+            ("energy_growth", "largest growth of the energy, of it"))
+
+
+def plain_table(title, rows, columns):
+    return section(title, table(rows, columns)) if rows else ""
 
 
 def viscosity(folder):
@@ -89,17 +90,6 @@ def viscosity(folder):
     return section("Apparent viscosity between planes", "![](viscosity.png)", table(rows, columns))
 
 
-def settling(folder):
-    rows = rows_of(folder / "settling.csv")
-    if not rows:
-        return ""
-    columns = [("loss_weight", "weight of the loss"), ("wall_loss", "loss at walls"),
-               ("time_to_rest_s", "time to rest, s"),
-               ("last_over_largest", "kinetic energy after 20 s over the largest"),
-               ("energy_growth", "largest growth of the energy, of it")]
-    return section("Time to rest", table(rows, columns))
-
-
 def dam(folder):
     rows = rows_of(folder / "dam.csv")
     if not rows:
@@ -128,4 +118,6 @@ def write(folder):
             for k, row in enumerate(read_csv(folder / f"{name}.csv") if (folder / f"{name}.csv").exists() else [], 1)
             for key, value in row.items()]
     write_csv(folder / "steering.csv", ("table", "row", "quantity", "value"), rows)
-    write_whole(folder / "report.md", document(HEAD, rest(folder), viscosity(folder), settling(folder), dam(folder)))
+    write_whole(folder / "report.md", document(
+        HEAD, plain_table("Spacing and density at rest", rows_of(folder / "rest.csv"), REST), viscosity(folder),
+        plain_table("Time to rest", rows_of(folder / "settling.csv"), SETTLING), dam(folder)))

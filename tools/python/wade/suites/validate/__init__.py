@@ -8,10 +8,6 @@ was stopped; a commit repeats runs only if it changes what is computed. With --q
 one resolution, as the tests run it. Give runs with --set a folder of their own: runs of other
 settings count as those of another version.
 
-Columns of validation.csv, a line a metric: case, model; spacing_m; particles; metric, value, unit;
-threshold; pass, yes or no (also of a known failure), empty if the metric is only reported; wall_s and
-cpu_s of the solver; reference, what it is compared with.
-
 WADE_SPHERIC2_DATA names a folder with spheric_test2_50Hz_boxavg.csv, the measured series of SPHERIC
 test 2, for the case spheric2 instead of a short table. Exit code 1: a run failed, or a value is above
 its threshold and no known failure (tests/validation/known_failures.csv); 2: wrong options; 130, 143:
@@ -24,10 +20,9 @@ from pathlib import Path
 from wade.paths import BUILD, ROOT
 from wade.reports import options
 from wade.reports.files import complain, publish, say
-from wade.reports.jobs import Job, do_all, end_children_on_signals
-from wade.reports.programs import Fingerprints
+from wade.reports.jobs import Fingerprints, Job, do_all, end_children_on_signals
 from wade.suites import cases as known_cases
-from wade.suites.validate import beside, report, results
+from wade.suites.validate import report, results
 
 TABLES = ROOT / "tests" / "validation"
 
@@ -99,7 +94,7 @@ def main(arguments, suite=WATER):
     # What older programs found stays in the report, marked, until it is repeated.
     found = results.read_runs(chosen.out / "runs", everything)
     results.write_table(found, judge, chosen.out / suite.table)
-    held_against = beside.text(found, chosen.beside, everything, judge) if chosen.beside else ""
+    held_against = report.beside_text(found, chosen.beside, everything, judge) if chosen.beside else ""
     ran = {run["case"] for run in found}
     shown = [case for case in everything if case.name in ran or suite.has(case.name)]
     report.write(found, shown, judge, fingerprint_of, chosen.out,

@@ -1,1 +1,0 @@
-"""A producer of water and the crowd as processes of one run."""

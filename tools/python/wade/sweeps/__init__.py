@@ -1,1 +1,0 @@
-"""One scene at many settings."""
