@@ -69,7 +69,8 @@ void find_ways(const Step& step) {
         crowd.goal_offsets[k] = goal_offset(crowd.agents, crowd.active[k], crowd.scene.world.period());
     }
     if (finds_ways(crowd.navigation)) {
-        update_navigation(crowd.navigation, crowd.positions, step.number, crowd.threads);
+        update_navigation(crowd.navigation, crowd.scene, crowd.active, crowd.positions, crowd.goal_offsets, step.number,
+                          crowd.threads);
         steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, threads_for(crowd));
     }
     const EvasionSettings& evasion = crowd.scene.crowd.evasion;

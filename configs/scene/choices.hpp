@@ -121,8 +121,9 @@ struct Words<BodyRule> {
 };
 template <>
 struct Words<NavigationRule> {
-    static constexpr std::array<Named<NavigationRule>, 2> all{
-        {{"straight", NavigationRule::straight}, {"travel_time", NavigationRule::travel_time}}};
+    static constexpr std::array<Named<NavigationRule>, 3> all{{{"auto", NavigationRule::automatic},
+                                                               {"straight", NavigationRule::straight},
+                                                               {"travel_time", NavigationRule::travel_time}}};
 };
 template <>
 struct Words<EvasionRule> {

@@ -210,7 +210,11 @@ struct Fluid {
 enum class SpeedRule { pi, per_frame, per_second };
 enum class MarkerRule { fixed, redrawn };
 enum class BodyRule { none, fast, human };
-enum class NavigationRule { straight, travel_time };
+enum class NavigationRule {
+    automatic,  // travel_time for the goals of whom an obstacle stands in the way
+    straight,
+    travel_time
+};
 
 // A value of all agents of a group, or limits in which each agent's own is drawn uniformly.
 struct Spread {
@@ -251,7 +255,7 @@ struct RagdollRule {
 
 // How agents find the way to their goal.
 struct NavigationSettings {
-    NavigationRule rule = NavigationRule::straight;
+    NavigationRule rule = NavigationRule::automatic;
     double cell = 0.5;    // of the fields, m
     double crowding = 0;  // weight of people in the way
     double every = 1;     // time after which fields with crowding are solved again, s; 0: never

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -98,22 +99,55 @@ void find_views(const Navigation& navigation, WayField& field) {
     }
 }
 
+constexpr double most_nodes = 5e7;  // of all fields
+
+double nodes_of(const Scene& scene, double cell) {
+    const double laps = scene.world.period() > 0 ? laps_laid_out : 1;
+    return (laps * scene.world.length / cell + 1) * (scene.world.width / cell + 1);
+}
+
 void check_size(const Scene& scene, std::size_t goals) {
-    constexpr double most = 5e7;
-    const double laps = scene.world.period() > 0 ? laps_laid_out : 1, cell = scene.crowd.navigation.cell;
-    const double nodes = (laps * scene.world.length / cell + 1) * (scene.world.width / cell + 1);
-    const double all = nodes * static_cast<double>(goals);
-    if (all <= most) return;
+    const double cell = scene.crowd.navigation.cell, all = nodes_of(scene, cell) * static_cast<double>(goals);
+    if (all <= most_nodes) return;
     std::ostringstream message;
     message << "/crowd/navigation/cell_m is " << cell << ", which makes " << all << " cells for " << goals
-            << " goals; allowed is up to " << most << " in all, about " << cell * std::sqrt(all / most)
+            << " goals; allowed is up to " << most_nodes << " in all, about " << cell * std::sqrt(all / most_nodes)
             << " m and more here";
     throw ConfigurationError(message.str());
 }
 
-void lay_out(Navigation& navigation, const Scene& scene) {
-    const double period = scene.world.period(), cell = scene.crowd.navigation.cell;
-    navigation.sight.clearance = scene.crowd.body_radius;
+// The narrowest of the gaps between two boxes along an axis that a person fits through, less the person, at most `most`, m.
+double narrowest_gap(const Sight& sight, double most) {
+    const double width = 2 * sight.clearance;
+    double least = most;
+    const auto take = [&](const Interval& a, const Interval& b, const Interval& a_across, const Interval& b_across) {
+        const double gap = b.lo - a.hi;
+        if (gap <= width || gap - width >= least) return;
+        if (a_across.lo < b_across.hi + width && b_across.lo < a_across.hi + width) least = gap - width;
+    };
+    for (const Obstacle& box : sight.boxes.all) {
+        const Obstacle near = grown(box, width + most);
+        for_each_near(sight.boxes, near.x, near.z, [&](const Obstacle& other) {
+            take(box.x, other.x, box.z, other.z);
+            take(box.z, other.z, box.x, other.x);
+        });
+    }
+    return least;
+}
+
+// Of the fields, m: for `auto` small enough for each gap, if that leaves room for all goals.
+double cell_of_fields(const Navigation& navigation, const Scene& scene) {
+    constexpr double smallest = 0.1;
+    const double largest = scene.crowd.navigation.cell;
+    if (!navigation.only_where_needed) return largest;
+    const double cell = std::min(largest, std::max(smallest, narrowest_gap(navigation.sight, largest)));
+    const auto goals = static_cast<double>(navigation.fields.size());
+    return nodes_of(scene, cell) * goals <= most_nodes ? cell : largest;
+}
+
+void place_boxes_of_way(Navigation& navigation, const Scene& scene) {
+    const double period = navigation.period;
+    navigation.sight.clearance = least_clearance(scene);
     std::vector<Obstacle> boxes;
     for (int lap = period > 0 ? -lap_of_goals : 0; lap <= (period > 0 ? lap_of_goals : 0); ++lap) {
         for (Obstacle box : scene.obstacles) {
@@ -121,14 +155,18 @@ void lay_out(Navigation& navigation, const Scene& scene) {
             boxes.push_back(box);
         }
     }
+    navigation.sight.boxes = place_boxes(std::move(boxes));
+}
+
+void lay_out_grid(Navigation& navigation, const Scene& scene) {
+    const double period = navigation.period, cell = cell_of_fields(navigation, scene);
     const double lap_cell = period > 0 ? period / std::ceil(period / cell - 1e-9) : cell;
     navigation.grid =
         period > 0 ? travel_grid({-lap_of_goals * period, 0}, {laps_laid_out * period, scene.world.width}, lap_cell)
                    : travel_grid({0, 0}, {scene.world.length, scene.world.width}, cell);
-    for (const Obstacle& box : boxes) {
+    for (const Obstacle& box : navigation.sight.boxes.all) {
         close_box(navigation.grid, grown(box, navigation.sight.clearance));
     }
-    navigation.sight.boxes = place_boxes(std::move(boxes));
     // From the cell of a place within the clearance to the nodes outside it, and one on.
     const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
     const double narrowest = std::min(navigation.grid.dx, navigation.grid.dz);
@@ -168,41 +206,107 @@ void check_ways(const Navigation& navigation, const Scene& scene, const Agents& 
     }
 }
 
+void prepare(const Navigation& navigation, WayField& field) {
+    start_at_goal(navigation, field);
+    if (navigation.period == 0) find_views(navigation, field);
+}
+
+// Whether the goal, or a place in which one has arrived, is in sight.
+bool sees_its_goal(const Navigation& navigation, const Vector2d& p, const Vector2d& rest) {
+    const double length = std::sqrt(rest.squaredNorm());
+    if (length <= navigation.goal_radius) return true;
+    return sees_along(navigation, p, (1 - navigation.goal_radius / length) * rest);
+}
+
+// Solves the fields of those who do not see their goal, as long as memory lasts.
+void solve_where_needed(Navigation& navigation, const Scene& scene, std::span<const std::uint32_t> active,
+                        std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, int threads) {
+    if (navigation.solved == navigation.fields.size()) return;
+    std::vector<std::uint32_t> needed;
+    std::vector<bool> is_needed(navigation.fields.size());
+    for (std::size_t k = 0; k < active.size(); ++k) {
+        const std::uint32_t f = navigation.field_of[active[k]];
+        if (navigation.fields[f].is_solved() || is_needed[f]) continue;
+        if (sees_its_goal(navigation, positions[k], goal_offsets[k])) continue;
+        is_needed[f] = true;
+        needed.push_back(f);
+    }
+    if (needed.empty()) return;
+    if (navigation.grid.closed.empty()) {
+        if (nodes_of(scene, scene.crowd.navigation.cell) > most_nodes) return;
+        lay_out_grid(navigation, scene);
+    }
+    const auto room = static_cast<std::size_t>(most_nodes) / navigation.grid.closed.size();
+    needed.resize(std::min(needed.size(), room - std::min(room, navigation.solved)));
+#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
+    for (std::size_t i = 0; i < needed.size(); ++i) {
+        WayField& field = navigation.fields[needed[i]];
+        prepare(navigation, field);
+        march(field.travel, field.memory, navigation.grid, navigation.slowness, field.starts);
+    }
+    navigation.solved += needed.size();
+}
+
+std::uint64_t steps_in(double time, const Scene& scene) {
+    return static_cast<std::uint64_t>(std::max(1.0, std::round(time * scene.crowd.step_rate)));
+}
+
 }  // namespace
 
+double least_clearance(const Scene& scene) {
+    return scene.crowd.body_radius;
+}
+
 Navigation make_navigation(const Scene& scene, const Agents& agents) {
+    constexpr double time_between_looks = 1;  // s
     const NavigationSettings& settings = scene.crowd.navigation;
     Navigation navigation;
     const bool nothing_in_the_way = scene.obstacles.empty() && settings.crowding == 0;
     if (settings.rule == NavigationRule::straight || nothing_in_the_way || agents.size() == 0) return navigation;
     navigation.crowding = settings.crowding;
-    if (settings.every > 0) {
-        const double steps = std::round(settings.every * scene.crowd.step_rate);
-        navigation.steps_between = static_cast<std::uint64_t>(std::max(1.0, steps));
-    }
+    navigation.only_where_needed = settings.rule == NavigationRule::automatic && settings.crowding == 0;
     navigation.period = scene.world.period();
+    navigation.goal_radius = scene.crowd.goal_radius;
     name_goals(navigation, agents);
-    check_size(scene, navigation.fields.size());
-    lay_out(navigation, scene);
-    for (WayField& field : navigation.fields) {
-        start_at_goal(navigation, field);
-        if (navigation.period == 0) find_views(navigation, field);
+    place_boxes_of_way(navigation, scene);
+    if (navigation.only_where_needed) {
+        navigation.steps_between = steps_in(time_between_looks, scene);
+        std::vector<std::uint32_t> all(agents.size());
+        std::iota(all.begin(), all.end(), 0U);
+        std::vector<Vector2d> offsets;
+        for (std::size_t id = 0; id < agents.size(); ++id)
+            offsets.push_back(goal_offset(agents, id, navigation.period));
+        solve_where_needed(navigation, scene, all, agents.position, offsets, 1);
+        return navigation;
     }
+    if (settings.every > 0) navigation.steps_between = steps_in(settings.every, scene);
+    check_size(scene, navigation.fields.size());
+    lay_out_grid(navigation, scene);
+    for (WayField& field : navigation.fields) prepare(navigation, field);
     solve(navigation, agents.position, 1);
+    navigation.solved = navigation.fields.size();
     check_ways(navigation, scene, agents);
     return navigation;
 }
 
-void update_navigation(Navigation& navigation, std::span<const Vector2d> positions, std::uint64_t step, int threads) {
-    if (navigation.crowding == 0 || navigation.steps_between == 0 || step % navigation.steps_between != 0) return;
-    solve(navigation, positions, threads);
+void update_navigation(Navigation& navigation, const Scene& scene, std::span<const std::uint32_t> active,
+                       std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, std::uint64_t step,
+                       int threads) {
+    if (navigation.steps_between == 0 || step % navigation.steps_between != 0) return;
+    if (navigation.only_where_needed) {
+        solve_where_needed(navigation, scene, active, positions, goal_offsets, threads);
+    } else if (navigation.crowding > 0) {
+        solve(navigation, positions, threads);
+    }
 }
 
 void steer(const Navigation& navigation, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
            std::span<Vector2d> goal_offsets, int threads) {
+    if (navigation.solved == 0) return;
 #pragma omp parallel for num_threads(threads) if (threads > 1)
     for (std::size_t k = 0; k < active.size(); ++k) {
         const WayField& field = navigation.fields[navigation.field_of[active[k]]];
+        if (!field.is_solved()) continue;
         if (const auto way = way_from(navigation, field, positions[k], goal_offsets[k])) goal_offsets[k] = *way;
     }
 }

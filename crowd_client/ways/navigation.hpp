@@ -18,6 +18,10 @@
 // Obstacles count with the clearance round them along each axis: nobody's body fits nearer. Where an agent is nearer all the
 // same (at a corner, or a point without a body), it looks for the nodes from there.
 //
+// With the rule `auto` a field is solved once somebody, at the start or in a look once a second, does not see its goal or a
+// place in which it would have arrived; until then all go straight, and where no obstacle is in anybody's way nothing is made
+// at all. People who are pushed behind a house so find round it a second later.
+//
 // A periodic world is laid out five times along x, the goals in the lap in the middle, so that ways lead over the joint. A
 // goal that is more laps away stands for its image on the same side that is half a lap to one and a half away.
 
@@ -29,16 +33,25 @@
 
 namespace wade::crowd {
 
-// Fields for the goals of all agents. Throws ConfigurationError for an agent without a way to its goal, and for more cells
-// than memory should hold. With the rule `straight`, and with nothing to get round, all is left empty and has no cost.
+// The distance to obstacles that the slimmest way of a person needs, m: half the width of the narrowest gap that it fits
+// through.
+[[nodiscard]] double least_clearance(const Scene& scene);
+
+// Fields for the goals of all agents, with `auto` of those who do not see theirs. With the rule `straight`, and with nothing to
+// get round, all is left empty and has no cost. `travel_time` throws ConfigurationError for an agent without a way to its goal,
+// and for more cells than memory should hold; with `auto` such an agent goes straight.
 [[nodiscard]] Navigation make_navigation(const Scene& scene, const Agents& agents);
 
+// Whether anybody is led by a field, or may come to be.
 [[nodiscard]] inline bool finds_ways(const Navigation& navigation) {
     return !navigation.fields.empty();
 }
 
-// Solves the fields again if this step is one for it. positions: of the active agents.
-void update_navigation(Navigation& navigation, std::span<const Vector2d> positions, std::uint64_t step, int threads);
+// Solves the fields again, or those that have become needed, if this step is one for it. positions and goal_offsets, m: of the
+// active agents.
+void update_navigation(Navigation& navigation, const Scene& scene, std::span<const std::uint32_t> active,
+                       std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, std::uint64_t step,
+                       int threads);
 
 // Turns goal_offsets, m, of the active agents into the way that they should take. An agent that sees no way goes straight.
 void steer(const Navigation& navigation, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,

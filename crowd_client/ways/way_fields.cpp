@@ -72,13 +72,17 @@ bool goal_is_in_sight(const Navigation& navigation, const WayField& field, const
         const View view = field.views[navigation.grid.node(cell.column, cell.row)];
         if (view != View::unknown) return view == View::in_sight;
     }
-    // The images of a periodic world's obstacles are known for as far as a lap ahead.
-    const double ahead = std::abs(rest.x());
-    const double share = navigation.period > 0 && ahead > navigation.period ? navigation.period / ahead : 1;
-    return in_sight(navigation.sight, p, p + share * rest);
+    return sees_along(navigation, p, rest);
 }
 
 }  // namespace
+
+// The images of a periodic world's obstacles are known for as far as a lap ahead.
+bool sees_along(const Navigation& navigation, const Vector2d& p, const Vector2d& way) {
+    const double ahead = std::abs(way.x());
+    const double share = navigation.period > 0 && ahead > navigation.period ? navigation.period / ahead : 1;
+    return in_sight(navigation.sight, p, p + share * way);
+}
 
 std::optional<Vector2d> way_from(const Navigation& navigation, const WayField& field, const Vector2d& p,
                                  const Vector2d& rest) {

@@ -15,16 +15,21 @@ namespace wade::crowd {
 struct WayField {
     Vector2d goal = Vector2d::Zero();  // in a periodic world its image with x in [0, period), m
     std::vector<std::pair<std::uint32_t, double>> starts;
-    std::vector<double> travel;  // L by node, m
+    std::vector<double> travel;  // L by node, m; empty until it is solved
     std::vector<View> views;     // by cell, numbered like the node at its lower corner; empty in a periodic world
     MarchMemory memory;
+
+    [[nodiscard]] bool is_solved() const { return !travel.empty(); }
 };
 
 // The ways to all goals.
 struct Navigation {
     double crowding = 0;
-    std::uint64_t steps_between = 0;  // two solutions; 0: solved once
+    std::uint64_t steps_between = 0;  // two solutions, or looks whether fields are needed; 0: solved once
+    bool only_where_needed = false;   // solved once somebody does not see its goal
+    std::size_t solved = 0;           // fields
     double period = 0;                // World::period()
+    double goal_radius = 0;           // within which an agent has arrived, m
     double start_radius = 0;          // of the disc round a goal whose times are exact, m
     int reach = 2;                    // of the look for nodes round a cell, in cells
 
@@ -35,6 +40,9 @@ struct Navigation {
     std::vector<WayField> fields;
     std::vector<std::uint32_t> field_of;  // by agent
 };
+
+// Whether nothing stands in the way from p along `way`, m.
+[[nodiscard]] bool sees_along(const Navigation& navigation, const Vector2d& p, const Vector2d& way);
 
 // The way from p, with the length that is left of it, m; nothing where none is in sight.
 // p: in the world, or in the lap of a periodic one in which `rest` leads to the goal's image. rest: goal - p, m.

@@ -17,13 +17,16 @@ void fields(EvasionSettings& evasion, Fields& f) {
 
 void fields(NavigationSettings& navigation, Fields& f) {
     f.choice("rule", navigation.rule,
-             "straight: as in the source, towards the goal; an obstacle on the way is slid along. travel_time: the "
-             "quickest way round the obstacles, at least body_radius_m away from them where the ground allows it, by a "
-             "field of the travel time to each goal (fast marching); towards the goal once it is in sight. An agent "
-             "that starts without a way to its goal is refused.");
+             "straight: as in the source, towards the goal; an obstacle on the way is slid along, and who meets one "
+             "face to face may stand before it. travel_time: the quickest way round the obstacles, at least "
+             "body_radius_m away from them where the ground allows it, by a field of the travel time to each goal "
+             "(fast marching); towards the goal once it is in sight. An agent that starts without a way to its goal "
+             "is refused. auto: travel_time for a goal as soon as an obstacle stands between it and somebody who "
+             "wants there, looked for once a second, with cells small enough for each gap that a person fits through; "
+             "straight, without any cost, where none does. With crowding always travel_time.");
     f.number("cell_m", navigation.cell, "m", from(0.1).to(10),
              "Largest cell of the field. Gaps between obstacles must be a cell plus 2 body_radius_m wide to be found "
-             "for certain.");
+             "for certain; auto takes smaller cells for narrower gaps, down to 0.1 m.");
     f.number("crowding", navigation.crowding, "", from(0).to(10),
              "How much people in the way count: agents expect to walk at the speed of Weidmann's curve for so many "
              "times the density of people there, and choose ways round crowds, also where the goal is in sight. 0: not "
