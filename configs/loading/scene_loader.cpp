@@ -57,7 +57,8 @@ void note_if_unused(const std::string& key, const nlohmann::json& crowd, const s
 }
 
 // A name for folders and titles that is as near to the file's as its characters allow: "my scene.json" is "my_scene". A
-// character of several bytes (UTF-8) becomes one '_'.
+// character of several bytes (UTF-8) becomes one '_', and so do dots and dashes in front, which would hide a folder, lead out of it
+// or look like an option.
 std::string name_from(const std::filesystem::path& file) {
     std::string name;
     for (const char c : file.stem().string()) {
@@ -66,6 +67,8 @@ std::string name_from(const std::filesystem::path& file) {
                              c == '-' || c == '.';
         if (!continues) name += allowed ? c : '_';
     }
+    const std::size_t front = std::min(name.find_first_not_of(".-"), name.size());
+    name.replace(0, front, front, '_');
     const std::size_t longest = scene_keys().find("name")->key.text.longest;
     if (name.size() > longest) name.resize(longest);
     return name.empty() ? "scene" : name;

@@ -58,6 +58,10 @@ TEST_CASE("a name is made of the file's, whatever characters that has") {
     CHECK(name_of_file("\u00dcberflutung.json") == "_berflutung");
     CHECK(name_of_file("[1] (2) {3}.json") == "_1___2___3_");
     CHECK(name_of_file("v1.2-final.json") == "v1.2-final");
+    CHECK(name_of_file("...json") == "__");
+    CHECK(name_of_file("..json") == "_");
+    CHECK(name_of_file(".json") == "_json");
+    CHECK(name_of_file("-x.json") == "_x");
     std::string longer;
     while (longer.size() < 100) longer += "ten_letter";
     CHECK(name_of_file(longer + ".json") == longer.substr(0, 64));
