@@ -112,11 +112,7 @@ void FluidWorld::restore(const FluidState& state, const std::string& source) {
 StepReport FluidWorld::step(double remaining) {
     StepReport report;
     const Plan plan = plan_step(remaining, report);
-    StageClock clock(report.stages);
-    const auto stage = [&clock](Stage name, auto&& work) {
-        work();
-        clock.finished(name);
-    };
+    StepStages stage(report.stages);
     // Places are those of the begin of the step until the last stage, and so are lists, densities and gradients.
     stage(Stage::sort, [&] { sort(report.dt); });
     stage(Stage::neighbours, [&] { find_neighbours(grid_, solids_, particles_, support_radius_, lists_); });

@@ -2,27 +2,43 @@
 // The whole state of the fluid and the step that advances it.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "configs/scene/scene.hpp"
 #include "fluid_server/dfsph/bed_friction.hpp"
 #include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/dfsph/midpoint.hpp"
-#include "fluid_server/dfsph/stages.hpp"
 #include "fluid_server/dfsph/step_measures.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/particles/channel_ends.hpp"
 #include "fluid_server/particles/particles.hpp"
 #include "fluid_server/particles/solids.hpp"
+#include "fluid_server/particles/stage_clock.hpp"
 #include "fluid_server/particles/water_depth.hpp"
 #include "fluid_server/states/fluid_state.hpp"
 
 namespace wade::fluid {
+
+enum class Stage : std::size_t {
+    sort,        // by cell
+    neighbours,  // which clusters see whom
+    density,     // kernel, density, diagonal
+    forces,      // viscosity, gravity, friction
+    divergence_solve,
+    density_solve,
+    contact,  // with solids, at the end of either solve
+    advance   // new positions, emitter
+};
+inline constexpr std::array<std::string_view, 8> stage_names{
+    "sort", "neighbours", "density", "forces", "divergence_solve", "density_solve", "contact", "advance"};
+using StepStages = StageClock<Stage, stage_names.size()>;
 
 struct StepReport {
     double dt = 0;  // s
@@ -34,7 +50,7 @@ struct StepReport {
     double contact_force = 0;         // N, vertical force of contact on bed and obstacles, positive downwards
     double max_displacement = 0;      // m, the longest way of a particle in the step
     int sweeps = 0;                   // over all pairs
-    StageSeconds stages{};
+    StepStages::Seconds stages{};     // wall time, s
 };
 
 class FluidWorld {

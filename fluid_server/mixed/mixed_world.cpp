@@ -53,23 +53,42 @@ double MixedWorld::shallow_step(double remaining) {
 MixedStep MixedWorld::step(double remaining) {
     MixedStep result;
     driving_ = 0;
+    seconds_ = {};
+    stage_ = MixedStages(seconds_);
     if (window_.empty()) {
-        result.dt = shallow_step(remaining);
+        stage_(MixedStage::shallow_water, [&] { result.dt = shallow_step(remaining); });
     } else {
-        result.particles = fluid_.step(remaining);
+        stage_(MixedStage::particles, [&] { result.particles = fluid_.step(remaining); });
         result.dt = result.particles->dt;
     }
     result.driving_acceleration = driving_ / result.dt;
+    result.stages = seconds_;
     return result;
 }
 
 void MixedWorld::begin_step(Particles& particles, double, double dt) {
-    for (double left = dt; left > 1e-9 * dt;) left -= shallow_step(left);
-    acceleration_ = -driving_ / dt;
-    guards_.update(particles, shallow_, dt);
+    stage_.finished(MixedStage::particles);
+    stage_(MixedStage::shallow_water, [&] {
+        for (double left = dt; left > 1e-9 * dt;) left -= shallow_step(left);
+        acceleration_ = -driving_ / dt;
+    });
+    stage_(MixedStage::guards, [&] { guards_.update(particles, shallow_, dt); });
 }
 
-void MixedWorld::end_step(Particles& p, std::span<const float> x_before, double dt) {
+void MixedWorld::end_step(Particles& particles, std::span<const float> x_before, double dt) {
+    stage_.finished(MixedStage::particles);
+    stage_(MixedStage::account, [&] {
+        book(particles, x_before);
+        pay(dt);
+    });
+    stage_(MixedStage::restriction, [&] {
+        restriction_.apply(shallow_, particles, window_, dt);
+        shallow_water::update_primitive(shallow_);
+    });
+}
+
+// What the grid sent through the ends of the window against what came in as particles.
+void MixedWorld::book(const Particles& p, std::span<const float> x_before) {
     const double volume = particle_volume(shallow_.scene.fluid), middle = 0.5 * (ends()[0].x + ends()[1].x);
     std::array<double, 2> gained{}, carried{};  // by the window through each end
     for (std::size_t i = 0; i < p.count; ++i) {
@@ -93,9 +112,6 @@ void MixedWorld::end_step(Particles& p, std::span<const float> x_before, double 
         account.passed_momentum += std::abs(face.momentum);
         face.volume = face.momentum = 0;
     }
-    pay(dt);
-    restriction_.apply(shallow_, p, window_, dt);
-    shallow_water::update_primitive(shallow_);
 }
 
 void MixedWorld::pay(double dt) {

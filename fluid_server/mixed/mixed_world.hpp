@@ -8,10 +8,12 @@
 //                   of the window is booked and paid (account.hpp)
 //
 // One step: the time step of the particles; the shallow water up to its end; guards; a step of the particles, which get the
-// driving acceleration of a recirculating channel from the shallow water; account; restriction.
+// driving acceleration of a recirculating channel from the shallow water; account; restriction. The particles' own step calls
+// what comes before and after theirs, as the ends of their channel.
 
 #include <array>
 #include <optional>
+#include <string_view>
 
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/mixed/account.hpp"
@@ -19,15 +21,28 @@
 #include "fluid_server/mixed/restriction.hpp"
 #include "fluid_server/mixed/window.hpp"
 #include "fluid_server/particles/channel_ends.hpp"
+#include "fluid_server/particles/stage_clock.hpp"
 #include "fluid_server/shallow_water/column_particles.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 
 namespace wade::fluid::mixed {
 
+enum class MixedStage : std::size_t {
+    shallow_water,  // up to the end of the particles' step
+    guards,         // bring the stream in and carry it away
+    particles,      // their own step, the choice of its length among it
+    account,        // what passed the ends, booked and paid
+    restriction     // of the window's cells to the means of the particles
+};
+inline constexpr std::array<std::string_view, 5> mixed_stage_names{"shallow_water", "guards", "particles", "account",
+                                                                   "restriction"};
+using MixedStages = StageClock<MixedStage, mixed_stage_names.size()>;
+
 struct MixedStep {
     double dt = 0;                        // s
     double driving_acceleration = 0;      // m/s^2, towards -x; recirculating channels
     std::optional<StepReport> particles;  // none while there is no window
+    MixedStages::Seconds stages{};        // wall time, s
 };
 
 class MixedWorld final : private ChannelEnds {
@@ -66,6 +81,7 @@ class MixedWorld final : private ChannelEnds {
 
     // One step of the shallow water; its length, s.
     double shallow_step(double remaining);
+    void book(const Particles& particles, std::span<const float> x_before);
     void change_window(const Window& to);
     void wake(const Window& window);
     void sleep();
@@ -83,6 +99,8 @@ class MixedWorld final : private ChannelEnds {
     std::array<EndAccount, 2> accounts_;
     double acceleration_ = 0;  // m/s^2 along x
     double driving_ = 0;       // integral of the driving acceleration over the step at hand, m/s
+    MixedStages::Seconds seconds_{};
+    MixedStages stage_{seconds_};  // of the step at hand
     double inflow_ = 0, outflow_ = 0;
 };
 

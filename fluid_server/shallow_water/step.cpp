@@ -109,8 +109,25 @@ bool heun_step(ShallowWater& world, StepReport& report) {
     return positive && stayed_positive(world);
 }
 
-// Gives all water the velocity along x that it lacks to v_F; returns the acceleration towards -x.
-double drive(ShallowWater& world, double dt) {
+// The longest step of report.dt after which all depths are positive, each one tried half of the one before.
+void advance(ShallowWater& world, StepReport& report) {
+    for (int halved = 0; !heun_step(world, report) && halved < most_halvings; ++halved) {
+        update_primitive(world);
+        report.dt *= 0.5;
+        report.inflow = report.outflow = 0;
+    }
+    std::swap(world.water, world.stage);
+}
+
+void book_flow(ShallowWater& world) {
+    for (WatchedFace& watched : world.watched) {
+        watched.volume += watched.step_volume;
+        watched.momentum += watched.step_momentum;
+    }
+}
+
+// Gives all water the velocity along x that it lacks to v_F.
+void drive(ShallowWater& world, StepReport& report) {
     const Grid& grid = world.grid;
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
@@ -120,35 +137,27 @@ double drive(ShallowWater& world, double dt) {
         }
     });
     const double volume = sum(world.row_volume);
-    if (volume <= 0) return 0;
-    const double lack = -velocity_at(world.scene.channel, world.time + dt) - sum(world.row_momentum) / volume;
+    if (volume <= 0) return update_primitive(world);
+    const double lack = -velocity_at(world.scene.channel, world.time + report.dt) - sum(world.row_momentum) / volume;
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
             for (std::size_t i = c; i < c + grid.nx; ++i) world.water.qx[i] += lack * world.water.h[i];
         }
     });
-    return -lack / dt;
+    report.driving_acceleration = -lack / report.dt;
+    update_primitive(world);
 }
 
 }  // namespace
 
 StepReport step(ShallowWater& world, double remaining) {
     StepReport report;
-    report.dt = time_step(world, remaining);
-    for (int halved = 0; !heun_step(world, report) && halved < most_halvings; ++halved) {
-        update_primitive(world);
-        report = {0.5 * report.dt, 0, 0, 0};
-    }
-    std::swap(world.water, world.stage);
-    for (WatchedFace& watched : world.watched) {
-        watched.volume += watched.step_volume;
-        watched.momentum += watched.step_momentum;
-    }
-    if (world.scene.channel.flow == Flow::recirculating) {
-        report.driving_acceleration = drive(world, report.dt);
-        update_primitive(world);
-    }
+    StepStages stage(report.stages);
+    stage(Stage::time_step, [&] { report.dt = time_step(world, remaining); });
+    stage(Stage::heun, [&] { advance(world, report); });
+    stage(Stage::flow, [&] { book_flow(world); });
+    if (world.scene.channel.flow == Flow::recirculating) stage(Stage::drive, [&] { drive(world, report); });
     world.time += report.dt;
     return report;
 }

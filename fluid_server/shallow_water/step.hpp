@@ -17,14 +17,28 @@
 // of dt, as waves may speed up within it. A recirculating channel gets, after each step, the
 // velocity along x that all of it lacks to v_F.
 
+#include <array>
+#include <string_view>
+
+#include "fluid_server/particles/stage_clock.hpp"
 #include "fluid_server/shallow_water/world.hpp"
 
 namespace wade::fluid::shallow_water {
+
+enum class Stage : std::size_t {
+    time_step,  // the longest that is stable
+    heun,       // both of its Euler steps, taken anew with half the time where a depth became negative
+    flow,       // what passed the watched faces
+    drive       // of a recirculating channel
+};
+inline constexpr std::array<std::string_view, 4> stage_names{"time_step", "heun", "flow", "drive"};
+using StepStages = StageClock<Stage, stage_names.size()>;
 
 struct StepReport {
     double dt = 0;                    // s
     double driving_acceleration = 0;  // of a recirculating channel, m/s2 towards -x, as a mean over the step
     double inflow = 0, outflow = 0;   // volume that came in at x.hi and left at x.lo, m^3
+    StepStages::Seconds stages{};     // wall time, s
 };
 
 // Advances by the longest time step that is stable, at most `remaining` and a whole part of it. Throws RunError

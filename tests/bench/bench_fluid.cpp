@@ -27,7 +27,7 @@ struct Work {
     double sweeps = 0;                   // over all pairs
     double mean_error = 0;               // of the density, summed over steps
     double max_error = 0;
-    fluid::StageSeconds stages{};
+    fluid::StepStages::Seconds stages{};
 
     void add(const fluid::StepReport& step, std::size_t particles) {
         ++steps;

@@ -66,6 +66,8 @@ void make_waves(swe::ShallowWater& world) {
 
 void bench(const Size& size, const Kind& kind, const Options& options, std::vector<Result>& results) {
     std::map<int, std::vector<double>> rates, cpu_rates;
+    std::map<int, swe::StepStages::Seconds> stages;  // s, by number of threads
+    std::map<int, double> taken;                     // cell-steps
     const PeakMemory memory;
     swe::ShallowWater world(scene_of(size, kind));
     swe::ColumnParticles particles(world);
@@ -76,7 +78,11 @@ void bench(const Size& size, const Kind& kind, const Options& options, std::vect
         for (const int threads : options.thread_counts()) {
             omp_set_num_threads(threads);
             const Times start = Times::now();
-            for (int k = 0; k < steps; ++k) swe::step(world, 1);
+            for (int k = 0; k < steps; ++k) {
+                const swe::StepReport step = swe::step(world, 1);
+                for (std::size_t s = 0; s < step.stages.size(); ++s) stages[threads][s] += step.stages[s];
+            }
+            taken[threads] += cells * steps;
             const Times times = Times::now().since(start);
             rates[threads].push_back(cells * steps / times.wall);
             cpu_rates[threads].push_back(cells * steps / times.cpu);
@@ -88,6 +94,9 @@ void bench(const Size& size, const Kind& kind, const Options& options, std::vect
         result.extra = {{"cell_steps_per_cpu_s", quantile(cpu_rates[threads], 0.5)},
                         {"best_cell_steps_per_cpu_s", quantile(cpu_rates[threads], 1)},
                         {"bytes_per_cell", bytes}};
+        for (std::size_t s = 0; s < swe::stage_names.size(); ++s)
+            result.extra.emplace_back(std::string(swe::stage_names[s]) + "_ns_per_cell_step",
+                                      1e9 * stages[threads][s] / taken[threads]);
         print(result);
         results.push_back(std::move(result));
     }
