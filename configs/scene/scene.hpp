@@ -253,6 +253,11 @@ struct RagdollRule {
     bool random_sign = false;
 };
 
+// What is written of the paths.
+struct PathSettings {
+    double rate = 4;  // frames in a second, at most; no more than steps
+};
+
 // How agents find the way to their goal.
 struct NavigationSettings {
     NavigationRule rule = NavigationRule::automatic;
@@ -291,6 +296,7 @@ struct Crowd {
     double perception_radius = 1.0;  // R, markers within it are perceived
     double goal_radius = 3.0;        // an agent within it has arrived
     RagdollRule ragdoll;
+    PathSettings paths;
     std::vector<AgentGroup> groups;
 };
 

@@ -24,13 +24,16 @@ bool inside_obstacle(const PlacedBoxes& obstacles, const Point& p) {
                     [&](const Obstacle& o) { return o.x.contains(p.x) && o.z.contains(p.z); });
 }
 
+// All are looked at, as a loop without an early end becomes vector code.
 bool far_from_all(const std::vector<Point>& others, const Point& p, double min_distance) {
+    const double limit = min_distance * min_distance;
+    std::uint64_t close = 0;
     for (const Point& o : others) {
         const double dx = o.x - p.x;
         const double dz = o.z - p.z;
-        if (dx * dx + dz * dz < min_distance * min_distance) return false;
+        close += dx * dx + dz * dz < limit ? 1U : 0U;
     }
-    return true;
+    return close == 0;
 }
 
 void shift_x(std::vector<Point>& points, double by) {

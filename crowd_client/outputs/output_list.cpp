@@ -27,7 +27,7 @@ constexpr std::size_t of_a_database = 3;  // with its log and the index of that
 
 // clang-format off
 constexpr std::array registered{
-    RegisteredOutput{Turn::growing, {"trajectories.sqlite", "trajectories.rest.sqlite"}, of_a_database, with_trajectories, made<Trajectories>},
+    RegisteredOutput{Turn::growing, {"trajectories.sqlite", "trajectories.rest.sqlite", "trajectories.packed.sqlite"}, of_a_database, with_trajectories, made<Trajectories>},
     RegisteredOutput{Turn::growing, {"water.bin"}, 1, with_water, made<WaterPictures>},
     RegisteredOutput{Turn::growing, {"ragdoll.csv"}, 1, with_ragdolls, made<Ragdolls>},
     RegisteredOutput{Turn::growing, {"events.jsonl", "scene_as_played.json"}, 0, always, made<EventsFile>},

@@ -18,10 +18,6 @@ std::string sentence(const std::filesystem::path& file, const std::string& reaso
     return "cannot write '" + file.string() + "': " + reason;
 }
 
-bool means_full(int error_number) {
-    return error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
-}
-
 // 0, or the error number that kept the bytes from being written.
 int write_all(int descriptor, std::string_view bytes) {
     while (!bytes.empty()) {
@@ -38,6 +34,10 @@ int open_for_writing(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+bool means_full(int error_number) {
+    return error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
+}
 
 OutputError::OutputError(const std::filesystem::path& file, int error_number)
     : OutputError(file, std::strerror(error_number), means_full(error_number)) {}

@@ -21,6 +21,9 @@ class OutputError : public RunError {
     bool disk_full_;
 };
 
+// Whether an error number means that there is no space for a file, or that it must not grow further.
+[[nodiscard]] bool means_full(int error_number);
+
 // Replaces `file` by `content` in one step: a temporary file beside it is written, flushed to the disk and renamed.
 // Throws OutputError; the old content then stays.
 void write_whole_file(const std::filesystem::path& file, std::string_view content);

@@ -220,9 +220,9 @@ class SystemTest(unittest.TestCase):
         self.assertEqual(run.query("SELECT value FROM metadata WHERE key = 'version'"), [("2",)])
         per_frame = dict(run.query("SELECT frame, COUNT(*) FROM trajectory_data GROUP BY frame"))
         last = max(per_frame)
-        # Logged frames are whole: an agent has a row in every frame before its end and in none after it.
-        rate = outcome["step_rate_hz"]
+        # Logged frames are whole: an agent has a row in every frame up to the first since its end and in none after it.
+        rate = float(run.query("SELECT value FROM metadata WHERE key = 'fps'")[0][0])
         for frame, count in per_frame.items():
-            present = [a for a in agents if a["outcome"] == "active" or round(float(a["time_s"]) * rate) > frame]
+            present = [a for a in agents if a["outcome"] == "active" or float(a["time_s"]) * rate > frame - 1 + 1e-6]
             self.assertEqual(count, len(present), f"rows of frame {frame}")
         return outcome, last

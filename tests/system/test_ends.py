@@ -97,10 +97,10 @@ class Ends(SystemTest):
         self.assertLess(frames, 150_000)
         self.assertRegex(server.messages(), r"the crowd said goodbye before frame \d+ was sent, 49\d\d(\.\d)? s before the end")
 
-    def assert_ended_by_full_disk(self, server, client, status):
+    def assert_ended_by_full_disk(self, server, client):
         self.assert_ends(client, 1, str(client.run.folder / "trajectories.sqlite"))
         self.assert_ends(server, 5, "trajectories.sqlite")
-        outcome, last = self.assert_complete_records(client.run, status)
+        outcome, last = self.assert_complete_records(client.run, "disk_full")
         self.assertGreater(last, 0)
         # Frames are committed in batches; the batch that met the end of the disk is lost as a whole.
         self.assertLessEqual(last, outcome["frames"])
@@ -108,7 +108,7 @@ class Ends(SystemTest):
     def test_file_size_limit_while_logging_is_reported(self):
         server = self.server(*ENDLESS)
         client = self.client(*ENDLESS, "--water-every-s", "0", preexec_fn=limit_file_size)
-        self.assert_ended_by_full_disk(server, client, "failed")
+        self.assert_ended_by_full_disk(server, client)
 
     def test_full_disk_while_logging_is_reported(self):
         disk = self.folder / "disk"
@@ -119,7 +119,7 @@ class Ends(SystemTest):
         self.mounts.append(disk)
         server = self.server(*ENDLESS)
         client = self.client(*ENDLESS, "--water-every-s", "0", out=disk / "run")
-        self.assert_ended_by_full_disk(server, client, "disk_full")
+        self.assert_ended_by_full_disk(server, client)
 
 
 if __name__ == "__main__":

@@ -53,6 +53,13 @@ void fields(RagdollRule& ragdoll, Fields& f) {
            "true: added or subtracted with equal chance, as in the authors' code.");
 }
 
+void fields(PathSettings& paths, Fields& f) {
+    f.number(
+        "rate_hz", paths.rate, "1/s", from(0.01).to(10000),
+        "Frames of the paths in a second of simulated time, at most: a frame is each n-th step of the crowd, n the "
+        "least whole number for which step_rate_hz / n is not more. From step_rate_hz on each step is one.");
+}
+
 void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
     f.text("name", group.name, short_name,
            "Name in events and logs, one of its own for each group: letters, digits, '_', '-' and '.'.", required);
@@ -135,7 +142,9 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
              "An agent this close to its goal has arrived and is removed.");
     f.object("ragdoll", crowd.ragdoll,
              "Data for animators (ragdoll.csv): where the water tumbles a character. It changes no path. A row for "
-             "each agent and step in which the condition holds and at least one particle touches the agent.");
+             "each agent and frame of the paths in which the condition holds and at least one particle touches the "
+             "agent.");
+    f.object("paths", crowd.paths, "How often it is written where everybody is (trajectories.sqlite, ragdoll.csv).");
     AgentGroup of_crowd;  // what groups take that set none
     f.shorthands([&] {
         f.spread("tau", of_crowd.tau, "", from(0).to(1), "tau of the groups that set none.");

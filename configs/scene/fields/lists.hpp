@@ -29,6 +29,7 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd);
 void fields(EvasionSettings& evasion, Fields& f);
 void fields(NavigationSettings& navigation, Fields& f);
 void fields(RagdollRule& ragdoll, Fields& f);
+void fields(PathSettings& paths, Fields& f);
 
 // What the coupling is by default depends on the water.
 void fields(Coupling& coupling, Fields& f, const Scene& scene);

@@ -1,6 +1,7 @@
 #pragma once
-// trajectories.sqlite: where everybody was after each step (trajectory_file.hpp).
+// trajectories.sqlite: where everybody was, frame by frame (trajectory_file.hpp).
 
+#include "configs/scene/scene_frames.hpp"
 #include "crowd_client/outputs/writers/trajectory_file.hpp"
 #include "crowd_client/results/output_writer.hpp"
 
@@ -9,17 +10,31 @@ namespace wade::crowd {
 class Trajectories final : public OutputWriter {
  public:
     explicit Trajectories(const OutputPlace& place)
-        : file_(place.folder / "trajectories.sqlite", place.crowd.scene, {}, place.warn) {
-        on_step(place.crowd, {});
+        : file_(place.folder / "trajectories.sqlite", place.crowd.scene, {}, place.warn),
+          steps_per_frame_(steps_per_path_frame(place.crowd.scene)) {
+        write(place.crowd);
     }
 
     void on_step(const CrowdWorld& crowd, const WaterView&) override {
-        file_.write(crowd.steps, crowd.agents, crowd.active);
+        if (crowd.steps % steps_per_frame_ == 0) write(crowd);
     }
-    void finish(const RunView&) override { file_.close(); }
+    // The last places of all are written, too, unless the file takes no more.
+    void finish(const RunView& run) override {
+        if (is_whole_ && run.crowd.steps > last_step_) write(run.crowd);
+        file_.close();
+    }
 
  private:
+    void write(const CrowdWorld& crowd) {
+        is_whole_ = false;
+        file_.write(next_frame_++, crowd.agents, last_step_);
+        is_whole_ = true;
+        last_step_ = crowd.steps;
+    }
+
     TrajectoryFile file_;
+    std::uint64_t steps_per_frame_, next_frame_ = 0, last_step_ = 0;
+    bool is_whole_ = true;  // nothing went wrong so far
 };
 
 }  // namespace wade::crowd

@@ -1,14 +1,19 @@
 #include "crowd_client/outputs/writers/trajectory_file.hpp"
 
+#include <fcntl.h>
 #include <sqlite3.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "configs/numbers/fnv1a.hpp"
+#include "configs/scene/scene_frames.hpp"
 #include "crowd_client/results/output_file.hpp"
 
 namespace wade::crowd {
@@ -42,6 +47,24 @@ std::int64_t geometry_hash(const std::string& wkt) {
     return static_cast<std::int64_t>(fnv1a(wkt) >> 1);
 }
 
+std::filesystem::path beside(const std::filesystem::path& file, const char* word) {
+    return file.parent_path() / (file.stem().string() + word + file.extension().string());
+}
+
+std::string quoted(const std::string& text) {
+    std::string sql = "'";
+    for (const char c : text) sql += c == '\'' ? "''" : std::string(1, c);
+    return sql + "'";
+}
+
+// Whether all of a file is on the disk.
+bool flushed(const std::filesystem::path& file) {
+    const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) return false;
+    const bool is_done = ::fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS;
+    return ::close(descriptor) == 0 && is_done;
+}
+
 void remove_old(const std::filesystem::path& file) {
     for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
         std::error_code ignored;
@@ -67,6 +90,13 @@ std::string walkable_area_wkt(const Scene& scene) {
     return wkt + ")";
 }
 
+constexpr int rows_at_once = 50;
+
+// Where an agent is, or where he left the world.
+Vector2d place_in(const World& world, const Vector2d& p) {
+    return {std::clamp(p.x(), 0.0, world.length), std::clamp(p.y(), 0.0, world.width)};
+}
+
 // What came of an attempt to write.
 enum class Access { written, locked, gone };
 
@@ -74,6 +104,7 @@ struct TrajectoryFile::Database {
     std::filesystem::path file;
     sqlite3* handle = nullptr;
     sqlite3_stmt* insert_agent = nullptr;
+    sqlite3_stmt* insert_agents = nullptr;  // rows_at_once of them, which takes less time
     sqlite3_stmt* insert_frame = nullptr;
     std::int64_t geometry = 0;
 
@@ -89,29 +120,39 @@ struct TrajectoryFile::Database {
         handle = nullptr;
     }
     void finalize() noexcept {
-        sqlite3_finalize(insert_agent);
-        sqlite3_finalize(insert_frame);
-        insert_agent = insert_frame = nullptr;
+        for (sqlite3_stmt** statement : {&insert_agent, &insert_agents, &insert_frame}) {
+            sqlite3_finalize(*statement);
+            *statement = nullptr;
+        }
     }
 
     [[noreturn]] void fail(int code) const {
-        const bool full = code == SQLITE_FULL;
+        const bool full = code == SQLITE_FULL || (code == SQLITE_IOERR && means_full(errno));
         throw OutputError(file, handle != nullptr ? sqlite3_errmsg(handle) : sqlite3_errstr(code), full);
     }
     void check(int code) const {
         if (code != SQLITE_OK && code != SQLITE_DONE && code != SQLITE_ROW) fail(code);
     }
-    [[nodiscard]] int try_to(const char* sql) const { return sqlite3_exec(handle, sql, nullptr, nullptr, nullptr); }
+    [[nodiscard]] int try_to(const char* sql) const {
+        errno = 0;  // SQLite itself does not tell of all errors what the system said
+        return sqlite3_exec(handle, sql, nullptr, nullptr, nullptr);
+    }
     void run(const std::string& sql) const { check(try_to(sql.c_str())); }
-    [[nodiscard]] sqlite3_stmt* prepare(const char* sql) const {
+    [[nodiscard]] sqlite3_stmt* prepare(const std::string& sql) const {
         sqlite3_stmt* statement = nullptr;
-        check(sqlite3_prepare_v2(handle, sql, -1, &statement, nullptr));
+        check(sqlite3_prepare_v2(handle, sql.c_str(), -1, &statement, nullptr));
         return statement;
     }
     void execute(sqlite3_stmt* statement) const {
-        const int code = sqlite3_step(statement);
-        sqlite3_reset(statement);
-        check(code);
+        errno = 0;
+        if (sqlite3_step(statement) == SQLITE_DONE && sqlite3_reset(statement) == SQLITE_OK) return;
+        const int code = sqlite3_errcode(handle);
+        try {
+            fail(code);
+        } catch (...) {
+            sqlite3_reset(statement);
+            throw;
+        }
     }
     void set_metadata(const std::string& key, const std::string& value) const;
     void create_tables(const Scene& scene);
@@ -123,13 +164,16 @@ struct TrajectoryFile::Database {
     // All rows or none; wait: how long for who has the file locked, s.
     [[nodiscard]] Access write(const PathRows& kept, double wait) const;
     void insert(const PathRows& kept) const;
+    void insert_rows(sqlite3_stmt* statement, std::span<const PathRows::Row> rows) const;
 };
 
 TrajectoryFile::Database::Database(const std::filesystem::path& its_file, const Scene& scene, int pages)
     : file(its_file) {
     remove_old(file);
     try {
-        check(sqlite3_open_v2(file.c_str(), &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr));
+        // Without a lock for each call, as one thread at a time uses it.
+        constexpr int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+        check(sqlite3_open_v2(file.c_str(), &handle, flags, nullptr));
         sqlite3_busy_timeout(handle, 2000);  // ms, for who opens the file the moment it is there
         // A log instead of a journal: a frame costs one append, not a flush to the disk. A crash of the process loses
         // nothing that was written, a power cut at most the last frames.
@@ -138,7 +182,11 @@ TrajectoryFile::Database::Database(const std::filesystem::path& its_file, const 
         run("BEGIN IMMEDIATE");
         create_tables(scene);
         run("COMMIT");
-        insert_agent = prepare("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)");
+        const std::string insert = "INSERT INTO trajectory_data VALUES ", row = "(?, ?, ?, ?, ?, ?)";
+        insert_agent = prepare(insert + row);
+        std::string rows = row;
+        for (int i = 1; i < rows_at_once; ++i) rows += ", " + row;
+        insert_agents = prepare(insert + rows);
         insert_frame = prepare("INSERT INTO frame_data VALUES (?, ?)");
     } catch (...) {
         release();
@@ -148,13 +196,12 @@ TrajectoryFile::Database::Database(const std::filesystem::path& its_file, const 
 
 void TrajectoryFile::Database::create_tables(const Scene& scene) {
     run("CREATE TABLE trajectory_data (frame INTEGER NOT NULL, id INTEGER NOT NULL, pos_x REAL NOT NULL,"
-        " pos_y REAL NOT NULL, ori_x REAL NOT NULL, ori_y REAL NOT NULL);"
+        " pos_y REAL NOT NULL, ori_x REAL NOT NULL, ori_y REAL NOT NULL, PRIMARY KEY (frame, id)) WITHOUT ROWID;"
         "CREATE TABLE metadata (key TEXT NOT NULL UNIQUE PRIMARY KEY, value TEXT NOT NULL);"
         "CREATE TABLE geometry (hash INTEGER NOT NULL, wkt TEXT NOT NULL);"
-        "CREATE TABLE frame_data (frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL);"
-        "CREATE INDEX frame_id_idx ON trajectory_data (frame, id);");
+        "CREATE TABLE frame_data (frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL);");
     set_metadata("version", "2");
-    set_metadata("fps", text_of(scene.crowd.step_rate));
+    set_metadata("fps", text_of(scene.crowd.step_rate / static_cast<double>(steps_per_path_frame(scene))));
     set_metadata("xmin", "0");
     set_metadata("xmax", text_of(scene.world.length));
     set_metadata("ymin", "0");
@@ -169,20 +216,28 @@ void TrajectoryFile::Database::set_metadata(const std::string& key, const std::s
     run("INSERT INTO metadata VALUES ('" + key + "', '" + value + "');");
 }
 
+void TrajectoryFile::Database::insert_rows(sqlite3_stmt* statement, std::span<const PathRows::Row> rows) const {
+    int place = 0;
+    for (const PathRows::Row& row : rows) {
+        sqlite3_bind_int64(statement, ++place, row.frame);
+        sqlite3_bind_int64(statement, ++place, row.id);
+        for (const double v : {row.x, row.z, row.heading_x, row.heading_z}) sqlite3_bind_double(statement, ++place, v);
+    }
+    execute(statement);
+}
+
 void TrajectoryFile::Database::insert(const PathRows& kept) const {
     for (const std::int64_t frame : kept.frames) {
         sqlite3_bind_int64(insert_frame, 1, frame);
         sqlite3_bind_int64(insert_frame, 2, geometry);
         execute(insert_frame);
     }
-    for (const PathRows::Row& row : kept.rows) {
-        sqlite3_bind_int64(insert_agent, 1, row.frame);
-        sqlite3_bind_int64(insert_agent, 2, row.id);
-        sqlite3_bind_double(insert_agent, 3, row.x);
-        sqlite3_bind_double(insert_agent, 4, row.z);
-        sqlite3_bind_double(insert_agent, 5, row.heading_x);
-        sqlite3_bind_double(insert_agent, 6, row.heading_z);
-        execute(insert_agent);
+    std::span<const PathRows::Row> left(kept.rows);
+    while (!left.empty()) {
+        const bool many = left.size() >= rows_at_once;
+        const std::size_t count = many ? rows_at_once : 1;
+        insert_rows(many ? insert_agents : insert_agent, left.first(count));
+        left = left.subspan(count);
     }
 }
 
@@ -207,22 +262,25 @@ Access TrajectoryFile::Database::write(const PathRows& kept, double wait) const 
 TrajectoryFile::TrajectoryFile(const std::filesystem::path& file, const Scene& scene, const TrajectoryLimits& limits,
                                Warn warn)
     : file_(file),
-      rest_file_(file.parent_path() / (file.stem().string() + ".rest" + file.extension().string())),
+      rest_file_(beside(file, ".rest")),
+      packed_file_(beside(file, ".packed")),
       scene_(scene),
       limits_(limits),
       warn_(std::move(warn)) {
     remove_old(rest_file_);
+    remove_old(packed_file_);
     database_ = std::make_unique<Database>(file, scene, limits.pages);
 }
 
 TrajectoryFile::~TrajectoryFile() = default;
 
-void TrajectoryFile::write(std::uint64_t frame, const Agents& agents, const std::vector<std::uint32_t>& active) {
+void TrajectoryFile::write(std::uint64_t frame, const Agents& agents, std::uint64_t after) {
     const auto number = static_cast<std::int64_t>(frame);
     kept_.frames.push_back(number);
-    for (const std::uint32_t id : active) {
-        const Vector2d &at = agents.position[id], &heading = agents.heading[id];
-        kept_.rows.push_back({number, id, at.x(), at.y(), heading.x(), heading.y()});
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        if (agents.outcome[id] != Outcome::active && agents.end_step[id] <= after) continue;
+        const Vector2d at = place_in(scene_.world, agents.position[id]), &heading = agents.heading[id];
+        kept_.rows.push_back({number, static_cast<std::int64_t>(id), at.x(), at.y(), heading.x(), heading.y()});
     }
     if (!is_gone_) flush();
     if (is_gone_ || kept_.rows.size() + kept_.frames.size() > limits_.kept_rows) spill();
@@ -278,13 +336,29 @@ void TrajectoryFile::fold() {
         if (code != SQLITE_BUSY && code != SQLITE_LOCKED) break;
         nanosleep(&pause, nullptr);
     }
-    if (code != SQLITE_BUSY && code != SQLITE_LOCKED) return database_->check(code);
+    if (code != SQLITE_BUSY && code != SQLITE_LOCKED) {
+        database_->check(code);
+        return pack();
+    }
     // As much as can be goes into the file itself.
     sqlite3_wal_checkpoint_v2(database_->handle, nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
     if (!warn_) return;
     const std::string name = file_.string();
     warn_("another program has '" + name + "' open: all frames are in it together with '" + name +
           "-wal', which stays beside it until that program closes it");
+}
+
+// Into a file beside it, which then takes its place: whatever happens, one of them is whole. Without space for both it stays
+// as it is.
+void TrajectoryFile::pack() {
+    constexpr std::uintmax_t worth_it = 1 << 20;  // bytes
+    std::error_code error;
+    if (std::filesystem::file_size(file_, error) < worth_it || error) return;
+    const int code = database_->try_to(("VACUUM INTO " + quoted(packed_file_.string())).c_str());
+    const bool is_ours = !database_->has_moved();
+    database_.reset();
+    if (code == SQLITE_OK && is_ours && flushed(packed_file_)) std::filesystem::rename(packed_file_, file_, error);
+    remove_old(packed_file_);
 }
 
 void TrajectoryFile::warn_of_rest() const {

@@ -1,8 +1,13 @@
 #pragma once
 // trajectories.sqlite: the paths in JuPedSim's format, schema version 2, as JuPedSim's and PedPy's tools read it.
 //
-// pos_x is our x, pos_y our z. Frame f holds the state after f steps of the crowd, frame 0 the start; fps is the rate of
-// the steps. Agents that have arrived or died have no rows from that frame on.
+// pos_x is our x, pos_y our z. Frame 0 holds the start, frame f the state after f n steps of the crowd, n as
+// steps_per_path_frame() of the scene; fps is the rate of the frames. Who has arrived or died is in one more frame, the first
+// since then, at the place where he ended; over the fall, at the edge of the world. A run that ends between two frames has the
+// end as its last one.
+//
+// The rows lie in the order of their key (frame, id), which therefore needs no index beside them. The database leaves an
+// eighth of its pages empty as it grows; close() packs them.
 //
 // Other programs may open the file during the run and cannot hurt it: readers see whole frames; while somebody has it locked,
 // frames are kept in memory and written once it is free. What is still kept when the memory or the run ends, or when the file
@@ -49,12 +54,12 @@ class TrajectoryFile {
     TrajectoryFile(const TrajectoryFile&) = delete;
     TrajectoryFile& operator=(const TrajectoryFile&) = delete;
 
-    // Writes the active agents, and whatever was kept, as one transaction: after a crash each frame is there as a whole or
-    // not at all.
-    void write(std::uint64_t frame, const Agents& agents, const std::vector<std::uint32_t>& active);
+    // Writes a frame of those who are active, or have ended in a step after `after`, and whatever was kept, as one transaction:
+    // after a crash each frame is there as a whole or not at all.
+    void write(std::uint64_t frame, const Agents& agents, std::uint64_t after = 0);
 
-    // Writes what was kept and folds the write-ahead log into the one file that remains. If another program has the file
-    // open the log stays beside it until that program closes it.
+    // Writes what was kept, folds the write-ahead log into the one file that remains and packs it. If another program has the
+    // file open the log stays beside it until that program closes it.
     void close();
 
  private:
@@ -63,9 +68,10 @@ class TrajectoryFile {
     void flush();
     void spill();
     void fold();
+    void pack();
     void warn_of_rest() const;
 
-    std::filesystem::path file_, rest_file_;
+    std::filesystem::path file_, rest_file_, packed_file_;
     Scene scene_;
     TrajectoryLimits limits_;
     Warn warn_;

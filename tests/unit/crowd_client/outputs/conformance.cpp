@@ -1,8 +1,6 @@
 #include "outputs/conformance.hpp"
 
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -25,6 +23,7 @@ Scene scene_with_all() {
     Scene scene = one_agent_scene(50, 25, 75, 50, 0.9);
     scene.crowd.groups[0].count = scene.crowd.groups[0].columns = 10;
     scene.channel.velocity = 2.5;
+    scene.crowd.paths.rate = scene.crowd.step_rate;
     scene.crowd.ragdoll.condition = RagdollCondition::paper;
     return scene;
 }
@@ -73,24 +72,6 @@ Files run_of(const RegisteredOutput& output, const std::filesystem::path& path) 
     run.walk(steps);
     run.finish();
     return files_in(path);
-}
-
-// Runs in a process of its own that ends without a goodbye; returns whether it came to its end.
-template <typename Work>
-bool in_killed_process(Work&& work) {
-    const pid_t child = ::fork();
-    REQUIRE(child >= 0);
-    if (child == 0) {
-        try {
-            work();
-            ::_exit(0);
-        } catch (...) {
-            ::_exit(1);
-        }
-    }
-    int status = 0;
-    REQUIRE(::waitpid(child, &status, 0) == child);
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 // Files of a process may have this size, as if the disk was full beyond it.

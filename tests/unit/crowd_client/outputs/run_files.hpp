@@ -3,6 +3,8 @@
 
 #include <sqlite3.h>
 #include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -44,6 +46,24 @@ inline std::map<std::string, std::string> files_in(const std::filesystem::path& 
         files[entry.path().filename().string()] = content_of(entry.path());
     }
     return files;
+}
+
+// Runs in a process of its own that ends without a goodbye; returns whether it came to its end.
+template <typename Work>
+bool in_killed_process(Work&& work) {
+    const pid_t child = ::fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        try {
+            work();
+            ::_exit(0);
+        } catch (...) {
+            ::_exit(1);
+        }
+    }
+    int status = 0;
+    REQUIRE(::waitpid(child, &status, 0) == child);
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 // Another program's view of a database.

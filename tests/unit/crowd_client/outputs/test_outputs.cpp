@@ -108,6 +108,7 @@ TEST_CASE("A run folder is complete at the end, and says 'running' until then") 
     TemporaryFolder folder;
     Scene scene = one_agent_scene(74, 46, 75, 50, 0.2);
     scene.duration = 2;
+    scene.crowd.paths.rate = scene.crowd.step_rate;
     CrowdRun one{.crowd = make_crowd(scene)};
     CrowdWorld& crowd = one.crowd;
     RunLabels labels;
@@ -124,9 +125,9 @@ TEST_CASE("A run folder is complete at the end, and says 'running' until then") 
         CHECK(fs::exists(run.path() / name));
     }
     CHECK(std::distance(fs::directory_iterator(run.path()), fs::directory_iterator()) == 5);
-    // Rows as long as the agent was active: from frame 0 to the one before it arrived.
+    // Rows from frame 0 to the first since the agent arrived.
     CHECK(query(run.path() / "trajectories.sqlite", "SELECT max(frame) FROM trajectory_data") ==
-          std::to_string(crowd.agents.end_step[0] - 1) + "\n");
+          std::to_string(crowd.agents.end_step[0]) + "\n");
     CHECK(query(run.path() / "trajectories.sqlite", "SELECT max(frame) FROM frame_data") ==
           std::to_string(crowd.steps) + "\n");
 }
@@ -176,6 +177,7 @@ TEST_CASE("Ragdolls and levels of danger have files of their own, if they are as
     scene.channel.z = {12, 38};  // whole cells of 2 m
     scene.crowd.ragdoll.condition = RagdollCondition::paper;
     scene.duration = 1;
+    scene.crowd.paths.rate = 10;
     CrowdWorld crowd = make_crowd(scene);
     const testing::MadeUpWater water = testing::uniform_water(30, 70, 15, 35, 1, 0.25, -2.5, 0);
     RunFolder run(folder.path, crowd, RunLabels{}, {.danger_window = 0.5});
@@ -186,7 +188,7 @@ TEST_CASE("Ragdolls and levels of danger have files of their own, if they are as
     RunSummary summary;
     run.finish(crowd, summary, RunLabels{});
     const std::string ragdolls = content_of(folder.path / "ragdoll.csv");
-    CHECK(std::count(ragdolls.begin(), ragdolls.end(), '\n') == 31);
+    CHECK(std::count(ragdolls.begin(), ragdolls.end(), '\n') == 1 + 10);
     CHECK_THAT(ragdolls, Catch::StartsWith("frame,id,hip_height_m,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s\n1,0,0.5,"));
     CHECK_THAT(content_of(folder.path / "agents.csv"),
                Catch::Contains(",mean_dv_m2_s,danger_level,none_s,low_s,moderate_s,high_s,very_high_s\n") &&

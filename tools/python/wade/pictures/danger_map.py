@@ -98,7 +98,7 @@ def draw(run, output):
     cells = read_cells(run / "danger.csv")
     scene = manifest["resolved_scene"]
     agents = run_files.read_agents(run / "agents.csv")
-    paths = run_files.read_paths(run / "trajectories.sqlite", 2**53)
+    paths = run_files.read_paths(run / "trajectories.sqlite")
 
     figure, axes = top_view.new_map(scene, right=0.25, above=1.05, below=1.1)
     wet = draw_levels(axes, cells)

@@ -9,6 +9,7 @@ import pathlib
 import warnings
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -57,12 +58,10 @@ def draw(run, time, output):
     outcome = read_json(run / "outcome.json")
     scene = manifest["resolved_scene"]
     whole_run = time is None
-    rate = outcome["step_rate_hz"]  # a frame of the paths is a step of the crowd
-    # A run that was killed still says frame 0 in its outcome; its paths tell how far it came.
-    until_frame = 2**53 if whole_run else int(round(time * rate))
-    paths = read_paths(run / "trajectories.sqlite", until_frame)
-    last_frame = max([points[-1, 0] for points in paths.values()], default=0)
-    end_time = max(outcome["sim_time_s"], last_frame / rate) if whole_run else time
+    paths = read_paths(run / "trajectories.sqlite", np.inf if whole_run else time)
+    end_time = outcome["sim_time_s"] if whole_run else time
+    if whole_run and outcome["status"] == "running":  # killed; its outcome is older than its paths
+        end_time = max([end_time, *(points[-1, 0] for points in paths.values())])
     agents = read_agents(run / "agents.csv")
     water = read_water(run / "water.bin", end_time)
     ends, lines = top_view.people_at(agents, paths, end_time, whole_run)

@@ -32,16 +32,17 @@ def read_agents(path):
         return list(csv.DictReader(file))
 
 
-def read_paths(path, until_frame):
-    """Paths by agent, arrays of (frame, x, z), up to a frame."""
+def read_paths(path, until_s=np.inf):
+    """Paths by agent, arrays of (time, x, z), up to a time, s."""
     if not path.exists():
         raise RunError(f"'{path}' does not exist")
     try:
         with sqlite3.connect(f"file:{path}?mode=ro", uri=True) as database:
+            rate = float(database.execute("SELECT value FROM metadata WHERE key = 'fps'").fetchone()[0])
             rows = np.array(
                 database.execute(
                     "SELECT id, frame, pos_x, pos_y FROM trajectory_data WHERE frame <= ? ORDER BY id, frame",
-                    (until_frame,),
+                    (min(until_s * rate + 1e-6, 2**53),),
                 ).fetchall(),
                 dtype=float,
             )
@@ -49,6 +50,7 @@ def read_paths(path, until_frame):
         raise RunError(f"cannot read '{path}': {error}") from error
     if rows.size == 0:
         return {}
+    rows[:, 1] /= rate
     starts = np.flatnonzero(np.diff(rows[:, 0], prepend=rows[0, 0] - 1))
     return {int(part[0, 0]): part[:, 1:] for part in np.split(rows, starts[1:])}
 
