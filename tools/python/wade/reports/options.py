@@ -24,7 +24,12 @@ def parser_of(command, suite, text, table):
     return parser
 
 
+def add_cases(parser):
+    parser.add_argument("--cases", metavar="A,B", help="only these; patterns such as 'wet_bed*' may stand for several")
+
+
 def add_jobs(parser):
+    add_cases(parser)
     parser.add_argument("--jobs", type=whole(1, 1024), default=os.cpu_count() or 1, metavar="N",
                         help="runs side by side [processors]")
     parser.add_argument("--again", action="store_true", help="repeat runs that are complete")

@@ -31,8 +31,7 @@ def parse(arguments):
     parser.add_argument("--models", type=options.some_of(known_cases.known_models()), metavar="A,B",
                         default=list(DEFAULT_MODELS),
                         help=f"models, as /fluid/model names them [{','.join(DEFAULT_MODELS)}]")
-    parser.add_argument("--cases", metavar="A,B",
-                        help="only these cases; patterns such as 'wet_bed*' may stand for several")
+    options.add_cases(parser)
     parser.add_argument("--levels", metavar="L,M", help="resolutions of coarse, medium and fine [coarse,medium]")
     parser.add_argument("--time-limit", type=options.above_0, default=600.0, metavar="S",
                         help="wall time after which a run of a case is given up, s; a finer resolution that is expected to "

@@ -20,7 +20,6 @@ INPUTS = ("configs/stability/*.json", "configs/scene.schema.json")
 def parse(arguments):
     parser = options.parser_of("stability", "stability", __doc__, "stability.csv")
     options.add_jobs(parser)
-    parser.add_argument("--cases", metavar="A,B", help="only these; patterns such as 'tank*' may stand for several")
     parser.add_argument("--settings", metavar="S,T", help="only these, for example default,cfl_1; without sweeps")
     parser.add_argument("--long", action="store_true", help="a million steps in the case `leak`")
     chosen = parser.parse_args(arguments)

@@ -50,7 +50,6 @@ def parse(arguments, suite):
     parser = options.parser_of(suite.command, suite.folder, suite.text, suite.table)
     options.add_jobs(parser)
     parser.set_defaults(jobs=None)
-    parser.add_argument("--cases", metavar="A,B", help="only these; patterns such as 'wet_bed*' may stand for several")
     parser.add_argument("--levels", metavar="L,M", help="only these of coarse, medium and fine")
     parser.add_argument("--long", action="store_true", help="also what takes hours, as --list says")
     parser.add_argument("--threads", type=options.whole(1, 1024), default=1, metavar="N",
