@@ -20,8 +20,8 @@
 #include "fluid_server/particles/channel_ends.hpp"
 #include "fluid_server/particles/particles.hpp"
 #include "fluid_server/particles/solids.hpp"
-#include "fluid_server/particles/stage_clock.hpp"
 #include "fluid_server/particles/water_depth.hpp"
+#include "fluid_server/stage_clock.hpp"
 #include "fluid_server/states/fluid_state.hpp"
 
 namespace wade::fluid {

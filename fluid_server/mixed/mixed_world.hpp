@@ -21,9 +21,9 @@
 #include "fluid_server/mixed/restriction.hpp"
 #include "fluid_server/mixed/window.hpp"
 #include "fluid_server/particles/channel_ends.hpp"
-#include "fluid_server/particles/stage_clock.hpp"
 #include "fluid_server/shallow_water/column_particles.hpp"
 #include "fluid_server/shallow_water/step.hpp"
+#include "fluid_server/stage_clock.hpp"
 
 namespace wade::fluid::mixed {
 

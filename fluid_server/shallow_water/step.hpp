@@ -20,8 +20,8 @@
 #include <array>
 #include <string_view>
 
-#include "fluid_server/particles/stage_clock.hpp"
 #include "fluid_server/shallow_water/world.hpp"
+#include "fluid_server/stage_clock.hpp"
 
 namespace wade::fluid::shallow_water {
 

@@ -17,12 +17,17 @@ MOST_FILES = 25  # sources in a folder, a header and its source counted as two
 MOST_LINES = 400
 MOST_TRACKED = 1250
 CODE = (".cpp", ".hpp", ".h")  # of the product
+TOOLS_CODE = (*CODE, ".c", ".mjs", ".py", ".sh")
 
 
 def product() -> list[Path]:
     """Sources and headers of the product, relative to the root."""
     paths = [path.relative_to(ROOT) for path in tracked(*CODE)]
     return [path for path in paths if path.parts[0] in PRODUCT]
+
+
+def lines_of(paths) -> int:
+    return sum(len((ROOT / path).read_text().splitlines()) for path in paths)
 
 
 def includes(path: Path) -> list[Path]:
@@ -129,6 +134,11 @@ class Rooms(unittest.TestCase):
 class Weight(unittest.TestCase):
     def test_no_more_files_than_one_can_know(self):
         self.assertLessEqual(len(git("ls-files")), MOST_TRACKED)
+
+    def test_tools_weigh_less_than_half_of_the_product(self):
+        tools = [path for path in tracked(*TOOLS_CODE) if path.relative_to(ROOT).parts[0] == "tools"]
+        self.assertGreater(len(tools), 100)
+        self.assertLess(lines_of(tools), lines_of(product()) / 2)
 
 
 if __name__ == "__main__":
