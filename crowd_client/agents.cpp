@@ -132,17 +132,13 @@ Agents make_agents(const Scene& scene) {
     agents.momentary.assign(n, Vector2d::Zero());
     agents.outcome.assign(n, Outcome::active);
     agents.end_step.assign(n, 0);
+    agents.end_before.assign(n, 0.0);
     agents.path_length.assign(n, 0.0);
     agents.max_depth.assign(n, 0.0);
     agents.max_dv.assign(n, 0.0);
     agents.wet_steps.assign(n, 0);
     agents.depth_sum.assign(n, 0.0);
     agents.dv_sum.assign(n, 0.0);
-    if (scene.crowd.bodies != BodyRule::none) {
-        for (std::vector<double>* v : {&agents.contested, &agents.blocked, &agents.followed}) v->assign(n, 0.0);
-        agents.detour_side.assign(n, 1.0);
-        agents.trapped_time.assign(n, 0.0);
-    }
     return agents;
 }
 

@@ -16,6 +16,24 @@ enum class Outcome : std::uint8_t { active, arrived, dead };
 // "active", "arrived" or "dead", as written to agents.csv.
 [[nodiscard]] std::string_view outcome_name(Outcome outcome);
 
+// What people with bodies remember, by id; empty without bodies. The symbols are those of bodies/bodies.hpp.
+struct BodyMemory {
+    std::vector<double> radius;        // r_i, m
+    std::vector<double> contested;     // kappa, [0, 1]
+    std::vector<double> blocked;       // b, [0, 1]
+    std::vector<double> followed;      // lambda, [0, 1]
+    std::vector<double> opposed;       // o, [0, 1]
+    std::vector<double> pressed;       // c, [0, 1]
+    std::vector<double> stood;         // s, [0, 10] s
+    std::vector<double> detour_side;   // 1: to the right, -1: to the left
+    std::vector<double> trapped_time;  // how long b has been above 0.9, s
+    std::vector<Vector2d> intended;    // v_B as last decided, m/s
+    std::vector<Vector2d> pace;        // v, m/s
+    std::vector<Vector2d> went;        // since the last decision, m
+    std::vector<Vector2d> wished;      // since the last decision, m
+    std::vector<std::uint64_t> draw;   // of chance, from where it started
+};
+
 struct Agents {
     std::vector<Vector2d> position;     // m
     std::vector<std::int32_t> laps;     // times round a periodic world, towards +x; 0 in an open one
@@ -29,6 +47,7 @@ struct Agents {
     std::vector<std::uint32_t> group;   // index into Crowd::groups
     std::vector<Outcome> outcome;
     std::vector<std::uint64_t> end_step;   // step of arrival or death; meaningless while active
+    std::vector<double> end_before;        // how long before the end of that step, s
     std::vector<double> path_length;       // m
     std::vector<double> max_depth;         // deepest water met, m
     std::vector<double> max_dv;            // largest depth times speed of the water met, m2/s
@@ -36,10 +55,7 @@ struct Agents {
     std::vector<double> depth_sum;         // of the water over these steps, m
     std::vector<double> dv_sum;            // of depth times speed over these steps, m2/s
 
-    // With bodies only: kappa, b and lambda of bodies.hpp, [0, 1].
-    std::vector<double> contested, blocked, followed;
-    std::vector<double> detour_side;   // 1: to the right, -1: to the left
-    std::vector<double> trapped_time;  // how long b has been above 0.9, s
+    BodyMemory body;
 
     [[nodiscard]] std::size_t size() const { return position.size(); }
 };

@@ -48,19 +48,19 @@ void limit_to_bodies(CrowdWorld& crowd) {
     crowd.wishes.resize(n);
     crowd.ends.resize(n);
     for (std::size_t k = 0; k < n; ++k) {
-        crowd.wishes[k] = crowd.next.mean[k] * crowd.dt;
+        crowd.wishes[k] = crowd.next.mean[k] * crowd.part_time;
         crowd.ends[k] = ends_of_step(crowd, k);
     }
-    limit_steps(crowd.bodies, crowd.walls, crowd.positions, crowd.wishes, crowd.ends, threads_for(crowd));
+    limit_steps(crowd.bodies, crowd.agents, crowd.active, crowd.walls, crowd.positions, crowd.wishes, crowd.ends,
+                crowd.part_time, threads_for(crowd));
 }
 
-// Where agent k goes with its body, and what that does to its memory.
+// Where agent k goes with its body.
 Vector2d step_with_body(CrowdWorld& crowd, std::size_t k) {
     const std::uint32_t id = crowd.active[k];
     const Vector2d& u = crowd.bodies.step[k];
-    note_blocked(crowd.bodies, crowd.agents, id, u, crowd.dt);
     if (keep_velocity(crowd)) {
-        crowd.agents.momentary[id] = stopped_by_bodies(crowd.next.at_end[k], crowd.wishes[k], u, crowd.dt);
+        crowd.agents.momentary[id] = stopped_by_bodies(crowd.next.at_end[k], crowd.wishes[k], u, crowd.part_time);
     }
     Vector2d to = crowd.positions[k] + u;
     to.x() = std::clamp(to.x(), crowd.ends[k].lo, crowd.ends[k].hi);
@@ -77,7 +77,7 @@ void move_agents(CrowdWorld& crowd) {
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
         const Vector2d& from = crowd.positions[k];
-        const Vector2d wanted = crowd.next.mean[k] * crowd.dt;
+        const Vector2d wanted = crowd.next.mean[k] * crowd.part_time;
         const Vector2d to =
             has_bodies(crowd) ? step_with_body(crowd, k) : slide(crowd.walls, from, wanted, ends_of_step(crowd, k));
         if (keep_velocity(crowd) && !has_bodies(crowd)) {
@@ -86,7 +86,7 @@ void move_agents(CrowdWorld& crowd) {
         const Vector2d way = to - from;
         const double length = std::sqrt(way.squaredNorm());
         agents.position[id] = to;
-        agents.velocity[id] = way / crowd.dt;
+        agents.velocity[id] = way / crowd.part_time;
         agents.path_length[id] += length;
         if (length > 0) agents.heading[id] = way / length;
         if (period > 0) wrap(agents.position[id], agents.laps[id], period);

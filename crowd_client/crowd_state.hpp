@@ -23,6 +23,8 @@ struct CrowdWorld {
     Scene scene;
     double dt = 0;            // length of a step, s
     std::uint64_t steps = 0;  // taken; step k leads to the state at time k dt
+    BodyClock clock;          // without bodies people decide in each step
+    double part_time = 0;     // length of the part of a step at hand, s
 
     Agents agents;
     std::vector<std::uint32_t> active;  // ids of the agents that are neither arrived nor dead, ascending
@@ -57,6 +59,11 @@ struct CrowdWorld {
 
 [[nodiscard]] inline bool has_bodies(const CrowdWorld& crowd) {
     return crowd.bodies.rule != BodyRule::none;
+}
+
+// Whether people get further in a step than the water round where they stood reaches.
+[[nodiscard]] inline bool walks_far(const CrowdWorld& crowd) {
+    return crowd.clock.parts > 1;
 }
 
 // How many threads walk the crowd. One that is small takes less time than threads to wake up.

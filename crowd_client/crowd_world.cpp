@@ -12,11 +12,14 @@
 namespace wade::crowd {
 namespace {
 
-// What a stage works with: the crowd, the water near it and the number of the step.
+// What a stage works with: the crowd, the water near it, the step and the part of it at hand.
 struct Step {
     CrowdWorld& crowd;
     const WaterBins& water;
     std::uint64_t number;
+    int part = 0;
+    bool decides = true;  // people choose where to walk, else they walk on
+    Decision decision = {};
     [[nodiscard]] bool is_wet() const { return !water.x.empty(); }
 };
 
@@ -68,9 +71,12 @@ void find_ways(const Step& step) {
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         crowd.goal_offsets[k] = goal_offset(crowd.agents, crowd.active[k], crowd.scene.world.period());
     }
-    if (finds_ways(crowd.navigation)) {
+    if (finds_ways(crowd.navigation) && step.part == 0) {
         update_navigation(crowd.navigation, crowd.scene, crowd.active, crowd.positions, crowd.goal_offsets, step.number,
                           crowd.threads);
+    }
+    if (!step.decides) return;
+    if (finds_ways(crowd.navigation)) {
         steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, threads_for(crowd));
     }
     const EvasionSettings& evasion = crowd.scene.crowd.evasion;
@@ -81,14 +87,17 @@ void find_ways(const Step& step) {
 
 void compete_for_markers(const Step& step) {
     CrowdWorld& crowd = step.crowd;
-    const double radius = crowd.scene.crowd.perception_radius;
-    redraw(crowd.markers.drawn, marker_epoch(crowd.scene.crowd, step.number));
+    if (!step.decides) return;
+    const Crowd& settings = crowd.scene.crowd;
+    const double radius = settings.perception_radius;
+    redraw(crowd.markers.drawn,
+           settings.marker_epoch > 0 ? marker_epoch(settings, step.number) : step.decision.number + 1);
     Walkers walkers;
     walkers.position = crowd.positions;
     walkers.goal_offset = crowd.goal_offsets;
     if (has_bodies(crowd)) {
         prepare_bodies(crowd.bodies, walkers, crowd.agents, crowd.active, crowd.positions, crowd.goal_offsets,
-                       crowd.scene.world, radius, looks_whom_to_follow(step.number, crowd.dt), threads_for(crowd));
+                       crowd.scene.world, radius, step.decision, threads_for(crowd));
     }
     find_motion(crowd.motion, crowd.marker_memory, crowd.markers, walkers, radius, crowd.scene.world.period(),
                 threads_for(crowd));
@@ -101,19 +110,22 @@ void choose_walking_velocities(const Step& step) {
     crowd.walking.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
-        const Vector2d wish =
-            has_bodies(crowd)
-                ? wished_velocity(crowd.bodies, crowd.agents, id, k, crowd.motion, marker_area, rule, crowd.dt)
-                : walking_velocity(crowd.motion.vector[k], crowd.agents.desired_speed[id], rule, crowd.dt);
-        crowd.walking[k] = keep_in_world(crowd.scene.world, crowd.positions[k], wish, crowd.dt);
+        if (has_bodies(crowd) && step.decides) {
+            crowd.agents.body.intended[id] =
+                wished_velocity(crowd.bodies, crowd.agents, id, k, crowd.motion, marker_area, rule, step.decision);
+        }
+        const Vector2d wish = has_bodies(crowd) ? crowd.agents.body.intended[id]
+                                                : walking_velocity(crowd.motion.vector[k],
+                                                                   crowd.agents.desired_speed[id], rule, crowd.dt);
+        crowd.walking[k] = keep_in_world(crowd.scene.world, crowd.positions[k], wish, crowd.part_time);
     }
 }
 
 void respond_to_water(const Step& step) {
     CrowdWorld& crowd = step.crowd;
-    crowd.response->respond(
-        {crowd.scene, crowd.dt, crowd.agents, crowd.active, crowd.positions, crowd.walking, crowd.contacts, step.water},
-        crowd.next);
+    crowd.response->respond({crowd.scene, crowd.part_time, crowd.agents, crowd.active, crowd.positions, crowd.walking,
+                             crowd.contacts, step.water},
+                            crowd.next);
 }
 
 void move(const Step& step) {
@@ -135,24 +147,28 @@ void judge_outcomes(const Step& step) {
         crowd.agents.outcome[id] = outcome;
         if (outcome == Outcome::active) continue;
         crowd.agents.end_step[id] = step.number;
+        crowd.agents.end_before[id] = (crowd.clock.parts - 1 - step.part) * crowd.part_time;
         ++(outcome == Outcome::arrived ? crowd.arrived : crowd.dead);
         if (outcome == Outcome::arrived) crowd.last_arrival_step = step.number;
     }
     std::erase_if(crowd.active, [&](std::uint32_t id) { return crowd.agents.outcome[id] != Outcome::active; });
 }
 
+enum class When : std::uint8_t { in_each_part, once };
+
 struct Stage {
     std::string_view name;
     void (*run)(const Step&);
+    When when = When::in_each_part;
 };
 
 // The method, once the positions are frozen and the water round them is sorted. Each stage reads what those before it
 // have written and the agents as the last step left them; `motion` writes the next state of all.
 constexpr std::array stages{
-    Stage{"events", apply_events_due},
+    Stage{"events", apply_events_due, When::once},
     Stage{"contacts", find_contacts},  // Eq. 5
-    Stage{"water met", note_water},
-    Stage{"ragdolls", tumble},
+    Stage{"water met", note_water, When::once},
+    Stage{"ragdolls", tumble, When::once},
     Stage{"ways", find_ways},
     Stage{"markers", compete_for_markers},        // Eq. 1-3
     Stage{"walking", choose_walking_velocities},  // Eq. 4
@@ -166,10 +182,27 @@ void freeze_positions(CrowdWorld& crowd) {
     for (std::size_t k = 0; k < crowd.active.size(); ++k) crowd.positions[k] = crowd.agents.position[crowd.active[k]];
 }
 
-void advance(CrowdWorld& crowd, const WaterBins& water) {
-    const Step step{crowd, water, crowd.steps + 1};
+void walk_part(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    freeze_positions(crowd);
     for (std::size_t i = 0; i < stages.size(); ++i) {
+        if (stages[i].when == When::once && step.part > 0) continue;
         timed(crowd.times.get(), 1 + i, [&] { stages[i].run(step); });
+    }
+}
+
+// A step has one part, but for people with bodies in long steps (body_clock.hpp).
+void advance(CrowdWorld& crowd, const WaterBins& water) {
+    const BodyClock& clock = crowd.clock;
+    const auto parts = static_cast<std::uint64_t>(clock.parts);
+    crowd.part_time = crowd.dt / clock.parts;
+    Step step{crowd, water, crowd.steps + 1};
+    step.decision.time = crowd.part_time * static_cast<double>(clock.steps_between);
+    for (step.part = 0; step.part < clock.parts; ++step.part) {
+        const std::uint64_t before = crowd.steps * parts + static_cast<std::uint64_t>(step.part);
+        step.decides = before % clock.steps_between == 0;
+        step.decision.number = before / clock.steps_between;
+        walk_part(step);
     }
     crowd.steps = step.number;
     if (crowd.times) ++crowd.times->steps;
@@ -179,12 +212,14 @@ void advance(CrowdWorld& crowd, const WaterBins& water) {
 
 void step(CrowdWorld& crowd, const WaterView& water) {
     freeze_positions(crowd);
-    timed(crowd.times.get(), 0, [&] { bin_water(crowd.water, water, crowd.positions); });
+    timed(crowd.times.get(), 0, [&] {
+        if (walks_far(crowd)) return bin_all_water(crowd.water, water);
+        bin_water(crowd.water, water, crowd.positions);
+    });
     advance(crowd, crowd.water);
 }
 
 void step_through(CrowdWorld& crowd, const WaterBins& water) {
-    freeze_positions(crowd);
     advance(crowd, water);
 }
 

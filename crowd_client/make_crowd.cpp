@@ -63,7 +63,10 @@ CrowdWorld make_crowd(const Scene& scene) {
         crowd.bodies.rule = scene.crowd.bodies;
         crowd.bodies.style = body_style(scene.crowd.bodies);
         crowd.bodies.radius = scene.crowd.body_radius;
+        crowd.bodies.seed = scene.seed;
         make_room_for_bodies(crowd.agents, crowd.walls, scene.crowd.body_radius);
+        begin_bodies(crowd.agents, scene.crowd.body_radius);
+        crowd.clock = body_clock(crowd.dt);
     }
     crowd.navigation = make_navigation(scene, crowd.agents);
     crowd.markers = crowd.agents.size() == 0 ? Markers{} : place_markers(scene);

@@ -1,23 +1,30 @@
+// What people with bodies decide, and what they remember for it.
+
 #include "crowd_client/bodies/bodies.hpp"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
-#include <numbers>
+
+#include "crowd_client/bodies/body_looks.hpp"
+#include "crowd_client/markers/counter_random.hpp"
 
 namespace wade::crowd {
 namespace {
 
-constexpr double longest_lead = 1.0;    // m; |s| of the site
-constexpr double memory_time = 0.2;     // s, of kappa
-constexpr double follow_reach = 1.5;    // m, near enough to follow
-constexpr double follow_time = 1.0;     // s, of lambda
-constexpr double trapped_patience = 5;  // s; before somebody tries the other side
-constexpr double image_reach = 2.0;     // m, of the images beyond a joint
+constexpr double longest_lead = 1.0;      // m; |s| of the site
+constexpr double contested_time = 0.4;    // s, of kappa
+constexpr double followed_time = 1.0;     // s, of lambda
+constexpr double opposed_time = 0.5;      // s, of o
+constexpr double pressed_time = 1.0;      // s, of c
+constexpr double look_followed = 0.2;     // s, between two looks
+constexpr double look_opposed = 0.4;      // s, between two looks
+constexpr double trapped_patience = 5;    // s; before somebody tries the other side
+constexpr double keep_right_from = 0.05;  // o
 
-std::uint64_t steps_between_looks(double dt) {
-    constexpr double look_time = 0.2;  // s
-    return static_cast<std::uint64_t>(std::max(1L, std::lround(look_time / dt)));
+// Moves a memory towards what it is now, over `memory` s.
+void note(double& value, double now, double time, double memory) {
+    value += std::min(1.0, time / memory) * (now - value);
 }
 
 // Clockwise as seen with x to the right and z up.
@@ -31,64 +38,117 @@ Vector2d shortened(const Vector2d& v, double longest) {
     return length > longest ? Vector2d(v * (longest / length)) : v;
 }
 
+Vector2d unit_or(const Vector2d& v, const Vector2d& otherwise) {
+    const double length = std::sqrt(v.squaredNorm());
+    return length > 0 ? Vector2d(v / length) : otherwise;
+}
+
 // Sites in the world, or a little outside where R leaves room for it.
 Vector2d kept_near(const World& world, const Vector2d& q, double room) {
     const double x = world.period() > 0 ? q.x() : std::clamp(q.x(), -room, world.length + room);
     return {x, std::clamp(q.y(), -room, world.width + room)};
 }
 
-// Mean cosine of the angle between one's own heading and those of the people near; not below 0. Summed in whole numbers, so
-// that it does not depend on the order in which people are stored.
-double share_followed(const Bodies& bodies, const Agents& agents, std::span<const std::uint32_t> active, std::size_t k,
-                      const Vector2d& p) {
-    const Vector2d& own = agents.heading[active[k]];
-    constexpr double unit = 0x1p-40;
-    std::int64_t sum = 0, all = 0;
-    bodies.cells.visit_near(p, follow_reach, [&](std::uint32_t j, double dx, double dz) {
-        const double square = dx * dx + dz * dz;
-        if (j == k || square >= follow_reach * follow_reach) return;
-        sum += static_cast<std::int64_t>(own.dot(agents.heading[active[j]]) / unit);
-        ++all;
-    });
-    return all > 0 ? std::max(0.0, unit * static_cast<double>(sum) / static_cast<double>(all)) : 0.0;
+// How an agent got on since the last decision: v, c, s, b and the side of a detour.
+void note_progress(const BodyStyle& style, BodyMemory& body, std::uint32_t id, double desired_speed, double time) {
+    const Vector2d went = body.went[id], wished = body.wished[id];
+    body.went[id] = body.wished[id] = Vector2d::Zero();
+    body.pace[id] = went / time;
+    const double square = wished.squaredNorm();
+    note(body.pressed[id], square > 0 ? std::clamp(1 - went.dot(wished) / square, 0.0, 1.0) : 0.0, time, pressed_time);
+    const double speed = std::sqrt(body.pace[id].squaredNorm());
+    body.stood[id] = std::clamp(body.stood[id] + (speed < 0.1 * desired_speed ? time : -2 * time), 0.0, 10.0);
+    note(body.blocked[id], speed < 0.5 * desired_speed ? 1.0 : 0.0, time, style.patience);
+    double& trapped = body.trapped_time[id];
+    trapped = body.blocked[id] > 0.9 ? trapped + time : 0.0;
+    if (body.opposed[id] > keep_right_from) {
+        body.detour_side[id] = 1;
+        trapped = 0;
+    }
+    if (trapped < trapped_patience) return;
+    body.detour_side[id] = -body.detour_side[id];
+    trapped = 0;
+}
+
+// Whether an agent that has stood too long steps back in this second.
+bool yields(const Bodies& bodies, const BodyMemory& body, std::uint32_t id, const Decision& decision) {
+    constexpr double patience = 2, chance = 0.3, nobody_opposed = 0.1;
+    if (body.stood[id] <= patience || body.opposed[id] >= nobody_opposed) return false;
+    constexpr std::uint64_t stream = std::uint64_t{1} << 42;  // apart from those of markers and agents
+    const double offset = unit_fraction(mix_bits(body.draw[id]));
+    const auto second = static_cast<std::uint64_t>(static_cast<double>(decision.number) * decision.time + offset);
+    return counter_uniform(bodies.seed, stream + body.draw[id], second) < chance;
 }
 
 }  // namespace
 
 BodyStyle body_style(BodyRule rule) {
     BodyStyle style;
-    if (rule == BodyRule::human) style.spacing_rate = 1.83;
+    if (rule == BodyRule::human) style.spacing_rate = 1.65;
     return style;
 }
 
-bool looks_whom_to_follow(std::uint64_t step, double dt) {
-    return step % steps_between_looks(dt) == 0;
+void begin_bodies(Agents& agents, double radius) {
+    BodyMemory& body = agents.body;
+    const std::size_t n = agents.size();
+    body.radius.assign(n, radius);
+    body.detour_side.assign(n, 1.0);
+    for (std::vector<double>* v : {&body.contested, &body.blocked, &body.followed, &body.opposed, &body.pressed,
+                                   &body.stood, &body.trapped_time}) {
+        v->assign(n, 0.0);
+    }
+    for (std::vector<Vector2d>* v : {&body.intended, &body.pace, &body.went, &body.wished}) {
+        v->assign(n, Vector2d::Zero());
+    }
+    body.draw.resize(n);
+    for (std::size_t id = 0; id < n; ++id) {
+        const Vector2d& p = agents.position[id];
+        body.draw[id] = mix_bits(mix_bits(std::bit_cast<std::uint64_t>(p.x())) + std::bit_cast<std::uint64_t>(p.y()));
+    }
 }
 
-void prepare_bodies(Bodies& bodies, Walkers& walkers, const Agents& agents, std::span<const std::uint32_t> active,
+void prepare_bodies(Bodies& bodies, Walkers& walkers, Agents& agents, std::span<const std::uint32_t> active,
                     std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, const World& world,
-                    double perception_radius, bool look_whom_to_follow, int threads) {
+                    double perception_radius, const Decision& decision, int threads) {
     const BodyStyle& style = bodies.style;
+    BodyMemory& body = agents.body;
     const std::size_t n = active.size();
-    for (std::vector<Vector2d>* v : {&bodies.site, &bodies.velocity, &bodies.turned_goal}) v->resize(n);
+    for (std::vector<Vector2d>* v :
+         {&bodies.site, &bodies.velocity, &bodies.turned_goal, &bodies.heading, &bodies.way, &bodies.bearing}) {
+        v->resize(n);
+    }
     for (std::vector<double>* v : {&bodies.desired_speed, &bodies.discount}) v->resize(n);
-    const bool looks = look_whom_to_follow && style.spacing_rate > 0;
+    const bool looks = decision.is_due(look_followed) && style.spacing_rate > 0;
+    const bool looks_ahead = decision.is_due(look_opposed);
     bodies.followed.resize(looks ? n : 0);
-    sort_people(bodies.cells, world, positions, image_reach);
+    bodies.opposed.resize(looks_ahead ? n : 0);
+    sort_people(bodies.cells, world, positions, furthest_look);
     const double room = GroundGrid::cell_size - perception_radius;
     const double longest = std::min(longest_lead, room);
-#pragma omp parallel for num_threads(threads) if (threads > 1)
-    for (std::size_t k = 0; k < n; ++k) {
-        const std::uint32_t id = active[k];
-        const double side = style.side_turn * std::min(1.0, 3 * agents.contested[id]);
-        const Vector2d s = turned_right(shortened(style.lead_time * agents.velocity[id], longest), side);
-        bodies.site[k] = kept_near(world, positions[k] + s, room);
-        bodies.velocity[k] = agents.velocity[id];
-        bodies.turned_goal[k] =
-            turned_right(goal_offsets[k], style.detour_turn * agents.detour_side[id] * agents.blocked[id]);
-        bodies.desired_speed[k] = agents.desired_speed[id];
-        bodies.discount[k] = style.discount;
-        if (looks) bodies.followed[k] = share_followed(bodies, agents, active, k, positions[k]);
+#pragma omp parallel num_threads(threads) if (threads > 1)
+    {
+#pragma omp for
+        for (std::size_t k = 0; k < n; ++k) {
+            const std::uint32_t id = active[k];
+            if (decision.number > 0) note_progress(style, body, id, agents.desired_speed[id], decision.time);
+            const double side = style.side_turn * std::min(1.0, 3 * body.contested[id]);
+            const Vector2d s = turned_right(shortened(style.lead_time * body.pace[id], longest), side);
+            bodies.site[k] = kept_near(world, positions[k] + s, room);
+            bodies.velocity[k] = body.pace[id];
+            bodies.turned_goal[k] =
+                turned_right(goal_offsets[k], style.detour_turn * body.detour_side[id] * body.blocked[id]);
+            bodies.desired_speed[k] = agents.desired_speed[id];
+            bodies.discount[k] = style.discount;
+            if (looks) bodies.heading[k] = unit_or(body.pace[id], agents.heading[id]);
+            if (!looks_ahead) continue;
+            bodies.way[k] = unit_or(goal_offsets[k], Vector2d::Zero());
+            bodies.bearing[k] = unit_or(goal_offset(agents, id, world.period()), Vector2d::Zero());
+        }
+#pragma omp for
+        for (std::size_t k = 0; k < n; ++k) {
+            if (looks) bodies.followed[k] = share_followed(bodies, k, positions[k]);
+            if (looks_ahead) bodies.opposed[k] = share_opposed(bodies, k, positions[k]);
+        }
     }
     walkers.goal_offset = bodies.turned_goal;
     walkers.site = bodies.site;
@@ -99,29 +159,23 @@ void prepare_bodies(Bodies& bodies, Walkers& walkers, const Agents& agents, std:
 }
 
 Vector2d wished_velocity(const Bodies& bodies, Agents& agents, std::uint32_t id, std::size_t k, const Motion& motion,
-                         double marker_area, SpeedRule rule, double dt) {
-    const BodyStyle& style = bodies.style;
+                         double marker_area, SpeedRule rule, const Decision& decision) {
+    constexpr double back = 0.3;  // m/s
+    BodyMemory& body = agents.body;
     if (motion.owned[k] > 0) {
         const double share = static_cast<double>(motion.contested[k]) / motion.owned[k];
-        agents.contested[id] += std::min(1.0, dt / memory_time) * (share - agents.contested[id]);
+        note(body.contested[id], share, decision.time, contested_time);
     }
-    const Vector2d free = walking_velocity(motion.vector[k], agents.desired_speed[id], rule, dt);
-    if (!(style.spacing_rate > 0)) return free;
     if (!bodies.followed.empty()) {
-        const double time = static_cast<double>(steps_between_looks(dt)) * dt;
-        agents.followed[id] += std::min(1.0, time / follow_time) * (bodies.followed[k] - agents.followed[id]);
+        note(body.followed[id], bodies.followed[k], decision.interval(look_followed), followed_time);
     }
-    return free * (1 - agents.followed[id] * std::exp(-style.spacing_rate * motion.owned[k] * marker_area));
-}
-
-void note_blocked(const Bodies& bodies, Agents& agents, std::uint32_t id, const Vector2d& u, double dt) {
-    const double blocked = std::sqrt(u.squaredNorm()) < 0.5 * agents.desired_speed[id] * dt ? 1.0 : 0.0;
-    agents.blocked[id] += std::min(1.0, dt / bodies.style.patience) * (blocked - agents.blocked[id]);
-    double& trapped = agents.trapped_time[id];
-    trapped = agents.blocked[id] > 0.9 ? trapped + dt : 0.0;
-    if (trapped < trapped_patience) return;
-    agents.detour_side[id] = -agents.detour_side[id];
-    trapped = 0;
+    if (!bodies.opposed.empty()) {
+        note(body.opposed[id], bodies.opposed[k], decision.interval(look_opposed), opposed_time);
+    }
+    if (yields(bodies, body, id, decision)) return -back * unit_or(bodies.turned_goal[k], Vector2d::Zero());
+    const Vector2d free = walking_velocity(motion.vector[k], agents.desired_speed[id], rule, decision.time);
+    if (!(bodies.style.spacing_rate > 0)) return free;
+    return free * (1 - body.followed[id] * std::exp(-bodies.style.spacing_rate * motion.owned[k] * marker_area));
 }
 
 }  // namespace wade::crowd

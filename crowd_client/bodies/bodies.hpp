@@ -1,33 +1,66 @@
 #pragma once
-// People with bodies: discs that never overlap, and that get round one another.
+// People with bodies: discs that never overlap, and that get past one another.
 //
-// BioCrowds keeps points apart. Here each agent is a disc of radius r. It claims markers ahead of itself, discounts those
-// that somebody else is about to reach, and of the step that it wishes for it takes what its limits leave:
+// BioCrowds keeps points apart. Here each agent is a disc of radius r_i. It claims markers ahead of itself, discounts those
+// that somebody else is about to reach, and of the step that it wishes for it takes what its limits leave. Who is pressed
+// turns the shoulders, who meets others passes on the right, who stands in a crowd that wants the same way steps back.
+//
+// Decisions, every T (body_clock.hpp), from what was so at the last one:
 //
 //   site       q = p + Rot(-phi min(1, 3 kappa)) tau v, at most 1 m ahead; Rot(-angle) turns to the right
 //   claims     a marker a belongs to the agent whose q is nearest, within R
 //   discount   a is contested if |a - (p_j + v_j d / v0)| < D for another j whose site reaches the marker's cell,
 //              d = |a - p|; its preference f (Eq. 3) is then multiplied by 1 - delta
-//   goal       turned to the right by alpha b before Eq. 3; to the other side after each 5 s with b > 0.9, as in a corner
-//   wish       w = dt v_B (1 - lambda exp(-gamma A)), v_B of Eq. 4
-//   limits     u.n <= g / 2 for each neighbour, g = max(0, d_ij - 2 r - slack), n = (p_j - p) / d_ij
-//              u.n <= g for each obstacle and each edge of the world, the whole gap
+//   goal       turned to the right by alpha b before Eq. 3; while o <= 0.05 to the other side after each 5 s with b > 0.9,
+//              as in a corner
+//   wish       v_B (1 - lambda exp(-gamma A)), v_B of Eq. 4; or, of who yields, 0.3 m/s back along the way: he has s > 2 s,
+//              o < 0.1, and chance wants it, in 30 % of the seconds
+//
+// Motion, in each step and at most h = 0.05 s long, of the wish w = h (velocity that the water leaves of it):
+//
+//   shoulders  r_i shrinks towards r - (r - 0.72 r) clamp((c - low) / (high - low)), at most by 0.3 m/s; (low, high) is
+//              (0.4, 1), and (0, 0.4) for o > 1/3, linear between. Where it is to grow, it grows by dr, at most 0.15 m/s
+//              and half of each limit
+//   limits     u.n <= sigma g - dr for each neighbour, g = max(0, d_ij - r_i - r_j - slack), n = (p_j - p) / d_ij,
+//              sigma = 1 - 2^(-h / 0.05 s) <= 1/2
+//              u.n <= g - dr for each obstacle, g = max(0, d - r_i - slack), and u.n <= g for each edge of the world
 //   step       u: w slid along the limit that it breaks most, twice, then shortened until it keeps all; p += u
 //
-//   p, v    place, and displacement of the last step / dt     v0      desired speed
-//   kappa   contested share of the own markers, over 0.2 s    A       ground that the own markers stand for
-//   b       share of the time with |u| < v0 dt / 2, over T_b  lambda  how much those within 1.5 m walk the same way: mean
-//                                                                     cosine with their headings, >= 0, over 1 s
+//   p       place                                           v0      desired speed
+//   v       way since the last decision / T                 r       /crowd/body_radius_m
+//   kappa   contested share of the own markers, over 0.4 s  A       ground that the own markers stand for
+//   b       share of the time with |v| < v0 / 2, over T_b   c       share of the wish that was lost, 1 - u.w / w^2, over 1 s
+//   lambda  mean cosine, >= 0, with the headings of those within 1.5 m but of those who face one (cosine < -0.85), over 1 s
+//   o       opposed: of those in the strip ahead the share that comes towards one, sum w max(0, -cos) / sum w,
+//           w = 1 / (0.5 m + a), a < 2.5 m ahead and at most 1 m + a / 4 aside, over 0.5 s. cos is the greater of those of
+//           the ways and of the bearings of the goals, so that people who merge at a door do not oppose one another
+//   s       time in which it stood (|v| < v0 / 10) less twice the time in which it did not, in [0, 10] s
 //
-// No overlap, whatever is wished and whatever pushes: let d >= 2 r be the distance of i and j before a step. If g > 0, it
-// is at least d - u_i.n + u_j.n >= d - g / 2 - g / 2 = 2 r + slack after it; if g = 0, at least d. A disc whose centre
-// stays on its side of the plane r before a convex obstacle's nearest point, normal to the way there, keeps off all of it.
-// u = 0 keeps all limits, and all reads are of the state before the step.
+// No overlap, whatever is wished and whatever pushes. Let d >= r_i + r_j be the distance of i and j before a motion. That
+// radii shrink keeps it. If g > 0, the distance is afterwards at least
+//
+//   d - u_i.n + u_j.n >= d - (g / 2 - dr_i) - (g / 2 - dr_j) = r_i + dr_i + r_j + dr_j + slack;
+//
+// if g = 0, nobody grows and it is at least d. A disc whose centre stays on its side of the plane r_i + dr before a convex
+// obstacle's nearest point, normal to the way there, keeps off all of it, however long the step. u = 0 keeps all limits.
+// Bodies are those of the moment: shoulders that turn fit through 0.72 of a body's width, not more.
+//
+// Why nobody blocks for ever. Two who wedge between jambs have lost all of their wish, c -> 1, and turn: 2 x 0.72 r is
+// narrower than any door that one of them fits through and both stand in, or one of them, standing for 2 s, yields, at
+// random and so not both at once for ever. Two who meet face to face turn at once (o), and to the same side (the right),
+// so that neither waits for the other. This is no proof that everybody gets out of everything: it is tried, at 71 widths of
+// doors, in two-way doors, corridors and crossings (wade verify-crowd).
+//
+// Why sigma. People who follow close a gap by halves. Were it half of the gap in a step of any length, the gap that they
+// keep would be 2 v times the step, and the flow through a door would depend on the rate of steps. In h it closes to
+// 2^(-h / 0.05 s) of itself from either side, whatever h.
 //
 // `fast` has lambda = 0. `human` follows: speed falls with the ground that is free only among people who walk the same
-// way, as in the corridors in which the speed over density is measured; who crosses gets through as with `fast`.
-// The values are those that did best in trials with crossing goals; gamma is fitted to Weidmann's curve from 0.5 to 3
-// people/m2 in a corridor (1.9, near the 1.913 of his formula, leaves speeds 0.10 m/s too high at 2).
+// way, as in the corridors in which the speed over density is measured; who crosses gets through as with `fast`, and who
+// faces one is passed, not followed.
+// One set of numbers for all scenes. gamma, low, high, phi and D are fitted: to Weidmann's curve from 0.5 to 3 people/m2 in a
+// corridor and to the flow through openings of 0.8 to 1.6 m. 0.72 r of 0.25 m is 0.18 m: a disc between the half depth of a
+// chest, 0.12 to 0.15 m, and a disc of the area of the ellipse of chest and shoulders, 0.19 m.
 
 #include <cstdint>
 #include <span>
@@ -35,6 +68,7 @@
 
 #include "crowd_client/agents.hpp"
 #include "crowd_client/bodies/body_cells.hpp"
+#include "crowd_client/bodies/body_clock.hpp"
 #include "crowd_client/markers/biocrowds.hpp"
 #include "crowd_client/ways/obstacles.hpp"
 
@@ -42,49 +76,57 @@ namespace wade::crowd {
 
 // The numbers of the rule.
 struct BodyStyle {
-    double lead_time = 0.4;          // tau, s
-    double side_turn = 0.2;          // phi, rad
-    double detour_turn = 1.5;        // alpha, rad
-    double discount = 0.9;           // delta; at 1 crowds jam
-    double contest_distance = 0.45;  // D, m
-    double patience = 0.5;           // T_b, s
-    double spacing_rate = 0;         // gamma, 1/m2; 0: nobody follows
+    double lead_time = 0.4;         // tau, s
+    double side_turn = 0.1;         // phi, rad
+    double detour_turn = 1.5;       // alpha, rad
+    double discount = 0.9;          // delta; at 1 crowds jam
+    double contest_distance = 0.4;  // D, m
+    double patience = 0.7;          // T_b, s
+    double spacing_rate = 0;        // gamma, 1/m2; 0: nobody follows
 };
 [[nodiscard]] BodyStyle body_style(BodyRule rule);
 
 struct Bodies {
     BodyRule rule = BodyRule::none;
     BodyStyle style;
-    double radius = 0.25;  // r, m
+    double radius = 0.25;    // r, m
+    std::uint64_t seed = 0;  // of who yields when
 
-    // Working memory of a step, by place in the list of the active.
+    // Working memory of a decision, by place in the list of the active.
     std::vector<Vector2d> site, velocity, turned_goal;
     std::vector<double> desired_speed, discount;
-    std::vector<double> followed;  // mean cosine with the headings of those near; empty in steps without a look
+    std::vector<Vector2d> heading, way, bearing;  // unit vectors of the last motion, the way and to the goal
+    std::vector<double> followed, opposed;        // as seen; empty in decisions without a look
     BodyCells cells;
-    std::vector<Vector2d> step;  // u, m
+
+    // Working memory of a motion, by place.
+    std::vector<Vector2d> place, next_place;  // m
+    std::vector<double> radius_now;           // r_i before growth, m
+    std::vector<Vector2d> step;               // u, of all motions in a step, m
 };
 
-constexpr double body_slack = 1e-4;  // m, kept between bodies so that rounding never makes them overlap
+inline constexpr double body_slack = 1e-4;    // m, kept between bodies so that rounding never makes them overlap
+inline constexpr double turned_share = 0.72;  // of r, the least that turned shoulders leave
 
-// Fills `walkers` with what bodies need to claim markers. goal_offsets and positions by place in `active`.
-void prepare_bodies(Bodies& bodies, Walkers& walkers, const Agents& agents, std::span<const std::uint32_t> active,
+// People who have not moved yet.
+void begin_bodies(Agents& agents, double radius);
+
+// Takes note of the time since the last decision, if there was one, and fills `walkers` with what bodies need to claim
+// markers. goal_offsets along the ways, and positions, by place in `active`, m.
+void prepare_bodies(Bodies& bodies, Walkers& walkers, Agents& agents, std::span<const std::uint32_t> active,
                     std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, const World& world,
-                    double perception_radius, bool look_whom_to_follow, int threads);
+                    double perception_radius, const Decision& decision, int threads);
 
-// Whether the crowd looks at whom it follows in a step: every 0.2 s, or in each step if those are longer.
-[[nodiscard]] bool looks_whom_to_follow(std::uint64_t step, double dt);
-
-// The walking velocity that agent `id`, at place k, wishes for, m/s; updates its kappa and lambda.
+// The walking velocity that agent `id`, at place k, wishes for, m/s; updates its kappa, lambda and o.
 [[nodiscard]] Vector2d wished_velocity(const Bodies& bodies, Agents& agents, std::uint32_t id, std::size_t k,
-                                       const Motion& motion, double marker_area, SpeedRule rule, double dt);
+                                       const Motion& motion, double marker_area, SpeedRule rule,
+                                       const Decision& decision);
 
-// Of the wishes, m, the steps that overlap nobody, into bodies.step. ends: along x, for each, by ends_for().
-void limit_steps(Bodies& bodies, const Walls& walls, std::span<const Vector2d> positions,
-                 std::span<const Vector2d> wishes, std::span<const Interval> ends, int threads);
-
-// Updates b of an agent after its step u, m.
-void note_blocked(const Bodies& bodies, Agents& agents, std::uint32_t id, const Vector2d& u, double dt);
+// Of the wishes for a time dt, m, the steps that overlap nobody, into bodies.step; turns shoulders, and adds to what each
+// one wished and went. ends: what holds each one along x, m.
+void limit_steps(Bodies& bodies, Agents& agents, std::span<const std::uint32_t> active, const Walls& walls,
+                 std::span<const Vector2d> positions, std::span<const Vector2d> wishes, std::span<const Interval> ends,
+                 double dt, int threads);
 
 // Moves people apart who start closer than two radii, or closer to an obstacle than one. Throws ConfigurationError if there
 // is no room.

@@ -30,12 +30,18 @@ struct BodyCells {
         return std::clamp(static_cast<int>(std::floor(at_z / cell_size)) + border, 0, rows - 1);
     }
 
-    // Calls visit(j, dx, dz) for each person j, or image, less than `reach` away along x and z: d = its place - p, m.
+    // Calls visit(j, dx, dz) for each person j, or image, less than `reach` away along x and z, and some others: d = its place - p, m.
     template <typename Visit>
     void visit_near(const Vector2d& p, double reach, Visit&& visit) const {
-        const int first = column_of(p.x() - reach), last = column_of(p.x() + reach);
-        const int last_row = row_of(p.y() + reach);
-        for (int row = row_of(p.y() - reach); row <= last_row; ++row) {
+        visit_box(p, {-reach, reach}, {-reach, reach}, visit);
+    }
+
+    // The same for those with d in a box, and some others.
+    template <typename Visit>
+    void visit_box(const Vector2d& p, const Interval& along_x, const Interval& along_z, Visit&& visit) const {
+        const int first = column_of(p.x() + along_x.lo), last = column_of(p.x() + along_x.hi);
+        const int last_row = row_of(p.y() + along_z.hi);
+        for (int row = row_of(p.y() + along_z.lo); row <= last_row; ++row) {
             const auto line = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns);
             const std::uint32_t end = start[line + static_cast<std::size_t>(last) + 1];
             for (std::uint32_t i = start[line + static_cast<std::size_t>(first)]; i < end; ++i) {

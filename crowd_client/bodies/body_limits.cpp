@@ -2,43 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
-#include "configs/errors/exit_code.hpp"
 #include "crowd_client/bodies/bodies.hpp"
+#include "crowd_client/bodies/body_looks.hpp"
+#include "crowd_client/bodies/obstacles_near.hpp"
 
 namespace wade::crowd {
 namespace {
 
-constexpr double longest_step = 0.7;  // m; images and cells of the neighbours reach as far as two such steps meet
+constexpr double shrink_rate = 0.3, grow_rate = 0.15;  // m/s, of a radius
 
 struct Limit {
     double nx = 0, nz = 0;  // unit vector towards what is in the way
     double gap = 0;         // m, >= 0
 };
 
-void add_neighbours(std::vector<Limit>& limits, const Bodies& bodies, std::size_t k, const Vector2d& p, double reach) {
-    bodies.cells.visit_near(p, reach, [&](std::uint32_t j, double dx, double dz) {
+// share: sigma, of the gap to a neighbour.
+void add_neighbours(std::vector<Limit>& limits, const Bodies& bodies, std::size_t k, double reach, double share) {
+    const double own = bodies.radius_now[k] + body_slack;
+    bodies.cells.visit_near(bodies.place[k], reach, [&](std::uint32_t j, double dx, double dz) {
         const double square = dx * dx + dz * dz;
         if (j == k || square >= reach * reach) return;
         const double d = std::sqrt(square);
         if (!(d > 0)) return;
-        limits.push_back({dx / d, dz / d, std::max(0.0, d - 2 * bodies.radius - body_slack) / 2});
-    });
-}
-
-Vector2d nearest_in(const Obstacle& box, const Vector2d& p) {
-    return {std::clamp(p.x(), box.x.lo, box.x.hi), std::clamp(p.y(), box.z.lo, box.z.hi)};
-}
-
-// Calls visit(way, d) for each obstacle less than `reach` away: the way to its nearest place, d long, m; d > 0.
-template <typename Visit>
-void for_each_within(const Walls& walls, const Vector2d& p, double reach, Visit&& visit) {
-    const Interval x{p.x() - reach, p.x() + reach}, z{p.y() - reach, p.y() + reach};
-    for_each_near(walls.boxes, x, z, [&](const Obstacle& box) {
-        const Vector2d way = nearest_in(box, p) - p;
-        const double d = std::sqrt(way.squaredNorm());
-        if (d < reach && d > 0) visit(way, d);
+        limits.push_back({dx / d, dz / d, share * std::max(0.0, d - own - bodies.radius_now[j])});
     });
 }
 
@@ -81,92 +68,90 @@ Vector2d within(const std::vector<Limit>& limits, Vector2d u) {
     return scale * u;
 }
 
+// The radius that turned shoulders would leave an agent.
+double wished_radius(const Bodies& bodies, const BodyMemory& body, std::uint32_t id) {
+    const double facing = std::min(1.0, 3 * body.opposed[id]);
+    const double low = 0.4 * (1 - facing), high = 1 - 0.6 * facing;
+    const double turned = std::clamp((body.pressed[id] - low) / (high - low), 0.0, 1.0);
+    return bodies.radius * (1 - (1 - turned_share) * turned);
+}
+
+// How far a body grows, of what it wishes; its limits shrink by as much.
+double grown(std::vector<Limit>& limits, double wish) {
+    double growth = wish;
+    for (const Limit& limit : limits) growth = std::min(growth, 0.5 * limit.gap);
+    for (Limit& limit : limits) limit.gap -= growth;
+    return growth;
+}
+
+// What a motion has for all.
+struct Motions {
+    double time;     // h, s
+    double share;    // sigma
+    double longest;  // of all wishes and growths, m
+    double count;    // in a step
+};
+
+// Moves place k, into next_place.
+void move_one(Bodies& bodies, BodyMemory& body, std::uint32_t id, std::size_t k, const Walls& walls,
+              const Vector2d& wish, const Interval& ends, const Motions& motions, std::vector<Limit>& limits) {
+    const Vector2d& p = bodies.place[k];
+    const double now = bodies.radius_now[k];
+    limits.clear();
+    add_neighbours(limits, bodies, k, 2 * bodies.radius + body_slack + motions.longest / motions.share, motions.share);
+    add_obstacles(limits, walls, p, now, motions.longest);
+    const double more = std::min(grow_rate * motions.time, wished_radius(bodies, body, id) - now);
+    body.radius[id] = more > 0 ? now + grown(limits, more) : now;
+    add_edges(limits, walls.world, p, ends, motions.longest);
+    const Vector2d u = within(limits, wish / motions.count);
+    bodies.step[k] += u;
+    bodies.next_place[k] = p + u;
+    if (const double period = walls.world.period(); period > 0) {
+        double& x = bodies.next_place[k].x();
+        x -= period * std::floor(x / period);
+        if (x >= period) x = 0;
+    }
+}
+
 }  // namespace
 
-void limit_steps(Bodies& bodies, const Walls& walls, std::span<const Vector2d> positions,
-                 std::span<const Vector2d> wishes, std::span<const Interval> ends, int threads) {
+void limit_steps(Bodies& bodies, Agents& agents, std::span<const std::uint32_t> active, const Walls& walls,
+                 std::span<const Vector2d> positions, std::span<const Vector2d> wishes, std::span<const Interval> ends,
+                 double dt, int threads) {
     const std::size_t n = positions.size();
-    bodies.step.resize(n);
+    bodies.step.assign(n, Vector2d::Zero());
+    bodies.place.assign(positions.begin(), positions.end());
+    bodies.next_place.resize(n);
+    bodies.radius_now.resize(n);
+    BodyMemory& body = agents.body;
+    const int count = motions_in(dt);
+    Motions motions{dt / count, 1 - std::exp2(-dt / count / longest_motion), 0, static_cast<double>(count)};
     double longest = 0;
     for (const Vector2d& w : wishes) longest = std::max(longest, w.squaredNorm());
-    longest = std::min(std::sqrt(longest), longest_step);
-    const double reach = 2 * bodies.radius + body_slack + 2 * longest;
+    motions.longest = std::sqrt(longest) / motions.count + grow_rate * motions.time;
+    const double reach = 2 * bodies.radius + body_slack + motions.longest / motions.share;
+    for (int motion = 0; motion < count; ++motion) {
+        sort_people(bodies.cells, walls.world, bodies.place, std::max(reach, furthest_look));
 #pragma omp parallel num_threads(threads) if (threads > 1)
-    {
-        std::vector<Limit> limits;
+        {
+            std::vector<Limit> limits;
 #pragma omp for
-        for (std::size_t k = 0; k < n; ++k) {
-            limits.clear();
-            add_neighbours(limits, bodies, k, positions[k], reach);
-            add_obstacles(limits, walls, positions[k], bodies.radius, longest);
-            add_edges(limits, walls.world, positions[k], ends[k], longest);
-            const double length = wishes[k].norm();
-            const Vector2d wish = length > longest ? Vector2d(wishes[k] * (longest / length)) : wishes[k];
-            bodies.step[k] = within(limits, wish);
-        }
-    }
-}
-
-namespace {
-
-// What moves one body out of the others and out of obstacles; counts those it is too close to.
-Vector2d push_of(const BodyCells& cells, const Walls& walls, const std::vector<Vector2d>& places, std::size_t k,
-                 double radius, std::size_t& too_close) {
-    const double apart = 2 * radius + 2 * body_slack;
-    Vector2d push = Vector2d::Zero();
-    cells.visit_near(places[k], apart, [&](std::uint32_t j, double dx, double dz) {
-        const double square = dx * dx + dz * dz;
-        if (j == k || square >= apart * apart) return;
-        ++too_close;
-        const double d = std::sqrt(square);
-        // Who stands in one place is parted along x, by number.
-        const Vector2d n = d > 1e-9 ? Vector2d(dx / d, dz / d) : Vector2d(k < j ? 1 : -1, 0);
-        push -= (0.5 * (apart - d) + body_slack) * n;
-    });
-    for_each_within(walls, places[k], radius + 2 * body_slack, [&](const Vector2d& way, double d) {
-        ++too_close;
-        push -= (radius + 3 * body_slack - d) * (way / d);
-    });
-    return push;
-}
-
-}  // namespace
-
-void make_room_for_bodies(Agents& agents, const Walls& walls, double radius) {
-    constexpr int most_turns = 5000;
-    BodyCells cells;
-    std::vector<Vector2d> places = agents.position, pushes(places.size());
-    std::size_t too_close = 1, worst = 0;
-    for (int turn = 0; turn < most_turns && too_close > 0; ++turn) {
-        sort_people(cells, walls.world, places, 2 * radius + 1e-2);
-        too_close = 0;
-        for (std::size_t k = 0; k < places.size(); ++k) {
-            const std::size_t before = too_close;
-            pushes[k] = push_of(cells, walls, places, k, radius, too_close);
-            if (too_close > before) worst = k;
-        }
-        for (std::size_t k = 0; k < places.size(); ++k) {
-            Vector2d& p = places[k];
-            p += pushes[k];
-            p.y() = std::clamp(p.y(), 0.0, walls.world.width);
-            if (const double period = walls.world.period(); period > 0) {
-                p.x() -= period * std::floor(p.x() / period);
-                if (p.x() >= period) p.x() = 0;
-            } else {
-                p.x() = std::clamp(p.x(), 0.0, walls.world.length);
+            for (std::size_t k = 0; k < n; ++k) {
+                const double r = body.radius[active[k]];
+                const double least = std::max(wished_radius(bodies, body, active[k]), r - shrink_rate * motions.time);
+                bodies.radius_now[k] = std::min(r, least);
+            }
+#pragma omp for
+            for (std::size_t k = 0; k < n; ++k) {
+                move_one(bodies, body, active[k], k, walls, wishes[k], ends[k], motions, limits);
             }
         }
+        std::swap(bodies.place, bodies.next_place);
     }
-    if (too_close == 0) {
-        agents.position = places;
-        return;
+    for (std::size_t k = 0; k < n; ++k) {
+        body.went[active[k]] += bodies.step[k];
+        body.wished[active[k]] += wishes[k];
     }
-    std::ostringstream message;
-    message << "/crowd/groups/" << agents.group[worst] << "/start: bodies of radius " << radius
-            << " m (/crowd/body_radius_m) find no room near (" << agents.position[worst].x() << ", "
-            << agents.position[worst].y() << ") m, where agent " << worst
-            << " starts; allowed: fewer agents, a larger pitch or a smaller radius";
-    throw ConfigurationError(message.str());
 }
 
 }  // namespace wade::crowd

@@ -51,21 +51,9 @@ void jitter(crowd::CrowdWorld& crowd, double amplitude_x, double amplitude_z) {
     }
 }
 
-namespace {
-
-// A template, so that agents need no half width.
-template <typename Agents>
-double half_width_of(const Agents& agents, std::uint32_t id, double otherwise) {
-    if constexpr (requires { agents.half_width; }) {
-        if (!agents.half_width.empty()) return agents.half_width[id];
-    }
-    return otherwise;
-}
-
-}  // namespace
-
 double half_width(const crowd::CrowdWorld& crowd, std::uint32_t id) {
-    return half_width_of(crowd.agents, id, crowd.scene.crowd.body_radius);
+    const std::vector<double>& radius = crowd.agents.body.radius;
+    return radius.empty() ? crowd.scene.crowd.body_radius : radius[id];
 }
 
 void note_overlaps(const crowd::CrowdWorld& crowd, Overlaps& overlaps) {

@@ -107,7 +107,8 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         const bool active = agents.outcome[id] == Outcome::active;
         csv += std::to_string(id) + ',' + csv_field(crowd.scene.crowd.groups[agents.group[id]].name) + ',';
         csv += outcome_name(agents.outcome[id]);
-        const double time = time_of(crowd, active ? crowd.steps : agents.end_step[id]);
+        const double time =
+            active ? time_of(crowd, crowd.steps) : time_of(crowd, agents.end_step[id]) - agents.end_before[id];
         for (const double v : {time, agents.position[id].x(), agents.position[id].y(), agents.tau[id], agents.mass[id],
                                agents.path_length[id], agents.max_depth[id], agents.max_dv[id],
                                mean_depth_met(agents, id), mean_dv_met(agents, id)}) {

@@ -39,16 +39,18 @@ AgentGroup grid_of(const std::string& name, int columns, int rows, Vector2d star
     return group;
 }
 
-// Smallest distance of two active agents, and of one to an obstacle, less what bodies need; below 0 they overlap.
+// Smallest distance of two active agents, and of one to an obstacle, less their bodies as they stand; below 0 they overlap.
 double smallest_gap(const CrowdWorld& crowd) {
-    const double r = crowd.bodies.radius, period = crowd.scene.world.period();
+    const std::vector<double>& radius = crowd.agents.body.radius;
+    const double period = crowd.scene.world.period();
     double gap = 1e9;
     for (std::size_t i = 0; i < crowd.active.size(); ++i) {
         const Vector2d& p = crowd.agents.position[crowd.active[i]];
+        const double r = radius[crowd.active[i]];
         for (std::size_t j = i + 1; j < crowd.active.size(); ++j) {
             Vector2d d = crowd.agents.position[crowd.active[j]] - p;
             if (period > 0) d.x() -= period * std::round(d.x() / period);
-            gap = std::min(gap, d.norm() - 2 * r);
+            gap = std::min(gap, d.norm() - r - radius[crowd.active[j]]);
         }
         for (const Obstacle& o : crowd.scene.obstacles) {
             const Vector2d nearest(std::clamp(p.x(), o.x.lo, o.x.hi), std::clamp(p.y(), o.z.lo, o.z.hi));
@@ -183,7 +185,71 @@ TEST_CASE("The walk of bodies has the same bits for any number of threads") {
     }
     CHECK(one.agents.position == two.agents.position);
     CHECK(one.agents.position == four.agents.position);
-    CHECK(one.agents.blocked == four.agents.blocked);
+    CHECK(one.agents.body.blocked == four.agents.body.blocked);
+    CHECK(one.agents.body.radius == four.agents.body.radius);
+}
+
+TEST_CASE("Bodies turn their shoulders where they are pressed, to 0.72 of their radius and no further") {
+    CrowdWorld crowd = make_crowd(door(BodyRule::human));
+    const double r = crowd.bodies.radius;
+    double least = r;
+    for (int k = 0; k < 30 * 30; ++k) {
+        step(crowd, {});
+        for (const std::uint32_t id : crowd.active) least = std::min(least, crowd.agents.body.radius[id]);
+    }
+    CHECK(least < 0.9 * r);
+    CHECK(least >= 0.72 * r - 1e-12);
+}
+
+TEST_CASE("People with bodies walk the same way at any rate of steps") {
+    const BodyRule rule = GENERATE(BodyRule::fast, BodyRule::human);
+    constexpr std::uint64_t seeds =
+        6;  // one is as good as another: who gets through a door first is a matter of chance
+    const auto mean_time = [&](double rate) {
+        double sum = 0, people = 0;
+        for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+            Scene scene = door(rule);
+            scene.seed = seed;
+            scene.crowd.step_rate = rate;
+            CrowdWorld crowd = make_crowd(scene);
+            CHECK(smallest_gap_of_a_walk(crowd, static_cast<int>(120 * rate)) >= 0);
+            CHECK(crowd.arrived == crowd.agents.size());
+            for (std::size_t id = 0; id < crowd.agents.size(); ++id) {
+                sum += static_cast<double>(crowd.agents.end_step[id]) * crowd.dt - crowd.agents.end_before[id];
+            }
+            people += static_cast<double>(crowd.agents.size());
+        }
+        return sum / people;
+    };
+    const double usual = mean_time(30);
+    for (const double rate : {0.5, 7.0, 10.0, 60.0}) {
+        CAPTURE(rate);
+        CHECK(mean_time(rate) == Approx(usual).epsilon(0.05));
+    }
+}
+
+TEST_CASE("Fast water carries people with bodies as far in long steps as in short ones") {
+    Scene scene = scene_with_bodies(60, 8, BodyRule::fast);
+    scene.world.ends = Ends::open;
+    scene.crowd.groups = {grid_of("carried", 1, 5, {4, 1}, 1.5, {59, 4})};
+    scene.crowd.groups[0].tau = {1, 1};
+    const auto places = [&](double rate) {
+        scene.crowd.step_rate = rate;
+        CrowdWorld crowd = make_crowd(scene);
+        MadeUpWater water;
+        for (double x = 0.15; x < 60; x += 0.3) {
+            for (double z = 0.15; z < 8; z += 0.3) water.add(x, z, 60, 8, 0);
+        }
+        for (int k = 0; k < static_cast<int>(4 * rate); ++k) step(crowd, water.view());
+        std::vector<double> x;
+        for (const Vector2d& p : crowd.agents.position) x.push_back(p.x());
+        return x;
+    };
+    const std::vector<double> often = places(30), seldom = places(1);
+    for (std::size_t id = 0; id < often.size(); ++id) {
+        CHECK(often[id] > 15);  // well carried
+        CHECK(seldom[id] == Approx(often[id]).epsilon(0.05));
+    }
 }
 
 TEST_CASE("The walk of bodies does not depend on the order in which people are stored") {
@@ -200,6 +266,7 @@ TEST_CASE("The walk of bodies does not depend on the order in which people are s
         shuffled.agents.position[id] = crowd.agents.position[from[id]];
         shuffled.agents.goal[id] = crowd.agents.goal[from[id]];
         shuffled.agents.heading[id] = crowd.agents.heading[from[id]];
+        shuffled.agents.body.draw[id] = crowd.agents.body.draw[from[id]];
     }
     for (int k = 0; k < 120; ++k) {
         step(crowd, {});

@@ -1,0 +1,26 @@
+#pragma once
+// The nearest places of the obstacles round a place.
+
+#include <algorithm>
+#include <cmath>
+
+#include "crowd_client/ways/obstacles.hpp"
+
+namespace wade::crowd {
+
+inline Vector2d nearest_in(const Obstacle& box, const Vector2d& p) {
+    return {std::clamp(p.x(), box.x.lo, box.x.hi), std::clamp(p.y(), box.z.lo, box.z.hi)};
+}
+
+// Calls visit(way, d) for each obstacle less than `reach` away: the way to its nearest place, d long, m; d > 0.
+template <typename Visit>
+void for_each_within(const Walls& walls, const Vector2d& p, double reach, Visit&& visit) {
+    const Interval x{p.x() - reach, p.x() + reach}, z{p.y() - reach, p.y() + reach};
+    for_each_near(walls.boxes, x, z, [&](const Obstacle& box) {
+        const Vector2d way = nearest_in(box, p) - p;
+        const double d = std::sqrt(way.squaredNorm());
+        if (d < reach && d > 0) visit(way, d);
+    });
+}
+
+}  // namespace wade::crowd
