@@ -16,6 +16,9 @@ enum class Outcome : std::uint8_t { active, arrived, dead };
 // "active", "arrived" or "dead", as written to agents.csv.
 [[nodiscard]] std::string_view outcome_name(Outcome outcome);
 
+// The least of a body's radius that turned shoulders leave (bodies/bodies.hpp).
+inline constexpr double turned_share = 0.72;
+
 // What people with bodies remember, by id; empty without bodies. The symbols are those of bodies/bodies.hpp.
 struct BodyMemory {
     std::vector<double> radius;        // r_i, m

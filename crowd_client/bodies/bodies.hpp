@@ -106,7 +106,6 @@ struct Bodies {
 };
 
 inline constexpr double body_slack = 1e-4;    // m, kept between bodies so that rounding never makes them overlap
-inline constexpr double turned_share = 0.72;  // of r, the least that turned shoulders leave
 
 // People who have not moved yet.
 void begin_bodies(Agents& agents, double radius);

@@ -199,9 +199,10 @@ void check_ways(const Navigation& navigation, const Scene& scene, const Agents& 
         message << "/crowd/groups/" << agents.group[id] << ": agent " << id << " of group \""
                 << scene.crowd.groups[agents.group[id]].name << "\" starts at (" << p.x() << ", " << p.y()
                 << ") m without a way to its goal (" << agents.goal[id].x() << ", " << agents.goal[id].y()
-                << ") m; allowed: a way between the obstacles that is more than " << width
-                << " m wide (2 /crowd/body_radius_m), and for certain found if it is " << width << " m plus a cell of "
-                << scene.crowd.navigation.cell << " m (/crowd/navigation/cell_m), or /crowd/navigation/rule straight";
+                << ") m; allowed: a way between the obstacles that is more than " << width << " m wide ("
+                << width / scene.crowd.body_radius << " /crowd/body_radius_m), and for certain found if it is " << width
+                << " m plus a cell of " << scene.crowd.navigation.cell
+                << " m (/crowd/navigation/cell_m), or /crowd/navigation/rule straight";
         throw ConfigurationError(message.str());
     }
 }
@@ -254,7 +255,8 @@ std::uint64_t steps_in(double time, const Scene& scene) {
 }  // namespace
 
 double least_clearance(const Scene& scene) {
-    return scene.crowd.body_radius;
+    const bool turns = scene.crowd.bodies != BodyRule::none;
+    return (turns ? turned_share : 1) * scene.crowd.body_radius;
 }
 
 Navigation make_navigation(const Scene& scene, const Agents& agents) {

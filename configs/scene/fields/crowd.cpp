@@ -19,13 +19,15 @@ void fields(NavigationSettings& navigation, Fields& f) {
     f.choice("rule", navigation.rule,
              "straight: as in the source, towards the goal; an obstacle on the way is slid along, and who meets one "
              "face to face may stand before it. travel_time: the quickest way round the obstacles, at least "
-             "body_radius_m away from them where the ground allows it, by a field of the travel time to each goal "
+             "body_radius_m (0.72 of it with bodies) away from them where the ground allows it, by a field of the "
+             "travel time to each goal "
              "(fast marching); towards the goal once it is in sight. An agent that starts without a way to its goal "
              "is refused. auto: travel_time for a goal as soon as an obstacle stands between it and somebody who "
              "wants there, looked for once a second, with cells small enough for each gap that a person fits through; "
              "straight, without any cost, where none does. With crowding always travel_time.");
     f.number("cell_m", navigation.cell, "m", from(0.1).to(10),
-             "Largest cell of the field. Gaps between obstacles must be a cell plus 2 body_radius_m wide to be found "
+             "Largest cell of the field. Gaps between obstacles must be a cell plus 2 body_radius_m (1.44 with bodies) "
+             "wide to be found "
              "for certain; auto takes smaller cells for narrower gaps, down to 0.1 m.");
     f.number("crowding", navigation.crowding, "", from(0).to(10),
              "How much people in the way count: agents expect to walk at the speed of Weidmann's curve for so many "
@@ -126,13 +128,15 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
     f.number("marker_epoch_s", crowd.marker_epoch, "s", from(0).to(1e6),
              "Time after which markers are redrawn; 0: in each step. Unused if they are fixed.");
     f.choice("bodies", crowd.bodies,
-             "none: BioCrowds as in the source, agents are points. fast, human: agents are discs of body_radius_m that "
-             "never overlap one another or an obstacle, whatever pushes them, and that get round one another; who "
-             "starts too close is moved apart. fast: as fast as the way is free. human: slower the less ground is free "
-             "among people who walk the same way, as Weidmann's curve of measured crowds. Meant for redrawn markers: "
-             "with fixed ones crowds whose ways cross lock.");
+             "none: BioCrowds as in the source, agents are points. fast, human: agents are discs that never overlap "
+             "one another or an obstacle, whatever pushes them, and that get past one another: who is pressed or met "
+             "turns the shoulders, to 0.72 of body_radius_m at least, passes on the right, or steps back. They decide "
+             "every 0.1 s at any rate of steps. Who starts too close is moved apart. fast: as fast as the way is free. "
+             "human: slower the less ground is free among people who walk the same way, as Weidmann's curve of "
+             "measured crowds. Meant for redrawn markers: with fixed ones crowds whose ways cross lock.");
     f.number("body_radius_m", crowd.body_radius, "m", above(0).to(0.5),
-             "Radius of the discs; without bodies only the distance to obstacles that navigation keeps.");
+             "Radius of the discs as long as nothing presses them. Navigation keeps this distance from obstacles, or "
+             "0.72 of it with bodies; so gaps of 0.36 m are ways for bodies of 0.25 m.");
     f.object("evasion", crowd.evasion,
              "Whether agents step back from water that comes towards them (steering behaviours of Reynolds 1999).");
     f.object("navigation", crowd.navigation, "How agents find the way to their goal.");
