@@ -92,7 +92,7 @@ TEST_CASE("With the default rule people find a narrow door, and what bodies do n
         REQUIRE(crowd.arrived == 3);
         for (const double length : crowd.agents.path_length) CHECK(length < 20);
     }
-    Scene scene = door(0.48);
+    Scene scene = door(0.34);  // shoulders turned, bodies need 0.36 m
     scene.crowd.bodies = BodyRule::fast;
     scene.crowd.markers = MarkerRule::redrawn;
     const CrowdWorld round = walked(scene, 60);
