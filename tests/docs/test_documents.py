@@ -76,9 +76,14 @@ class Tables(unittest.TestCase):
             seen.add(room)
 
     def test_steps_have_the_stages_of_the_programs(self):
-        water = re.search(r"stage_names\{([^}]*)\}", TREE.text("fluid_server/dfsph/stages.hpp"))[1]
-        rows = re.findall(r"(?m)^\| `(\w+)` \|", TREE.text("docs/step_of_the_water.md"))
-        self.assertEqual(sorted(rows), sorted(re.findall(r'"(\w+)"', water)))
+        water = TREE.text("docs/step_of_the_water.md")
+        written = {"dfsph/fluid_world.hpp": re.findall(r"(?m)^\| `(\w+)` \|.*\|.*\|.*\|$", water)}
+        for file in ("shallow_water/step.hpp", "mixed/mixed_world.hpp"):
+            row = re.search(rf"(?m)^\| `\w+` \|(.*)\| `fluid_server/{file}` \|$", water)[1]
+            written[file] = re.findall(r"`(\w+)`", row)
+        for file, rows in written.items():
+            names = re.search(r"stage_names\{([^}]*)\}", TREE.text("fluid_server/" + file))[1]
+            self.assertEqual(sorted(rows), sorted(re.findall(r'"(\w+)"', names)), file)
         crowd = re.findall(r'Stage\{"([\w ]+)"', TREE.text("crowd_client/crowd_world.cpp"))
         self.assertGreater(len(crowd), 5)
         rows = re.findall(r"(?m)^\| ([\w ]+) \|[^|]*\|[^|]*\|[^|]*\|$", TREE.text("docs/step_of_the_crowd.md"))
