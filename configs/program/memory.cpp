@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <limits>
@@ -62,6 +63,11 @@ std::string gigabytes(double bytes) {
 }
 
 }  // namespace
+
+std::string memory_text(double bytes) {
+    if (bytes >= 1e9) return gigabytes(bytes);
+    return std::to_string(static_cast<long>(std::ceil(1e-6 * bytes))) + " MB";
+}
 
 double available_memory() {
     return std::min({kilobytes_of("/proc/meminfo", "MemAvailable:"), left_to_group(), left_of_address_space()});

@@ -10,6 +10,9 @@ namespace wade {
 // space, bytes; infinite where nothing is known.
 [[nodiscard]] double available_memory();
 
+// "40 MB", "2.3 GB"
+[[nodiscard]] std::string memory_text(double bytes);
+
 // Throws ConfigurationError if `needed` is more than `available`, both in bytes. source: begins the message;
 // advice: what to change in the scene.
 void check_memory(double needed, double available, const std::string& source, const std::string& advice);

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/program/memory.hpp"
+#include "crowd_client/crowd_memory.hpp"
 #include "crowd_client/outputs/run_folder.hpp"
 #include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/session/crowd_list.hpp"
@@ -23,6 +25,27 @@ void add_member(Party& party, const ProgramStart& start, LoadedScene loaded, std
     party.runs.push_back({.crowd = make_crowd(loaded.scene)});
     if (start.options.has("--step-times")) party.runs.back().crowd.times = std::make_shared<StepTimes>();
     party.members.push_back(std::move(member));
+}
+
+// What crowds take together.
+struct Size {
+    std::size_t crowds = 0;
+    double agents = 0, memory = empty_client;  // bytes
+};
+
+Size operator+(Size size, const Scene& scene) {
+    for (const AgentGroup& group : scene.crowd.groups) size.agents += group.count;
+    return {size.crowds + 1, size.agents, size.memory + memory_of_crowd(scene)};
+}
+
+std::string text_of(const Size& size) {
+    return std::string(size.crowds > 1 ? "the crowds: " : "the crowd: ") +
+           std::to_string(static_cast<long>(size.agents)) + " agents, " + memory_text(size.memory) + " of memory";
+}
+
+void demand_memory(const Size& size, const std::string& source) {
+    check_memory(size.memory, available_memory(), source + ": " + text_of(size),
+                 "take a smaller world, fewer agents, fewer /crowd/markers_per_cell, or /crowd/markers redrawn");
 }
 
 void check_mode(const Party& party, const ProgramStart& start) {
@@ -68,18 +91,29 @@ std::string csv_of(const Party& party) {
 
 }  // namespace
 
+std::string size_of_party(const Party& party) {
+    Size size;
+    for (const CrowdRun& run : party.runs) size = size + run.crowd.scene;
+    return text_of(size);
+}
+
 Party make_party(const ProgramStart& start) {
     const RunOptions& options = start.options;
     Party party;
     party.many = !options.word("--crowds").empty();
     party.out = options.out.value_or(default_run_folder(start.loaded.scene.name));
     if (!party.many) {
+        demand_memory(Size{} + start.loaded.scene, options.scene_file.string());
         add_member(party, start, start.loaded, "", true);
         check_mode(party, start);
         return party;
     }
-    for (ListedCrowd& crowd :
-         load_crowds(options.word("--crowds"), options.scene_file, options.overrides, start.loaded)) {
+    std::vector<ListedCrowd> listed =
+        load_crowds(options.word("--crowds"), options.scene_file, options.overrides, start.loaded);
+    Size size;
+    for (const ListedCrowd& crowd : listed) size = size + crowd.loaded.scene;
+    demand_memory(size, options.word("--crowds"));
+    for (ListedCrowd& crowd : listed) {
         add_member(party, start, std::move(crowd.loaded), std::move(crowd.name), crowd.pictures);
     }
     return party;

@@ -32,8 +32,11 @@ struct Party {
     Stopwatch clock;
 };
 
+// "the crowd: 50 agents, 12 MB of memory"
+[[nodiscard]] std::string size_of_party(const Party& party);
+
 // The crowds that the command line asks for, before their first step; touches no file.
-// Throws ConfigurationError for a scene, a list or options that cannot be run.
+// Throws ConfigurationError for a scene, a list or options that cannot be run, memory that is not there before any is taken.
 [[nodiscard]] Party make_party(const ProgramStart& start);
 
 // Creates the folders and their first files. Throws as RunFolder.

@@ -299,8 +299,9 @@ int run_party(const ProgramStart& start, Console& console) {
 
 std::string check_party(const ProgramStart& start) {
     const Party party = make_party(start);
-    if (!party.many) return "";
-    return start.options.word("--crowds") + ": valid; " + std::to_string(party.runs.size()) + " crowds\n";
+    const std::string list = start.options.word("--crowds");
+    return (party.many ? list + ": valid; " + std::to_string(party.runs.size()) + " crowds\n" : std::string()) +
+           size_of_party(party) + "\n";
 }
 
 }  // namespace wade::crowd

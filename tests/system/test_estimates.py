@@ -1,9 +1,11 @@
 """What --check says that a run will take: particles, memory, time; and that what is not there is refused before it is taken."""
 
+import os
 import re
 import resource
+import subprocess
 
-from harness import ROOT, SMALL, SystemTest
+from harness import CLIENT, ROOT, SMALL, SystemTest
 
 # Scenes of every model, large enough that the water is most of what the server holds.
 WATERS = {
@@ -56,6 +58,31 @@ class Estimates(SystemTest):
             with self.subTest(question):
                 server = self.server(*too_much, *question, preexec_fn=have_two_gigabytes)
                 self.assert_ends(server, 2, str(SMALL), "GB of memory", "are left; lower /fluid/max_particles")
+
+    def test_memory_of_a_crowd_is_known_to_a_factor_of_two_and_refused_if_it_is_not_there(self):
+        wide = ["--set", "/world/length_m=800", "--set", "/world/width_m=600"]
+        people = ["--set", "/crowd/groups/0/columns=400", "--set", "/crowd/groups/0/rows=200",
+                  "--set", "/crowd/groups/0/start/pitch_x_m=0.3", "--set", "/crowd/groups/0/start/pitch_z_m=0.3"]  # fmt: skip
+        redrawn = ["--set", "/crowd/markers=redrawn"]
+        for arguments in ([], wide, [*wide, *people], [*people, *redrawn, *wide]):
+            with self.subTest(arguments):
+                command = [CLIENT, SMALL, "--check", *arguments]
+                with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as check:
+                    text = check.stdout.read()
+                    _, status, used = os.wait4(check.pid, 0)
+                    check.returncode = os.waitstatus_to_exitcode(status)
+                self.assertEqual(check.returncode, 0, text)
+                said = 1e6 * float(re.search(r"the crowd: \d+ agents, (\d+) MB of memory", text)[1])
+                measured = 1024 * used.ru_maxrss
+                self.assertLess(measured / 2, said)
+                self.assertLess(said, 2 * measured)
+
+        def have_two_gigabytes():
+            resource.setrlimit(resource.RLIMIT_AS, (2**31, 2**31))
+
+        huge = ["--set", "/world/length_m=3000", "--set", "/world/width_m=3000"]
+        client = self.client(*huge, "--check", preexec_fn=have_two_gigabytes)
+        self.assert_ends(client, 2, str(SMALL), "the crowd: 6 agents", "GB of memory", "are left", "/crowd/markers redrawn")
 
     def test_check_reads_the_state_to_go_on_from_as_the_run_does(self):
         for question in (["--check"], ["--consumers", "0"]):
