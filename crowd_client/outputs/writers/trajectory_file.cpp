@@ -103,6 +103,7 @@ enum class Access { written, locked, gone };
 struct TrajectoryFile::Database {
     std::filesystem::path file;
     sqlite3* handle = nullptr;
+    sqlite3_stmt *begin = nullptr, *commit = nullptr;
     sqlite3_stmt* insert_agent = nullptr;
     sqlite3_stmt* insert_agents = nullptr;  // rows_at_once of them, which takes less time
     sqlite3_stmt* insert_frame = nullptr;
@@ -120,7 +121,7 @@ struct TrajectoryFile::Database {
         handle = nullptr;
     }
     void finalize() noexcept {
-        for (sqlite3_stmt** statement : {&insert_agent, &insert_agents, &insert_frame}) {
+        for (sqlite3_stmt** statement : {&begin, &commit, &insert_agent, &insert_agents, &insert_frame}) {
             sqlite3_finalize(*statement);
             *statement = nullptr;
         }
@@ -177,11 +178,15 @@ TrajectoryFile::Database::Database(const std::filesystem::path& its_file, const 
         sqlite3_busy_timeout(handle, 2000);  // ms, for who opens the file the moment it is there
         // A log instead of a journal: a frame costs one append, not a flush to the disk. A crash of the process loses
         // nothing that was written, a power cut at most the last frames.
-        run("PRAGMA page_size = 4096; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;");
+        // The empty file itself needs no journal.
+        run("PRAGMA page_size = 4096; PRAGMA synchronous = OFF; PRAGMA journal_mode = OFF; PRAGMA journal_mode = WAL;");
         if (pages > 0) run("PRAGMA max_page_count = " + std::to_string(pages) + ";");
         run("BEGIN IMMEDIATE");
         create_tables(scene);
         run("COMMIT");
+        run("PRAGMA synchronous = NORMAL;");
+        begin = prepare("BEGIN IMMEDIATE");
+        commit = prepare("COMMIT");
         const std::string insert = "INSERT INTO trajectory_data VALUES ", row = "(?, ?, ?, ?, ?, ?)";
         insert_agent = prepare(insert + row);
         std::string rows = row;
@@ -244,13 +249,15 @@ void TrajectoryFile::Database::insert(const PathRows& kept) const {
 Access TrajectoryFile::Database::write(const PathRows& kept, double wait) const {
     if (has_moved()) return Access::gone;
     sqlite3_busy_timeout(handle, static_cast<int>(1000 * wait));
-    const int code = try_to("BEGIN IMMEDIATE");
+    errno = 0;
+    sqlite3_step(begin);
+    const int code = sqlite3_reset(begin);
     if (code == SQLITE_BUSY || code == SQLITE_LOCKED || code == SQLITE_PROTOCOL) return Access::locked;
     if (code == SQLITE_READONLY) return Access::gone;
     check(code);
     try {
         insert(kept);
-        run("COMMIT");
+        execute(commit);
     } catch (...) {
         // SQLite may have rolled back by itself; then this does nothing.
         sqlite3_exec(handle, "ROLLBACK", nullptr, nullptr, nullptr);
