@@ -29,6 +29,7 @@ void note(double& value, double now, double time, double memory) {
 
 // Clockwise as seen with x to the right and z up.
 Vector2d turned_right(const Vector2d& v, double angle) {
+    if (angle == 0) return v;
     const double c = std::cos(angle), s = std::sin(angle);
     return {c * v.x() + s * v.y(), c * v.y() - s * v.x()};
 }
@@ -58,7 +59,9 @@ void note_progress(const BodyStyle& style, BodyMemory& body, std::uint32_t id, d
     note(body.pressed[id], square > 0 ? std::clamp(1 - went.dot(wished) / square, 0.0, 1.0) : 0.0, time, pressed_time);
     const double speed = std::sqrt(body.pace[id].squaredNorm());
     body.stood[id] = std::clamp(body.stood[id] + (speed < 0.1 * desired_speed ? time : -2 * time), 0.0, 10.0);
-    note(body.blocked[id], speed < 0.5 * desired_speed ? 1.0 : 0.0, time, style.patience);
+    const double walked = body.intended[id].squaredNorm() * time;
+    const double left = walked > 0 ? std::clamp(wished.dot(body.intended[id]) / walked, 0.0, 1.0) : 1.0;
+    note(body.blocked[id], speed < 0.5 * left * desired_speed ? 1.0 : 0.0, time, style.patience);
     double& trapped = body.trapped_time[id];
     trapped = body.blocked[id] > 0.9 ? trapped + time : 0.0;
     if (body.opposed[id] > keep_right_from) {

@@ -29,7 +29,8 @@
 //   p       place                                           v0      desired speed
 //   v       way since the last decision / T                 r       /crowd/body_radius_m
 //   kappa   contested share of the own markers, over 0.4 s  A       ground that the own markers stand for
-//   b       share of the time with |v| < v0 / 2, over T_b   c       share of the wish that was lost, 1 - u.w / w^2, over 1 s
+//   b       share of the time with |v| < v0 / 2, over T_b;  c       share of the wish that was lost, 1 - u.w / w^2, over 1 s
+//           where water takes part of v_B, half of the rest
 //   lambda  mean cosine, >= 0, with the headings of those within 1.5 m but of those who face one (cosine < -0.85), over 1 s
 //   o       opposed: of those in the strip ahead the share that comes towards one, sum w max(0, -cos) / sum w,
 //           w = 1 / (0.5 m + a), a < 2.5 m ahead and at most 1 m + a / 4 aside, over 0.5 s. cos is the greater of those of
@@ -105,7 +106,7 @@ struct Bodies {
     std::vector<Vector2d> step;               // u, of all motions in a step, m
 };
 
-inline constexpr double body_slack = 1e-4;    // m, kept between bodies so that rounding never makes them overlap
+inline constexpr double body_slack = 1e-4;  // m, kept between bodies so that rounding never makes them overlap
 
 // People who have not moved yet.
 void begin_bodies(Agents& agents, double radius);
