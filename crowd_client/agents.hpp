@@ -58,6 +58,10 @@ struct Agents {
     std::vector<double> depth_sum;         // of the water over these steps, m
     std::vector<double> dv_sum;            // of depth times speed over these steps, m2/s
 
+    std::vector<Vector2d> stay;                            // near which it has been since `stay_step` (standing.hpp), m
+    std::vector<std::uint64_t> stay_step, stay_wet_steps;  // the step, and wet_steps then
+    std::vector<bool> standing;
+
     BodyMemory body;
 
     [[nodiscard]] std::size_t size() const { return position.size(); }

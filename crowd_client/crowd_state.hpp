@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "crowd_client/agents.hpp"
@@ -32,6 +33,8 @@ struct CrowdWorld {
     std::size_t dead = 0;
     std::uint64_t last_arrival_step = 0;  // 0 = nobody has arrived
     std::size_t events_applied = 0;       // of scene.events, which make_crowd sorts by frame
+    std::vector<std::string> warnings;    // sentences for the user, in the order in which they came up
+    std::uint8_t holds_told = 0;          // bit of each hold (standing.hpp) of which a warning was given
 
     Markers markers;
     Walls walls;

@@ -5,6 +5,7 @@
 
 #include "configs/scene/scene_frames.hpp"
 #include "crowd_client/crowd_motion.hpp"
+#include "crowd_client/standing.hpp"
 #include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_met.hpp"
 #include "crowd_client/ways/evasion.hpp"
@@ -132,6 +133,10 @@ void move(const Step& step) {
     move_agents(step.crowd);
 }
 
+void look_who_stands(const Step& step) {
+    note_standing(step.crowd, step.number);
+}
+
 Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
     const Vector2d& p = crowd.agents.position[id];
     if (p.x() < 0) return Outcome::dead;
@@ -174,6 +179,7 @@ constexpr std::array stages{
     Stage{"walking", choose_walking_velocities},  // Eq. 4
     Stage{"response", respond_to_water},          // Eq. 6-9
     Stage{"motion", move},
+    Stage{"standing", look_who_stands, When::once},
     Stage{"outcomes", judge_outcomes},
 };
 

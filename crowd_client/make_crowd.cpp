@@ -8,6 +8,7 @@
 #include "configs/scene/choices.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/responses/registry.hpp"
+#include "crowd_client/start_warnings.hpp"
 #include "crowd_client/water/contacts.hpp"
 
 namespace wade::crowd {
@@ -68,7 +69,9 @@ CrowdWorld make_crowd(const Scene& scene) {
         begin_bodies(crowd.agents, scene.crowd.body_radius);
         crowd.clock = body_clock(crowd.dt);
     }
+    crowd.agents.stay = crowd.agents.position;
     crowd.navigation = make_navigation(scene, crowd.agents);
+    crowd.warnings = start_warnings(scene, crowd.agents, crowd.navigation);
     crowd.markers = crowd.agents.size() == 0 ? Markers{} : place_markers(scene);
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);

@@ -22,6 +22,7 @@ struct Member {
     Record kept;
     std::unique_ptr<RunFolder> folder;  // none before open_folders() and after finish()
     bool finished = false;
+    std::size_t warnings_told = 0;  // of the crowd's
 };
 
 struct Party {

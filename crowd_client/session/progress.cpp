@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "configs/program/time_left.hpp"
+#include "crowd_client/standing.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -70,7 +71,10 @@ std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, dou
     std::string text = print("%s: %zu of %zu arrived", summary.status.c_str(), crowd.arrived, crowd.agents.size());
     if (crowd.arrived > 0)
         text += print(", the last after %.1f s", static_cast<double>(crowd.last_arrival_step) * crowd.dt);
-    text += print("; %zu dead, %zu active\n", crowd.dead, crowd.active.size());
+    text += print("; %zu dead, %zu active", crowd.dead, crowd.active.size());
+    if (const std::size_t standing = count_standing(crowd); standing > 0)
+        text += print(", %zu of them stand", standing);
+    text += "\n";
     text += print("%.1f s simulated in %.1f s of wall time", time, wall_time);
     if (wall_time > 0) text += print(" (%.2f s a second)", time / wall_time);
     if (summary.dropped_frames > 0) {

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -87,6 +88,7 @@ class Voyage {
     void take_part() {
         const RunOptions& options = start_.options;
         demand_free_way_back();
+        tell_warnings();
         join();
         party_.clock = Stopwatch();
         const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -154,6 +156,7 @@ class Voyage {
         if (party_.many) {
             hooks.on_over = [this](std::size_t k) { finish(party_, k, console_); };
             hooks.on_frame = [this](const shm::Frame& frame) {
+                tell_warnings();
                 const CrowdsProgress now = progress_of(party_);
                 left_.note(now.time, party_.clock.seconds(), frame.count);
                 if (console_.progress_due(now.time)) console_.progress(progress_line(now, frame, left_.pace()));
@@ -199,8 +202,20 @@ class Voyage {
         }
     }
 
+    // What the crowds have to say to the user, once for each thing.
+    void tell_warnings() {
+        for (std::size_t k = 0; k < party_.runs.size(); ++k) {
+            const std::vector<std::string>& warnings = party_.runs[k].crowd.warnings;
+            for (std::size_t& told = party_.members[k].warnings_told; told < warnings.size(); ++told) {
+                if (!said_.insert(warnings[told]).second) continue;
+                console_.warning((party_.many ? "crowd \"" + party_.members[k].name + "\": " : "") + warnings[told]);
+            }
+        }
+    }
+
     // Of the only crowd.
     void note_frame(const shm::Frame& frame) {
+        tell_warnings();
         const CrowdWorld& crowd = only().crowd;
         regularity_.see(source_->info(), frame, crowd.scene);
         const std::uint64_t steps = crowd.steps - std::exchange(steps_before_, crowd.steps);
@@ -224,6 +239,7 @@ class Voyage {
     std::optional<AgentsPublisher> agents_;
     Regularity regularity_;
     TimeLeft left_;
+    std::set<std::string> said_;
     std::uint64_t steps_before_ = 0;
     bool told_of_gaps_ = false;
 };
@@ -299,9 +315,16 @@ int run_party(const ProgramStart& start, Console& console) {
 
 std::string check_party(const ProgramStart& start) {
     const Party party = make_party(start);
+    std::string said;
+    for (std::size_t k = 0; k < party.runs.size(); ++k) {
+        for (const std::string& warning : party.runs[k].crowd.warnings) {
+            const std::string who = party.many ? "crowd \"" + party.members[k].name + "\": " : "";
+            said += "warning: " + who + warning + "\n";
+        }
+    }
     const std::string list = start.options.word("--crowds");
-    return (party.many ? list + ": valid; " + std::to_string(party.runs.size()) + " crowds\n" : std::string()) +
-           size_of_party(party) + "\n";
+    if (party.many) said += list + ": valid; " + std::to_string(party.runs.size()) + " crowds\n";
+    return said + size_of_party(party) + "\n";
 }
 
 }  // namespace wade::crowd

@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <sstream>
+#include <string>
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
@@ -135,11 +136,10 @@ double narrowest_gap(const Sight& sight, double most) {
     return least;
 }
 
-// Of the fields, m: for `auto` small enough for each gap, if that leaves room for all goals.
-double cell_of_fields(const Navigation& navigation, const Scene& scene) {
-    constexpr double smallest = 0.1;
+// Small enough for each gap, if that leaves room for all goals, m.
+double cell_for_gaps(const Navigation& navigation, const Scene& scene) {
+    constexpr double smallest = 0.05;
     const double largest = scene.crowd.navigation.cell;
-    if (!navigation.only_where_needed) return largest;
     const double cell = std::min(largest, std::max(smallest, narrowest_gap(navigation.sight, largest)));
     const auto goals = static_cast<double>(navigation.fields.size());
     return nodes_of(scene, cell) * goals <= most_nodes ? cell : largest;
@@ -158,8 +158,8 @@ void place_boxes_of_way(Navigation& navigation, const Scene& scene) {
     navigation.sight.boxes = place_boxes(std::move(boxes));
 }
 
-void lay_out_grid(Navigation& navigation, const Scene& scene) {
-    const double period = navigation.period, cell = cell_of_fields(navigation, scene);
+void lay_out_grid(Navigation& navigation, const Scene& scene, double cell) {
+    const double period = navigation.period;
     const double lap_cell = period > 0 ? period / std::ceil(period / cell - 1e-9) : cell;
     navigation.grid =
         period > 0 ? travel_grid({-lap_of_goals * period, 0}, {laps_laid_out * period, scene.world.width}, lap_cell)
@@ -189,25 +189,32 @@ void name_goals(Navigation& navigation, const Agents& agents) {
     }
 }
 
-void check_ways(const Navigation& navigation, const Scene& scene, const Agents& agents) {
+// The first agent without a way, as a sentence, or nothing. Fields that are not solved are not needed.
+std::string first_without_way(const Navigation& navigation, const Scene& scene, const Agents& agents) {
+    if (!finds_ways(navigation)) return "";
+    std::size_t count = 0, first = 0;
     for (std::size_t id = 0; id < agents.size(); ++id) {
+        const WayField& field = navigation.fields[navigation.field_of[id]];
         const Vector2d& p = agents.position[id];
-        const Vector2d rest = goal_offset(agents, id, navigation.period);
-        if (way_from(navigation, navigation.fields[navigation.field_of[id]], p, rest)) continue;
-        const double width = 2 * navigation.sight.clearance;
-        std::ostringstream message;
-        message << "/crowd/groups/" << agents.group[id] << ": agent " << id << " of group \""
-                << scene.crowd.groups[agents.group[id]].name << "\" starts at (" << p.x() << ", " << p.y()
-                << ") m without a way to its goal (" << agents.goal[id].x() << ", " << agents.goal[id].y()
-                << ") m; allowed: a way between the obstacles that is more than " << width << " m wide ("
-                << width / scene.crowd.body_radius << " /crowd/body_radius_m), and for certain found if it is " << width
-                << " m plus a cell of " << scene.crowd.navigation.cell
-                << " m (/crowd/navigation/cell_m), or /crowd/navigation/rule straight";
-        throw ConfigurationError(message.str());
+        if (!field.is_solved() || way_from(navigation, field, p, goal_offset(agents, id, navigation.period))) continue;
+        if (count++ == 0) first = id;
     }
+    if (count == 0) return "";
+    const double width = 2 * navigation.sight.clearance, cell = std::max(navigation.grid.dx, navigation.grid.dz);
+    std::ostringstream message;
+    message << "/crowd/groups/" << agents.group[first] << ": agent " << first << " of group \""
+            << scene.crowd.groups[agents.group[first]].name << "\" starts at (" << agents.position[first].x() << ", "
+            << agents.position[first].y() << ") m without a way to its goal (" << agents.goal[first].x() << ", "
+            << agents.goal[first].y() << ") m";
+    if (count > 1) message << ", as do " << count - 1 << " more";
+    message << "; allowed: a way between the obstacles that is more than " << width << " m wide ("
+            << width / scene.crowd.body_radius << " /crowd/body_radius_m), and for certain found if it is " << width
+            << " m plus a cell of " << cell << " m (/crowd/navigation/cell_m), or /crowd/navigation/rule straight";
+    return message.str();
 }
 
 void prepare(const Navigation& navigation, WayField& field) {
+    field.starts.clear();
     start_at_goal(navigation, field);
     if (navigation.period == 0) find_views(navigation, field);
 }
@@ -235,7 +242,7 @@ void solve_where_needed(Navigation& navigation, const Scene& scene, std::span<co
     if (needed.empty()) return;
     if (navigation.grid.closed.empty()) {
         if (nodes_of(scene, scene.crowd.navigation.cell) > most_nodes) return;
-        lay_out_grid(navigation, scene);
+        lay_out_grid(navigation, scene, cell_for_gaps(navigation, scene));
     }
     const auto room = static_cast<std::size_t>(most_nodes) / navigation.grid.closed.size();
     needed.resize(std::min(needed.size(), room - std::min(room, navigation.solved)));
@@ -246,6 +253,13 @@ void solve_where_needed(Navigation& navigation, const Scene& scene, std::span<co
         march(field.travel, field.memory, navigation.grid, navigation.slowness, field.starts);
     }
     navigation.solved += needed.size();
+}
+
+void solve_all(Navigation& navigation, const Scene& scene, const Agents& agents, double cell) {
+    lay_out_grid(navigation, scene, cell);
+    for (WayField& field : navigation.fields) prepare(navigation, field);
+    solve(navigation, agents.position, 1);
+    navigation.solved = navigation.fields.size();
 }
 
 std::uint64_t steps_in(double time, const Scene& scene) {
@@ -283,12 +297,23 @@ Navigation make_navigation(const Scene& scene, const Agents& agents) {
     }
     if (settings.every > 0) navigation.steps_between = steps_in(settings.every, scene);
     check_size(scene, navigation.fields.size());
-    lay_out_grid(navigation, scene);
-    for (WayField& field : navigation.fields) prepare(navigation, field);
-    solve(navigation, agents.position, 1);
-    navigation.solved = navigation.fields.size();
-    check_ways(navigation, scene, agents);
+    solve_all(navigation, scene, agents, settings.cell);
+    if (first_without_way(navigation, scene, agents).empty()) return navigation;
+    solve_all(navigation, scene, agents, cell_for_gaps(navigation, scene));
+    const std::string no_way = first_without_way(navigation, scene, agents);
+    if (!no_way.empty()) throw ConfigurationError(no_way);
     return navigation;
+}
+
+std::string people_without_way(const Navigation& navigation, const Scene& scene, const Agents& agents) {
+    if (scene.crowd.navigation.rule != NavigationRule::straight) return first_without_way(navigation, scene, agents);
+    constexpr double worth_a_look = 5e6;  // nodes; some seconds
+    const auto goals = static_cast<double>(scene.crowd.groups.size());
+    if (nodes_of(scene, scene.crowd.navigation.cell) * goals > worth_a_look) return "";
+    Scene led = scene;
+    led.crowd.navigation.rule = NavigationRule::automatic;
+    led.crowd.navigation.crowding = 0;
+    return first_without_way(make_navigation(led, agents), scene, agents);
 }
 
 void update_navigation(Navigation& navigation, const Scene& scene, std::span<const std::uint32_t> active,

@@ -27,6 +27,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "crowd_client/agents.hpp"
 #include "crowd_client/ways/way_fields.hpp"
@@ -39,8 +40,11 @@ namespace wade::crowd {
 
 // Fields for the goals of all agents, with `auto` of those who do not see theirs. With the rule `straight`, and with nothing to
 // get round, all is left empty and has no cost. `travel_time` throws ConfigurationError for an agent without a way to its goal,
-// and for more cells than memory should hold; with `auto` such an agent goes straight.
+// also in smaller cells, and for more cells than memory should hold; with `auto` such an agent goes straight.
 [[nodiscard]] Navigation make_navigation(const Scene& scene, const Agents& agents);
+
+// Whom no way leads to the goal at the start, as a sentence for the user, or nothing; also where the navigation is `straight`.
+[[nodiscard]] std::string people_without_way(const Navigation& navigation, const Scene& scene, const Agents& agents);
 
 // Whether anybody is led by a field, or may come to be.
 [[nodiscard]] inline bool finds_ways(const Navigation& navigation) {

@@ -3,7 +3,7 @@
 import json
 import unittest
 
-from harness import SystemTest
+from harness import CLIENT, SystemTest
 
 
 def closed_scene(model, bodies, moved_m=0, mirrored=False):
@@ -65,6 +65,58 @@ class ClosedChannels(SystemTest):
                 # The water reached those who started 0.3 m away and pressed them against the wall.
                 reached = moved_m + 10 - ends[1] if mirrored else ends[0] - moved_m
                 self.assertLess(reached, 0.05)
+
+
+class Standing(SystemTest):
+    def scene(self, x_min_m=5, x_max_m=11, **crowd):
+        """Four people before a box, which leaves a way round it or none."""
+        box = {"x_min_m": x_min_m, "x_max_m": x_max_m, "z_min_m": 5, "z_max_m": 8, "height_m": 3}
+        group = {"name": "g", "columns": 4, "start": {"x_m": 5.5, "z_m": 2}, "goal": {"x_m": 8, "z_m": 14}}
+        scene = {
+            "name": "before_a_box",
+            "duration_s": 40,
+            "frame_rate_hz": 5,
+            "world": {"length_m": 20, "width_m": 20},
+            "channel": {"x_min_m": 0, "x_max_m": 20, "z_min_m": 0, "z_max_m": 20, "flow": "closed"},
+            "obstacles": [box],
+            "fluid": {"model": "shallow_water", "max_particles": 1000},
+            "crowd": {"goal_radius_m": 0.5, "groups": [group], **crowd},
+        }
+        file = self.folder / "scene.json"
+        file.write_text(json.dumps(scene))
+        return file
+
+    def test_people_who_stand_are_counted_and_said_once_with_the_key_that_helps(self):
+        scene = self.scene(navigation={"rule": "straight"})
+        server, client = self.server(scene=scene), self.client(scene=scene)
+        self.assert_ended_well(server, client)
+        outcome = client.run.outcome()
+        self.assertEqual(outcome["standing"], outcome["active"])
+        self.assertGreater(outcome["standing"], 0)
+        self.assertEqual(outcome["states"]["standing"], outcome["standing"])
+        self.assertEqual(len(outcome["warnings"]), 1)
+        self.assertIn("/crowd/navigation/rule", outcome["warnings"][0])
+        self.assertEqual(client.messages().count("warning: " + outcome["warnings"][0]), 1)
+        self.assertEqual([a["state"] for a in client.run.agents()].count("standing"), outcome["standing"])
+        self.assertEqual(self.pair(scene=self.scene()).outcome()["arrived"], 4)
+
+    def test_what_check_says_the_run_says(self):
+        for settings, words in (
+            ({"markers_per_cell": 8}, "/crowd/markers_per_cell"),
+            ({"x_min_m": 0, "x_max_m": 20}, "without a way"),
+        ):
+            scene = self.scene(**settings)
+            check = self.start(CLIENT, scene, "--check")
+            self.assert_ended_well(check)
+            check.output.seek(0)
+            said = [line for line in check.output.read().splitlines() if line.startswith("warning: ")]
+            self.assertEqual(len(said), 1)
+            self.assertIn(words, said[0])
+            until = ["--until-s", "1"]
+            server, client = self.server(*until, scene=scene), self.client(*until, scene=scene)
+            self.assert_ended_well(server, client)
+            self.assertIn(said[0], client.messages())
+            self.assertEqual(client.run.outcome()["warnings"], [said[0].removeprefix("warning: ")])
 
 
 if __name__ == "__main__":

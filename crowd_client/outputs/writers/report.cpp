@@ -6,6 +6,7 @@
 #include "configs/program/version.hpp"
 #include "configs/scene/choices.hpp"
 #include "crowd_client/results/output_file.hpp"
+#include "crowd_client/standing.hpp"
 #include "crowd_client/water/water_met.hpp"
 
 namespace wade::crowd {
@@ -68,6 +69,17 @@ std::string text_of(const Json& json) {
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+// How many agents are in each state.
+Json states_json(const CrowdWorld& crowd) {
+    Json states;
+    for (const std::string_view name : state_names) states[std::string(name)] = 0;
+    for (std::size_t id = 0; id < crowd.agents.size(); ++id) {
+        Json& count = states[std::string(state_name(crowd, id))];
+        count = count.get<std::size_t>() + 1;
+    }
+    return states;
+}
+
 }  // namespace
 
 std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {
@@ -88,6 +100,9 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     json["arrived"] = crowd.arrived;
     json["dead"] = crowd.dead;
     json["active"] = crowd.active.size();
+    json["standing"] = count_standing(crowd);
+    json["states"] = states_json(crowd);
+    json["warnings"] = crowd.warnings;
     json["last_arrival_s"] = crowd.arrived > 0 ? Json(time_of(crowd, crowd.last_arrival_step)) : Json(nullptr);
     json["contact_rule"] = name_of(crowd.scene.coupling.contact_rule);
     json["fluid"] = fluid_json(summary, labels);
@@ -102,7 +117,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
         "mean_dv_m2_s";
     if (danger != nullptr) csv += std::string(",danger_level,") + exposure_columns;
-    csv += '\n';
+    csv += ",state\n";
     for (std::size_t id = 0; id < agents.size(); ++id) {
         const bool active = agents.outcome[id] == Outcome::active;
         csv += std::to_string(id) + ',' + csv_field(crowd.scene.crowd.groups[agents.group[id]].name) + ',';
@@ -118,7 +133,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
             const Exposure& met = danger->agents()[id];
             csv += ',' + std::string(danger_name(met.largest)) + ',' + exposure_times(met, crowd.dt);
         }
-        csv += '\n';
+        csv += ',' + std::string(state_name(crowd, id)) + '\n';
     }
     return csv;
 }

@@ -66,6 +66,9 @@ TEST_CASE("outcome.json has all fields that scripts rely on") {
     CHECK(outcome["arrived"] == 1);
     CHECK(outcome["dead"] == 0);
     CHECK(outcome["active"] == 0);
+    CHECK(outcome["standing"] == 0);
+    CHECK(outcome["states"] == json{{"walking", 0}, {"standing", 0}, {"arrived", 1}, {"dead", 0}});
+    CHECK(outcome["warnings"] == json::array());
     CHECK(outcome["last_arrival_s"] == 3.0);
     CHECK(outcome["contact_rule"] == "difference");
     CHECK(outcome["frame_hash"] == "0123456789abcdef");
@@ -127,10 +130,25 @@ TEST_CASE("agents.csv has one line an agent with the columns that scripts rely o
     std::getline(csv, line);
     CHECK(line ==
           "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
-          "mean_dv_m2_s");
+          "mean_dv_m2_s,state");
     std::getline(csv, line);
-    CHECK(line == "0,\"a, \"\"b\"\"\",arrived,3,0.1,50,0.2,65,0.3333333333333333,0,0,0.75,0.9");
+    CHECK(line == "0,\"a, \"\"b\"\"\",arrived,3,0.1,50,0.2,65,0.3333333333333333,0,0,0.75,0.9,arrived");
     CHECK_FALSE(std::getline(csv, line));
+}
+
+TEST_CASE("Who stands is counted among the active, and named in agents.csv") {
+    Finished run;
+    run.crowd.agents.outcome[0] = Outcome::active;
+    run.crowd.active = {0};
+    run.crowd.arrived = 0;
+    run.crowd.agents.standing[0] = true;
+    run.crowd.warnings = {"somebody stands"};
+    const json outcome = json::parse(outcome_json(run.crowd, run.summary, run.labels));
+    CHECK(outcome["active"] == 1);
+    CHECK(outcome["standing"] == 1);
+    CHECK(outcome["states"]["standing"] == 1);
+    CHECK(outcome["warnings"] == json{"somebody stands"});
+    CHECK_THAT(agents_csv(run.crowd), Catch::EndsWith(",standing\n") && Catch::Contains("0,walkers,active,"));
 }
 
 TEST_CASE("Times are those of the crowd's steps, whatever the rate of the frames") {

@@ -1,0 +1,39 @@
+#pragma once
+// Who stands though it wants to move, and what keeps it.
+//
+// Somebody stands if for 30 s it has not got farther from one place than a tenth of what it walks freely in that time,
+// 3.9 m at 1.3 m/s. Looked for once a second. Who wants nothing (desired speed 0), has arrived or is dead does not stand.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "crowd_client/crowd_state.hpp"
+
+namespace wade::crowd {
+
+inline constexpr double standing_time = 30;    // s
+inline constexpr double standing_share = 0.1;  // of the free way
+
+// What keeps somebody, the first that holds.
+enum class Hold : std::uint8_t {
+    markers,   // too few to walk by
+    obstacle,  // a box right before it
+    water,     // in which it was most of the time
+    people,    // within a metre
+    unknown
+};
+inline constexpr std::size_t holds = 5;
+
+// Notes who stands after a step, and warns once of each hold that it finds, in crowd.warnings. Before judge_outcomes(): place k still belongs to active[k].
+void note_standing(CrowdWorld& crowd, std::uint64_t step);
+
+// Of the active agents.
+[[nodiscard]] std::size_t count_standing(const CrowdWorld& crowd);
+
+// "arrived", "dead", "standing" or "walking".
+[[nodiscard]] std::string_view state_name(const CrowdWorld& crowd, std::size_t id);
+inline constexpr std::array<std::string_view, 4> state_names{"walking", "standing", "arrived", "dead"};
+
+}  // namespace wade::crowd

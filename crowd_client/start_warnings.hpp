@@ -1,0 +1,25 @@
+#pragma once
+// What a scene lets expect of its people before their first step.
+
+#include <string>
+#include <vector>
+
+#include "crowd_client/agents.hpp"
+#include "crowd_client/ways/navigation.hpp"
+
+namespace wade::crowd {
+
+// The fewest markers in a cell with which a lone person gets along at nine tenths of its desired speed. Measured with the
+// speed rule `pi`: 100 walks of 20 s each, 1 to 100 markers in a cell; see the test.
+[[nodiscard]] int least_markers_per_cell(const Crowd& crowd);
+
+[[nodiscard]] inline bool has_too_few_markers(const Crowd& crowd) {
+    return crowd.markers_per_cell < least_markers_per_cell(crowd);
+}
+
+// Sentences for the user, each with the key: too few markers, people without a way to their goal. Throws ConfigurationError for
+// bodies that do not fit through any way to their goal, unless the scene states the navigation `straight`.
+[[nodiscard]] std::vector<std::string> start_warnings(const Scene& scene, const Agents& agents,
+                                                      const Navigation& navigation);
+
+}  // namespace wade::crowd
