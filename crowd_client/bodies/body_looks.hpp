@@ -1,7 +1,7 @@
 #pragma once
 // Whom people with bodies see: those they follow, and those who come towards them.
 
-#include "crowd_client/bodies/bodies.hpp"
+#include "crowd_client/bodies/body_state.hpp"
 
 namespace wade::crowd {
 

@@ -1,0 +1,43 @@
+#pragma once
+// What a step with bodies works with. Letters are those of bodies.hpp.
+
+#include <cstdint>
+#include <vector>
+
+#include "crowd_client/bodies/body_cells.hpp"
+#include "crowd_client/equations.hpp"
+
+namespace wade::crowd {
+
+// The numbers of the rule.
+struct BodyStyle {
+    double lead_time = 0.4;         // tau, s
+    double side_turn = 0.1;         // phi, rad
+    double detour_turn = 1.5;       // alpha, rad
+    double discount = 0.9;          // delta; at 1 crowds jam
+    double contest_distance = 0.4;  // D, m
+    double patience = 0.7;          // T_b, s
+    double spacing_rate = 0;        // gamma, 1/m2; 0: nobody follows
+};
+[[nodiscard]] BodyStyle body_style(BodyRule rule);
+
+struct Bodies {
+    BodyRule rule = BodyRule::none;
+    BodyStyle style;
+    double radius = 0.25;    // r, m
+    std::uint64_t seed = 0;  // of who yields when
+
+    // Working memory of a decision, by place in the list of the active.
+    std::vector<Vector2d> site, velocity, turned_goal;
+    std::vector<double> desired_speed, discount;
+    std::vector<Vector2d> heading, way, bearing;  // unit vectors of the last motion, the way and to the goal
+    std::vector<double> followed, opposed;        // as seen; empty in decisions without a look
+    BodyCells cells;
+
+    // Working memory of a motion, by place.
+    std::vector<Vector2d> place, next_place;  // m
+    std::vector<double> radius_now;           // r_i before growth, m
+    std::vector<Vector2d> step;               // u, of all motions in a step, m
+};
+
+}  // namespace wade::crowd
