@@ -10,7 +10,7 @@ namespace wade::crowd {
 namespace {
 
 // Measured, bytes.
-constexpr double of_marker = 16, of_cell = 40, of_agent = 350, of_particle = 16, of_node = 2, of_node_and_goal = 10;
+constexpr double of_marker = 16, of_cell = 40, of_agent = 350, of_particle = 16, of_node = 2, of_node_and_goal = 16;
 
 std::size_t goals_of(const Crowd& crowd) {
     std::set<std::pair<double, double>> goals;

@@ -91,11 +91,17 @@ void start_at_goal(const Navigation& navigation, WayField& field) {
 void find_views(const Navigation& navigation, WayField& field) {
     const TravelGrid& grid = navigation.grid;
     field.views.assign(grid.closed.size(), View::unknown);
-    for (int row = 0; row + 1 < grid.rows; ++row) {
-        for (int column = 0; column + 1 < grid.columns; ++column) {
+    field.hiding_start.assign(grid.closed.size() + 1, 0);
+    field.hiding.clear();
+    for (int row = 0; row < grid.rows; ++row) {
+        for (int column = 0; column < grid.columns; ++column) {
+            std::uint32_t& end = field.hiding_start[grid.node(column, row) + 1];
+            end = static_cast<std::uint32_t>(field.hiding.size());
+            if (row + 1 == grid.rows || column + 1 == grid.columns) continue;  // no cell
             const Vector2d lo = grid.place(column, row), hi = grid.place(column + 1, row + 1);
             field.views[grid.node(column, row)] =
-                view_of(navigation.sight, {lo.x(), hi.x()}, {lo.y(), hi.y()}, field.goal);
+                view_of(navigation.sight, {lo.x(), hi.x()}, {lo.y(), hi.y()}, field.goal, &field.hiding);
+            end = static_cast<std::uint32_t>(field.hiding.size());
         }
     }
 }
@@ -155,7 +161,8 @@ void place_boxes_of_way(Navigation& navigation, const Scene& scene) {
             boxes.push_back(box);
         }
     }
-    navigation.sight.boxes = place_boxes(std::move(boxes));
+    constexpr double cell = 4;  // m; wide enough for a look at the nodes near a place, and few of them on a long way
+    navigation.sight.boxes = place_boxes(std::move(boxes), cell);
 }
 
 void lay_out_grid(Navigation& navigation, const Scene& scene, double cell) {

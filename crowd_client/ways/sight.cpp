@@ -56,6 +56,17 @@ bool any_along(const PlacedBoxes& boxes, const Vector2d& p, const Vector2d& q, d
     return false;
 }
 
+// The clearance, or less where an end of the way is nearer to a box.
+double margin_at_ends(const Sight& sight, const Vector2d& p, const Vector2d& q) {
+    double margin = sight.clearance;
+    const double reach = sight.clearance + 2 * rounding;
+    for (const Vector2d* end : {&p, &q}) {
+        const Rectangle near = round_both(*end, *end, reach, reach);
+        for_each_near(sight.boxes, near.x, near.z, [&](const Obstacle& box) { margin = margin_at(box, margin, *end); });
+    }
+    return margin;
+}
+
 }  // namespace
 
 Obstacle grown(const Obstacle& box, double margin) {
@@ -72,20 +83,24 @@ double margin_at(const Obstacle& box, double clearance, const Vector2d& p) {
 }
 
 bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q) {
-    double margin = sight.clearance;
-    const double reach = sight.clearance + 2 * rounding;
-    for (const Vector2d* end : {&p, &q}) {
-        const Rectangle near = round_both(*end, *end, reach, reach);
-        for_each_near(sight.boxes, near.x, near.z, [&](const Obstacle& box) { margin = margin_at(box, margin, *end); });
-    }
+    const double margin = margin_at_ends(sight, p, q);
+    const double reach = sight.clearance + rounding;
     return !any_along(sight.boxes, p, q, reach, reach,
                       [&](const Obstacle& box) { return crosses(grown(box, margin), p, q); });
+}
+
+bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q, std::span<const std::uint32_t> hiding) {
+    const double margin = margin_at_ends(sight, p, q);
+    return std::none_of(hiding.begin(), hiding.end(),
+                        [&](std::uint32_t i) { return crosses(grown(sight.boxes.all[i], margin), p, q); });
 }
 
 // in_sight: all ways from the rectangle to the goal lie within half its sides of the way from its middle.
 // hidden: the places that a convex box hides from the goal form a convex set, so that one which hides the four corners
 // hides all between them; the bare box, as the clearance shrinks for places near it.
-View view_of(const Sight& sight, const Interval& x, const Interval& z, const Vector2d& goal) {
+View view_of(const Sight& sight, const Interval& x, const Interval& z, const Vector2d& goal,
+             std::vector<std::uint32_t>* hiding) {
+    const std::size_t before = hiding != nullptr ? hiding->size() : 0;
     const Vector2d middle(0.5 * (x.lo + x.hi), 0.5 * (z.lo + z.hi));
     const double half_x = 0.5 * (x.hi - x.lo) + sight.clearance, half_z = 0.5 * (z.hi - z.lo) + sight.clearance;
     const std::array<Vector2d, 4> corners{Vector2d(x.lo, z.lo), Vector2d(x.hi, z.lo), Vector2d(x.lo, z.hi),
@@ -95,9 +110,16 @@ View view_of(const Sight& sight, const Interval& x, const Interval& z, const Vec
         const Obstacle wide{{box.x.lo - half_x, box.x.hi + half_x}, {box.z.lo - half_z, box.z.hi + half_z}, box.height};
         if (!crosses(wide, middle, goal)) return false;
         view = View::unknown;
+        if (hiding != nullptr) hiding->push_back(static_cast<std::uint32_t>(&box - sight.boxes.all.data()));
         return std::all_of(corners.begin(), corners.end(),
                            [&](const Vector2d& corner) { return crosses(grown(box, -rounding), corner, goal); });
     });
+    if (hiding != nullptr) {
+        // Some were asked more than once.
+        const auto first = hiding->begin() + static_cast<std::ptrdiff_t>(before);
+        std::sort(first, hiding->end());
+        hiding->erase(is_hidden ? first : std::unique(first, hiding->end()), hiding->end());
+    }
     return is_hidden ? View::hidden : view;
 }
 

@@ -2,6 +2,8 @@
 // Whether obstacles stand between two places.
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
@@ -31,7 +33,13 @@ struct Sight {
 // What is known for all places of a rectangle at once about a goal.
 enum class View : std::uint8_t { unknown, in_sight, hidden };
 
-// in_sight if the goal is in sight of each place of the rectangle, hidden if of none; unknown may be either.
-[[nodiscard]] View view_of(const Sight& sight, const Interval& x, const Interval& z, const Vector2d& goal);
+// in_sight if the goal is in sight of each place of the rectangle, hidden if of none; unknown may be either. What can hide the
+// goal from an unknown place is put behind `hiding`, if it is given: places in sight.boxes.all, ascending.
+[[nodiscard]] View view_of(const Sight& sight, const Interval& x, const Interval& z, const Vector2d& goal,
+                           std::vector<std::uint32_t>* hiding = nullptr);
+
+// in_sight() where nothing but these boxes can stand in the way.
+[[nodiscard]] bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q,
+                            std::span<const std::uint32_t> hiding);
 
 }  // namespace wade::crowd

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace wade::crowd {
 namespace {
@@ -69,8 +70,10 @@ std::optional<Vector2d> towards_a_node(const Navigation& navigation, const WayFi
 bool goal_is_in_sight(const Navigation& navigation, const WayField& field, const Cell& cell, const Vector2d& p,
                       const Vector2d& rest) {
     if (!field.views.empty()) {
-        const View view = field.views[navigation.grid.node(cell.column, cell.row)];
-        if (view != View::unknown) return view == View::in_sight;
+        const std::uint32_t number = navigation.grid.node(cell.column, cell.row);
+        if (const View view = field.views[number]; view != View::unknown) return view == View::in_sight;
+        const std::uint32_t first = field.hiding_start[number], last = field.hiding_start[number + 1];
+        return in_sight(navigation.sight, p, p + rest, std::span(field.hiding).subspan(first, last - first));
     }
     return sees_along(navigation, p, rest);
 }

@@ -17,6 +17,7 @@ struct WayField {
     std::vector<std::pair<std::uint32_t, double>> starts;
     std::vector<double> travel;  // L by node, m; empty until it is solved
     std::vector<View> views;     // by cell, numbered like the node at its lower corner; empty in a periodic world
+    std::vector<std::uint32_t> hiding_start, hiding;  // boxes that can hide the goal from a cell of unknown view
     MarchMemory memory;
 
     [[nodiscard]] bool is_solved() const { return !travel.empty(); }

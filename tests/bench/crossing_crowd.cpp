@@ -42,7 +42,8 @@ Crossing make_crossing(std::size_t people, double density, const Crowd& settings
     Scene scene;
     scene.seed = seed;
     scene.crowd = settings;
-    scene.crowd.goal_radius = 1e-6;  // nobody leaves: goals move away before they are met
+    scene.crowd.navigation.rule = NavigationRule::straight;  // no field knows a goal that is drawn in the walk
+    scene.crowd.goal_radius = 1e-6;                          // nobody leaves: goals move away before they are met
     const double side = std::sqrt(static_cast<double>(people) / density);
     scene.world.length = scene.world.width = side;
     AgentGroup group;

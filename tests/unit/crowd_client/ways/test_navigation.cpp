@@ -2,6 +2,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
@@ -128,6 +129,14 @@ TEST_CASE("What is in sight does not depend on how the boxes are found") {
         const Interval x{p.x(), p.x() + draw(5, 1)}, z{p.y(), p.y() + draw(6, 1)};
         const View view = view_of(sight, x, z, to);
         REQUIRE(view == view_of(one_by_one, x, z, to));
+        std::vector<std::uint32_t> hiding{7};
+        REQUIRE(view == view_of(sight, x, z, to, &hiding));
+        REQUIRE(hiding.front() == 7);
+        REQUIRE((hiding.size() > 1) == (view == View::unknown));
+        for (std::uint64_t i = 0; i < 10 && view == View::unknown; ++i) {
+            const Vector2d inside(x.lo + draw(10 + i, x.length()), z.lo + draw(20 + i, z.length()));
+            REQUIRE(in_sight(sight, inside, to, std::span(hiding).subspan(1)) == in_sight(sight, inside, to));
+        }
         ++views[static_cast<std::size_t>(view)];
     }
     CHECK(seen > looks / 10);
