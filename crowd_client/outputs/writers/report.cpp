@@ -115,9 +115,9 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     const Agents& agents = crowd.agents;
     std::string csv =
         "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
-        "mean_dv_m2_s";
+        "mean_dv_m2_s,state";
     if (danger != nullptr) csv += std::string(",danger_level,") + exposure_columns;
-    csv += ",state\n";
+    csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
         const bool active = agents.outcome[id] == Outcome::active;
         csv += std::to_string(id) + ',' + csv_field(crowd.scene.crowd.groups[agents.group[id]].name) + ',';
@@ -129,11 +129,12 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
                                mean_depth_met(agents, id), mean_dv_met(agents, id)}) {
             csv += ',' + csv_number(v);
         }
+        csv += ',' + std::string(state_name(crowd, id));
         if (danger != nullptr) {
             const Exposure& met = danger->agents()[id];
             csv += ',' + std::string(danger_name(met.largest)) + ',' + exposure_times(met, crowd.dt);
         }
-        csv += ',' + std::string(state_name(crowd, id)) + '\n';
+        csv += '\n';
     }
     return csv;
 }
