@@ -113,7 +113,7 @@ void show_quality(const Variant& variant, std::vector<Result>& results) {
             if (k >= late) speed_late += v;
             progress += (before[id] - (goal_before[id] - crossing.crowd.agents.position[id]).norm()) / dt;
         }
-        add_overlaps(crossing.crowd.agents.position, radius, 0, overlaps);
+        add_overlaps(crossing.crowd.agents, radius, overlaps);
     }
     double goals = 0;
     for (const std::uint32_t reached : crossing.goals_reached) goals += reached;

@@ -52,7 +52,7 @@ Outcome run_ours(std::size_t people, BodyRule bodies, double step_rate, double s
         walk(crossing);
         outcome.cpu += cpu_seconds() - start;
         for (const crowd::Vector2d& v : crossing.crowd.agents.velocity) outcome.mean_speed += v.norm();
-        add_overlaps(crossing.crowd.agents.position, radius, 0, overlaps);
+        add_overlaps(crossing.crowd.agents, radius, overlaps);
     }
     outcome.mean_speed /= static_cast<double>(people) * steps;
     for (const std::uint32_t reached : crossing.goals_reached) outcome.goals += reached;

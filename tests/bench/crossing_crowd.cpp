@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "crowd_client/markers/counter_random.hpp"
 
@@ -73,17 +74,20 @@ void walk(Crossing& crossing) {
     }
 }
 
-void add_overlaps(const std::vector<Vector2d>& positions, double radius, double period, Overlaps& sum) {
-    std::vector<Vector2d> places = positions;
-    for (const Vector2d& p : positions)
-        if (period > 0 && p.x() < 2 * radius) places.emplace_back(p.x() + period, p.y());
-    std::sort(places.begin(), places.end(), [](const Vector2d& a, const Vector2d& b) { return a.x() < b.x(); });
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        for (std::size_t j = i + 1; j < places.size() && places[j].x() - places[i].x() < 2 * radius; ++j) {
-            const double distance = (places[j] - places[i]).norm();
-            if (distance >= 2 * radius) continue;
+void add_overlaps(const crowd::Agents& agents, double radius, Overlaps& sum) {
+    const std::vector<double>& turned = agents.body.radius;
+    const auto radius_of = [&](std::size_t id) { return turned.empty() ? radius : turned[id]; };
+    std::vector<std::size_t> order(agents.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto x = [&](std::size_t id) { return agents.position[id].x(); };
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return x(a) < x(b); });
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        for (std::size_t j = i + 1; j < order.size() && x(order[j]) - x(order[i]) < 2 * radius; ++j) {
+            const double distance = (agents.position[order[j]] - agents.position[order[i]]).norm();
+            const double apart = radius_of(order[i]) + radius_of(order[j]);
+            if (distance >= apart) continue;
             ++sum.pairs;
-            sum.deepest = std::max(sum.deepest, 2 * radius - distance);
+            sum.deepest = std::max(sum.deepest, apart - distance);
         }
     }
 }

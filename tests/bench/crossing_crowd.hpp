@@ -27,11 +27,11 @@ inline constexpr double goal_reach = 1.0;  // m; who is this close to the goal g
 // One step of the crowd on dry ground, then new goals for those who have reached theirs.
 void walk(Crossing& crossing);
 
-// Pairs of discs that overlap, people standing at `positions`; `period` as World::period().
+// Pairs of people who overlap as they stand: discs of `radius` m, or less where shoulders are turned.
 struct Overlaps {
     std::uint64_t pairs = 0;
     double deepest = 0;  // m
 };
-void add_overlaps(const std::vector<crowd::Vector2d>& positions, double radius, double period, Overlaps& sum);
+void add_overlaps(const crowd::Agents& agents, double radius, Overlaps& sum);
 
 }  // namespace wade::bench
