@@ -74,6 +74,11 @@ Obstacle grown(const Obstacle& box, double margin) {
 }
 
 bool crosses(const Obstacle& box, const Vector2d& p, const Vector2d& q) {
+    // Most ways lie on one side of the box; the divisions below would find the same.
+    const auto beside = [](double a, double b, const Interval& side) {
+        return (a <= side.lo && b <= side.lo) || (a >= side.hi && b >= side.hi);
+    };
+    if (beside(p.x(), q.x(), box.x) || beside(p.y(), q.y(), box.z)) return false;
     double t_in = 0, t_out = 1;
     return cut(p.x(), q.x() - p.x(), box.x, t_in, t_out) && cut(p.y(), q.y() - p.y(), box.z, t_in, t_out);
 }
