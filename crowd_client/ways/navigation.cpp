@@ -207,6 +207,7 @@ std::string first_without_way(const Navigation& navigation, const Scene& scene, 
         if (count++ == 0) first = id;
     }
     if (count == 0) return "";
+    const bool is_straight = scene.crowd.navigation.rule == NavigationRule::straight;
     const double width = 2 * navigation.sight.clearance, cell = std::max(navigation.grid.dx, navigation.grid.dz);
     std::ostringstream message;
     message << "/crowd/groups/" << agents.group[first] << ": agent " << first << " of group \""
@@ -214,9 +215,10 @@ std::string first_without_way(const Navigation& navigation, const Scene& scene, 
             << agents.position[first].y() << ") m without a way to its goal (" << agents.goal[first].x() << ", "
             << agents.goal[first].y() << ") m";
     if (count > 1) message << ", as do " << count - 1 << " more";
-    message << "; allowed: a way between the obstacles that is more than " << width << " m wide ("
-            << width / scene.crowd.body_radius << " /crowd/body_radius_m), and for certain found if it is " << width
-            << " m plus a cell of " << cell << " m (/crowd/navigation/cell_m), or /crowd/navigation/rule straight";
+    message << (is_straight ? "; it takes" : "; allowed:") << " a way between the obstacles that is more than " << width
+            << " m wide (" << width / scene.crowd.body_radius
+            << " /crowd/body_radius_m), and for certain found if it is " << width << " m plus a cell of " << cell
+            << " m (/crowd/navigation/cell_m)" << (is_straight ? "" : ", or /crowd/navigation/rule straight");
     return message.str();
 }
 
