@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -28,21 +29,24 @@ bool stands(CrowdWorld& crowd, std::uint32_t id, std::uint64_t step) {
     return static_cast<double>(step - agents.stay_step[id]) * crowd.dt >= standing_time - 0.5 * crowd.dt;
 }
 
-// Where agent k would go, m. Not each step decides on ways.
-Vector2d way_of(const CrowdWorld& crowd, std::size_t k) {
+Vector2d rest_of_way(const CrowdWorld& crowd, std::size_t k) {
+    return crowd.agents.goal[crowd.active[k]] - place_of(crowd, crowd.active[k]);
+}
+
+// The way that a field leads agent k, m, if one does. Not each step decides on ways.
+std::optional<Vector2d> way_led(const CrowdWorld& crowd, std::size_t k) {
     const Navigation& navigation = crowd.navigation;
+    if (!finds_ways(navigation)) return std::nullopt;
     const std::uint32_t id = crowd.active[k];
-    const Vector2d rest = crowd.agents.goal[id] - place_of(crowd, id);
-    if (!finds_ways(navigation)) return rest;
     const WayField& field = navigation.fields[navigation.field_of[id]];
-    return field.is_solved() ? way_from(navigation, field, crowd.agents.position[id], rest).value_or(rest) : rest;
+    if (!field.is_solved()) return std::nullopt;
+    return way_from(navigation, field, crowd.agents.position[id], rest_of_way(crowd, k));
 }
 
 // A box within half a metre on its way.
-bool faces_an_obstacle(const CrowdWorld& crowd, std::size_t k) {
+bool faces_an_obstacle(const CrowdWorld& crowd, std::size_t k, const Vector2d& way) {
     constexpr double look = 0.5;  // m, from the skin
     const Vector2d& p = crowd.agents.position[crowd.active[k]];
-    const Vector2d way = way_of(crowd, k);
     const double length = std::sqrt(way.squaredNorm());
     if (!(length > 0)) return false;
     const double radius = has_bodies(crowd) ? crowd.bodies.radius : 0, reach = look + radius;
@@ -69,7 +73,10 @@ bool is_near_others(const CrowdWorld& crowd, std::size_t k) {
 Hold hold_of(const CrowdWorld& crowd, std::size_t k) {
     const bool owns_none = !has_bodies(crowd) && crowd.motion.owned[k] == 0;
     if (owns_none || has_too_few_markers(crowd.scene.crowd)) return Hold::markers;
-    if (faces_an_obstacle(crowd, k)) return Hold::obstacle;
+    const std::optional<Vector2d> led = way_led(crowd, k);
+    const bool faces = faces_an_obstacle(crowd, k, led.value_or(rest_of_way(crowd, k)));
+    // Who is led round obstacles and stands between one and other people waits for these.
+    if (faces && !(led && is_near_others(crowd, k))) return Hold::obstacle;
     if (is_mostly_in_water(crowd.agents, crowd.active[k], crowd.steps)) return Hold::water;
     return is_near_others(crowd, k) ? Hold::people : Hold::unknown;
 }
@@ -105,7 +112,7 @@ void warn(CrowdWorld& crowd, Hold hold, const std::vector<std::uint32_t>& ids, s
     std::ostringstream text;
     text << (ids.size() == 1 ? "somebody stands" : std::to_string(ids.size()) + " people stand")
          << " since t = " << std::max(0.0, static_cast<double>(step) * crowd.dt - standing_time)
-         << " s, a tenth of the free way or less in " << standing_time << " s: ";
+         << " s, a twentieth of the free way or less in " << standing_time << " s: ";
     for (std::size_t i = 0; i < std::min(shown, ids.size()); ++i) {
         const Vector2d& p = crowd.agents.position[ids[i]];
         text << (i > 0 ? ", " : "") << "agent " << ids[i] << " at (" << std::round(10 * p.x()) / 10 << ", "

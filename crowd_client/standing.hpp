@@ -1,8 +1,8 @@
 #pragma once
 // Who stands though it wants to move, and what keeps it.
 //
-// Somebody stands if for 30 s it has not got farther from one place than a tenth of what it walks freely in that time,
-// 3.9 m at 1.3 m/s. Looked for once a second. Who wants nothing (desired speed 0), has arrived or is dead does not stand.
+// Somebody stands if for 30 s it has not got farther from one place than a twentieth of what it walks freely in that
+// time, 2 m at 1.3 m/s: less than in a queue that moves. Looked for once a second. Who wants nothing (desired speed 0), has arrived or is dead does not stand.
 
 #include <array>
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace wade::crowd {
 
-inline constexpr double standing_time = 30;    // s
-inline constexpr double standing_share = 0.1;  // of the free way
+inline constexpr double standing_time = 30;     // s
+inline constexpr double standing_share = 0.05;  // of the free way
 
 // What keeps somebody, the first that holds.
 enum class Hold : std::uint8_t {

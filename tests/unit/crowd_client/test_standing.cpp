@@ -70,7 +70,7 @@ Scene before_a_house(NavigationRule rule) {
 
 }  // namespace
 
-TEST_CASE("Who gets no farther than a tenth of the free way in 30 s stands, and walks again once it does") {
+TEST_CASE("Who gets no farther than a twentieth of the free way in 30 s stands, and walks again once it does") {
     Scene scene = before_a_house(NavigationRule::straight);
     CrowdWorld crowd = make_crowd(scene);
     while (crowd.steps < 300) {
