@@ -140,7 +140,7 @@ void show_beside_rvo2(const std::string& program, bool quick, std::vector<Result
     for (const std::size_t people : {std::size_t{1000}, std::size_t{10000}}) {
         if (quick && people > 1000) break;
         const double seconds = quick ? 30 : people > 1000 ? 60 : 300;
-        // Its usual step, with the neighbours of its examples and with those that get it furthest here; its examples' step.
+        // Its usual step, with the neighbours of its examples and with fewer, which get it further at first; its examples' step.
         const std::string few = "--neighbours 5 --horizon 1";
         show("RVO2", people, 10, seconds, run_rvo2(program, "", people, 0.1, seconds), results);
         show("RVO2, 5 neighbours", people, 10, seconds, run_rvo2(program, few, people, 0.1, seconds), results);

@@ -212,19 +212,24 @@ Result run_pushed(const Request& request) {
     Tally tally;
     double dead = 0;
     for (const double speed : {1.5, 3.0, 8.0}) {
+        double left = 0;  // the most of a run
         for (const double rate : {30.0, 10.0}) {
             for (const double width : {1.0, 2.0}) {
                 Scene scene = scene_of(request, {.width = width, .people = 100, .step_rate = rate});
                 scene.crowd.groups.at(0).tau = 0.8;
                 crowd::CrowdWorld crowd = crowd::make_crowd(scene);
                 const Stream stream(scene, speed);
-                walk_past(crowd, {{{wall_at + thickness, 0}, {wall_at + thickness, 1}, {1, 0}}}, result, tally,
-                          stream.view());
+                const Gate line{{wall_at + thickness, 0}, {wall_at + thickness, 1}, {1, 0}};
+                const Trip trip = walk_past(crowd, {line}, result, tally, stream.view());
+                left = std::max(left, 100 - static_cast<double>(times_of(crowd, trip).size()));
                 dead += static_cast<double>(crowd.dead);
             }
         }
+        char name[40];
+        std::snprintf(name, sizeof name, "left_behind_%.0f_cm_s", 100 * speed);
+        result.metrics.push_back({name, left, "1"});
     }
-    result.metrics = {{"dead", dead, "1"}};
+    result.metrics.push_back({"dead", dead, "1"});
     report_tally(tally, result);
     return result;
 }

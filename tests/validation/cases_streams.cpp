@@ -215,14 +215,19 @@ Result run_two_way(const Request& request) {
     Tally tally;
     double outside = 0;
     Curve speeds{"speed_by_density_m_s", {"density_per_m2", "two_way", "one_way", "exact_Weidmann"}, {}};
+    const std::uint64_t seeds = request.level == 0 ? 1 : 3;
     for (const double density : densities) {
         double speed[2] = {0, 0};
-        for (const bool two_ways : {false, true}) {
-            crowd::CrowdWorld crowd = corridor_crowd(with_bodies, SpeedRule::pi, density, two_ways, four_metres);
-            Overlaps unused;
-            const auto watch = [&] { note_bodies(crowd, tally); };
-            mean_progress(crowd, two_ways ? time - 30 : 30, result, unused, watch);
-            speed[two_ways ? 1 : 0] = mean_progress(crowd, 30, result, unused, watch);
+        for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+            Request with_seed = with_bodies;
+            with_seed.overrides.push_back("/seed=" + std::to_string(seed));
+            for (const bool two_ways : {false, true}) {
+                crowd::CrowdWorld crowd = corridor_crowd(with_seed, SpeedRule::pi, density, two_ways, four_metres);
+                Overlaps unused;
+                const auto watch = [&] { note_bodies(crowd, tally); };
+                mean_progress(crowd, time - 30, result, unused, watch);
+                speed[two_ways ? 1 : 0] += mean_progress(crowd, 30, result, unused, watch) / static_cast<double>(seeds);
+            }
         }
         const double ratio = speed[1] / speed[0];
         outside = worse(worse(outside, 0.5 - ratio), ratio - 1.05);
@@ -303,19 +308,18 @@ Case crowd_head_on_case() {
 }
 
 Case crowd_two_way_case() {
-    return {.name = "crowd_two_way",
-            .truth =
-                "Half of the people walk one way in a corridor 4 m wide that repeats after 20 m, half the other, 300 "
-                "s. Measured "
-                "two-way flow is 0.5 to 1.05 times as fast as one-way flow of the same density (Zhang and Seyfried "
-                "2012: it is "
-                "lower above 1 person/m2). Speeds of the last 30 s, without a lock. coarse: 60 s, 1 and 2 people/m2; "
-                "medium: "
-                "300 s, 1 to 3.",
-            .reference = "0.5 to 1.05",
-            .spacings = {0, 0},
-            .quick = true,
-            .run = run_two_way};
+    return {
+        .name = "crowd_two_way",
+        .truth =
+            "Half of the people walk one way in a corridor 4 m wide that repeats after 20 m, half the other, 300 s: at "
+            "0.5 "
+            "to 1.05 times the speed of as many who all walk one way, without a lock. Measured two-way flow is the "
+            "slower one above 1 person/m2 (Zhang and Seyfried 2012). Speeds of the last 30 s. coarse: 60 s, 1 and 2 "
+            "people/m2; medium: 300 s, 1 to 3, means of three seeds.",
+        .reference = "0.5 to 1.05",
+        .spacings = {0, 0},
+        .quick = true,
+        .run = run_two_way};
 }
 
 }  // namespace wade::validation
