@@ -13,8 +13,7 @@ COLUMNS = 2  # panels side by side
 
 # Cases that have a picture; the numbers of the others stand in the report.
 PICTURED = ("dam_break", "wet_bed_05", "uniform_river", "bump_transcritical", "jump_fr3", "cavity_400", "spheric2",
-            "impulse_front", "crowd_bodies", "crowd_corner", "crowd_counterflow", "crowd_crossing", "crowd_doors", "crowd_exits",
-            "crowd_openings", "crowd_rimea_12", "crowd_rooms", "crowd_step_rates", "crowd_two_way")
+            "impulse_front", "crowd_bodies", "crowd_doors", "crowd_exits", "crowd_openings", "crowd_rooms", "crowd_two_way")
 # Curves whose columns share a panel, of the finest run only: begin with these.
 TOGETHER = ("people_", "last_one_out", "speed_by_")
 
@@ -57,9 +56,6 @@ COMPUTED = {
     ("cavity_1000", "measured_"): ("ko", "Ghia et al. 1982"),
     ("wet_bed_05", "exact_"): ("k-", "Stoker 1957"),
     ("wet_bed_05", "reference_"): ("k--", "Serre 1953"),
-    ("crowd_rimea_04", "measured_"): ("k-", "Weidmann 1993"),
-    ("crowd_rimea_12", "measured_"): ("k-", "1.9 b, Seyfried et al. 2009"),
-    ("crowd_rimea_12", "reference_"): ("k--", "1.3 b, SFPE handbook"),
 }
 
 
