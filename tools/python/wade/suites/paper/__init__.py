@@ -23,7 +23,7 @@ from wade.reports.files import complain, publish, say, write_whole
 from wade.reports.tables import document, write_csv
 from wade.run.processes import Pair
 from wade.suites.cases import FOLLOWS_PEOPLE, known_models, model_changes
-from wade.suites.paper import (bands, pictures, plan, plane, plots, report, studies, verdict)
+from wade.suites.paper import (bands, pictures, plan, plane, report, studies, verdict)
 from wade.suites.paper.ensembles import Ensembles, OwnWaters, PlanError, Programs
 from wade.suites.paper.results import COLUMNS, Result, read_paper, table_row
 from wade.suites.paper.store import Store, StoreError
@@ -107,7 +107,7 @@ def write_report(chosen, ensembles, paper, drawn):
     write_csv(chosen.out / "table1.csv", (*COLUMNS, "commits"), rows_of(context, cut_short))
     by_set = {s: {n: r for n in plan.SCENARIOS if (r := context.scenario(s, n))} for s in sets}
     if any(by_set.values()):
-        plots.table1_plot(chosen.out / "table1.png", paper, {s: v for s, v in by_set.items() if v}, SET_UPS)
+        pictures.table1_plot(chosen.out / "table1.png", paper, {s: v for s, v in by_set.items() if v}, SET_UPS)
     judged = [run for of_set in by_set.values() for result in of_set.values() for run in result.runs]
     checks = [] if cut_short else verdict.checks_of(judged)
     sections = [report.table1_section]

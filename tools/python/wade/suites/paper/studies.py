@@ -3,7 +3,7 @@
 import statistics
 
 from wade.reports.tables import markdown, section
-from wade.suites.paper import plan, plots
+from wade.suites.paper import pictures, plan
 from wade.suites.paper.bands import (SET_UPS, arrived_of, count_in_words, crossing, in_words, judge_scenario, met_of,
                                      outcome, shown, time_error, time_of)
 from wade.sweeps.limits import loss_velocity, of_limit
@@ -71,7 +71,7 @@ def phase_section(context):
         return ""
     some = next(iter(results.values()))
     marked = {name: point for name, point in TABLE.items() if point[0] > 0}
-    plots.phase_plot(context.out / "phase.png", results, marked, some.scene)
+    pictures.phase_plot(context.out / "phase.png", results, marked, some.scene)
     across = [of_limit(result.scene) for result in results.values()
               if of_limit(result.scene) > 1 and result.arrived[0] >= 0.5 * some.agents]
     lost = of_limit(some.scene, tau=1, velocity=loss_velocity(some.scene, 1))

@@ -15,8 +15,8 @@ from wade.reports import options
 from wade.reports.files import complain, publish, say
 from wade.reports.jobs import Fingerprints, end_children_on_signals, exit_code
 from wade.suites import cases as known_cases
-from wade.suites.speed_vs_error import reference, report
-from wade.suites.speed_vs_error.measure import Runner, of_seeds
+from wade.suites.speed_vs_error import report
+from wade.suites.speed_vs_error.measure import Runner, make_reference, of_seeds
 from wade.suites.speed_vs_error.settings import (FACTORS, OTHER_MODELS, QUICK_FACTORS, SEEDS, Setting, combinations,
                                                  default_setting, near_front, one_at_a_time, probes)
 from wade.suites.speed_vs_error.table import ERRORS, error_names, error_of, groups_of, is_default, write_table
@@ -136,7 +136,7 @@ def main(arguments):
     there = {case.name: case for case in known_cases.list_cases(program)}
     try:
         if chosen.reference:
-            return reference.make(program, chosen.reference, chosen.spacing, chosen.threads)
+            return make_reference(program, chosen.reference, chosen.spacing, chosen.threads)
         wanted = wanted_cases(chosen, there)
         fingerprint_of = Fingerprints([program], ROOT, known_cases.INPUTS)
         runner = Runner(program, chosen.out / "points", fingerprint_of, chosen.repeats, chosen.time_limit)
