@@ -19,7 +19,7 @@
 // Motion, in each step and at most h = 0.05 s long, of the wish w = h (velocity that the water leaves of it):
 //
 //   shoulders  r_i shrinks towards r - (r - 0.72 r) clamp((c - low) / (high - low)), at most by 0.3 m/s; (low, high) is
-//              (0.4, 1), and (0, 0.4) for o > 1/3, linear between. Where it is to grow, it grows by dr, at most 0.15 m/s
+//              (0.4, 1), and (0, 0.5) for o > 1/3, linear between. Where it is to grow, it grows by dr, at most 0.15 m/s
 //              and half of each limit
 //   limits     u.n <= sigma g - dr for each neighbour, g = max(0, d_ij - r_i - r_j - slack), n = (p_j - p) / d_ij,
 //              sigma = 1 - 2^(-h / 0.05 s) <= 1/2
