@@ -59,8 +59,10 @@
 // `fast` has lambda = 0. `human` follows: speed falls with the ground that is free only among people who walk the same
 // way, as in the corridors in which the speed over density is measured; who crosses gets through as with `fast`, and who
 // faces one is passed, not followed.
-// One set of numbers for all scenes. gamma, low, high, phi and D are fitted: to Weidmann's curve from 0.5 to 3 people/m2 in a
-// corridor and to the flow through openings of 0.8 to 1.6 m. 0.72 r of 0.25 m is 0.18 m: a disc between the half depth of a
+// One set of numbers for all scenes. gamma, low, phi and D are fitted: to Weidmann's curve from 0.5 to 3 people/m2 in a corridor,
+// to the flow through openings of 0.8 to 1.6 m, and to the goals that people reach on a crossing plane. The cosine of those who
+// face one and the 0.5 of (low, high) are chosen so that both ways of a corridor are about as fast as one, and with IMO test 8.
+// 0.72 r of 0.25 m is 0.18 m: a disc between the half depth of a
 // chest, 0.12 to 0.15 m, and a disc of the area of the ellipse of chest and shoulders, 0.19 m.
 
 #include <cstdint>
