@@ -119,21 +119,23 @@ class Journey {
         }
     }
 
-    // Most often each crowd takes one step a frame and the water near the agents is enough; one that takes several may
-    // leave the cells that were near. A crowd that is alone sorts what it needs before each of its steps.
+    // Most often each crowd takes one step a frame and the water near the agents is enough; one that takes several, or
+    // long ones, may leave the cells that were near. A crowd that is alone sorts what it needs before each of its steps.
     void sort_water(const WaterView& water, const shm::Frame& frame) {
         if (is_alone()) return;
         std::uint64_t most_steps = 0;
+        bool far = false;
         positions_.clear();
         for (const std::size_t k : walking_) {
             const CrowdWorld& crowd = crowds_[k].crowd;
             const std::uint64_t due = steps_due_at(crowd.scene, source_.info(), frame.tick);
             most_steps = std::max(most_steps, due - std::min(due, crowd.steps));
+            far = far || walks_far(crowd);
             for (const std::uint32_t id : crowd.active) positions_.push_back(crowd.agents.position[id]);
         }
-        if (most_steps == 1) {
+        if (most_steps == 1 && !far) {
             bin_water(bins_, water, positions_);
-        } else if (most_steps > 1) {
+        } else if (most_steps > 0) {
             bin_all_water(bins_, water);
         }
     }

@@ -53,6 +53,17 @@ class Crowds(SystemTest):
                     self.assertEqual(manifests[0][key], manifests[1][key])
                 self.assertEqual(rows[name]["arrived"], str(alone.outcome()["arrived"]))
 
+    def test_bodies_that_long_steps_carry_far_meet_the_same_water_as_alone(self):
+        slow = {"/crowd/step_rate_hz": 1, "/crowd/bodies": "fast", "/crowd/markers": "redrawn"}
+        crowds = {name: {**slow, "/crowd/tau": tau} for name, tau in (("carried", 1), ("pushed", 0.5))}
+        server = self.server()
+        client = self.client("--crowds", self.list_of(crowds), "--reproducible", out=self.folder / "many")
+        self.assert_ended_well(server, client)
+        for name, values in crowds.items():
+            changes = [f"{pointer}={json.dumps(value)}" for pointer, value in values.items()]
+            alone = self.pair(*(word for change in changes for word in ("--set", change)), "--reproducible")
+            self.assertEqual(Run(self.folder / "many" / name).bytes_of("agents.csv"), alone.bytes_of("agents.csv"))
+
     def test_drawn_values_stand_in_agents_csv(self):
         run = self.pair("--set", '/crowd/tau={"min":0.4,"max":0.8}', "--set", '/crowd/mass_kg={"min":40,"max":100}')
         for key, low, high in (("tau", 0.4, 0.8), ("mass_kg", 40, 100)):
