@@ -54,7 +54,7 @@ class Crowds(SystemTest):
                 self.assertEqual(rows[name]["arrived"], str(alone.outcome()["arrived"]))
 
     def test_bodies_that_long_steps_carry_far_meet_the_same_water_as_alone(self):
-        slow = {"/crowd/step_rate_hz": 1, "/crowd/bodies": "fast", "/crowd/markers": "redrawn"}
+        slow = {"/crowd/step_rate_hz": 0.25, "/crowd/bodies": "fast", "/crowd/markers": "redrawn"}
         crowds = {name: {**slow, "/crowd/tau": tau} for name, tau in (("carried", 1), ("pushed", 0.5))}
         server = self.server()
         client = self.client("--crowds", self.list_of(crowds), "--reproducible", out=self.folder / "many")
