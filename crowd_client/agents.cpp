@@ -12,11 +12,6 @@
 namespace wade::crowd {
 namespace {
 
-Vector2d unit_or_zero(const Vector2d& v) {
-    const double length = std::sqrt(v.squaredNorm());
-    return length > 0 ? Vector2d(v / length) : Vector2d::Zero();
-}
-
 // Random numbers of the agents, apart from those of the markers: a stream for each agent, a counter for each purpose.
 // The starts take the counters from `start` on, two a trial.
 enum Draw : std::uint64_t { draw_tau, draw_mass, draw_start = 16 };
@@ -126,7 +121,7 @@ Agents make_agents(const Scene& scene) {
     draw_starts(scene, agents);
     const std::size_t n = agents.position.size();
     for (std::size_t id = 0; id < n; ++id)
-        agents.heading.push_back(unit_or_zero(agents.goal[id] - agents.position[id]));
+        agents.heading.push_back(unit_or(agents.goal[id] - agents.position[id], Vector2d::Zero()));
     agents.laps.assign(n, 0);
     agents.velocity.assign(n, Vector2d::Zero());
     agents.momentary.assign(n, Vector2d::Zero());

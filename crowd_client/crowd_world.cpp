@@ -66,17 +66,24 @@ void tumble(const Step& step) {
     find_ragdolls(crowd.ragdolls, crowd.scene, crowd.agents, crowd.active, crowd.positions, step.water, step.number);
 }
 
-void find_ways(const Step& step) {
-    CrowdWorld& crowd = step.crowd;
+void go_straight(CrowdWorld& crowd) {
     crowd.goal_offsets.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         crowd.goal_offsets[k] = goal_offset(crowd.agents, crowd.active[k], crowd.scene.world.period());
     }
-    if (finds_ways(crowd.navigation) && step.part == 0) {
-        update_navigation(crowd.navigation, crowd.scene, crowd.active, crowd.positions, crowd.goal_offsets, step.number,
-                          crowd.threads);
-    }
-    if (!step.decides) return;
+}
+
+void solve_fields(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    if (!finds_ways(crowd.navigation)) return;
+    go_straight(crowd);
+    update_navigation(crowd.navigation, crowd.scene, crowd.active, crowd.positions, crowd.goal_offsets, step.number,
+                      crowd.threads);
+}
+
+void find_ways(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    go_straight(crowd);
     if (finds_ways(crowd.navigation)) {
         steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, threads_for(crowd));
     }
@@ -88,7 +95,6 @@ void find_ways(const Step& step) {
 
 void compete_for_markers(const Step& step) {
     CrowdWorld& crowd = step.crowd;
-    if (!step.decides) return;
     const Crowd& settings = crowd.scene.crowd;
     const double radius = settings.perception_radius;
     redraw(crowd.markers.drawn,
@@ -159,7 +165,7 @@ void judge_outcomes(const Step& step) {
     std::erase_if(crowd.active, [&](std::uint32_t id) { return crowd.agents.outcome[id] != Outcome::active; });
 }
 
-enum class When : std::uint8_t { in_each_part, once };
+enum class When : std::uint8_t { in_each_part, once, at_decisions };
 
 struct Stage {
     std::string_view name;
@@ -174,10 +180,11 @@ constexpr std::array stages{
     Stage{"contacts", find_contacts},  // Eq. 5
     Stage{"water met", note_water, When::once},
     Stage{"ragdolls", tumble, When::once},
-    Stage{"ways", find_ways},
-    Stage{"markers", compete_for_markers},        // Eq. 1-3
-    Stage{"walking", choose_walking_velocities},  // Eq. 4
-    Stage{"response", respond_to_water},          // Eq. 6-9
+    Stage{"fields", solve_fields, When::once},
+    Stage{"ways", find_ways, When::at_decisions},
+    Stage{"markers", compete_for_markers, When::at_decisions},  // Eq. 1-3
+    Stage{"walking", choose_walking_velocities},                // Eq. 4
+    Stage{"response", respond_to_water},                        // Eq. 6-9
     Stage{"motion", move},
     Stage{"standing", look_who_stands, When::once},
     Stage{"outcomes", judge_outcomes},
@@ -193,6 +200,7 @@ void walk_part(const Step& step) {
     freeze_positions(crowd);
     for (std::size_t i = 0; i < stages.size(); ++i) {
         if (stages[i].when == When::once && step.part > 0) continue;
+        if (stages[i].when == When::at_decisions && !step.decides) continue;
         timed(crowd.times.get(), 1 + i, [&] { stages[i].run(step); });
     }
 }

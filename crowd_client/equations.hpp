@@ -5,6 +5,7 @@
 // Eq. 1-4 are BioCrowds (de Lima Bicho et al. 2012). All vectors lie in the ground plane, (x, z), SI units.
 
 #include <Eigen/Core>
+#include <cmath>
 #include <span>
 
 #include "configs/scene/scene.hpp"
@@ -12,6 +13,12 @@
 namespace wade::crowd {
 
 using Vector2d = Eigen::Vector2d;
+
+// v over its length; `otherwise` if that is 0.
+[[nodiscard]] inline Vector2d unit_or(const Vector2d& v, const Vector2d& otherwise) {
+    const double length = std::sqrt(v.squaredNorm());
+    return length > 0 ? Vector2d(v / length) : otherwise;
+}
 
 // One particle of the water as an agent feels it.
 struct WaterParticle {

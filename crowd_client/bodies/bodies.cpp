@@ -39,11 +39,6 @@ Vector2d shortened(const Vector2d& v, double longest) {
     return length > longest ? Vector2d(v * (longest / length)) : v;
 }
 
-Vector2d unit_or(const Vector2d& v, const Vector2d& otherwise) {
-    const double length = std::sqrt(v.squaredNorm());
-    return length > 0 ? Vector2d(v / length) : otherwise;
-}
-
 // Sites in the world, or a little outside where R leaves room for it.
 Vector2d kept_near(const World& world, const Vector2d& q, double room) {
     const double x = world.period() > 0 ? q.x() : std::clamp(q.x(), -room, world.length + room);

@@ -7,6 +7,7 @@
 #include "configs/loading/scene_loader.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
+#include "dry_scene.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;
@@ -14,30 +15,6 @@ using namespace wade::crowd;
 using namespace wade::crowd::testing;
 
 namespace {
-
-Scene dry_scene(double length, double width, std::vector<Obstacle> obstacles) {
-    Scene scene;
-    scene.world.length = length;
-    scene.world.width = width;
-    scene.channel.x = {0, length};
-    scene.channel.z = {0, width};
-    scene.channel.flow = Flow::closed;
-    scene.frame_rate = scene.crowd.step_rate = 10;
-    scene.obstacles = std::move(obstacles);
-    scene.crowd.goal_radius = 0.5;
-    return scene;
-}
-
-AgentGroup row_of_people(int columns, Vector2d start, double pitch, Vector2d goal) {
-    AgentGroup group;
-    group.columns = group.count = columns;
-    group.start_x = start.x();
-    group.start_z = start.y();
-    group.pitch_x = pitch;
-    group.goal_x = goal.x();
-    group.goal_z = goal.y();
-    return group;
-}
 
 // Four people, three of them before a box.
 Scene one_box() {
