@@ -1,0 +1,171 @@
+#include "crowd_client/water/felt_water.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <sstream>
+
+#include "configs/errors/exit_code.hpp"
+#include "crowd_client/water/near_water.hpp"
+
+namespace wade::crowd {
+namespace {
+
+constexpr double least_spread = 0.5, spread_in_spacings = 1.5;
+constexpr double largest_spread = GroundGrid::cell_size;  // what WaterBins hold round a place
+
+// The integral of 1 - sqrt(x^2 + z^2) over x from 0 to `to`, for x^2 + z^2 <= 1:
+// to - (to r + z^2 asinh(to / |z|)) / 2, r = sqrt(to^2 + z^2).
+double cone_along(double to, double z) {
+    const double across = std::abs(z), r = std::sqrt(to * to + z * z);
+    const double curved = across > 0 ? z * z * std::asinh(to / across) : 0;
+    return to - 0.5 * (to * r + curved);
+}
+
+// What is solid near a place, in units of R round it.
+struct Solids {
+    Interval x, z;  // of the channel
+    std::vector<Obstacle> boxes;
+};
+
+// The integral of the cone of radius 1 along the line z, over what is not solid.
+double open_line(const Solids& solids, double z, std::vector<Interval>& covered) {
+    const double half_chord = std::sqrt(std::max(0.0, 1 - z * z));
+    const double lo = std::max(-half_chord, solids.x.lo), hi = std::min(half_chord, solids.x.hi);
+    if (!(lo < hi)) return 0;
+    covered.clear();
+    for (const Obstacle& box : solids.boxes) {
+        if (box.z.lo < z && z < box.z.hi) covered.push_back(box.x);
+    }
+    std::sort(covered.begin(), covered.end(), [](const Interval& a, const Interval& b) { return a.lo < b.lo; });
+    double sum = 0, at = lo;
+    for (const Interval& box : covered) {
+        const double from = std::min(box.lo, hi);
+        if (from > at) sum += cone_along(from, z) - cone_along(at, z);
+        at = std::max(at, std::min(box.hi, hi));
+    }
+    return hi > at ? sum + cone_along(hi, z) - cone_along(at, z) : sum;
+}
+
+// The integral over all lines: Gauss's rule of four points between the z at which something begins or ends, the middle of the
+// cone, where it has a kink, among them.
+double open_cone(const Solids& solids) {
+    constexpr std::array<double, 2> node{0.339981043584856, 0.861136311594053};
+    constexpr std::array<double, 2> weight{0.652145154862546, 0.347854845137454};
+    const double lo = std::max(-1.0, solids.z.lo), hi = std::min(1.0, solids.z.hi);
+    std::vector<double> edges{lo, hi, std::clamp(0.0, lo, hi)};
+    for (const Obstacle& box : solids.boxes) {
+        for (const double z : {box.z.lo, box.z.hi}) edges.push_back(std::clamp(z, lo, hi));
+    }
+    std::sort(edges.begin(), edges.end());
+    std::vector<Interval> covered;
+    double sum = 0;
+    for (std::size_t i = 1; i < edges.size(); ++i) {
+        const double middle = 0.5 * (edges[i - 1] + edges[i]), half = 0.5 * (edges[i] - edges[i - 1]);
+        if (!(half > 0)) continue;
+        for (std::size_t j = 0; j < node.size(); ++j) {
+            sum += half * weight[j] * open_line(solids, middle - half * node[j], covered);
+            sum += half * weight[j] * open_line(solids, middle + half * node[j], covered);
+        }
+    }
+    return sum;
+}
+
+Interval seen_from(const Interval& interval, double place, double unit) {
+    return {(interval.lo - place) / unit, (interval.hi - place) / unit};
+}
+
+Interval within(double place, double reach) {
+    return {place - reach, place + reach};
+}
+
+bool has_boxes_near(const Feeling& feeling, const Vector2d& place) {
+    return any_near(feeling.boxes, within(place.x(), feeling.spread), within(place.y(), feeling.spread),
+                    [](const Obstacle&) { return true; });
+}
+
+bool is_over_a_box(const Feeling& feeling, double x, double z) {
+    return any_near(feeling.boxes, {x, x}, {z, z}, [](const Obstacle&) { return true; });
+}
+
+}  // namespace
+
+Feeling make_feeling(const Scene& scene) {
+    Feeling feeling;
+    feeling.spread = std::max(least_spread, spread_in_spacings * scene.fluid.particle_spacing);
+    if (feeling.spread > largest_spread) {
+        std::ostringstream message;
+        message << "/fluid/particle_spacing_m: people feel the water within 1.5 spacings, and " << feeling.spread
+                << " m is too far; allowed: a spacing <= " << largest_spread / spread_in_spacings << " m";
+        throw ConfigurationError(message.str());
+    }
+    feeling.rest_density = scene.fluid.rest_density;
+    feeling.x = scene.channel.x;
+    feeling.z = scene.channel.z;
+    std::vector<Obstacle> boxes = scene.obstacles;
+    if (const double period = scene.world.period(); period > 0) {
+        constexpr double nowhere = std::numeric_limits<double>::infinity();
+        feeling.x = {-nowhere, nowhere};
+        for (const Obstacle& box : scene.obstacles) {
+            for (const double shift : {-period, period}) {
+                boxes.push_back({{box.x.lo + shift, box.x.hi + shift}, box.z, box.height});
+            }
+        }
+    }
+    feeling.boxes = place_boxes(std::move(boxes));
+    return feeling;
+}
+
+double open_ground(const Feeling& feeling, const Vector2d& place) {
+    const double r = feeling.spread;
+    const Interval near_x = within(place.x(), r), near_z = within(place.y(), r);
+    const bool far_from_ends = feeling.x.lo <= near_x.lo && near_x.hi <= feeling.x.hi && feeling.z.lo <= near_z.lo &&
+                               near_z.hi <= feeling.z.hi;
+    if (far_from_ends && !has_boxes_near(feeling, place)) return std::numbers::pi * r * r / 3;
+    Solids solids{seen_from(feeling.x, place.x(), r), seen_from(feeling.z, place.y(), r), {}};
+    for_each_near(feeling.boxes, near_x, near_z, [&](const Obstacle& box) {
+        solids.boxes.push_back({seen_from(box.x, place.x(), r), seen_from(box.z, place.y(), r), box.height});
+    });
+    return r * r * open_cone(solids);
+}
+
+FeltWater feel_water(const Feeling& feeling, const WaterBins& bins, const Vector2d& place) {
+    FeltWater felt;
+    felt.spread = feeling.spread;
+    if (bins.x.empty() || !feeling.x.contains(place.x()) || !feeling.z.contains(place.y())) return felt;
+    const bool has_boxes = has_boxes_near(feeling, place);
+    const double per_spread = 1 / feeling.spread;
+    double sum = 0, squares = 0, momentum_x = 0, momentum_z = 0;
+    for_each_particle_near(bins, place, feeling.spread, [&](std::size_t k) {
+        const double dx = bins.x[k] - place.x(), dz = bins.z[k] - place.y();
+        if (has_boxes && is_over_a_box(feeling, bins.x[k], bins.z[k])) return;
+        const double w = 1 - std::sqrt(dx * dx + dz * dz) * per_spread;
+        const double weighed = w * static_cast<double>(bins.mass[k]);
+        sum += weighed;
+        squares += w * weighed;
+        momentum_x += weighed * static_cast<double>(bins.vx[k]);
+        momentum_z += weighed * static_cast<double>(bins.vz[k]);
+    });
+    const double ground = sum > 0 ? open_ground(feeling, place) : 0;
+    if (!(ground > 0)) return felt;
+    felt.velocity = {bins.scale_x * momentum_x / sum, bins.scale_z * momentum_z / sum};
+    felt.depth = sum / (feeling.rest_density * ground);
+    felt.weight = sum;
+    felt.theta = squares / sum;
+    return felt;
+}
+
+void feel_water(const Feeling& feeling, const WaterBins& bins, std::span<const Vector2d> positions, int threads,
+                std::vector<FeltWater>& felt) {
+    const auto n = static_cast<std::ptrdiff_t>(positions.size());
+    felt.resize(positions.size());
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+    for (std::ptrdiff_t k = 0; k < n; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        felt[i] = feel_water(feeling, bins, positions[i]);
+    }
+}
+
+}  // namespace wade::crowd
