@@ -19,6 +19,7 @@ struct LatestReader::State {
         : link(std::move(joined)), waiting(options.waiting), stride(wanted_stride) {
         history.check_values = options.check_values;
         history.check_descriptor = link.map->descriptors_have_checks;
+        history.check_further = link.map->has_further_hash;
     }
 
     enum class Outlook { open, complete, ended };

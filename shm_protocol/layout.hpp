@@ -20,8 +20,9 @@ namespace wade::shm {
 
 inline constexpr std::uint64_t magic = 0x314D485345444157;  // the bytes "WADESHM1" in a little-endian file
 inline constexpr std::uint32_t version_major = 1;
-inline constexpr std::uint32_t version_minor = 2;
+inline constexpr std::uint32_t version_minor = 3;
 inline constexpr std::uint32_t minor_with_checks = 2;  // from here on a descriptor has a check of its own
+inline constexpr std::uint32_t minor_with_further_hash = 3;
 inline constexpr std::uint32_t endian_tag = 0x01020304;
 inline constexpr std::uint32_t known_features = 0;  // bits of Header::required_features that this version understands
 
@@ -191,7 +192,8 @@ struct SlotDescriptor {
     std::uint64_t hash;           // chain over frames 1 .. f (hash.hpp); 0 = not given
     std::uint64_t previous_hash;  // chain over frames 1 .. f - 1; 0 = first frame or not given
     std::uint32_t crc32c;         // of the bytes from `frame` to the end, with this word taken as 0
-    std::uint8_t reserved[12];
+    std::uint32_t reserved;
+    std::uint64_t further_hash;  // from the hash of frame f over its optional fields (header.hpp); 0 = not given
     Diagnostics diagnostics;
 };
 
@@ -308,6 +310,7 @@ WADE_SHM_AT(SlotDescriptor, hash, 32);
 WADE_SHM_AT(SlotDescriptor, previous_hash, 40);
 WADE_SHM_AT(SlotDescriptor, crc32c, 48);
 WADE_SHM_AT(SlotDescriptor, reserved, 52);
+WADE_SHM_AT(SlotDescriptor, further_hash, 56);
 WADE_SHM_AT(SlotDescriptor, diagnostics, 64);
 static_assert(sizeof(SlotDescriptor) == 256);
 #undef WADE_SHM_AT

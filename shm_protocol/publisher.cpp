@@ -147,11 +147,25 @@ std::optional<FrameFields> Publisher::begin_frame() {
     s.frame_open = true;
     const std::size_t capacity = s.map.info.capacity;
     const auto array = [&](std::size_t i) { return std::span<float>(s.pages.field(frame, i), capacity); };
-    FrameFields fields{frame, array(0), array(1), array(2), array(3), array(4), array(5), array(6), {}, {}, {}};
+    FrameFields fields;
+    fields.frame = frame;
+    fields.mass = array(0);
+    fields.vx = array(1);
+    fields.vy = array(2);
+    fields.vz = array(3);
+    fields.px = array(4);
+    fields.py = array(5);
+    fields.pz = array(6);
     if (s.map.info.kind == stream_agents) {
         fields.radius = array(7);
         fields.height = array(8);
         fields.state = array(9);
+    }
+    if (s.map.info.impulses) {
+        fields.jx = array(10);
+        fields.jz = array(11);
+        fields.submerged = array(12);
+        fields.spread = array(13);
     }
     return fields;
 }
@@ -175,16 +189,22 @@ void Publisher::end_frame(std::uint32_t count, const Diagnostics& diagnostics, b
     descriptor.tick = tick;
     descriptor.count = count;
     descriptor.flags = final ? frame_final : 0U;
-    descriptor.hash = 0;
+    descriptor.hash = descriptor.further_hash = 0;
     descriptor.previous_hash = s.chain;
     descriptor.diagnostics = diagnostics;
     if (s.hash_frames) {
         std::array<std::span<const float>, max_fields> fields;
         const std::size_t n = s.map.fields.size();
         for (std::size_t i = 0; i < n; ++i) fields[i] = {s.pages.field(frame, i), count};
-        const ChainResult result = chain_frame(s.chain, frame, std::span(fields).first(n));
+        const std::size_t required = required_fields(s.map.info.kind).size();
+        const ChainResult result = chain_frame(s.chain, frame, std::span(fields).first(required));
         if (result.nonfinite) descriptor.flags |= frame_nonfinite;
         s.chain = descriptor.hash = result.hash;
+        if (n > required) {
+            const ChainResult further = chain_frame(s.chain, frame, std::span(fields).first(n).subspan(required));
+            if (further.nonfinite) descriptor.flags |= frame_nonfinite;
+            descriptor.further_hash = further.hash;
+        }
     }
     descriptor.crc32c = descriptor_crc(descriptor);
     store_release(descriptor.sequence, 2 * frame);

@@ -28,6 +28,7 @@ struct StreamInfo {
     std::uint64_t scene_hash = 0;               // 0 = not given
     StreamKind kind = stream_fluid;
     std::uint32_t coupling_lag = 0;  // two-way runs: 0 serial, 1 parallel
+    bool impulses = false;           // streams of agents: frames have jx, jz, submerged and spread
     bool hash_frames = true;         // the producer computes the hash chain, so that consumers can compare
     bool group_access = false;       // mode 0660 instead of 0600: open to the group of the producer's process
 
@@ -73,6 +74,11 @@ struct FrameFields {
     // Streams of agents only, else empty.
     std::span<float> radius, height;  // units
     std::span<float> state;           // AgentState
+
+    // Streams with StreamInfo::impulses only, else empty.
+    std::span<float> jx, jz;     // N s of this frame's interval, along the stored x and z
+    std::span<float> submerged;  // units, how deep the agent stands or floats in the water, 0 = not at all
+    std::span<float> spread;     // units, radius of the cone over which the impulse is spread
 };
 
 // A complete frame: arrays of `count` values, valid until the next call for a frame or Subscriber::release(). In place
@@ -86,7 +92,8 @@ struct Frame {
     std::span<const float> mass;
     std::span<const float> vx, vy, vz;
     std::span<const float> px, py, pz;
-    std::span<const float> radius, height, state;  // streams of agents only, else empty
+    std::span<const float> radius, height, state;      // streams of agents only, else empty
+    std::span<const float> jx, jz, submerged, spread;  // StreamInfo::impulses only, else empty
     Diagnostics diagnostics;
 };
 

@@ -12,9 +12,11 @@ using namespace wade::shm;
 
 struct wade_publisher {
     Publisher end;
+    FrameFields slot = {};  // the last that was begun
 };
 struct wade_subscriber {
     Subscriber end;
+    Frame frame = {};  // the last that was acquired
 };
 struct wade_latest {
     LatestReader end;
@@ -130,6 +132,15 @@ int wade_publisher_open(const char* session, const wade_stream* stream, const wa
         return Publisher(session, c_api::from_c(*stream), c_api::from_c(waiting));
     });
 }
+int wade_publisher_open_with_impulses(const char* session, const wade_stream* stream, const wade_waiting* waiting,
+                                      wade_publisher** out) {
+    return open(__func__, out, [&] {
+        demand("wade_publisher_open_with_impulses", session, stream);
+        StreamInfo info = c_api::from_c(*stream);
+        info.impulses = true;
+        return Publisher(session, info, c_api::from_c(waiting));
+    });
+}
 int wade_publisher_stream(const wade_publisher* publisher, wade_stream* out) {
     return fetch(__func__, publisher, out, WADE_OK, [](const Publisher& p) { return &p.info(); });
 }
@@ -137,7 +148,18 @@ int wade_publisher_wait_for_consumers(wade_publisher* publisher, int n) {
     return on(__func__, publisher, [n](Publisher& p) { p.wait_for_consumers(n); });
 }
 int wade_publisher_begin_frame(wade_publisher* publisher, wade_slot* out) {
-    return fetch(__func__, publisher, out, WADE_END, [](Publisher& p) { return p.begin_frame(); });
+    return fetch(__func__, publisher, out, WADE_END, [publisher](Publisher& p) {
+        const auto slot = p.begin_frame();
+        publisher->slot = slot.value_or(FrameFields{});
+        return slot;
+    });
+}
+int wade_publisher_impulses(const wade_publisher* publisher, wade_slot_impulses* out) {
+    return guarded([&] {
+        demand("wade_publisher_impulses", publisher, out);
+        *out = c_api::impulses_to_c(publisher->slot);
+        return static_cast<int>(WADE_OK);
+    });
 }
 int wade_publisher_end_frame(wade_publisher* publisher, uint32_t count, const wade_diagnostics* diagnostics,
                              int final) {
@@ -188,7 +210,18 @@ int wade_subscriber_stream(const wade_subscriber* subscriber, wade_stream* out) 
     return fetch(__func__, subscriber, out, WADE_OK, [](const Subscriber& s) { return &s.info(); });
 }
 int wade_subscriber_acquire(wade_subscriber* subscriber, wade_frame* out) {
-    return fetch(__func__, subscriber, out, WADE_END, [](Subscriber& s) { return s.acquire(); });
+    return fetch(__func__, subscriber, out, WADE_END, [subscriber](Subscriber& s) {
+        const auto frame = s.acquire();
+        subscriber->frame = frame.value_or(Frame{});
+        return frame;
+    });
+}
+int wade_subscriber_impulses(const wade_subscriber* subscriber, wade_frame_impulses* out) {
+    return guarded([&] {
+        demand("wade_subscriber_impulses", subscriber, out);
+        *out = c_api::impulses_to_c(subscriber->frame);
+        return static_cast<int>(WADE_OK);
+    });
 }
 int wade_subscriber_release(wade_subscriber* subscriber) {
     return on(__func__, subscriber, [](Subscriber& s) { s.release(); });

@@ -106,6 +106,14 @@ wade_slot to_c(const FrameFields& f) {
             f.px.data(), f.py.data(),   f.pz.data(),   f.radius.data(), f.height.data(), f.state.data()};
 }
 
+wade_slot_impulses impulses_to_c(const FrameFields& f) {
+    return {f.jx.data(), f.jz.data(), f.submerged.data(), f.spread.data()};
+}
+
+wade_frame_impulses impulses_to_c(const Frame& f) {
+    return {f.jx.data(), f.jz.data(), f.submerged.data(), f.spread.data()};
+}
+
 wade_frame to_c(const Frame& f) {
     return {f.frame,           f.tick,          f.hash,         f.count,
             f.final ? 1U : 0U, f.mass.data(),   f.vx.data(),    f.vy.data(),

@@ -15,6 +15,8 @@ Diagnostics from_c(const wade_diagnostics* diagnostics);
 wade_stream to_c(const StreamInfo& info);
 wade_slot to_c(const FrameFields& fields);
 wade_frame to_c(const Frame& frame);
+wade_slot_impulses impulses_to_c(const FrameFields& fields);
+wade_frame_impulses impulses_to_c(const Frame& frame);
 
 void set_interrupt(bool on) noexcept;
 

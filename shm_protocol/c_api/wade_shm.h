@@ -112,6 +112,16 @@ typedef struct wade_frame { /* arrays of `count` values; the last three for agen
     wade_diagnostics diagnostics;
 } wade_frame;
 
+/* What people do to the water, beside wade_slot or wade_frame: N s of the frame's interval along x and z, how deep they are
+ * in the water, over which radius the impulse is spread. All NULL where the stream of agents has none. */
+typedef struct wade_slot_impulses {
+    float *jx, *jz, *submerged, *spread;
+} wade_slot_impulses;
+
+typedef struct wade_frame_impulses {
+    const float *jx, *jz, *submerged, *spread;
+} wade_frame_impulses;
+
 uint32_t wade_abi_version(void);
 const char* wade_last_error(void); /* of this thread, "" = none; valid until its next failure */
 
@@ -127,9 +137,14 @@ void wade_diagnostics_defaults(wade_diagnostics* diagnostics);
 /* waiting, join and diagnostics may be NULL for the defaults. On failure *out is NULL. */
 int wade_publisher_open(const char* session, const wade_stream* stream, const wade_waiting* waiting,
                         wade_publisher** out);
+/* A stream of agents (kind = WADE_AGENTS) with impulses. */
+int wade_publisher_open_with_impulses(const char* session, const wade_stream* stream, const wade_waiting* waiting,
+                                      wade_publisher** out);
 int wade_publisher_stream(const wade_publisher* publisher, wade_stream* out);
 int wade_publisher_wait_for_consumers(wade_publisher* publisher, int n);
 int wade_publisher_begin_frame(wade_publisher* publisher, wade_slot* out);
+/* Of the slot that was begun last. */
+int wade_publisher_impulses(const wade_publisher* publisher, wade_slot_impulses* out);
 int wade_publisher_end_frame(wade_publisher* publisher, uint32_t count, const wade_diagnostics* diagnostics, int final);
 int wade_publisher_end_frame_at(wade_publisher* publisher, uint32_t count, const wade_diagnostics* diagnostics,
                                 int final, uint64_t tick);
@@ -147,6 +162,8 @@ int wade_subscriber_refuse(const char* session, const char* name, const wade_joi
                            const char* text);
 int wade_subscriber_stream(const wade_subscriber* subscriber, wade_stream* out);
 int wade_subscriber_acquire(wade_subscriber* subscriber, wade_frame* out);
+/* Of the frame that was acquired last, valid as long as it is. */
+int wade_subscriber_impulses(const wade_subscriber* subscriber, wade_frame_impulses* out);
 int wade_subscriber_release(wade_subscriber* subscriber);
 int wade_subscriber_heartbeat(wade_subscriber* subscriber);
 int wade_subscriber_set_paused(wade_subscriber* subscriber, int paused);

@@ -54,17 +54,24 @@ Frame checked_frame(const StreamInfo& info, std::uint64_t frame, const SlotDescr
     const FrameTick now{frame, d.tick};
     if (const std::string fault = tick_fault(info, now, (d.flags & frame_final) != 0, history.last); !fault.empty())
         refuse(info, frame, fault);
-    const ChainResult result =
-        history.check_values ? chain_frame(history.chain, frame, fields) : ChainResult{d.hash, false, false};
+    const std::size_t required = required_fields(info.kind).size();
+    ChainResult result = history.check_values ? chain_frame(history.chain, frame, fields.first(required))
+                                              : ChainResult{d.hash, false, false};
     if (d.hash != 0 && d.hash != result.hash)
         refuse(info, frame,
                "does not match its hash: it was changed after it was published, or its chain is another one");
+    if (info.impulses && history.check_values) {
+        const ChainResult further = chain_frame(result.hash, frame, fields.subspan(required));
+        if (history.check_further && d.further_hash != 0 && d.further_hash != further.hash)
+            refuse(info, frame, "does not match its hash: its impulses were changed after it was published");
+        result.nonfinite = result.nonfinite || further.nonfinite;
+    }
     if (result.nonfinite) {
         for (std::size_t i = 0; i < fields.size(); ++i)
             if (const std::size_t k = first_nonfinite(fields[i]); k < fields[i].size())
                 refuse(info, frame,
                        "holds non-finite values (first: particle " + std::to_string(k) + ", field " +
-                           required_fields(info.kind)[i] + ")");
+                           fields_of(info)[i] + ")");
     }
     if (result.massless) {
         const std::size_t k = first_massless(fields[0]);
@@ -93,6 +100,12 @@ Frame checked_frame(const StreamInfo& info, std::uint64_t frame, const SlotDescr
         out.radius = fields[7];
         out.height = fields[8];
         out.state = fields[9];
+    }
+    if (info.impulses) {
+        out.jx = fields[required];
+        out.jz = fields[required + 1];
+        out.submerged = fields[required + 2];
+        out.spread = fields[required + 3];
     }
     out.diagnostics = d.diagnostics;
     return out;

@@ -36,6 +36,7 @@ std::uint32_t descriptor_crc(const SlotDescriptor& descriptor);
 struct FrameHistory {
     bool check_values = true;       // JoinOptions
     bool check_descriptor = false;  // SegmentMap::descriptors_have_checks
+    bool check_further = false;     // SegmentMap::has_further_hash
     std::uint64_t chain = 0;        // over all frames before
     std::optional<FrameTick> last;  // the last frame that this reader saw
 };
@@ -45,7 +46,7 @@ struct FrameHistory {
 void check_descriptor(const StreamInfo& info, std::uint64_t frame, const SlotDescriptor& descriptor,
                       const FrameHistory& history);
 
-// Judges frame `frame`, given a private copy of its descriptor and its required fields, each of descriptor.count values,
+// Judges frame `frame`, given a private copy of its descriptor and its fields (header.hpp: fields_of), each of descriptor.count values,
 // in place or copied; brings `history` up to date. Errors: protocol_violation if its tick may not follow the one before,
 // if it does not match its hash, or if it holds a NaN, an infinity or a mass that is not above 0.
 Frame checked_frame(const StreamInfo& info, std::uint64_t frame, const SlotDescriptor& descriptor, FieldSpans fields,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string_view>
@@ -66,6 +67,7 @@ void check_arguments(const StreamInfo& info) {
     require_argument(is_not_negative(info.rest_density), "rest_density", number(info.rest_density), "0 or more");
     require_argument(info.kind == stream_fluid || info.kind == stream_agents, "kind", std::to_string(info.kind),
                      "stream_fluid or stream_agents");
+    require_argument(!info.impulses || info.kind == stream_agents, "impulses", "true", "false for a stream of water");
     require_argument(info.coupling_lag <= 1, "coupling_lag", std::to_string(info.coupling_lag), "0 or 1");
 }
 
@@ -176,10 +178,20 @@ void check_regions(const Header& h) {
     demand_apart(arrays, h.slot_stride);
 }
 
-std::uint64_t field_offset(const Header& h, const char* name) {
+std::optional<std::uint64_t> find_field(const Header& h, const char* name) {
     for (std::uint32_t i = 0; i < h.field_count; ++i)
         if (std::strcmp(h.fields[i].name, name) == 0) return h.fields[i].offset;
+    return std::nullopt;
+}
+
+std::uint64_t field_offset(const Header& h, const char* name) {
+    if (const auto offset = find_field(h, name)) return *offset;
     refuse(std::string("The header lists no field '") + name + "'.");
+}
+
+bool has_impulses(const Header& h) {
+    return h.stream_kind == stream_agents &&
+           std::ranges::all_of(impulse_fields(), [&](const char* name) { return find_field(h, name).has_value(); });
 }
 
 StreamInfo info_of(const Header& h) {
@@ -198,6 +210,7 @@ StreamInfo info_of(const Header& h) {
     info.scene_hash = h.scene_hash;
     info.kind = static_cast<StreamKind>(h.stream_kind);
     info.coupling_lag = h.coupling_lag;
+    info.impulses = has_impulses(h);
     info.session_id = h.session_id;
     return info;
 }
@@ -207,6 +220,18 @@ StreamInfo info_of(const Header& h) {
 std::span<const char* const> required_fields(StreamKind kind) {
     static constexpr std::array names{"mass", "vx", "vy", "vz", "px", "py", "pz", "radius", "height", "state"};
     return std::span(names).first(kind == stream_agents ? names.size() : names.size() - 3);
+}
+
+std::span<const char* const> impulse_fields() {
+    static constexpr std::array names{"jx", "jz", "submerged", "spread"};
+    return names;
+}
+
+std::vector<const char*> fields_of(const StreamInfo& info) {
+    const auto required = required_fields(info.kind);
+    std::vector<const char*> names(required.begin(), required.end());
+    if (info.impulses) names.insert(names.end(), impulse_fields().begin(), impulse_fields().end());
+    return names;
 }
 
 std::uint32_t header_crc(Header copy) {
@@ -250,7 +275,7 @@ Header make_header(const StreamInfo& given, std::uint64_t session_id) {
     store_text(h.producer_name, name_bytes, info.producer_name);
 
     const std::uint64_t array_bytes = round_up(h.capacity * sizeof(float), line_bytes);
-    const auto names = required_fields(info.kind);
+    const std::vector<const char*> names = fields_of(info);
     h.field_count = static_cast<std::uint32_t>(names.size());
     for (std::uint32_t i = 0; i < h.field_count; ++i) {
         store_text(h.fields[i].name, sizeof h.fields[i].name, names[i]);
@@ -280,7 +305,8 @@ SegmentMap read_header(const Header& h, std::uint64_t file_bytes) {
     map.slot_stride = h.slot_stride;
     map.consumer_count = h.consumer_count;
     map.descriptors_have_checks = h.version_minor >= minor_with_checks;
-    for (const char* const name : required_fields(map.info.kind)) map.fields.push_back(field_offset(h, name));
+    map.has_further_hash = h.version_minor >= minor_with_further_hash;
+    for (const char* const name : fields_of(map.info)) map.fields.push_back(field_offset(h, name));
     return map;
 }
 

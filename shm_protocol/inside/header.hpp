@@ -15,6 +15,12 @@ namespace wade::shm {
 // The fields that every stream of this kind has, in the order in which they are hashed; further ones may follow.
 std::span<const char* const> required_fields(StreamKind kind);
 
+// The fields that a stream of agents may have beside, all four or none; a stream of water has none.
+std::span<const char* const> impulse_fields();
+
+// The names of all fields of a stream that this program knows, the required ones first.
+std::vector<const char*> fields_of(const StreamInfo& info);
+
 // Where things lie, in private memory: offsets are never read from the segment again.
 struct SegmentMap {
     StreamInfo info;
@@ -23,7 +29,8 @@ struct SegmentMap {
     std::uint64_t consumer_stride = 0, descriptor_stride = 0, slot_stride = 0;
     std::uint32_t consumer_count = 0;
     bool descriptors_have_checks = false;  // the producer's version gives each descriptor a CRC-32C
-    std::vector<std::uint64_t> fields;     // from the start of a slot, in the order of required_fields(info.kind)
+    bool has_further_hash = false;         // and the hash of its optional fields
+    std::vector<std::uint64_t> fields;     // from the start of a slot, in the order of fields_of(info)
 };
 
 // The header of a new stream, complete but for the magic, which the producer stores last.

@@ -27,7 +27,7 @@ class Pages {
     [[nodiscard]] Like<SlotDescriptor>& descriptor(std::uint64_t frame) const {
         return at<SlotDescriptor>(map_->descriptors + slot_of(frame) * map_->descriptor_stride);
     }
-    // The array number i (header.hpp: required_fields) of the slot of a frame.
+    // The array number i (header.hpp: fields_of) of the slot of a frame.
     [[nodiscard]] Like<float>* field(std::uint64_t frame, std::size_t i) const {
         return &at<float>(map_->slots + slot_of(frame) * map_->slot_stride + map_->fields[i]);
     }

@@ -11,6 +11,7 @@ SubscriberState::SubscriberState(Link joined, const JoinOptions& options)
     : link(std::move(joined)), waiting(options.waiting) {
     history.check_values = options.check_values;
     history.check_descriptor = link.map->descriptors_have_checks;
+    history.check_further = link.map->has_further_hash;
 }
 
 SubscriberState::Outlook SubscriberState::look() {

@@ -7,7 +7,7 @@ from array import array
 from python_producer import CONTROL, SLOTS, Publisher
 
 from wade.conformance import system
-from wade.conformance.layout import FINAL, ControlPage, Descriptor
+from wade.conformance.layout import FINAL, ControlPage, Descriptor, chain
 
 
 class SkipsAFrame(Publisher):
@@ -131,6 +131,33 @@ class FarAway(Publisher):
     def values(self, frame):
         values = super().values(frame)
         values[4] = array("f", [1e6]) * self.options.particles
+        return values
+
+
+class HashOfImpulsesAlone(Publisher):
+    """Leaves the hash of the required fields out of that of the optional ones."""
+
+    caught_by, kind = "impulses", "agents"
+
+    def further_hash(self, frame, fields):
+        return chain(0, frame, fields)
+
+
+class PushesInTheDry(Publisher):
+    caught_by, kind = "impulses", "agents"
+
+    def values(self, frame):
+        values = super().values(frame)
+        values[self.required + 2][5] = 0.0
+        return values
+
+
+class SpreadsOverNothing(Publisher):
+    caught_by, kind = "impulses", "agents"
+
+    def values(self, frame):
+        values = super().values(frame)
+        values[self.required + 3][5] = 0.0
         return values
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from wade.conformance import system
 from wade.conformance.layout import chain, descriptor_crc, header_crc
 from wade.conformance.layout import (
-    ABORTED, CLOSED, DRAINING, FIELD_ENTRY, FIELDS, FINAL, FOLLOWS, GAVE_UP, HEADER_WORDS, JOINED, KINDS, LATEST, LEFT,
+    ABORTED, CLOSED, DRAINING, FIELD_ENTRY, FIELDS, FINAL, FOLLOWS, GAVE_UP, HEADER_WORDS, IMPULSES, JOINED, KINDS, LATEST, LEFT,
     LOCKSTEP, MAGIC, MAX_CONSUMERS, PAGE, READY, REFUSED, RUNNING, SLICE_S, ConsumerPage, ControlPage, Descriptor,
     text_of,
 )
@@ -48,7 +48,8 @@ class Publisher:
         """Names and sizes."""
         self.options = options
         self.path = Path("/dev/shm") / f"{options.session}-{options.kind}"
-        self.names = FIELDS[KINDS[options.kind]]
+        self.required = len(FIELDS[KINDS[options.kind]])
+        self.names = FIELDS[KINDS[options.kind]] + (IMPULSES if options.kind == "agents" else ())
         self.field_bytes = -(-4 * options.particles // 64) * 64
         self.slot_stride = -(-self.field_bytes * len(self.names) // PAGE) * PAGE
         self.slots = options.depth + 1
@@ -104,7 +105,7 @@ class Publisher:
         """The header page with its magic and checksum."""
         page = bytearray(PAGE)
         values = {
-            "magic": MAGIC, "version_major": 1, "version_minor": 2, "endian_tag": 0x01020304, "header_bytes": PAGE,
+            "magic": MAGIC, "version_major": 1, "version_minor": 3, "endian_tag": 0x01020304, "header_bytes": PAGE,
             "total_bytes": self.total_bytes, "session_id": int.from_bytes(os.urandom(8), "little") | 1,
             "stream_kind": KINDS[self.options.kind], "capacity": self.options.particles, "slot_count": self.slots,
             "depth": self.options.depth, "ticks_per_second": 32, "ticks_per_frame": 1, "metres_per_unit": 1.0,
@@ -287,7 +288,8 @@ class Publisher:
         px = array("f", (100 - k * 0.5 - 1.5 * frame / 32 for k in range(n)))
         fluid = [array("f", [100.0]) * n, array("f", [-1.5]) * n, still, still, px, array("f", [0.25]) * n, still]
         person = [array("f", [0.25]) * n, array("f", [1.75]) * n, array("f", [frame % 3]) * n]
-        return fluid + person[: len(self.names) - len(fluid)]
+        push = [array("f", [2.5]) * n, still, array("f", [0.5]) * n, array("f", [0.75]) * n]
+        return (fluid + person + push)[: len(self.names)]
 
     def count(self, _frame):
         return self.options.particles
@@ -304,18 +306,23 @@ class Publisher:
 
     def write_descriptor(self, frame, fields, flags):
         at = self.descriptor(frame)
-        previous, self.chain = self.chain, self.next_chain(frame, fields)
+        previous, self.chain = self.chain, self.next_chain(frame, fields[: self.required])
         self.words.set_u64(at + Descriptor.FRAME, frame)
         self.words.set_u64(at + Descriptor.TICK, self.tick(frame))
         self.words.set_u32(at + Descriptor.COUNT, self.count(frame))
         self.words.set_u32(at + Descriptor.FLAGS, flags)
         self.words.set_u64(at + Descriptor.HASH, self.chain)
         self.words.set_u64(at + Descriptor.PREVIOUS_HASH, previous)
+        if fields[self.required :]:
+            self.words.set_u64(at + Descriptor.FURTHER_HASH, self.further_hash(frame, fields[self.required :]))
         self.words.set_u32(at + Descriptor.CRC32C, self.descriptor_check(frame))
 
     def descriptor_check(self, frame):
         at = self.descriptor(frame)
         return descriptor_crc(self.words.bytes[at : at + Descriptor.BYTES])
+
+    def further_hash(self, frame, fields):
+        return chain(self.chain, frame, fields)
 
     def next_chain(self, frame, fields):
         return chain(self.chain, frame, fields)

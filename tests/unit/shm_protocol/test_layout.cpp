@@ -87,6 +87,7 @@ const std::map<std::string, std::size_t> offsets{
     MEMBER(SlotDescriptor, hash),
     MEMBER(SlotDescriptor, previous_hash),
     MEMBER(SlotDescriptor, crc32c),
+    MEMBER(SlotDescriptor, further_hash),
     MEMBER(SlotDescriptor, diagnostics),
     MEMBER(Diagnostics, sub_steps),
     MEMBER(Diagnostics, density_iterations),

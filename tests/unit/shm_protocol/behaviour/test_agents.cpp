@@ -45,17 +45,27 @@ void fill_agents(const FrameFields& fields) {
     }
 }
 
+void fill_impulses(const FrameFields& fields) {
+    int i = 20;
+    for (const auto& field : {fields.jx, fields.jz, fields.submerged, fields.spread}) {
+        for (std::uint32_t k = 0; k < agents; ++k) field[k] = test_value(fields.frame, i, k);
+        ++i;
+    }
+}
+
 // Publishes one frame, lets `change` spoil it, and returns what the subscriber says.
 template <typename Change>
-Caught receive_spoiled(Change&& change, bool hashed) {
+Caught receive_spoiled(Change&& change, bool hashed, bool impulses = false) {
     const Session session;
     StreamInfo info = agents_info();
     info.hash_frames = hashed;
+    info.impulses = impulses;
     Publisher publisher(session.name(), info, patient());
     Subscriber subscriber(session.name(), "fluid", to_agents());
     publisher.wait_for_consumers(1);
     const auto fields = publisher.begin_frame();
     fill_agents(*fields);
+    if (impulses) fill_impulses(*fields);
     publisher.end_frame(agents);
     change(*fields);
     return catch_error([&] { subscriber.acquire(); });
@@ -107,6 +117,63 @@ TEST_CASE("a fluid stream has no radius, height and state") {
     REQUIRE(frame);
     CHECK((frame->radius.empty() && frame->height.empty() && frame->state.empty()));
     subscriber.leave();
+}
+
+TEST_CASE("impulses arrive as they were given, and the chain is that of a stream without them") {
+    StreamInfo info = agents_info();
+    std::uint64_t hashes[2] = {};
+    for (const bool impulses : {false, true}) {
+        const Session session;
+        info.impulses = impulses;
+        Publisher publisher(session.name(), info, patient());
+        Subscriber subscriber(session.name(), "fluid", to_agents());
+        publisher.wait_for_consumers(1);
+        CHECK(subscriber.info().impulses == impulses);
+        const auto slot = publisher.begin_frame();
+        REQUIRE(slot);
+        fill_agents(*slot);
+        CHECK(slot->jx.size() == (impulses ? test_capacity : 0));
+        if (impulses) fill_impulses(*slot);
+        publisher.end_frame(agents);
+        const auto frame = subscriber.acquire();
+        REQUIRE(frame);
+        hashes[impulses ? 1 : 0] = frame->hash;
+        int i = 20;
+        for (const auto& field : {frame->jx, frame->jz, frame->submerged, frame->spread}) {
+            REQUIRE(field.size() == (impulses ? agents : 0));
+            for (std::uint32_t k = 0; k < field.size(); ++k) REQUIRE(field[k] == test_value(1, i, k));
+            ++i;
+        }
+        subscriber.leave();
+    }
+    CHECK(hashes[0] == hashes[1]);
+}
+
+TEST_CASE("a spoiled or non-finite impulse is noticed; a stream of water has none") {
+    const Caught changed = receive_spoiled([](const FrameFields& f) { f.jz[3] += 1; }, true, true);
+    CHECK(changed.failure == Failure::protocol_violation);
+    CHECK(contains(changed.text, "impulses were changed"));
+    const Caught nan = receive_spoiled([](const FrameFields& f) { f.spread[7] = std::nanf(""); }, false, true);
+    CHECK(contains(nan.text, "particle 7, field spread"));
+    StreamInfo water = test_info();
+    water.impulses = true;
+    CHECK_THROWS_AS(make_header(water, 1), std::invalid_argument);
+}
+
+TEST_CASE("a stream of an older version, or with some of the impulses only, has none for this reader") {
+    StreamInfo info = agents_info();
+    info.impulses = true;
+    Header some = make_header(info, 1);
+    CHECK(read_header(some, some.total_bytes).fields.size() == 14);
+    some.field_count = 13;
+    some.crc32c = header_crc(some);
+    const SegmentMap map = read_header(some, some.total_bytes);
+    CHECK_FALSE(map.info.impulses);
+    CHECK(map.fields.size() == 10);
+    Header old = make_header(agents_info(), 1);
+    old.version_minor = 2;
+    old.crc32c = header_crc(old);
+    CHECK_FALSE(read_header(old, old.total_bytes).has_further_hash);
 }
 
 TEST_CASE("an agents frame holds the state before its interval, so the first one is at tick 0") {

@@ -31,7 +31,12 @@ static wade_publisher* open_publisher(const char* session, uint32_t kind) {
     stream.capacity = particles;
     stream.scene_hash = 77;
     wade_publisher* p = NULL;
-    CHECK(wade_publisher_open(session, &stream, NULL, &p) == WADE_OK);
+    if (kind == WADE_AGENTS) {
+        CHECK(wade_publisher_open_with_impulses(session, &stream, NULL, &p) == WADE_OK);
+    } else {
+        CHECK(wade_publisher_open_with_impulses(session, &stream, NULL, &p) == WADE_USAGE);  // water has none
+        CHECK(wade_publisher_open(session, &stream, NULL, &p) == WADE_OK);
+    }
     return p;
 }
 
@@ -49,6 +54,25 @@ static void check(const wade_frame* f) {
         for (int k = 0; fields[i] != NULL && k < particles; ++k) CHECK(fields[i][k] == value(f->frame, k + i));
 }
 
+static void push(wade_publisher* p, uint32_t kind) {
+    wade_slot_impulses i;
+    CHECK(wade_publisher_impulses(p, &i) == WADE_OK && (i.jx != NULL) == (kind == WADE_AGENTS));
+    for (int k = 0; i.jx != NULL && k < particles; ++k) {
+        i.jx[k] = value(1, k);
+        i.jz[k] = value(2, k);
+        i.submerged[k] = value(3, k);
+        i.spread[k] = value(4, k);
+    }
+}
+
+static void check_push(const wade_subscriber* s, uint32_t kind) {
+    wade_frame_impulses i;
+    CHECK(wade_subscriber_impulses(s, &i) == WADE_OK && (i.spread != NULL) == (kind == WADE_AGENTS));
+    for (int k = 0; i.jx != NULL && k < particles; ++k)
+        CHECK(i.jx[k] == value(1, k) && i.jz[k] == value(2, k) && i.submerged[k] == value(3, k) &&
+              i.spread[k] == value(4, k));
+}
+
 static int produce(const char* session, uint32_t kind) {
     wade_publisher* p = open_publisher(session, kind);
     wade_diagnostics diagnostics;
@@ -63,6 +87,7 @@ static int produce(const char* session, uint32_t kind) {
         CHECK(result == WADE_OK && slot.frame == f && slot.capacity == particles);
         CHECK((slot.radius != NULL) == (kind == WADE_AGENTS));
         fill(&slot);
+        push(p, kind);
         CHECK(wade_publisher_set_paused(p, f % 2 == 0) == WADE_OK && wade_publisher_heartbeat(p) == WADE_OK);
         if (kind == WADE_AGENTS)
             CHECK(wade_publisher_end_frame_at(p, particles, &diagnostics, f == frames, 10 * f) == WADE_OK);
@@ -109,6 +134,7 @@ static void every_frame_crosses(const char* session, uint32_t kind) {
         CHECK(frame.frame == ++seen && frame.final == (seen == frames) && frame.diagnostics.sub_steps == 4);
         CHECK(frame.tick == (kind == WADE_AGENTS ? 10 * seen : seen));
         check(&frame);
+        check_push(s, kind);
         wade_frame newest;
         if (wade_latest_poll(r, &newest) == WADE_OK) {
             check(&newest);

@@ -80,6 +80,32 @@ def descriptor_check(bench):
     return f"{count} descriptors"
 
 
+def impulses(bench):
+    """What people do to the water: finite, nothing in the dry, a spread above 0 in the water, further_hash that of the fields."""
+    consumer = bench.start().join()
+    entries = consumer.header.impulse_fields()
+    if not entries:
+        raise NotApplicable("the stream has no impulses")
+    count, pushed = 0, 0
+    while count < 2 * FRAMES and not consumer.at_end():
+        frame = consumer.take()
+        fields = consumer.arrays(frame.frame, frame.count, entries)
+        own = chain(frame.hash, frame.frame, fields)
+        given = consumer.words.u64(consumer.header.descriptor(frame.frame) + Descriptor.FURTHER_HASH)
+        expect(given in (0, own), f"further_hash (offset 56) of frame {frame.frame} is {own:016x}, or 0", f"{given:016x}")
+        for k, (jx, jz, submerged, spread) in enumerate(zip(*(memoryview(field).cast("f") for field in fields))):
+            values = f"jx {jx}, jz {jz}, submerged {submerged}, spread {spread}"
+            who = f"agent {k} of frame {frame.frame}"
+            expect(all(map(math.isfinite, (jx, jz, submerged, spread))), f"{who} has finite values", values)
+            expect(submerged >= 0 and spread >= 0, f"{who} has no negative depth or spread", values)
+            expect(submerged > 0 or jx == jz == 0, f"{who} gives the water nothing where it stands in none", values)
+            expect(jx == jz == 0 or spread > 0, f"{who} spreads its impulse", values)
+            pushed += jx != 0 or jz != 0
+        count += 1
+        consumer.release()
+    return f"{pushed} impulses in {count} frames"
+
+
 def hash_chain(bench):
     """The hash of each frame is the chain over all frames so far, previous_hash the one before."""
     consumer = bench.start().join()
@@ -278,4 +304,4 @@ def heartbeat(bench):
     return f"{(beats[-1] - beats[0]) / 2e6:.0f} ms between beats"
 
 
-ALL = (frames, descriptor_check, hash_chain, states, lockstep, depth, write_mark, wake_up, heartbeat)
+ALL = (frames, descriptor_check, impulses, hash_chain, states, lockstep, depth, write_mark, wake_up, heartbeat)

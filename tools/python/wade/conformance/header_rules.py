@@ -3,8 +3,8 @@
 import math
 
 from wade.conformance.expectation import expect
-from wade.conformance.layout import (ENDIAN_TAG, FIELDS, FIELD_ENTRY, HEADER_WORDS, MAGIC, MAX_CONSUMERS, MAX_FIELDS,
-                                     MAX_SLOTS, PAGE, RESERVED_IN_HEADER, Header, header_crc)
+from wade.conformance.layout import (ENDIAN_TAG, FIELDS, FIELD_ENTRY, HEADER_WORDS, IMPULSES, KINDS, MAGIC,
+                                     MAX_CONSUMERS, MAX_FIELDS, MAX_SLOTS, PAGE, RESERVED_IN_HEADER, Header, header_crc)
 
 
 def read_header(page, file_bytes, kind):
@@ -76,6 +76,9 @@ def check_fields(header):
     expect(len(set(names)) == len(names) and all(names), "fields have names of their own", f"{names}")
     missing = [name for name in FIELDS[header.stream_kind] if name not in names]
     expect(not missing, f"a stream of kind {header.stream_kind} has the field {missing[:1]}", f"{names}")
+    impulses = [name for name in IMPULSES if name in names]
+    expect(header.stream_kind != KINDS["agents"] or len(impulses) in (0, len(IMPULSES)),
+           f"a stream of agents has all of {', '.join(IMPULSES)} or none", f"{impulses}")
     for field in header.fields:
         expect(field.type == 1, f"field {field.name} has type 1 (float32)", f"{field.type}")
         expect(field.offset % 64 == 0, f"field {field.name} has an offset that is a multiple of 64", f"{field.offset}")
@@ -94,7 +97,7 @@ def check_apart(regions, room, whole):
 
 def check_reserved(header):
     """Reserved bytes are zero as far as this minor version is known."""
-    if header.version_minor > 2:
+    if header.version_minor > 3:
         return
     entries = FIELD_ENTRY[0] + header.field_count * FIELD_ENTRY[1]
     for start, end in RESERVED_IN_HEADER + ((entries, 1024),):

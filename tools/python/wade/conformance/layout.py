@@ -18,6 +18,7 @@ CHECKED_MINOR = 2  # from this minor version on a descriptor has a check, and wo
 KINDS = {"fluid": 1, "agents": 2}
 FIELDS = {1: ("mass", "vx", "vy", "vz", "px", "py", "pz")}
 FIELDS[2] = FIELDS[1] + ("radius", "height", "state")
+IMPULSES = ("jx", "jz", "submerged", "spread")  # of agents, all four or none
 
 INIT, READY, RUNNING, DRAINING, CLOSED, ABORTED = range(6)
 PRODUCER_STATES = ("init", "ready", "running", "draining", "closed", "aborted")
@@ -46,7 +47,8 @@ class ConsumerPage:
 class Descriptor:
     """Offsets from the start of a slot's descriptor."""
 
-    SEQUENCE, FRAME, TICK, COUNT, FLAGS, HASH, PREVIOUS_HASH, CRC32C, DIAGNOSTICS = 0, 8, 16, 24, 28, 32, 40, 48, 64
+    SEQUENCE, FRAME, TICK, COUNT, FLAGS, HASH, PREVIOUS_HASH, CRC32C = 0, 8, 16, 24, 28, 32, 40, 48
+    FURTHER_HASH, DIAGNOSTICS = 56, 64
     BYTES = 256
 
 
@@ -101,8 +103,17 @@ class Header:
 
     def required_fields(self):
         """The fields that the hash chain covers, in its order."""
+        return self.named(FIELDS[self.stream_kind])
+
+    def impulse_fields(self):
+        """What people do to the water; empty in a stream without."""
+        has = self.stream_kind == KINDS["agents"] and any(field.name in IMPULSES for field in self.fields)
+        return self.named(IMPULSES) if has else []
+
+    def named(self, names):
+        """The fields of these names."""
         entries = {field.name: field for field in self.fields}
-        return [entries[name] for name in FIELDS[self.stream_kind]]
+        return [entries[name] for name in names]
 
 
 def text_of(raw):

@@ -87,10 +87,13 @@ class Segment:
         number, tick = self.words.u64(at + Descriptor.FRAME), self.words.u64(at + Descriptor.TICK)
         count, flags = self.words.u32(at + Descriptor.COUNT), self.words.u32(at + Descriptor.FLAGS)
         hashes = self.words.u64(at + Descriptor.HASH), self.words.u64(at + Descriptor.PREVIOUS_HASH)
-        slot, size = self.header.slot(frame), 4 * min(count, self.header.capacity)
-        fields = [bytes(self.words.bytes[slot + entry.offset : slot + entry.offset + size])
-                  for entry in self.header.required_fields()]
+        fields = self.arrays(frame, count, self.header.required_fields())
         return Frame(sequence, number, tick, count, flags, *hashes, fields)
+
+    def arrays(self, frame, count, entries):
+        """Copies of these fields of a frame, as bytes."""
+        slot, size = self.header.slot(frame), 4 * min(count, self.header.capacity)
+        return [bytes(self.words.bytes[slot + entry.offset : slot + entry.offset + size]) for entry in entries]
 
     def producer_lives(self):
         return system.is_locked_by_other(self.fd, 0)
