@@ -53,6 +53,7 @@ struct RowEntries {
 
 // Walks over a band. `Owners` keeps what the last `span` rows have dealt:
 //   begin_row(claiming, band, row)         before the cells of a row
+//   expect_cell(claiming, column, row)     a cell that is the next but one to be dealt
 //   deal_cell(claiming, band, column, row) claims the markers of a cell and deals them out
 //   finish(claiming, entry, image, row)    sums up the walker of an entry with a corner cell in `row`; image: its second
 //                                          entry, or WalkerCells::none
@@ -63,9 +64,15 @@ void walk_band(Owners& owners, const Claiming& claiming, const RowBand& band) {
     const auto deal_row = [&](int row) {
         owners.begin_row(claiming, band, row);
         if (entries_of(cells, std::max(row - cells.span + 1, 0)).first == entries_of(cells, row).last) return;
+        constexpr int none = -1;
+        int reached = none;  // the last column that is; its cell is dealt once the next one is on its way from memory
         for (int column = 0; column < cells.grid.columns; ++column) {
-            if (!nobody_reaches(cells, column, row)) owners.deal_cell(claiming, band, column, row);
+            if (nobody_reaches(cells, column, row)) continue;
+            owners.expect_cell(claiming, column, row);
+            if (reached != none) owners.deal_cell(claiming, band, reached, row);
+            reached = column;
         }
+        if (reached != none) owners.deal_cell(claiming, band, reached, row);
     };
     const auto sum_up_row = [&](int row) {
         const RowEntries entries = entries_of(cells, row);

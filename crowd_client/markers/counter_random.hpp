@@ -8,10 +8,17 @@
 
 namespace wade::crowd {
 
+// Of a stream of numbers.
+[[nodiscard]] constexpr std::uint64_t counter_key(std::uint64_t seed, std::uint64_t stream) {
+    return mix_bits(mix_bits(seed + splitmix_step) + stream * splitmix_step);
+}
+
 // Uniform in [0, 1), a multiple of 2^-53.
-[[nodiscard]] constexpr double counter_uniform(std::uint64_t seed, std::uint64_t stream, std::uint64_t counter) {
-    const std::uint64_t key = mix_bits(mix_bits(seed + splitmix_step) + stream * splitmix_step);
+[[nodiscard]] constexpr double counter_uniform(std::uint64_t key, std::uint64_t counter) {
     return unit_fraction(mix_bits(key + counter * splitmix_step));
+}
+[[nodiscard]] constexpr double counter_uniform(std::uint64_t seed, std::uint64_t stream, std::uint64_t counter) {
+    return counter_uniform(counter_key(seed, stream), counter);
 }
 
 }  // namespace wade::crowd

@@ -29,6 +29,7 @@ using OwnerSums = std::array<MarkerShare, Lanes<float>::count>;
 class DrawnOwners {
  public:
     void begin_row(const Claiming& claiming, const RowBand& band, int row);
+    void expect_cell(const Claiming&, int, int) {}  // nothing is read
     void deal_cell(const Claiming& claiming, const RowBand& band, int column, int row);
     void finish(const Claiming& claiming, std::uint32_t entry, std::uint32_t image, int row);
 

@@ -24,6 +24,16 @@ void FixedOwners::begin_row(const Claiming& claiming, const RowBand& band, int r
     runs_[place].count.assign(n, 0);
 }
 
+void FixedOwners::expect_cell(const Claiming& claiming, int column, int row) {
+    const Markers& markers = claiming.markers;
+    const std::size_t cell = markers.grid.index(column, row), last = markers.cell_start[cell + 1];
+    constexpr std::size_t of_a_line = 64 / sizeof(double);
+    for (std::size_t m = markers.cell_start[cell]; m < last; m += of_a_line) {
+        __builtin_prefetch(&markers.x[m]);
+        __builtin_prefetch(&markers.z[m]);
+    }
+}
+
 void FixedOwners::deal_cell(const Claiming& claiming, const RowBand& band, int column, int row) {
     read_markers(markers_, claiming.markers, column, row);
     if (markers_.count == 0) return;
@@ -36,13 +46,61 @@ void FixedOwners::deal_cell(const Claiming& claiming, const RowBand& band, int c
     deal_markers(claiming, band, column, row);
 }
 
-// Sorts the markers by owner, so that each one's stand side by side, in the order of the cell. The two halves of a cell are
-// counted and dealt side by side, as neighbours often have one owner and its counter would have to wait for itself.
-void FixedOwners::deal_markers(const Claiming& claiming, const RowBand& band, int column, int row) {
-    const bool with_bodies = claiming.bodies != nullptr;
+void FixedOwners::note_run(const Claiming& claiming, const RowBand& band, std::uint32_t entry, int corner_row, int row,
+                           std::uint32_t begin, std::uint32_t end) {
+    // Rows of other bands belong to other threads.
+    if (begin == end || !band.has(corner_row)) return;
     const auto span = static_cast<std::size_t>(claiming.cells.span);
-    OwnedMarkers& dealt = dealt_[static_cast<std::size_t>(row) % span];
-    dealt.make_room_for(markers_.count, with_bodies);
+    Runs& runs = runs_[static_cast<std::size_t>(corner_row) % span];
+    const std::size_t i = entry - runs.first;
+    runs.runs[span * span * i + runs.count[i]++] = {begin, static_cast<std::uint16_t>(end - begin),
+                                                    static_cast<std::uint16_t>(row)};
+}
+
+// Sorts the markers by owner, so that each one's stand side by side, in the order of the cell.
+void FixedOwners::deal_markers(const Claiming& claiming, const RowBand& band, int column, int row) {
+    OwnedMarkers& dealt = dealt_[static_cast<std::size_t>(row % claiming.cells.span)];
+    dealt.make_room_for(markers_.count, claiming.bodies != nullptr);
+    constexpr std::size_t few = 4;
+    if (candidates_.count <= few) {
+        deal_to_few(dealt, claiming, band, column, row);
+    } else {
+        deal_to_many(dealt, claiming, band, column, row);
+    }
+}
+
+// For each owner by itself; a marker of somebody else's is overwritten by the next one.
+void FixedOwners::deal_to_few(OwnedMarkers& dealt, const Claiming& claiming, const RowBand& band, int column, int row) {
+    const bool with_bodies = claiming.bodies != nullptr;
+    list_owned();
+    const std::size_t n = owned_.count;
+    const std::uint32_t* const owner = owned_.owner.data();
+    const std::uint32_t* const marker = owned_.marker.data();
+    auto place = static_cast<std::uint32_t>(dealt.count);
+    for_each_run(claiming.cells, column, row, [&](int r, std::uint32_t first, std::uint32_t last, std::size_t before) {
+        for (std::uint32_t e = first; e < last; ++e) {
+            const std::size_t c = 1 + before + e - first;
+            const std::uint32_t begin = place;
+            const double x = candidates_.x()[c], z = candidates_.z()[c];
+            double* const at_x = dealt.x.data();
+            double* const at_z = dealt.z.data();
+            for (std::size_t i = 0; i < n; ++i) {
+                at_x[place] = markers_.x[marker[i]] - x;
+                at_z[place] = markers_.z[marker[i]] - z;
+                if (with_bodies) dealt.contested[place] = claims_.contested[marker[i]];
+                place += owner[i] == c ? 1U : 0U;
+            }
+            note_run(claiming, band, e, r, row, begin, place);
+        }
+    });
+    dealt.count = place;
+}
+
+// The two halves of a cell are counted and dealt side by side, as neighbours often have one owner and its counter would have
+// to wait for itself.
+void FixedOwners::deal_to_many(OwnedMarkers& dealt, const Claiming& claiming, const RowBand& band, int column,
+                               int row) {
+    const bool with_bodies = claiming.bodies != nullptr;
     const std::size_t n = markers_.count, half = n / 2, owners = candidates_.count;
     next_.assign(2 * owners, 0);
     std::uint32_t* const lower = next_.data();
@@ -63,14 +121,9 @@ void FixedOwners::deal_markers(const Claiming& claiming, const RowBand& band, in
         return first;
     };
     for_each_run(claiming.cells, column, row, [&](int r, std::uint32_t first, std::uint32_t last, std::size_t before) {
-        Runs& runs = runs_[static_cast<std::size_t>(r) % span];
         for (std::uint32_t e = first; e < last; ++e) {
             const std::uint32_t begin = first_place(1 + before + e - first);
-            // Rows of other bands belong to other threads.
-            if (begin == place || !band.has(r)) continue;
-            const std::size_t i = e - runs.first;
-            runs.runs[span * span * i + runs.count[i]++] = {begin, static_cast<std::uint16_t>(place - begin),
-                                                            static_cast<std::uint16_t>(row)};
+            note_run(claiming, band, e, r, row, begin, place);
         }
     });
     dealt.count = place;
@@ -91,6 +144,23 @@ void FixedOwners::deal_markers(const Claiming& claiming, const RowBand& band, in
         deal(m + half, upper);
     }
     if (n % 2 != 0) deal(n - 1, upper);
+}
+
+// Without branches: who walks alone owns few of the markers of a cell, and which ones is by chance.
+void FixedOwners::list_owned() {
+    make_room(owned_.marker, markers_.count);
+    make_room(owned_.owner, markers_.count);
+    std::uint32_t* const marker = owned_.marker.data();
+    std::uint32_t* const owner = owned_.owner.data();
+    const auto* const claimed = claims_.owner.data();
+    std::uint32_t count = 0;
+    for (std::uint32_t m = 0; m < markers_.count; ++m) {
+        const auto o = static_cast<std::uint32_t>(claimed[m]);
+        marker[count] = m;
+        owner[count] = o;
+        count += o != 0 ? 1U : 0U;
+    }
+    owned_.count = count;
 }
 
 // What an entry owns in a row of cells.

@@ -23,6 +23,7 @@ struct OwnedMarkers {
 class FixedOwners {
  public:
     void begin_row(const Claiming& claiming, const RowBand& band, int row);
+    void expect_cell(const Claiming& claiming, int column, int row);
     void deal_cell(const Claiming& claiming, const RowBand& band, int column, int row);
     void finish(const Claiming& claiming, std::uint32_t entry, std::uint32_t image, int row);
 
@@ -43,13 +44,24 @@ class FixedOwners {
         std::vector<std::uint8_t> count;  // by entry
     };
 
+    void list_owned();
     void deal_markers(const Claiming& claiming, const RowBand& band, int column, int row);
+    void deal_to_few(OwnedMarkers& dealt, const Claiming& claiming, const RowBand& band, int column, int row);
+    void deal_to_many(OwnedMarkers& dealt, const Claiming& claiming, const RowBand& band, int column, int row);
+    void note_run(const Claiming& claiming, const RowBand& band, std::uint32_t entry, int corner_row, int row,
+                  std::uint32_t begin, std::uint32_t end);
     void append_runs(const Claiming& claiming, std::uint32_t entry, int corner_row, int row);
     [[nodiscard]] Vector2d motion_of_own(const Vector2d& goal_offset, double discount, bool with_bodies);
 
     MarkerLanes<double> markers_;
     Candidates<double> candidates_;
     Claims<double> claims_;
+    // The markers of the cell at hand that somebody owns, and the candidates who do, in the order of the cell.
+    struct Owned {
+        std::vector<std::uint32_t> marker, owner;
+        std::uint32_t count = 0;
+    };
+    Owned owned_;
     std::vector<std::uint32_t> next_;    // by candidate: place of its next marker in the row
     std::array<OwnedMarkers, 3> dealt_;  // of the last `span` rows
     std::array<Runs, 3> runs_;

@@ -7,6 +7,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/markers/counter_random.hpp"
+#include "crowd_client/markers/lanes.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -14,31 +15,81 @@ namespace {
 // A random sequence that fills the plane stops near 0.55 discs' area share, and slows down far below that.
 constexpr int attempts_per_marker = 2000;
 
-struct Point {
-    double x = 0;
-    double z = 0;
+// Markers of a cell, m. Places from `count` on, up to a whole vector, are far away.
+struct Points {
+    std::vector<double> x, z;
+    std::size_t count = 0;
+
+    void clear_for(std::size_t most) {
+        constexpr double far_away = 1e15;
+        x.assign(Lanes<double>::padded(most), far_away);
+        z.assign(Lanes<double>::padded(most), far_away);
+        count = 0;
+    }
+    void add(double at_x, double at_z) {
+        x[count] = at_x;
+        z[count++] = at_z;
+    }
+    void shift_x(double by) {
+        for (double& at : x) at += by;
+    }
 };
 
-bool inside_obstacle(const PlacedBoxes& obstacles, const Point& p) {
-    return any_near(obstacles, {p.x, p.x}, {p.z, p.z},
-                    [&](const Obstacle& o) { return o.x.contains(p.x) && o.z.contains(p.z); });
-}
-
 // All are looked at, as a loop without an early end becomes vector code.
-bool far_from_all(const std::vector<Point>& others, const Point& p, double min_distance) {
+bool far_from_all(const Points& others, double x, double z, double min_distance) {
     const double limit = min_distance * min_distance;
+    const std::size_t places = Lanes<double>::padded(others.count);
+    const double* const at_x = others.x.data();
+    const double* const at_z = others.z.data();
     std::uint64_t close = 0;
-    for (const Point& o : others) {
-        const double dx = o.x - p.x;
-        const double dz = o.z - p.z;
+#pragma omp simd reduction(+ : close)
+    for (std::size_t k = 0; k < places; ++k) {
+        const double dx = at_x[k] - x, dz = at_z[k] - z;
         close += dx * dx + dz * dz < limit ? 1U : 0U;
     }
     return close == 0;
 }
 
-void shift_x(std::vector<Point>& points, double by) {
-    for (Point& p : points) p.x += by;
+// Which squares of a cell have markers, a bit each. They are a little wider than the minimum distance, so that a marker
+// with none in the 3 x 3 round it is far from all. Most are, and need no look at the others.
+class Squares {
+ public:
+    explicit Squares(double min_distance) {
+        constexpr double most = 61;
+        lines_per_metre_ =
+            std::min(most, std::floor(GroundGrid::cell_size / (1.000001 * min_distance))) / GroundGrid::cell_size;
+    }
+    void clear() { rows_.fill(0); }
+    void add(double u, double w) { rows_[line_of(w) + 1] |= std::uint64_t{2} << line_of(u); }
+    [[nodiscard]] bool has_none_round(double u, double w) const {
+        const std::size_t row = line_of(w);
+        return ((rows_[row] | rows_[row + 1] | rows_[row + 2]) >> line_of(u) & 7U) == 0;
+    }
+
+ private:
+    [[nodiscard]] std::size_t line_of(double along) const { return static_cast<std::size_t>(along * lines_per_metre_); }
+
+    double lines_per_metre_ = 0;            // squares along an axis over the cell's side
+    std::array<std::uint64_t, 64> rows_{};  // with one below and one above
+};
+
+bool inside_obstacle(const PlacedBoxes& obstacles, double x, double z) {
+    return any_near(obstacles, {x, x}, {z, z}, [&](const Obstacle& o) { return o.x.contains(x) && o.z.contains(z); });
 }
+
+// The darts of a cell from its lower corner, m: attempts [from, from + count). Many at once, for the lanes of a vector.
+struct Darts {
+    static constexpr std::uint64_t count = 32;
+    std::array<double, count> u, w;
+
+    void take(std::uint64_t key, std::uint64_t from) {
+#pragma omp simd
+        for (std::uint64_t i = 0; i < count; ++i) {
+            u[i] = counter_uniform(key, 2 * (from + i)) * GroundGrid::cell_size;
+            w[i] = counter_uniform(key, 2 * (from + i) + 1) * GroundGrid::cell_size;
+        }
+    }
+};
 
 constexpr double most_markers = 2e8;  // 16 bytes each; also keeps their numbers within 32 bits
 
@@ -135,17 +186,21 @@ Markers place_markers(const Scene& scene) {
     const int last_column = grid.columns - 3;
 
     // Only the row below and the row at hand are needed to keep the distance across borders.
-    std::array<std::vector<std::vector<Point>>, 2> placed;
-    placed.fill(std::vector<std::vector<Point>>(static_cast<std::size_t>(grid.columns)));
+    std::array<std::vector<Points>, 2> placed;
+    placed.fill(std::vector<Points>(static_cast<std::size_t>(grid.columns)));
     markers.cell_start.reserve(grid.cells() + 1);
     markers.cell_start.push_back(0);
+    markers.x.reserve(grid.cells() * wanted);
+    markers.z.reserve(grid.cells() * wanted);
+    Darts darts;
+    Squares squares(min_distance);
 
     for (int row = 0; row < grid.rows; ++row) {
-        std::vector<std::vector<Point>>& here = placed[static_cast<std::size_t>(row % 2)];
-        const std::vector<std::vector<Point>>& below = placed[static_cast<std::size_t>((row + 1) % 2)];
+        std::vector<Points>& here = placed[static_cast<std::size_t>(row % 2)];
+        const std::vector<Points>& below = placed[static_cast<std::size_t>((row + 1) % 2)];
         const double z0 = GroundGrid::line_start(row);
         if (period > 0) {
-            for (std::vector<Point>& cell : here) cell.clear();
+            for (Points& cell : here) cell.clear_for(wanted);
         }
         for (int column = 0; column < grid.columns; ++column) {
             const auto c = static_cast<std::size_t>(column);
@@ -154,40 +209,43 @@ Markers place_markers(const Scene& scene) {
                 continue;
             }
             const double x0 = GroundGrid::line_start(column);
-            const std::uint64_t stream = grid.index(column, row);
-            std::vector<Point>& own = here[c];
-            own.clear();
+            const std::uint64_t key = counter_key(scene.seed, grid.index(column, row));
+            Points& own = here[c];
+            own.clear_for(wanted);
+            squares.clear();
             const std::uint64_t last_attempt = wanted * attempts_per_marker;
-            for (std::uint64_t attempt = 0; own.size() < wanted; ++attempt) {
+            for (std::uint64_t attempt = 0; own.count < wanted; ++attempt) {
                 if (attempt == last_attempt) refuse_density(crowd);
-                const double u = counter_uniform(scene.seed, stream, 2 * attempt) * GroundGrid::cell_size;
-                const double w = counter_uniform(scene.seed, stream, 2 * attempt + 1) * GroundGrid::cell_size;
-                const Point p{x0 + u, z0 + w};
+                const std::uint64_t in_block = attempt % Darts::count;
+                if (in_block == 0) darts.take(key, attempt);
+                const double u = darts.u[in_block], w = darts.w[in_block];
+                const double x = x0 + u, z = z0 + w;
                 const bool near_left = column > 0 && u < min_distance;
                 const bool near_below = row > 0 && w < min_distance;
                 const bool near_right = column + 1 < grid.columns && GroundGrid::cell_size - u < min_distance;
                 const bool near_joint = period > 0 && column == last_column && near_right;
-                if (near_left && !far_from_all(here[c - 1], p, min_distance)) continue;
-                if (near_below && !far_from_all(below[c], p, min_distance)) continue;
-                if (near_below && near_left && !far_from_all(below[c - 1], p, min_distance)) continue;
-                if (near_below && near_right && !far_from_all(below[c + 1], p, min_distance)) continue;
-                if (near_joint && !far_from_all(here[c + 1], p, min_distance)) continue;
-                if (!far_from_all(own, p, min_distance)) continue;
-                own.push_back(p);
+                if (near_left && !far_from_all(here[c - 1], x, z, min_distance)) continue;
+                if (near_below && !far_from_all(below[c], x, z, min_distance)) continue;
+                if (near_below && near_left && !far_from_all(below[c - 1], x, z, min_distance)) continue;
+                if (near_below && near_right && !far_from_all(below[c + 1], x, z, min_distance)) continue;
+                if (near_joint && !far_from_all(here[c + 1], x, z, min_distance)) continue;
+                if (!squares.has_none_round(u, w) && !far_from_all(own, x, z, min_distance)) continue;
+                own.add(x, z);
+                squares.add(u, w);
             }
             if (period > 0 && column == 1) {
-                std::vector<Point>& behind = here[static_cast<std::size_t>(last_column) + 1];
+                Points& behind = here[static_cast<std::size_t>(last_column) + 1];
                 behind = own;
-                shift_x(behind, period);
+                behind.shift_x(period);
             }
             if (period > 0 && column == last_column) {
                 here[0] = own;
-                shift_x(here[0], -period);
+                here[0].shift_x(-period);
             }
-            for (const Point& p : own) {
-                if (inside_obstacle(obstacles, p)) continue;
-                markers.x.push_back(p.x);
-                markers.z.push_back(p.z);
+            for (std::size_t k = 0; k < own.count; ++k) {
+                if (inside_obstacle(obstacles, own.x[k], own.z[k])) continue;
+                markers.x.push_back(own.x[k]);
+                markers.z.push_back(own.z[k]);
             }
             markers.cell_start.push_back(static_cast<std::uint32_t>(markers.x.size()));
         }

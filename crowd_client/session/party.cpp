@@ -22,6 +22,7 @@ void add_member(Party& party, const ProgramStart& start, LoadedScene loaded, std
     member.labels = labels_of(start);
     member.labels.canonical_scene = std::move(loaded.canonical_json);
     member.kept = pictures ? record_of(start.options) : without_pictures(record_of(start.options));
+    if (party.many) member.kept.path_interval = 1;
     party.runs.push_back({.crowd = make_crowd(loaded.scene)});
     if (start.options.has("--step-times")) party.runs.back().crowd.times = std::make_shared<StepTimes>();
     party.members.push_back(std::move(member));

@@ -1,5 +1,7 @@
 #include "crowd_client/session/run_crowds.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <atomic>
 #include <csignal>
@@ -52,6 +54,7 @@ class Journey {
           agents_(agents),
           plausibility_(crowds.front().crowd.scene) {
         for (std::size_t k = 0; k < crowds.size(); ++k) walking_.push_back(k);
+        marker_memories_.resize(static_cast<std::size_t>(threads));
         bins_ = empty_bins(crowds.front().crowd.scene);
         for (const CrowdRun& run : crowds) bins_.with_heights |= has_ragdolls(run.crowd.scene);
     }
@@ -141,15 +144,22 @@ class Journey {
     }
     [[nodiscard]] bool is_alone() const { return crowds_.size() == 1; }
 
+    // What one crowd after the other works in stays in the processor's cache.
+    [[nodiscard]] MarkerMemory& memory_of_thread() {
+        return marker_memories_[static_cast<std::size_t>(omp_get_thread_num())];
+    }
+
     // Without the error of the crowd, which is kept. A signal ends the walk early.
     void walk_one(std::size_t k, const WaterView& water, const shm::Frame& frame) {
         CrowdRun& run = crowds_[k];
         const std::uint64_t due = steps_due_at(run.crowd.scene, source_.info(), frame.tick);
+        MarkerMemory& memory = memory_of_thread();
+        std::swap(run.crowd.marker_memory, memory);
         try {
             while (run.crowd.steps < due && !run_is_over(run.crowd)) {
                 if (const int number = signal(); number != 0) {
                     signal_in_steps_ = number;
-                    return;
+                    break;
                 }
                 if (is_alone()) {
                     step(run.crowd, water);
@@ -162,6 +172,7 @@ class Journey {
             run.failure = std::current_exception();
             fail_summary(run.summary, error);
         }
+        std::swap(run.crowd.marker_memory, memory);
     }
 
     void walk_through(const shm::Frame& frame) {
@@ -228,7 +239,8 @@ class Journey {
     std::uint64_t last_frame_ = 0;
     bool holds_frame_ = false;
     Plausibility plausibility_;
-    WaterBins bins_;  // of crowds that are not alone
+    std::vector<MarkerMemory> marker_memories_;  // by thread
+    WaterBins bins_;                             // of crowds that are not alone
     std::vector<Vector2d> positions_;
 };
 

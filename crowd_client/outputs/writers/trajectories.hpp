@@ -1,6 +1,9 @@
 #pragma once
 // trajectories.sqlite: where everybody was, frame by frame (trajectory_file.hpp).
 
+#include <algorithm>
+#include <cmath>
+
 #include "configs/scene/scene_frames.hpp"
 #include "crowd_client/outputs/writers/trajectory_file.hpp"
 #include "crowd_client/results/output_writer.hpp"
@@ -10,8 +13,8 @@ namespace wade::crowd {
 class Trajectories final : public OutputWriter {
  public:
     explicit Trajectories(const OutputPlace& place)
-        : file_(place.folder / "trajectories.sqlite", place.crowd.scene, {}, place.warn),
-          steps_per_frame_(steps_per_path_frame(place.crowd.scene)) {
+        : steps_per_frame_(steps_per_path_frame(place.crowd.scene)),
+          file_(place.folder / "trajectories.sqlite", place.crowd.scene, limits_of(place), place.warn) {
         write(place.crowd);
     }
 
@@ -25,6 +28,10 @@ class Trajectories final : public OutputWriter {
     }
 
  private:
+    [[nodiscard]] TrajectoryLimits limits_of(const OutputPlace& place) const {
+        const double frames = place.kept.path_interval / (place.crowd.dt * static_cast<double>(steps_per_frame_));
+        return {.frames_at_once = static_cast<std::size_t>(std::max(1.0, std::round(frames)))};
+    }
     void write(const CrowdWorld& crowd) {
         is_whole_ = false;
         file_.write(next_frame_++, crowd.agents, last_step_);
@@ -32,8 +39,9 @@ class Trajectories final : public OutputWriter {
         last_step_ = crowd.steps;
     }
 
+    std::uint64_t steps_per_frame_;
     TrajectoryFile file_;
-    std::uint64_t steps_per_frame_, next_frame_ = 0, last_step_ = 0;
+    std::uint64_t next_frame_ = 0, last_step_ = 0;
     bool is_whole_ = true;  // nothing went wrong so far
 };
 

@@ -289,6 +289,7 @@ void TrajectoryFile::write(std::uint64_t frame, const Agents& agents, std::uint6
         const Vector2d at = place_in(scene_.world, agents.position[id]), &heading = agents.heading[id];
         kept_.rows.push_back({number, static_cast<std::int64_t>(id), at.x(), at.y(), heading.x(), heading.y()});
     }
+    if (kept_.frames.size() < limits_.frames_at_once) return;
     if (!is_gone_) flush();
     if (is_gone_ || kept_.rows.size() + kept_.frames.size() > limits_.kept_rows) spill();
 }

@@ -39,6 +39,7 @@ struct PathRows {
 struct TrajectoryLimits {
     int pages = 0;                                 // largest size of the file in pages of 4 KiB, 0 = none
     std::size_t kept_rows = std::size_t{1} << 20;  // in memory while the file is locked, 48 bytes each
+    std::size_t frames_at_once = 1;                // written as one transaction, which takes less time
     double patience = 5;                           // s of wall time, for who still has it locked at the end
 };
 
@@ -54,8 +55,8 @@ class TrajectoryFile {
     TrajectoryFile(const TrajectoryFile&) = delete;
     TrajectoryFile& operator=(const TrajectoryFile&) = delete;
 
-    // Writes a frame of those who are active, or have ended in a step after `after`, and whatever was kept, as one transaction:
-    // after a crash each frame is there as a whole or not at all.
+    // Takes a frame of those who are active, or have ended in a step after `after`, and writes it with whatever was kept as one
+    // transaction, once there are `frames_at_once`: after a crash each frame is there as a whole or not at all.
     void write(std::uint64_t frame, const Agents& agents, std::uint64_t after = 0);
 
     // Writes what was kept, folds the write-ahead log into the one file that remains and packs it. If another program has the
