@@ -3,8 +3,8 @@
 namespace wade::crowd {
 
 void sort_people(BodyCells& cells, const World& world, std::span<const Vector2d> people, double reach) {
-    cells.columns = static_cast<int>(std::floor(world.length / BodyCells::cell_size)) + 1 + 2 * BodyCells::border;
-    cells.rows = static_cast<int>(std::floor(world.width / BodyCells::cell_size)) + 1 + 2 * BodyCells::border;
+    cells.columns = static_cast<int>(std::floor(world.length / BodyCells::width)) + 1 + 2 * BodyCells::border;
+    cells.rows = static_cast<int>(std::floor(world.width / BodyCells::length)) + 1 + 2 * BodyCells::border;
     const auto count = static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(cells.rows);
 
     cells.listed.clear();
@@ -40,8 +40,8 @@ void sort_people(BodyCells& cells, const World& world, std::span<const Vector2d>
         before += in_cell;
     }
     cells.person.resize(entries);
-    cells.x.resize(entries);
-    cells.z.resize(entries);
+    cells.x.resize(entries + BodyCells::lanes - 1);
+    cells.z.resize(entries + BodyCells::lanes - 1);
     for (std::size_t i = 0; i < entries; ++i) {
         const std::uint32_t to = cells.start[cells.cell[i] + std::size_t{1}]++;
         cells.person[to] = person_of(i);

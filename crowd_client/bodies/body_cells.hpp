@@ -1,5 +1,6 @@
 #pragma once
-// People sorted into cells of 1 x 1 m, to find those near a place.
+// People sorted into cells, to find those near a place. Cells are long across the rows in which they are stored, so that few
+// runs of entries hold a neighbourhood.
 
 #include <algorithm>
 #include <cmath>
@@ -12,22 +13,23 @@
 namespace wade::crowd {
 
 struct BodyCells {
-    static constexpr double cell_size = 1.0;  // m
+    static constexpr double width = 1.0, length = 2.0;  // of a cell, along x and z, m
     static constexpr int border = 2;          // cells round the world, for images beyond the joint of a periodic one
+    static constexpr std::size_t lanes = 16;  // entries that loops take at once
 
     int columns = 0, rows = 0;
     std::vector<std::uint32_t> start;   // people of cell c: [start[c], start[c + 1]), in the order of the list
     std::vector<std::uint32_t> person;  // place in the list
-    std::vector<double> x, z;           // m; of an image where it stands
+    std::vector<double> x, z;           // m; of an image where it stands; with lanes - 1 more that are nobody's
 
     std::vector<std::uint32_t> cell, listed;  // working memory
     std::vector<double> listed_x;
 
     [[nodiscard]] int column_of(double at_x) const {
-        return std::clamp(static_cast<int>(std::floor(at_x / cell_size)) + border, 0, columns - 1);
+        return std::clamp(static_cast<int>(std::floor(at_x / width)) + border, 0, columns - 1);
     }
     [[nodiscard]] int row_of(double at_z) const {
-        return std::clamp(static_cast<int>(std::floor(at_z / cell_size)) + border, 0, rows - 1);
+        return std::clamp(static_cast<int>(std::floor(at_z / length)) + border, 0, rows - 1);
     }
 
     // Calls visit(j, dx, dz) for each person j, or image, less than `reach` away along x and z, and some others: d = its place - p, m.
@@ -39,14 +41,19 @@ struct BodyCells {
     // The same for those with d in a box, and some others.
     template <typename Visit>
     void visit_box(const Vector2d& p, const Interval& along_x, const Interval& along_z, Visit&& visit) const {
+        visit_runs(p, along_x, along_z, [&](std::uint32_t first, std::uint32_t end) {
+            for (std::uint32_t i = first; i < end; ++i) visit(person[i], x[i] - p.x(), z[i] - p.y());
+        });
+    }
+
+    // Calls visit(first, end) for runs of entries, one a row of cells, that hold all with d in a box, and some others.
+    template <typename Visit>
+    void visit_runs(const Vector2d& p, const Interval& along_x, const Interval& along_z, Visit&& visit) const {
         const int first = column_of(p.x() + along_x.lo), last = column_of(p.x() + along_x.hi);
         const int last_row = row_of(p.y() + along_z.hi);
         for (int row = row_of(p.y() + along_z.lo); row <= last_row; ++row) {
             const auto line = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns);
-            const std::uint32_t end = start[line + static_cast<std::size_t>(last) + 1];
-            for (std::uint32_t i = start[line + static_cast<std::size_t>(first)]; i < end; ++i) {
-                visit(person[i], x[i] - p.x(), z[i] - p.y());
-            }
+            visit(start[line + static_cast<std::size_t>(first)], start[line + static_cast<std::size_t>(last) + 1]);
         }
     }
 };

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "crowd_client/bodies/body_cells.hpp"
+#include "crowd_client/bodies/body_looks.hpp"
 #include "crowd_client/equations.hpp"
 
 namespace wade::crowd {
@@ -32,11 +33,15 @@ struct Bodies {
     std::vector<double> desired_speed, discount;
     std::vector<Vector2d> heading, way, bearing;  // unit vectors of the last motion, the way and to the goal
     std::vector<double> followed, opposed;        // as seen; empty in decisions without a look
+    Looks looks;
     BodyCells cells;
+    bool are_sorted = false;  // cells hold people where they stand at the begin of the step at hand
 
     // Working memory of a motion, by place.
     std::vector<Vector2d> place, next_place;  // m
     std::vector<double> radius_now;           // r_i before growth, m
+    std::vector<double> radius_wished;        // that shoulders turn to, m
+    std::vector<std::uint32_t> neighbours;    // number of those who may come near
     std::vector<Vector2d> step;               // u, of all motions in a step, m
 };
 
