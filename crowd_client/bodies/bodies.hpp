@@ -19,7 +19,7 @@
 // Motion, in each step and at most h = 0.05 s long, of the wish w = h (velocity that the water leaves of it):
 //
 //   shoulders  r_i shrinks towards r - (r - 0.72 r) clamp((c - low) / (high - low)), at most by 0.3 m/s; (low, high) is
-//              (0.4, 1), and (0, 0.5) for o > 1/3, linear between. Where it is to grow, it grows by dr, at most 0.15 m/s
+//              (0.4, 1), and (0, 0.7) for o > 1/3, linear between. Where it is to grow, it grows by dr, at most 0.15 m/s
 //              and half of each limit
 //   limits     u.n <= sigma g - dr for each neighbour, g = max(0, d_ij - r_i - r_j - slack), n = (p_j - p) / d_ij,
 //              sigma = 1 - 2^(-h / 0.05 s) <= 1/2
@@ -61,7 +61,7 @@
 // faces one is passed, not followed.
 // One set of numbers for all scenes. gamma, low, phi and D are fitted: to Weidmann's curve from 0.5 to 3 people/m2 in a corridor,
 // to the flow through openings of 0.8 to 1.6 m, and to the goals that people reach on a crossing plane. The cosine of those who
-// face one and the 0.5 of (low, high) are chosen so that both ways of a corridor are about as fast as one, and with IMO test 8.
+// face one and the 0.7 of (low, high) are chosen so that both ways of a corridor are about as fast as one, and with IMO test 8.
 // 0.72 r of 0.25 m is 0.18 m: a disc between the half depth of a chest, 0.12 to 0.15 m, and a disc of the area of the ellipse
 // of chest and shoulders, 0.19 m.
 

@@ -115,7 +115,7 @@ Vector2d within(const std::vector<Limit>& limits, Vector2d u) {
 // The radius that turned shoulders would leave an agent.
 double wished_radius(const Bodies& bodies, const BodyMemory& body, std::uint32_t id) {
     const double facing = std::min(1.0, 3 * body.opposed[id]);
-    const double low = 0.4 * (1 - facing), high = 1 - 0.5 * facing;
+    const double low = 0.4 * (1 - facing), high = 1 - 0.3 * facing;
     const double turned = std::clamp((body.pressed[id] - low) / (high - low), 0.0, 1.0);
     return bodies.radius * (1 - (1 - turned_share) * turned);
 }

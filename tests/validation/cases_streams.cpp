@@ -215,22 +215,28 @@ Result run_two_way(const Request& request) {
     Tally tally;
     double outside = 0;
     Curve speeds{"speed_by_density_m_s", {"density_per_m2", "two_way", "one_way", "exact_Weidmann"}, {}};
-    const std::uint64_t seeds = request.level == 0 ? 1 : 3;
+    const std::uint64_t seeds = request.level == 0 ? 1 : 5;
+    constexpr double begin = 30, end = 30;  // s
     for (const double density : densities) {
-        double speed[2] = {0, 0};
+        double speed[2] = {0, 0}, last[2] = {0, 0};
         for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
             Request with_seed = with_bodies;
             with_seed.overrides.push_back("/seed=" + std::to_string(seed));
             for (const bool two_ways : {false, true}) {
                 crowd::CrowdWorld crowd = corridor_crowd(with_seed, SpeedRule::pi, density, two_ways, four_metres);
                 Overlaps unused;
-                const auto watch = [&] { note_bodies(crowd, tally); };
-                mean_progress(crowd, time - 30, result, unused, watch);
-                speed[two_ways ? 1 : 0] += mean_progress(crowd, 30, result, unused, watch) / static_cast<double>(seeds);
+                const auto walk = [&](double seconds) {
+                    if (!(seconds > 0)) return 0.0;
+                    return seconds * mean_progress(crowd, seconds, result, unused, [&] { note_bodies(crowd, tally); });
+                };
+                walk(begin);
+                const double before = walk(time - begin - end), at_end = walk(end);
+                speed[two_ways] += (before + at_end) / (time - begin) / static_cast<double>(seeds);
+                last[two_ways] += at_end / end / static_cast<double>(seeds);
             }
         }
         const double ratio = speed[1] / speed[0];
-        outside = worse(worse(outside, 0.5 - ratio), ratio - 1.05);
+        outside = worse(worse(outside, 0.5 - std::min(ratio, last[1] / last[0])), ratio - 1.05);
         speeds.rows.push_back({density, speed[1], speed[0], weidmann_speed(density)});
         result.metrics.push_back({"ratio_of_speeds_" + std::to_string(std::lround(density)), ratio, "1"});
     }
@@ -314,8 +320,8 @@ Case crowd_two_way_case() {
             "Half of the people walk one way in a corridor 4 m wide that repeats after 20 m, half the other, 300 s: at "
             "0.5 "
             "to 1.05 times the speed of as many who all walk one way, without a lock. Measured two-way flow is the "
-            "slower one above 1 person/m2 (Zhang and Seyfried 2012). Speeds of the last 30 s. coarse: 60 s, 1 and 2 "
-            "people/m2; medium: 300 s, 1 to 3, means of three seeds.",
+            "slower one above 1 person/m2 (Zhang and Seyfried 2012). Speeds after the first 30 s, and, for a lock, "
+            "of the last 30 s. coarse: 60 s, 1 and 2 people/m2; medium: 300 s, 1 to 3, means of five seeds.",
         .reference = "0.5 to 1.05",
         .spacings = {0, 0},
         .quick = true,
