@@ -75,17 +75,17 @@ void go_straight(CrowdWorld& crowd) {
 
 void solve_fields(const Step& step) {
     CrowdWorld& crowd = step.crowd;
-    if (!finds_ways(crowd.navigation)) return;
+    if (!is_due(crowd.navigation, step.number)) return;
     go_straight(crowd);
-    update_navigation(crowd.navigation, crowd.scene, crowd.active, crowd.positions, crowd.goal_offsets, step.number,
-                      crowd.threads);
+    update_navigation(crowd.navigation, crowd.scene, crowd.active, crowd.positions, crowd.goal_offsets, crowd.threads);
 }
 
 void find_ways(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     go_straight(crowd);
     if (finds_ways(crowd.navigation)) {
-        steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, threads_for(crowd));
+        steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, step.decision.number,
+              threads_for(crowd));
     }
     const EvasionSettings& evasion = crowd.scene.crowd.evasion;
     if (evasion.rule != EvasionRule::off && step.is_wet()) {

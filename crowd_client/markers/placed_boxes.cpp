@@ -42,6 +42,7 @@ PlacedBoxes place_boxes(std::vector<Obstacle> all, double cell) {
     }
     const double most = 1e6 + 16 * static_cast<double>(boxes.all.size());
     while (size_of(boxes, x, z) > most) boxes.cell *= 2;
+    boxes.cells_per_metre = 1 / boxes.cell;
 
     boxes.x0 = x.lo - boxes.cell;
     boxes.z0 = z.lo - boxes.cell;

@@ -19,8 +19,9 @@ struct PlacedBoxes {
 
     std::vector<Obstacle> all;
 
-    double cell = usual_cell;  // side of a cell, m
-    double x0 = 0, z0 = 0;     // lower corner of the first, m
+    double cell = usual_cell;                 // side of a cell, m
+    double cells_per_metre = 1 / usual_cell;  // 1 / cell
+    double x0 = 0, z0 = 0;                    // lower corner of the first, m
     int columns = 0, rows = 0;
     std::vector<std::uint32_t> start;   // boxes near cell c: [start[c], start[c + 1]) of `listed`
     std::vector<std::uint32_t> listed;  // places in `all`, ascending within a cell
@@ -34,7 +35,7 @@ struct PlacedBoxes {
 
  private:
     [[nodiscard]] int line_of(double along, int lines) const {
-        return static_cast<int>(std::clamp(along / cell, 0.0, lines - 1.0));
+        return static_cast<int>(std::clamp(along * cells_per_metre, 0.0, lines - 1.0));
     }
 };
 

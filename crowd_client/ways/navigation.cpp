@@ -177,7 +177,8 @@ void lay_out_grid(Navigation& navigation, const Scene& scene, double cell) {
     // From the cell of a place within the clearance to the nodes outside it, and one on.
     const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
     const double narrowest = std::min(navigation.grid.dx, navigation.grid.dz);
-    navigation.reach = 1 + static_cast<int>(std::ceil(navigation.sight.clearance / narrowest));
+    constexpr int most_reach = 31;
+    navigation.reach = std::min(most_reach, 1 + static_cast<int>(std::ceil(navigation.sight.clearance / narrowest)));
     navigation.start_radius = std::max(scene.crowd.goal_radius, 2 * widest);
 }
 
@@ -275,6 +276,14 @@ std::uint64_t steps_in(double time, const Scene& scene) {
     return static_cast<std::uint64_t>(std::max(1.0, std::round(time * scene.crowd.step_rate)));
 }
 
+// Zero where it goes straight.
+Vector2d look_for_way(const Navigation& navigation, std::uint32_t id, const Vector2d& p, const Vector2d& rest) {
+    const WayField& field = navigation.fields[navigation.field_of[id]];
+    if (!field.is_solved()) return Vector2d::Zero();
+    const std::optional<Vector2d> way = way_from(navigation, field, p, rest);
+    return way && *way != rest ? *way : Vector2d::Zero();
+}
+
 }  // namespace
 
 double least_clearance(const Scene& scene) {
@@ -283,11 +292,17 @@ double least_clearance(const Scene& scene) {
 }
 
 Navigation make_navigation(const Scene& scene, const Agents& agents) {
-    constexpr double time_between_looks = 1;  // s
+    constexpr double time_between_looks = 1;   // whether fields are needed, s
+    constexpr double time_between_ways = 0.1;  // s; bodies decide as often by themselves
     const NavigationSettings& settings = scene.crowd.navigation;
     Navigation navigation;
     const bool nothing_in_the_way = scene.obstacles.empty() && settings.crowding == 0;
     if (settings.rule == NavigationRule::straight || nothing_in_the_way || agents.size() == 0) return navigation;
+    if (scene.crowd.bodies == BodyRule::none) {
+        const double decisions = time_between_ways * scene.crowd.step_rate;
+        navigation.looks_between = static_cast<std::uint64_t>(std::max(1.0, std::floor(decisions + 1e-9)));
+    }
+    navigation.way.assign(agents.size(), Vector2d::Zero());
     navigation.crowding = settings.crowding;
     navigation.only_where_needed = settings.rule == NavigationRule::automatic && settings.crowding == 0;
     navigation.period = scene.world.period();
@@ -326,9 +341,7 @@ std::string people_without_way(const Navigation& navigation, const Scene& scene,
 }
 
 void update_navigation(Navigation& navigation, const Scene& scene, std::span<const std::uint32_t> active,
-                       std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, std::uint64_t step,
-                       int threads) {
-    if (navigation.steps_between == 0 || step % navigation.steps_between != 0) return;
+                       std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, int threads) {
     if (navigation.only_where_needed) {
         solve_where_needed(navigation, scene, active, positions, goal_offsets, threads);
     } else if (navigation.crowding > 0) {
@@ -336,14 +349,15 @@ void update_navigation(Navigation& navigation, const Scene& scene, std::span<con
     }
 }
 
-void steer(const Navigation& navigation, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
-           std::span<Vector2d> goal_offsets, int threads) {
+void steer(Navigation& navigation, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
+           std::span<Vector2d> goal_offsets, std::uint64_t decision, int threads) {
     if (navigation.solved == 0) return;
+    const bool looks = decision % navigation.looks_between == 0;
 #pragma omp parallel for num_threads(threads) if (threads > 1)
     for (std::size_t k = 0; k < active.size(); ++k) {
-        const WayField& field = navigation.fields[navigation.field_of[active[k]]];
-        if (!field.is_solved()) continue;
-        if (const auto way = way_from(navigation, field, positions[k], goal_offsets[k])) goal_offsets[k] = *way;
+        Vector2d& way = navigation.way[active[k]];
+        if (looks) way = look_for_way(navigation, active[k], positions[k], goal_offsets[k]);
+        if (way != Vector2d::Zero()) goal_offsets[k] = way;
     }
 }
 

@@ -15,6 +15,8 @@
 //   c        crowding
 //   rho      people per m2, each one spread as hat(x) hat(z), hat(x) = (1 - |x| / l) / l, l = 2 m or a cell if that is more
 //
+// Ways are looked for every 0.1 s, as bodies decide, and kept in between.
+//
 // Obstacles count with the clearance round them along each axis: nobody's body fits nearer. Where an agent is nearer all the
 // same (at a corner, or a point without a body), it looks for the nodes from there.
 //
@@ -51,14 +53,19 @@ namespace wade::crowd {
     return !navigation.fields.empty();
 }
 
-// Solves the fields again, or those that have become needed, if this step is one for it. positions and goal_offsets, m: of the
+// Whether in this step fields are solved again, or looked for that have become needed.
+[[nodiscard]] inline bool is_due(const Navigation& navigation, std::uint64_t step) {
+    return navigation.steps_between != 0 && step % navigation.steps_between == 0;
+}
+
+// Solves the fields again, or those that have become needed, in a step in which that is due. positions and goal_offsets, m: of the
 // active agents.
 void update_navigation(Navigation& navigation, const Scene& scene, std::span<const std::uint32_t> active,
-                       std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, std::uint64_t step,
-                       int threads);
+                       std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, int threads);
 
 // Turns goal_offsets, m, of the active agents into the way that they should take. An agent that sees no way goes straight.
-void steer(const Navigation& navigation, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
-           std::span<Vector2d> goal_offsets, int threads);
+// decision: its number, from 0 on.
+void steer(Navigation& navigation, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
+           std::span<Vector2d> goal_offsets, std::uint64_t decision, int threads);
 
 }  // namespace wade::crowd

@@ -72,7 +72,8 @@ Walls make_walls(const Scene& scene) {
         box.x = {box.x.lo - Walls::skin, box.x.hi + Walls::skin};
         box.z = {box.z.lo - Walls::skin, box.z.hi + Walls::skin};
     }
-    Walls walls{scene.world, place_boxes(std::move(boxes))};
+    constexpr double cell = 1;  // m; wider than a step most often is
+    Walls walls{scene.world, place_boxes(std::move(boxes), cell)};
     walls.has_fall = scene.world.ends == Ends::open && scene.channel.flow != Flow::closed;
     if (scene.channel.flow == Flow::closed) walls.tank = Walls::Tank{scene.channel.x, scene.channel.z};
     return walls;

@@ -58,16 +58,24 @@ bool any_along(const PlacedBoxes& boxes, const Vector2d& p, const Vector2d& q, d
 
 // The clearance, or less where an end of the way is nearer to a box.
 double margin_at_ends(const Sight& sight, const Vector2d& p, const Vector2d& q) {
-    double margin = sight.clearance;
-    const double reach = sight.clearance + 2 * rounding;
-    for (const Vector2d* end : {&p, &q}) {
-        const Rectangle near = round_both(*end, *end, reach, reach);
-        for_each_near(sight.boxes, near.x, near.z, [&](const Obstacle& box) { margin = margin_at(box, margin, *end); });
-    }
-    return margin;
+    return std::min(margin_from(sight, p), margin_from(sight, q));
 }
 
 }  // namespace
+
+double margin_from(const Sight& sight, const Vector2d& p) {
+    double margin = sight.clearance;
+    const double reach = sight.clearance + 2 * rounding;
+    const Rectangle near = round_both(p, p, reach, reach);
+    for_each_near(sight.boxes, near.x, near.z, [&](const Obstacle& box) { margin = margin_at(box, margin, p); });
+    return margin;
+}
+
+bool sees_with(const Sight& sight, double margin, const Vector2d& p, const Vector2d& q) {
+    const double reach = sight.clearance + rounding;
+    return !any_along(sight.boxes, p, q, reach, reach,
+                      [&](const Obstacle& box) { return crosses(grown(box, margin), p, q); });
+}
 
 Obstacle grown(const Obstacle& box, double margin) {
     return {{box.x.lo - margin, box.x.hi + margin}, {box.z.lo - margin, box.z.hi + margin}, box.height};
@@ -88,16 +96,18 @@ double margin_at(const Obstacle& box, double clearance, const Vector2d& p) {
 }
 
 bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q) {
-    const double margin = margin_at_ends(sight, p, q);
-    const double reach = sight.clearance + rounding;
-    return !any_along(sight.boxes, p, q, reach, reach,
-                      [&](const Obstacle& box) { return crosses(grown(box, margin), p, q); });
+    return sees_with(sight, margin_at_ends(sight, p, q), p, q);
 }
 
+// What is in sight with the whole clearance is with less, and most often the clearance is whole.
 bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q, std::span<const std::uint32_t> hiding) {
+    const auto keeps = [&](double margin) {
+        return std::none_of(hiding.begin(), hiding.end(),
+                            [&](std::uint32_t i) { return crosses(grown(sight.boxes.all[i], margin), p, q); });
+    };
+    if (keeps(sight.clearance)) return true;
     const double margin = margin_at_ends(sight, p, q);
-    return std::none_of(hiding.begin(), hiding.end(),
-                        [&](std::uint32_t i) { return crosses(grown(sight.boxes.all[i], margin), p, q); });
+    return margin < sight.clearance && keeps(margin);
 }
 
 // in_sight: all ways from the rectangle to the goal lie within half its sides of the way from its middle.

@@ -27,6 +27,12 @@ struct Sight {
 // body's centre may be at a corner. One distance for all, so that boxes side by side stay one.
 [[nodiscard]] double margin_at(const Obstacle& box, double clearance, const Vector2d& p);
 
+// margin_at() of all boxes.
+[[nodiscard]] double margin_from(const Sight& sight, const Vector2d& p);
+
+// Whether the straight way from p to q keeps a margin of at most the clearance, m, to all boxes.
+[[nodiscard]] bool sees_with(const Sight& sight, double margin, const Vector2d& p, const Vector2d& q);
+
 // Whether the straight way from p to q keeps the distance that both ends have, at most the clearance, to all boxes.
 [[nodiscard]] bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q);
 

@@ -1,6 +1,7 @@
 #include "crowd_client/ways/way_fields.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -32,39 +33,75 @@ std::optional<Vector2d> down_the_gradient(const TravelGrid& grid, const WayField
     return Vector2d(gradient * (-left / slope));
 }
 
-// Few nodes are tested for sight, as those behind the best one so far are not. Nodes nearer than a cell are passed over, as
-// the way would end there: from a node, those that the grid has in other directions look a little farther than they are.
-std::optional<Vector2d> towards_a_node(const Navigation& navigation, const WayField& field, const Cell& cell,
-                                       const Vector2d& p) {
-    const TravelGrid& grid = navigation.grid;
-    const int reach = navigation.reach;
-    const double clearance = navigation.sight.clearance;
-    const Vector2d lo = grid.place(cell.column - reach, cell.row - reach);
-    const Vector2d hi = grid.place(cell.column + 1 + reach, cell.row + 1 + reach);
-    const Interval near_x{lo.x() - clearance, hi.x() + clearance}, near_z{lo.y() - clearance, hi.y() + clearance};
-    double margin = clearance;
-    for_each_near(navigation.sight.boxes, near_x, near_z,
-                  [&](const Obstacle& box) { margin = margin_at(box, margin, p); });
-    const auto sees = [&](const Vector2d& q) {
-        return !any_near(navigation.sight.boxes, near_x, near_z,
-                         [&](const Obstacle& box) { return crosses(grown(box, margin), p, q); });
-    };
-    const double nearest = std::min(grid.dx, grid.dz);
-    std::optional<Vector2d> best;
-    double least = unreachable;
-    for (int row = std::max(cell.row - reach, 0); row <= std::min(cell.row + 1 + reach, grid.rows - 1); ++row) {
-        for (int column = std::max(cell.column - reach, 0);
-             column <= std::min(cell.column + 1 + reach, grid.columns - 1); ++column) {
-            const double travel = field.travel[grid.node(column, row)];
-            if (!(travel < least)) continue;
-            const Vector2d way = grid.place(column, row) - p;
-            const double length = std::sqrt(way.squaredNorm()), all = travel + length;
-            if (!(all < least) || length < nearest || !sees(p + way)) continue;
-            least = all;
-            best = way * (all / length);
+// L of the nodes round a cell, by rows of whole vectors. Nodes nearer than a cell are passed over, as the way would end there: from
+// a node, those that the grid has in other directions look a little farther than they are.
+class NodesNear {
+ public:
+    NodesNear(const Navigation& navigation, const WayField& field, const Cell& cell, const Vector2d& p)
+        : grid_(navigation.grid),
+          column_(std::max(cell.column - navigation.reach, 0)),
+          row_(std::max(cell.row - navigation.reach, 0)) {
+        const int columns = std::min(cell.column + 1 + navigation.reach, grid_.columns - 1) + 1 - column_;
+        const int rows = std::min(cell.row + 1 + navigation.reach, grid_.rows - 1) + 1 - row_;
+        blocks_ = (columns + at_once - 1) / at_once;
+        count_ = static_cast<std::size_t>(blocks_ * rows);
+        const double nearest = std::min(grid_.dx, grid_.dz);
+        for (int row = 0; row < rows; ++row) {
+            const double z = grid_.origin.y() + (row_ + row) * grid_.dz - p.y();
+            for (int block = 0; block < blocks_; ++block) {
+                const int from = column_ + at_once * block;
+                Block& all = all_[static_cast<std::size_t>(row * blocks_ + block)];
+                all.fill(unreachable);
+                std::copy_n(&field.travel[grid_.node(from, row_ + row)], std::min(at_once, column_ + columns - from),
+                            all.begin());
+#pragma omp simd
+                for (int i = 0; i < at_once; ++i) {
+                    const double x = grid_.origin.x() + (from + i) * grid_.dx - p.x(),
+                                 length = std::sqrt(x * x + z * z);
+                    all[static_cast<std::size_t>(i)] += length < nearest ? unreachable : length;
+                }
+            }
         }
     }
-    return best;
+
+    // The place of the node with the least L and L; the first of equal ones. Infinite where none is left.
+    std::pair<Vector2d, double> take_least() {
+        double least = unreachable;
+        std::size_t block = 0;
+        for (std::size_t b = 0; b < count_; ++b) {
+            const double here = *std::min_element(all_[b].begin(), all_[b].end());
+            if (here < least) block = b;
+            least = std::min(least, here);
+        }
+        if (!(least < unreachable)) return {Vector2d::Zero(), unreachable};
+        Block& all = all_[block];
+        const auto at = std::find(all.begin(), all.end(), least);
+        *at = unreachable;
+        const int b = static_cast<int>(block), i = static_cast<int>(at - all.begin());
+        return {grid_.place(column_ + at_once * (b % blocks_) + i, row_ + b / blocks_), least};
+    }
+
+ private:
+    static constexpr int at_once = 8;
+    using Block = std::array<double, at_once>;
+
+    const TravelGrid& grid_;
+    int column_, row_, blocks_ = 0;
+    std::size_t count_ = 0;
+    std::array<Block, 512> all_;  // (2 most_reach + 2)^2 numbers
+};
+
+// The nodes are looked at in the order of L, as most often one of the first is in sight.
+std::optional<Vector2d> towards_a_node(const Navigation& navigation, const WayField& field, const Cell& cell,
+                                       const Vector2d& p) {
+    NodesNear nodes(navigation, field, cell, p);
+    const double margin = margin_from(navigation.sight, p);
+    for (;;) {
+        const auto [node, all] = nodes.take_least();
+        if (!(all < unreachable)) return {};
+        const Vector2d way = node - p;
+        if (sees_with(navigation.sight, margin, p, p + way)) return way * (all / std::sqrt(way.squaredNorm()));
+    }
 }
 
 bool goal_is_in_sight(const Navigation& navigation, const WayField& field, const Cell& cell, const Vector2d& p,

@@ -26,6 +26,7 @@ struct WayField {
 // The ways to all goals.
 struct Navigation {
     double crowding = 0;
+    std::uint64_t looks_between = 1;  // decisions from one look for the way to the next
     std::uint64_t steps_between = 0;  // two solutions, or looks whether fields are needed; 0: solved once
     bool only_where_needed = false;   // solved once somebody does not see its goal
     std::size_t solved = 0;           // fields
@@ -40,6 +41,7 @@ struct Navigation {
     std::vector<double> density;   // people per m2, by node of one lap
     std::vector<WayField> fields;
     std::vector<std::uint32_t> field_of;  // by agent
+    std::vector<Vector2d> way;            // by agent, as last seen, m; zero: straight
 };
 
 // Whether nothing stands in the way from p along `way`, m.

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "configs/loading/scene_loader.hpp"
@@ -103,6 +104,30 @@ TEST_CASE("Fields are made for the goals that somebody does not see, and for no 
     CHECK(crowd.navigation.fields[0].is_solved());
     CHECK_FALSE(crowd.navigation.fields[1].is_solved());
     CHECK(crowd.navigation.solved == 1);
+}
+
+TEST_CASE("Ways are looked for every 0.1 s at any rate of steps, and kept in between") {
+    const auto [rate, decisions] =
+        GENERATE(std::pair{30.0, 3}, std::pair{60.0, 6}, std::pair{10.0, 1}, std::pair{2.0, 1});
+    Scene scene = house();
+    scene.frame_rate = scene.crowd.step_rate = rate;
+    CrowdWorld crowd = make_crowd(scene);
+    REQUIRE(crowd.navigation.solved == 1);
+    // Of people who are all in the same place, farther on in each decision.
+    const auto way_at = [&](int place, int decision) {
+        const Vector2d p(17 + 0.3 * place, 6);
+        const std::vector<Vector2d> at(crowd.active.size(), p);
+        std::vector<Vector2d> ways(at.size(), Vector2d(20, 28) - p);
+        steer(crowd.navigation, crowd.active, at, ways, static_cast<std::uint64_t>(decision), 1);
+        return ways.front();
+    };
+    std::vector<Vector2d> looks;
+    for (int k = 0; k < 2 * decisions; ++k) looks.push_back(way_at(k, 0));
+    for (int k = 0; k < 2 * decisions; ++k) {
+        CAPTURE(rate, k);
+        CHECK(way_at(k, k) == looks[static_cast<std::size_t>(k - k % decisions)]);
+        CHECK((k == 0 || looks[static_cast<std::size_t>(k)] != looks[static_cast<std::size_t>(k - 1)]));
+    }
 }
 
 TEST_CASE("Who is pushed behind a house finds round it, with the same bits for any number of threads") {
