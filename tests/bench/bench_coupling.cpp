@@ -32,7 +32,7 @@ struct Slot {
     std::vector<float> mass, vx, vy, vz, px, py, pz;
 
     explicit Slot(std::size_t n) : mass(n), vx(n), vy(n), vz(n), px(n), py(n), pz(n) {}
-    shm::FrameFields fields() { return {1, mass, vx, vy, vz, px, py, pz, {}, {}, {}}; }
+    shm::FrameFields fields() { return {1, mass, vx, vy, vz, px, py, pz, {}, {}, {}, {}, {}, {}, {}}; }
     [[nodiscard]] std::vector<std::span<const float>> arrays(std::size_t n) const {
         std::vector<std::span<const float>> all;
         for (const auto* a : {&mass, &vx, &vy, &vz, &px, &py, &pz}) all.emplace_back(a->data(), n);

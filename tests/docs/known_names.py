@@ -87,8 +87,33 @@ class Commands:
         self.build = Path(build)
         self.not_built = set()  # programs that were asked for
 
+    # All subcommands in one process, as most of the time goes into what they import.
+    HELPS = """if True:
+        import contextlib, io, json
+        from wade import cli, commands
+        said = {}
+        for command in commands.all_commands():
+            if command.module:
+                with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.suppress(SystemExit):
+                    cli.main([command.name, "--help"])
+                said |= dict.fromkeys((command.name, *command.old_names), out.getvalue())
+        print(json.dumps(said))
+    """
+
+    @functools.cached_property
+    def helps(self):
+        """What each subcommand of tools/wade says, by name and older name."""
+        done = subprocess.run(["/usr/bin/python3", "-B", "-c", self.HELPS], cwd=self.tree.root / "tools/python",
+                              stdout=subprocess.PIPE, text=True, timeout=60, check=True)
+        return json.loads(done.stdout)
+
     @functools.lru_cache(maxsize=None)
     def help_of(self, *words):
+        program = self.tree.root / words[0]
+        if program.resolve() == self.tree.root / "tools/wade":
+            name = words[1] if len(words) > 1 else program.stem.replace("_", "-")
+            if name in self.helps:
+                return self.helps[name]
         done = subprocess.run([*words, "--help"], cwd=self.tree.root, capture_output=True, text=True, timeout=60,
                               stdin=subprocess.DEVNULL)
         return done.stdout + done.stderr

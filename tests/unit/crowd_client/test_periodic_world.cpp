@@ -17,11 +17,11 @@ using wade::crowd::testing::uniform_water;
 
 namespace {
 
-constexpr double length = 20;
+constexpr double ring_length = 20;
 
 Scene ring_scene(double start_x, double start_z, double goal_x, double goal_z, double tau = 0) {
     Scene scene = one_agent_scene(start_x, start_z, goal_x, goal_z, tau);
-    scene.world.length = length;
+    scene.world.length = ring_length;
     scene.world.width = 10;
     scene.world.ends = Ends::periodic;
     return scene;
@@ -29,7 +29,7 @@ Scene ring_scene(double start_x, double start_z, double goal_x, double goal_z, d
 
 double distance_on_ring(double x1, double z1, double x2, double z2) {
     const double dx = x1 - x2;
-    return std::hypot(dx - length * std::round(dx / length), z1 - z2);
+    return std::hypot(dx - ring_length * std::round(dx / ring_length), z1 - z2);
 }
 
 }  // namespace
@@ -39,7 +39,7 @@ TEST_CASE("Markers of a periodic world stand once and keep their distance across
     CHECK(markers.size() == 64 * 10 * static_cast<std::size_t>(markers.grid.rows));
     double smallest = 1e9;
     for (std::size_t i = 0; i < markers.size(); ++i) {
-        REQUIRE((markers.x[i] >= 0 && markers.x[i] < length));
+        REQUIRE((markers.x[i] >= 0 && markers.x[i] < ring_length));
         for (std::size_t j = i + 1; j < markers.size(); ++j) {
             smallest = std::min(smallest, distance_on_ring(markers.x[i], markers.z[i], markers.x[j], markers.z[j]));
         }
@@ -50,9 +50,10 @@ TEST_CASE("Markers of a periodic world stand once and keep their distance across
 TEST_CASE("On a ring each marker belongs to the nearest walker, also across the joint") {
     const Scene scene = ring_scene(1, 1, 2, 2);
     const Markers markers = place_markers(scene);
-    std::vector<Vector2d> walkers{{0, 3}, {std::nextafter(length, 0.0), 5}};  // the ends themselves
+    std::vector<Vector2d> walkers{{0, 3}, {std::nextafter(ring_length, 0.0), 5}};  // the ends themselves
     for (int i = 0; i < 40; ++i) {
-        walkers.emplace_back(std::fmod(i * length * 0.6180339887, length), std::fmod(i * 10 * 0.7548776662, 10.0));
+        walkers.emplace_back(std::fmod(i * ring_length * 0.6180339887, ring_length),
+                             std::fmod(i * 10 * 0.7548776662, 10.0));
     }
     Motion motion;
     MarkerMemory memory;
@@ -60,7 +61,7 @@ TEST_CASE("On a ring each marker belongs to the nearest walker, also across the 
     Walkers w;
     w.position = walkers;
     w.goal_offset = goal_offsets;
-    find_motion(motion, memory, markers, w, 1.7, length);
+    find_motion(motion, memory, markers, w, 1.7, ring_length);
     std::vector<std::uint32_t> count(walkers.size(), 0);
     for (std::size_t m = 0; m < markers.size(); ++m) {
         std::size_t owner = walkers.size();
@@ -104,14 +105,14 @@ TEST_CASE("A run on a ring does not know where the joint is") {
             const std::size_t cell = grid.index(from, row);
             for (std::size_t m = still.markers.cell_start[cell]; m < still.markers.cell_start[cell + 1]; ++m) {
                 const double x = still.markers.x[m] + 2 * cells;
-                moved.markers.x.push_back(from > 10 - cells ? x - length : x);
+                moved.markers.x.push_back(from > 10 - cells ? x - ring_length : x);
                 moved.markers.z.push_back(still.markers.z[m]);
             }
         }
     }
-    for (Vector2d& p : moved.agents.position) p.x() = std::fmod(p.x() + 2 * cells, length);
+    for (Vector2d& p : moved.agents.position) p.x() = std::fmod(p.x() + 2 * cells, ring_length);
     for (std::size_t id = 0; id < still.agents.size(); ++id) {
-        if (still.agents.position[id].x() + 2 * cells >= length) moved.agents.laps[id] = 1;
+        if (still.agents.position[id].x() + 2 * cells >= ring_length) moved.agents.laps[id] = 1;
         moved.agents.goal[id].x() += 2 * cells;
     }
     for (int i = 0; i < 300; ++i) {
@@ -120,8 +121,8 @@ TEST_CASE("A run on a ring does not know where the joint is") {
     }
     double worst = 0;
     for (std::size_t id = 0; id < still.agents.size(); ++id) {
-        const double x = still.agents.position[id].x() + still.agents.laps[id] * length + 2 * cells;
-        worst = std::max(worst, std::abs(moved.agents.position[id].x() + moved.agents.laps[id] * length - x));
+        const double x = still.agents.position[id].x() + still.agents.laps[id] * ring_length + 2 * cells;
+        worst = std::max(worst, std::abs(moved.agents.position[id].x() + moved.agents.laps[id] * ring_length - x));
         worst = std::max(worst, std::abs(moved.agents.position[id].y() - still.agents.position[id].y()));
     }
     CHECK(still.agents.laps != std::vector<std::int32_t>(54, 0));
@@ -129,7 +130,7 @@ TEST_CASE("A run on a ring does not know where the joint is") {
 }
 
 TEST_CASE("A goal beyond the end is reached after as many laps") {
-    for (const double goal_x : {2 * length + 15, -2 * length + 5}) {
+    for (const double goal_x : {2 * ring_length + 15, -2 * ring_length + 5}) {
         CrowdWorld crowd = make_crowd(ring_scene(10, 5, goal_x, 5));
         while (!crowd.active.empty() && crowd.steps < 30 * 60) step(crowd, {});
         REQUIRE(crowd.agents.outcome[0] == Outcome::arrived);
@@ -139,19 +140,19 @@ TEST_CASE("A goal beyond the end is reached after as many laps") {
         const double time = static_cast<double>(crowd.last_arrival_step) / 30;
         CHECK(time >= way / 1.3 - 1e-9);
         CHECK(time <= way / 1.3 * 1.2);
-        CHECK((crowd.agents.position[0].x() >= 0 && crowd.agents.position[0].x() < length));
+        CHECK((crowd.agents.position[0].x() >= 0 && crowd.agents.position[0].x() < ring_length));
     }
 }
 
 TEST_CASE("A block at the joint stops people from both sides") {
     for (const bool at_start : {true, false}) {
         Scene scene = ring_scene(10, 5, at_start ? 60 : -60, 5);
-        scene.obstacles.push_back({at_start ? Interval{0, 1} : Interval{length - 1, length}, {0, 10}, 3});
+        scene.obstacles.push_back({at_start ? Interval{0, 1} : Interval{ring_length - 1, ring_length}, {0, 10}, 3});
         CrowdWorld crowd = make_crowd(scene);
         for (int i = 0; i < 900; ++i) {
             step(crowd, {});
             const double x = crowd.agents.position[0].x();
-            REQUIRE((at_start ? x >= 1 : x <= length - 1));
+            REQUIRE((at_start ? x >= 1 : x <= ring_length - 1));
         }
         CHECK(crowd.agents.laps[0] == 0);
         CHECK(crowd.agents.path_length[0] > 5);
@@ -160,7 +161,7 @@ TEST_CASE("A block at the joint stops people from both sides") {
 
 TEST_CASE("Water carries an agent over the end of a ring, and touches it across the joint") {
     CrowdWorld crowd = make_crowd(ring_scene(0.5, 5, 15, 5, 1));
-    const MadeUpWater stream = uniform_water(0, length, 0, 10, 1, 0.25, -6, 0);
+    const MadeUpWater stream = uniform_water(0, ring_length, 0, 10, 1, 0.25, -6, 0);
     const WaterView view = stream.view();
     for (int i = 0; i < 30; ++i) step(crowd, view);
     CHECK(crowd.agents.outcome[0] == Outcome::active);
@@ -169,7 +170,7 @@ TEST_CASE("Water carries an agent over the end of a ring, and touches it across 
     // The same contact at the joint as in the middle: the lattice repeats after 0.25 m.
     WaterBins bins;
     bins.grid = GroundGrid::over(crowd.scene.world);
-    bins.period = length;
+    bins.period = ring_length;
     std::vector<WaterParticle> touching;
     const std::vector<Vector2d> places{{0.01, 5}, {10.01, 5}, {19.99, 5}, {9.99, 5}};
     bin_water(bins, view, places);

@@ -18,7 +18,7 @@ using namespace wade::crowd::testing;
 
 namespace {
 
-constexpr double length = 60, width = 40;  // of the world, m
+constexpr double world_length = 60, world_width = 40;  // of the world, m
 
 AgentGroup& add_group(Scene& scene, int columns, Vector2d start, Vector2d goal, double pitch = 1) {
     AgentGroup group = row_of_people(columns, start, pitch, goal);
@@ -47,7 +47,7 @@ double progress(const Scene& base) {
 }
 
 Scene before_a_house(NavigationRule rule) {
-    Scene scene = dry_scene(length, width, {{{20, 30}, {20, 24}, 3}});
+    Scene scene = dry_scene(world_length, world_width, {{{20, 30}, {20, 24}, 3}});
     scene.crowd.navigation.rule = rule;
     add_group(scene, 3, {24, 15}, {25, 30});
     return scene;
@@ -79,7 +79,7 @@ TEST_CASE("Who gets no farther than a twentieth of the free way in 30 s stands, 
 
 TEST_CASE("Walkers, those who want nothing and those who have arrived do not stand, at any rate of the steps") {
     const double rate = GENERATE(0.5, 7.0, 30.0);
-    Scene scene = dry_scene(length, width);
+    Scene scene = dry_scene(world_length, world_width);
     scene.frame_rate = scene.crowd.step_rate = rate;
     add_group(scene, 3, {5, 5}, {55, 35});
     add_group(scene, 2, {5, 30}, {55, 35}).desired_speed = 0;
@@ -91,7 +91,7 @@ TEST_CASE("Walkers, those who want nothing and those who have arrived do not sta
 }
 
 TEST_CASE("A warning names what keeps people, and the key that helps") {
-    Scene scene = dry_scene(length, width);
+    Scene scene = dry_scene(world_length, world_width);
     std::vector<std::string> words;
     SECTION("water") {
         scene.channel.flow = Flow::recirculating;
@@ -127,7 +127,7 @@ TEST_CASE("A warning names what keeps people, and the key that helps") {
 }
 
 TEST_CASE("With the least number of markers people walk, with half of it they do not, and this is said at the start") {
-    Scene scene = dry_scene(length, width);
+    Scene scene = dry_scene(world_length, world_width);
     scene.crowd.markers = GENERATE(MarkerRule::fixed, MarkerRule::redrawn);
     scene.crowd.bodies = GENERATE(BodyRule::none, BodyRule::fast);
     scene.crowd.perception_radius = GENERATE(1.0, 2.0);
@@ -155,7 +155,7 @@ TEST_CASE("Goals that nobody gets to are said at the start, whatever the navigat
     const BodyRule bodies = GENERATE(BodyRule::none, BodyRule::human);
     const NavigationRule rule =
         GENERATE(NavigationRule::automatic, NavigationRule::straight, NavigationRule::travel_time);
-    Scene scene = dry_scene(length, width,
+    Scene scene = dry_scene(world_length, world_width,
                             {{{30, 31}, {10, 20 - door / 2}, 3},
                              {{30, 31}, {20 + door / 2, 30}, 3},
                              {{40, 41}, {10, 30}, 3},

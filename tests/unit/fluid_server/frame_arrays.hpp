@@ -35,7 +35,7 @@ class FrameArrays {
  private:
     shm::FrameFields slot() {
         auto& a = arrays_;
-        return {1, a[0], a[1], a[2], a[3], a[4], a[5], a[6], {}, {}, {}};
+        return {1, a[0], a[1], a[2], a[3], a[4], a[5], a[6], {}, {}, {}, {}, {}, {}, {}};
     }
     std::array<std::vector<float>, 7> arrays_;
 };

@@ -16,13 +16,13 @@ std::string box(double x_min, double x_max, double z_min, double z_max, const st
 std::string obstacles(const std::string& boxes) {
     return R"({"obstacles": [)" + boxes + "]}";
 }
-std::string blocks(const std::string& boxes) {
+std::string channel_with_blocks(const std::string& boxes) {
     return R"({"channel": {"water_blocks": [)" + boxes + "]}}";
 }
 
-const std::string river =
+const std::string recirculating_river =
     R"({"channel": {"flow": "recirculating", "initial_river": "filled", "velocity_m_s": 1}, "fluid": {"particle_spacing_m": 0.5}})";
-const std::string emitter =
+const std::string emitter_river =
     R"({"channel": {"flow": "emitter", "velocity_m_s": 1}, "fluid": {"particle_spacing_m": 0.5}})";
 
 }  // namespace
@@ -33,7 +33,7 @@ TEST_CASE("an interval whose ends are swapped or equal is refused") {
     CHECK_THAT(refusal(R"({"channel": {"z_min_m": 30}})"),
                Contains("/channel/z_min_m: 30 m is not smaller than z_max_m = 30 m"));
     CHECK_THAT(refusal(obstacles(box(5, 4, 11, 12, "height_m"))), Contains("/obstacles/0/x_min_m: 5 m is not smaller"));
-    CHECK_THAT(refusal(blocks(box(3, 4, 13, 12, "depth_m"))),
+    CHECK_THAT(refusal(channel_with_blocks(box(3, 4, 13, 12, "depth_m"))),
                Contains("/channel/water_blocks/0/z_min_m: 13 m is not smaller"));
 }
 
@@ -56,16 +56,16 @@ TEST_CASE("an obstacle within the particles' reach of the emitter or of a period
     const auto with = [](const std::string& flow, const std::string& boxes) {
         return flow.substr(0, flow.size() - 1) + R"(, "obstacles": [)" + boxes + "]}";
     };
-    const wade::Channel channel = load_patched(emitter).scene.channel;
+    const wade::Channel channel = load_patched(emitter_river).scene.channel;
     const double end = channel.x.hi;
     const double z = 0.5 * (channel.z.lo + channel.z.hi);
     // The spacing is 0.5 m: 4 d = 2 m from the emitter, 2 d = 1 m from a periodic border.
-    CHECK_THAT(refusal(with(emitter, box(end - 3, end - 1.9, z, z + 0.5, "height_m"))),
+    CHECK_THAT(refusal(with(emitter_river, box(end - 3, end - 1.9, z, z + 0.5, "height_m"))),
                Contains("scene.json: /obstacles/0: the obstacle at x ") && Contains("too near to the emitter"));
-    CHECK_NOTHROW(load_patched(with(emitter, box(end - 3, end - 2, z, z + 0.5, "height_m"))));
-    CHECK_THAT(refusal(with(river, box(end - 2, end - 0.9, z, z + 0.5, "height_m"))),
+    CHECK_NOTHROW(load_patched(with(emitter_river, box(end - 3, end - 2, z, z + 0.5, "height_m"))));
+    CHECK_THAT(refusal(with(recirculating_river, box(end - 2, end - 0.9, z, z + 0.5, "height_m"))),
                Contains("/obstacles/0") && Contains("periodic border (2 particle spacings)"));
-    CHECK_NOTHROW(load_patched(with(river, box(end - 2, end - 1, z, z + 0.5, "height_m"))));
+    CHECK_NOTHROW(load_patched(with(recirculating_river, box(end - 2, end - 1, z, z + 0.5, "height_m"))));
 }
 
 TEST_CASE("boxes that overlap are refused, boxes that touch are not") {
@@ -74,58 +74,59 @@ TEST_CASE("boxes that overlap are refused, boxes that touch are not") {
         Equals("scene.json: /obstacles/1: overlaps /obstacles/0 at x 6 to 7 m, z 12 to 13 m; they may touch at most."));
     CHECK(load_patched(obstacles(box(5, 7, 11, 13, "height_m") + "," + box(7, 8, 11, 13, "height_m")))
               .scene.obstacles.size() == 2);
-    CHECK_THAT(refusal(blocks(box(5, 7, 11, 13, "depth_m") + "," + box(6, 8, 12, 14, "depth_m"))),
+    CHECK_THAT(refusal(channel_with_blocks(box(5, 7, 11, 13, "depth_m") + "," + box(6, 8, 12, 14, "depth_m"))),
                Contains("/channel/water_blocks/1: overlaps /channel/water_blocks/0"));
-    CHECK_THAT(refusal(blocks(box(5, 7, 11, 13, "depth_m")), {"/obstacles/0=" + box(6, 8, 12, 14, "height_m")}),
-               Contains("/channel/water_blocks/0: overlaps /obstacles/0"));
+    CHECK_THAT(
+        refusal(channel_with_blocks(box(5, 7, 11, 13, "depth_m")), {"/obstacles/0=" + box(6, 8, 12, 14, "height_m")}),
+        Contains("/channel/water_blocks/0: overlaps /obstacles/0"));
 }
 
 TEST_CASE("a capacity too small for the water is refused with what is needed") {
     // 40 m x 20 m x 1 m / (0.5 m)^3 = 6400
     CHECK_THAT(
-        refusal(river, {"/fluid/max_particles=6399"}),
+        refusal(recirculating_river, {"/fluid/max_particles=6399"}),
         Equals(
             "scene.json: /fluid/max_particles: 6399 particles are too few for the water of this scene at a spacing of "
             "0.5 m; allowed: >= 6400."));
-    CHECK(load_patched(river, {"/fluid/max_particles=6400"}).scene.fluid.max_particles == 6400);
+    CHECK(load_patched(recirculating_river, {"/fluid/max_particles=6400"}).scene.fluid.max_particles == 6400);
     // (40 + 5 * 0.5) m x 20 m x 1 m / (0.5 m)^3 = 6800
-    CHECK_THAT(refusal(emitter, {"/fluid/max_particles=6799"}), Contains("allowed: >= 6800."));
-    CHECK(wade::particles_needed(load_patched(emitter).scene) == 6800);
-    CHECK(wade::river_particles(load_patched(emitter).scene) == 6400);
+    CHECK_THAT(refusal(emitter_river, {"/fluid/max_particles=6799"}), Contains("allowed: >= 6800."));
+    CHECK(wade::particles_needed(load_patched(emitter_river).scene) == 6800);
+    CHECK(wade::river_particles(load_patched(emitter_river).scene) == 6400);
     // Two blocks of 2 m x 2 m x 1 m: 2 * 32
-    const std::string two = blocks(box(5, 7, 11, 13, "depth_m") + "," + box(7, 9, 11, 13, "depth_m"));
+    const std::string two = channel_with_blocks(box(5, 7, 11, 13, "depth_m") + "," + box(7, 9, 11, 13, "depth_m"));
     CHECK_THAT(refusal(two, {"/fluid/particle_spacing_m=0.5", "/fluid/max_particles=63"}), Contains("allowed: >= 64."));
 }
 
 TEST_CASE("a spacing larger than the water is refused") {
-    CHECK_THAT(refusal(emitter, {"/fluid/particle_spacing_m=1.5"}),
+    CHECK_THAT(refusal(emitter_river, {"/fluid/particle_spacing_m=1.5"}),
                Equals("scene.json: /fluid/particle_spacing_m: 1.5 m is larger than the channel's depth of 1 m; "
                       "allowed: <= 1 m."));
-    CHECK_THAT(refusal(emitter, {"/channel/z_max_m=10.4"}),
+    CHECK_THAT(refusal(emitter_river, {"/channel/z_max_m=10.4"}),
                Contains("0.5 m is larger than the channel's width of 0.4 m"));
-    CHECK_THAT(refusal(emitter, {"/channel/x_max_m=0.4"}),
+    CHECK_THAT(refusal(emitter_river, {"/channel/x_max_m=0.4"}),
                Contains("0.5 m is larger than the channel's length of 0.4 m"));
-    CHECK_THAT(refusal(blocks(box(5, 7, 11, 11.3, "depth_m"))),
+    CHECK_THAT(refusal(channel_with_blocks(box(5, 7, 11, 11.3, "depth_m"))),
                Contains("0.4642 m is larger than the width of /channel/water_blocks/0 of 0.3 m"));
-    CHECK_THAT(refusal(blocks(box(5, 7, 11, 13, "depth_m")), {"/channel/water_blocks/0/depth_m=0.3"}),
+    CHECK_THAT(refusal(channel_with_blocks(box(5, 7, 11, 13, "depth_m")), {"/channel/water_blocks/0/depth_m=0.3"}),
                Contains("0.4642 m is larger than the depth of /channel/water_blocks/0 of 0.3 m"));
 }
 
 TEST_CASE("walls too near for a wide kernel are refused") {
     const std::string wide = "/fluid/kernel=wendland_c2";
     CHECK_THAT(
-        refusal(emitter, {wide, "/channel/z_max_m=10.9"}),
+        refusal(emitter_river, {wide, "/channel/z_max_m=10.9"}),
         Contains("/channel/z_max_m: the banks are 0.9 m apart, nearer than the kernel's support of 1.5 m allows; "
                  "allowed: >= 2 fluid.particle_spacing_m = 1 m, or the kernel \"cubic_spline\"."));
-    CHECK(load_patched(emitter, {wide, "/channel/z_max_m=11"}).scene.channel.z.hi == 11);
-    CHECK(load_patched(emitter, {"/channel/z_max_m=10.5"}).scene.channel.z.hi == 10.5);
+    CHECK(load_patched(emitter_river, {wide, "/channel/z_max_m=11"}).scene.channel.z.hi == 11);
+    CHECK(load_patched(emitter_river, {"/channel/z_max_m=10.5"}).scene.channel.z.hi == 10.5);
     const std::string quartic = "/fluid/kernel=quartic_spline";
-    CHECK_THAT(refusal(emitter, {quartic, "/channel/z_max_m=10.6"}),
+    CHECK_THAT(refusal(emitter_river, {quartic, "/channel/z_max_m=10.6"}),
                Contains("allowed: >= 1.4 fluid.particle_spacing_m"));
-    CHECK(load_patched(emitter, {quartic, "/channel/z_max_m=10.8"}).scene.channel.z.hi == 10.8);
-    CHECK_THAT(refusal(emitter, {wide, "/channel/depth_m=0.5", "/channel/top=wall", "/channel/height_m=0.7"}),
+    CHECK(load_patched(emitter_river, {quartic, "/channel/z_max_m=10.8"}).scene.channel.z.hi == 10.8);
+    CHECK_THAT(refusal(emitter_river, {wide, "/channel/depth_m=0.5", "/channel/top=wall", "/channel/height_m=0.7"}),
                Contains("/channel/height_m: bed and lid are 0.7 m apart"));
-    CHECK_THAT(refusal(blocks(box(5, 7, 11, 13, "depth_m")),
+    CHECK_THAT(refusal(channel_with_blocks(box(5, 7, 11, 13, "depth_m")),
                        {wide, "/channel/x_min_m=5", "/channel/x_max_m=7", "/fluid/particle_spacing_m=1.2",
                         "/channel/water_blocks/0/depth_m=2"}),
                Contains("/channel/x_max_m: the end walls are 2 m apart"));
@@ -133,40 +134,40 @@ TEST_CASE("walls too near for a wide kernel are refused") {
 
 TEST_CASE("the support radius is that of the cubic spline") {
     const std::string wider = "/fluid/support_in_spacings=2.1";
-    CHECK(load_patched(emitter, {wider}).scene.fluid.support_in_spacings == 2.1);
+    CHECK(load_patched(emitter_river, {wider}).scene.fluid.support_in_spacings == 2.1);
     CHECK_THAT(
-        refusal(emitter, {wider, "/fluid/kernel=wendland_c2"}),
+        refusal(emitter_river, {wider, "/fluid/kernel=wendland_c2"}),
         Equals("scene.json: /fluid/support_in_spacings: 2.1 is for the kernel \"cubic_spline\", and /fluid/kernel is "
                "\"wendland_c2\", which reaches 3 d; allowed: 2."));
     CHECK_THAT(
-        refusal(emitter, {wider, "/fluid/kernel=quartic_spline"}),
+        refusal(emitter_river, {wider, "/fluid/kernel=quartic_spline"}),
         Contains(
             "2.1 is for the kernel \"cubic_spline\", and /fluid/kernel is \"quartic_spline\", which reaches 2.4 d"));
-    CHECK_THAT(refusal(emitter, {"/fluid/support_in_spacings=2.3"}), Contains("/fluid/support_in_spacings"));
-    CHECK_THAT(refusal(emitter, {wider, "/channel/z_max_m=10.5"}),
+    CHECK_THAT(refusal(emitter_river, {"/fluid/support_in_spacings=2.3"}), Contains("/fluid/support_in_spacings"));
+    CHECK_THAT(refusal(emitter_river, {wider, "/channel/z_max_m=10.5"}),
                Contains("allowed: >= 1.1 fluid.particle_spacing_m = 0.55 m, or /fluid/support_in_spacings 2."));
 }
 
 TEST_CASE("periodic lengths below six spacings are refused") {
-    CHECK_THAT(refusal(river, {"/channel/x_max_m=2.9"}),
+    CHECK_THAT(refusal(recirculating_river, {"/channel/x_max_m=2.9"}),
                Contains("/channel/x_max_m: the recirculating channel's length is 2.9 m") &&
                    Contains("allowed: >= 6 fluid.particle_spacing_m = 3 m."));
-    CHECK_THAT(refusal(emitter, {"/channel/sides=periodic", "/channel/z_max_m=12.9"}),
+    CHECK_THAT(refusal(emitter_river, {"/channel/sides=periodic", "/channel/z_max_m=12.9"}),
                Contains("/channel/z_max_m: the width between periodic sides is 2.9 m"));
-    CHECK(load_patched(river, {"/channel/x_max_m=3"}).scene.channel.x.hi == 3);
-    CHECK(load_patched(emitter, {"/channel/z_max_m=12.9"}).scene.channel.z.hi == 12.9);
+    CHECK(load_patched(recirculating_river, {"/channel/x_max_m=3"}).scene.channel.x.hi == 3);
+    CHECK(load_patched(emitter_river, {"/channel/z_max_m=12.9"}).scene.channel.z.hi == 12.9);
 }
 
 TEST_CASE("flows that cannot be are refused") {
-    CHECK_THAT(refusal(emitter, {"/channel/velocity_m_s=0"}),
+    CHECK_THAT(refusal(emitter_river, {"/channel/velocity_m_s=0"}),
                Equals("scene.json: /channel/velocity_m_s: 0 m/s: an emitter needs a velocity; allowed: > 0 m/s."));
-    CHECK_THAT(refusal(river, {"/channel/initial_river=dry"}),
+    CHECK_THAT(refusal(recirculating_river, {"/channel/initial_river=dry"}),
                Contains("/channel/initial_river: a recirculating channel keeps"));
     CHECK_THAT(refusal("{}", {"/channel/initial_river=filled"}),
                Contains("a closed channel is filled by water_blocks."));
     CHECK_THAT(refusal("{}", {"/channel/velocity_m_s=1"}),
                Contains("1 m/s has no effect in a closed channel; allowed: 0 m/s."));
-    CHECK_THAT(refusal(emitter, {"/channel/water_blocks/0=" + box(5, 7, 11, 13, "depth_m")}),
+    CHECK_THAT(refusal(emitter_river, {"/channel/water_blocks/0=" + box(5, 7, 11, 13, "depth_m")}),
                Contains("/channel/water_blocks: blocks of water need flow \"closed\" or \"periodic\""));
 }
 

@@ -16,7 +16,7 @@ using wade::crowd::testing::one_agent_scene;
 
 namespace {
 
-MadeUpWater no_water(std::uint64_t) {
+MadeUpWater dry(std::uint64_t) {
     return {};
 }
 
@@ -30,7 +30,7 @@ Scene short_scene(double duration) {
 
 TEST_CASE("A run ends as completed after its last frame, with all frames released") {
     CrowdRun one{.crowd = make_crowd(short_scene(1))};
-    MadeUpSource source(1000, no_water);
+    MadeUpSource source(1000, dry);
     const RunSummary& summary = one.summary;
     run_crowds({&one, 1}, source);
     CHECK(summary.status == "completed");
@@ -43,7 +43,7 @@ TEST_CASE("A run ends as completed after its last frame, with all frames release
 
 TEST_CASE("A final frame at the end of the duration needs no goodbye") {
     CrowdRun one{.crowd = make_crowd(short_scene(1))};
-    MadeUpSource source(30, no_water);
+    MadeUpSource source(30, dry);
     const RunSummary& summary = one.summary;
     run_crowds({&one, 1}, source);
     CHECK(summary.status == "completed");
@@ -52,7 +52,7 @@ TEST_CASE("A final frame at the end of the duration needs no goodbye") {
 
 TEST_CASE("A stream that ends early is told apart from a completed run") {
     CrowdRun one{.crowd = make_crowd(short_scene(1))};
-    MadeUpSource source(12, no_water);
+    MadeUpSource source(12, dry);
     const RunSummary& summary = one.summary;
     run_crowds({&one, 1}, source);
     CHECK(summary.status == "stream_ended");
@@ -66,7 +66,7 @@ TEST_CASE("A run ends when no agent is active, if the scene says so") {
         scene.stop_when_no_agent_is_active = stop;
         CrowdRun one{.crowd = make_crowd(scene)};
         CrowdWorld& crowd = one.crowd;
-        MadeUpSource source(1000, no_water);
+        MadeUpSource source(1000, dry);
         const RunSummary& summary = one.summary;
         run_crowds({&one, 1}, source);
         CHECK(summary.status == "completed");
@@ -79,7 +79,7 @@ TEST_CASE("A scene without agents runs for its whole duration") {
     Scene scene = short_scene(1);
     scene.crowd.groups.clear();
     CrowdRun one{.crowd = make_crowd(scene)};
-    MadeUpSource source(1000, no_water);
+    MadeUpSource source(1000, dry);
     const RunSummary& summary = one.summary;
     run_crowds({&one, 1}, source);
     CHECK(summary.frames == 30);
@@ -89,7 +89,7 @@ TEST_CASE("A scene without agents runs for its whole duration") {
 TEST_CASE("A signal between two frames ends the run and tells the producer") {
     for (const int signal : {SIGINT, SIGTERM}) {
         CrowdRun one{.crowd = make_crowd(short_scene(1))};
-        MadeUpSource source(1000, no_water);
+        MadeUpSource source(1000, dry);
         const RunSummary& summary = one.summary;
         RunHooks hooks;
         hooks.interrupted = [&] { return summary.frames == 7 ? signal : 0; };
@@ -109,7 +109,7 @@ TEST_CASE("A signal between two frames ends the run and tells the producer") {
 TEST_CASE("A failing log ends the run and tells the producer why") {
     CrowdRun one{.crowd = make_crowd(short_scene(1))};
     CrowdWorld& crowd = one.crowd;
-    MadeUpSource source(1000, no_water);
+    MadeUpSource source(1000, dry);
     RunHooks hooks;
     hooks.on_step = [&](std::size_t, const WaterView&) {
         if (crowd.steps == 5) throw RunError(ExitCode::unexpected, "no space left");
@@ -121,7 +121,7 @@ TEST_CASE("A failing log ends the run and tells the producer why") {
 
 TEST_CASE("A frame out of turn is a violation of the protocol") {
     CrowdRun one{.crowd = make_crowd(short_scene(1))};
-    MadeUpSource source(1000, no_water);
+    MadeUpSource source(1000, dry);
     source.number_of_next = 2;
     CHECK_THROWS_WITH(run_crowds({&one, 1}, source), "got frame 2 of the water where frame 1 was due");
     CHECK(source.abort_code == 6);
@@ -146,7 +146,7 @@ TEST_CASE("The log sees each step once, in order, before its frame is released")
 
 TEST_CASE("Commands are taken before each frame, before it is asked for") {
     CrowdRun one{.crowd = make_crowd(short_scene(1))};
-    MadeUpSource source(30, no_water);
+    MadeUpSource source(30, dry);
     RunHooks hooks;
     std::uint64_t calls = 0;
     hooks.before_frame = [&] { REQUIRE(source.number_of_next == ++calls); };
@@ -156,7 +156,7 @@ TEST_CASE("Commands are taken before each frame, before it is asked for") {
 
 TEST_CASE("A signal that comes with the commands ends the run before the next frame") {
     CrowdRun one{.crowd = make_crowd(short_scene(1))};
-    MadeUpSource source(30, no_water);
+    MadeUpSource source(30, dry);
     const RunSummary& summary = one.summary;
     RunHooks hooks;
     int signal = 0;

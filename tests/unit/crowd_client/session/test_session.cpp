@@ -20,7 +20,7 @@ using wade::crowd::testing::one_agent_scene;
 
 namespace {
 
-std::string unique_session(const char* name) {
+std::string session_of_crowd(const char* name) {
     return "wade-test-crowd-" + std::to_string(::getpid()) + "-" + name;
 }
 
@@ -85,7 +85,7 @@ class ProducerThread {
 }  // namespace
 
 TEST_CASE("Over shared memory, one agent in a uniform stream moves at the velocity of Eq. 9", "[eq9]") {
-    const std::string session = unique_session("eq9");
+    const std::string session = session_of_crowd("eq9");
     const double d = 0.25;
     const double v_f = -1.5;
     const MadeUpWater stream = testing::uniform_water(70, 90, 20, 35, 1, d, v_f, 0);
@@ -125,7 +125,7 @@ TEST_CASE("Over shared memory, one agent in a uniform stream moves at the veloci
 }
 
 TEST_CASE("A stream with another frame rate than the scene's is taken by its ticks") {
-    const std::string session = unique_session("rate");
+    const std::string session = session_of_crowd("rate");
     const MadeUpWater water = testing::uniform_water(0, 1, 0, 1, 0.5, 0.5, 0, 0);
     shm::StreamInfo info = stream_info(water);
     info.ticks_per_second = 20;
@@ -147,7 +147,7 @@ TEST_CASE("A stream with another frame rate than the scene's is taken by its tic
 }
 
 TEST_CASE("A client of the latest frames walks all steps and is not waited for") {
-    const std::string session = unique_session("latest");
+    const std::string session = session_of_crowd("latest");
     const MadeUpWater water = testing::uniform_water(0, 1, 0, 1, 0.5, 0.5, 0, 0);
     shm::Publisher publisher(session, stream_info(water));
     const std::unique_ptr<FrameSource> source = join_session(session, 42, FrameMode::latest, {});
@@ -179,7 +179,7 @@ TEST_CASE("A client of the latest frames walks all steps and is not waited for")
 }
 
 TEST_CASE("A client that gives up tells the producer the reason") {
-    const std::string session = unique_session("giveup");
+    const std::string session = session_of_crowd("giveup");
     const MadeUpWater water = testing::uniform_water(0, 1, 0, 1, 0.5, 0.5, 0, 0);
     ProducerThread producer(session, stream_info(water), water, std::uint64_t{1000});
     const std::unique_ptr<FrameSource> source = join_session(session, 42, FrameMode::lockstep, {});

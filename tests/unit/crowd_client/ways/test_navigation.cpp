@@ -17,7 +17,7 @@ using namespace wade::crowd::testing;
 
 namespace {
 
-Scene dry_scene(double length, double width, std::vector<Obstacle> obstacles) {
+Scene navigated_scene(double length, double width, std::vector<Obstacle> obstacles) {
     Scene scene;
     scene.world.length = length;
     scene.world.width = width;
@@ -43,7 +43,7 @@ AgentGroup people(const std::string& name, int columns, int rows, Vector2d start
 
 // A court that is open on the side away from the goal, with walls of this thickness.
 Scene court(double thickness) {
-    Scene scene = dry_scene(
+    Scene scene = navigated_scene(
         30, 20,
         {{{16 - thickness, 16}, {5, 15}, 3}, {{8, 16}, {5, 5 + thickness}, 3}, {{8, 16}, {15 - thickness, 15}, 3}});
     scene.crowd.groups = {people("inside", 4, 3, {11, 8.7}, 1, {26, 10})};
@@ -52,17 +52,17 @@ Scene court(double thickness) {
 
 // Two rooms with a door of this width in a thin wall, pillars before it.
 Scene rooms(double door) {
-    Scene scene = dry_scene(20, 20,
-                            {{{10, 10.2}, {0, 4 - door / 2}, 3},
-                             {{10, 10.2}, {4 + door / 2, 20}, 3},
-                             {{7, 7.3}, {6, 6.3}, 3},
-                             {{7, 7.3}, {8, 8.3}, 3}});
+    Scene scene = navigated_scene(20, 20,
+                                  {{{10, 10.2}, {0, 4 - door / 2}, 3},
+                                   {{10, 10.2}, {4 + door / 2, 20}, 3},
+                                   {{7, 7.3}, {6, 6.3}, 3},
+                                   {{7, 7.3}, {8, 8.3}, 3}});
     scene.crowd.groups = {people("left", 1, 1, {3, 16}, 1, {17, 16})};
     return scene;
 }
 
 Scene village() {
-    Scene scene = dry_scene(40, 30, {});
+    Scene scene = navigated_scene(40, 30, {});
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
             const double x = 6 + 11 * i, z = 3 + 9 * j;
@@ -197,7 +197,7 @@ TEST_CASE("A gap that is too narrow for bodies is no way") {
 }
 
 TEST_CASE("With the goal in sight, people walk as they do straight, to the bit") {
-    Scene scene = dry_scene(40, 20, {{{18, 20}, {0, 6}, 3}, {{18, 20}, {14, 20}, 3}});
+    Scene scene = navigated_scene(40, 20, {{{18, 20}, {0, 6}, 3}, {{18, 20}, {14, 20}, 3}});
     scene.crowd.groups = {people("through", 4, 4, {2, 8.5}, 1, {38, 10})};
     CrowdWorld crowd = make_crowd(scene);
     CHECK(finds_ways(crowd.navigation));
@@ -212,7 +212,7 @@ TEST_CASE("With the goal in sight, people walk as they do straight, to the bit")
 }
 
 TEST_CASE("Without obstacles and crowding there are no fields") {
-    Scene scene = dry_scene(40, 20, {});
+    Scene scene = navigated_scene(40, 20, {});
     scene.crowd.groups = {people("a", 4, 4, {2, 8}, 1, {38, 10})};
     CHECK_FALSE(finds_ways(make_crowd(scene).navigation));
     scene.crowd.navigation.crowding = 1;
@@ -220,7 +220,7 @@ TEST_CASE("Without obstacles and crowding there are no fields") {
 }
 
 TEST_CASE("With crowding the way leads through the door at which fewer people wait") {
-    Scene scene = dry_scene(30, 20, {{{15, 16}, {0, 4}, 3}, {{15, 16}, {6, 14}, 3}, {{15, 16}, {16, 20}, 3}});
+    Scene scene = navigated_scene(30, 20, {{{15, 16}, {0, 4}, 3}, {{15, 16}, {6, 14}, 3}, {{15, 16}, {16, 20}, 3}});
     scene.crowd.groups = {people("one", 1, 1, {8, 9.5}, 1, {22, 9}), people("waiting", 6, 6, {12, 3.7}, 0.5, {29, 5})};
     const auto way = [&](double crowding) {
         scene.crowd.navigation.crowding = crowding;
@@ -235,7 +235,7 @@ TEST_CASE("With crowding the way leads through the door at which fewer people wa
 
 TEST_CASE("Fields with crowding are solved again where people have moved, once with every_s 0") {
     const double every = GENERATE(0.0, 0.5);
-    Scene scene = dry_scene(30, 20, {{{15, 16}, {0, 9}, 3}, {{15, 16}, {11, 20}, 3}});
+    Scene scene = navigated_scene(30, 20, {{{15, 16}, {0, 9}, 3}, {{15, 16}, {11, 20}, 3}});
     scene.crowd.groups = {people("a", 5, 5, {2, 3}, 0.7, {28, 10})};
     scene.crowd.navigation.crowding = 1;
     scene.crowd.navigation.every = every;
@@ -248,7 +248,7 @@ TEST_CASE("Fields with crowding are solved again where people have moved, once w
 }
 
 TEST_CASE("Crowds that find their ways have the same bits for any number of threads") {
-    Scene scene = dry_scene(60, 44, {{{28, 30}, {0, 18}, 3}, {{28, 30}, {24, 44}, 3}, {{40, 44}, {16, 26}, 3}});
+    Scene scene = navigated_scene(60, 44, {{{28, 30}, {0, 18}, 3}, {{28, 30}, {24, 44}, 3}, {{40, 44}, {16, 26}, 3}});
     scene.crowd.markers = MarkerRule::redrawn;
     scene.crowd.bodies = BodyRule::fast;
     scene.crowd.navigation.crowding = 1;
@@ -268,7 +268,7 @@ TEST_CASE("Crowds that find their ways have the same bits for any number of thre
 TEST_CASE("In a periodic world ways lead over the joint, lap by lap") {
     const int direction = GENERATE(1, -1);
     // Two walls across the corridor, each with a door on another side; the joint lies between two of them.
-    Scene scene = dry_scene(20, 10, {{{5, 6}, {2, 10}, 3}, {{15, 16}, {0, 8}, 3}});
+    Scene scene = navigated_scene(20, 10, {{{5, 6}, {2, 10}, 3}, {{15, 16}, {0, 8}, 3}});
     scene.world.ends = Ends::periodic;
     scene.crowd.groups = {people("round", 1, 1, {10, 5}, 1, {10.0 + direction * 50, 5})};
     CrowdWorld crowd = make_crowd(scene);

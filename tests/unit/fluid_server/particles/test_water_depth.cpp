@@ -8,20 +8,20 @@ using namespace wade::fluid;
 
 namespace {
 
-constexpr double d = 0.05;
+constexpr double spacing = 0.05;
 
 // A stream 0.4 m deep in a channel 4 m long and 0.6 m wide.
 Scene stream() {
-    Scene scene = test::tank(4, 0.6, 0.4, d);
+    Scene scene = test::tank(4, 0.6, 0.4, spacing);
     scene.fluid.max_particles = 60000;
     return scene;
 }
 
 // Adds a box of water on a lattice, from the bed up.
 void add_box(Particles& particles, Interval x, double top, Interval z) {
-    for (double a = x.lo + d / 2; a < x.hi; a += d) {
-        for (double y = d / 2; y < top; y += d) {
-            for (double b = z.lo + d / 2; b < z.hi; b += d) {
+    for (double a = x.lo + spacing / 2; a < x.hi; a += spacing) {
+        for (double y = spacing / 2; y < top; y += spacing) {
+            for (double b = z.lo + spacing / 2; b < z.hi; b += spacing) {
                 particles.add({static_cast<float>(a), static_cast<float>(y), static_cast<float>(b)}, {0, 0, 0},
                               Kind::fluid, 0);
             }
@@ -50,7 +50,7 @@ TEST_CASE("a thin sheet does not count as deep water", "[fluid][depth]") {
     WaterDepth depth(stream());
     Particles particles(60000);
     add_box(particles, {0, 4}, 0.4, {0, 0.6});
-    add_box(particles, {0, d}, 1.4, {0, 0.6});  // runs up a wall, one particle thick
+    add_box(particles, {0, spacing}, 1.4, {0, 0.6});  // runs up a wall, one particle thick
     CHECK(depth.now(particles, 1.4) == 0.4);
 }
 

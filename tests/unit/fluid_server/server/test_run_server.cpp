@@ -16,7 +16,7 @@ using namespace wade::fluid;
 
 namespace {
 
-constexpr std::uint64_t ticks_per_frame = 100'000;  // at 30 frames a second
+constexpr std::uint64_t frame_ticks = 100'000;  // at 30 frames a second
 
 std::string session_of_its_own() {
     static int n = 0;
@@ -148,7 +148,7 @@ TEST_CASE("each frame carries the tick of its end and the last one says so", "[s
     run_server({model, publisher, clock}, summary);
     crowd.join();
     CHECK(crowd.error == nullptr);
-    constexpr std::uint64_t t = ticks_per_frame;
+    constexpr std::uint64_t t = frame_ticks;
     CHECK(ticks == std::vector<std::uint64_t>{t, 2 * t, 3 * t, 4 * t, 5 * t, 6 * t});
     CHECK(heights == std::vector<float>{1, 2, 3, 4, 5, 6});
     CHECK(finals == std::vector<bool>{false, false, false, false, false, true});
@@ -176,7 +176,7 @@ TEST_CASE("frames of variable length travel with their ticks", "[server]") {
     crowd.join();
     REQUIRE(ticks.size() == model.intervals.size());
     for (std::size_t i = 0; i < ticks.size(); ++i) CHECK(ticks[i] == model.intervals[i].end_tick);
-    CHECK(ticks.back() == 6 * ticks_per_frame);
+    CHECK(ticks.back() == 6 * frame_ticks);
     CHECK(ticks.size() != 6);
 }
 
@@ -236,7 +236,7 @@ TEST_CASE("serial coupling computes frame f with agents f, parallel coupling wit
     CHECK(agents.hash() != 0);
     for (std::size_t i = 0; i < model.agents_x.size(); ++i) {
         CHECK(model.agents_x[i] == 101 + static_cast<float>(i));
-        CHECK(model.agents_ticks[i] == i * ticks_per_frame);
+        CHECK(model.agents_ticks[i] == i * frame_ticks);
     }
 }
 

@@ -159,9 +159,8 @@ TEST_CASE("the mass in contact with an agent is that of its column, wherever it 
             const double x = 5 + 0.137 * static_cast<double>(a), z = 1.1 + 0.0431 * static_cast<double>(a);
             double mass = 0;
             for (std::size_t i = 0; i < p[0].size(); ++i) {
-                if (std::hypot(static_cast<double>(p[4][i]) - x, static_cast<double>(p[6][i]) - z) < radius) {
-                    mass += static_cast<double>(p[0][i]);
-                }
+                const double dx = static_cast<double>(p[4][i]) - x, dz = static_cast<double>(p[6][i]) - z;
+                if (dx * dx + dz * dz < radius * radius) mass += static_cast<double>(p[0][i]);
             }
             mean[a] += mass / frames, sum += mass, squares += mass * mass;
         }

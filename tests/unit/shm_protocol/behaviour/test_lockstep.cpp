@@ -17,7 +17,7 @@ using namespace wade::shm;
 using namespace wade::shm::test;
 
 namespace {
-constexpr std::uint64_t frames = 300;
+constexpr std::uint64_t frames_sent = 300;
 
 // Whether an address lies in a mapping of the segment, by the kernel's own account.
 bool lies_in_segment(const void* address, const std::string& path) {
@@ -39,8 +39,8 @@ TEST_CASE("two processes exchange all frames in order with the same hash at dept
     for (const std::uint32_t depth : {1U, 2U, 3U}) {
         CAPTURE(depth);
         const Session session;
-        Child producer([&] { return produce(session.name(), frames, depth); });
-        CHECK(consume(session.name(), frames) == 0);
+        Child producer([&] { return produce(session.name(), frames_sent, depth); });
+        CHECK(consume(session.name(), frames_sent) == 0);
         CHECK(producer.wait() == 0);
     }
 }
@@ -63,17 +63,17 @@ TEST_CASE("two threads over one mapping exchange all frames in order at depth 1,
             }
         });
         publisher.wait_for_consumers(1);
-        for (std::uint64_t f = 1; f <= frames; ++f) {
+        for (std::uint64_t f = 1; f <= frames_sent; ++f) {
             const auto fields = publisher.begin_frame();
             if (!fields) break;
             fill(*fields, test_count(f));
-            publisher.end_frame(test_count(f), {}, f == frames);
+            publisher.end_frame(test_count(f), {}, f == frames_sent);
         }
         publisher.close();
         consumer.join();
         CHECK(whole);
-        CHECK(seen == frames);
-        CHECK(chain == expected_chain(frames));
+        CHECK(seen == frames_sent);
+        CHECK(chain == expected_chain(frames_sent));
         CHECK(publisher.frame_hash() == chain);
     }
 }
@@ -87,10 +87,10 @@ TEST_CASE("the producer is never further ahead than the depth") {
         publisher.wait_for_consumers(1);
         std::atomic<std::uint64_t> begun{0};
         std::thread producer([&] {
-            for (std::uint64_t f = 1; f <= frames; ++f) {
+            for (std::uint64_t f = 1; f <= frames_sent; ++f) {
                 if (!publisher.begin_frame()) return;
                 begun = f;
-                publisher.end_frame(0, {}, f == frames);
+                publisher.end_frame(0, {}, f == frames_sent);
             }
             publisher.close();
         });
@@ -107,8 +107,8 @@ TEST_CASE("the producer is never further ahead than the depth") {
 
 TEST_CASE("the consumer may come first") {
     const Session session;
-    Child consumer([&] { return consume(session.name(), frames); });
-    CHECK(produce(session.name(), frames, 1) == 0);
+    Child consumer([&] { return consume(session.name(), frames_sent); });
+    CHECK(produce(session.name(), frames_sent, 1) == 0);
     CHECK(consumer.wait() == 0);
 }
 
@@ -182,15 +182,15 @@ TEST_CASE("diagnostics, ticks and the final mark travel with their frame") {
 
 TEST_CASE("several consumers in lockstep all see every frame") {
     const Session session;
-    Child first([&] { return consume(session.name(), frames); });
-    Child second([&] { return consume(session.name(), frames); });
+    Child first([&] { return consume(session.name(), frames_sent); });
+    Child second([&] { return consume(session.name(), frames_sent); });
     Publisher publisher(session.name(), test_info(2), patient());
     publisher.wait_for_consumers(2);
-    for (std::uint64_t f = 1; f <= frames; ++f) {
+    for (std::uint64_t f = 1; f <= frames_sent; ++f) {
         const auto fields = publisher.begin_frame();
         REQUIRE(fields);
         fill(*fields, test_count(f));
-        publisher.end_frame(test_count(f), {}, f == frames);
+        publisher.end_frame(test_count(f), {}, f == frames_sent);
     }
     publisher.close();
     CHECK(first.wait() == 0);
@@ -230,12 +230,12 @@ TEST_CASE("stopping and continuing either side changes nothing") {
         CAPTURE(stop_producer);
         const Session session;
         Child child([&] {
-            return stop_producer ? produce(session.name(), frames, 2, stop_sometimes)
-                                 : consume(session.name(), frames, stop_sometimes);
+            return stop_producer ? produce(session.name(), frames_sent, 2, stop_sometimes)
+                                 : consume(session.name(), frames_sent, stop_sometimes);
         });
         int code = -1;
         std::thread watcher([&] { code = child.wait_continuing_stops(); });
-        const int own = stop_producer ? consume(session.name(), frames) : produce(session.name(), frames, 2);
+        const int own = stop_producer ? consume(session.name(), frames_sent) : produce(session.name(), frames_sent, 2);
         watcher.join();
         CHECK(own == 0);  // order, content and hash chain
         CHECK(code == 0);

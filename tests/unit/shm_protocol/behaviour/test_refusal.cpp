@@ -27,7 +27,7 @@ Caught try_to_join(const Session& session, std::uint64_t scene = 0) {
 
 // Publishes frame 1, lets `change` spoil it, and returns what the subscriber says.
 template <typename Change>
-Caught receive_spoiled(Change&& change, bool hashed = true) {
+Caught receive_spoiled_frame(Change&& change, bool hashed = true) {
     const Session session;
     StreamInfo info = test_info();
     info.hash_frames = hashed;
@@ -206,19 +206,19 @@ TEST_CASE("a frame with a NaN or an infinity is refused by particle and field, h
 }
 
 TEST_CASE("a non-finite value beyond the count is nobody's business") {
-    const Caught caught = receive_spoiled(
+    const Caught caught = receive_spoiled_frame(
         [](Bytes&, const FrameFields& fields) { fields.px[test_count(1)] = std::numeric_limits<float>::quiet_NaN(); });
     CHECK_FALSE(caught.failure);
 }
 
 TEST_CASE("a frame that was changed after its publication does not match its hash") {
-    check_refused(receive_spoiled([](Bytes&, const FrameFields& fields) { fields.vz[5] += 1; }), "hash");
-    CHECK_FALSE(receive_spoiled([](Bytes&, const FrameFields& fields) { fields.vz[5] += 1; }, false).failure);
+    check_refused(receive_spoiled_frame([](Bytes&, const FrameFields& fields) { fields.vz[5] += 1; }), "hash");
+    CHECK_FALSE(receive_spoiled_frame([](Bytes&, const FrameFields& fields) { fields.vz[5] += 1; }, false).failure);
 }
 
 TEST_CASE("a descriptor that lies is refused") {
     const auto lie = [](auto change) {
-        return receive_spoiled([change](Bytes& b, const FrameFields&) {
+        return receive_spoiled_frame([change](Bytes& b, const FrameFields&) {
             change(b.descriptor(1));
             b.reseal(1);
         });
@@ -251,8 +251,9 @@ TEST_CASE("each bit of a descriptor, changed after its publication, leads to a r
         REQUIRE(catch_error([&] { check_descriptor(info, 1, descriptor, history); }).failure ==
                 Failure::protocol_violation);
     }
-    check_refused(receive_spoiled([](Bytes& b, const FrameFields&) { b.descriptor(1).tick |= std::uint64_t{1} << 40; }),
-                  "damaged descriptor");
+    check_refused(
+        receive_spoiled_frame([](Bytes& b, const FrameFields&) { b.descriptor(1).tick |= std::uint64_t{1} << 40; }),
+        "damaged descriptor");
 }
 
 TEST_CASE("a producer of version 1.1, whose descriptors have no check, is accepted") {

@@ -34,7 +34,7 @@ def plot_name(group):
     return f"{group.case}-{group.metric.rstrip('_*')}.png"
 
 
-PLOTTED = ("impulse_river", "impulse_front", "impulse_lee", "dam_break", "spheric2")
+PLOTTED = ("impulse_river", "impulse_front", "dam_break")
 
 
 def has_plot(group):
