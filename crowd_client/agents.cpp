@@ -14,7 +14,7 @@ namespace {
 
 // Random numbers of the agents, apart from those of the markers: a stream for each agent, a counter for each purpose.
 // The starts take the counters from `start` on, two a trial.
-enum Draw : std::uint64_t { draw_tau, draw_mass, draw_start = 16 };
+enum Draw : std::uint64_t { draw_tau, draw_mass, draw_sex, draw_height, draw_age, draw_friction, draw_start = 16 };
 
 double random_of(const Scene& scene, std::size_t id, std::uint64_t draw) {
     constexpr std::uint64_t agents_streams = std::uint64_t{1} << 40;
@@ -114,7 +114,11 @@ Agents make_agents(const Scene& scene) {
             agents.goal.push_back({group.goal_x, group.goal_z});
             agents.desired_speed.push_back(group.desired_speed);
             agents.mass.push_back(group.mass.at(random_of(scene, id, draw_mass)));
-            agents.tau.push_back(group.tau.at(random_of(scene, id, draw_tau)));
+            agents.tau.push_back(group.tau ? group.tau->at(random_of(scene, id, draw_tau)) : 0);
+            const bool by_body = scene.crowd.response == ResponseKind::measured && !group.tau;
+            add_person(agents.people, group, by_body,
+                       {random_of(scene, id, draw_sex), random_of(scene, id, draw_height),
+                        random_of(scene, id, draw_age), random_of(scene, id, draw_friction)});
             agents.group.push_back(static_cast<std::uint32_t>(g));
         }
     }

@@ -8,6 +8,7 @@
 
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
+#include "crowd_client/people/people.hpp"
 
 namespace wade::crowd {
 
@@ -41,12 +42,12 @@ struct Agents {
     std::vector<Vector2d> position;     // m
     std::vector<std::int32_t> laps;     // times round a periodic world, towards +x; 0 in an open one
     std::vector<Vector2d> velocity;     // displacement of the last step / dt, m/s
-    std::vector<Vector2d> momentary;    // v(t) of the rule `continuous`, at the end of the last step, m/s; else unused
+    std::vector<Vector2d> momentary;    // v(t) at the end of the last step of who keeps a velocity, m/s; else unused
     std::vector<Vector2d> heading;      // unit vector of the last motion; towards the goal before the first
     std::vector<Vector2d> goal;         // m; in a periodic world x counts on, lap by lap
-    std::vector<double> desired_speed;  // s_max, m/s
+    std::vector<double> desired_speed;  // s_max, m/s; of people who walk in water by their bodies that in the water
     std::vector<double> mass;           // m_a, kg
-    std::vector<double> tau;            // endurance, [0, 1]
+    std::vector<double> tau;            // endurance, [0, 1]; of those max(0, 1 - 1 / S) of the last step
     std::vector<std::uint32_t> group;   // index into Crowd::groups
     std::vector<Outcome> outcome;
     std::vector<std::uint64_t> end_step;   // step of arrival or death; meaningless while active
@@ -63,6 +64,7 @@ struct Agents {
     std::vector<bool> standing;
 
     BodyMemory body;
+    People people;
 
     [[nodiscard]] std::size_t size() const { return position.size(); }
 };

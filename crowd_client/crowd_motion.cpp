@@ -20,7 +20,9 @@ Vector2d stopped_at_walls(const Vector2d& velocity, const Vector2d& from, const 
 // Nobody walks over the fall at x = 0; water that pushes towards it may carry an agent over.
 Interval ends_of_step(const CrowdWorld& crowd, std::size_t k) {
     const std::uint32_t id = crowd.active[k];
-    const bool carried_down = crowd.agents.tau[id] > 0 && crowd.contacts[k].momentum.x() < 0;
+    const bool carried_down = crowd.agents.people.by_body[id] != 0
+                                  ? crowd.felt[k].velocity.x() < 0
+                                  : crowd.agents.tau[id] > 0 && crowd.contacts[k].momentum.x() < 0;
     return ends_for(crowd.walls, crowd.positions[k], crowd.agents.goal[id].x(), carried_down);
 }
 

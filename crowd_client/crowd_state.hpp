@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct CrowdWorld {
     Markers markers;
     Walls walls;
     Navigation navigation;                     // empty where people go straight
+    std::optional<Feeling> feeling;            // of who feels the water; none with the response paper
     std::shared_ptr<const Response> response;  // to the water; has no state, so that copies of a crowd share it
     int threads = 1;  // at most that many walk the crowd; the results are the same for any number
 
@@ -49,7 +51,8 @@ struct CrowdWorld {
     Motion motion;                       // Eq. 1-3
     std::vector<Vector2d> goal_offsets;  // m; with navigation along the way
     std::vector<Vector2d> positions;     // frozen at the beginning of the step
-    std::vector<Contact> contacts;       // Eq. 5
+    std::vector<Contact> contacts;       // Eq. 5, of who answers by tau
+    std::vector<FeltWater> felt;         // empty where nobody feels the water
     std::vector<Vector2d> walking;       // v_B, m/s
     NextVelocities next;                 // of the response, v^{t+1}, m/s
     std::vector<Vector2d> wishes;        // with bodies: next.mean * dt, m

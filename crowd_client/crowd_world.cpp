@@ -28,7 +28,9 @@ void apply_event(Agents& agents, const Scene& scene, const TauEvent& event) {
     for (std::size_t id = 0; id < agents.size(); ++id) {
         const bool by_id = !event.agent || static_cast<std::size_t>(*event.agent) == id;
         const bool by_group = !event.group || scene.crowd.groups[agents.group[id]].name == *event.group;
-        if (by_id && by_group) agents.tau[id] = event.tau;
+        if (!by_id || !by_group) continue;
+        agents.tau[id] = event.tau;
+        agents.people.by_body[id] = 0;
     }
 }
 
@@ -51,8 +53,52 @@ void find_contacts(const Step& step) {
     const double distance = contact_distance(crowd.scene.coupling);
     crowd.contacts.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        if (crowd.agents.people.by_body[crowd.active[k]] != 0) {
+            crowd.contacts[k] = {};
+            continue;
+        }
         crowd.contacts[k] = find_contact(step.water, crowd.positions[k], distance, crowd.touching);
     }
+}
+
+FeltStep felt_step(const CrowdWorld& crowd, std::size_t k, const Step& step) {
+    return {crowd.felt[k].depth, crowd.felt[k].velocity, crowd.part_time, step.number == 1 && step.part == 0};
+}
+
+WaterProperties water_of(const Scene& scene) {
+    return {scene.fluid.rest_density, scene.world.gravity};
+}
+
+// Calls visit(k, id) for each who answers the water by its body.
+template <typename Visit>
+void for_each_by_body(const CrowdWorld& crowd, Visit&& visit) {
+    if (crowd.scene.crowd.response != ResponseKind::measured) return;
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        if (crowd.agents.people.by_body[crowd.active[k]] != 0) visit(k, crowd.active[k]);
+    }
+}
+
+void find_felt_water(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    if (!crowd.feeling) return;
+    feel_water(*crowd.feeling, step.water, crowd.positions, threads_for(crowd), crowd.felt);
+    Agents& agents = crowd.agents;
+    for_each_by_body(crowd, [&](std::size_t k, std::uint32_t id) {
+        feel(agents.people, id, felt_step(crowd, k, step));
+        agents.desired_speed[id] =
+            speed_in_water(agents.people, id, crowd.scene.crowd.walking_in_water, crowd.scene.world.gravity);
+    });
+}
+
+void judge_footing(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    Agents& agents = crowd.agents;
+    const WaterProperties water = water_of(crowd.scene);
+    for_each_by_body(crowd, [&](std::size_t k, std::uint32_t id) {
+        note_condition(agents.people, id, agents.mass[id], agents.momentary[id], crowd.walking[k], water,
+                       felt_step(crowd, k, step));
+        agents.tau[id] = tau_of(agents.people.slip[id]);
+    });
 }
 
 void note_water(const Step& step) {
@@ -131,7 +177,7 @@ void choose_walking_velocities(const Step& step) {
 void respond_to_water(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     crowd.response->respond({crowd.scene, crowd.part_time, crowd.agents, crowd.active, crowd.positions, crowd.walking,
-                             crowd.contacts, step.water},
+                             crowd.contacts, step.water, crowd.felt},
                             crowd.next);
 }
 
@@ -145,7 +191,7 @@ void look_who_stands(const Step& step) {
 
 Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
     const Vector2d& p = crowd.agents.position[id];
-    if (p.x() < 0) return Outcome::dead;
+    if (p.x() < 0 || crowd.agents.people.condition[id].state == PersonState::drowned) return Outcome::dead;
     const double reach = crowd.scene.crowd.goal_radius;
     const Vector2d rest = goal_offset(crowd.agents, id, crowd.scene.world.period());
     return rest.squaredNorm() <= reach * reach ? Outcome::arrived : Outcome::active;
@@ -178,13 +224,15 @@ struct Stage {
 constexpr std::array stages{
     Stage{"events", apply_events_due, When::once},
     Stage{"contacts", find_contacts},  // Eq. 5
+    Stage{"felt water", find_felt_water},
     Stage{"water met", note_water, When::once},
     Stage{"ragdolls", tumble, When::once},
     Stage{"fields", solve_fields, When::once},
     Stage{"ways", find_ways, When::at_decisions},
     Stage{"markers", compete_for_markers, When::at_decisions},  // Eq. 1-3
     Stage{"walking", choose_walking_velocities},                // Eq. 4
-    Stage{"response", respond_to_water},                        // Eq. 6-9
+    Stage{"footing", judge_footing},
+    Stage{"response", respond_to_water},  // Eq. 6-9
     Stage{"motion", move},
     Stage{"standing", look_who_stands, When::once},
     Stage{"outcomes", judge_outcomes},

@@ -76,6 +76,7 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water = empty_bins(scene);
+    if (scene.crowd.response == ResponseKind::measured) crowd.feeling = make_feeling(scene);
     crowd.response = make_response(name_of(scene.crowd.response), scene);
     return crowd;
 }

@@ -152,9 +152,22 @@ std::size_t count_standing(const CrowdWorld& crowd) {
     return static_cast<std::size_t>(std::count_if(crowd.active.begin(), crowd.active.end(), is_standing));
 }
 
+std::vector<std::string_view> state_names(const Scene& scene) {
+    std::vector<std::string_view> names{"walking", "standing", "arrived", "dead"};
+    if (scene.crowd.response == ResponseKind::measured) {
+        names.insert(names.end(), person_states.begin() + 1, person_states.end());
+    }
+    return names;
+}
+
 std::string_view state_name(const CrowdWorld& crowd, std::size_t id) {
-    if (crowd.agents.outcome[id] != Outcome::active) return outcome_name(crowd.agents.outcome[id]);
-    return crowd.agents.standing[id] ? "standing" : "walking";
+    const PersonState state = crowd.agents.people.condition[id].state;
+    const std::string_view in_water = person_states[static_cast<std::size_t>(state)];
+    if (crowd.agents.outcome[id] != Outcome::active) {
+        return state == PersonState::drowned ? in_water : outcome_name(crowd.agents.outcome[id]);
+    }
+    const bool is_up = state == PersonState::walking || state == PersonState::effort;
+    return is_up && crowd.agents.standing[id] ? "standing" : in_water;
 }
 
 }  // namespace wade::crowd

@@ -4,10 +4,10 @@
 // Somebody stands if for 30 s it has not got farther from one place than a twentieth of what it walks freely in that
 // time, 2 m at 1.3 m/s: less than in a queue that moves. Looked for once a second. Who wants nothing (desired speed 0), has arrived or is dead does not stand.
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "crowd_client/crowd_state.hpp"
 
@@ -32,8 +32,9 @@ void note_standing(CrowdWorld& crowd, std::uint64_t step);
 // Of the active agents.
 [[nodiscard]] std::size_t count_standing(const CrowdWorld& crowd);
 
-// "arrived", "dead", "standing" or "walking".
+// How it goes with an agent, one of state_names(): "arrived", "dead" or "drowned", "standing", "walking", or, with the response
+// measured, as people/states.hpp says.
 [[nodiscard]] std::string_view state_name(const CrowdWorld& crowd, std::size_t id);
-inline constexpr std::array<std::string_view, 4> state_names{"walking", "standing", "arrived", "dead"};
+[[nodiscard]] std::vector<std::string_view> state_names(const Scene& scene);
 
 }  // namespace wade::crowd

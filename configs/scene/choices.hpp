@@ -102,7 +102,26 @@ struct Words<KernelKind> {
 };
 template <>
 struct Words<ResponseKind> {
-    static constexpr std::array<Named<ResponseKind>, 1> all{{{"paper", ResponseKind::paper}}};
+    static constexpr std::array<Named<ResponseKind>, 2> all{
+        {{"paper", ResponseKind::paper}, {"measured", ResponseKind::measured}}};
+};
+template <>
+struct Words<WalkingLaw> {
+    static constexpr std::array<Named<WalkingLaw>, 2> all{
+        {{"relative", WalkingLaw::relative}, {"bernardini", WalkingLaw::bernardini}}};
+};
+template <>
+struct Words<SexRule> {
+    static constexpr std::array<Named<SexRule>, 3> all{
+        {{"any", SexRule::any}, {"female", SexRule::female}, {"male", SexRule::male}}};
+};
+template <>
+struct Words<Skill> {
+    static constexpr std::array<Named<Skill>, 5> all{{{"braced", Skill::braced},
+                                                      {"good", Skill::good},
+                                                      {"normal", Skill::normal},
+                                                      {"unaware", Skill::unaware},
+                                                      {"poor", Skill::poor}}};
 };
 template <>
 struct Words<SpeedRule> {

@@ -130,8 +130,8 @@ class Fields {
                Presence presence = preset) {
         leaf({name, KeyKind::whole, meaning, unit, range, {}, {}, std::move(presence)}, member_of(member));
     }
-    void flag(std::string_view name, bool& member, std::string_view meaning) {
-        leaf({name, KeyKind::flag, meaning}, member_of(member));
+    void flag(std::string_view name, bool& member, std::string_view meaning, Presence presence = preset) {
+        leaf({name, KeyKind::flag, meaning, {}, {}, {}, {}, std::move(presence)}, member_of(member));
     }
     template <typename T>
     void text(std::string_view name, T& member, TextRule rule, std::string_view meaning, Presence presence = preset) {
@@ -141,8 +141,9 @@ class Fields {
     void choice(std::string_view name, Choice& member, std::string_view meaning, Presence presence = preset) {
         leaf({name, KeyKind::choice, meaning, {}, {}, {}, names_of<Choice>(), std::move(presence)}, member_of(member));
     }
-    // A number, or {"min": ..., "max": ...}.
-    void spread(std::string_view name, Spread& member, std::string_view unit, Range range, std::string_view meaning,
+    // A number, or {"min": ..., "max": ...}, with "mean" and "sd" if its values are to be normal.
+    template <typename T>
+    void spread(std::string_view name, T& member, std::string_view unit, Range range, std::string_view meaning,
                 Presence presence = preset) {
         leaf({name, KeyKind::spread, meaning, unit, range, {}, {}, std::move(presence)}, member_of(member));
     }

@@ -26,6 +26,29 @@ class Declaring : public Fields {
         limit.name = "max";
         limit.meaning = "Largest value, at least min.";
         node.inside.push_back({limit, {}, {}});
+        const Presence uniform = otherwise("values are uniform");
+        node.inside.push_back({{"mean",
+                                KeyKind::number,
+                                "Of the normal values before those beyond min and max are left out.",
+                                key.unit,
+                                key.range,
+                                {},
+                                {},
+                                uniform,
+                                key.storage},
+                               {},
+                               {}});
+        node.inside.push_back({{"sd",
+                                KeyKind::number,
+                                "Standard deviation of the normal values.",
+                                key.unit,
+                                above(0).to(1e5),
+                                {},
+                                {},
+                                uniform,
+                                key.storage},
+                               {},
+                               {}});
     }
     void visit_object(const Key& key, const std::function<void()>& inside) override {
         KeyNode* const outer = node_;
@@ -235,7 +258,11 @@ KeyValue key_value(const json& value, const Key& key) {
             return value.get<std::string>();
         case KeyKind::spread:
             if (value.is_number()) return Spread(value.get<double>() + 0.0);
-            return Spread(value.at("min").get<double>() + 0.0, value.at("max").get<double>() + 0.0);
+            if (!value.contains("sd") || !value.contains("mean")) {
+                return Spread(value.at("min").get<double>() + 0.0, value.at("max").get<double>() + 0.0);
+            }
+            return Spread(value.at("min").get<double>() + 0.0, value.at("max").get<double>() + 0.0,
+                          value.at("mean").get<double>() + 0.0, value.at("sd").get<double>());
         case KeyKind::object:
         case KeyKind::list:
             break;
@@ -250,6 +277,9 @@ json json_of(const KeyValue& value) {
     if (const auto* text = std::get_if<std::string>(&value)) return *text;
     if (const auto* spread = std::get_if<Spread>(&value)) {
         if (spread->lo == spread->hi) return spread->lo;
+        if (spread->sd > 0) {
+            return {{"min", spread->lo}, {"max", spread->hi}, {"mean", spread->mean}, {"sd", spread->sd}};
+        }
         return {{"min", spread->lo}, {"max", spread->hi}};
     }
     return nullptr;

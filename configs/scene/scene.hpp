@@ -216,18 +216,44 @@ enum class NavigationRule {
     travel_time
 };
 
-// A value of all agents of a group, or limits in which each agent's own is drawn uniformly.
+// A value of all agents of a group, or limits in which each agent's own is drawn: uniformly, or normally with the mean and the
+// standard deviation that the values would have without limits.
 struct Spread {
     double lo = 0;
     double hi = 0;
+    double mean = 0;
+    double sd = 0;  // 0: uniform
 
     Spread() = default;
     Spread(double value) : lo(value), hi(value) {}  // NOLINT(google-explicit-constructor): a number is one, too
     Spread(double its_lo, double its_hi) : lo(its_lo), hi(its_hi) {}
+    Spread(double its_lo, double its_hi, double its_mean, double its_sd)
+        : lo(its_lo), hi(its_hi), mean(its_mean), sd(its_sd) {}
 
     // The value for a random number u in [0, 1).
-    [[nodiscard]] double at(double u) const { return lo < hi ? lo + (hi - lo) * u : lo; }
+    [[nodiscard]] double at(double u) const {
+        if (lo < hi && sd > 0) return normal_at(u);
+        return lo < hi ? lo + (hi - lo) * u : lo;
+    }
+    [[nodiscard]] double normal_at(double u) const;
     friend bool operator==(const Spread& spread, double value) { return spread.lo == value && spread.hi == value; }
+};
+
+enum class SexRule {
+    any,  // each of its own, half and half
+    female,
+    male
+};
+enum class Skill { braced, good, normal, unaware, poor };  // in standing against water, see people_in_water.md
+
+// The bodies of people, as water sees them; the mass is AgentGroup::mass.
+struct BodySettings {
+    Spread height = 1.7;
+    SexRule sex = SexRule::any;
+    Spread age = 30;  // years
+    Skill skill = Skill::normal;
+    std::optional<Spread> ground_friction;  // of the feet; else that of the skill
+    bool can_swim = false;
 };
 
 struct AgentGroup {
@@ -239,7 +265,8 @@ struct AgentGroup {
     double desired_speed = 1.3;
     double start_jitter = 0;  // largest distance of a start from its place on the grid, along x and along z
     Spread mass = 65;
-    Spread tau = 0;  // endurance in [0, 1]: 0 is not moved by the water
+    std::optional<Spread> tau = 0;  // endurance in [0, 1]: 0 is not moved by the water; none: their bodies tell
+    BodySettings body;
 };
 
 enum class RagdollCondition { off, paper, local_speed, depth_speed };
@@ -279,10 +306,18 @@ struct EvasionSettings {
     double prediction = 1;  // longest time ahead, s
 };
 
-enum class ResponseKind { paper };  // how people answer the water
+enum class ResponseKind {  // how people answer the water
+    paper,                 // by a given tau
+    measured               // by their bodies, but who has a given tau
+};
+enum class WalkingLaw {  // how much slower people walk in water
+    relative,            // than on dry ground
+    bernardini           // speeds by age
+};
 
 struct Crowd {
     ResponseKind response = ResponseKind::paper;
+    WalkingLaw walking_in_water = WalkingLaw::relative;
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second
     int markers_per_cell = 64;  // in a cell of 2 x 2 m

@@ -133,7 +133,7 @@ std::string range_of(const Key& key) {
         case KeyKind::number:
             return interval(key.range);
         case KeyKind::spread:
-            return interval(key.range) + ", or `min` and `max`";
+            return interval(key.range) + ", or `min` and `max`, or these with `mean` and `sd`";
         case KeyKind::whole:
             return "whole, " + interval(key.range);
         case KeyKind::flag:

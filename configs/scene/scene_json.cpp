@@ -43,13 +43,20 @@ class Reader : public Fields {
                 reading_.problems.note(reading_.source + ": " + pointer + ": min " + value["min"].dump() +
                                        " is above max " + value["max"].dump() + "; allowed: min <= max.");
             }
+            if (value.contains("mean") != value.contains("sd")) {
+                reading_.problems.note(reading_.source + ": " + pointer +
+                                       ": of mean and sd there is one; allowed: both, or none.");
+            }
         }
         member.set(key_value(value, key));
     }
 
     void derive(const Key& key, const Member& member) {
         const KeyValue value = key.presence.derived();
-        if (std::holds_alternative<std::monostate>(value)) return;
+        if (std::holds_alternative<std::monostate>(value)) {
+            if (key.presence.rule == Presence::Rule::otherwise) member.set({});
+            return;
+        }
         if (!std::holds_alternative<Spread>(value)) {  // that of the crowd, which was checked where it stands
             check_keys(json_of(value), {key, {}, {}}, pointer_to(pointer_, std::string(key.name)), reading_);
         }

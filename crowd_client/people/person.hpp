@@ -69,7 +69,7 @@ struct Footing {
     double grip = 0;  // mu N, N
 };
 struct PersonStep {
-    Vector2d velocity = Vector2d::Zero();  // v', which also moves it: x' = x + dt v', m/s
+    Vector2d velocity = Vector2d::Zero();  // v', m/s; who has ground goes on by dt v'
     Vector2d ground = Vector2d::Zero();    // impulse of the ground, dt G, N s
     Vector2d drag = Vector2d::Zero();      // impulse of the water, N s; the water gets the opposite
     bool slides = false;

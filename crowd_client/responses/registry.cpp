@@ -4,6 +4,7 @@
 #include <array>
 
 #include "configs/errors/exit_code.hpp"
+#include "crowd_client/responses/measured.hpp"
 #include "crowd_client/responses/paper.hpp"
 
 namespace wade::crowd {
@@ -11,6 +12,7 @@ namespace {
 
 constexpr std::array registered{
     RegisteredResponse{"paper", make_paper_response},
+    RegisteredResponse{"measured", make_measured_response},
 };
 
 }  // namespace

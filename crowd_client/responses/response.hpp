@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "crowd_client/agents.hpp"
+#include "crowd_client/water/felt_water.hpp"
 #include "crowd_client/water/water_bins.hpp"
 
 namespace wade::crowd {
@@ -22,6 +23,7 @@ struct FrozenCrowd {
     std::span<const Vector2d> walking;      // v_B of Eq. 4, m/s
     std::span<const Contact> contacts;      // Eq. 5
     const WaterBins& water;                 // what lies within a cell of each of them
+    std::span<const FeltWater> felt;        // what each feels; empty where nobody asks for it
 };
 
 // What it answers, by place.

@@ -62,6 +62,50 @@ void fields(PathSettings& paths, Fields& f) {
         "least whole number for which step_rate_hz / n is not more. From step_rate_hz on each step is one.");
 }
 
+namespace {
+
+KeyValue value_of(const Spread& spread) {
+    return spread;
+}
+KeyValue value_of(bool flag) {
+    return flag;
+}
+template <typename Choice>
+KeyValue value_of(Choice choice) {
+    return name_of(choice);
+}
+
+// The keys of bodies, in a group or in the crowd for the groups that set none, whose bodies these are.
+void fields(BodySettings& body, Fields& f, const BodySettings* of_crowd) {
+    const auto unless_set = [&](auto member) {
+        if (of_crowd == nullptr) return preset;
+        return otherwise("that of crowd", [=] { return value_of(of_crowd->*member); });
+    };
+    f.spread("height_m", body.height, "m", from(0.5).to(2.5), "Height of a person.", unless_set(&BodySettings::height));
+    f.choice("sex", body.sex,
+             "any: half of the people are female. Men walk faster in water. With the response measured.",
+             unless_set(&BodySettings::sex));
+    f.spread("age", body.age, "years", from(3).to(110), "Age, for walking_in_water bernardini.",
+             unless_set(&BodySettings::age));
+    f.choice(
+        "skill", body.skill,
+        "How well people stand against water: friction of the feet mu and arm lambda of the weight over the height. "
+        "braced: 0.80, 0.20, leaning against the stream. good: 0.64, 0.10. normal: 0.45, 0.09. unaware: 0.34, "
+        "0.04, as a dummy. poor: 0.07, 0.011. With the response measured.",
+        unless_set(&BodySettings::skill));
+    f.spread("ground_friction", body.ground_friction, "", from(0.01).to(2),
+             "mu of the ground in place of that of the skill: ice 0.1, mud 0.3, rough stone 0.8.",
+             otherwise("that of crowd, or of the skill", [=] {
+                 return of_crowd == nullptr || !of_crowd->ground_friction ? KeyValue()
+                                                                          : KeyValue(*of_crowd->ground_friction);
+             }));
+    f.flag("can_swim", body.can_swim,
+           "Whether people who float swim towards their goal, at 0.45 m/s through the water, and do not drown.",
+           unless_set(&BodySettings::can_swim));
+}
+
+}  // namespace
+
 void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
     f.text("name", group.name, short_name,
            "Name in events and logs, one of its own for each group: letters, digits, '_', '-' and '.'.", required);
@@ -101,14 +145,20 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
     f.spread("tau", group.tau, "", from(0).to(1),
              "How much the water moves an agent: 0 not at all, 1 like a body without resistance. With min and max each "
              "agent has a tau of its own, drawn uniformly.",
-             otherwise("that of crowd", [&] { return KeyValue(of_crowd.tau); }));
+             otherwise("that of crowd", [&] { return of_crowd.tau ? KeyValue(*of_crowd.tau) : KeyValue(); }));
+    fields(group.body, f, &of_crowd.body);
 }
 
 void fields(Crowd& crowd, Fields& f, double frame_rate) {
     f.choice(
         "response", crowd.response,
-        "How agents answer the water that touches them. paper: the momentum of the particles moves them, Eq. 6-9, by "
-        "/coupling/rule.");
+        "How agents answer the water. paper: the momentum of the particles that touch them moves them, Eq. 6-9, by tau "
+        "and "
+        "/coupling/rule. measured: by their bodies, with drag, buoyancy and what their feet hold, as people in flumes; "
+        "they slide, topple, drift, get up and drown. Agents of a given tau, and those of an event, answer as paper.");
+    f.choice("walking_in_water", crowd.walking_in_water,
+             "Response measured, how fast people walk in water. relative: a share of their speed on dry ground. "
+             "bernardini: speeds measured by age, never above that on dry ground.");
     f.choice("speed_rule", crowd.speed_rule,
              "Reading of Eq. 4, m the sum of the weighted ways to the markers. pi: speed min(pi |m| / 1 s, desired "
              "speed), so that a free agent walks at 0.99 of it. per_frame: way min(|m|, desired speed * dt) in a step. "
@@ -150,11 +200,14 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
              "agent.");
     f.object("paths", crowd.paths, "How often it is written where everybody is (trajectories.sqlite, ragdoll.csv).");
     AgentGroup of_crowd;  // what groups take that set none
+    if (crowd.response == ResponseKind::measured) of_crowd.tau.reset();
     f.shorthands([&] {
-        f.spread("tau", of_crowd.tau, "", from(0).to(1), "tau of the groups that set none.");
+        f.spread("tau", of_crowd.tau, "", from(0).to(1),
+                 "tau of the groups that set none; with the response measured these answer by their bodies.");
         f.spread("mass_kg", of_crowd.mass, "kg", above(0).to(1000), "Mass of the agents of groups that set none.");
         f.number("desired_speed_m_s", of_crowd.desired_speed, "m/s", from(0).to(10),
                  "Desired speed of the agents of groups that set none.");
+        fields(of_crowd.body, f, nullptr);
     });
     f.list("groups", crowd.groups,
            "Groups of agents. Agents are numbered from 0 through all groups in order, in a group row by row.",

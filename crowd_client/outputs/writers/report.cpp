@@ -1,6 +1,8 @@
 #include "crowd_client/outputs/writers/report.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "configs/loading/scene_loader.hpp"
 #include "configs/program/version.hpp"
@@ -72,12 +74,19 @@ std::string text_of(const Json& json) {
 // How many agents are in each state.
 Json states_json(const CrowdWorld& crowd) {
     Json states;
-    for (const std::string_view name : state_names) states[std::string(name)] = 0;
+    for (const std::string_view name : state_names(crowd.scene)) states[std::string(name)] = 0;
     for (std::size_t id = 0; id < crowd.agents.size(); ++id) {
         Json& count = states[std::string(state_name(crowd, id))];
         count = count.get<std::size_t>() + 1;
     }
     return states;
+}
+
+// Who was on its feet, and strained, in water beyond that of the flumes, and for how long.
+Json beyond_json(const People& people) {
+    const auto is_beyond = [](double time) { return time > 0; };
+    return {{"people", std::count_if(people.beyond.begin(), people.beyond.end(), is_beyond)},
+            {"time_s", std::accumulate(people.beyond.begin(), people.beyond.end(), 0.0)}};
 }
 
 }  // namespace
@@ -102,6 +111,8 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     json["active"] = crowd.active.size();
     json["standing"] = count_standing(crowd);
     json["states"] = states_json(crowd);
+    if (crowd.scene.crowd.response == ResponseKind::measured)
+        json["beyond_measured"] = beyond_json(crowd.agents.people);
     json["warnings"] = crowd.warnings;
     json["last_arrival_s"] = crowd.arrived > 0 ? Json(time_of(crowd, crowd.last_arrival_step)) : Json(nullptr);
     json["contact_rule"] = name_of(crowd.scene.coupling.contact_rule);
@@ -115,7 +126,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     const Agents& agents = crowd.agents;
     std::string csv =
         "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
-        "mean_dv_m2_s,state";
+        "mean_dv_m2_s,state,height_m";
     if (danger != nullptr) csv += std::string(",danger_level,") + exposure_columns;
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -129,7 +140,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
                                mean_depth_met(agents, id), mean_dv_met(agents, id)}) {
             csv += ',' + csv_number(v);
         }
-        csv += ',' + std::string(state_name(crowd, id));
+        csv += ',' + std::string(state_name(crowd, id)) + ',' + csv_number(agents.people.height[id]);
         if (danger != nullptr) {
             const Exposure& met = danger->agents()[id];
             csv += ',' + std::string(danger_name(met.largest)) + ',' + exposure_times(met, crowd.dt);

@@ -30,9 +30,12 @@ const json everything = json::parse(R"({
               "steering": {"classes": [{"share": 0.1}],
                            "bodies": [{"x_m": 1, "y_m": 1, "z_m": 1, "radius_m": 0.5}]}},
     "crowd": {"tau": 0.1, "mass_kg": 70, "desired_speed_m_s": 1, "step_rate_hz": 30,
+              "height_m": 1.8, "sex": "male", "age": 40, "skill": "good", "ground_friction": 0.6, "can_swim": true,
               "groups": [{"name": "takes", "start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 1, "z_m": 1}},
                          {"name": "sets", "start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 1, "z_m": 1},
-                          "columns": 3, "rows": 3, "count": 5, "tau": 0.2, "mass_kg": 60, "desired_speed_m_s": 2}]},
+                          "columns": 3, "rows": 3, "count": 5, "tau": 0.2, "mass_kg": 60, "desired_speed_m_s": 2,
+                          "height_m": 1.6, "sex": "female", "age": 20, "skill": "poor", "ground_friction": 0.5,
+                          "can_swim": false}]},
     "coupling": {"agents_stream": "serial"},
     "events": [{"frame": 3, "agent": 1, "tau": 0.5}, {"time_s": 3, "group": "sets", "tau": 0.6}]
 })");

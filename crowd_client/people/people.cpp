@@ -1,0 +1,158 @@
+#include "crowd_client/people/people.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace wade::crowd {
+namespace {
+
+constexpr double mean_time = 0.3;      // of what people feel, s
+constexpr double dry = 1e-6;           // m; a depth that fades away ends here
+constexpr double swimming_force = 45;  // N [A], of 30 to 60: 0.45 m/s through the water
+
+// Between these laws of standing were measured, by Abt, Karvonen and Xia; m.
+constexpr double shallowest_measured = 0.2, deepest_measured = 1.2;
+
+Body body_of(const People& people, std::size_t id, double mass) {
+    return {people.height[id], mass};
+}
+
+double share_of(const FeltStep& felt) {
+    return felt.is_first ? 1 : -std::expm1(-felt.dt / mean_time);
+}
+
+// V = alpha M^beta with M = |U|^2 h / g + h^2 / 2, m2: walking in 0.2 to 0.7 m of water by age (Bernardini et al. 2020); above 68
+// years less by 1 + 0.016 for each year (Dobbs et al. 1993).
+double bernardini_speed(double age, double depth, double speed, double gravity) {
+    struct Row {
+        double up_to, alpha, beta;
+    };
+    constexpr std::array rows{Row{12, 0.54, -0.07}, Row{28, 0.36, -0.13}, Row{36, 0.35, -0.19}, Row{44, 0.43, -0.13},
+                              Row{52, 0.57, -0.03}, Row{60, 0.32, -0.17}, Row{1e9, 0.16, -0.43}};
+    const Row& row = *std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return age <= r.up_to; });
+    const double specific_force = speed * speed * depth / gravity + 0.5 * depth * depth;
+    return row.alpha * std::pow(specific_force, row.beta) / (1 + 0.016 * std::max(0.0, age - 68));
+}
+
+Strain strain_of(const People& people, std::size_t id, double mass, const Vector2d& velocity,
+                 const WaterProperties& water) {
+    const double height = people.height[id], depth = people.depth[id], wet = std::min(depth, height);
+    const double k = drag_upright(height, depth, water);
+    const Vector2d stream = mean_stream(people, id);
+    Strain e;
+    e.weight = weight_on_feet(body_of(people, id, mass), depth, water);
+    e.slip = slip_demand(k, stream, people.wanted[id], people.friction[id], e.weight);
+    e.moment = 0.5 * k * (stream - velocity).squaredNorm() * wet;
+    e.moment_at_rest = 0.5 * k * stream.squaredNorm() * wet;
+    e.height = height;
+    e.arm = people.arm[id];
+    e.depth = depth;
+    e.can_swim = people.can_swim[id] != 0;
+    return e;
+}
+
+bool is_beyond_measured(const Condition& condition, double depth) {
+    const bool strains = condition.state == PersonState::effort || condition.state == PersonState::sliding;
+    return strains && (depth < shallowest_measured || depth > deepest_measured);
+}
+
+}  // namespace
+
+Bracing bracing_of(Skill skill) {
+    switch (skill) {
+        case Skill::braced:
+            return {0.80, 0.20};
+        case Skill::good:
+            return {0.64, 0.10};
+        case Skill::unaware:
+            return {0.34, 0.04};
+        case Skill::poor:
+            return {0.07, 0.011};
+        case Skill::normal:
+            break;
+    }
+    return {0.45, 0.09};
+}
+
+void add_person(People& people, const AgentGroup& group, bool by_body, const std::array<double, 4>& random) {
+    const BodySettings& body = group.body;
+    const bool is_male = body.sex == SexRule::any ? random[0] >= 0.5 : body.sex == SexRule::male;
+    const Bracing bracing = bracing_of(body.skill);
+    people.sex.push_back(is_male ? Sex::male : Sex::female);
+    people.height.push_back(body.height.at(random[1]));
+    people.age.push_back(body.age.at(random[2]));
+    people.friction.push_back(body.ground_friction ? body.ground_friction->at(random[3]) : bracing.friction);
+    people.arm.push_back(bracing.arm_share * people.height.back());
+    people.can_swim.push_back(body.can_swim ? 1 : 0);
+    people.by_body.push_back(by_body ? 1 : 0);
+    people.dry_speed.push_back(group.desired_speed);
+    people.depth.push_back(0);
+    people.flow.push_back(Vector2d::Zero());
+    people.wanted.push_back(Vector2d::Zero());
+    people.slip.push_back(0);
+    people.topple.push_back(0);
+    people.condition.push_back({});
+    people.beyond.push_back(0);
+}
+
+Vector2d mean_stream(const People& people, std::size_t id) {
+    return people.depth[id] > 0 ? Vector2d(people.flow[id] / people.depth[id]) : Vector2d(0, 0);
+}
+
+void feel(People& people, std::size_t id, const FeltStep& felt) {
+    const double share = share_of(felt);
+    people.depth[id] += (felt.depth - people.depth[id]) * share;
+    people.flow[id] += (felt.depth * felt.stream - people.flow[id]) * share;
+    if (people.depth[id] >= dry) return;
+    people.depth[id] = 0;
+    people.flow[id].setZero();
+}
+
+double speed_in_water(const People& people, std::size_t id, WalkingLaw law, double gravity) {
+    const double depth = people.depth[id], dry_speed = people.dry_speed[id];
+    if (!(depth > 0)) return dry_speed;
+    const double speed = std::sqrt(mean_stream(people, id).squaredNorm());
+    if (law == WalkingLaw::relative) return dry_speed * walking_speed_ratio(people.sex[id], depth, speed, gravity);
+    return std::min(dry_speed, bernardini_speed(people.age[id], depth, speed, gravity));
+}
+
+void note_condition(People& people, std::size_t id, double mass, const Vector2d& velocity, const Vector2d& wanted,
+                    const WaterProperties& water, const FeltStep& felt) {
+    people.wanted[id] += (wanted - people.wanted[id]) * share_of(felt);
+    Condition& condition = people.condition[id];
+    if (people.depth[id] == 0 && condition.state == PersonState::walking) {  // on dry ground, as most are
+        people.slip[id] = people.topple[id] = 0;
+        condition.slipping = condition.toppling = 0;
+        condition.air = air_budget;
+        return;
+    }
+    const Strain strain = strain_of(people, id, mass, velocity, water);
+    people.slip[id] = strain.slip;
+    people.topple[id] = topple_demand(strain);
+    condition = next_condition(condition, strain, felt.dt);
+    if (is_beyond_measured(condition, people.depth[id])) people.beyond[id] += felt.dt;
+}
+
+PersonStep step_person(const People& people, std::size_t id, double mass, const Vector2d& velocity,
+                       const Vector2d& wanted, const WaterProperties& water, const FeltStep& felt) {
+    const double height = people.height[id];
+    const PersonState state = people.condition[id].state;
+    if (state == PersonState::toppled || state == PersonState::carried || state == PersonState::drowned) {
+        constexpr double thickness = 0.25;  // of a body that lies, m
+        const double share = std::min(1.0, felt.depth / thickness);
+        return step_carried(drag_lying(felt.depth, water), mass_with_water(mass, share, water), velocity,
+                            Vector2d::Zero(), felt.stream, felt.dt);
+    }
+    const double share = submerged_share(height, felt.depth), k = drag_upright(height, felt.depth, water);
+    const double with_water = mass_with_water(mass, share, water);
+    if (state == PersonState::afloat) {
+        const double force = people.can_swim[id] != 0 ? swimming_force : 0;
+        return step_carried(k, with_water, velocity, force * unit_or(wanted, Vector2d::Zero()), felt.stream, felt.dt);
+    }
+    const double grip = people.friction[id] * weight_on_feet(body_of(people, id, mass), felt.depth, water);
+    const Vector2d to = state == PersonState::recovering ? Vector2d(0, 0) : wanted;
+    return step_on_feet({k, with_water, grip}, velocity, to, felt.stream, felt.dt);
+}
+
+}  // namespace wade::crowd

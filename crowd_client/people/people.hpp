@@ -1,0 +1,68 @@
+#pragma once
+// What people bring into the water and what it does to them: one array a property, the index is the agent's id.
+
+#include <cstdint>
+#include <vector>
+
+#include "crowd_client/people/person.hpp"
+#include "crowd_client/people/states.hpp"
+
+namespace wade::crowd {
+
+struct People {
+    std::vector<double> height;  // H, m
+    std::vector<Sex> sex;
+    std::vector<double> age;       // years
+    std::vector<double> friction;  // mu of the feet
+    std::vector<double> arm;       // l = lambda H, m
+    std::vector<std::uint8_t> can_swim;
+    std::vector<std::uint8_t> by_body;  // answers the water by its body (response measured) and not by a given tau
+    std::vector<double> dry_speed;      // at which it walks on dry ground, m/s
+
+    // As of the last step, low-passed with 0.3 s: a stride takes 0.5 s, and people fail on means.
+    std::vector<double> depth;     // h, m
+    std::vector<Vector2d> flow;    // h U, m2/s
+    std::vector<Vector2d> wanted;  // walking velocity, m/s
+    std::vector<double> slip;      // S
+    std::vector<double> topple;    // T
+    std::vector<Condition> condition;
+    std::vector<double> beyond;  // time on its feet beyond what was measured, s
+
+    [[nodiscard]] std::size_t size() const { return height.size(); }
+};
+
+// The person's surroundings in a step.
+struct FeltStep {
+    double depth = 0;                    // h felt, m
+    Vector2d stream = Vector2d::Zero();  // U felt, m/s
+    double dt = 0;                       // s
+    bool is_first = false;               // of the run: nothing was felt before
+};
+
+// mu and lambda of a skill; docs/people_in_water.md has their sources.
+struct Bracing {
+    double friction, arm_share;
+};
+[[nodiscard]] Bracing bracing_of(Skill skill);
+
+// Adds a person; `random` gives the number of [0, 1) of its sex, height, age and friction in turn.
+void add_person(People& people, const AgentGroup& group, bool by_body, const std::array<double, 4>& random);
+
+// U as low-passed, m/s; 0 without water.
+[[nodiscard]] Vector2d mean_stream(const People& people, std::size_t id);
+
+// Takes what a person feels into the means.
+void feel(People& people, std::size_t id, const FeltStep& felt);
+
+// How fast it walks in the water that it has felt, m/s.
+[[nodiscard]] double speed_in_water(const People& people, std::size_t id, WalkingLaw law, double gravity);
+
+// S, T and the state after a step, of somebody who goes at `velocity` and wants to walk at `wanted`.
+void note_condition(People& people, std::size_t id, double mass, const Vector2d& velocity, const Vector2d& wanted,
+                    const WaterProperties& water, const FeltStep& felt);
+
+// The next velocity, and what ground and water give; stream and depth as felt, raw.
+[[nodiscard]] PersonStep step_person(const People& people, std::size_t id, double mass, const Vector2d& velocity,
+                                     const Vector2d& wanted, const WaterProperties& water, const FeltStep& felt);
+
+}  // namespace wade::crowd

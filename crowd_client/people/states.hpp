@@ -1,0 +1,74 @@
+#pragma once
+// How it goes with a person in water, and what leads from one state to another.
+//
+//   D = max(S, T)                      enters                          leaves
+//   walking     on its feet            D < 0.45
+//   effort      slowed, firm           0.5 <= D
+//   sliding     feet slip              D >= 1 for 0.1 s                S < 0.9 for 0.3 s: effort
+//   toppled     fallen                 T >= 1 for 0.3 s                after 0.3 s: carried
+//   afloat      upright, no ground     h >= 0.87 H, the chin           h < 0.8 H: recovering; after 0.3 s who cannot swim: carried
+//   carried     a lying body           see toppled, afloat             h < 0.25 H, or h < 0.6 H and T(sit) < 0.5: recovering;
+//                                                                      who can swim at h >= 0.87 H: afloat
+//   recovering  sits, kneels, squats,  see carried                     T of the posture >= 1: carried; after 4 s: on its feet
+//               stands up, 1 s each [A]
+//   drowned                            carried at h >= 0.25 H with no air left                        never
+//
+// Air lasts for 60 s [A]; else it is taken in three times as fast. Times end with the step that is nearest. Who holds on to
+// something or somebody (`holding`) is named for files; nothing leads there yet without a hold.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace wade::crowd {
+
+enum class PersonState : std::uint8_t {
+    walking,
+    effort,
+    sliding,
+    toppled,
+    afloat,
+    carried,
+    recovering,
+    holding,
+    drowned
+};
+inline constexpr std::array<std::string_view, 9> person_states{"walking", "effort",     "sliding", "toppled", "afloat",
+                                                               "carried", "recovering", "holding", "drowned"};
+
+inline constexpr double air_budget = 60;  // s [A]
+
+// How it goes with one person, from step to step.
+struct Condition {
+    PersonState state = PersonState::walking;
+    double in_state = 0;  // time in this state, s
+    double slipping = 0;  // how long D >= 1, s
+    double toppling = 0;  // how long T >= 1, s
+    double firm = 0;      // how long S < 0.9, s
+    double air = air_budget;
+};
+
+// What a person stands against in a step; depth and stream low-passed.
+struct Strain {
+    double slip = 0;            // S
+    double moment = 0;          // |F| min(h, H) / 2, N m, of the water past the person
+    double moment_at_rest = 0;  // the same, were it to stand still
+    double weight = 0;          // N, on the feet
+    double height = 1.7;        // H, m
+    double arm = 0;             // lambda H, m
+    double depth = 0;           // h, m
+    bool can_swim = false;
+};
+
+// T of who is upright.
+[[nodiscard]] double topple_demand(const Strain& strain);
+
+// The condition after a step of dt, s.
+[[nodiscard]] Condition next_condition(const Condition& before, const Strain& strain, double dt);
+
+[[nodiscard]] inline bool has_ground(PersonState state) {
+    return state != PersonState::toppled && state != PersonState::afloat && state != PersonState::carried &&
+           state != PersonState::drowned;
+}
+
+}  // namespace wade::crowd

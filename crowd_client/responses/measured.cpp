@@ -1,0 +1,48 @@
+#include "crowd_client/responses/measured.hpp"
+
+#include <algorithm>
+
+#include "crowd_client/responses/paper.hpp"
+
+namespace wade::crowd {
+namespace {
+
+class Measured final : public Response {
+ public:
+    explicit Measured(const Scene& scene)
+        : by_tau_(make_paper_response(scene)), water_{scene.fluid.rest_density, scene.world.gravity} {}
+
+    void respond(const FrozenCrowd& crowd, NextVelocities& next) const override {
+        const Agents& agents = crowd.agents;
+        const auto is_by_tau = [&](std::uint32_t id) { return agents.people.by_body[id] == 0; };
+        if (std::any_of(crowd.active.begin(), crowd.active.end(), is_by_tau)) {
+            by_tau_->respond(crowd, next);
+            if (next.at_end.empty()) next.at_end = next.mean;
+        }
+        next.mean.resize(crowd.active.size());
+        next.at_end.resize(crowd.active.size());
+        for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+            const std::uint32_t id = crowd.active[k];
+            if (is_by_tau(id)) continue;
+            const FeltStep felt{crowd.felt[k].depth, crowd.felt[k].velocity, crowd.dt};
+            const Vector2d& before = agents.momentary[id];
+            const Vector2d after =
+                step_person(agents.people, id, agents.mass[id], before, crowd.walking[k], water_, felt).velocity;
+            next.at_end[k] = after;
+            // Bodies without ground gain speed for seconds: the mean of both ends puts them where short steps would.
+            next.mean[k] = has_ground(agents.people.condition[id].state) ? after : Vector2d(0.5 * (before + after));
+        }
+    }
+
+ private:
+    std::unique_ptr<Response> by_tau_;
+    WaterProperties water_;
+};
+
+}  // namespace
+
+std::unique_ptr<Response> make_measured_response(const Scene& scene) {
+    return std::make_unique<Measured>(scene);
+}
+
+}  // namespace wade::crowd

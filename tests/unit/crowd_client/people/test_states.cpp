@@ -1,0 +1,118 @@
+// Each row of the table of people/states.hpp: what leads into a state and out of it, and when.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <functional>
+
+#include "crowd_client/people/states.hpp"
+
+using namespace wade::crowd;
+
+namespace {
+
+constexpr double height = 1.7, arm = 0.09 * height, weight = 400;
+
+// S and T as given, the same at rest, in water of a depth.
+Strain strain(double slip, double topple, double depth) {
+    Strain s;
+    s.slip = slip;
+    s.moment = s.moment_at_rest = topple * weight * arm;
+    s.weight = weight;
+    s.height = height;
+    s.arm = arm;
+    s.depth = depth;
+    return s;
+}
+
+Condition in(PersonState state) {
+    Condition condition;
+    condition.state = state;
+    return condition;
+}
+
+struct Passage {
+    PersonState state;  // the next one
+    double time;        // after which, s; 1000: never within that
+};
+
+Passage leaves(Condition condition, const Strain& s, double rate) {
+    const PersonState from = condition.state;
+    for (int i = 1; i <= 1000 * rate; ++i) {
+        condition = next_condition(condition, s, 1 / rate);
+        if (condition.state != from) return {condition.state, i / rate};
+    }
+    return {from, 1000};
+}
+
+struct Row {
+    PersonState from;
+    Strain strain;
+    PersonState to;
+    double time;  // s; 0: at once
+};
+
+using S = PersonState;
+
+Strain swimming(double depth) {
+    Strain s = strain(0, 0, depth);
+    s.can_swim = true;
+    return s;
+}
+
+}  // namespace
+
+TEST_CASE("Each state is left for the next when its row says, at any rate of steps") {
+    const Row row = GENERATE(
+        Row{S::walking, strain(0.4, 0.49, 0.5), S::walking, 1000}, Row{S::walking, strain(0.5, 0, 0.5), S::effort, 0},
+        Row{S::walking, strain(0, 0.5, 0.5), S::effort, 0}, Row{S::effort, strain(0.46, 0, 0.5), S::effort, 1000},
+        Row{S::effort, strain(0.44, 0.44, 0.5), S::walking, 0}, Row{S::effort, strain(1, 0, 0.5), S::sliding, 0.1},
+        Row{S::sliding, strain(0.95, 0, 0.5), S::sliding, 1000}, Row{S::sliding, strain(0.89, 0, 0.5), S::effort, 0.3},
+        Row{S::sliding, strain(3, 1, 1), S::toppled, 0.3}, Row{S::toppled, strain(3, 3, 1), S::carried, 0.3},
+        Row{S::toppled, strain(0, 0, 0.1), S::carried, 0.3}, Row{S::walking, strain(0, 0, 0.87 * height), S::afloat, 0},
+        Row{S::sliding, strain(2, 2, 0.88 * height), S::afloat, 0},
+        Row{S::afloat, strain(0, 0, 0.81 * height), S::carried, 0.3},
+        Row{S::afloat, strain(0, 0, 0.79 * height), S::recovering, 0}, Row{S::afloat, swimming(2), S::afloat, 1000},
+        Row{S::afloat, swimming(0.79 * height), S::recovering, 0}, Row{S::carried, swimming(1.6), S::afloat, 0},
+        Row{S::carried, strain(0, 3, 0.24 * height), S::recovering, 0},
+        // T of who sits is that of who stands times arm / 0.25 H = 0.36.
+        Row{S::carried, strain(0, 0.49 / 0.36, 0.59 * height), S::recovering, 0},
+        Row{S::carried, strain(0, 0.51 / 0.36, 0.59 * height), S::drowned, 60},
+        Row{S::carried, strain(0, 0, 0.61 * height), S::drowned, 60},
+        Row{S::carried, strain(0, 0, 0.5 * height), S::recovering, 0},
+        Row{S::recovering, strain(0, 0.3, 0.5), S::effort, 4},
+        Row{S::recovering, strain(0, 1.01 / 0.36, 0.5), S::carried, 0},
+        // Squatting, 0.08 H, is the least stable.
+        Row{S::recovering, strain(0, 0.95, 0.5), S::carried, 2},
+        Row{S::recovering, strain(0, 0, 0.9 * height), S::afloat, 0},
+        Row{S::drowned, strain(0, 0, 0), S::drowned, 1000});
+    for (const double rate : {15.0, 30.0, 120.0}) {
+        const auto name = [](S state) { return std::string(person_states[static_cast<std::size_t>(state)]); };
+        CAPTURE(name(row.from), row.strain.slip, topple_demand(row.strain), row.strain.depth, rate);
+        const Passage found = leaves(in(row.from), row.strain, rate);
+        CHECK(name(found.state) == name(row.to));
+        if (row.time == 1000) CHECK(found.time == 1000);
+        if (row.time < 1000) CHECK(std::abs(found.time - row.time) <= 1 / rate + 1e-9);
+    }
+}
+
+TEST_CASE("A demand that ends before its time is over leads nowhere") {
+    Condition condition = in(S::effort);
+    for (int i = 0; i < 100; ++i) {
+        const bool slips = i % 3 < 2;  // two steps of 1/30 s at a time
+        condition = next_condition(condition, strain(slips ? 2 : 0.6, 0, 0.5), 1 / 30.0);
+        REQUIRE(condition.state == S::effort);
+    }
+}
+
+TEST_CASE("Air comes back three times as fast as it goes, and who is in shallow water loses none") {
+    Condition condition = in(S::carried);
+    for (int i = 0; i < 300; ++i) condition = next_condition(condition, strain(0, 3, 1.5), 0.1);
+    CHECK(condition.air == Approx(30));
+    condition.state = S::recovering;
+    for (int i = 0; i < 50; ++i) {
+        condition = next_condition(condition, strain(0, 0, 0.3), 0.1);
+    }
+    CHECK(condition.air == Approx(45));
+    for (int i = 0; i < 100; ++i) condition = next_condition(condition, strain(0, 0, 0.3), 0.1);
+    CHECK(condition.air == air_budget);
+}

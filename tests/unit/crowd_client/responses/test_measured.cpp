@@ -1,0 +1,245 @@
+// People in even streams, stepped with the whole crowd.
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "crowd_client/crowd_world.hpp"
+#include "crowd_client/standing.hpp"
+#include "made_up_water.hpp"
+
+using namespace wade;
+using namespace wade::crowd;
+using wade::crowd::testing::MadeUpWater;
+using wade::crowd::testing::one_agent_scene;
+using wade::crowd::testing::uniform_water;
+
+namespace {
+
+// A person of 1.70 m and 65 kg who stands in a river.
+Scene standing_in_a_river() {
+    Scene scene = one_agent_scene(50, 25, 50, 50, 0);
+    scene.fluid.particle_spacing = 0.25;
+    scene.crowd.response = ResponseKind::measured;
+    AgentGroup& group = scene.crowd.groups[0];
+    group.tau.reset();
+    group.desired_speed = 0;
+    group.body.sex = SexRule::male;
+    return scene;
+}
+
+// Water of a depth of which a lattice has it exactly, everywhere that the person can get in the time of a test.
+MadeUpWater stream(double depth, double speed) {
+    MadeUpWater water = uniform_water(20, 56, 15, 40, 0.25, 0.25, -speed, 0);
+    for (float& mass : water.mass) mass *= static_cast<float>(depth / 0.25);
+    return water;
+}
+
+CrowdWorld crowd_at(Scene scene, double rate) {
+    scene.crowd.step_rate = scene.frame_rate = rate;
+    return make_crowd(scene);
+}
+
+PersonState state_of(const CrowdWorld& crowd) {
+    return crowd.agents.people.condition[0].state;
+}
+
+constexpr std::array rates{15.0, 30.0, 60.0, 120.0};
+
+}  // namespace
+
+TEST_CASE("Standing water of half a metre never leads out of walking") {
+    CrowdWorld crowd = crowd_at(standing_in_a_river(), 30);
+    const MadeUpWater water = stream(0.5, 0);
+    for (int i = 0; i < 300; ++i) {
+        step(crowd, water.view());
+        REQUIRE(state_of(crowd) == PersonState::walking);
+    }
+    CHECK(crowd.agents.position[0] == Vector2d(50, 25));
+}
+
+TEST_CASE("In a metre of water at 2.5 m/s one slides after 0.1 s, topples at 0.3 s, is carried at 0.6 s, at any rate") {
+    const MadeUpWater water = stream(1, 2.5);
+    for (const double rate : rates) {
+        CrowdWorld crowd = crowd_at(standing_in_a_river(), rate);
+        std::array<double, person_states.size()> first{};
+        for (int i = 1; i <= rate; ++i) {
+            step(crowd, water.view());
+            double& time = first[static_cast<std::size_t>(state_of(crowd))];
+            if (time == 0) time = i / rate;
+        }
+        CAPTURE(rate);
+        const auto entered = [&](PersonState state) { return first[static_cast<std::size_t>(state)]; };
+        CHECK(entered(PersonState::sliding) == Approx(0.1).margin(1 / rate));
+        CHECK(entered(PersonState::toppled) == Approx(0.3).margin(1 / rate));
+        CHECK(entered(PersonState::carried) == Approx(0.6).margin(1.01 / rate));
+    }
+}
+
+TEST_CASE("Who slides goes as fast as drag and friction balance, and its tau is that of its slip demand") {
+    Scene scene = standing_in_a_river();
+    scene.crowd.groups[0].body.skill = Skill::braced;  // who slides before it topples
+    scene.crowd.groups[0].body.ground_friction = 0.3;
+    CrowdWorld crowd = crowd_at(scene, 30);
+    const MadeUpWater water = stream(0.7, 1.5);
+    for (int i = 0; i < 300; ++i) step(crowd, water.view());
+    const People& people = crowd.agents.people;
+    CHECK(state_of(crowd) == PersonState::sliding);
+    const double depth = people.depth[0];
+    CHECK(depth == Approx(0.7).epsilon(0.03));
+    const double k = drag_upright(1.7, depth, {}), grip = 0.3 * weight_on_feet({1.7, 65}, depth, {});
+    // Depth and so the balance change by up to 2 % as it passes the points of the lattice.
+    CHECK(crowd.agents.momentary[0].x() == Approx(-1.5 + std::sqrt(grip / k)).epsilon(0.05));
+    CHECK(crowd.agents.tau[0] == Approx(1 - grip / (k * 1.5 * 1.5)));
+}
+
+TEST_CASE("Drift, time to topple and arrival are the same at 15 to 120 steps a second") {
+    struct Run {
+        double drift = 0, toppled = 0, arrival = 0;
+    };
+    // A stream that grows for ten seconds, and somebody who crosses one of half a metre.
+    const auto run = [](double rate) {
+        Run result;
+        CrowdWorld stands = crowd_at(standing_in_a_river(), rate);
+        for (int i = 1; i <= 12 * rate; ++i) {
+            const double time = i / rate;
+            step(stands, stream(1, std::min(1.0, 0.1 * time) * 1.2).view());
+            const bool fell = state_of(stands) == PersonState::toppled;
+            if (fell && result.toppled == 0) result.toppled = time;
+        }
+        result.drift = 50 - stands.agents.position[0].x();
+        Scene scene = standing_in_a_river();
+        scene.crowd.groups[0].desired_speed = 1.3;
+        scene.crowd.groups[0].goal_z = 35;
+        scene.crowd.goal_radius = 0.5;
+        CrowdWorld crosses = crowd_at(scene, rate);
+        const MadeUpWater ford = stream(0.5, 1);
+        while (crosses.arrived == 0 && static_cast<double>(crosses.steps) < 60 * rate) step(crosses, ford.view());
+        result.arrival = static_cast<double>(crosses.steps) / rate;
+        return result;
+    };
+    const Run fine = run(120);
+    CHECK(fine.toppled > 5);
+    CHECK(fine.drift > 1);
+    CHECK(fine.arrival < 59);
+    for (const double rate : {15.0, 30.0, 60.0}) {
+        const Run other = run(rate);
+        CAPTURE(rate);
+        CHECK(other.toppled == Approx(fine.toppled).epsilon(0.02));
+        CHECK(other.drift == Approx(fine.drift).epsilon(0.02));
+        CHECK(other.arrival == Approx(fine.arrival).epsilon(0.02));
+    }
+}
+
+TEST_CASE("People walk slower in water, and as fast as before out of it") {
+    Scene scene = standing_in_a_river();
+    scene.crowd.groups[0].desired_speed = 1.3;
+    scene.crowd.groups[0].goal_z = 45;
+    const auto way_of = [](CrowdWorld& crowd, const MadeUpWater& water) {
+        for (int i = 0; i < 60; ++i) step(crowd, water.view());
+        const Vector2d from = crowd.agents.position[0];
+        for (int i = 0; i < 120; ++i) step(crowd, water.view());
+        return (crowd.agents.position[0] - from).norm();
+    };
+    CrowdWorld crowd = crowd_at(scene, 30), on_land = crowd_at(scene, 30);
+    const double dry = way_of(on_land, MadeUpWater{});
+    // 0.614 of the men of Li et al.; markers lead nobody quite straight.
+    CHECK(way_of(crowd, stream(0.35, 0)) == Approx(0.614 * dry).epsilon(0.05));
+    CHECK(crowd.agents.desired_speed[0] == Approx(0.614 * 1.3).epsilon(0.01));
+    CHECK(way_of(crowd, MadeUpWater{}) == Approx(dry).epsilon(0.05));
+    CHECK(crowd.agents.desired_speed[0] == Approx(1.3).epsilon(0.001));
+}
+
+TEST_CASE("Who has a given tau, or gets one, answers as the paper's, beside those who answer by their bodies") {
+    Scene scene = standing_in_a_river();
+    AgentGroup paper = scene.crowd.groups[0];
+    paper.name = "paper";
+    paper.start_x = 45;
+    paper.tau = 0.5;
+    scene.crowd.groups.push_back(paper);
+    Scene alone = scene;
+    alone.crowd.response = ResponseKind::paper;
+    alone.crowd.groups.erase(alone.crowd.groups.begin());
+    TauEvent event;
+    event.frame = 10;
+    event.agent = 0;
+    event.tau = 0;
+    scene.events.push_back(event);
+    CrowdWorld both = crowd_at(scene, 30), one = crowd_at(alone, 30);
+    const MadeUpWater water = stream(1, 1);
+    Vector2d at_event;
+    for (int i = 1; i <= 30; ++i) {
+        step(both, water.view());
+        step(one, water.view());
+        if (i == 9) at_event = both.agents.position[0];
+        REQUIRE(both.agents.position[1] == one.agents.position[0]);
+    }
+    CHECK(at_event.x() <= 50);
+    CHECK(both.agents.position[0].x() == Approx(at_event.x()).margin(0.05));
+    CHECK(both.agents.tau[0] == 0);
+}
+
+TEST_CASE("Who floats and cannot swim drowns after a minute and is dead, who can swim gets across") {
+    Scene scene = standing_in_a_river();
+    scene.crowd.groups[0].desired_speed = 1;
+    scene.crowd.groups[0].goal_z = 39;
+    CrowdWorld sinks = crowd_at(scene, 30);
+    scene.crowd.groups[0].body.can_swim = true;
+    CrowdWorld swims = crowd_at(scene, 30);
+    const MadeUpWater lake = stream(2, 0);
+    for (int i = 0; i < 62 * 30; ++i) {
+        step(sinks, lake.view());
+        step(swims, lake.view());
+    }
+    CHECK(sinks.dead == 1);
+    CHECK(state_name(sinks, 0) == "drowned");
+    CHECK(static_cast<double>(sinks.agents.end_step[0]) / 30 == Approx(60.3).margin(0.1));
+    CHECK(swims.arrived == 1);
+    CHECK(static_cast<double>(swims.agents.end_step[0]) / 30 ==
+          Approx(11 / std::sqrt(45 / drag_upright(1.7, 2, {}))).epsilon(0.1));
+}
+
+TEST_CASE("The water carries people over the fall, nobody walks over it") {
+    Scene scene = standing_in_a_river();
+    scene.crowd.groups[0].start_x = 3;
+    CrowdWorld crowd = crowd_at(scene, 30);
+    MadeUpWater water = uniform_water(0, 20, 15, 35, 1, 0.25, -2.5, 0);
+    for (int i = 0; i < 150; ++i) step(crowd, water.view());
+    CHECK(crowd.dead == 1);
+    CHECK(state_name(crowd, 0) == "dead");
+}
+
+TEST_CASE("People in water deeper than that of the flumes are counted") {
+    CrowdWorld deep = crowd_at(standing_in_a_river(), 30), shallow = crowd_at(standing_in_a_river(), 30);
+    const MadeUpWater deep_water = stream(1.3, 0.7), shallow_water = stream(0.7, 1.0);
+    for (int i = 0; i < 30; ++i) {
+        step(deep, deep_water.view());
+        step(shallow, shallow_water.view());
+    }
+    CHECK(deep.agents.people.beyond[0] > 0);
+    CHECK(shallow.agents.people.beyond[0] == 0);
+}
+
+TEST_CASE("Bodies, threads and how a step is divided do not keep people from answering") {
+    for (const BodyRule bodies : {BodyRule::none, BodyRule::fast, BodyRule::human}) {
+        Scene scene = standing_in_a_river();
+        AgentGroup& group = scene.crowd.groups[0];
+        group.columns = 5;
+        group.rows = 4;
+        group.count = 20;
+        group.start_x = 44;
+        group.start_z = 20;
+        group.desired_speed = 1.3;
+        scene.crowd.markers = MarkerRule::redrawn;
+        scene.crowd.bodies = bodies;
+        for (const double rate : {2.0, 30.0}) {
+            CrowdWorld crowd = crowd_at(scene, rate);
+            const MadeUpWater water = stream(1, 2.5);
+            for (int i = 0; i < 2 * rate; ++i) step(crowd, water.view());
+            for (const std::uint32_t id : crowd.active) {
+                CHECK(crowd.agents.position[id].allFinite());
+                CHECK(crowd.agents.velocity[id].x() < -1);
+            }
+        }
+    }
+}
