@@ -184,6 +184,41 @@ void check_ends(const Scene& scene, const std::vector<Place>& places, const std:
                " m with flow \"recirculating\" or \"periodic\", or a dry one: flow \"closed\" without water_blocks.");
 }
 
+// Mass over the square of the height, kg/m2: 8 and 100 are beyond what people lived with. Mass and height are drawn apart, so that the
+// heaviest may be the smallest.
+void check_body(const AgentGroup& group, const std::string& source, const std::string& pointer) {
+    constexpr double least = 8, most = 100;
+    const Spread &height = group.body.height, &mass = group.mass;
+    const auto look = [&](double m, double h) {
+        const double index = m / (h * h);
+        if (index >= least && index <= most) return;
+        refuse(source, pointer + "/mass_kg",
+               short_number(m) + " kg with a height of " + short_number(h) + " m is no body of a person, " +
+                   short_number(std::round(10 * index) / 10) +
+                   " kg/m2; allowed: " + short_number(std::round(10 * least * h * h) / 10) + " to " +
+                   short_number(std::round(10 * most * h * h) / 10) +
+                   " kg for this height, or groups of their own for children.");
+    };
+    look(mass.hi, height.lo);
+    look(mass.lo, height.hi);
+}
+
+// People feel the water within 1.5 spacings, and the crowd sorts it within 2 m of each.
+void check_measured(const Scene& scene, const std::string& source, Problems& problems) {
+    if (scene.crowd.response != ResponseKind::measured) return;
+    constexpr double widest = 2 / 1.5;
+    problems.attempt([&] {
+        if (scene.fluid.particle_spacing <= widest) return;
+        refuse(source, "/fluid/particle_spacing_m",
+               short_number(scene.fluid.particle_spacing) +
+                   " m: with the response measured people feel the water within "
+                   "1.5 spacings, and 2 m is the most; allowed: <= 1.3333 m.");
+    });
+    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
+        problems.attempt([&] { check_body(scene.crowd.groups[g], source, "/crowd/groups/" + std::to_string(g)); });
+    }
+}
+
 void check_ragdoll(const Scene& scene, const std::string& source) {
     const bool v_f_is_set = scene.channel.flow == Flow::emitter || scene.channel.flow == Flow::recirculating;
     if (scene.crowd.ragdoll.condition != RagdollCondition::paper || v_f_is_set) return;
@@ -236,6 +271,7 @@ void check_crowd(const Scene& scene, const std::string& source, Problems& proble
     problems.attempt([&] { check_ends(scene, places, source); });
     problems.attempt([&] { check_markers(scene.crowd, source); });
     problems.attempt([&] { check_ragdoll(scene, source); });
+    check_measured(scene, source, problems);
     problems.attempt([&] { check_sampling(scene.coupling, source); });
     for (std::size_t i = 0; i < scene.events.size(); ++i) {
         problems.attempt([&] { check_event(scene, i, places.size(), source); });

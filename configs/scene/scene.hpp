@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "configs/numbers/normal.hpp"
+
 namespace wade {
 
 struct Interval {
@@ -232,10 +234,9 @@ struct Spread {
 
     // The value for a random number u in [0, 1).
     [[nodiscard]] double at(double u) const {
-        if (lo < hi && sd > 0) return normal_at(u);
+        if (lo < hi && sd > 0) return normal_within(lo, hi, mean, sd, u);
         return lo < hi ? lo + (hi - lo) * u : lo;
     }
-    [[nodiscard]] double normal_at(double u) const;
     friend bool operator==(const Spread& spread, double value) { return spread.lo == value && spread.hi == value; }
 };
 

@@ -119,5 +119,38 @@ class Standing(SystemTest):
             self.assertEqual(client.run.outcome()["warnings"], [said[0].removeprefix("warning: ")])
 
 
+class Measured(SystemTest):
+    SETTINGS = (
+        "--set", "/crowd/response=measured",
+        "--set", "/crowd/skill=poor",
+        "--set", '/crowd/height_m={"min": 1.5, "max": 1.9}',
+    )  # fmt: skip
+
+    def test_people_answer_by_their_bodies_in_each_water_and_with_each_kind_of_body(self):
+        states = set()
+        for model, bodies in (
+            ("dfsph", "none"),
+            ("kinematic", "fast"),
+            ("shallow_water", "human"),
+            ("steering", "none"),
+            ("mixed", "none"),
+        ):
+            with self.subTest(model=model, bodies=bodies):
+                settings = ["--set", f"/fluid/model={model}", "--set", f"/crowd/bodies={bodies}", *self.SETTINGS]
+                settings += ["--set", "/crowd/markers=redrawn", "--set", "/coupling/agents_stream=serial"]
+                run = self.pair(*settings)
+                outcome, people = run.outcome(), run.agents()
+                self.assertEqual(sum(outcome["states"].values()), 6)
+                self.assertIn("drowned", outcome["states"])
+                self.assertEqual(set(outcome["beyond_measured"]), {"people", "time_s"})
+                heights = [float(a["height_m"]) for a in people]
+                self.assertTrue(all(1.5 <= h <= 1.9 for h in heights) and len(set(heights)) == 6)
+                self.assertEqual(outcome["dead"], sum(a["outcome"] == "dead" for a in people))
+                states |= {a["state"] for a in people}
+                # Half a metre a second in 1 m of water makes feet of friction 0.07 slip and topples who has them.
+                self.assertGreater(sum(float(a["max_depth_m"]) > 0.5 for a in people), 0)
+        self.assertTrue(states & {"sliding", "toppled", "carried", "recovering", "drowned", "dead"}, states)
+
+
 if __name__ == "__main__":
     unittest.main()

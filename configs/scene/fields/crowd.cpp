@@ -155,7 +155,8 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
         "How agents answer the water. paper: the momentum of the particles that touch them moves them, Eq. 6-9, by tau "
         "and "
         "/coupling/rule. measured: by their bodies, with drag, buoyancy and what their feet hold, as people in flumes; "
-        "they slide, topple, drift, get up and drown. Agents of a given tau, and those of an event, answer as paper.");
+        "they slide, topple, drift, get up and drown. Groups with a tau of their own, and whom an event gives one, "
+        "answer as paper.");
     f.choice("walking_in_water", crowd.walking_in_water,
              "Response measured, how fast people walk in water. relative: a share of their speed on dry ground. "
              "bernardini: speeds measured by age, never above that on dry ground.");
@@ -200,15 +201,16 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
              "agent.");
     f.object("paths", crowd.paths, "How often it is written where everybody is (trajectories.sqlite, ragdoll.csv).");
     AgentGroup of_crowd;  // what groups take that set none
-    if (crowd.response == ResponseKind::measured) of_crowd.tau.reset();
     f.shorthands([&] {
         f.spread("tau", of_crowd.tau, "", from(0).to(1),
-                 "tau of the groups that set none; with the response measured these answer by their bodies.");
+                 "tau of the groups that set none. With the response measured people of these answer by their bodies, "
+                 "and it is unused.");
         f.spread("mass_kg", of_crowd.mass, "kg", above(0).to(1000), "Mass of the agents of groups that set none.");
         f.number("desired_speed_m_s", of_crowd.desired_speed, "m/s", from(0).to(10),
                  "Desired speed of the agents of groups that set none.");
         fields(of_crowd.body, f, nullptr);
     });
+    if (crowd.response == ResponseKind::measured) of_crowd.tau.reset();  // their bodies tell
     f.list("groups", crowd.groups,
            "Groups of agents. Agents are numbered from 0 through all groups in order, in a group row by row.",
            [&](AgentGroup& group, Fields&) { fields(group, f, of_crowd); });

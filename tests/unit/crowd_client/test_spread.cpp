@@ -1,5 +1,6 @@
 // What is drawn for each agent: tau, mass, the deviation of the start.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
@@ -44,6 +45,43 @@ TEST_CASE("tau and mass fill their limits uniformly") {
     CHECK(tau == Approx(0.5).margin(tolerance));
     CHECK(mass == Approx(0.5).margin(tolerance));
     CHECK(product == Approx(0).margin(4 * (1.0 / 12) / std::sqrt(static_cast<double>(n))));
+}
+
+TEST_CASE("Normal values have their mean and deviation, and keep their limits") {
+    constexpr int n = 1800;
+    Scene scene = row_of(n);
+    scene.crowd.groups[0].body.height = {1.2, 2.2, 1.7, 0.1};
+    scene.crowd.groups[0].body.age = {20, 30, 0, 1000};  // as good as uniform
+    scene.crowd.groups[0].mass = {70, 80, 60, 5};        // the upper end of the values
+    const Agents agents = make_agents(scene);
+    double mean = 0, square = 0, age = 0;
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        const double height = agents.people.height[id];
+        REQUIRE((height >= 1.2 && height <= 2.2));
+        REQUIRE((agents.mass[id] >= 70 && agents.mass[id] <= 80));
+        mean += height / n;
+        square += (height - 1.7) * (height - 1.7) / n;
+        age += agents.people.age[id] / n;
+    }
+    // Four standard deviations of each.
+    CHECK(mean == Approx(1.7).margin(4 * 0.1 / std::sqrt(n)));
+    CHECK(std::sqrt(square) == Approx(0.1).margin(4 * 0.1 / std::sqrt(2.0 * n)));
+    CHECK(age == Approx(25).margin(4 * 10 / std::sqrt(12.0 * n)));
+}
+
+TEST_CASE("Half of the people are women unless the scene says otherwise, and a draw of bodies changes no other") {
+    Scene scene = row_of(400);
+    scene.crowd.groups[0].mass = {40, 100};
+    const Agents plain = make_agents(scene);
+    const auto women = [](const Agents& a) {
+        return std::count(a.people.sex.begin(), a.people.sex.end(), Sex::female);
+    };
+    CHECK(women(plain) == Approx(200).margin(40));  // four standard deviations
+    scene.crowd.groups[0].body.height = {1.5, 1.9};
+    scene.crowd.groups[0].body.sex = SexRule::female;
+    const Agents other = make_agents(scene);
+    CHECK(women(other) == 400);
+    CHECK(other.mass == plain.mass);
 }
 
 TEST_CASE("A draw depends on the seed and the agent alone") {

@@ -221,6 +221,40 @@ TEST_CASE("tau and mass are numbers or limits, of the crowd or of a group") {
     CHECK(wade::load_scene_text(loaded.canonical_json, "again.json").canonical_json == loaded.canonical_json);
 }
 
+TEST_CASE("people have bodies of the crowd or of their group, and values may be normal within limits") {
+    const std::string two =
+        crowd(group("a", 1, 1) + "," + group("b", 2, 2, R"(, "skill": "poor", "can_swim": true, "tau": 0.1)"));
+    const LoadedScene loaded =
+        load_patched(two, {"/crowd/response=measured", "/crowd/skill=braced", "/crowd/ground_friction=0.3",
+                           R"(/crowd/height_m={"min":1.5,"max":2,"mean":1.7,"sd":0.1})"});
+    const auto& groups = loaded.scene.crowd.groups;
+    CHECK((!groups.at(0).tau && groups.at(1).tau == 0.1));
+    CHECK((groups.at(0).body.skill == wade::Skill::braced && groups.at(1).body.skill == wade::Skill::poor));
+    CHECK((!groups.at(0).body.can_swim && groups.at(1).body.can_swim));
+    CHECK(groups.at(1).body.ground_friction == 0.3);
+    CHECK((groups.at(0).body.height.sd == 0.1 && groups.at(1).body.height.mean == 1.7));
+    CHECK(wade::load_scene_text(loaded.canonical_json, "again.json").canonical_json == loaded.canonical_json);
+    CHECK(load_patched(two, {"/crowd/response=measured", "/crowd/tau=0.4"}).scene.crowd.groups.at(0).tau == std::nullopt);
+    CHECK(load_patched(two, {}).scene.crowd.groups.at(0).tau == 0.0);
+}
+
+TEST_CASE("impossible bodies and unknown skills are refused by name, value and what is allowed") {
+    const std::string one = crowd(group("a", 1, 1));
+    const auto refused = [&](const std::string& set) { return refusal(one, {"/crowd/response=measured", set}); };
+    CHECK_THAT(refused("/crowd/skill=brave"), Contains("/crowd/skill: \"brave\" is not allowed; allowed: \"braced\""));
+    CHECK_THAT(refused("/crowd/height_m=3"), Contains("/crowd/height_m: 3") && Contains("<= 2.5 m"));
+    CHECK_THAT(refused("/crowd/height_m=0.1"), Contains("/crowd/height_m: 0.1") && Contains(">= 0.5"));
+    CHECK_THAT(refused("/crowd/mass_kg=20"), Contains("/crowd/groups/0/mass_kg: 20 kg with a height of 1.7 m") &&
+                                                 Contains("allowed: 23.1 to 289 kg"));
+    CHECK_THAT(refused("/crowd/mass_kg=300"), Contains("/crowd/groups/0/mass_kg: 300 kg"));
+    CHECK_THAT(refused(R"(/crowd/height_m={"min":0.7,"max":1.9})"), Contains("65 kg with a height of 0.7 m"));
+    CHECK_THAT(refused("/crowd/ground_friction=0"), Contains("/crowd/ground_friction: 0"));
+    CHECK_THAT(refused(R"(/crowd/height_m={"min":1.5,"max":2,"mean":1.7})"),
+               Contains("/crowd/height_m: of mean and sd there is one; allowed: both, or none"));
+    CHECK_THAT(refused("/fluid/particle_spacing_m=1.4"), Contains("/fluid/particle_spacing_m: 1.4 m"));
+    CHECK_NOTHROW(load_patched(one, {"/crowd/mass_kg=20"}));  // of the paper's response only the mass is asked
+}
+
 TEST_CASE("limits that are out of range, incomplete or the wrong way round are refused") {
     const std::string one = crowd(group("a", 1, 1));
     CHECK_THAT(refusal(one, {R"(/crowd/tau={"min":0.8,"max":0.4})"}),
