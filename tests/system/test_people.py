@@ -121,10 +121,13 @@ class Standing(SystemTest):
 
 class Measured(SystemTest):
     SETTINGS = (
-        "--set", "/crowd/response=measured",
-        "--set", "/crowd/skill=poor",
-        "--set", '/crowd/height_m={"min": 1.5, "max": 1.9}',
-    )  # fmt: skip
+        "--set",
+        "/crowd/response=measured",
+        "--set",
+        "/crowd/skill=poor",
+        "--set",
+        '/crowd/height_m={"min": 1.5, "max": 1.9}',
+    )
 
     def test_people_answer_by_their_bodies_in_each_water_and_with_each_kind_of_body(self):
         states = set()
