@@ -234,7 +234,8 @@ TEST_CASE("people have bodies of the crowd or of their group, and values may be 
     CHECK(groups.at(1).body.ground_friction == 0.3);
     CHECK((groups.at(0).body.height.sd == 0.1 && groups.at(1).body.height.mean == 1.7));
     CHECK(wade::load_scene_text(loaded.canonical_json, "again.json").canonical_json == loaded.canonical_json);
-    CHECK(load_patched(two, {"/crowd/response=measured", "/crowd/tau=0.4"}).scene.crowd.groups.at(0).tau == std::nullopt);
+    CHECK(load_patched(two, {"/crowd/response=measured", "/crowd/tau=0.4"}).scene.crowd.groups.at(0).tau ==
+          std::nullopt);
     CHECK(load_patched(two, {}).scene.crowd.groups.at(0).tau == 0.0);
 }
 
