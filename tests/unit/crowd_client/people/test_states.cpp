@@ -10,16 +10,16 @@ using namespace wade::crowd;
 
 namespace {
 
-constexpr double height = 1.7, arm = 0.09 * height, weight = 400;
+constexpr double height = 1.7, lever = 0.09 * height, weight = 400;
 
 // S and T as given, the same at rest, in water of a depth.
 Strain strain(double slip, double topple, double depth) {
     Strain s;
     s.slip = slip;
-    s.moment = s.moment_at_rest = topple * weight * arm;
+    s.moment = s.moment_at_rest = topple * weight * lever;
     s.weight = weight;
     s.height = height;
-    s.arm = arm;
+    s.arm = lever;
     s.depth = depth;
     return s;
 }
@@ -74,7 +74,7 @@ TEST_CASE("Each state is left for the next when its row says, at any rate of ste
         Row{S::afloat, strain(0, 0, 0.79 * height), S::recovering, 0}, Row{S::afloat, swimming(2), S::afloat, 1000},
         Row{S::afloat, swimming(0.79 * height), S::recovering, 0}, Row{S::carried, swimming(1.6), S::afloat, 0},
         Row{S::carried, strain(0, 3, 0.24 * height), S::recovering, 0},
-        // T of who sits is that of who stands times arm / 0.25 H = 0.36.
+        // T of who sits is that of who stands times lever / 0.25 H = 0.36.
         Row{S::carried, strain(0, 0.49 / 0.36, 0.59 * height), S::recovering, 0},
         Row{S::carried, strain(0, 0.51 / 0.36, 0.59 * height), S::drowned, 60},
         Row{S::carried, strain(0, 0, 0.61 * height), S::drowned, 60},

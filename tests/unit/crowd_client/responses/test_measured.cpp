@@ -83,9 +83,9 @@ TEST_CASE("Who slides goes as fast as drag and friction balance, and its tau is 
     CrowdWorld crowd = crowd_at(scene, 30);
     const MadeUpWater water = stream(0.7, 1.5);
     for (int i = 0; i < 300; ++i) step(crowd, water.view());
-    const People& people = crowd.agents.people;
+    const wade::crowd::People& them = crowd.agents.people;
     CHECK(state_of(crowd) == PersonState::sliding);
-    const double depth = people.depth[0];
+    const double depth = them.depth[0];
     CHECK(depth == Approx(0.7).epsilon(0.03));
     const double k = drag_upright(1.7, depth, {}), grip = 0.3 * weight_on_feet({1.7, 65}, depth, {});
     // Depth and so the balance change by up to 2 % as it passes the points of the lattice.
