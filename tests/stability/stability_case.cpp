@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "configs/loading/scene_loader.hpp"
@@ -54,7 +56,10 @@ Scene scene_for(const Request& request, const std::string& name, const std::vect
         for (const std::string& text : quick_overrides) overrides.push_back(parse_override(text));
     }
     for (const std::string& text : request.overrides) overrides.push_back(parse_override(text));
-    return load_scene(std::filesystem::path(WADE_CONFIGS) / "stability" / (name + ".json"), overrides).scene;
+    const std::filesystem::path file = std::filesystem::path(WADE_CONFIGS) / "stability" / (name + ".json");
+    if (std::filesystem::exists(file)) return load_scene(file, overrides).scene;
+    std::ifstream scenes(WADE_HARD_SCENES);
+    return load_scene_text(nlohmann::json::parse(scenes, nullptr, true, true).at(name).dump(), file, overrides).scene;
 }
 
 void check_at_most(Result& result, const std::string& name, double value, double limit) {

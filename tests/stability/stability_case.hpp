@@ -78,7 +78,7 @@ struct Case {
 // All cases, in the order of the report.
 const std::vector<Case>& all_cases();
 
-// configs/stability/NAME.json with the overrides of the case's quick form, if that is asked for, then the request's.
+// configs/stability/NAME.json, or NAME of tests/stability/scenes.json, with the overrides of the case's quick form, if that is asked for, then the request's.
 Scene scene_for(const Request& request, const std::string& name, const std::vector<std::string>& quick_overrides = {});
 
 // Adds a check whose rule is "value <= limit".

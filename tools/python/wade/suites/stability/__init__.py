@@ -14,7 +14,7 @@ from wade.reports.files import complain, publish, say
 from wade.reports.jobs import Fingerprints, Job, do_all, end_children_on_signals, read_result
 from wade.suites.stability import report, results
 
-INPUTS = ("configs/stability/*.json", "configs/scene.schema.json")
+INPUTS = ("configs/stability/*.json", "tests/stability/scenes.json", "configs/scene.schema.json")
 
 
 def parse(arguments):
