@@ -60,6 +60,8 @@ COMMANDS = {
     "Judge the crowd": (
         Command("verify-crowd", "tests of ISO 20414, RiMEA and IMO, doors, counter-flow, water", "wade.suites.verify_crowd",
                 ("validate",), True),
+        Command("stability-of-people", "when water takes people off their feet, beside flumes",
+                "wade.suites.stability_of_people", (*PAIR, "person_demands"), True),
     ),
     "Measure speed": (
         Command("bench", "what each part costs on this machine", "wade.suites.bench",
