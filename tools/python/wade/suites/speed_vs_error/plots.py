@@ -34,7 +34,7 @@ def plot_name(group):
     return f"{group.case}-{group.metric.rstrip('_*')}.png"
 
 
-PLOTTED = ("impulse_river", "impulse_front", "dam_break")
+PLOTTED = ("impulse_front",)
 
 
 def has_plot(group):

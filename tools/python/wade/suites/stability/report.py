@@ -41,28 +41,6 @@ def draw_map(cases, found, file):
     plots.save(figure, file, dpi=90)
 
 
-def draw_sweep(found, sweep, label, file):
-    """Compression and energy over the swept value; crosses where a rule is broken."""
-    figure, panels = plots.panels(2, (4.1, 3.2),
-                                  [(label, "largest mean compression, %"), (label, "energy over energy put in")])
-    for case in results.SWEPT_CASES:
-        runs = {float(v): run for v in results.SWEEPS[sweep][1]
-                if (run := found.get((case, results.sweep_name(sweep, v))))}
-        for axes, key, factor in ((panels[0], "mean_density_error", 100), (panels[1], "energy_ratio", 1)):
-            (line,) = axes.plot(list(runs), [factor * float(run[key]) for run in runs.values()], label=case,
-                                linewidth=1)
-            for x, run in runs.items():
-                mark = "o" if results.is_stable(run) else "x"
-                axes.plot(x, factor * float(run[key]), mark, color=line.get_color(), markersize=5)
-    panels[0].set_yscale("log")
-    for axes, limit in zip(panels, (1, 1.05)):
-        axes.axhline(limit, color="grey", linestyle=":")
-        axes.set_xscale("log" if sweep == "tolerance" else "linear")
-    panels[0].legend(fontsize=8)
-    figure.tight_layout()
-    plots.save(figure, file, dpi=90)
-
-
 def case_table(cases, found):
     rows = []
     for case in cases:
@@ -110,12 +88,10 @@ def sweep_table(found, sweep, what):
 def write(cases, found, known, form, fingerprint, folder):
     draw_map(cases, found, folder / "verdicts.png")
     sweeps = []
-    for sweep, what, label in (("cfl", "CFL factor", "fluid.cfl"), ("tolerance", "tolerance", "density tolerance")):
+    for sweep, what in (("cfl", "CFL factor"), ("tolerance", "tolerance")):
         if any(key[1].startswith(f"sweep_{sweep}_") for key in found):
-            draw_sweep(found, sweep, label, folder / f"sweep_{sweep}.png")
             sweeps.append(section(f"Sweep of the {what}", STABLE + (CFL if sweep == "cfl" else ""),
-                                  sweep_table(found, sweep, what), f"![Sweep](sweep_{sweep}.png)",
-                                  "A cross marks a run that breaks a rule; dotted: the rules."))
+                                  sweep_table(found, sweep, what)))
     made = f"Form: {form}. Program and scenes: {fingerprint}. Machine: {processor()}."
     passing = "\n".join(f"* {line}" for line in results.now_pass(found, known))
     write_whole(folder / "report.md", document(
