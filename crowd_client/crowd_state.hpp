@@ -12,6 +12,7 @@
 #include "crowd_client/agents.hpp"
 #include "crowd_client/bodies/bodies.hpp"
 #include "crowd_client/markers/biocrowds.hpp"
+#include "crowd_client/people/links.hpp"
 #include "crowd_client/responses/response.hpp"
 #include "crowd_client/step_times.hpp"
 #include "crowd_client/water/ragdoll.hpp"
@@ -40,6 +41,7 @@ struct CrowdWorld {
     Markers markers;
     Walls walls;
     Navigation navigation;                     // empty where people go straight
+    std::vector<Link> links;                   // of those who hold one another, in the order in which they took hold
     std::optional<Feeling> feeling;            // of who feels the water; none with the response paper
     std::shared_ptr<const Response> response;  // to the water; has no state, so that copies of a crowd share it
     int threads = 1;  // at most that many walk the crowd; the results are the same for any number

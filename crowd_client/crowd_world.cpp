@@ -5,6 +5,7 @@
 
 #include "configs/scene/scene_frames.hpp"
 #include "crowd_client/crowd_motion.hpp"
+#include "crowd_client/hands.hpp"
 #include "crowd_client/standing.hpp"
 #include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_met.hpp"
@@ -181,6 +182,10 @@ void respond_to_water(const Step& step) {
                             crowd.next);
 }
 
+void hold(const Step& step) {
+    hold_hands(step.crowd);
+}
+
 void move(const Step& step) {
     move_agents(step.crowd);
 }
@@ -233,6 +238,7 @@ constexpr std::array stages{
     Stage{"walking", choose_walking_velocities},                // Eq. 4
     Stage{"footing", judge_footing},
     Stage{"response", respond_to_water},  // Eq. 6-9
+    Stage{"hands", hold},
     Stage{"motion", move},
     Stage{"standing", look_who_stands, When::once},
     Stage{"outcomes", judge_outcomes},

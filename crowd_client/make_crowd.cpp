@@ -7,6 +7,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/choices.hpp"
 #include "crowd_client/crowd_world.hpp"
+#include "crowd_client/hands.hpp"
 #include "crowd_client/responses/registry.hpp"
 #include "crowd_client/start_warnings.hpp"
 #include "crowd_client/water/contacts.hpp"
@@ -77,6 +78,7 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water = empty_bins(scene);
     if (scene.crowd.response == ResponseKind::measured) crowd.feeling = make_feeling(scene);
+    crowd.links = links_of_scene(scene, crowd.agents);
     crowd.response = make_response(name_of(scene.crowd.response), scene);
     return crowd;
 }

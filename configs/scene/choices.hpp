@@ -116,6 +116,15 @@ struct Words<SexRule> {
         {{"any", SexRule::any}, {"female", SexRule::female}, {"male", SexRule::male}}};
 };
 template <>
+struct Words<HandInHand> {
+    static constexpr std::array<Named<HandInHand>, 3> all{
+        {{"none", HandInHand::none}, {"along_x", HandInHand::along_x}, {"along_z", HandInHand::along_z}}};
+};
+template <>
+struct Words<Hold> {
+    static constexpr std::array<Named<Hold>, 2> all{{{"hands", Hold::hands}, {"arms", Hold::arms}}};
+};
+template <>
 struct Words<Skill> {
     static constexpr std::array<Named<Skill>, 5> all{{{"braced", Skill::braced},
                                                       {"good", Skill::good},

@@ -257,6 +257,12 @@ struct BodySettings {
     bool can_swim = false;
 };
 
+enum class HandInHand { none, along_x, along_z };  // who hold one another: neighbours on the start grid
+enum class Hold {
+    hands,  // pull
+    arms    // across backs, also push
+};
+
 struct AgentGroup {
     std::string name;
     int columns = 1, rows = 1;  // start grid, columns along x, rows along z
@@ -268,6 +274,8 @@ struct AgentGroup {
     Spread mass = 65;
     std::optional<Spread> tau = 0;  // endurance in [0, 1]: 0 is not moved by the water; none: their bodies tell
     BodySettings body;
+    HandInHand hand_in_hand = HandInHand::none;
+    Hold hold = Hold::hands;
 };
 
 enum class RagdollCondition { off, paper, local_speed, depth_speed };
@@ -319,6 +327,7 @@ enum class WalkingLaw {  // how much slower people walk in water
 struct Crowd {
     ResponseKind response = ResponseKind::paper;
     WalkingLaw walking_in_water = WalkingLaw::relative;
+    bool helping = false;  // who stands takes hold of whom the water carries past
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second
     int markers_per_cell = 64;  // in a cell of 2 x 2 m

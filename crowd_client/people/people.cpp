@@ -49,6 +49,7 @@ Strain strain_of(const People& people, std::size_t id, double mass, const Vector
     e.arm = people.arm[id];
     e.depth = depth;
     e.can_swim = people.can_swim[id] != 0;
+    e.hold = people.hold[id];
     return e;
 }
 
@@ -92,6 +93,7 @@ void add_person(People& people, const AgentGroup& group, bool by_body, const std
     people.wanted.push_back(Vector2d::Zero());
     people.slip.push_back(0);
     people.topple.push_back(0);
+    people.hold.push_back(0);
     people.condition.push_back({});
     people.beyond.push_back(0);
 }
@@ -134,25 +136,25 @@ void note_condition(People& people, std::size_t id, double mass, const Vector2d&
     if (is_beyond_measured(condition, people.depth[id])) people.beyond[id] += felt.dt;
 }
 
-PersonStep step_person(const People& people, std::size_t id, double mass, const Vector2d& velocity,
-                       const Vector2d& wanted, const WaterProperties& water, const FeltStep& felt) {
+PersonInWater person_in_water(const People& people, std::size_t id, double mass, const Vector2d& wanted,
+                              const WaterProperties& water, const FeltStep& felt) {
     const double height = people.height[id];
     const PersonState state = people.condition[id].state;
-    if (state == PersonState::toppled || state == PersonState::carried || state == PersonState::drowned) {
+    PersonInWater person;
+    person.stream = felt.stream;
+    person.has_ground = has_ground(state);
+    if (!person.has_ground && state != PersonState::afloat) {
         constexpr double thickness = 0.25;  // of a body that lies, m
         const double share = std::min(1.0, felt.depth / thickness);
-        return step_carried(drag_lying(felt.depth, water), mass_with_water(mass, share, water), velocity,
-                            Vector2d::Zero(), felt.stream, felt.dt);
+        person.footing = {drag_lying(felt.depth, water), mass_with_water(mass, share, water), 0};
+        return person;
     }
-    const double share = submerged_share(height, felt.depth), k = drag_upright(height, felt.depth, water);
-    const double with_water = mass_with_water(mass, share, water);
-    if (state == PersonState::afloat) {
-        const double force = people.can_swim[id] != 0 ? swimming_force : 0;
-        return step_carried(k, with_water, velocity, force * unit_or(wanted, Vector2d::Zero()), felt.stream, felt.dt);
-    }
+    const double share = submerged_share(height, felt.depth);
     const double grip = people.friction[id] * weight_on_feet(body_of(people, id, mass), felt.depth, water);
-    const Vector2d to = state == PersonState::recovering ? Vector2d(0, 0) : wanted;
-    return step_on_feet({k, with_water, grip}, velocity, to, felt.stream, felt.dt);
+    person.footing = {drag_upright(height, felt.depth, water), mass_with_water(mass, share, water), grip};
+    if (state != PersonState::recovering) person.wanted = wanted;
+    if (people.can_swim[id] != 0) person.swimming = swimming_force * unit_or(wanted, Vector2d::Zero());
+    return person;
 }
 
 }  // namespace wade::crowd

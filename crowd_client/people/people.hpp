@@ -25,6 +25,7 @@ struct People {
     std::vector<Vector2d> wanted;  // walking velocity, m/s
     std::vector<double> slip;      // S
     std::vector<double> topple;    // T
+    std::vector<double> hold;      // M_hold of those it holds on to who stand, N m; 0 for most
     std::vector<Condition> condition;
     std::vector<double> beyond;  // time on its feet beyond what was measured, s
 
@@ -61,8 +62,8 @@ void feel(People& people, std::size_t id, const FeltStep& felt);
 void note_condition(People& people, std::size_t id, double mass, const Vector2d& velocity, const Vector2d& wanted,
                     const WaterProperties& water, const FeltStep& felt);
 
-// The next velocity, and what ground and water give; stream and depth as felt, raw.
-[[nodiscard]] PersonStep step_person(const People& people, std::size_t id, double mass, const Vector2d& velocity,
-                                     const Vector2d& wanted, const WaterProperties& water, const FeltStep& felt);
+// The person as it is in the step, wanting to walk at `wanted`; stream and depth as felt, raw.
+[[nodiscard]] PersonInWater person_in_water(const People& people, std::size_t id, double mass, const Vector2d& wanted,
+                                            const WaterProperties& water, const FeltStep& felt);
 
 }  // namespace wade::crowd

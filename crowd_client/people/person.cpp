@@ -68,13 +68,15 @@ double tau_of(double slip_demand) {
 }
 
 PersonStep step_on_feet(const Footing& footing, const Vector2d& velocity, const Vector2d& wanted,
-                        const Vector2d& stream, double dt) {
+                        const Vector2d& stream, double dt, const Vector2d& pulls) {
     const Vector2d aim = wanted + (velocity - wanted) * std::exp(-dt / stepping_time);
     const Vector2d drag = drag_of(footing.k, stream - aim);
-    const Vector2d ground = footing.mass * (aim - velocity) / dt - drag;
+    const Vector2d ground = footing.mass * (aim - velocity) / dt - drag - pulls;
     const double force = std::sqrt(ground.squaredNorm());
     if (force <= footing.grip) return {aim, dt * ground, dt * drag, false};
-    PersonStep step = in_the_drag(footing.k, footing.mass, velocity, footing.grip / force * ground, stream, dt);
+    const Vector2d held = footing.grip / force * ground;
+    PersonStep step = in_the_drag(footing.k, footing.mass, velocity, held + pulls, stream, dt);
+    step.ground = dt * held;
     step.slides = true;
     return step;
 }
@@ -82,6 +84,12 @@ PersonStep step_on_feet(const Footing& footing, const Vector2d& velocity, const 
 PersonStep step_carried(double k, double mass, const Vector2d& velocity, const Vector2d& force, const Vector2d& stream,
                         double dt) {
     return in_the_drag(k, mass, velocity, force, stream, dt);
+}
+
+PersonStep step_in_water(const PersonInWater& person, const Vector2d& velocity, const Vector2d& pulls, double dt) {
+    const Footing& footing = person.footing;
+    if (person.has_ground) return step_on_feet(footing, velocity, person.wanted, person.stream, dt, pulls);
+    return step_carried(footing.k, footing.mass, velocity, person.swimming + pulls, person.stream, dt);
 }
 
 double walking_speed_ratio(Sex sex, double depth, double speed, double gravity) {

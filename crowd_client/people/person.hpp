@@ -58,10 +58,11 @@ struct Body {
 // A step of who has the ground under the feet. Legs push the ground with at most mu N in any direction:
 //
 //   v_a = v_w + (v - v_w) exp(-dt / t_w)                       where the legs want to be
-//   G   = M (v_a - v) / dt - k |U - v_a| (U - v_a)             the force of the ground that takes them there
+//   G   = M (v_a - v) / dt - k |U - v_a| (U - v_a) - E         the force of the ground that takes them there
 //   |G| <= mu N:  v' = v_a
-//   else:         G *= mu N / |G|,  M (v' - v) / dt = G + k |U - v'| (U - v')    solved for v': no step is too long
+//   else:         G *= mu N / |G|,  M (v' - v) / dt = G + E + k |U - v'| (U - v')    solved for v': no step is too long
 //
+// E: of those who hold on to one, N.
 // Drag and legs are one step, not one after the other, so that a person who slides has the same velocity with any step.
 struct Footing {
     double k = 0;     // of the drag, kg/m
@@ -75,11 +76,22 @@ struct PersonStep {
     bool slides = false;
 };
 [[nodiscard]] PersonStep step_on_feet(const Footing& footing, const Vector2d& velocity, const Vector2d& wanted,
-                                      const Vector2d& stream, double dt);
+                                      const Vector2d& stream, double dt, const Vector2d& pulls = Vector2d::Zero());
 
-// A step without ground: M dv/dt = k |u| u + force, implicit in the drag. force: of a swimmer, N.
+// A step without ground: M dv/dt = k |u| u + force, implicit in the drag. force: of a swimmer and of those who hold him, N.
 [[nodiscard]] PersonStep step_carried(double k, double mass, const Vector2d& velocity, const Vector2d& force,
                                       const Vector2d& stream, double dt);
+
+// A person in a step: what it stands in and wants.
+struct PersonInWater {
+    Footing footing;
+    bool has_ground = true;
+    Vector2d wanted = Vector2d::Zero();    // velocity, m/s; of who has ground
+    Vector2d swimming = Vector2d::Zero();  // force, N; of who has none
+    Vector2d stream = Vector2d::Zero();    // U felt, m/s
+};
+[[nodiscard]] PersonStep step_in_water(const PersonInWater& person, const Vector2d& velocity, const Vector2d& pulls,
+                                       double dt);
 
 enum class Sex : std::uint8_t { female, male };
 

@@ -15,9 +15,9 @@ constexpr double posture_time = 1;                                              
 constexpr std::array posture_arm{0.25, 0.15, 0.08};  // of H: sit, kneel, squat [A]; then that of who stands
 constexpr double breathes_in = 3;                    // as fast as air is used up
 
-double demand(double moment, double weight, double arm) {
+double demand(double moment, double held) {
     if (!(moment > 0)) return 0;
-    return weight * arm > 0 ? moment / (weight * arm) : std::numeric_limits<double>::infinity();
+    return held > 0 ? moment / held : std::numeric_limits<double>::infinity();
 }
 
 // Whether a time is over, to the nearest step.
@@ -42,15 +42,16 @@ PersonState on_feet(const Condition& now, const Strain& e, double dt) {
 PersonState carried_on(const Strain& e) {
     if (e.can_swim && e.depth >= chin * e.height) return PersonState::afloat;
     const bool can_sit =
-        e.depth < may_sit * e.height && demand(e.moment_at_rest, e.weight, posture_arm[0] * e.height) < sits_below;
-    return e.depth < lies * e.height || can_sit ? PersonState::recovering : PersonState::carried;
+        e.depth < may_sit * e.height && demand(e.moment_at_rest, e.weight * posture_arm[0] * e.height) < sits_below;
+    if (e.depth < lies * e.height || can_sit) return PersonState::recovering;
+    return e.hold > 0 ? PersonState::holding : PersonState::carried;
 }
 
 PersonState getting_up(const Condition& now, const Strain& e, double dt) {
     if (e.depth >= chin * e.height) return PersonState::afloat;
     const auto posture = static_cast<std::size_t>(now.in_state / posture_time);
     const double arm = posture < posture_arm.size() ? posture_arm[posture] * e.height : e.arm;
-    if (demand(e.moment_at_rest, e.weight, arm) >= 1) return PersonState::carried;
+    if (demand(e.moment_at_rest, e.weight * arm) >= 1) return PersonState::carried;
     const bool is_up = over(now.in_state, posture_time * static_cast<double>(posture_arm.size() + 1), dt);
     return is_up ? PersonState::effort : PersonState::recovering;
 }
@@ -60,7 +61,6 @@ PersonState next_state(const Condition& now, const Strain& e, double dt) {
         case PersonState::walking:
         case PersonState::effort:
         case PersonState::sliding:
-        case PersonState::holding:
             return on_feet(now, e, dt);
         case PersonState::toppled:
             return over(now.in_state, lost_time, dt) ? PersonState::carried : now.state;
@@ -68,6 +68,7 @@ PersonState next_state(const Condition& now, const Strain& e, double dt) {
             if (e.depth < ground_again * e.height) return PersonState::recovering;
             return !e.can_swim && over(now.in_state, lost_time, dt) ? PersonState::carried : now.state;
         case PersonState::carried:
+        case PersonState::holding:
             return now.air > 0 ? carried_on(e) : PersonState::drowned;
         case PersonState::recovering:
             return getting_up(now, e, dt);
@@ -80,7 +81,7 @@ PersonState next_state(const Condition& now, const Strain& e, double dt) {
 }  // namespace
 
 double topple_demand(const Strain& e) {
-    return demand(e.moment, e.weight, e.arm);
+    return demand(e.moment, e.weight * e.arm + e.hold);
 }
 
 Condition next_condition(const Condition& before, const Strain& e, double dt) {

@@ -9,12 +9,13 @@
 //   afloat      upright, no ground     h >= 0.87 H, the chin           h < 0.8 H: recovering; after 0.3 s who cannot swim: carried
 //   carried     a lying body           see toppled, afloat             h < 0.25 H, or h < 0.6 H and T(sit) < 0.5: recovering;
 //                                                                      who can swim at h >= 0.87 H: afloat
+//   holding     the same, held         carried, and somebody holds     as carried; let go: carried
+//                                      on to it who stands
 //   recovering  sits, kneels, squats,  see carried                     T of the posture >= 1: carried; after 4 s: on its feet
 //               stands up, 1 s each [A]
 //   drowned                            carried at h >= 0.25 H with no air left                        never
 //
-// Air lasts for 60 s [A]; else it is taken in three times as fast. Times end with the step that is nearest. Who holds on to
-// something or somebody (`holding`) is named for files; nothing leads there yet without a hold.
+// Air lasts for 60 s [A]; else it is taken in three times as fast. Times end with the step that is nearest.
 
 #include <array>
 #include <cstdint>
@@ -57,6 +58,7 @@ struct Strain {
     double height = 1.7;        // H, m
     double arm = 0;             // lambda H, m
     double depth = 0;           // h, m
+    double hold = 0;            // M_hold, N m, of somebody who stands and is held on to
     bool can_swim = false;
 };
 
@@ -68,7 +70,7 @@ struct Strain {
 
 [[nodiscard]] inline bool has_ground(PersonState state) {
     return state != PersonState::toppled && state != PersonState::afloat && state != PersonState::carried &&
-           state != PersonState::drowned;
+           state != PersonState::holding && state != PersonState::drowned;
 }
 
 }  // namespace wade::crowd

@@ -26,11 +26,12 @@ class Measured final : public Response {
             if (is_by_tau(id)) continue;
             const FeltStep felt{crowd.felt[k].depth, crowd.felt[k].velocity, crowd.dt};
             const Vector2d& before = agents.momentary[id];
-            const Vector2d after =
-                step_person(agents.people, id, agents.mass[id], before, crowd.walking[k], water_, felt).velocity;
+            const PersonInWater person =
+                person_in_water(agents.people, id, agents.mass[id], crowd.walking[k], water_, felt);
+            const Vector2d after = step_in_water(person, before, Vector2d::Zero(), crowd.dt).velocity;
             next.at_end[k] = after;
             // Bodies without ground gain speed for seconds: the mean of both ends puts them where short steps would.
-            next.mean[k] = has_ground(agents.people.condition[id].state) ? after : Vector2d(0.5 * (before + after));
+            next.mean[k] = person.has_ground ? after : Vector2d(0.5 * (before + after));
         }
     }
 

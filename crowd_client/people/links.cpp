@@ -1,0 +1,83 @@
+#include "crowd_client/people/links.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wade::crowd {
+namespace {
+
+constexpr double stiffness = 2000, damping = 400;  // K, N/m; c, N s/m
+constexpr double patience = 0.3;                   // s, of a grip
+constexpr int rounds = 4, halvings = 40;
+
+// One link between two people who feel the pulls of all their other links.
+class Pair {
+ public:
+    Pair(LinkedPerson& a, LinkedPerson& b, const Vector2d& way, double pull, double dt)
+        : a_(a),
+          b_(b),
+          dt_(dt),
+          length_(std::sqrt(way.squaredNorm())),
+          along_(unit_or(way, Vector2d(1, 0))),
+          others_a_(a.pulls - pull * along_),
+          others_b_(b.pulls + pull * along_) {}
+
+    // K (L' - rest) + c dL'/dt if the link pulls with T; falls with T.
+    [[nodiscard]] double asked(double pull) {
+        a_.pulls = others_a_ + pull * along_;
+        b_.pulls = others_b_ - pull * along_;
+        a_.next = step_in_water(a_.person, a_.velocity, a_.pulls, dt_).velocity;
+        b_.next = step_in_water(b_.person, b_.velocity, b_.pulls, dt_).velocity;
+        const double growth = (b_.next - a_.next).dot(along_);
+        return stiffness * (length_ + dt_ * growth - link_length) + damping * growth;
+    }
+
+ private:
+    LinkedPerson &a_, &b_;
+    double dt_;
+    double length_;
+    Vector2d along_, others_a_, others_b_;
+};
+
+// The T that asks for itself, between what the link pushes and pulls at most.
+void solve(Link& link, Pair pair) {
+    double lo = link.pushes ? -link.grip : 0, hi = link.grip;
+    if (pair.asked(hi) >= hi) {
+        link.pull = hi;
+        return;
+    }
+    if (pair.asked(lo) <= lo) {
+        link.pull = lo;
+        return;
+    }
+    for (int i = 0; i < halvings; ++i) {
+        const double middle = 0.5 * (lo + hi);
+        (pair.asked(middle) > middle ? lo : hi) = middle;
+    }
+    link.pull = 0.5 * (lo + hi);
+    static_cast<void>(pair.asked(link.pull));
+}
+
+}  // namespace
+
+void pull_links(std::span<LinkedPerson> people, std::span<Link> links, std::span<const LinkPlaces> places, double dt) {
+    for (LinkedPerson& person : people) person.pulls.setZero();
+    for (std::size_t i = 0; i < links.size(); ++i) {  // from the pulls of the step before
+        const Vector2d pull = links[i].pull * unit_or(places[i].way, Vector2d(1, 0));
+        people[places[i].a].pulls += pull;
+        people[places[i].b].pulls -= pull;
+    }
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t i = 0; i < links.size(); ++i) {
+            const LinkPlaces& place = places[i];
+            solve(links[i], Pair(people[place.a], people[place.b], place.way, links[i].pull, dt));
+        }
+    }
+    for (Link& link : links) link.overdue = link.pull >= link.grip ? link.overdue + dt : 0;
+}
+
+bool lets_go(const Link& link, double dt) {
+    return link.overdue >= patience - 0.5 * dt;
+}
+
+}  // namespace wade::crowd

@@ -1,0 +1,122 @@
+// People of a crowd who hold one another, in even streams.
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+#include "crowd_client/crowd_world.hpp"
+#include "crowd_client/hands.hpp"
+#include "made_up_water.hpp"
+
+using namespace wade;
+using namespace wade::crowd;
+using wade::crowd::testing::MadeUpWater;
+using wade::crowd::testing::one_agent_scene;
+using wade::crowd::testing::uniform_water;
+
+namespace {
+
+MadeUpWater stream(double speed, double depth = 1) {
+    MadeUpWater water = uniform_water(20, 62, 15, 40, 0.25, 0.25, -speed, 0);
+    for (float& mass : water.mass) mass *= static_cast<float>(4 * depth);
+    return water;
+}
+
+// `count` men of normal skill stand side by side across the stream.
+Scene side_by_side(int count, HandInHand hands) {
+    Scene scene = one_agent_scene(50, 25, 50, 25, 0);
+    scene.fluid.particle_spacing = 0.25;
+    scene.crowd.response = ResponseKind::measured;
+    scene.crowd.goal_radius = 1e-9;
+    AgentGroup& group = scene.crowd.groups[0];
+    group.tau.reset();
+    group.desired_speed = 0;
+    group.body.sex = SexRule::male;
+    group.rows = group.count = count;
+    group.pitch_z = 0.7;
+    group.hand_in_hand = hands;
+    group.goal_x = 60;
+    return scene;
+}
+
+// How many lose their feet within a time.
+std::size_t fallen(const Scene& scene, const MadeUpWater& water, double time) {
+    CrowdWorld crowd = make_crowd(scene);
+    std::set<std::size_t> ids;
+    for (int i = 0; i < time * scene.crowd.step_rate; ++i) {
+        step(crowd, water.view());
+        for (std::size_t id = 0; id < crowd.agents.size(); ++id) {
+            if (!has_ground(crowd.agents.people.condition[id].state)) ids.insert(id);
+        }
+    }
+    return ids.size();
+}
+
+}  // namespace
+
+TEST_CASE("Links of a group join neighbours of its start grid, along x or along z") {
+    Scene scene = side_by_side(5, HandInHand::along_z);
+    scene.crowd.groups.push_back(scene.crowd.groups[0]);
+    AgentGroup& group = scene.crowd.groups[1];
+    group.start_x = 40;
+    group.columns = 3;
+    group.rows = 2;
+    group.count = 5;
+    group.pitch_x = 0.7;
+    group.hand_in_hand = HandInHand::along_x;
+    group.hold = Hold::arms;
+    const CrowdWorld crowd = make_crowd(scene);
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    for (const Link& link : crowd.links) pairs.emplace_back(link.a, link.b);
+    CHECK(pairs ==
+          std::vector<std::pair<std::uint32_t, std::uint32_t>>{{0, 1}, {1, 2}, {2, 3}, {3, 4}, {5, 6}, {6, 7}, {8, 9}});
+    CHECK(!crowd.links[0].pushes);
+    CHECK(crowd.links[4].pushes);
+    CHECK(crowd.links[0].grip == grip_of_men);
+    scene.crowd.groups[1].body.sex = SexRule::female;
+    CHECK(make_crowd(scene).links[4].grip == grip_of_women);
+}
+
+// Alone one topples at 0.874 m/s and slides at 1.060 m/s, in 1 m of water.
+TEST_CASE("Hand in hand people stand in a stream that topples each alone, until they slide") {
+    CHECK(fallen(side_by_side(3, HandInHand::none), stream(0.97), 5) == 3);
+    CHECK(fallen(side_by_side(3, HandInHand::along_z), stream(0.97), 5) == 0);
+    CHECK(fallen(side_by_side(3, HandInHand::along_z), stream(0.80), 5) == 0);
+}
+
+TEST_CASE("Whoever is carried past is held by who stands, and is carried on where nobody helps") {
+    Scene scene = side_by_side(1, HandInHand::none);
+    scene.crowd.groups[0].start_x = 50;
+    scene.crowd.groups[0].body.skill = Skill::unaware;
+    scene.crowd.groups.push_back(scene.crowd.groups[0]);
+    AgentGroup& helper = scene.crowd.groups[1];
+    helper.name = "helper";
+    helper.start_x = 45;
+    helper.start_z = 25.3;
+    helper.body.skill = Skill::braced;
+    helper.body.ground_friction = 2;
+    const MadeUpWater water = stream(0.6, 1.2);
+    for (const bool helping : {false, true}) {
+        scene.crowd.helping = helping;
+        CrowdWorld crowd = make_crowd(scene);
+        for (int i = 0; i < 25 * 30; ++i) step(crowd, water.view());
+        CAPTURE(helping);
+        CHECK(has_ground(crowd.agents.people.condition[1].state));
+        CHECK((crowd.agents.people.condition[0].state == PersonState::holding) == helping);
+        CHECK((crowd.agents.position[0].x() < 42) == !helping);
+        CHECK(crowd.links.size() == (helping ? 1 : 0));
+    }
+}
+
+TEST_CASE("Links do not depend on the number of threads, and end with those who arrive") {
+    Scene scene = side_by_side(4, HandInHand::along_z);
+    scene.crowd.groups[0].desired_speed = 1;
+    scene.crowd.goal_radius = 3;
+    scene.crowd.groups[0].goal_x = 54;
+    scene.crowd.groups[0].goal_z = 26;
+    CrowdWorld crowd = make_crowd(scene);
+    CHECK(crowd.links.size() == 3);
+    for (int i = 0; i < 20 * 30; ++i) step(crowd, {});
+    CHECK(crowd.arrived == 4);
+    CHECK(crowd.links.empty());
+}
