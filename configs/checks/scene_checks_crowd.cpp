@@ -203,6 +203,25 @@ void check_body(const AgentGroup& group, const std::string& source, const std::s
     look(mass.lo, height.hi);
 }
 
+// Whether those who are to hold one another can.
+void check_hands(const Scene& scene, const AgentGroup& group, const std::string& source, const std::string& pointer) {
+    if (group.hand_in_hand == HandInHand::none) return;
+    const std::string key = pointer + "/hand_in_hand", hands = name_of(group.hand_in_hand);
+    if (scene.crowd.response != ResponseKind::measured || group.tau) {
+        refuse(source, key,
+               hands +
+                   ": people who answer the water by tau hold nobody; allowed: \"none\", or the response "
+                   "\"measured\" and no tau of the group.");
+    }
+    const bool along_x = group.hand_in_hand == HandInHand::along_x;
+    const double pitch = along_x ? group.pitch_x : group.pitch_z, reach = 0.8;
+    if (pitch + 2 * group.start_jitter <= reach) return;
+    refuse(source, key,
+           hands + ": neighbours start up to " + short_number(pitch + 2 * group.start_jitter) + " m apart (/start/" +
+               (along_x ? "pitch_x_m" : "pitch_z_m") +
+               " and twice /start/jitter_m); allowed: <= 0.8 m, as far as hands reach.");
+}
+
 // People feel the water within 1.5 spacings, and the crowd sorts it within 2 m of each.
 void check_measured(const Scene& scene, const std::string& source, Problems& problems) {
     if (scene.crowd.response != ResponseKind::measured) return;
@@ -272,6 +291,15 @@ void check_crowd(const Scene& scene, const std::string& source, Problems& proble
     problems.attempt([&] { check_markers(scene.crowd, source); });
     problems.attempt([&] { check_ragdoll(scene, source); });
     check_measured(scene, source, problems);
+    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
+        const std::string pointer = "/crowd/groups/" + std::to_string(g);
+        problems.attempt([&] { check_hands(scene, scene.crowd.groups[g], source, pointer); });
+    }
+    problems.attempt([&] {
+        if (!scene.crowd.helping || scene.crowd.response == ResponseKind::measured) return;
+        refuse(source, "/crowd/helping",
+               "true: people who answer the water by tau hold nobody; allowed: false, or the response \"measured\".");
+    });
     problems.attempt([&] { check_sampling(scene.coupling, source); });
     for (std::size_t i = 0; i < scene.events.size(); ++i) {
         problems.attempt([&] { check_event(scene, i, places.size(), source); });

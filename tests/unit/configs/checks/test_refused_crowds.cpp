@@ -256,6 +256,21 @@ TEST_CASE("impossible bodies and unknown skills are refused by name, value and w
     CHECK_NOTHROW(load_patched(one, {"/crowd/mass_kg=20"}));  // of the paper's response only the mass is asked
 }
 
+TEST_CASE("hands that no one has or that do not reach are refused") {
+    const std::string two = crowd(group("a", 2, 2, R"(, "columns": 2)"));
+    const auto refused = [&](const std::vector<std::string>& set) { return refusal(two, set); };
+    const std::string hands = "/crowd/groups/0/hand_in_hand=along_x", measured = "/crowd/response=measured";
+    CHECK_THAT(refused({hands}), Contains("/crowd/groups/0/hand_in_hand: along_x: people who answer the water by tau"));
+    CHECK_THAT(refused({hands, measured, "/crowd/groups/0/tau=0.5"}), Contains("hold nobody"));
+    CHECK_THAT(refused({hands, measured, "/crowd/groups/0/start/pitch_x_m=0.9"}),
+               Contains("0.9 m apart (/start/pitch_x_m") && Contains("allowed: <= 0.8 m"));
+    CHECK_THAT(refused({hands, measured, "/crowd/groups/0/start/pitch_x_m=0.7", "/crowd/groups/0/start/jitter_m=0.1"}),
+               Contains("up to 0.9 m apart"));
+    CHECK_NOTHROW(load_patched(two, {hands, measured, "/crowd/groups/0/start/pitch_x_m=0.7"}));
+    CHECK_THAT(refused({"/crowd/helping=true"}), Contains("/crowd/helping: true") && Contains("\"measured\""));
+    CHECK_NOTHROW(load_patched(two, {"/crowd/helping=true", measured}));
+}
+
 TEST_CASE("limits that are out of range, incomplete or the wrong way round are refused") {
     const std::string one = crowd(group("a", 1, 1));
     CHECK_THAT(refusal(one, {R"(/crowd/tau={"min":0.8,"max":0.4})"}),
