@@ -8,17 +8,15 @@
 #include "crowd_client/hands.hpp"
 #include "made_up_water.hpp"
 
-using namespace wade;
-using namespace wade::crowd;
+namespace wade::crowd::hands_test {
+
 using wade::crowd::testing::MadeUpWater;
 using wade::crowd::testing::one_agent_scene;
 using wade::crowd::testing::uniform_water;
 
-namespace {
-
 MadeUpWater stream(double speed, double depth = 1) {
     MadeUpWater water = uniform_water(20, 62, 15, 40, 0.25, 0.25, -speed, 0);
-    for (float& mass : water.mass) mass *= static_cast<float>(4 * depth);
+    for (float& of_one : water.mass) of_one *= static_cast<float>(4 * depth);
     return water;
 }
 
@@ -51,8 +49,6 @@ std::size_t fallen(const Scene& scene, const MadeUpWater& water, double time) {
     }
     return ids.size();
 }
-
-}  // namespace
 
 TEST_CASE("Links of a group join neighbours of its start grid, along x or along z") {
     Scene scene = side_by_side(5, HandInHand::along_z);
@@ -120,3 +116,5 @@ TEST_CASE("Links do not depend on the number of threads, and end with those who 
     CHECK(crowd.arrived == 4);
     CHECK(crowd.links.empty());
 }
+
+}  // namespace wade::crowd::hands_test

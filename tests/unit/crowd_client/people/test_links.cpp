@@ -7,9 +7,7 @@
 
 #include "crowd_client/people/links.hpp"
 
-using namespace wade::crowd;
-
-namespace {
+namespace wade::crowd::links_test {
 
 const double drag = drag_upright(1.7, 1, {}), weight = weight_on_feet({1.7, 65}, 1, {});
 const double mass = mass_with_water(65, submerged_share(1.7, 1), {});
@@ -69,8 +67,6 @@ double critical_speed(const Chain& chain, double time = 6) {
 }
 
 const Vector2d abreast(0, 1), in_file(-1, 0);
-
-}  // namespace
 
 TEST_CASE("Equal people abreast slide as one alone does") {
     const double critical = critical_speed(chain_of({0.45, 0.45, 0.45}, {1, 1, 1}, abreast, false));
@@ -133,3 +129,5 @@ TEST_CASE("What one of a pair gains the other loses") {
     CHECK((sum - Vector2d(1, 0.2)).norm() < 1e-12);
     CHECK((chain.position[1] - chain.position[0]).norm() == Approx(link_length).margin(0.15));
 }
+
+}  // namespace wade::crowd::links_test
