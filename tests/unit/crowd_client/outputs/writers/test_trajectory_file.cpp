@@ -84,6 +84,16 @@ TEST_CASE("A reader that has the file open all the time, and counts now and then
     CHECK(Log::frames_in(log.file) == "55|0|54\n");
 }
 
+TEST_CASE("Frames that are written at once come in whole groups, and the rest of them at the end") {
+    Log log({.frames_at_once = 4});
+    log.write(11);
+    CHECK(Log::frames_in(log.file) == "8|0|7\n");
+    log.trajectories->close();
+    CHECK(Log::frames_in(log.file) == "11|0|10\n");
+    CHECK(log.warnings.empty());
+    CHECK_FALSE(fs::exists(log.rest));
+}
+
 TEST_CASE("Frames of the time in which another program has the file locked are written afterwards") {
     for (const char* lock : {"BEGIN IMMEDIATE", "BEGIN EXCLUSIVE"}) {
         Log log;
