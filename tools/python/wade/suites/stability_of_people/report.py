@@ -12,8 +12,8 @@ FLUME_GOAL = 0.03  # of the flume from the equations, each person: half of it fo
 PERSON = (1.70, 65)  # whose curves the picture has
 HEAD = """# When water takes people off their feet
 
-The equations of the response `measured` (`crowd_client/people/person.hpp`) beside what flumes found. Constants and errors are
-of ln u, u the speed at which somebody slips or topples.
+The equations of the response `measured` (`crowd_client/people/person.hpp`) beside what flumes found. Errors are of ln u,
+u the speed at which somebody slips or topples. Each set has bodies that span those of its people.
 
 `tools/wade stability-of-people` writes this file; `stability_of_people.csv` holds each point.
 """
