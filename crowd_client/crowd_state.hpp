@@ -13,6 +13,7 @@
 #include "crowd_client/bodies/bodies.hpp"
 #include "crowd_client/markers/biocrowds.hpp"
 #include "crowd_client/people/links.hpp"
+#include "crowd_client/pushing.hpp"
 #include "crowd_client/responses/response.hpp"
 #include "crowd_client/step_times.hpp"
 #include "crowd_client/water/ragdoll.hpp"
@@ -42,7 +43,8 @@ struct CrowdWorld {
     Walls walls;
     Navigation navigation;                     // empty where people go straight
     std::vector<Link> links;                   // of those who hold one another, in the order in which they took hold
-    std::optional<Feeling> feeling;            // of who feels the water; none with the response paper
+    std::optional<Feeling> feeling;            // of who feels the water; none with the response paper, one way
+    std::optional<Pushing> pushing;            // of people who push the water
     std::shared_ptr<const Response> response;  // to the water; has no state, so that copies of a crowd share it
     int threads = 1;  // at most that many walk the crowd; the results are the same for any number
 
@@ -60,6 +62,7 @@ struct CrowdWorld {
     std::vector<Vector2d> wishes;        // with bodies: next.mean * dt, m
     std::vector<Interval> ends;          // with bodies: of the world along x, for each, m
     std::vector<WaterParticle> touching;
+    Shelters shelters;
     std::vector<Ragdoll> ragdolls;  // empty where the scene has no condition for them
 
     std::shared_ptr<StepTimes> times;  // if somebody wants to know how long the stages take

@@ -83,6 +83,9 @@ void find_felt_water(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     if (!crowd.feeling) return;
     feel_water(*crowd.feeling, step.water, crowd.positions, threads_for(crowd), crowd.felt);
+    if (crowd.scene.coupling.shelter == Shelter::wake) {
+        shelter(crowd.scene, crowd.agents, crowd.active, crowd.positions, crowd.shelters, crowd.felt);
+    }
     Agents& agents = crowd.agents;
     for_each_by_body(crowd, [&](std::size_t k, std::uint32_t id) {
         feel(agents.people, id, felt_step(crowd, k, step));
@@ -190,6 +193,12 @@ void move(const Step& step) {
     move_agents(step.crowd);
 }
 
+void push(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    if (!crowd.pushing) return;
+    push_water(crowd.scene, crowd.agents, crowd.active, crowd.felt, crowd.next.push, crowd.part_time, *crowd.pushing);
+}
+
 void look_who_stands(const Step& step) {
     note_standing(step.crowd, step.number);
 }
@@ -240,6 +249,7 @@ constexpr std::array stages{
     Stage{"response", respond_to_water},  // Eq. 6-9
     Stage{"hands", hold},
     Stage{"motion", move},
+    Stage{"push", push},
     Stage{"standing", look_who_stands, When::once},
     Stage{"outcomes", judge_outcomes},
 };

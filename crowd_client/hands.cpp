@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "crowd_client/people/push.hpp"
+
 namespace wade::crowd {
 namespace {
 
@@ -91,9 +93,12 @@ Linked linked_people(const CrowdWorld& crowd) {
         const auto k = static_cast<std::size_t>(std::lower_bound(crowd.active.begin(), crowd.active.end(), id) -
                                                 crowd.active.begin());
         LinkedPerson one;
-        one.person = person_in_water(agents.people, id, agents.mass[id], crowd.walking[k], water,
-                                     {crowd.felt[k].depth, crowd.felt[k].velocity, crowd.part_time});
+        FeltStep felt{crowd.felt[k].depth, crowd.felt[k].velocity, crowd.part_time};
         one.velocity = agents.momentary[id];
+        if (crowd.pushing) {
+            felt.most_impulse = largest_push({felt.stream - one.velocity, crowd.felt[k].weight, crowd.felt[k].theta});
+        }
+        one.person = person_in_water(agents.people, id, agents.mass[id], crowd.walking[k], water, felt);
         one.next = crowd.next.at_end[k];
         linked.people.push_back(one);
         linked.place.push_back(k);
@@ -145,6 +150,7 @@ void hold_hands(CrowdWorld& crowd) {
         for (std::size_t i = 0; i < linked.people.size(); ++i) {
             const LinkedPerson& one = linked.people[i];
             crowd.next.at_end[linked.place[i]] = one.next;
+            crowd.next.push[linked.place[i]] = step_in_water(one.person, one.velocity, one.pulls, crowd.part_time).drag;
             crowd.next.mean[linked.place[i]] =
                 one.person.has_ground ? one.next : Vector2d(0.5 * (one.velocity + one.next));
         }

@@ -77,7 +77,8 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water = empty_bins(scene);
-    if (scene.crowd.response == ResponseKind::measured) crowd.feeling = make_feeling(scene);
+    if (scene.crowd.response == ResponseKind::measured || scene.coupling.two_way) crowd.feeling = make_feeling(scene);
+    if (scene.coupling.two_way) crowd.pushing = start_pushing(scene, crowd.feeling->spread, crowd.agents);
     crowd.links = links_of_scene(scene, crowd.agents);
     crowd.response = make_response(name_of(scene.crowd.response), scene);
     return crowd;

@@ -35,6 +35,9 @@ struct AgentsView {
     std::span<const float> px, py, pz;      // m
     std::span<const float> radius, height;  // m
     std::span<const float> state;           // shm::AgentState
+    // What people got from the water, N s along x and z, and thus take from it in the frame that follows; their depth in it and
+    // the radius over which they take it, m. Empty where the crowd does not push back.
+    std::span<const float> jx = {}, jz = {}, submerged = {}, spread = {};
 };
 
 struct FluidState;

@@ -85,7 +85,13 @@ struct Diagnostics {
     std::uint64_t position_clamps = 0;             // since the start
     std::uint64_t recycled_particles = 0;          // since the start
     std::uint64_t resident_bytes = 0;              // memory of the producer's process
-    std::uint64_t reserved[10] = {};
+    // Momentum along x and z since the start: what people took from the water, and what they got of water that was no longer
+    // there. 0 in versions before 1.3.
+    double taken_by_people_x_n_s = not_given;
+    double taken_by_people_z_n_s = not_given;
+    double missing_for_people_x_n_s = not_given;
+    double missing_for_people_z_n_s = not_given;
+    std::uint64_t reserved[6] = {};
 };
 
 // One array of a slot: `capacity` values of `type` from `offset` (bytes from the start of the slot) on.
@@ -222,7 +228,11 @@ WADE_SHM_AT(Diagnostics, driving_acceleration_m_s2, 80);
 WADE_SHM_AT(Diagnostics, position_clamps, 88);
 WADE_SHM_AT(Diagnostics, recycled_particles, 96);
 WADE_SHM_AT(Diagnostics, resident_bytes, 104);
-WADE_SHM_AT(Diagnostics, reserved, 112);
+WADE_SHM_AT(Diagnostics, taken_by_people_x_n_s, 112);
+WADE_SHM_AT(Diagnostics, taken_by_people_z_n_s, 120);
+WADE_SHM_AT(Diagnostics, missing_for_people_x_n_s, 128);
+WADE_SHM_AT(Diagnostics, missing_for_people_z_n_s, 136);
+WADE_SHM_AT(Diagnostics, reserved, 144);
 static_assert(sizeof(Diagnostics) == 192);
 
 WADE_SHM_AT(FieldEntry, name, 0);

@@ -76,9 +76,9 @@ struct FrameFields {
     std::span<float> state;           // AgentState
 
     // Streams with StreamInfo::impulses only, else empty.
-    std::span<float> jx, jz;     // N s of this frame's interval, along the stored x and z
-    std::span<float> submerged;  // units, how deep the agent stands or floats in the water, 0 = not at all
-    std::span<float> spread;     // units, radius of the cone over which the impulse is spread
+    std::span<float> jx = {}, jz = {};  // N s of this frame's interval, along the stored x and z
+    std::span<float> submerged = {};    // units, how deep the agent stands or floats in the water, 0 = not at all
+    std::span<float> spread = {};       // units, radius of the cone over which the impulse is spread
 };
 
 // A complete frame: arrays of `count` values, valid until the next call for a frame or Subscriber::release(). In place

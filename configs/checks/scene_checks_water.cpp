@@ -210,6 +210,18 @@ void check_capacity(const Scene& scene, const std::string& source) {
     }
 }
 
+// Water that people push has to know what momentum is.
+void check_two_way(const Scene& scene, const std::string& source) {
+    const ModelKind model = scene.fluid.model;
+    if (!scene.coupling.two_way || model == ModelKind::dfsph || model == ModelKind::shallow_water ||
+        model == ModelKind::mixed) {
+        return;
+    }
+    refuse(source, "/coupling/two_way",
+           "the water of /fluid/model \"" + name_of(model) +
+               "\" cannot be pushed; allowed with true: \"dfsph\", \"shallow_water\", \"mixed\".");
+}
+
 }  // namespace
 
 void check_water(const Scene& scene, const std::string& source, Problems& problems) {
@@ -221,6 +233,7 @@ void check_water(const Scene& scene, const std::string& source, Problems& proble
     problems.attempt([&] { check_shallow_water(scene, source); });
     problems.attempt([&] { check_mixed(scene, source); });
     problems.attempt([&] { check_steering(scene, source); });
+    problems.attempt([&] { check_two_way(scene, source); });
     problems.attempt([&] { check_limits(fluid.density_solve, source, "/fluid/density_solve"); });
     problems.attempt([&] { check_limits(fluid.divergence_solve, source, "/fluid/divergence_solve"); });
     if (!carries_water(scene.channel)) return;

@@ -180,6 +180,10 @@ struct Words<AgentsStream> {
     static constexpr std::array<Named<AgentsStream>, 3> all{
         {{"off", AgentsStream::off}, {"serial", AgentsStream::serial}, {"parallel", AgentsStream::parallel}}};
 };
+template <>
+struct Words<Shelter> {
+    static constexpr std::array<Named<Shelter>, 2> all{{{"off", Shelter::off}, {"wake", Shelter::wake}}};
+};
 
 template <typename Choice>
 [[nodiscard]] std::string name_of(Choice choice) {

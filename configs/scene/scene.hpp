@@ -352,6 +352,11 @@ enum class CouplingRule {
 };
 enum class AgentsStream { off, serial, parallel };  // the way back, coupling lag 0 or 1
 
+enum class Shelter {  // of people behind people
+    off,
+    wake  // a wake finer than the water shows
+};
+
 struct Coupling {
     ContactRule contact_rule = ContactRule::difference;
     CouplingRule rule = CouplingRule::per_frame;
@@ -359,6 +364,8 @@ struct Coupling {
     double agent_radius = 0.5;  // r_a
     double particle_radius = 0.25;  // r_p
     AgentsStream agents_stream = AgentsStream::off;
+    bool two_way = false;  // the water loses the momentum that people get
+    Shelter shelter = Shelter::off;
 };
 
 // Sets tau of one agent, of a group or, if neither is named, of all agents from a frame on.

@@ -38,7 +38,7 @@ double bernardini_speed(double age, double depth, double speed, double gravity) 
 Strain strain_of(const People& people, std::size_t id, double mass, const Vector2d& velocity,
                  const WaterProperties& water) {
     const double height = people.height[id], depth = people.depth[id], wet = std::min(depth, height);
-    const double k = drag_upright(height, depth, water);
+    const double k = drag_upright(height, depth, water, people.drag[id]);
     const Vector2d stream = mean_stream(people, id);
     Strain e;
     e.weight = weight_on_feet(body_of(people, id, mass), depth, water);
@@ -84,6 +84,7 @@ void add_person(People& people, const AgentGroup& group, bool by_body, const std
     people.height.push_back(body.height.at(random[1]));
     people.age.push_back(body.age.at(random[2]));
     people.friction.push_back(body.ground_friction ? body.ground_friction->at(random[3]) : bracing.friction);
+    people.drag.push_back(body_drag);
     people.arm.push_back(bracing.arm_share * people.height.back());
     people.can_swim.push_back(body.can_swim ? 1 : 0);
     people.by_body.push_back(by_body ? 1 : 0);
@@ -142,16 +143,18 @@ PersonInWater person_in_water(const People& people, std::size_t id, double mass,
     const PersonState state = people.condition[id].state;
     PersonInWater person;
     person.stream = felt.stream;
+    person.most_impulse = felt.most_impulse;
     person.has_ground = has_ground(state);
     if (!person.has_ground && state != PersonState::afloat) {
         constexpr double thickness = 0.25;  // of a body that lies, m
         const double share = std::min(1.0, felt.depth / thickness);
-        person.footing = {drag_lying(felt.depth, water), mass_with_water(mass, share, water), 0};
+        person.footing = {drag_lying(felt.depth, water, people.drag[id]), mass_with_water(mass, share, water), 0};
         return person;
     }
     const double share = submerged_share(height, felt.depth);
     const double grip = people.friction[id] * weight_on_feet(body_of(people, id, mass), felt.depth, water);
-    person.footing = {drag_upright(height, felt.depth, water), mass_with_water(mass, share, water), grip};
+    person.footing = {drag_upright(height, felt.depth, water, people.drag[id]), mass_with_water(mass, share, water),
+                      grip};
     if (state != PersonState::recovering) person.wanted = wanted;
     if (people.can_swim[id] != 0) person.swimming = swimming_force * unit_or(wanted, Vector2d::Zero());
     return person;

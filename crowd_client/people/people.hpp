@@ -2,6 +2,7 @@
 // What people bring into the water and what it does to them: one array a property, the index is the agent's id.
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "crowd_client/people/person.hpp"
@@ -14,6 +15,7 @@ struct People {
     std::vector<Sex> sex;
     std::vector<double> age;       // years
     std::vector<double> friction;  // mu of the feet
+    std::vector<double> drag;      // C on the water that it feels: C_D, or more of who pushes the water (push.hpp)
     std::vector<double> arm;       // l = lambda H, m
     std::vector<std::uint8_t> can_swim;
     std::vector<std::uint8_t> by_body;  // answers the water by its body (response measured) and not by a given tau
@@ -34,10 +36,11 @@ struct People {
 
 // The person's surroundings in a step.
 struct FeltStep {
-    double depth = 0;                    // h felt, m
-    Vector2d stream = Vector2d::Zero();  // U felt, m/s
-    double dt = 0;                       // s
-    bool is_first = false;               // of the run: nothing was felt before
+    double depth = 0;                                               // h felt, m
+    Vector2d stream = Vector2d::Zero();                             // U felt, m/s
+    double dt = 0;                                                  // s
+    bool is_first = false;                                          // of the run: nothing was felt before
+    double most_impulse = std::numeric_limits<double>::infinity();  // that the water has to give in the step, N s
 };
 
 // mu and lambda of a skill; docs/people_in_water.md has their sources.

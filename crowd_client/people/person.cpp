@@ -88,8 +88,16 @@ PersonStep step_carried(double k, double mass, const Vector2d& velocity, const V
 
 PersonStep step_in_water(const PersonInWater& person, const Vector2d& velocity, const Vector2d& pulls, double dt) {
     const Footing& footing = person.footing;
-    if (person.has_ground) return step_on_feet(footing, velocity, person.wanted, person.stream, dt, pulls);
-    return step_carried(footing.k, footing.mass, velocity, person.swimming + pulls, person.stream, dt);
+    PersonStep step = person.has_ground
+                          ? step_on_feet(footing, velocity, person.wanted, person.stream, dt, pulls)
+                          : step_carried(footing.k, footing.mass, velocity, person.swimming + pulls, person.stream, dt);
+    const double impulse = std::sqrt(step.drag.squaredNorm());
+    if (!(impulse > person.most_impulse)) return step;
+    // The water gives no more than it has; who has no hold on the ground then gains less speed.
+    const Vector2d excess = (1 - person.most_impulse / impulse) * step.drag;
+    step.drag -= excess;
+    if (!person.has_ground || step.slides) step.velocity -= excess / footing.mass;
+    return step;
 }
 
 double walking_speed_ratio(Sex sex, double depth, double speed, double gravity) {

@@ -7,6 +7,8 @@
 //
 // Both constants are fitted to people in flumes; docs/people_in_water.md says to which, how well, and where they end. [A]: assumed.
 
+#include <limits>
+
 #include "crowd_client/equations.hpp"
 
 namespace wade::crowd {
@@ -14,6 +16,7 @@ namespace wade::crowd {
 inline constexpr double body_density = 1050;      // kg/m3; with 1010 the fits change by less than 0.6 points
 inline constexpr double body_width_share = 0.16;  // B / H, B the width against the stream
 inline constexpr double body_drag = 1.1;          // C_D, of a cylinder of such a Reynolds number
+inline constexpr double usual_height = 1.7;       // H of who has no height of its own, m [A]
 inline constexpr double stepping_time = 0.4;      // t_w, in which legs reach the velocity wanted, s [A]
 
 // The water round a person, as its equations need it.
@@ -86,9 +89,10 @@ struct PersonStep {
 struct PersonInWater {
     Footing footing;
     bool has_ground = true;
-    Vector2d wanted = Vector2d::Zero();    // velocity, m/s; of who has ground
-    Vector2d swimming = Vector2d::Zero();  // force, N; of who has none
-    Vector2d stream = Vector2d::Zero();    // U felt, m/s
+    Vector2d wanted = Vector2d::Zero();                             // velocity, m/s; of who has ground
+    Vector2d swimming = Vector2d::Zero();                           // force, N; of who has none
+    Vector2d stream = Vector2d::Zero();                             // U felt, m/s
+    double most_impulse = std::numeric_limits<double>::infinity();  // that the water has to give in the step, N s
 };
 [[nodiscard]] PersonStep step_in_water(const PersonInWater& person, const Vector2d& velocity, const Vector2d& pulls,
                                        double dt);

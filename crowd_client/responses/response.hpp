@@ -30,8 +30,9 @@ struct FrozenCrowd {
 struct NextVelocities {
     std::vector<Vector2d> mean;  // over the step: what the agent goes, but for walls and bodies, is mean * dt, m/s
     std::vector<Vector2d>
-        at_end;  // v(t + dt) of agents that keep a velocity from step to step, Agents::momentary, m/s;
-                 // empty if they do not
+        at_end;                  // v(t + dt) of agents that keep a velocity from step to step, Agents::momentary, m/s;
+                                 // empty if they do not
+    std::vector<Vector2d> push;  // impulse of the water on who answers by its body, N s; else meaningless
 };
 
 // Called once a step for all agents, so that what it costs beside the loop over them is nothing. It has no memory: the

@@ -40,6 +40,15 @@ void add_frame(FluidSummary& summary, const shm::Frame& frame, double time, doub
     }
 }
 
+std::optional<MomentumBalance> momentum_balance(const shm::Diagnostics& d, const Vector2d& got) {
+    MomentumBalance balance{got,
+                            {d.taken_by_people_x_n_s, d.taken_by_people_z_n_s},
+                            {d.missing_for_people_x_n_s, d.missing_for_people_z_n_s}};
+    const bool says = balance.lost.allFinite() && balance.missing.allFinite();
+    const bool before_1_3 = says && balance.lost.isZero(0) && balance.missing.isZero(0) && !got.isZero(0);
+    return says && !before_1_3 ? std::optional(balance) : std::nullopt;
+}
+
 bool run_is_over(const CrowdWorld& crowd) {
     const bool nobody_left = crowd.agents.size() > 0 && crowd.active.empty();
     return crowd.steps >= steps_of(crowd.scene) || (nobody_left && crowd.scene.stop_when_no_agent_is_active);

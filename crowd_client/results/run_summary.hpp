@@ -39,6 +39,19 @@ struct FluidSummary {
 // Takes in one frame, whose state is at `time` (s); dt is the length of a frame.
 void add_frame(FluidSummary& summary, const shm::Frame& frame, double time, double dt);
 
+// Momentum along x and z between people and water up to the last frame, N s; of a crowd that pushes the water.
+struct MomentumBalance {
+    Vector2d got = Vector2d::Zero();      // by people
+    Vector2d lost = Vector2d::Zero();     // by the water
+    Vector2d missing = Vector2d::Zero();  // that the water did not have any more
+
+    // What the water lost less what people got, but for what is missing, N s.
+    [[nodiscard]] double difference() const { return (lost + missing - got).norm(); }
+};
+
+// The balance as the water's diagnostics have it; none if they say nothing, as those of a water that people do not push.
+[[nodiscard]] std::optional<MomentumBalance> momentum_balance(const shm::Diagnostics& diagnostics, const Vector2d& got);
+
 // How a run went so far. Kept by the caller, so that it is complete up to the last frame when the loop throws.
 struct RunSummary {
     std::string status = "running";
@@ -50,6 +63,7 @@ struct RunSummary {
     std::uint64_t frame_hash = 0;      // chain over them; 0 = unknown, as it is outside lockstep
     std::uint64_t agents_hash = 0;     // chain over the frames of agents, 0 = none were made
     FluidSummary fluid;
+    std::optional<MomentumBalance> momentum;
 };
 
 // Whether the step just taken is the last: the duration is over, or all agents have arrived or died and the scene says

@@ -4,6 +4,8 @@
 // Agents frame f is the state before frame f of the water, frame 1 the start. All agents are in every frame, in the
 // order of their ids, standing on the bed y = 0; those that have arrived or died rest where that happened.
 //
+// Of a crowd that pushes the water it also says what the water gave each since the agents frame before.
+//
 //   crowd    publish 1 | take water 1, steps, publish 2, release 1 | take water 2, steps, publish 3, release 2 | ...
 //   water    serial, lag 0:   take agents f     before it computes frame f
 //            parallel, lag 1: take agents f - 1 before it computes frame f, none for frame 1
@@ -21,9 +23,6 @@ namespace wade::crowd {
 
 class AgentsPublisher {
  public:
-    // The body height that is published of every agent, m: the model of this version knows no heights.
-    static constexpr float body_height = 1.7F;
-
     // Creates the stream, for `consumers` that it waits for before frame 1, the producer of the water among them. Ticks are
     // those of the water's stream. The scene's agents_stream must not be `off`. Errors: as shm::Publisher.
     AgentsPublisher(const std::string& session, const CrowdWorld& crowd, const shm::StreamInfo& water,
@@ -47,11 +46,19 @@ class AgentsPublisher {
     // A sign of life while this side waits elsewhere.
     void heartbeat() noexcept;
 
+    // What people got from the water in the frames of agents up to this one, N s along x and z; of the last four frames.
+    [[nodiscard]] Vector2d given_until(std::uint64_t agents_frame) const {
+        return given_[agents_frame % given_.size()];
+    }
+    [[nodiscard]] std::uint64_t lag() const { return publisher_.info().coupling_lag; }
+
     // Chain over all frames made so far, whether anybody took them or not, so that it depends on the crowd alone.
     [[nodiscard]] std::uint64_t hash() const { return hash_; }
 
  private:
+    static std::array<Vector2d, 4> no_impulses();
     void gather(const CrowdWorld& crowd);
+    void gather_impulses(const CrowdWorld& crowd);
 
     shm::Publisher publisher_;
     int consumers_;
@@ -59,7 +66,10 @@ class AgentsPublisher {
     std::uint64_t frame_ = 0;
     std::uint64_t last_tick_ = 0;
     std::uint64_t hash_ = 0;
-    std::array<std::vector<float>, 10> fields_;  // in the order of the stream's required fields
+    std::array<std::vector<float>, 10> fields_;   // in the order of the stream's required fields
+    std::array<std::vector<float>, 4> impulses_;  // of the optional ones, if the crowd pushes the water
+    std::vector<Vector2d> sent_;                  // by id, N s; what rounding to float leaves comes with the next frame
+    std::array<Vector2d, 4> given_ = no_impulses();  // by frame modulo 4
 };
 
 }  // namespace wade::crowd

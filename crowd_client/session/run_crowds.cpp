@@ -187,7 +187,14 @@ class Journey {
         stop_at_signal(signal_in_steps_, last_frame_);
         for (const std::size_t k : walking_) {
             if (!crowds_[k].failure) note_frame(crowds_[k].summary, source_, frame);
+            if (agents_ != nullptr && crowds_[k].crowd.pushing) note_momentum(crowds_[k].summary, frame);
         }
+    }
+
+    // The water of frame f has taken what people got in the agents frames up to f - lag.
+    void note_momentum(RunSummary& summary, const shm::Frame& frame) {
+        const std::uint64_t taken = frame.frame - agents_->lag();
+        summary.momentum = momentum_balance(frame.diagnostics, agents_->given_until(taken));
     }
 
     void publish_agents(std::uint64_t tick, bool last) {

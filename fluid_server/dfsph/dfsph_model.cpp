@@ -55,9 +55,19 @@ std::uint32_t DfsphModel::capacity() const {
     return static_cast<std::uint32_t>(std::max(world_.scene().fluid.max_particles, 1));
 }
 
+void DfsphModel::take_agents(const AgentsView& agents) {
+    take_pushes(agents, people_);
+    if (!people_.told) return;
+    const double spacing = world_.scene().fluid.particle_spacing, mass = static_cast<double>(world_.particle_mass());
+    world_.push_with([this, spacing, mass](const CellGrid& grid, Particles& particles, double duration, double gain) {
+        push_particles(people_, duration / people_.frame_time, gain, grid, bed_, spacing, mass, particles);
+    });
+}
+
 shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
     const auto start = std::chrono::steady_clock::now();
     const double frame_time = interval.duration();
+    people_.frame_time = frame_time;
     shm::Diagnostics d;
     d.mean_density_error = 0;
     d.max_density_error = 0;
@@ -90,6 +100,8 @@ shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
     if (world_.scene().channel.flow == Flow::recirculating) {
         d.driving_acceleration_m_s2 = driving / frame_time;
     }
+    people_.pushes.clear();
+    note_people(people_, d);
     d.position_clamps = world_.position_clamps();
     d.recycled_particles = world_.emitter().recycled;
     return d;

@@ -4,6 +4,7 @@
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
+#include "fluid_server/people/pushes.hpp"
 
 namespace wade::fluid {
 
@@ -15,6 +16,7 @@ class DfsphModel final : public FluidModel {
 
     [[nodiscard]] std::string_view name() const override { return "dfsph"; }
     [[nodiscard]] std::uint32_t capacity() const override;
+    void take_agents(const AgentsView& agents) override;
     shm::Diagnostics advance_frame(const FrameInterval& interval) override;
     std::uint32_t write_frame(const shm::FrameFields& slot) const override;
     [[nodiscard]] std::string remarks() const override;
@@ -30,6 +32,7 @@ class DfsphModel final : public FluidModel {
 
     FluidWorld world_;
     std::vector<BedFacet> bed_;
+    PeopleInWater people_;
     // The state at the begin of the frame, and the last such state before it from which the water could go on well. One
     // copy a frame, 33 bytes a particle, 0.1 % of the CPU time of a frame; the second costs a swap.
     FluidState kept_;

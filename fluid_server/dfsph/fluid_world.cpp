@@ -117,6 +117,7 @@ StepReport FluidWorld::step(double remaining) {
     stage(Stage::sort, [&] { sort(report.dt); });
     stage(Stage::neighbours, [&] { find_neighbours(grid_, solids_, particles_, support_radius_, lists_); });
     stage(Stage::density, [&] { find_densities(report); });
+    if (pushers_) stage(Stage::people, [&] { push(plan); });
     stage(Stage::forces, [&] { apply_forces(plan, report); });
     if (plan.split) stage(Stage::divergence_solve, [&] { solve_divergence(plan, report); });
     if (plan.contact_comes_first()) stage(Stage::contact, [&] { apply_contact(plan, report); });
@@ -161,8 +162,15 @@ void FluidWorld::find_densities(StepReport& report) {
     check_compression(error.mean, scene_.fluid);
 }
 
-void FluidWorld::apply_forces(const Plan& plan, StepReport& report) {
+void FluidWorld::push(const Plan& plan) {
     if (plan.theta > 0) {
+        start_.keep(particles_);
+    }
+    pushers_(grid_, particles_, static_cast<double>(plan.to_midpoint()), static_cast<double>(1 + plan.theta));
+}
+
+void FluidWorld::apply_forces(const Plan& plan, StepReport& report) {
+    if (plan.theta > 0 && !pushers_) {
         start_.keep(particles_);
     }
     const float duration = plan.to_midpoint();

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "configs/scene/scene.hpp"
@@ -30,14 +31,15 @@ enum class Stage : std::size_t {
     sort,        // by cell
     neighbours,  // which clusters see whom
     density,     // kernel, density, diagonal
+    people,      // take their impulses
     forces,      // viscosity, gravity, friction
     divergence_solve,
     density_solve,
     contact,  // with solids, at the end of either solve
     advance   // new positions, emitter
 };
-inline constexpr std::array<std::string_view, 8> stage_names{
-    "sort", "neighbours", "density", "forces", "divergence_solve", "density_solve", "contact", "advance"};
+inline constexpr std::array<std::string_view, 9> stage_names{
+    "sort", "neighbours", "density", "people", "forces", "divergence_solve", "density_solve", "contact", "advance"};
 using StepStages = StageClock<Stage, stage_names.size()>;
 
 struct StepReport {
@@ -70,6 +72,11 @@ class FluidWorld {
 
     // Gives every particle the velocity, m/s, of a field at its place; before the first step.
     void set_velocity(const std::function<std::array<double, 3>(const std::array<double, 3>& place)>& field);
+
+    // Lets others change velocities in each step, before forces do. grid: of the particles, sorted; duration: how long this lasts,
+    // s; gain: how many times a change made now counts at the end of the step (midpoint.hpp).
+    using Pushers = std::function<void(const CellGrid& grid, Particles& particles, double duration, double gain)>;
+    void push_with(Pushers pushers) { pushers_ = std::move(pushers); }
 
     // Advances by at most `remaining` seconds; the time step is a whole fraction of it, so that repeated calls end
     // exactly on the frame. Throws RunError (numerical_failure) if a velocity runs away or is no longer finite.
@@ -119,6 +126,7 @@ class FluidWorld {
     // The stages of a step.
     void sort(double dt);
     void find_densities(StepReport& report);
+    void push(const Plan& plan);
     void apply_forces(const Plan& plan, StepReport& report);
     void solve_divergence(const Plan& plan, StepReport& report);
     void solve_density(const Plan& plan, StepReport& report);
@@ -149,6 +157,7 @@ class FluidWorld {
     std::unique_ptr<ChannelEnds> own_ends_;  // none where others stand in for them
     ChannelEnds* ends_;
     std::optional<BedFriction> friction_;
+    Pushers pushers_;
     double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed
     WaterDepth depth_;
     double initial_speed_ = 0;  // of the fastest particle, m/s

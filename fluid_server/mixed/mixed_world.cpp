@@ -6,6 +6,7 @@
 #include "configs/scene/particle_volume.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/inflow.hpp"
+#include "fluid_server/shallow_water/people.hpp"
 
 namespace wade::fluid::mixed {
 
@@ -33,7 +34,11 @@ MixedWorld::MixedWorld(const Scene& scene)
       rule_(scene, shallow_.grid),
       guards_(shallow_, rule_.guard()),
       restriction_(shallow_),
-      fluid_(scene_of_particles(scene, rule_.guard()), static_cast<ChannelEnds&>(*this)) {
+      fluid_(scene_of_particles(scene, rule_.guard()), static_cast<ChannelEnds&>(*this)),
+      bed_(bed_facets(scene.channel)) {
+    fluid_.push_with([this](const CellGrid& cells, Particles& particles, double duration, double gain) {
+        push(cells, particles, duration, gain);
+    });
     change_window(rule_.next({}, {}));
 }
 
@@ -41,8 +46,8 @@ void MixedWorld::need(const std::optional<Interval>& agents) {
     change_window(rule_.next(window_, agents));
 }
 
-double MixedWorld::shallow_step(double remaining) {
-    const shallow_water::StepReport report = shallow_water::step(shallow_, remaining);
+double MixedWorld::shallow_step(double remaining, PeopleInWater* people) {
+    const shallow_water::StepReport report = shallow_water::step(shallow_, remaining, people);
     columns_.drift(shallow_, report.dt);
     driving_ += report.driving_acceleration * report.dt;
     inflow_ += report.inflow;
@@ -56,7 +61,7 @@ MixedStep MixedWorld::step(double remaining) {
     seconds_ = {};
     stage_ = MixedStages(seconds_);
     if (window_.empty()) {
-        stage_(MixedStage::shallow_water, [&] { result.dt = shallow_step(remaining); });
+        stage_(MixedStage::shallow_water, [&] { result.dt = shallow_step(remaining, &people_); });
     } else {
         stage_(MixedStage::particles, [&] { result.particles = fluid_.step(remaining); });
         result.dt = result.particles->dt;
@@ -69,10 +74,35 @@ MixedStep MixedWorld::step(double remaining) {
 void MixedWorld::begin_step(Particles& particles, double, double dt) {
     stage_.finished(MixedStage::particles);
     stage_(MixedStage::shallow_water, [&] {
-        for (double left = dt; left > 1e-9 * dt;) left -= shallow_step(left);
+        for (double left = dt; left > 1e-9 * dt;) left -= shallow_step(left, nullptr);
         acceleration_ = -driving_ / dt;
     });
     stage_(MixedStage::guards, [&] { guards_.update(particles, shallow_, dt); });
+}
+
+void MixedWorld::push(const CellGrid& cells, Particles& particles, double duration, double gain) {
+    if (!people_.push()) return;
+    const double share = duration / people_.frame_time, mass = static_cast<double>(fluid_.particle_mass());
+    const auto counts = [&](float x) { return share_in_window(static_cast<double>(x), ends(), spacing_); };
+    NearParticles near;
+    shallow_water::NearCells outside;
+    for (const Push& push : people_.pushes) {
+        find_near(push, cells, particles, top_of_column(push, bed_, spacing_), counts, near);
+        shallow_water::find_near(shallow_, push, window_.begin, window_.end, outside);
+        NearWater water;
+        add_particles(near, particles, mass, water);
+        shallow_water::add_cells(shallow_, outside, water);
+        MomentumAccount now;
+        const GroundVector impulse = impulse_now(push, share, water, now);
+        now.taken = take_from(near, impulse, water.weight, mass, particles);
+        // Cells have no midpoint: they get the whole of it at once.
+        const GroundVector whole{gain * impulse[0], gain * impulse[1]};
+        const GroundVector of_cells = shallow_water::take_from(shallow_, outside, whole, water.weight);
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+            people_.account.taken[axis] += gain * now.taken[axis] + of_cells[axis];
+            people_.account.missing[axis] += gain * now.missing[axis];
+        }
+    }
 }
 
 void MixedWorld::end_step(Particles& particles, std::span<const float> x_before, double dt) {

@@ -8,7 +8,7 @@
 //                   of the window is booked and paid (account.hpp)
 //
 // One step: the time step of the particles; the shallow water up to its end; guards; a step of the particles, which get the
-// driving acceleration of a recirculating channel from the shallow water; account; restriction. The particles' own step calls
+// driving acceleration of a recirculating channel from the shallow water; people; account; restriction. The particles' own step calls
 // what comes before and after theirs, as the ends of their channel.
 
 #include <array>
@@ -20,7 +20,9 @@
 #include "fluid_server/mixed/guard.hpp"
 #include "fluid_server/mixed/restriction.hpp"
 #include "fluid_server/mixed/window.hpp"
+#include "fluid_server/particles/bed_profile.hpp"
 #include "fluid_server/particles/channel_ends.hpp"
+#include "fluid_server/people/pushes.hpp"
 #include "fluid_server/shallow_water/column_particles.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 #include "fluid_server/stage_clock.hpp"
@@ -60,6 +62,8 @@ class MixedWorld final : private ChannelEnds {
     [[nodiscard]] const FluidWorld& particle_water() const { return fluid_; }
     [[nodiscard]] shallow_water::ColumnParticles& columns() { return columns_; }
     [[nodiscard]] const shallow_water::ColumnParticles& columns() const { return columns_; }
+    // Take their impulses from both waters.
+    [[nodiscard]] PeopleInWater& people() { return people_; }
     [[nodiscard]] const WindowRule& rule() const { return rule_; }
     [[nodiscard]] const Window& window() const { return window_; }
     [[nodiscard]] const std::array<End, 2>& ends() const { return guards_.ends(); }
@@ -80,8 +84,10 @@ class MixedWorld final : private ChannelEnds {
     [[nodiscard]] bool carry_inflow() const override { return true; }
 
     // One step of the shallow water; its length, s.
-    double shallow_step(double remaining);
+    double shallow_step(double remaining, PeopleInWater* people);
     void book(const Particles& particles, std::span<const float> x_before);
+    // People take the share of the frame from the particles of the window and the cells outside it, each with its weight.
+    void push(const CellGrid& cells, Particles& particles, double duration, double gain);
     void change_window(const Window& to);
     void wake(const Window& window);
     void sleep();
@@ -95,6 +101,8 @@ class MixedWorld final : private ChannelEnds {
     Guards guards_;
     Restriction restriction_;
     FluidWorld fluid_;
+    std::vector<BedFacet> bed_;
+    PeopleInWater people_;
     Window window_;
     std::array<EndAccount, 2> accounts_;
     double acceleration_ = 0;  // m/s^2 along x

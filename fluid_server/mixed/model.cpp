@@ -59,6 +59,7 @@ shm::Diagnostics MixedModel::advance_frame(const FrameInterval& interval) {
     const double frame_time = interval.duration();
     shm::Diagnostics d;
     double driving = 0, remaining = frame_time;
+    world_.people().frame_time = frame_time;
     try {
         world_.need(needed_);
         // What is left after the last sub-step is rounding.
@@ -76,6 +77,8 @@ shm::Diagnostics MixedModel::advance_frame(const FrameInterval& interval) {
     d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());
     // In the window the cells follow the particles.
     shallow_water::note_water(world_.grid_water(), driving / frame_time, world_.outflow(), d);
+    world_.people().pushes.clear();
+    note_people(world_.people(), d);
     d.position_clamps = world_.particle_water().position_clamps();
     return d;
 }

@@ -26,7 +26,10 @@ class MixedModel final : public FluidModel {
 
     [[nodiscard]] std::string_view name() const override { return "mixed"; }
     [[nodiscard]] std::uint32_t capacity() const override;
-    void take_agents(const AgentsView& agents) override { needed_ = world_.rule().needed_by(agents); }
+    void take_agents(const AgentsView& agents) override {
+        needed_ = world_.rule().needed_by(agents);
+        take_pushes(agents, world_.people());
+    }
     shm::Diagnostics advance_frame(const FrameInterval& interval) override;
 
     // Columns of the grid outside the window; in it the particles, those round its ends with the share of their mass that

@@ -35,7 +35,8 @@ bool AgentsInlet::take(std::uint64_t water_frame, FluidModel& model) {
                                                                " was due.");
     }
     model.take_agents({frame->frame, frame->tick, frame->mass, frame->vx, frame->vy, frame->vz, frame->px, frame->py,
-                       frame->pz, frame->radius, frame->height, frame->state});
+                       frame->pz, frame->radius, frame->height, frame->state, frame->jx, frame->jz, frame->submerged,
+                       frame->spread});
     ++frames_;
     hash_ = frame->hash;
     subscriber_->release();

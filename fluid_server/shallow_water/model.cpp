@@ -31,6 +31,7 @@ Estimate ShallowWaterModel::estimate(const Scene& scene) {
 shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval) {
     const auto start = std::chrono::steady_clock::now();
     const double frame_time = interval.duration();
+    people_.frame_time = frame_time;
     shm::Diagnostics d;
     double driving = 0;
     double remaining = frame_time;
@@ -38,7 +39,7 @@ shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval)
     while (remaining > 1e-9 * frame_time) {
         StepReport report;
         try {
-            report = step(world_, remaining);
+            report = step(world_, remaining, &people_);
         } catch (const RunError& error) {
             throw RunError(error.code(),
                            "the water failed at t = " + short_number(world_.time) + " s: " + error.what());
@@ -55,6 +56,8 @@ shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval)
     particles_.count(world_);
     d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());
     note_water(world_, driving / frame_time, outflow_, d);
+    people_.pushes.clear();
+    note_people(people_, d);
     return d;
 }
 

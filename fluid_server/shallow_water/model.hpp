@@ -16,6 +16,7 @@ class ShallowWaterModel final : public FluidModel {
 
     [[nodiscard]] std::string_view name() const override { return "shallow_water"; }
     [[nodiscard]] std::uint32_t capacity() const override { return particles_.capacity(); }
+    void take_agents(const AgentsView& agents) override { take_pushes(agents, people_); }
     shm::Diagnostics advance_frame(const FrameInterval& interval) override;
     std::uint32_t write_frame(const shm::FrameFields& slot) const override { return particles_.write(world_, slot); }
     [[nodiscard]] std::string remarks() const override;
@@ -25,6 +26,7 @@ class ShallowWaterModel final : public FluidModel {
  private:
     ShallowWater world_;
     ColumnParticles particles_;
+    PeopleInWater people_;
     double outflow_ = 0;  // m^3 since t = 0
     double cell_steps_ = 0;
 };

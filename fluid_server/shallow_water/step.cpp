@@ -6,6 +6,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "fluid_server/particles/inflow.hpp"
+#include "fluid_server/shallow_water/people.hpp"
 #include "fluid_server/shallow_water/row_update.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -151,13 +152,20 @@ void drive(ShallowWater& world, StepReport& report) {
 
 }  // namespace
 
-StepReport step(ShallowWater& world, double remaining) {
+StepReport step(ShallowWater& world, double remaining, PeopleInWater* people) {
     StepReport report;
     StepStages stage(report.stages);
     stage(Stage::time_step, [&] { report.dt = time_step(world, remaining); });
     stage(Stage::heun, [&] { advance(world, report); });
     stage(Stage::flow, [&] { book_flow(world); });
-    if (world.scene.channel.flow == Flow::recirculating) stage(Stage::drive, [&] { drive(world, report); });
+    const bool driven = world.scene.channel.flow == Flow::recirculating;
+    if (people != nullptr && people->push()) {
+        stage(Stage::people, [&] {
+            push_cells(world, *people, report.dt / people->frame_time);
+            if (!driven) update_primitive(world);
+        });
+    }
+    if (driven) stage(Stage::drive, [&] { drive(world, report); });
     world.time += report.dt;
     return report;
 }

@@ -20,6 +20,7 @@
 #include <array>
 #include <string_view>
 
+#include "fluid_server/people/pushes.hpp"
 #include "fluid_server/shallow_water/world.hpp"
 #include "fluid_server/stage_clock.hpp"
 
@@ -29,9 +30,10 @@ enum class Stage : std::size_t {
     time_step,  // the longest that is stable
     heun,       // both of its Euler steps, taken anew with half the time where a depth became negative
     flow,       // what passed the watched faces
+    people,     // take their impulses
     drive       // of a recirculating channel
 };
-inline constexpr std::array<std::string_view, 4> stage_names{"time_step", "heun", "flow", "drive"};
+inline constexpr std::array<std::string_view, 5> stage_names{"time_step", "heun", "flow", "people", "drive"};
 using StepStages = StageClock<Stage, stage_names.size()>;
 
 struct StepReport {
@@ -42,7 +44,7 @@ struct StepReport {
 };
 
 // Advances by the longest time step that is stable, at most `remaining` and a whole part of it. Throws RunError
-// (numerical_failure) if the water is not finite.
-StepReport step(ShallowWater& world, double remaining);
+// (numerical_failure) if the water is not finite. people: take their share of the frame, if they are given.
+StepReport step(ShallowWater& world, double remaining, PeopleInWater* people = nullptr);
 
 }  // namespace wade::fluid::shallow_water

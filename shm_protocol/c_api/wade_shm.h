@@ -93,7 +93,8 @@ typedef struct wade_diagnostics { /* Diagnostics; not given: 0 for an integer, N
     uint64_t solver_ns;
     double mean_depth_m, mean_speed_m_s, kinetic_energy_j, potential_energy_j, driving_acceleration_m_s2;
     uint64_t position_clamps, recycled_particles, resident_bytes;
-    uint64_t reserved[10];
+    double taken_by_people_x_n_s, taken_by_people_z_n_s, missing_for_people_x_n_s, missing_for_people_z_n_s;
+    uint64_t reserved[6];
 } wade_diagnostics;
 
 typedef struct wade_slot { /* arrays of `capacity` values to be filled; the last three for agents only, else NULL */

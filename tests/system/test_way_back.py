@@ -1,4 +1,4 @@
-"""The agents as a stream for the water, which this version's water takes without being moved by it."""
+"""The agents as a stream for the water, which is moved by it only where people push back."""
 
 import signal
 import unittest
@@ -13,6 +13,9 @@ def way_back(lag):
     return ["--set", f"/coupling/agents_stream={lag}"]
 
 
+TWO_WAY = ["--set", "/coupling/two_way=true", "--set", "/fluid/shallow_water/cell_size_m=0.5"]
+
+
 class WayBack(SystemTest):
     def segments(self):
         return sorted(path.name.removeprefix(self.session + "-") for path in Path("/dev/shm").glob(f"{self.session}-*"))
@@ -24,7 +27,7 @@ class WayBack(SystemTest):
             Path(f"/dev/shm/{self.session}-{kind}").unlink()
 
     def started(self, lag, frame):
-        arguments = [*way_back(lag), *ENDLESS]
+        arguments = [*way_back(lag), *TWO_WAY, *ENDLESS]
         server, client = self.server(*arguments), self.client(*arguments)
         self.wait_for_frame(frame, server, client)
         return server, client
@@ -47,6 +50,32 @@ class WayBack(SystemTest):
         ]
         self.assertIsNotNone(hashes[0])
         self.assertEqual(hashes, [hashes[0]] * 8)
+
+    def test_people_who_push_leave_the_momentum_where_it_was(self):
+        outcomes = []
+        for model in ("dfsph", "shallow_water", "mixed"):
+            for lag in LAGS:
+                with self.subTest(model=model, lag=lag):
+                    run = self.pair(*way_back(lag), *TWO_WAY, "--set", f"/fluid/model={model}")
+                    outcome = run.outcome()
+                    got = max(map(abs, outcome["momentum"]["people_got_n_s"]))
+                    self.assertGreater(got, 10)
+                    # float32: each velocity that is changed is rounded by 3e-8 of it.
+                    self.assertLess(outcome["momentum_balance_n_s"], 1e-5 * got)
+                    outcomes.append(outcome["frame_hash"])
+        self.assertEqual(len(set(outcomes)), len(outcomes))
+
+    def test_people_who_push_lead_to_the_same_bits_at_all_depths_with_any_threads(self):
+        for lag in LAGS:
+            hashes = [
+                self.pair(*way_back(lag), *TWO_WAY, "--set", f"/lockstep_depth={depth}", "--threads", threads).outcome()["frame_hash"]
+                for depth, threads in ((1, "1"), (3, "1"), (2, "2"))
+            ]
+            self.assertEqual(hashes, [hashes[0]] * 3)
+
+    def test_two_way_asks_for_the_parallel_stream(self):
+        alone = self.pair(*TWO_WAY)
+        self.assertEqual(alone.outcome()["frame_hash"], self.pair(*way_back("parallel"), *TWO_WAY).outcome()["frame_hash"])
 
     def test_other_paths_give_another_hash(self):
         self.assertNotEqual(

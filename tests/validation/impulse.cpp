@@ -22,56 +22,6 @@ namespace {
 using crowd::Outcome;
 using crowd::Vector2d;
 
-// One frame of the water in memory of our own, in place of the shared one.
-class FrameMemory {
- public:
-    explicit FrameMemory(std::uint32_t capacity) {
-        for (std::vector<float>* v : {&mass_, &vx_, &vy_, &vz_, &px_, &py_, &pz_}) v->resize(capacity);
-    }
-    void take(const fluid::FluidModel& model, std::uint64_t frame) {
-        shm::FrameFields slot;
-        slot.frame = frame;
-        slot.mass = mass_;
-        slot.vx = vx_, slot.vy = vy_, slot.vz = vz_;
-        slot.px = px_, slot.py = py_, slot.pz = pz_;
-        count_ = model.write_frame(slot);
-    }
-    [[nodiscard]] std::size_t count() const { return count_; }
-    [[nodiscard]] crowd::WaterView ground_view() const {
-        const auto some = [&](const std::vector<float>& v) { return std::span<const float>(v).first(count_); };
-        crowd::WaterView view;
-        view.mass = some(mass_);
-        view.px = some(px_), view.pz = some(pz_);
-        view.vx = some(vx_), view.vz = some(vz_);
-        return view;
-    }
-
- private:
-    std::vector<float> mass_, vx_, vy_, vz_, px_, py_, pz_;
-    std::size_t count_ = 0;
-};
-
-// The way back: hands the agents to the water, as the two programs do with /coupling/agents_stream.
-class WayBack {
- public:
-    void give(const crowd::CrowdWorld& people, std::uint64_t frame, fluid::FluidModel& water) {
-        if (people.scene.coupling.agents_stream == AgentsStream::off) return;
-        const crowd::Agents& agents = people.agents;
-        x_.clear(), z_.clear(), state_.clear();
-        for (std::size_t id = 0; id < agents.size(); ++id) {
-            x_.push_back(static_cast<float>(agents.position[id].x()));
-            z_.push_back(static_cast<float>(agents.position[id].y()));
-            const bool walks = agents.outcome[id] == Outcome::active;
-            state_.push_back(static_cast<float>(walks ? shm::agent_walking : shm::agent_arrived));
-        }
-        none_.assign(agents.size(), 0);
-        water.take_agents({frame, frame, none_, none_, none_, none_, x_, none_, z_, none_, none_, state_});
-    }
-
- private:
-    std::vector<float> x_, z_, state_, none_;
-};
-
 bool stands(const crowd::Agents& agents, std::size_t id) {
     return agents.desired_speed[id] == 0 && agents.tau[id] == 0;
 }

@@ -2,7 +2,7 @@
 // What the water does to the people of a scene: impulse on those who stand, outcome of those who walk.
 //
 // Water and crowd run in one process, frame by frame, as the two programs do in lockstep: the water computes frame k,
-// the crowd takes step k through it. The crowd does not act on the water.
+// the crowd takes step k through it. The crowd acts on the water as the scene has it.
 //
 //   p_a(k)  = sum_i m_i v_i over the particles that touch agent a in step k: Eq. 5 with the scene's contact rule,
 //             horizontal, kg m/s
@@ -14,11 +14,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "configs/scene/scene.hpp"
-#include "crowd_client/agents.hpp"
+#include "crowd_client/crowd_world.hpp"
+#include "fluid_server/fluid_model.hpp"
 #include "validation_case.hpp"
 
 namespace wade::validation {
@@ -68,5 +70,84 @@ void compare_impulse(const ImpulseRun& run, const ImpulseRun& reference, Result&
 // The error of the whole sample against a stream of given momentum in contact: median over the standing agents of
 // |I_a - I| / |I|. impulse: I, kg m
 void compare_with_uniform_stream(const ImpulseRun& run, const crowd::Vector2d& impulse, Result& result);
+
+// A frame in memory of our own, in place of the shared one.
+class FrameMemory {
+ public:
+    explicit FrameMemory(std::uint32_t capacity) {
+        for (std::vector<float>* v : {&mass_, &vx_, &vy_, &vz_, &px_, &py_, &pz_}) v->resize(capacity);
+    }
+    void take(const fluid::FluidModel& model, std::uint64_t frame) {
+        shm::FrameFields slot;
+        slot.frame = frame;
+        slot.mass = mass_;
+        slot.vx = vx_, slot.vy = vy_, slot.vz = vz_;
+        slot.px = px_, slot.py = py_, slot.pz = pz_;
+        count_ = model.write_frame(slot);
+    }
+    [[nodiscard]] std::size_t count() const { return count_; }
+    [[nodiscard]] crowd::WaterView ground_view() const {
+        const auto some = [&](const std::vector<float>& v) { return std::span<const float>(v).first(count_); };
+        crowd::WaterView view;
+        view.mass = some(mass_);
+        view.px = some(px_), view.pz = some(pz_);
+        view.vx = some(vx_), view.vz = some(vz_);
+        return view;
+    }
+
+ private:
+    std::vector<float> mass_, vx_, vy_, vz_, px_, py_, pz_;
+    std::size_t count_ = 0;
+};
+
+// Hands the agents to the water, as the two programs do with /coupling/agents_stream; with `parallel` those of a frame before.
+class WayBack {
+ public:
+    void give(const crowd::CrowdWorld& people, std::uint64_t frame, fluid::FluidModel& water) {
+        const AgentsStream stream = people.scene.coupling.agents_stream;
+        if (stream == AgentsStream::off) return;
+        Frame now = gather(people);
+        const bool parallel = stream == AgentsStream::parallel;
+        const Frame& due = parallel ? before_ : now;
+        if (!parallel || frame > 1) hand_over(due, frame, water);
+        before_ = std::move(now);
+    }
+
+ private:
+    struct Frame {
+        std::vector<float> x, z, vx, vz, jx, jz, submerged, spread, state, none;
+    };
+
+    Frame gather(const crowd::CrowdWorld& people) {
+        const crowd::Agents& agents = people.agents;
+        Frame f;
+        sent_.resize(agents.size(), crowd::Vector2d::Zero());
+        for (std::size_t id = 0; id < agents.size(); ++id) {
+            const bool walks = agents.outcome[id] == crowd::Outcome::active;
+            f.x.push_back(static_cast<float>(agents.position[id].x()));
+            f.z.push_back(static_cast<float>(agents.position[id].y()));
+            f.vx.push_back(walks ? static_cast<float>(agents.velocity[id].x()) : 0);
+            f.vz.push_back(walks ? static_cast<float>(agents.velocity[id].y()) : 0);
+            f.state.push_back(static_cast<float>(walks ? shm::agent_walking : shm::agent_arrived));
+            if (!people.pushing) continue;
+            const crowd::Vector2d impulse = people.pushing->given[id] - sent_[id];
+            sent_[id] = people.pushing->given[id];
+            f.jx.push_back(static_cast<float>(impulse.x()));
+            f.jz.push_back(static_cast<float>(impulse.y()));
+            f.submerged.push_back(static_cast<float>(people.pushing->submerged[id]));
+            f.spread.push_back(static_cast<float>(people.feeling->spread));
+        }
+        f.none.assign(agents.size(), 0);
+        return f;
+    }
+
+    static void hand_over(const Frame& f, std::uint64_t frame, fluid::FluidModel& water) {
+        water.take_agents({frame, frame, f.none, f.vx, f.none, f.vz, f.x, f.none, f.z, f.none, f.none, f.state, f.jx,
+                           f.jz, f.submerged, f.spread});
+    }
+
+    Frame before_;
+    std::vector<crowd::Vector2d> sent_;
+};
 
 }  // namespace wade::validation

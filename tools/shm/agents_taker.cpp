@@ -39,6 +39,12 @@ void AgentsTaker::take_all(const std::string& session, const shm::Waiting& waiti
             return stop_ || interrupted;
         };
         subscriber.emplace(session, "replay", join);
+        if (subscriber->info().impulses) {
+            const std::string why =
+                "A recording cannot answer people who push the water: replay it with /coupling/two_way false.";
+            subscriber->abort(static_cast<int>(shm::Failure::protocol_violation), why);
+            throw shm::Error(shm::Failure::protocol_violation, why);
+        }
         while (subscriber->acquire()) subscriber->release();
     } catch (...) {
         error_ = std::current_exception();

@@ -21,18 +21,34 @@ void fields(Coupling& coupling, Fields& f, const Scene& scene) {
              "with each particle moved on at its velocity from where it was at the begin of the step; once a step if 0 "
              "or not above the crowd's step rate. Agents go along with the particles that push them, which long steps "
              "do not see. Needs rule continuous if above 0.");
-    f.choice("agents_stream", coupling.agents_stream,
-             "The way back, from the crowd to the water. serial: the crowd publishes its agents and the water waits "
-             "for them before each of its frames. parallel: the water takes the agents of one frame earlier, so that "
-             "both work at the same time. No water of this version is moved by the agents; that of the mixed model has "
-             "its particles where they are.",
-             preset_but("serial where the model mixed needs it to know where people are", [&] {
-                 return mixed_needs_agents(scene) ? KeyValue(name_of(AgentsStream::serial)) : KeyValue();
-             }));
+    f.choice(
+        "agents_stream", coupling.agents_stream,
+        "The way back, from the crowd to the water. serial: the crowd publishes its agents and the water waits "
+        "for them before each of its frames. parallel: the water takes the agents of one frame earlier, so that "
+        "both work at the same time. The water of the mixed model has its particles where they are; none is moved by "
+        "them without two_way.",
+        preset_but("serial where the model mixed needs it to know where people are",
+                   [&] { return mixed_needs_agents(scene) ? KeyValue(name_of(AgentsStream::serial)) : KeyValue(); }));
+    f.flag(
+        "two_way", coupling.two_way,
+        "People push back: what momentum the water gives them it loses, in the models dfsph, shallow_water and mixed. "
+        "Whoever answers by the response paper pushes with the drag of its body. Sets agents_stream to parallel where "
+        "it is "
+        "off.");
+    f.choice(
+        "shelter", coupling.shelter,
+        "How people behind people feel the water. wake: slower, by the deepest of the wakes in which they stand; those "
+        "wakes are finer than the water shows. Felt in the response measured and, with two_way, in what they push.");
     f.number("agent_radius_m", coupling.agent_radius, "m", above(0).to(1),
              "r_a; at most 1, so that a contact lies within the 3 x 3 cells round an agent.");
     f.number("particle_radius_m", coupling.particle_radius, "m", above(0).to(1),
              "r_p, of contacts only: neither mass nor spacing of the particles follows from it.");
+    f.once_read([&]() -> std::optional<std::string> {
+        if (coupling.two_way && coupling.agents_stream == AgentsStream::off) {
+            coupling.agents_stream = AgentsStream::parallel;
+        }
+        return std::nullopt;
+    });
 }
 
 void fields(TauEvent& event, Fields& f, double frame_rate) {

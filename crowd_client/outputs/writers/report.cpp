@@ -116,6 +116,13 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     json["warnings"] = crowd.warnings;
     json["last_arrival_s"] = crowd.arrived > 0 ? Json(time_of(crowd, crowd.last_arrival_step)) : Json(nullptr);
     json["contact_rule"] = name_of(crowd.scene.coupling.contact_rule);
+    json["momentum_balance_n_s"] = summary.momentum ? Json(summary.momentum->difference()) : Json(nullptr);
+    if (summary.momentum) {
+        const auto along = [](const Vector2d& v) { return Json{v.x(), v.y()}; };
+        json["momentum"] = {{"people_got_n_s", along(summary.momentum->got)},
+                            {"water_lost_n_s", along(summary.momentum->lost)},
+                            {"water_had_not_n_s", along(summary.momentum->missing)}};
+    }
     json["fluid"] = fluid_json(summary, labels);
     json["frame_hash"] = hash_or_null(summary.frame_hash);
     json["agents_hash"] = hash_or_null(summary.agents_hash);

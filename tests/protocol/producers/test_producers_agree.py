@@ -80,6 +80,18 @@ class ProducersAgree(SystemTest):
         slow, fast = (self.play(PRODUCERS["c"], "--speed", speed).bytes_of("agents.csv") for speed in ("0.5", "1.5"))
         self.assertNotEqual(slow, fast)
 
+    @unittest.skipUnless("ctypes" in PRODUCERS, "without ctypes")
+    def test_people_who_push_move_the_water_of_a_producer_that_takes_them(self):
+        hashes = []
+        for two_way in ("false", "true"):
+            producer = self.start(*PRODUCERS["ctypes"], "--take-people", SCENE, "--session", self.session, "--frames", FRAMES)
+            coupling = ["--set", "/coupling/agents_stream=serial", "--set", f"/coupling/two_way={two_way}"]
+            client = self.client("--reproducible", "--until-s", FRAMES / 30, *coupling, scene=SCENE)
+            self.assert_ended_well(client, producer)
+            hashes.append(client.run.outcome()["frame_hash"])
+        self.assertEqual(hashes[0], hash_of_definition(FRAMES))
+        self.assertNotEqual(*hashes)
+
     def test_options_mean_the_same_to_every_producer(self):
         """Fast enough to go round the channel; the depth makes no difference to the frames."""
         options = ["--speed", "37.7", "--particles", "1003", "--depth", "3"]

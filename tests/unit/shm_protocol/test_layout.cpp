@@ -104,6 +104,10 @@ const std::map<std::string, std::size_t> offsets{
     MEMBER(Diagnostics, position_clamps),
     MEMBER(Diagnostics, recycled_particles),
     MEMBER(Diagnostics, resident_bytes),
+    MEMBER(Diagnostics, taken_by_people_x_n_s),
+    MEMBER(Diagnostics, taken_by_people_z_n_s),
+    MEMBER(Diagnostics, missing_for_people_x_n_s),
+    MEMBER(Diagnostics, missing_for_people_z_n_s),
 };
 
 }  // namespace

@@ -26,7 +26,7 @@ def scene_hash(text):
     return value
 
 
-def read_options(program):
+def read_options(program, people):
     parser = argparse.ArgumentParser(
         prog=program,
         allow_abbrev=False,
@@ -41,13 +41,15 @@ def read_options(program):
     parser.add_argument("--scene-hash", type=scene_hash, default=0)
     parser.add_argument("--attach-timeout-s", type=bounded(float, 0, 86400), default=10)
     parser.add_argument("--step-timeout-s", type=bounded(float, 0, 86400), default=60)
+    if people:
+        parser.add_argument("--take-people", action="store_true", help="takes the agents, and lets those who push the water push it")
     return parser.parse_args()
 
 
-def run(program, produce, failure):
+def run(program, produce, failure, people=False):
     """The whole of a producer: its options, its frames, and the exit code of a failure, whose text it shows."""
     try:
-        produce(read_options(program))
+        produce(read_options(program, people))
     except failure as error:
         print(f"{program}: {error}", file=sys.stderr)
         sys.exit(error.code)

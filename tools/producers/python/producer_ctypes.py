@@ -47,6 +47,27 @@ class Slot(ctypes.Structure):
                                                       for name in FIELDS + ("radius", "height", "state")]
 
 
+class Join(ctypes.Structure):
+    """wade_join"""
+
+    _fields_ = [("scene_hash", U64), ("kind", U32), ("follows", U32), ("group_access", U32), ("reserved", U32),
+                ("waiting", Waiting)]
+
+
+class Frame(ctypes.Structure):
+    """wade_frame, as far as it is read here"""
+
+    _fields_ = [("frame", U64), ("tick", U64), ("hash", U64), ("count", U32), ("final", U32)] + [
+        (name, ctypes.POINTER(ctypes.c_float)) for name in FIELDS + ("radius", "height", "state")] + [
+        ("diagnostics", ctypes.c_char * 192)]
+
+
+class Impulses(ctypes.Structure):
+    """wade_frame_impulses; all NULL in a stream of agents without"""
+
+    _fields_ = [(name, ctypes.POINTER(ctypes.c_float)) for name in ("jx", "jz", "submerged", "spread")]
+
+
 class StreamError(Exception):
     def __init__(self, code, message):
         super().__init__(message)
@@ -89,10 +110,57 @@ def open_publisher(library, options, interrupted):
     return publisher
 
 
-def play(library, publisher, options, signal_received):
+class People:
+    """The way back, for --take-people: who pushes the water, and what it loses to them."""
+
+    def __init__(self, library, options, interrupted):
+        self.library, self.subscriber, self.frame = library, ctypes.c_void_p(), Frame()
+        join = Join()
+        library("join_defaults", ctypes.byref(join))
+        join.kind, join.waiting.interrupted = 2, interrupted
+        join.waiting.attach_timeout_s, join.waiting.step_timeout_s = options.attach_timeout_s, options.step_timeout_s
+        session = options.session.encode()
+        library("subscriber_open", session, b"producer_ctypes", ctypes.byref(join), ctypes.byref(self.subscriber))
+        stream = Stream()
+        library("subscriber_stream", self.subscriber, ctypes.byref(stream))
+        self.lag = stream.coupling_lag
+
+    def push(self, frame, fields):
+        """Takes the agents that are due before a frame and their impulses from the particles; False: the crowd has left."""
+        if frame <= self.lag:
+            return True
+        if self.library("subscriber_acquire", self.subscriber, ctypes.byref(self.frame)) == END:
+            return False
+        impulses = Impulses()
+        self.library("subscriber_impulses", self.subscriber, ctypes.byref(impulses))
+        if impulses.jx:
+            people = [np.ctypeslib.as_array(array, (self.frame.count,)) for array in
+                      (self.frame.px, self.frame.pz, impulses.jx, impulses.jz, impulses.submerged, impulses.spread)]
+            for person in zip(*people):
+                take_impulse(fields, *map(float, person))
+        self.library("subscriber_release", self.subscriber)
+        return True
+
+    def free(self):
+        self.library("subscriber_leave", self.subscriber)
+        self.library("subscriber_free", self.subscriber)
+
+
+def take_impulse(fields, x, z, jx, jz, submerged, spread):
+    """v -= w J / S over the cone round a person, so that the sum of m w J / S is J; nothing where there is no water."""
+    mass, vx, _, vz, px, py, pz = fields
+    weight = np.maximum(0, 1 - np.hypot(px - x, pz - z) / spread) * (py <= submerged)
+    total = np.sum(weight * mass, dtype=float)
+    if total > 0:
+        vx -= (weight * (jx / total)).astype(np.float32)
+        vz -= (weight * (jz / total)).astype(np.float32)
+
+
+def play(library, publisher, options, signal_received, interrupted):
     start_x, z = known_stream.block(np, options.particles)
     slot = Slot()
     library("publisher_wait_for_consumers", publisher, 1)
+    people = People(library, options, interrupted) if options.take_people else None
     for frame in range(1, options.frames + 1):
         if signal_received():
             raise StreamError(128 + signal_received(), f"Interrupted after frame {frame - 1}.")
@@ -100,7 +168,11 @@ def play(library, publisher, options, signal_received):
             break
         fields = [np.ctypeslib.as_array(getattr(slot, name), (slot.capacity,)) for name in FIELDS]
         known_stream.fill(np, fields, start_x, z, options.speed, slot.frame)
+        if people and not people.push(frame, fields):
+            break
         library("publisher_end_frame", publisher, options.particles, None, int(frame == options.frames))
+    if people:
+        people.free()
     library("publisher_close", publisher)
 
 
@@ -109,7 +181,7 @@ def produce(options):
     interrupted = INTERRUPTED(lambda _: signal_received())  # must live as long as the publisher
     publisher = open_publisher(library, options, interrupted)
     try:
-        play(library, publisher, options, signal_received)
+        play(library, publisher, options, signal_received, interrupted)
     except Exception as error:
         code = 128 + signal_received() if signal_received() else getattr(error, "code", UNEXPECTED)
         library("publisher_abort", publisher, code, str(error).encode())
@@ -119,4 +191,4 @@ def produce(options):
 
 
 if __name__ == "__main__":
-    known_stream.run("producer_ctypes", produce, StreamError)
+    known_stream.run("producer_ctypes", produce, StreamError, people=True)

@@ -91,8 +91,8 @@ class Consumer {
             const auto f = subscriber.acquire();
             if (!f) return;
             SeenFrame copy{f->frame, f->tick, f->final, {}};
-            for (const auto& field :
-                 {f->mass, f->vx, f->vy, f->vz, f->px, f->py, f->pz, f->radius, f->height, f->state}) {
+            for (const auto& field : {f->mass, f->vx, f->vy, f->vz, f->px, f->py, f->pz, f->radius, f->height, f->state,
+                                      f->jx, f->jz, f->submerged, f->spread}) {
                 copy.fields.emplace_back(field.begin(), field.end());
             }
             seen.push_back(copy);
@@ -105,7 +105,7 @@ class Consumer {
     std::thread thread_;
 };
 
-enum Field { mass, vx, vy, vz, px, py, pz, radius, height, state };
+enum Field { mass, vx, vy, vz, px, py, pz, radius, height, state, jx, jz, submerged, spread };
 
 struct RunWithAgents {
     CrowdRun one;
@@ -182,6 +182,35 @@ TEST_CASE("Each frame has all agents with what they are and what became of them"
     CHECK(last[vz][0] == static_cast<float>(run.crowd.agents.velocity[0].y()));
     CHECK(last[vz][0] != 0);
     CHECK(last[vx][2] == 0);  // whoever has ended rests
+}
+
+TEST_CASE(
+    "People who push the water say in each frame what it gave them since the frame before, to the last bit in sum") {
+    Scene scene = three_fates(wade::AgentsStream::parallel);
+    scene.coupling.two_way = true;
+    scene.crowd.step_rate = 60;
+    scene.hash = 42;
+    MadeUpSource source(1000, [](std::uint64_t) { return testing::uniform_water(5, 15, 20, 30, 1, 0.25, -1, 0.5); });
+    const RunWithAgents run("impulses", scene, source);
+    CHECK(run.consumer.info.impulses);
+    Vector2d sum = Vector2d::Zero();
+    for (const SeenFrame& frame : run.consumer.seen) {
+        sum += Vector2d(static_cast<double>(frame.fields[jx][0]), static_cast<double>(frame.fields[jz][0]));
+        CHECK(frame.fields[jx][1] == 0);  // on dry ground
+        CHECK(frame.fields[submerged][1] == 0);
+        CHECK(frame.fields[spread][0] > 0.49F);
+    }
+    const auto& first = run.consumer.seen.front().fields;
+    CHECK((first[jx][0] == 0 && first[jz][0] == 0));  // nobody has taken a step
+    const auto& second = run.consumer.seen[1].fields;
+    // Two steps of the drag, 1.1 x 0.272 m x 500 kg/m2 x 1 m, on |u| of about 1.1 m/s, corrected by some 19 %.
+    CHECK(static_cast<double>(second[jx][0]) < -4);
+    CHECK(static_cast<double>(second[jx][0]) > -9);
+    CHECK(static_cast<double>(second[submerged][0]) == Approx(1).margin(0.1));
+    // The rounding to float of a frame comes with the next: what is missing in the end is that of one frame.
+    CHECK(sum.x() == Approx(run.crowd.pushing->given[0].x()).margin(1e-6));
+    CHECK(sum.y() == Approx(run.crowd.pushing->given[0].y()).margin(1e-6));
+    CHECK_FALSE(run.summary.momentum);  // a water that says nothing of people has no balance
 }
 
 TEST_CASE("The hash of the agents is that of the stream, the same for both lags and without anybody who takes it") {

@@ -67,7 +67,8 @@ def producer_command(run, folder, session):
         # Its log is our redirection to the same file; after a numerical failure it leaves the water's state there.
         return [*server, *counted, *arguments["fluid_server"], "--session", session, "--out", folder]
     if run.producer == "shm_replay":
-        way_back = run.resolved.get("coupling", {}).get("agents_stream", "off") != "off"
+        coupling = run.resolved.get("coupling", {})
+        way_back = coupling.get("agents_stream", "off") != "off"
         switches = ["--take-agents"] if way_back else []
         replay = [BUILD / "shm_replay", own["--replay"]]
         return [*replay, *switches, *counted, *arguments["shm_replay"], "--session", session]
@@ -112,6 +113,8 @@ class Run:
                 self.resolved, code = resolved_scene(BUILD / name, self.scene, self.arguments[name])
                 if self.resolved is None:
                     return code
+        if "--replay" in self.own and self.resolved["coupling"]["two_way"]:
+            raise UsageError("/coupling/two_way: a recording cannot answer people who push it; allowed with --replay: false")
         return 0
 
 

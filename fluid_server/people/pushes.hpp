@@ -1,0 +1,122 @@
+#pragma once
+// What people take from the water during a frame, and the account of it.
+//
+//   w(r) = max(0, 1 - r / R)               the cone round a person, r the distance in the ground plane
+//   S = sum w_i m_i,  theta = sum w_i^2 m_i / S,  U = sum w_i m_i v_i / S      over the water i of the person's column
+//   v_i -= w_i J' / S,  J' = J dt / (length of the frame)                      in each sub-step dt
+//
+// The sum of m_i w_i J' / S is J', whatever the water: momentum goes nowhere else. Weights are those of the moment, so that the
+// water that a person pushed may have flowed away. J' is at most |U - V| S / theta, V the person's velocity: a film that is
+// left of the water which the crowd saw is stopped by people, not thrown back. What is missing then is booked apart.
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "fluid_server/fluid_model.hpp"
+#include "fluid_server/particles/bed_profile.hpp"
+#include "fluid_server/particles/cell_grid.hpp"
+#include "fluid_server/particles/particles.hpp"
+
+namespace wade::fluid {
+
+using GroundVector = std::array<double, 2>;  // along x and across
+
+struct Push {
+    GroundVector place{};     // m
+    GroundVector velocity{};  // V, m/s
+    GroundVector impulse{};   // J, N s of the frame, that the water loses
+    double submerged = 0;     // m above the bed
+    double spread = 0;        // R, m
+};
+
+// Sums over the water near a person, mass as a measure.
+struct NearWater {
+    double weight = 0;        // S, kg
+    double squares = 0;       // S theta, kg
+    GroundVector momentum{};  // S U, kg m/s
+
+    void add(double w, double mass, double vx, double vz) {
+        weight += w * mass;
+        squares += w * w * mass;
+        momentum[0] += w * mass * vx;
+        momentum[1] += w * mass * vz;
+    }
+};
+
+// N s since the start.
+struct MomentumAccount {
+    GroundVector taken{};    // what the water lost
+    GroundVector missing{};  // what people got from water that was no longer there
+};
+
+struct PeopleInWater {
+    std::vector<Push> pushes;  // of the frame at hand, those that are not 0, in the order of the agents
+    double frame_time = 0;     // s
+    MomentumAccount account;
+    bool told = false;  // a crowd has ever sent impulses
+
+    [[nodiscard]] bool push() const { return !pushes.empty(); }
+};
+
+// The pushes of the frame that follows; none where the agents bring no impulses.
+void take_pushes(const AgentsView& agents, PeopleInWater& people);
+
+// J' of a person, given the water near it and `share` of the frame; books what is missing.
+[[nodiscard]] GroundVector impulse_now(const Push& push, double share, const NearWater& water,
+                                       MomentumAccount& account);
+
+// Writes the account into the diagnostics of a frame, once there are impulses.
+void note_people(const PeopleInWater& people, shm::Diagnostics& diagnostics);
+
+// Particles near one person, with their weights.
+struct NearParticles {
+    std::vector<std::size_t> index;
+    std::vector<double> weight;
+};
+
+// Finds the particles of the column round a person: those of which some part lies below the depth in which it stands, none that
+// an emitter or a guard moves. grid: sorted. counts: how much of a particle at x belongs to the water, [0, 1].
+template <typename Counts>
+void find_near(const Push& push, const CellGrid& grid, const Particles& p, float top, Counts&& counts,
+               NearParticles& near) {
+    near.index.clear();
+    near.weight.clear();
+    const auto x = static_cast<float>(push.place[0]), z = static_cast<float>(push.place[1]);
+    const auto reach = static_cast<float>(push.spread);
+    const Vec3 lo{x - reach, 0, z - reach}, hi{x + reach, top, z + reach};
+    grid.for_each_period(lo, hi, [&](const Vec3& shift) {
+        const Vec3 from{lo[0] - shift[0], lo[1] - shift[1], lo[2] - shift[2]};
+        const Vec3 to{hi[0] - shift[0], hi[1] - shift[1], hi[2] - shift[2]};
+        grid.for_each_run(from, to, [&](std::uint32_t begin, std::uint32_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const double dx = static_cast<double>(p.x[i] + shift[0]) - push.place[0];
+                const double dz = static_cast<double>(p.z[i] + shift[2]) - push.place[1];
+                const double w = 1 - std::sqrt(dx * dx + dz * dz) / push.spread;
+                if (w <= 0 || p.y[i] >= top || p.kind[i] != Kind::fluid) continue;
+                const double counted = w * counts(p.x[i]);
+                if (counted <= 0) continue;
+                near.index.push_back(i);
+                near.weight.push_back(counted);
+            }
+        });
+    });
+}
+
+// The height up to which particles lie in the column of a person, m.
+[[nodiscard]] float top_of_column(const Push& push, const std::vector<BedFacet>& bed, double spacing);
+
+// Adds these particles, each of `mass` kg, to the sums.
+void add_particles(const NearParticles& near, const Particles& particles, double mass, NearWater& sum);
+
+// Takes J' = `impulse` from them and other water of together the weight S; returns what they lost, N s.
+GroundVector take_from(const NearParticles& near, const GroundVector& impulse, double weight, double mass,
+                       Particles& particles);
+
+// Every person takes its share of the frame. gain: the velocities changed here count so many times in the end (midpoint.hpp).
+void push_particles(PeopleInWater& people, double share, double gain, const CellGrid& grid,
+                    const std::vector<BedFacet>& bed, double spacing, double mass, Particles& particles);
+
+}  // namespace wade::fluid
