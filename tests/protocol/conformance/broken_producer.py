@@ -8,7 +8,6 @@ import sys
 
 import defects_consumers
 import defects_frames
-import defects_object
 from python_producer import Failure, Publisher
 
 
@@ -19,7 +18,7 @@ def dashed(name):
 
 DEFECTS = {
     dashed(name): value
-    for module in (defects_object, defects_frames, defects_consumers)
+    for module in (defects_frames, defects_consumers)
     for name, value in vars(module).items()
     if hasattr(value, "caught_by")
 }
