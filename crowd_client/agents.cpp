@@ -78,6 +78,12 @@ void draw_starts(const Scene& scene, Agents& agents) {
     }
 }
 
+// The person of a table that an agent is, the `member`-th of its group; one that sets nothing without a table.
+PersonRow person_of_table(const Crowd& crowd, const AgentGroup& group, int member, std::size_t id) {
+    if (!group.people.empty()) return group.people[static_cast<std::size_t>(member) % group.people.size()];
+    return crowd.people.empty() ? PersonRow{} : crowd.people[id % crowd.people.size()];
+}
+
 void check_start(const World& world, std::size_t group, int member, const Vector2d& p) {
     if (p.x() >= 0 && p.x() <= world.length && p.y() >= 0 && p.y() <= world.width) return;
     std::ostringstream message;
@@ -113,10 +119,11 @@ Agents make_agents(const Scene& scene) {
             agents.position.push_back(place);
             agents.goal.push_back({group.goal_x, group.goal_z});
             agents.desired_speed.push_back(group.desired_speed);
-            agents.mass.push_back(group.mass.at(random_of(scene, id, draw_mass)));
+            const PersonRow row = person_of_table(scene.crowd, group, k, id);
+            agents.mass.push_back(row.mass.value_or(group.mass.at(random_of(scene, id, draw_mass))));
             agents.tau.push_back(group.tau ? group.tau->at(random_of(scene, id, draw_tau)) : 0);
             const bool by_body = scene.crowd.response == ResponseKind::measured && !group.tau;
-            add_person(agents.people, group, by_body,
+            add_person(agents.people, group, row, by_body,
                        {random_of(scene, id, draw_sex), random_of(scene, id, draw_height),
                         random_of(scene, id, draw_age), random_of(scene, id, draw_friction)});
             agents.group.push_back(static_cast<std::uint32_t>(g));

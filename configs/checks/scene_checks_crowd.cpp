@@ -184,23 +184,41 @@ void check_ends(const Scene& scene, const std::vector<Place>& places, const std:
                " m with flow \"recirculating\" or \"periodic\", or a dry one: flow \"closed\" without water_blocks.");
 }
 
-// Mass over the square of the height, kg/m2: 8 and 100 are beyond what people lived with. Mass and height are drawn apart, so that the
-// heaviest may be the smallest.
-void check_body(const AgentGroup& group, const std::string& source, const std::string& pointer) {
+// Mass over the square of the height, kg/m2: 8 and 100 are beyond what people lived with.
+void check_mass(double mass, double height, const std::string& source, const std::string& pointer) {
     constexpr double least = 8, most = 100;
-    const Spread &height = group.body.height, &mass = group.mass;
-    const auto look = [&](double m, double h) {
-        const double index = m / (h * h);
-        if (index >= least && index <= most) return;
-        refuse(source, pointer + "/mass_kg",
-               short_number(m) + " kg with a height of " + short_number(h) + " m is no body of a person, " +
-                   short_number(std::round(10 * index) / 10) +
-                   " kg/m2; allowed: " + short_number(std::round(10 * least * h * h) / 10) + " to " +
-                   short_number(std::round(10 * most * h * h) / 10) +
-                   " kg for this height, or groups of their own for children.");
-    };
-    look(mass.hi, height.lo);
-    look(mass.lo, height.hi);
+    const double square = height * height, index = mass / square;
+    if (index >= least && index <= most) return;
+    refuse(source, pointer + "/mass_kg",
+           short_number(mass) + " kg with a height of " + short_number(height) + " m is no body of a person, " +
+               short_number(std::round(10 * index) / 10) +
+               " kg/m2; allowed: " + short_number(std::round(10 * least * square) / 10) + " to " +
+               short_number(std::round(10 * most * square) / 10) +
+               " kg for this height, or groups of their own for children.");
+}
+
+void check_table(const std::vector<PersonRow>& people, const AgentGroup& group, const std::string& source,
+                 const std::string& pointer, Problems& problems) {
+    for (std::size_t i = 0; i < people.size(); ++i) {
+        problems.attempt([&] {
+            const double height = people[i].height.value_or(group.body.height.lo);
+            check_mass(people[i].mass.value_or(group.mass.lo), height, source,
+                       pointer + "/people/" + std::to_string(i));
+        });
+    }
+}
+
+// Mass and height are drawn apart, so that the heaviest may be the smallest.
+void check_bodies(const Crowd& crowd, std::size_t g, const std::string& source, Problems& problems) {
+    const AgentGroup& group = crowd.groups[g];
+    const std::string pointer = "/crowd/groups/" + std::to_string(g);
+    problems.attempt([&] { check_mass(group.mass.hi, group.body.height.lo, source, pointer); });
+    problems.attempt([&] { check_mass(group.mass.lo, group.body.height.hi, source, pointer); });
+    if (group.people.empty()) {
+        check_table(crowd.people, group, source, "/crowd", problems);
+    } else {
+        check_table(group.people, group, source, pointer, problems);
+    }
 }
 
 // Whether those who are to hold one another can.
@@ -234,7 +252,7 @@ void check_measured(const Scene& scene, const std::string& source, Problems& pro
                    "1.5 spacings, and 2 m is the most; allowed: <= 1.3333 m.");
     });
     for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
-        problems.attempt([&] { check_body(scene.crowd.groups[g], source, "/crowd/groups/" + std::to_string(g)); });
+        check_bodies(scene.crowd, g, source, problems);
     }
 }
 

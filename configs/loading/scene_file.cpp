@@ -17,6 +17,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/errors/problems.hpp"
+#include "configs/loading/people_csv.hpp"
 #include "configs/scene/keys.hpp"
 
 namespace wade {
@@ -198,6 +199,7 @@ std::vector<json> scene_layers(std::string_view text, const std::filesystem::pat
             const std::string source = current_file.string();
             json document = parse_scene_text(current, source);
             check_keys(document, scene_keys(), "", {source, problems});
+            take_people(document, current_file, problems);
             const json extends = document.is_object() ? document.value("extends", json()) : json();
             layers.push_back(std::move(document));
             if (!extends.is_string() || extends.get_ref<const std::string&>().empty()) break;

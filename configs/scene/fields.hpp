@@ -130,7 +130,8 @@ class Fields {
                Presence presence = preset) {
         leaf({name, KeyKind::whole, meaning, unit, range, {}, {}, std::move(presence)}, member_of(member));
     }
-    void flag(std::string_view name, bool& member, std::string_view meaning, Presence presence = preset) {
+    template <typename T>
+    void flag(std::string_view name, T& member, std::string_view meaning, Presence presence = preset) {
         leaf({name, KeyKind::flag, meaning, {}, {}, {}, {}, std::move(presence)}, member_of(member));
     }
     template <typename T>
@@ -139,6 +140,11 @@ class Fields {
     }
     template <typename Choice>
     void choice(std::string_view name, Choice& member, std::string_view meaning, Presence presence = preset) {
+        leaf({name, KeyKind::choice, meaning, {}, {}, {}, names_of<Choice>(), std::move(presence)}, member_of(member));
+    }
+    template <typename Choice>
+    void choice(std::string_view name, std::optional<Choice>& member, std::string_view meaning,
+                Presence presence = preset) {
         leaf({name, KeyKind::choice, meaning, {}, {}, {}, names_of<Choice>(), std::move(presence)}, member_of(member));
     }
     // A number, or {"min": ..., "max": ...}, with "mean" and "sd" if its values are to be normal.

@@ -263,6 +263,14 @@ enum class Hold {
     arms    // across backs, also push
 };
 
+// A person of a table; what is not set is as its group says.
+struct PersonRow {
+    std::optional<double> height, mass, age, ground_friction;
+    std::optional<SexRule> sex;
+    std::optional<Skill> skill;
+    std::optional<bool> can_swim;
+};
+
 struct AgentGroup {
     std::string name;
     int columns = 1, rows = 1;  // start grid, columns along x, rows along z
@@ -276,6 +284,8 @@ struct AgentGroup {
     BodySettings body;
     HandInHand hand_in_hand = HandInHand::none;
     Hold hold = Hold::hands;
+    std::vector<PersonRow>
+        people;  // the k-th agent of the group is the k-th of them, from the first again after the last
 };
 
 enum class RagdollCondition { off, paper, local_speed, depth_speed };
@@ -342,6 +352,7 @@ struct Crowd {
     double goal_radius = 3.0;        // an agent within it has arrived
     RagdollRule ragdoll;
     PathSettings paths;
+    std::vector<PersonRow> people;  // of groups without a table: the agent of a number is the person of this number
     std::vector<AgentGroup> groups;
 };
 

@@ -76,17 +76,20 @@ Bracing bracing_of(Skill skill) {
     return {0.45, 0.09};
 }
 
-void add_person(People& people, const AgentGroup& group, bool by_body, const std::array<double, 4>& random) {
+void add_person(People& people, const AgentGroup& group, const PersonRow& row, bool by_body,
+                const std::array<double, 4>& random) {
     const BodySettings& body = group.body;
-    const bool is_male = body.sex == SexRule::any ? random[0] >= 0.5 : body.sex == SexRule::male;
-    const Bracing bracing = bracing_of(body.skill);
+    const SexRule sex = row.sex.value_or(body.sex);
+    const bool is_male = sex == SexRule::any ? random[0] >= 0.5 : sex == SexRule::male;
+    const Bracing bracing = bracing_of(row.skill.value_or(body.skill));
+    const double ground = body.ground_friction ? body.ground_friction->at(random[3]) : bracing.friction;
     people.sex.push_back(is_male ? Sex::male : Sex::female);
-    people.height.push_back(body.height.at(random[1]));
-    people.age.push_back(body.age.at(random[2]));
-    people.friction.push_back(body.ground_friction ? body.ground_friction->at(random[3]) : bracing.friction);
+    people.height.push_back(row.height.value_or(body.height.at(random[1])));
+    people.age.push_back(row.age.value_or(body.age.at(random[2])));
+    people.friction.push_back(row.ground_friction.value_or(ground));
     people.drag.push_back(body_drag);
     people.arm.push_back(bracing.arm_share * people.height.back());
-    people.can_swim.push_back(body.can_swim ? 1 : 0);
+    people.can_swim.push_back(row.can_swim.value_or(body.can_swim) ? 1 : 0);
     people.by_body.push_back(by_body ? 1 : 0);
     people.dry_speed.push_back(group.desired_speed);
     people.depth.push_back(0);

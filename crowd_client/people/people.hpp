@@ -49,8 +49,9 @@ struct Bracing {
 };
 [[nodiscard]] Bracing bracing_of(Skill skill);
 
-// Adds a person; `random` gives the number of [0, 1) of its sex, height, age and friction in turn.
-void add_person(People& people, const AgentGroup& group, bool by_body, const std::array<double, 4>& random);
+// Adds a person, of a table or drawn; `random` gives the number of [0, 1) of its sex, height, age and friction in turn.
+void add_person(People& people, const AgentGroup& group, const PersonRow& row, bool by_body,
+                const std::array<double, 4>& random);
 
 // U as low-passed, m/s; 0 without water.
 [[nodiscard]] Vector2d mean_stream(const People& people, std::size_t id);

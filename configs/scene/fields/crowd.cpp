@@ -104,6 +104,25 @@ void fields(BodySettings& body, Fields& f, const BodySettings* of_crowd) {
            unless_set(&BodySettings::can_swim));
 }
 
+// A table of people, as lists of a scene or from a file.
+void table_of_people(std::vector<PersonRow>& people, Fields& f) {
+    const Presence as_group = otherwise("that of the group");
+    f.of_file(
+        "people_csv", TextRule{1},
+        "File of people, relative to this one: names of keys of people in the first line, then a line a person. It "
+        "takes the place of people.");
+    f.list("people", people, "People one by one: the agents take them in turn, from the first again after the last.",
+           [&](PersonRow& row, Fields&) {
+               f.number("height_m", row.height, "m", from(0.5).to(2.5), "Height.", as_group);
+               f.number("mass_kg", row.mass, "kg", above(0).to(1000), "Mass.", as_group);
+               f.choice("sex", row.sex, "Sex.", as_group);
+               f.number("age", row.age, "years", from(3).to(110), "Age.", as_group);
+               f.choice("skill", row.skill, "Skill.", as_group);
+               f.number("ground_friction", row.ground_friction, "", from(0.01).to(2), "mu of the ground.", as_group);
+               f.flag("can_swim", row.can_swim, "Whether it swims.", as_group);
+           });
+}
+
 }  // namespace
 
 void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
@@ -154,6 +173,7 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
     f.choice("hold", group.hold,
              "How: hands pull, 220 N at most, 140 N of women. arms, across backs, also push as much, as a file in a "
              "stream needs.");
+    table_of_people(group.people, f);
 }
 
 void fields(Crowd& crowd, Fields& f, double frame_rate) {
@@ -220,6 +240,7 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
         fields(of_crowd.body, f, nullptr);
     });
     if (crowd.response == ResponseKind::measured) of_crowd.tau.reset();  // their bodies tell
+    table_of_people(crowd.people, f);
     f.list("groups", crowd.groups,
            "Groups of agents. Agents are numbered from 0 through all groups in order, in a group row by row.",
            [&](AgentGroup& group, Fields&) { fields(group, f, of_crowd); });

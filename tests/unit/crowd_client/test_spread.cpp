@@ -84,6 +84,27 @@ TEST_CASE("Half of the people are women unless the scene says otherwise, and a d
     CHECK(other.mass == plain.mass);
 }
 
+TEST_CASE("People of a table are taken in turn, and what it leaves open is drawn as without it") {
+    Scene scene = row_of(5);
+    scene.crowd.groups[0].mass = {40, 100};
+    const Agents drawn = make_agents(scene);
+    PersonRow small, large;
+    small.height = 1.2;
+    small.mass = 30;
+    large.height = 1.9;
+    large.skill = Skill::braced;
+    scene.crowd.people = {small, large};
+    const Agents agents = make_agents(scene);
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        const bool is_small = id % 2 == 0;
+        CHECK(agents.people.height[id] == (is_small ? 1.2 : 1.9));
+        CHECK(agents.mass[id] == (is_small ? 30 : drawn.mass[id]));
+        CHECK(agents.people.friction[id] == (is_small ? 0.45 : 0.80));
+    }
+    scene.crowd.groups[0].people = {large};
+    CHECK(make_agents(scene).people.height[0] == 1.9);
+}
+
 TEST_CASE("A draw depends on the seed and the agent alone") {
     Scene scene = row_of(5);
     scene.crowd.groups[0].tau = {0, 1};

@@ -271,6 +271,41 @@ TEST_CASE("hands that no one has or that do not reach are refused") {
     CHECK_NOTHROW(load_patched(two, {"/crowd/helping=true", measured}));
 }
 
+TEST_CASE("people come from a table beside the scene, and a bad line is named with file, line, column and value") {
+    const TemporaryFolder folder;
+    const auto load = [&](const std::string& table) {
+        folder.write("people.csv", table);
+        return wade::load_scene(
+            folder.write("scene.json", R"({"crowd": {"response": "measured", "people_csv": "people.csv", "groups": [)" +
+                                           group("a", 1, 1) + "]}}"));
+    };
+    const auto refused = [&](const std::string& table) {
+        try {
+            load(table);
+        } catch (const wade::ConfigurationError& error) {
+            return std::string(error.what());
+        }
+        return std::string("nothing is refused");
+    };
+    const LoadedScene loaded =
+        load("# of a census\nheight_m, mass_kg, sex,can_swim\n1.2,30,female,true\r\n1.9,90,,false\n");
+    REQUIRE(loaded.scene.crowd.people.size() == 2);
+    CHECK((loaded.scene.crowd.people[0].height == 1.2 && loaded.scene.crowd.people[0].can_swim == true));
+    CHECK((loaded.scene.crowd.people[1].mass == 90.0 && !loaded.scene.crowd.people[1].sex));
+    CHECK(wade::load_scene_text(loaded.canonical_json, "elsewhere.json").canonical_json == loaded.canonical_json);
+
+    CHECK_THAT(refused("height_m\n1.7\n5\n"),
+               Contains("people.csv, line 3: /height_m: 5 is out of range; allowed: >= 0.5"));
+    CHECK_THAT(refused("height_m\ntall\n"), Contains("people.csv, line 2: /height_m") && Contains("\"tall\""));
+    CHECK_THAT(refused("skill\nbrave\n"), Contains("people.csv, line 2: /skill: \"brave\" is not allowed"));
+    CHECK_THAT(refused("height\n1.7\n"), Contains("people.csv, line 2: /height: unknown key") && Contains("height_m"));
+    CHECK_THAT(refused("height_m,mass_kg\n1.7\n"), Contains("people.csv, line 2: there are 1 values; allowed: 2"));
+    CHECK_THAT(refused("height_m,mass_kg\n1.7,5\n"), Contains("/crowd/people/0/mass_kg: 5 kg with a height of 1.7 m"));
+    CHECK_THAT(refused("height_m\n"), Contains("people.csv: there are no people"));
+    CHECK_THAT(refusal(R"({"crowd": {"people_csv": "none.csv"}})", {}),
+               Contains("/crowd/people_csv: the file none.csv cannot be read"));
+}
+
 TEST_CASE("limits that are out of range, incomplete or the wrong way round are refused") {
     const std::string one = crowd(group("a", 1, 1));
     CHECK_THAT(refusal(one, {R"(/crowd/tau={"min":0.8,"max":0.4})"}),

@@ -31,11 +31,15 @@ const json everything = json::parse(R"({
                            "bodies": [{"x_m": 1, "y_m": 1, "z_m": 1, "radius_m": 0.5}]}},
     "crowd": {"tau": 0.1, "mass_kg": 70, "desired_speed_m_s": 1, "step_rate_hz": 30,
               "height_m": 1.8, "sex": "male", "age": 40, "skill": "good", "ground_friction": 0.6, "can_swim": true,
+              "people": [{"height_m": 1.8, "mass_kg": 80, "sex": "male", "age": 40, "skill": "good", "ground_friction": 0.6,
+                          "can_swim": true}],
               "groups": [{"name": "takes", "start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 1, "z_m": 1}},
                          {"name": "sets", "start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 1, "z_m": 1},
                           "columns": 3, "rows": 3, "count": 5, "tau": 0.2, "mass_kg": 60, "desired_speed_m_s": 2,
                           "height_m": 1.6, "sex": "female", "age": 20, "skill": "poor", "ground_friction": 0.5,
-                          "can_swim": false}]},
+                          "can_swim": false,
+                          "people": [{"height_m": 1.8, "mass_kg": 80, "sex": "male", "age": 40, "skill": "good",
+                                      "ground_friction": 0.6, "can_swim": true}]}]},
     "coupling": {"agents_stream": "serial"},
     "events": [{"frame": 3, "agent": 1, "tau": 0.5}, {"time_s": 3, "group": "sets", "tau": 0.6}]
 })");
@@ -75,11 +79,14 @@ void collect(const json& schema, const json& value, const std::string& pattern, 
     }
 }
 
-// Of the schema that editors use; $schema and extends tell how a file is read and reach no scene.
+// Of the schema that editors use; $schema, extends and people_csv tell how a file is read and reach no scene.
 std::vector<Leaf> leaves_of_schema() {
     json schema = json::parse(text_of_file("configs/scene.schema.json"));
     schema["properties"].erase("$schema");
     schema["properties"].erase("extends");
+    json& crowd = schema["properties"]["crowd"]["properties"];
+    crowd.erase("people_csv");
+    crowd["groups"]["items"]["properties"].erase("people_csv");
     std::vector<Leaf> leaves;
     collect(schema, everything, "", "", leaves);
     return leaves;

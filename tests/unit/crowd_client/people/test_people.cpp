@@ -12,7 +12,7 @@ People one_person(const BodySettings& body = {}) {
     People people;
     AgentGroup group;
     group.body = body;
-    add_person(people, group, true, {0.9, 0.5, 0.5, 0.5});
+    add_person(people, group, {}, true, {0.9, 0.5, 0.5, 0.5});
     return people;
 }
 

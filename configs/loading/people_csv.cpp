@@ -1,0 +1,119 @@
+#include "configs/loading/people_csv.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "configs/errors/exit_code.hpp"
+#include "configs/loading/scene_file.hpp"
+#include "configs/scene/keys.hpp"
+
+namespace wade {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* key_of_files = "people_csv";
+
+std::string_view trimmed(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::vector<std::string> cells_of(std::string_view line) {
+    std::vector<std::string> cells;
+    for (std::size_t begin = 0; begin <= line.size();) {
+        const std::size_t end = std::min(line.find(',', begin), line.size());
+        cells.emplace_back(trimmed(line.substr(begin, end - begin)));
+        begin = end + 1;
+    }
+    return cells;
+}
+
+// A number, true or false, or else a text, so that the rules of keys say what is wrong with it.
+json value_of(const std::string& cell) {
+    if (cell == "true" || cell == "false") return cell == "true";
+    double number = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+    return error == std::errc() && end == cell.data() + cell.size() ? json(number) : json(cell);
+}
+
+class Table {
+ public:
+    Table(const std::filesystem::path& file, const std::string& context, Problems& problems)
+        : name_(file.string()), text_(read_text_file(file, context)), problems_(problems) {}
+
+    // An array of objects; an empty cell sets nothing.
+    json people() {
+        json people = json::array();
+        std::vector<std::string> columns;
+        std::size_t number = 0;
+        for (std::string_view rest = text_; !rest.empty();) {
+            const std::size_t end = std::min(rest.find('\n'), rest.size());
+            const std::string_view line = trimmed(rest.substr(0, end));
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+            ++number;
+            if (line.empty() || line.front() == '#') continue;
+            if (columns.empty()) {
+                columns = cells_of(line);
+            } else {
+                people.push_back(person(columns, cells_of(line), number));
+            }
+        }
+        if (people.empty())
+            problems_.note(name_ + ": there are no people; allowed: a line of names, then a line each.");
+        return people;
+    }
+
+ private:
+    json person(const std::vector<std::string>& columns, const std::vector<std::string>& cells, std::size_t line) {
+        static const KeyNode& keys = *scene_keys().find("crowd")->find("people");
+        const std::string source = name_ + ", line " + std::to_string(line);
+        json person = json::object();
+        if (cells.size() != columns.size()) {
+            problems_.note(source + ": there are " + std::to_string(cells.size()) +
+                           " values; allowed: " + std::to_string(columns.size()) + ", one for each column.");
+            return person;
+        }
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            if (!cells[i].empty()) person[columns[i]] = value_of(cells[i]);
+        }
+        KeyNode of_one = keys;
+        of_one.key.kind = KeyKind::object;
+        check_keys(person, of_one, "", {source, problems_, of_one});
+        return person;
+    }
+
+    std::string name_, text_;
+    Problems& problems_;
+};
+
+void take_people_of(json& object, const std::string& pointer, const std::filesystem::path& scene_file,
+                    Problems& problems) {
+    if (!object.is_object() || !object.contains(key_of_files) || !object[key_of_files].is_string()) return;
+    const std::filesystem::path file =
+        (scene_file.parent_path() / object[key_of_files].get<std::string>()).lexically_normal();
+    object.erase(key_of_files);
+    const std::string context =
+        scene_file.string() + ": " + pointer + "/" + key_of_files + ": the file " + file.string();
+    problems.attempt([&] { object["people"] = Table(file, context, problems).people(); });
+}
+
+}  // namespace
+
+void take_people(json& document, const std::filesystem::path& scene_file, Problems& problems) {
+    if (!document.is_object() || !document.contains("crowd") || !document["crowd"].is_object()) return;
+    json& crowd = document["crowd"];
+    take_people_of(crowd, "/crowd", scene_file, problems);
+    if (!crowd.contains("groups") || !crowd["groups"].is_array()) return;
+    for (std::size_t g = 0; g < crowd["groups"].size(); ++g) {
+        take_people_of(crowd["groups"][g], "/crowd/groups/" + std::to_string(g), scene_file, problems);
+    }
+}
+
+}  // namespace wade
