@@ -1,4 +1,4 @@
-#include "configs/loading/people_csv.hpp"
+// Tables of people.
 
 #include <algorithm>
 #include <charconv>
@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "configs/errors/exit_code.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/scene/keys.hpp"
 

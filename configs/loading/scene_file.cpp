@@ -16,8 +16,6 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
-#include "configs/errors/problems.hpp"
-#include "configs/loading/people_csv.hpp"
 #include "configs/scene/keys.hpp"
 
 namespace wade {

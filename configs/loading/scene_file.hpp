@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "configs/errors/problems.hpp"
+
 namespace wade {
 
 // Parses JSON with // and /* */ comments; refuses keys that stand twice in one object. Errors give line and column.
@@ -22,6 +24,11 @@ void merge_over(nlohmann::json& lower, const nlohmann::json& upper);
 // Merges each over those before it. name and description are those of the last alone; the result has neither "extends"
 // nor "$schema".
 [[nodiscard]] nlohmann::json merge_layers(const std::vector<nlohmann::json>& layers);
+
+// Puts the people of each table that `people_csv` names, of the crowd or of a group, in its place: a file with keys of
+// /crowd/people in its first line and a person in each other. Paths are relative to the folder of `scene_file`. Notes what is
+// wrong with file, line, column, value and what is allowed.
+void take_people(nlohmann::json& document, const std::filesystem::path& scene_file, Problems& problems);
 
 // The contents of a plain file; throws ConfigurationError with the reason, beginning with `context`, and never waits.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& file, const std::string& context);
