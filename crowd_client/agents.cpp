@@ -119,11 +119,11 @@ Agents make_agents(const Scene& scene) {
             agents.position.push_back(place);
             agents.goal.push_back({group.goal_x, group.goal_z});
             agents.desired_speed.push_back(group.desired_speed);
-            const PersonRow row = person_of_table(scene.crowd, group, k, id);
-            agents.mass.push_back(row.mass.value_or(group.mass.at(random_of(scene, id, draw_mass))));
+            const PersonRow person = person_of_table(scene.crowd, group, k, id);
+            agents.mass.push_back(person.mass.value_or(group.mass.at(random_of(scene, id, draw_mass))));
             agents.tau.push_back(group.tau ? group.tau->at(random_of(scene, id, draw_tau)) : 0);
             const bool by_body = scene.crowd.response == ResponseKind::measured && !group.tau;
-            add_person(agents.people, group, row, by_body,
+            add_person(agents.people, group, person, by_body,
                        {random_of(scene, id, draw_sex), random_of(scene, id, draw_height),
                         random_of(scene, id, draw_age), random_of(scene, id, draw_friction)});
             agents.group.push_back(static_cast<std::uint32_t>(g));

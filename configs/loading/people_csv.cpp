@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -39,7 +41,9 @@ json value_of(const std::string& cell) {
     if (cell == "true" || cell == "false") return cell == "true";
     double number = 0;
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
-    return error == std::errc() && end == cell.data() + cell.size() ? json(number) : json(cell);
+    if (error != std::errc() || end != cell.data() + cell.size()) return cell;
+    const bool is_whole = std::trunc(number) == number && std::abs(number) < 1e15;
+    return is_whole ? json(static_cast<std::int64_t>(number)) : json(number);
 }
 
 class Table {

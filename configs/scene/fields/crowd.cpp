@@ -113,11 +113,11 @@ void table_of_people(std::vector<PersonRow>& people, Fields& f) {
         "takes the place of people.");
     f.list("people", people, "People one by one: the agents take them in turn, from the first again after the last.",
            [&](PersonRow& row, Fields&) {
-               f.number("height_m", row.height, "m", from(0.5).to(2.5), "Height.", as_group);
-               f.number("mass_kg", row.mass, "kg", above(0).to(1000), "Mass.", as_group);
-               f.choice("sex", row.sex, "Sex.", as_group);
-               f.number("age", row.age, "years", from(3).to(110), "Age.", as_group);
-               f.choice("skill", row.skill, "Skill.", as_group);
+               f.number("height_m", row.height, "m", from(0.5).to(2.5), "Its height.", as_group);
+               f.number("mass_kg", row.mass, "kg", above(0).to(1000), "Its mass.", as_group);
+               f.choice("sex", row.sex, "Its sex.", as_group);
+               f.number("age", row.age, "years", from(3).to(110), "Its age.", as_group);
+               f.choice("skill", row.skill, "Its skill.", as_group);
                f.number("ground_friction", row.ground_friction, "", from(0.01).to(2), "mu of the ground.", as_group);
                f.flag("can_swim", row.can_swim, "Whether it swims.", as_group);
            });

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "configs/errors/exit_code.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -275,9 +276,10 @@ TEST_CASE("people come from a table beside the scene, and a bad line is named wi
     const TemporaryFolder folder;
     const auto load = [&](const std::string& table) {
         folder.write("people.csv", table);
-        return wade::load_scene(
-            folder.write("scene.json", R"({"crowd": {"response": "measured", "people_csv": "people.csv", "groups": [)" +
-                                           group("a", 1, 1) + "]}}"));
+        return wade::load_scene(folder.write(
+            "scene.json", R"({"channel": {"x_min_m": 0, "x_max_m": 40, "z_min_m": 0, "z_max_m": 30, "flow": "closed"},
+                "crowd": {"response": "measured", "people_csv": "people.csv", "groups": [)" +
+                              group("a", 1, 1) + "]}}"));
     };
     const auto refused = [&](const std::string& table) {
         try {
