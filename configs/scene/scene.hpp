@@ -284,8 +284,7 @@ struct AgentGroup {
     BodySettings body;
     HandInHand hand_in_hand = HandInHand::none;
     Hold hold = Hold::hands;
-    std::vector<PersonRow>
-        people;  // the k-th agent of the group is the k-th of them, from the first again after the last
+    std::vector<PersonRow> people;  // the agents are these in turn
 };
 
 enum class RagdollCondition { off, paper, local_speed, depth_speed };
@@ -329,10 +328,7 @@ enum class ResponseKind {  // how people answer the water
     paper,                 // by a given tau
     measured               // by their bodies, but who has a given tau
 };
-enum class WalkingLaw {  // how much slower people walk in water
-    relative,            // than on dry ground
-    bernardini           // speeds by age
-};
+enum class WalkingLaw { relative, bernardini };  // speed in water: by that on dry ground, or by age
 
 struct Crowd {
     ResponseKind response = ResponseKind::paper;
