@@ -258,10 +258,7 @@ struct BodySettings {
 };
 
 enum class HandInHand { none, along_x, along_z };  // who hold one another: neighbours on the start grid
-enum class Hold {
-    hands,  // pull
-    arms    // across backs, also push
-};
+enum class Hold { hands, arms };                   // hands pull, arms across backs push, too
 
 // A person of a table; what is not set is as its group says.
 struct PersonRow {
@@ -324,10 +321,7 @@ struct EvasionSettings {
     double prediction = 1;  // longest time ahead, s
 };
 
-enum class ResponseKind {  // how people answer the water
-    paper,                 // by a given tau
-    measured               // by their bodies, but who has a given tau
-};
+enum class ResponseKind { paper, measured };     // people answer the water by a given tau, or by their bodies
 enum class WalkingLaw { relative, bernardini };  // speed in water: by that on dry ground, or by age
 
 struct Crowd {
