@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <iterator>
 
 #include "shm_protocol/inside/frame_check.hpp"
 #include "support.hpp"
@@ -67,6 +68,6 @@ TEST_CASE("the check of a descriptor covers all but its sequence") {
     d.sequence = 6;
     d.crc32c = crc;
     CHECK(descriptor_crc(d) == crc);
-    d.diagnostics.reserved[9] = 1;
+    d.diagnostics.reserved[std::size(d.diagnostics.reserved) - 1] = 1;
     CHECK(descriptor_crc(d) != crc);
 }
