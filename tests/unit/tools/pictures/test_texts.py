@@ -9,7 +9,7 @@ from wade.pictures import texts
 
 
 def scene(name, taus, events=0):
-    groups = [{"name": f"group_{i}", "tau": tau} for i, tau in enumerate(taus)]
+    groups = [{"name": f"group_{i}"} | ({} if tau is None else {"tau": tau}) for i, tau in enumerate(taus)]
     return {"name": name, "channel": {"flow": "emitter", "velocity_m_s": 1.5, "velocity_history": []},
             "crowd": {"groups": groups}, "events": [{"tau": 0.01 * i} for i in range(events)]}
 
@@ -63,6 +63,8 @@ class Fits(unittest.TestCase):
     def test_few_values_are_told_one_by_one_and_many_by_their_range(self):
         self.assertEqual(texts.tau_text(scene("s05", [0.2, 0.4, 0.2])), "0.2/0.4")
         self.assertEqual(texts.tau_text(scene("s05", [0.2, 0.3, 0.4, 0.5, {"min": 0.1, "max": 0.9}])), "0.1–0.9 (5 values)")
+        self.assertEqual(texts.tau_text(scene("measured", [None, 0.2, None])), "0.2/by body")
+        self.assertEqual(texts.tau_text(scene("measured", [None], events=1)), "by body→0")
         self.assertEqual(texts.tau_text(scene("s05", [0.2], events=2)), "0.2→0→0.01")
         self.assertEqual(texts.tau_text(scene("s05", [0.2], events=9)), "0.2→… (9 switches)→0.08")
 

@@ -35,12 +35,14 @@ def interval(low, high):
 
 
 def tau_text(scene):
-    """The values of tau at the start, then those to which events switch."""
-    ranges = sorted({range_of(group["tau"]) for group in scene["crowd"]["groups"]})
+    """The values of tau at the start, "by body" of who has none, then those to which events switch."""
+    groups = scene["crowd"]["groups"]
+    ranges = sorted({range_of(group["tau"]) for group in groups if "tau" in group})
     if len(ranges) > NAMED_TAUS:
-        text = f"{interval(ranges[0][0], max(high for _, high in ranges))} ({len(ranges)} values)"
+        words = [f"{interval(ranges[0][0], max(high for _, high in ranges))} ({len(ranges)} values)"]
     else:
-        text = "/".join(interval(*ends) for ends in ranges)
+        words = [interval(*ends) for ends in ranges]
+    text = "/".join(words + ["by body"] * any("tau" not in group for group in groups))
     switches = [f"{event['tau']:g}" for event in scene.get("events", [])]
     if len(switches) > NAMED_TAUS:
         switches = [f"\u2026 ({len(switches)} switches)", switches[-1]]
