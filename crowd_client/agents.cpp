@@ -145,6 +145,7 @@ Agents make_agents(const Scene& scene) {
     agents.wet_steps.assign(n, 0);
     agents.depth_sum.assign(n, 0.0);
     agents.dv_sum.assign(n, 0.0);
+    agents.tau_sum.assign(n, 0.0);
     agents.stay = agents.position;
     agents.stay_step.assign(n, 0);
     agents.stay_wet_steps.assign(n, 0);

@@ -58,6 +58,7 @@ struct Agents {
     std::vector<std::uint64_t> wet_steps;  // in which it stood in water (water_met.hpp)
     std::vector<double> depth_sum;         // of the water over these steps, m
     std::vector<double> dv_sum;            // of depth times speed over these steps, m2/s
+    std::vector<double> tau_sum;           // of tau as each of them began
 
     std::vector<Vector2d> stay;                            // near which it has been since `stay_step` (standing.hpp), m
     std::vector<std::uint64_t> stay_step, stay_wet_steps;  // the step, and wet_steps then

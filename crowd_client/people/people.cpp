@@ -53,6 +53,11 @@ Strain strain_of(const People& people, std::size_t id, double mass, const Vector
     return e;
 }
 
+// States that follow worse ones.
+bool is_on_its_way_back(PersonState state) {
+    return state == PersonState::recovering || state == PersonState::holding;
+}
+
 bool is_beyond_measured(const Condition& condition, double depth) {
     const bool strains = condition.state == PersonState::effort || condition.state == PersonState::sliding;
     return strains && (depth < shallowest_measured || depth > deepest_measured);
@@ -99,6 +104,7 @@ void add_person(People& people, const AgentGroup& group, const PersonRow& row, b
     people.topple.push_back(0);
     people.hold.push_back(0);
     people.condition.push_back({});
+    people.worst.push_back(PersonState::walking);
     people.beyond.push_back(0);
 }
 
@@ -137,6 +143,8 @@ void note_condition(People& people, std::size_t id, double mass, const Vector2d&
     people.slip[id] = strain.slip;
     people.topple[id] = topple_demand(strain);
     condition = next_condition(condition, strain, felt.dt);
+    const bool is_worse = condition.state > people.worst[id];
+    if (is_worse && !is_on_its_way_back(condition.state)) people.worst[id] = condition.state;
     if (is_beyond_measured(condition, people.depth[id])) people.beyond[id] += felt.dt;
 }
 

@@ -29,7 +29,8 @@ struct People {
     std::vector<double> topple;    // T
     std::vector<double> hold;      // M_hold of those it holds on to who stand, N m; 0 for most
     std::vector<Condition> condition;
-    std::vector<double> beyond;  // time on its feet beyond what was measured, s
+    std::vector<PersonState> worst;  // state so far, in the order of PersonState; recovering and holding do not count
+    std::vector<double> beyond;      // time on its feet beyond what was measured, s
 
     [[nodiscard]] std::size_t size() const { return height.size(); }
 };

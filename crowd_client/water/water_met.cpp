@@ -42,6 +42,7 @@ void note_water_met(Agents& agents, const Scene& scene, std::span<const std::uin
         ++agents.wet_steps[id];
         agents.depth_sum[id] += met.depth / share;
         agents.dv_sum[id] += met.depth / share * met.speed;
+        agents.tau_sum[id] += agents.tau[id];
     }
 }
 
@@ -51,6 +52,10 @@ double mean_depth_met(const Agents& agents, std::size_t id) {
 
 double mean_dv_met(const Agents& agents, std::size_t id) {
     return mean(agents.dv_sum[id], agents.wet_steps[id]);
+}
+
+double mean_tau_met(const Agents& agents, std::size_t id) {
+    return mean(agents.tau_sum[id], agents.wet_steps[id]);
 }
 
 }  // namespace wade::crowd

@@ -1,5 +1,5 @@
 #pragma once
-// Depth and speed of the water in which each agent stood: the largest values of single steps, and means.
+// Depth and speed of the water in which each agent stood, the largest values of single steps and means, and its mean tau there.
 
 #include <cstdint>
 #include <span>
@@ -23,6 +23,9 @@ void note_water_met(Agents& agents, const Scene& scene, std::span<const std::uin
 
 // Mean of depth times speed over the same steps, m2/s.
 [[nodiscard]] double mean_dv_met(const Agents& agents, std::size_t id);
+
+// Mean of tau over the same steps, [0, 1]; 0 if there were none.
+[[nodiscard]] double mean_tau_met(const Agents& agents, std::size_t id);
 
 // Share of the 2 x 2 m cell of a place that is in the channel, (0, 1]; 0 if the place itself is not.
 [[nodiscard]] double channel_share(const Channel& channel, const Vector2d& place);

@@ -89,6 +89,11 @@ Json beyond_json(const People& people) {
             {"time_s", std::accumulate(people.beyond.begin(), people.beyond.end(), 0.0)}};
 }
 
+// What the water brought somebody to who answers it by the body; nothing of who answers by tau.
+std::string_view worst_state(const People& people, std::size_t id) {
+    return people.by_body[id] != 0 ? person_states[static_cast<std::size_t>(people.worst[id])] : "";
+}
+
 }  // namespace
 
 std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {
@@ -133,7 +138,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     const Agents& agents = crowd.agents;
     std::string csv =
         "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
-        "mean_dv_m2_s,state,height_m";
+        "mean_dv_m2_s,state,height_m,mean_tau,worst_state";
     if (danger != nullptr) csv += std::string(",danger_level,") + exposure_columns;
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -148,6 +153,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
             csv += ',' + csv_number(v);
         }
         csv += ',' + std::string(state_name(crowd, id)) + ',' + csv_number(agents.people.height[id]);
+        csv += ',' + csv_number(mean_tau_met(agents, id)) + ',' + std::string(worst_state(agents.people, id));
         if (danger != nullptr) {
             const Exposure& met = danger->agents()[id];
             csv += ',' + std::string(danger_name(met.largest)) + ',' + exposure_times(met, crowd.dt);

@@ -6,6 +6,7 @@
 
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/standing.hpp"
+#include "crowd_client/water/water_met.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;
@@ -73,6 +74,9 @@ TEST_CASE("In a metre of water at 2.5 m/s one slides after 0.1 s, topples at 0.3
         CHECK(entered(PersonState::sliding) == Approx(0.1).margin(1 / rate));
         CHECK(entered(PersonState::toppled) == Approx(0.3).margin(1 / rate));
         CHECK(entered(PersonState::carried) == Approx(0.6).margin(1.01 / rate));
+        for (int i = 0; i < 10 * rate; ++i) step(crowd, stream(0.3, 0).view());
+        CHECK(state_of(crowd) == PersonState::walking);
+        CHECK(crowd.agents.people.worst[0] == PersonState::carried);
     }
 }
 
@@ -91,6 +95,9 @@ TEST_CASE("Who slides goes as fast as drag and friction balance, and its tau is 
     // Depth and so the balance change by up to 2 % as it passes the points of the lattice.
     CHECK(crowd.agents.momentary[0].x() == Approx(-1.5 + std::sqrt(grip / k)).epsilon(0.05));
     CHECK(crowd.agents.tau[0] == Approx(1 - grip / (k * 1.5 * 1.5)));
+    // The stream is the same all the time, but for what the points of the lattice change and the first 0.3 s.
+    CHECK(mean_tau_met(crowd.agents, 0) == Approx(crowd.agents.tau[0]).epsilon(0.05));
+    CHECK(crowd.agents.people.worst[0] == PersonState::sliding);
 }
 
 TEST_CASE("Drift, time to topple and arrival are the same at 15 to 120 steps a second") {

@@ -55,6 +55,7 @@ TEST_CASE("The means are over the time in the water, the largest values over all
     CHECK(crowd.agents.wet_steps[0] == 40);
     CHECK(mean_depth_met(crowd.agents, 0) == Approx((10 * 0.5 + 30 * 1) / 40));
     CHECK(mean_dv_met(crowd.agents, 0) == Approx((10 * 0.5 + 30 * 2.0) / 40));
+    CHECK(mean_tau_met(crowd.agents, 0) == 0);
     CHECK(crowd.agents.max_depth[0] == Approx(1));
     CHECK(crowd.agents.max_dv[0] == Approx(2));
 }
