@@ -12,7 +12,7 @@ from wade.reports import options
 from wade.reports.files import publish, say
 from wade.reports.tables import write_csv
 from wade.suites.stability_of_people import calibration, flume, report
-from wade.suites.stability_of_people.published import CHILDREN, SETS
+from wade.suites.stability_of_people.calibration import CHILDREN, SETS
 
 DEPTHS = (0.45, 0.7, 1.0)  # m, in which all sets with a skill were measured
 COLUMNS = ("set", "height_m", "mass_kg", "depth_m", "published_m_s", "fitted_m_s", "skill", "equations_m_s", "flume_m_s")

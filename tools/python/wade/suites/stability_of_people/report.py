@@ -5,8 +5,8 @@ import numpy as np
 from wade.reports.files import write_whole
 from wade.reports.plots import COLOURS, MARKS, panels, save
 from wade.reports.tables import document, markdown, section
-from wade.suites.stability_of_people.calibration import DEEPEST, critical, demands, errors, rms
-from wade.suites.stability_of_people.published import CHILDREN, DEFRA, DEPTH_TIMES_SPEED, SETS
+from wade.suites.stability_of_people.calibration import (CHILDREN, DEEPEST, DEFRA, DEPTH_TIMES_SPEED, SETS, critical, demands,
+                                                         errors, rms)
 
 FLUME_GOAL = 0.03  # of the flume from the equations, each person: half of it for the 0.6 s until who fails moves
 PERSON = (1.70, 65)  # whose curves the picture has
