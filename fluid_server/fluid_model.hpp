@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "configs/errors/exit_code.hpp"
 #include "configs/scene/scene.hpp"
 #include "shm_protocol/stream.hpp"
 
@@ -80,7 +81,11 @@ class FluidModel {
 
     // Goes on from a state instead of the scene's t = 0; before the first frame. `source` begins the ConfigurationError
     // that is thrown if it does not fit.
-    virtual void restore(const FluidState& state, const std::string& source);
+    virtual void restore(const FluidState& state, const std::string& source) {
+        static_cast<void>(state);
+        throw ConfigurationError(source + ": /fluid/model is " + std::string(name()) +
+                                 "; allowed: dfsph, the only model that has a state");
+    }
 
     // What a user should know at the end and no diagnostic says; empty if there is nothing.
     [[nodiscard]] virtual std::string remarks() const { return {}; }

@@ -1,8 +1,8 @@
 // What the mixed model needs beside what shallow water needs: a window that fits, and somebody who says where it is.
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/intervals.hpp"
 #include "configs/scene/mixed_window.hpp"
-#include "configs/scene/shallow_water_cells.hpp"
 
 namespace wade {
 

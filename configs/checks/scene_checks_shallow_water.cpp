@@ -2,7 +2,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/scene/choices.hpp"
-#include "configs/scene/shallow_water_cells.hpp"
+#include "configs/scene/intervals.hpp"
 
 namespace wade {
 

@@ -1,6 +1,7 @@
 #pragma once
 // Mistakes that are reported together, so that who wrote three of them need not start three times.
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -37,5 +38,21 @@ class Problems {
     std::vector<std::string> sentences_;  // at most most_shown
     std::size_t count_ = 0;
 };
+
+inline void Problems::note(const std::string& sentence) {
+    if (std::find(sentences_.begin(), sentences_.end(), sentence) != sentences_.end()) return;
+    ++count_;
+    if (sentences_.size() < most_shown) sentences_.push_back(sentence);
+}
+
+inline void Problems::throw_if_any() const {
+    if (none()) return;
+    std::string text;
+    for (const std::string& sentence : sentences_) text += (text.empty() ? "" : "\n") + sentence;
+    if (count_ > sentences_.size()) {
+        text += "\nand " + std::to_string(count_ - sentences_.size()) + " more mistakes.";
+    }
+    throw ConfigurationError(text);
+}
 
 }  // namespace wade

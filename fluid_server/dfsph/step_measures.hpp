@@ -1,6 +1,8 @@
 #pragma once
 // What a step of the water asks of all particles at once.
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -33,5 +35,41 @@ class StepMeasures {
     };
     BlockSums<Extremes> extremes_;
 };
+
+inline Motion StepMeasures::motion(const Particles& p) {
+    extremes_.begin(p.count);
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        float fastest = 0, highest = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const float v2 = p.vx[i] * p.vx[i] + p.vy[i] * p.vy[i] + p.vz[i] * p.vz[i];
+            fastest = std::max(fastest, v2);
+            highest = std::max(highest, p.y[i]);
+        }
+        extremes_[b].max = static_cast<double>(fastest);
+        extremes_[b].highest = static_cast<double>(highest);
+    });
+    const Extremes all = extremes_.total([](Extremes& total, const Extremes& block) {
+        total.max = std::max(total.max, block.max);
+        total.highest = std::max(total.highest, block.highest);
+    });
+    return {std::sqrt(all.max), all.highest};
+}
+
+inline DensityError StepMeasures::density_error(const std::vector<float>& density, std::size_t count) {
+    extremes_.begin(count);
+    for_each_block(count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        Extremes& block = extremes_[b];
+        for (std::size_t i = begin; i < end; ++i) {
+            const double error = std::max(0.0, static_cast<double>(density[i]) - 1);
+            block.sum += error;
+            block.max = std::max(block.max, error);
+        }
+    });
+    const Extremes all = extremes_.total([](Extremes& total, const Extremes& block) {
+        total.sum += block.sum;
+        total.max = std::max(total.max, block.max);
+    });
+    return {count == 0 ? 0 : all.sum / static_cast<double>(count), all.max};
+}
 
 }  // namespace wade::fluid

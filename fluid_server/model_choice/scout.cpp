@@ -6,8 +6,8 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/intervals.hpp"
 #include "configs/scene/scene_frames.hpp"
-#include "configs/scene/shallow_water_cells.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 
 namespace wade::fluid::model_choice {

@@ -39,6 +39,7 @@
 #include <variant>
 
 #include "configs/scene/scene.hpp"
+#include "configs/scene/scene_capacity.hpp"
 
 namespace wade::fluid {
 
@@ -205,6 +206,17 @@ double lattice_second_moment(const AnyKernel& kernel, double spacing) {
 
 // The kernel of a scene, of its support radius.
 using Kernel = std::variant<CubicSpline, QuarticSpline, WendlandC2>;
-[[nodiscard]] Kernel make_kernel(const Fluid& fluid);
+[[nodiscard]] inline Kernel make_kernel(const Fluid& fluid) {
+    const auto h = static_cast<float>(support_radius_of(fluid));
+    switch (fluid.kernel) {
+        case KernelKind::quartic_spline:
+            return QuarticSpline(h, support_in_spacings_of(fluid));
+        case KernelKind::wendland_c2:
+            return WendlandC2(h);
+        case KernelKind::cubic_spline:
+            break;
+    }
+    return CubicSpline(h, support_in_spacings_of(fluid));
+}
 
 }  // namespace wade::fluid

@@ -1,14 +1,28 @@
 #pragma once
 // Forces that act alike on all particles.
 
+#include "fluid_server/particles/parallel.hpp"
 #include "fluid_server/particles/particles.hpp"
 
 namespace wade::fluid {
 
 // Adds dt * (ax, ay) to the velocity of every fluid particle.
-void apply_body_force(Particles& particles, float ax, float ay, float dt);
+inline void apply_body_force(Particles& p, float ax, float ay, float dt) {
+    for_each_particle(p.count, [&](std::size_t i) {
+        if (p.kind[i] == Kind::fluid) {
+            p.vx[i] += dt * ax;
+            p.vy[i] += dt * ay;
+        }
+    });
+}
 
 // Uniform acceleration along x that brings the mean velocity of all fluid to -speed within dt, m/s^2.
-double driving_acceleration(const Particles& particles, double speed, float dt);
+inline double driving_acceleration(const Particles& p, double speed, float dt) {
+    double momentum = 0;
+    for (std::size_t i = 0; i < p.count; ++i) {
+        momentum += static_cast<double>(p.vx[i]);
+    }
+    return p.count == 0 ? 0 : (-speed - momentum / static_cast<double>(p.count)) / static_cast<double>(dt);
+}
 
 }  // namespace wade::fluid

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "configs/scene/intervals.hpp"
-#include "configs/scene/shallow_water_cells.hpp"
 
 namespace wade::fluid::shallow_water {
 

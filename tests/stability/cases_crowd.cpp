@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cases.hpp"
 #include "crowd_client/crowd_world.hpp"
+#include "stability_case.hpp"
 #include "water_run.hpp"
 
 namespace wade::stability {

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "cases.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "stability_case.hpp"
 #include "water_run.hpp"
 
 namespace wade::stability {

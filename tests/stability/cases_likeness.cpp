@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cases.hpp"
+#include "stability_case.hpp"
 #include "water_run.hpp"
 
 namespace wade::stability {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "cases.hpp"
+#include "stability_case.hpp"
 #include "water_run.hpp"
 
 namespace wade::stability {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "cases.hpp"
+#include "stability_case.hpp"
 #include "water_run.hpp"
 
 namespace wade::stability {

@@ -50,6 +50,18 @@ bool passes(const Result& result) {
     return std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passes(); });
 }
 
+const std::vector<Case>& all_cases() {
+    static const std::vector<Case> cases = [] {
+        std::vector<Case> all;
+        for (const std::vector<Case>& family :
+             {water_cases(), sloshing_cases(), inflow_cases(), particle_cases(), likeness_cases(), crowd_cases()}) {
+            all.insert(all.end(), family.begin(), family.end());
+        }
+        return all;
+    }();
+    return cases;
+}
+
 Scene scene_for(const Request& request, const std::string& name, const std::vector<std::string>& quick_overrides) {
     std::vector<SceneOverride> overrides;
     if (request.quick) {

@@ -8,7 +8,7 @@ from pathlib import Path
 from unittest import mock
 
 from wade import building
-from wade.errors import UsageError
+from wade import UsageError
 
 PAIR = ("fluid_server", "crowd_client")
 

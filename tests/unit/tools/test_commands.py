@@ -13,7 +13,7 @@ from unittest import mock
 from wade import cli
 from wade.building import BuildError
 from wade.commands import all_commands, find_command
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import BUILD, ROOT, WADE
 
 WIDE = {"COLUMNS": "300"}  # a terminal wider than any line may be

@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 from wade import scenes
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import CONFIGS, ROOT
 
 

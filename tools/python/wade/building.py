@@ -12,7 +12,7 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import BUILD, INSTALLED, ROOT, home_folder
 from wade.terminal import say_error
 

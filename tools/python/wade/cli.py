@@ -6,7 +6,7 @@ from contextlib import nullcontext
 
 from wade.building import BuildError, bring_up_to_date, install_pictures, installing_pictures
 from wade.commands import COMMANDS, all_commands, find_command
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import ROOT
 from wade.run.arguments import asks_for_help
 from wade.terminal import open_standard_streams, say_error

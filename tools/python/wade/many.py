@@ -14,7 +14,7 @@ import subprocess
 import time
 from pathlib import Path
 
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import module_command
 from wade.reports.files import complain
 from wade.reports.options import whole

@@ -5,7 +5,7 @@ import re
 import textwrap
 from pathlib import Path
 
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import CONFIGS, ROOT
 from wade.terminal import COLUMNS, Parser
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from unittest import mock
 
 from wade import paths
-from wade.errors import UsageError
+from wade import UsageError
 from wade.run import folders
 
 

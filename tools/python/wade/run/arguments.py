@@ -4,7 +4,7 @@ import re
 import shlex
 import subprocess
 
-from wade.errors import UsageError
+from wade import UsageError
 
 HELP = """\
 Usage: tools/wade run [SCENE] [--out DIR] [--no-figure]

@@ -5,7 +5,7 @@ import re
 import time
 from pathlib import Path
 
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import ROOT, home_folder
 
 

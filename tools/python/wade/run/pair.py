@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 from wade.building import PICTURES
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import BUILD, module_command
 from wade.run.arguments import HELP, asks_for_help, is_given, options_of, split_arguments, suit_to_latest, values_of
 from wade.run.folders import new_folder

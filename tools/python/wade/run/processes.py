@@ -8,7 +8,7 @@ import subprocess
 import time
 from pathlib import Path
 
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import BUILD
 
 # Exit codes that are only the echo of what happened to the other side: attach time-out, peer dead, peer aborted,

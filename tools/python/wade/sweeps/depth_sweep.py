@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.ticker import PercentFormatter
 
-from wade.errors import UsageError
+from wade import UsageError
 from wade.many import seed_range
 from wade.paths import CONFIGS, ROOT, module_command
 from wade.reports.files import say

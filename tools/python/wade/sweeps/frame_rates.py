@@ -12,7 +12,7 @@ import statistics
 import subprocess
 from pathlib import Path
 
-from wade.errors import UsageError
+from wade import UsageError
 from wade.many import label
 from wade.paths import ROOT, module_command
 from wade.reports.files import say, write_whole

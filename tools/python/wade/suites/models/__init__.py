@@ -10,7 +10,7 @@ Exit code 1: a run failed; 2: wrong options; 130, 143:
 interrupted. A limit that is missed is a result, not a failure.
 """
 
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import BUILD, ROOT
 from wade.reports import options
 from wade.reports.files import publish, say, write_whole

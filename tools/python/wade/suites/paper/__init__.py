@@ -16,7 +16,7 @@ Exit code 1: a run failed, or the verdict has a no (the bands are reported, they
 
 from pathlib import Path
 
-from wade.errors import UsageError
+from wade import UsageError
 from wade.paths import BUILD
 from wade.reports import options
 from wade.reports.files import complain, publish, say, write_whole
