@@ -102,6 +102,20 @@ class ShortCampaign(unittest.TestCase):
         self.assertEqual(set(waters), {"observed/v0.5", "observed/v1.5"})
         self.assertEqual(sum(int(cells[1]) for cells in waters.values()), len(SCENARIOS) * len(SEEDS))
 
+    def test_people_by_their_bodies_have_a_page_of_their_own(self):
+        page = (self.out / "measured.md").read_text()
+        rows = rows_of(section(page, "Tau given, tau computed, and who arrives"))
+        self.assertEqual(rows["as observed"][1:4], ["1.5", "1.5 m2/s, very high", "0: 50, 0.2: 50, 0.8: 0, 1: 0"])
+        agents = []
+        for seed in SEEDS:
+            folder = self.out / "observed" / "v1.5-g9.81" / f"measured-normal-seed{seed}"
+            with open(folder / "agents.csv", encoding="utf-8") as file:
+                agents += list(csv.DictReader(file))
+        self.assertEqual({agent["worst_state"] for agent in agents if agent["outcome"] == "dead"}, {"carried"})
+        tau = statistics.fmean(float(agent["mean_tau"]) for agent in agents if float(agent["mean_depth_m"]) > 0)
+        self.assertEqual(rows["as observed"][6], f"{tau:.2f}: 0")
+        self.assertNotIn("measured-", self.report)
+
     def test_every_picture_of_the_report_is_there(self):
         pictures = re.findall(r"\]\(([^)]*\.png)\)", self.report)
         self.assertTrue(pictures)

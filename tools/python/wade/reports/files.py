@@ -38,19 +38,19 @@ def complain(text):
     say("\n".join(wrapped(harmless(line)) for line in str(text).split("\n")), sys.stderr)
 
 
-def publish(out, suite, table):
-    """Copies report.md, the pictures that it shows and its table to docs/reports/<suite>, and nothing else.
+def publish(out, suite, table=None, page="report.md"):
+    """Copies a page, the pictures that it shows and its table to docs/reports/<suite>, and nothing else.
 
     Pictures there that neither it nor another text there shows go.
     """
     home = PUBLISHED / suite
-    names = set(PICTURE.findall((out / "report.md").read_text(encoding="utf-8")))
-    texts = [text.read_text(encoding="utf-8") for text in home.glob("*.md") if text.name != "report.md"]
+    names = set(PICTURE.findall((out / page).read_text(encoding="utf-8")))
+    texts = [text.read_text(encoding="utf-8") for text in home.glob("*.md") if text.name != page]
     shown = names.union(*map(PICTURE.findall, texts))
     for old in home.glob("**/*.png"):
         if str(old.relative_to(home)) not in shown:
             old.unlink()
-    for name in ("report.md", table, *names):
+    for name in (page, *([table] if table else []), *names):
         (home / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(out / name, home / name)
     say(f"published: {home.relative_to(ROOT)}")

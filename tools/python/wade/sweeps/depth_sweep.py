@@ -27,7 +27,7 @@ from wade.reports.plots import pyplot, save
 from wade.reports.tables import read_csv
 from wade.run.processes import end_with_parent, resolved
 from wade.scenes import find_scene
-from wade.sweeps.limits import limits_of
+from wade.sweeps.limits import given_tau, limits_of
 from wade.terminal import Parser
 
 COLUMNS = ("scene", "tau", "depth_m", "v_f_m_s", "dv_m2_s", "level", "seed", "agents", "arrived", "dead", "active",
@@ -209,6 +209,7 @@ def main(arguments):
         parser.error(f"--points: {options.points}, allowed is 2 to 50")
     options.scene = find_scene(str(options.scene))
     scene = resolved(options.scene)
+    given_tau(scene["crowd"]["groups"][0])  # of bodies the sweep's tau would change nothing
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / "depth_sweep.csv"
     done = rows_to_go_on_with(path, options.until_s)

@@ -7,6 +7,8 @@ mass m_c = rho h pi r_c^2 does not depend on the particles' size; r_c is the con
 
 import math
 
+from wade.errors import UsageError
+
 FREE_SHARE = 0.989  # of the desired speed at which a free agent walks with the speed rule `pi`
 
 
@@ -24,6 +26,14 @@ def in_words(value):
     """"0.2", or "0.4 to 0.8" of what is drawn."""
     low, high = ends(value)
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def given_tau(group):
+    """tau of a group of a resolved scene. UsageError of people who answer the water by their bodies and have none."""
+    if "tau" not in group:
+        raise UsageError(f"/crowd/groups: \"{group.get('name', '')}\" has no tau, as /crowd/response is \"measured\": Eq. 9 and its "
+                         "limits are of people with a given tau; give the group one, or set /crowd/response to \"paper\"")
+    return group["tau"]
 
 
 def walking_speed(scene):
@@ -53,7 +63,7 @@ def limits_of(scene, depth=None):
     """(lowest, highest) limit of the agents of the first group, m/s; two numbers only if tau or the mass is drawn."""
     group, contact, walking = scene["crowd"]["groups"][0], contact_mass(scene, depth), walking_speed(scene)
     light, heavy = ends(group["mass_kg"])
-    enduring, yielding = ends(group["tau"])
+    enduring, yielding = ends(given_tau(group))
     return limit_velocity(light, walking, yielding, contact), limit_velocity(heavy, walking, enduring, contact)
 
 
@@ -78,7 +88,7 @@ def of_limit(scene, tau=None, velocity=None, depth=None):
     Of a tau or a mass that is drawn the mean counts.
     """
     group = scene["crowd"]["groups"][0]
-    tau = middle(group["tau"] if tau is None else tau)
+    tau = middle(given_tau(group) if tau is None else tau)
     velocity = scene["channel"]["velocity_m_s"] if velocity is None else velocity
     limit = limit_velocity(middle(group["mass_kg"]), walking_speed(scene), tau, contact_mass(scene, depth))
     return velocity / limit if limit > 0 else math.inf

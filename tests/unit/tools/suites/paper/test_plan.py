@@ -43,6 +43,13 @@ class Plan(unittest.TestCase):
         names = {case.name for case in plan.others_cases("observed")}
         self.assertEqual(names, {"two_groups", "no_obstacle", "tau_switch"})
 
+    def test_people_of_all_skills_share_waters_and_have_the_weight_of_the_earth(self):
+        for scene_set in plan.MEASURED_V_F:
+            cases = [plan.measured_case(scene_set, 1.5, skill) for skill in plan.SKILLS]
+            self.assertEqual(len({case.water for case in cases}), 1)
+            earth = dict(cases[0].water.changes).get("/world/gravity_m_s2", "the river's own")
+            self.assertEqual(earth, "the river's own" if scene_set == "river" else 9.81)
+
     def test_a_crowd_names_only_what_it_has_otherwise_than_its_water(self):
         water = {"seed": 1, "crowd": {"tau": 0}, "coupling": {"contact_rule": "difference"}, "name": "s01", "world": {}}
         scene = {**water, "seed": 3, "crowd": {"tau": 0.2}}

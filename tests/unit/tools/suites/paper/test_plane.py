@@ -8,6 +8,7 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
+from wade.errors import UsageError
 from wade.suites.paper import plane
 from wade.suites.paper.report import Context
 from wade.sweeps import depth_sweep, limits
@@ -55,6 +56,14 @@ class Limits(unittest.TestCase):
         low, high = limits.limits_of(scene_with(tau={"min": 0.4, "max": 0.8}))
         self.assertAlmostEqual(low, limits.limits_of(scene_with(tau=0.8))[0])
         self.assertAlmostEqual(high, limits.limits_of(scene_with(tau=0.4))[0])
+
+    def test_people_without_a_tau_are_refused_by_name(self):
+        by_body = scene_with(name="walkers")
+        del by_body["crowd"]["groups"][0]["tau"]
+        for ask in (limits.limits_of, limits.of_limit):
+            with self.assertRaisesRegex(UsageError, '"walkers" has no tau, as /crowd/response is "measured"'):
+                ask(by_body)
+        self.assertAlmostEqual(limits.of_limit(by_body, tau=0.8), limits.of_limit(SCENE))
 
     def test_the_lightest_who_yields_most_has_the_lowest_limit(self):
         low, high = limits.limits_of(scene_with(tau={"min": 0.4, "max": 0.8}, mass_kg={"min": 40, "max": 100}))

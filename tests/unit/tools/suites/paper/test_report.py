@@ -1,11 +1,13 @@
-"""The begin of the report, on made-up results."""
+"""The begin of the report, and the page on people who answer the water by their bodies, on made-up results."""
 
+import tempfile
 import unittest
+from pathlib import Path
 from types import SimpleNamespace
 
-from wade.suites.paper import TABLE1, plan, report
+from wade.suites.paper import TABLE1, measured, plan, report
 from wade.suites.paper.report import Context
-from wade.suites.paper.results import read_paper
+from wade.suites.paper.results import Result, Run, read_paper
 
 PAPER = read_paper(TABLE1)
 
@@ -36,6 +38,63 @@ class Summary(unittest.TestCase):
         text = report.summary_section(context(found))
         self.assertIn("4 of 5 bands hold as observed; missed: S8.", text)
         self.assertIn("as observed S8 4.0 (3.0 to 5.0) of 50 arrive", text)
+
+
+def by_body(case, worst, state, taus):
+    """A Result of runs of walkers; worst, state: numbers of each run; taus: of each run [number in the water, mean]."""
+    agents, arrived = sum(worst.values()), state.get("arrived", 0)
+    steps = [300] * min(1, arrived) + [1] * (arrived - 1)
+    record = {"agents": agents, "arrived": arrived, "dead": agents - arrived, "last_arrival_s": None, "commit": "abc",
+              "step_rate_hz": 30, "water_met": [0, None, None],
+              "groups": {"walkers": {"agents": agents, "dead": 0, "arrival_steps": steps}}}
+    people = [{"people": {"walkers": {"worst": worst, "state": state, "tau": tau}}} for tau in taus]
+    return Result([Run(case, case.name, seed, {**record, **one}, {}) for seed, one in enumerate(people, 1)])
+
+
+class ByBody(unittest.TestCase):
+    def page(self, results):
+        folder = tempfile.TemporaryDirectory(prefix="wade-test-")
+        self.addCleanup(folder.cleanup)
+        self.out = Path(folder.name)
+        found = {case.key: by_body(case, *told) for case, told in results.items()}
+        return measured.page("--parts measured", Context(found, ["river"], PAPER, out=self.out))
+
+    def test_tau_is_the_mean_over_the_people_in_the_water_of_all_runs(self):
+        case = plan.measured_case("river", 0.5, "good")
+        self.assertAlmostEqual(measured.tau_of(by_body(case, {"walking": 4}, {}, ([1, 0.2], [3, 0.6]))), 0.5)
+        self.assertIsNone(measured.tau_of(by_body(case, {"walking": 4}, {}, ([0, None],))))
+
+    def test_what_becomes_of_people_adds_up_twice(self):
+        worst = {"walking": 10, "effort": 5, "sliding": 15, "toppled": 1, "afloat": 1, "carried": 16, "drowned": 2}
+        state = {"arrived": 20, "dead": 8, "drowned": 2, "recovering": 12, "carried": 8}
+        found = by_body(plan.measured_case("river", 1.0, "normal"), worst, state, ([50, 0.5],) * 2)
+        self.assertEqual(measured.fates(found), [15, 15, 20, 20, 8, 2, 20])
+        self.assertEqual(measured.off_feet(found)[0], 20)
+
+    def test_the_page_tells_what_was_run_and_no_more(self):
+        at = {(v, skill): plan.measured_case("river", v, skill) for v in (0.5, 1.5) for skill in ("braced", "poor")}
+        all_walk, all_lost = ({"effort": 50}, {"arrived": 50}), ({"carried": 50}, {"dead": 50})
+        text = self.page({
+            at[0.5, "braced"]: (*all_walk, ([50, 0.0],)), at[0.5, "poor"]: (*all_lost, ([50, 0.6],)),
+            at[1.5, "braced"]: (*all_lost, ([50, 0.33],)), at[1.5, "poor"]: (*all_lost, ([50, 0.95],)),
+        })
+        self.assertIn("at least half arrive up to v_F, m/s: braced 0.5, poor none.", text)
+        self.assertIn("(0.5 m2/s, moderate): at least half arrive of braced; tau computed 0.00 to 0.60.", text)
+        self.assertIn("(1.5 m2/s, very high): at least half arrive of none; tau computed 0.33 to 0.95.", text)
+        self.assertIn("0: 50, 0.2: 50, 0.8: 0, 1: 0 | 0.33: 0 | - | - | - | 0.95: 0 |", text)
+        self.assertIn("4 runs, seeds 1 to 1, by programs: 4 of commit abc", text)
+        self.assertGreater((self.out / "measured.png").stat().st_size, 5000)
+        self.assertNotIn("What two ways change", text)
+        self.assertEqual(self.page({}), "")
+
+    def test_two_ways_stand_beside_one(self):
+        cases = {ways: plan.measured_pushing("S5", 0.75, "normal", *ways) for ways in plan.WAYS}
+        arrive = dict(zip(plan.WAYS, (30, 40, 35, 48)))
+        told = {ways: ({"effort": n, "carried": 50 - n}, {"arrived": n}, ([50, 0.3],)) for ways, n in arrive.items()}
+        text = self.page({case: told[ways] for ways, case in cases.items()})
+        self.assertIn("the 50 of Table 1, normal, 0.75 m/s: 30.0 arrive one way, 48.0 with both.", text)
+        line = next(line for line in text.splitlines() if line.startswith("| the 50 of Table 1"))
+        self.assertEqual([cell.split(" ")[1] for cell in line.split("|")[4:8]], ["30.0", "40.0", "35.0", "48.0"])
 
 
 if __name__ == "__main__":

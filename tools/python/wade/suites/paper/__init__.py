@@ -3,7 +3,8 @@
 Set-ups: configs/observed (the water of the authors' logs, kinematic, cheap), configs/paper (as they
 ran it), configs/river (as the paper describes it) and configs/manning (that river on a slope with
 friction, with four layers of particles, about ten times the cost). One run of the fluid serves all
-crowds of a water. Writes report.md, table1.csv and pictures, and prints the report.
+crowds of a water. Writes report.md, table1.csv and pictures, and prints the report; the part measured
+has a page of its own, measured.md, and alone leaves the report as it is.
 
 DIR/runs.jsonl keeps what each run came to, a line each: a crowd that is there, or complete as a
 folder in DIR, and whose scene is still the same is not run again, whichever version of the programs
@@ -23,7 +24,7 @@ from wade.reports.files import complain, publish, say, write_whole
 from wade.reports.tables import document, write_csv
 from wade.run.processes import Pair
 from wade.suites.cases import FOLLOWS_PEOPLE, known_models, model_changes
-from wade.suites.paper import (bands, pictures, plan, plane, report, studies, verdict)
+from wade.suites.paper import (bands, measured, pictures, plan, plane, report, studies, verdict)
 from wade.suites.paper.ensembles import Ensembles, OwnWaters, PlanError, Programs
 from wade.suites.paper.results import COLUMNS, Result, read_paper, table_row
 from wade.suites.paper.store import Store, StoreError
@@ -44,7 +45,7 @@ def parse(arguments):
                         help="more seeds, N at most, where an interval of 95 %% is wider than a tenth [3 times --seeds in "
                         "the set observed, --seeds in the others]")
     parser.add_argument("--parts", type=options.some_of(tuple(plan.PARTS)), metavar="A,B",
-                        help="only these, see below [all; quick: table1 with S1, S4, S5 and S8]")
+                        help="only these, see below [all; quick: table1 with S1, S4, S5 and S8, measured as observed]")
     parser.add_argument("--set-of-scenes", choices=tuple(SETS_OF), help="[all; quick: all but manning]")
     parser.add_argument("--model", choices=known_models(), help="water by this model instead of the scenes' own")
     parser.add_argument("--threads", type=options.whole(1), default=2, metavar="N", help="of each program [2]")
@@ -54,7 +55,7 @@ def parse(arguments):
     parser.add_argument("--report-only", action="store_true", help="run nothing: the report of what is complete in DIR")
     chosen = parser.parse_args(arguments)
     chosen.seeds = chosen.seeds or (1 if chosen.quick else 10)
-    chosen.parts = chosen.parts or (["table1"] if chosen.quick else list(plan.PARTS))
+    chosen.parts = chosen.parts or (["table1", "measured"] if chosen.quick else list(plan.PARTS))
     chosen.sets = SETS_OF[chosen.set_of_scenes] if chosen.set_of_scenes else QUICK_SETS if chosen.quick else plan.SETS
     return chosen
 
@@ -75,6 +76,8 @@ def wanted_cases(chosen):
                 if case.water.set == scene_set:
                     half = max(1, chosen.seeds // 2)
                     counts = (half, half) if part in WIDE_PARTS else (chosen.seeds, most_seeds(chosen, case))
+                    if part == "measured":
+                        counts = (min(chosen.seeds, plan.SEEDS_ALONE if plan.pushes(case) else chosen.seeds),) * 2
                     wanted[case] = max(counts, wanted.get(case, counts))
     return wanted
 
@@ -96,8 +99,19 @@ def rows_of(context, cut_short):
                 yield {**row, "commits": " ".join(result.commits)}
 
 
-def write_report(chosen, ensembles, paper, drawn):
-    results = {key: Result(runs) for key, runs in ensembles.runs.items()}
+def write_measured(chosen, results, paper):
+    """measured.md with its picture; whether there is something to tell."""
+    sets = [scene_set for scene_set in chosen.sets if any(key.startswith(f"{scene_set}/") for key in results)]
+    context = report.Context(results, sets, paper, out=chosen.out)
+    text = "" if chosen.until_s is not None else measured.page(report.command_of(chosen), context)
+    if text:
+        write_whole(chosen.out / measured.PAGE, text)
+        say(text)
+        say(chosen.out / measured.PAGE)
+    return bool(text)
+
+
+def write_report(chosen, ensembles, results, paper, drawn):
     sets = [scene_set for scene_set in chosen.sets if any(key.startswith(f"{scene_set}/") for key in results)]
     obstacles = {scene_set: pictures.case_of(scene_set, "obstacle") for scene_set in sets}
     lee = {scene_set: pictures.lee_of(results.get(case.key)) for scene_set, case in obstacles.items()
@@ -154,10 +168,19 @@ def main(arguments):
     if chosen.report_only and not ensembles.runs:
         complain(f"paper: --report-only: no run in {chosen.out} is complete; the report stays as it is")
         return 1
-    drawn, results = [], {key: Result(runs) for key, runs in ensembles.runs.items()}
-    if "figures" in chosen.parts and chosen.until_s is None:
-        drawn = pictures.draw_figures(results, chosen.sets, chosen.out, pair)
-    code = write_report(chosen, ensembles, paper, drawn)
-    if chosen.publish:
-        publish(chosen.out, "paper", "table1.csv")
+    results = {key: Result(runs) for key, runs in ensembles.runs.items()}
+    by_body = {key: result for key, result in results.items() if result.runs[0].outcome.get("people")}
+    others = {key: result for key, result in results.items() if key not in by_body}
+    pages = []
+    if "measured" in chosen.parts and write_measured(chosen, by_body, paper):
+        pages.append((measured.PAGE, None))
+    code = 1 if ensembles.failures else 0
+    if chosen.parts != ["measured"]:
+        drawn = []
+        if "figures" in chosen.parts and chosen.until_s is None:
+            drawn = pictures.draw_figures(others, chosen.sets, chosen.out, pair)
+        code = write_report(chosen, ensembles, others, paper, drawn)
+        pages.append(("report.md", "table1.csv"))
+    for page, table in pages if chosen.publish else ():
+        publish(chosen.out, "paper", table, page)
     return code

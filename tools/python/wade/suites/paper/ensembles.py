@@ -9,7 +9,7 @@ from wade.paths import module_command
 from wade.reports.files import complain
 from wade.reports.intervals import precise_enough
 from wade.suites.paper.pictures import note_what_is_seen
-from wade.suites.paper.results import Run, record_of
+from wade.suites.paper.results import Run, answers_by_body, record_of
 from wade.suites.paper.store import what_counts
 
 # Where the crowds of one water may differ; all else belongs to the water.
@@ -66,7 +66,8 @@ def is_done(folder, scene):
             columns = agents.readline().strip().split(",")
     except (OSError, ValueError):
         return False
-    complete = outcome.get("status") == "completed" and "mean_dv_m2_s" in columns
+    newest = "worst_state" if answers_by_body(scene) else "mean_dv_m2_s"
+    complete = outcome.get("status") == "completed" and newest in columns
     return complete and what_counts(manifest.get("resolved_scene") or {}) == what_counts(scene)
 
 
@@ -165,6 +166,12 @@ class Ensembles:
         return self.out / water.key / "run.log"
 
     def run_crowds(self, water, missing):
+        """One pair for all who share the water, and one for each who pushes it; returns the first exit code but 0."""
+        pushing = [run for run in missing if self.programs.scene_of(*run)["coupling"].get("two_way")]
+        shared = [run for run in missing if run not in pushing]
+        return (self.run_shared(water, shared) if shared else 0) or self.run_alone(water, pushing)
+
+    def run_shared(self, water, missing):
         """Runs one pair; on a terminal its progress is shown, else it goes to run.log. Returns its exit code."""
         folder = self.out / water.key
         folder.mkdir(parents=True, exist_ok=True)
@@ -179,6 +186,21 @@ class Ensembles:
         with open(self.log(water), "w", encoding="utf-8") as log:
             process = self.pair.start(command, stdout=log, stderr=None if sys.stderr.isatty() else log)
             return self.wait_for(process, water)
+
+    def run_alone(self, water, missing):
+        """Runs a pair for each crowd; returns the first exit code but 0."""
+        for case, seed in missing:
+            folder = self.folder(case, seed)
+            folder.mkdir(parents=True, exist_ok=True)
+            scene = folder / "scene.json"
+            scene.write_text(json.dumps(self.programs.scene_of(case, seed), indent=1) + "\n", encoding="utf-8")
+            command = [*module_command("wade.run.pair"), scene, "--out", folder, "--no-figure", "--water-every-s", "0"]
+            command += ["--threads", str(self.threads)]
+            with open(self.log(water), "w", encoding="utf-8") as log:
+                code = self.wait_for(self.pair.start(command, stdout=log, stderr=log), water)
+            if code != 0 or self.pair.signal:
+                return code
+        return 0
 
     def wait_for(self, process, water):
         """Waits for a pair, and tells now and then how far it is; returns its exit code."""
@@ -226,18 +248,7 @@ class OwnWaters(Ensembles):
     """Each crowd in a run of its own, of water that follows its people."""
 
     def run_crowds(self, water, missing):
-        for case, seed in missing:
-            folder = self.folder(case, seed)
-            folder.mkdir(parents=True, exist_ok=True)
-            scene = folder / "scene.json"
-            scene.write_text(json.dumps(self.programs.scene_of(case, seed), indent=1) + "\n", encoding="utf-8")
-            command = [*module_command("wade.run.pair"), scene, "--out", folder, "--no-figure", "--water-every-s", "0"]
-            command += ["--threads", str(self.threads)]
-            with open(self.log(water), "w", encoding="utf-8") as log:
-                code = self.wait_for(self.pair.start(command, stdout=log, stderr=log), water)
-            if code != 0 or self.pair.signal:
-                return code
-        return 0
+        return self.run_alone(water, missing)
 
 
 def name_of(case, seed):

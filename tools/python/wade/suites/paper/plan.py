@@ -24,6 +24,18 @@ MAX_PARTICLES = 300000  # enough for the smallest of them
 EMITTER_PUSHES = (1.4, 1.6)  # speed of the emitter over v_F, beside 1; both were chosen afterwards
 FRAME_RATES = (15, 60)  # 1/s, beside 30
 OBSTACLE_AT = 60  # m, x_min that the scenes assume
+SKILLS = ("braced", "good", "normal", "unaware", "poor")
+EARTH = "g9.81", (("/world/gravity_m_s2", 9.81),)
+PAPER_V_F = tuple(V_F.values())
+MEASURED_V_F = {"river": (0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5), "observed": PAPER_V_F, "paper": PAPER_V_F}  # m/s
+QUICK_V_F = (0.5, 1.5)  # m/s
+OBSTACLE_V_F = 1.5  # m/s
+MEASURED_OTHERS = tuple((name, v) for v in (1.5, 0.75) for name in ("two_groups", "obstacle", "no_obstacle"))
+PUSHING = ("S5", "no_obstacle", "obstacle_of_people")  # scenes with people who push
+PUSHED_AT = (("normal", 0.75), ("braced", 1.0))  # skill, m/s: where some arrive and some do not
+WAYS = tuple((two_way, shelter) for two_way in (False, True) for shelter in (False, True))
+SEEDS_ALONE = 3  # of crowds that push the water, and so want a run of it each
+CELLS = (("/fluid/model", "shallow_water"), ("/fluid/shallow_water/cell_size_m", 0.5))
 FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
 
 
@@ -141,7 +153,7 @@ def water_readings(scene_set):
         filled = (("/channel/initial_river", "filled"), ("/fluid/kinematic/transport_factor", 1))
         readings["filled at the start, transported at v_F"] = "filled", filled
     if scene_set == "paper":
-        readings["gravity 9.81 m/s2"] = "g9.81", (("/world/gravity_m_s2", 9.81),)
+        readings["gravity 9.81 m/s2"] = EARTH
         readings["filled at the start"] = "filled", (("/channel/initial_river", "filled"),)
     return readings
 
@@ -198,6 +210,55 @@ def particles_cases(scene_set):
     return coarse_cases(scene_set) + fine_cases(scene_set)
 
 
+def measured_water(scene_set, velocity):
+    """The water of Table 1 with the gravity of the earth, which the weight on people's feet needs."""
+    return stream(scene_set, velocity, *(() if scene_set == "river" else EARTH))
+
+
+def measured_case(scene_set, velocity, skill):
+    """The crowd of Table 1, of people of a skill."""
+    return Case(measured_water(scene_set, velocity), f"measured-{skill}", scene_of(scene_set, "S5"), by_body(skill))
+
+
+def measured_other(scenario, velocity, skill):
+    """A scenario of the river beside Table 1, of people of a skill."""
+    water = other_case("river", scenario).water
+    if scenario != "obstacle":
+        water = stream("river", velocity)
+    elif velocity != OBSTACLE_V_F:
+        water = Water("river", f"obstacle-v{velocity:g}", water.scene, (("/channel/velocity_m_s", velocity),))
+    return Case(water, f"{scenario}-measured-{skill}", scene_of("river", scenario), by_body(skill))
+
+
+def measured_pushing(scenario, velocity, skill, two_way, shelter):
+    """People who push the water or not, who shelter one another or not, in a river of the shallow-water equations."""
+    suffix = f"measured-{skill}" + ("-pushes" if two_way else "") + ("-wake" if shelter else "")
+    changes = ("/coupling/two_way", two_way), ("/coupling/shelter", "wake" if shelter else "off")
+    water = stream("river", velocity, "cells", CELLS)
+    return Case(water, f"{scenario.lower()}-{suffix}", scene_of("river", scenario), by_body(skill) + changes)
+
+
+def pushes(case):
+    return ("/coupling/two_way", True) in case.changes
+
+
+def by_body(skill):
+    return ("/crowd/response", "measured"), ("/crowd/skill", skill)
+
+
+def measured_cases(scene_set, quick=False):
+    """One way in the waters of the paper and between them; two ways, as each crowd needs a water of its own, in few."""
+    if quick:
+        return [measured_case(scene_set, velocity, skill) for velocity in QUICK_V_F for skill in SKILLS[::2]
+                if scene_set == "observed"]
+    cases = [measured_case(scene_set, v, skill) for v in MEASURED_V_F.get(scene_set, ()) for skill in SKILLS]
+    if scene_set == "river":
+        cases += [measured_other(name, velocity, skill) for name, velocity in MEASURED_OTHERS for skill in SKILLS]
+        cases += [measured_pushing(name, velocity, skill, *ways) for name in PUSHING for skill, velocity in PUSHED_AT
+                  for ways in WAYS]
+    return cases
+
+
 PARTS = {
     "table1": "S1 to S12 beside the paper's Table 1, with the bands",
     "others": "two groups, obstacle, switch of tau",
@@ -206,6 +267,7 @@ PARTS = {
     "particles": "ten times the particles",
     "phase": "who arrives over the plane of tau and v_F (set observed)",
     "plane": "who arrives over the plane of depth and v_F (set observed)",
+    "measured": "people who answer the water by their bodies: who arrives at which skill, what two ways change",
     "figures": "pictures in the paper's style",
 }
 
@@ -216,6 +278,7 @@ def cases_of(part, sets, quick=False):
         "table1": lambda s: table1_cases(s, quick), "others": others_cases,
         "rules": lambda s: contact_cases(s) + continuous_cases(s), "readings": reading_cases,
         "particles": lambda s: particles_cases(s) if has_scene(s, "fine") else [],
+        "measured": lambda s: measured_cases(s, quick),
     }
     if part in of_set:
         return [case for scene_set in sets for case in of_set[part](scene_set)]

@@ -2,6 +2,7 @@
 
 import json
 import statistics
+from collections import Counter
 from itertools import accumulate
 
 from wade.reports.intervals import arrival_interval, bootstrap_mean
@@ -104,7 +105,30 @@ def record_of(folder):
     record["fluid"] = {key: (outcome.get("fluid") or {}).get(key) for key in FLUID}
     record["groups"] = groups_of(agents, outcome["step_rate_hz"])
     record["water_met"] = water_met(agents)
+    if answers_by_body(manifest["resolved_scene"]):
+        record["people"] = people_of(agents)
     return record, manifest["resolved_scene"]
+
+
+def answers_by_body(scene):
+    return scene["crowd"].get("response") == "measured"
+
+
+def people_of(agents):
+    """Of each group who answer the water by their bodies: how many got to which worst state, how many are in which at the
+    end, and [how many met water, their mean of the mean tau, None of nobody]."""
+    groups = {}
+    for agent in agents:
+        if agent["worst_state"]:
+            groups.setdefault(agent["group"], []).append(agent)
+    return {name: {"worst": dict(Counter(agent["worst_state"] for agent in group)),
+                   "state": dict(Counter(agent["state"] for agent in group)),
+                   "tau": mean_of([float(agent["mean_tau"]) for agent in group if float(agent["mean_depth_m"]) > 0])}
+            for name, group in groups.items()}
+
+
+def mean_of(values):
+    return [len(values), statistics.fmean(values) if values else None]
 
 
 def groups_of(agents, step_rate):
