@@ -7,7 +7,7 @@ mass m_c = rho h pi r_c^2 does not depend on the particles' size; r_c is the con
 
 import math
 
-from wade.errors import UsageError
+from wade import UsageError
 
 FREE_SHARE = 0.989  # of the desired speed at which a free agent walks with the speed rule `pi`
 

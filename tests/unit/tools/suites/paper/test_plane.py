@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from wade.errors import UsageError
+from wade import UsageError
 from wade.suites.paper import plane
 from wade.suites.paper.report import Context
 from wade.sweeps import depth_sweep, limits
