@@ -33,6 +33,39 @@ double volume_of_cells(const shallow_water::ShallowWater& world, std::size_t beg
     return depths_of(world, begin, end) * world.grid.cell_area();
 }
 
+bool keeps_momentum(const Scene& scene) {
+    const Channel& channel = scene.channel;
+    return scene.coupling.two_way && channel.flow == Flow::recirculating && channel.bed_points.empty() &&
+           channel.slope == 0 && channel.manning_n == 0 && channel.no_slip.empty() && scene.obstacles.empty();
+}
+
+double momentum_in_window(const Particles& p, const std::array<End, 2>& ends, double spacing) {
+    double sum = 0;
+    for (std::size_t i = 0; i < p.count; ++i) {
+        sum += share_in_window(static_cast<double>(p.x[i]), ends, spacing) * static_cast<double>(p.vx[i]);
+    }
+    return sum * particle_volume(spacing);
+}
+
+double momentum_of_cells(const shallow_water::ShallowWater& world, std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t k = 0; k < world.grid.nz; ++k) {
+        const std::size_t row = world.grid.row(static_cast<std::ptrdiff_t>(k));
+        for (std::size_t i = begin; i < end; ++i) sum += world.water.qx[row + i];
+    }
+    return sum * world.grid.cell_area();
+}
+
+bool add_momentum_to_cells(shallow_water::ShallowWater& world, std::size_t begin, std::size_t end, double amount) {
+    const double volume = volume_of_cells(world, begin, end);
+    if (volume <= 0) return false;
+    for (std::size_t k = 0; k < world.grid.nz; ++k) {
+        const std::size_t row = world.grid.row(static_cast<std::ptrdiff_t>(k));
+        for (std::size_t i = begin; i < end; ++i) world.water.qx[row + i] += amount / volume * world.water.h[row + i];
+    }
+    return true;
+}
+
 double add_to_cells(shallow_water::ShallowWater& world, std::size_t begin, std::size_t end, double wanted) {
     const double before = depths_of(world, begin, end);
     if (before <= 0) return 0;

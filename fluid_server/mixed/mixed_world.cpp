@@ -36,6 +36,7 @@ MixedWorld::MixedWorld(const Scene& scene)
       restriction_(shallow_),
       fluid_(scene_of_particles(scene, rule_.guard()), static_cast<ChannelEnds&>(*this)),
       bed_(bed_facets(scene.channel)) {
+    momentum_.kept = keeps_momentum(scene);
     fluid_.push_with([this](const CellGrid& cells, Particles& particles, double duration, double gain) {
         push(cells, particles, duration, gain);
     });
@@ -46,8 +47,8 @@ void MixedWorld::need(const std::optional<Interval>& agents) {
     change_window(rule_.next(window_, agents));
 }
 
-double MixedWorld::shallow_step(double remaining, PeopleInWater* people) {
-    const shallow_water::StepReport report = shallow_water::step(shallow_, remaining, people);
+double MixedWorld::shallow_step(double remaining, PeopleInWater* people, std::optional<double> driven_by) {
+    const shallow_water::StepReport report = shallow_water::step(shallow_, remaining, people, driven_by);
     columns_.drift(shallow_, report.dt);
     driving_ += report.driving_acceleration * report.dt;
     inflow_ += report.inflow;
@@ -74,16 +75,31 @@ MixedStep MixedWorld::step(double remaining) {
 void MixedWorld::begin_step(Particles& particles, double, double dt) {
     stage_.finished(MixedStage::particles);
     stage_(MixedStage::shallow_water, [&] {
-        for (double left = dt; left > 1e-9 * dt;) left -= shallow_step(left, nullptr);
+        const std::optional<double> driven_by = driving_of_all(dt);
+        for (double left = dt; left > 1e-9 * dt;) left -= shallow_step(left, nullptr, driven_by);
         acceleration_ = -driving_ / dt;
     });
     stage_(MixedStage::guards, [&] { guards_.update(particles, shallow_, dt); });
+}
+
+std::optional<double> MixedWorld::driving_of_all(double dt) {
+    if (!momentum_.kept) return {};
+    const double all = volume(), there = all - accounts_[0].owed - accounts_[1].owed;
+    const double wanted = -velocity_at(shallow_.scene.channel, shallow_.time + dt) * all;
+    const double lack = (wanted - momentum_.expected) / there;  // what is owed is nowhere to be driven
+    momentum_.expected = wanted;
+    return -lack / dt;
+}
+
+void MixedWorld::book_people(double taken_before) {
+    momentum_.expected -= (people_.account.taken[0] - taken_before) / shallow_.scene.fluid.rest_density;
 }
 
 void MixedWorld::push(const CellGrid& cells, Particles& particles, double duration, double gain) {
     if (!people_.push()) return;
     const double share = duration / people_.frame_time, mass = static_cast<double>(fluid_.particle_mass());
     const auto counts = [&](float x) { return share_in_window(static_cast<double>(x), ends(), spacing_); };
+    const double taken_before = people_.account.taken[0];
     NearParticles near;
     shallow_water::NearCells outside;
     for (const Push& push : people_.pushes) {
@@ -103,6 +119,7 @@ void MixedWorld::push(const CellGrid& cells, Particles& particles, double durati
             people_.account.missing[axis] += gain * now.missing[axis];
         }
     }
+    book_people(taken_before);
 }
 
 void MixedWorld::end_step(Particles& particles, std::span<const float> x_before, double dt) {
@@ -113,6 +130,7 @@ void MixedWorld::end_step(Particles& particles, std::span<const float> x_before,
     });
     stage_(MixedStage::restriction, [&] {
         restriction_.apply(shallow_, particles, window_, dt);
+        pay_momentum(-std::expm1(-dt / restriction_.time()));
         shallow_water::update_primitive(shallow_);
     });
 }
@@ -144,14 +162,31 @@ void MixedWorld::book(const Particles& p, std::span<const float> x_before) {
     }
 }
 
+std::array<std::size_t, 2> MixedWorld::cells_before(std::size_t e) const {
+    const auto reach = static_cast<std::size_t>(std::ceil(rule_.guard() / shallow_.grid.dx));
+    if (e == 0) return {window_.begin - std::min(reach, window_.begin), window_.begin};
+    return {window_.end, std::min(window_.end + reach, shallow_.grid.nx)};
+}
+
 void MixedWorld::pay(double dt) {
     const double share = -std::expm1(-dt / restriction_.time());
-    const auto reach = static_cast<std::size_t>(std::ceil(rule_.guard() / shallow_.grid.dx));
     for (std::size_t e = 0; e < 2; ++e) {
         if (!ends()[e].open) continue;
-        const std::size_t begin = e == 0 ? window_.begin - std::min(reach, window_.begin) : window_.end;
-        const std::size_t end = e == 0 ? window_.begin : std::min(window_.end + reach, shallow_.grid.nx);
+        const auto [begin, end] = cells_before(e);
         accounts_[e].owed -= add_to_cells(shallow_, begin, end, share * accounts_[e].owed);
+    }
+}
+
+void MixedWorld::pay_momentum(double share) {
+    if (!momentum_.kept) return;
+    const double outside =
+        momentum_of_cells(shallow_, 0, window_.begin) + momentum_of_cells(shallow_, window_.end, shallow_.grid.nx);
+    const double owed = momentum_.expected - outside - momentum_in_window(fluid_.particles(), ends(), spacing_);
+    momentum_.owed = owed;
+    momentum_.most_owed = std::max(momentum_.most_owed, std::abs(owed));
+    for (std::size_t e = 0; e < 2; ++e) {
+        const auto [begin, end] = cells_before(e);
+        if (add_momentum_to_cells(shallow_, begin, end, 0.5 * share * owed)) momentum_.owed -= 0.5 * share * owed;
     }
 }
 

@@ -68,6 +68,7 @@ class MixedWorld final : private ChannelEnds {
     [[nodiscard]] const Window& window() const { return window_; }
     [[nodiscard]] const std::array<End, 2>& ends() const { return guards_.ends(); }
     [[nodiscard]] const std::array<EndAccount, 2>& accounts() const { return accounts_; }
+    [[nodiscard]] const MomentumBook& momentum() const { return momentum_; }
     [[nodiscard]] double outflow() const { return outflow_; }  // over the fall, m^3
     [[nodiscard]] double inflow() const { return inflow_; }    // m^3
 
@@ -84,7 +85,13 @@ class MixedWorld final : private ChannelEnds {
     [[nodiscard]] bool carry_inflow() const override { return true; }
 
     // One step of the shallow water; its length, s.
-    double shallow_step(double remaining, PeopleInWater* people);
+    double shallow_step(double remaining, PeopleInWater* people, std::optional<double> driven_by = {});
+    // What gives all water v_F again in a step of dt, where momentum is booked, m/s2 towards -x.
+    [[nodiscard]] std::optional<double> driving_of_all(double dt);
+    void book_people(double taken_before);
+    void pay_momentum(double share);
+    // Cells before an end of the window, as far as its guard reaches: [begin, end) along x.
+    [[nodiscard]] std::array<std::size_t, 2> cells_before(std::size_t end) const;
     void book(const Particles& particles, std::span<const float> x_before);
     // People take the share of the frame from the particles of the window and the cells outside it, each with its weight.
     void push(const CellGrid& cells, Particles& particles, double duration, double gain);
@@ -105,6 +112,7 @@ class MixedWorld final : private ChannelEnds {
     PeopleInWater people_;
     Window window_;
     std::array<EndAccount, 2> accounts_;
+    MomentumBook momentum_;
     double acceleration_ = 0;  // m/s^2 along x
     double driving_ = 0;       // integral of the driving acceleration over the step at hand, m/s
     MixedStages::Seconds seconds_{};

@@ -12,6 +12,16 @@
 
 namespace wade::fluid::mixed {
 
+namespace {
+
+std::string digits(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return text;
+}
+
+}  // namespace
+
 Closure closure_of(const MixedWorld& world) {
     Closure closure;
     double owed = 0, momentum = 0, carried = 0;
@@ -112,7 +122,9 @@ std::string MixedModel::remarks() const {
         grid.nx, grid.nz, time_ > 0 ? 100 * awake_ / (time_ * grid.x.length()) : 0.0,
         static_cast<unsigned long long>(most_particles_), closure.passed, 100 * closure.volume, closure.most,
         100 * closure.momentum);
-    return text;
+    if (!world_.momentum().kept) return text;
+    const double owed = world_.momentum().most_owed * world_.grid_water().scene.fluid.rest_density;
+    return text + std::string("; of all momentum at most ") + digits(owed) + " N s were owed";
 }
 
 }  // namespace wade::fluid::mixed

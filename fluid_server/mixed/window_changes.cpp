@@ -28,6 +28,7 @@ void MixedWorld::change_window(const Window& to) {
 }
 
 void MixedWorld::wake(const Window& window) {
+    momentum_.expected = momentum_of_cells(shallow_, 0, shallow_.grid.nx);
     guards_.move_to(window, shallow_.grid, rule_.ends_are_walls());
     fluid_.change_particles([&](Particles& p) { guards_.fill(p, shallow_); });
     window_ = window;

@@ -127,8 +127,8 @@ void book_flow(ShallowWater& world) {
     }
 }
 
-// Gives all water the velocity along x that it lacks to v_F.
-void drive(ShallowWater& world, StepReport& report) {
+// The velocity along x that all water lacks to v_F; nothing without water.
+std::optional<double> lack_of_velocity(ShallowWater& world, double time) {
     const Grid& grid = world.grid;
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
@@ -138,8 +138,16 @@ void drive(ShallowWater& world, StepReport& report) {
         }
     });
     const double volume = sum(world.row_volume);
-    if (volume <= 0) return update_primitive(world);
-    const double lack = -velocity_at(world.scene.channel, world.time + report.dt) - sum(world.row_momentum) / volume;
+    if (volume <= 0) return {};
+    return -velocity_at(world.scene.channel, time) - sum(world.row_momentum) / volume;
+}
+
+void drive(ShallowWater& world, std::optional<double> driven_by, StepReport& report) {
+    const Grid& grid = world.grid;
+    const std::optional<double> found =
+        driven_by ? -*driven_by * report.dt : lack_of_velocity(world, world.time + report.dt);
+    if (!found) return update_primitive(world);
+    const double lack = *found;
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
@@ -152,7 +160,7 @@ void drive(ShallowWater& world, StepReport& report) {
 
 }  // namespace
 
-StepReport step(ShallowWater& world, double remaining, PeopleInWater* people) {
+StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, std::optional<double> driven_by) {
     StepReport report;
     StepStages stage(report.stages);
     stage(Stage::time_step, [&] { report.dt = time_step(world, remaining); });
@@ -165,7 +173,7 @@ StepReport step(ShallowWater& world, double remaining, PeopleInWater* people) {
             if (!driven) update_primitive(world);
         });
     }
-    if (driven) stage(Stage::drive, [&] { drive(world, report); });
+    if (driven) stage(Stage::drive, [&] { drive(world, driven_by, report); });
     world.time += report.dt;
     return report;
 }

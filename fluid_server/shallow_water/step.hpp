@@ -18,6 +18,7 @@
 // velocity along x that all of it lacks to v_F.
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "fluid_server/people/pushes.hpp"
@@ -44,7 +45,9 @@ struct StepReport {
 };
 
 // Advances by the longest time step that is stable, at most `remaining` and a whole part of it. Throws RunError
-// (numerical_failure) if the water is not finite. people: take their share of the frame, if they are given.
-StepReport step(ShallowWater& world, double remaining, PeopleInWater* people = nullptr);
+// (numerical_failure) if the water is not finite. people: take their share of the frame, if they are given. driven_by: the
+// driving acceleration of a recirculating channel, towards -x, m/s2; none: what all of it lacks to v_F.
+StepReport step(ShallowWater& world, double remaining, PeopleInWater* people = nullptr,
+                std::optional<double> driven_by = {});
 
 }  // namespace wade::fluid::shallow_water
