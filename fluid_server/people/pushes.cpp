@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "fluid_server/particles/parallel.hpp"
+
 namespace wade::fluid {
 
 void take_pushes(const AgentsView& agents, PeopleInWater& people) {
@@ -46,38 +48,57 @@ float top_of_column(const Push& push, const std::vector<BedFacet>& bed, double s
 }
 
 void add_particles(const NearParticles& near, const Particles& p, double mass, NearWater& sum) {
-    for (std::size_t n = 0; n < near.index.size(); ++n) {
+    double weight = 0, squares = 0, x = 0, z = 0;
+    for (std::size_t n = 0; n < near.size; ++n) {
         const std::size_t i = near.index[n];
-        sum.add(near.weight[n], mass, static_cast<double>(p.vx[i]), static_cast<double>(p.vz[i]));
+        const auto w = static_cast<double>(near.weight[n]);
+        weight += w;
+        squares += w * w;
+        x += w * static_cast<double>(p.vx[i]);
+        z += w * static_cast<double>(p.vz[i]);
     }
+    sum.weight += mass * weight;
+    sum.squares += mass * squares;
+    sum.momentum[0] += mass * x;
+    sum.momentum[1] += mass * z;
 }
 
 GroundVector take_from(const NearParticles& near, const GroundVector& impulse, double weight, double mass,
                        Particles& p) {
-    GroundVector lost{};
-    if (impulse[0] == 0 && impulse[1] == 0) return lost;
-    for (std::size_t n = 0; n < near.index.size(); ++n) {
+    if (impulse[0] == 0 && impulse[1] == 0) return {};
+    const double slower_x = impulse[0] / weight, slower_z = impulse[1] / weight;
+    double lost_x = 0, lost_z = 0;  // m/s
+    for (std::size_t n = 0; n < near.size; ++n) {
         const std::size_t i = near.index[n];
+        const auto w = static_cast<double>(near.weight[n]);
         const double vx = static_cast<double>(p.vx[i]), vz = static_cast<double>(p.vz[i]);
-        p.vx[i] = static_cast<float>(vx - near.weight[n] * impulse[0] / weight);
-        p.vz[i] = static_cast<float>(vz - near.weight[n] * impulse[1] / weight);
-        lost[0] += mass * (vx - static_cast<double>(p.vx[i]));
-        lost[1] += mass * (vz - static_cast<double>(p.vz[i]));
+        p.vx[i] = static_cast<float>(vx - w * slower_x);
+        p.vz[i] = static_cast<float>(vz - w * slower_z);
+        lost_x += vx - static_cast<double>(p.vx[i]);
+        lost_z += vz - static_cast<double>(p.vz[i]);
     }
-    return lost;
+    return {mass * lost_x, mass * lost_z};
 }
 
 void push_particles(PeopleInWater& people, double share, double gain, const CellGrid& grid,
                     const std::vector<BedFacet>& bed, double spacing, double mass, Particles& particles) {
-    NearParticles near;
-    for (const Push& push : people.pushes) {
+    const std::vector<Push>& pushes = people.pushes;
+    // Places do not change here, so that all can be looked for at once; velocities do, so that people push in their order.
+    people.near.resize(std::max(people.near.size(), pushes.size()));
+    const auto look = [&](std::size_t k) {
         find_near(
-            push, grid, particles, top_of_column(push, bed, spacing), [](float) { return 1.0; }, near);
+            pushes[k], grid, particles, top_of_column(pushes[k], bed, spacing), [](float) { return 1.0; },
+            people.near[k]);
+    };
+    for_each_block(pushes.size(), [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t k = begin; k < end; ++k) look(k);
+    });
+    for (std::size_t k = 0; k < pushes.size(); ++k) {
         NearWater water;
-        add_particles(near, particles, mass, water);
+        add_particles(people.near[k], particles, mass, water);
         MomentumAccount now;
-        const GroundVector impulse = impulse_now(push, share, water, now);
-        now.taken = take_from(near, impulse, water.weight, mass, particles);
+        const GroundVector impulse = impulse_now(pushes[k], share, water, now);
+        now.taken = take_from(people.near[k], impulse, water.weight, mass, particles);
         for (std::size_t axis = 0; axis < 2; ++axis) {
             people.account.taken[axis] += gain * now.taken[axis];
             people.account.missing[axis] += gain * now.missing[axis];

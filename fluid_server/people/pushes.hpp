@@ -9,6 +9,7 @@
 // water that a person pushed may have flowed away. J' is at most |U - V| S / theta, V the person's velocity: a film that is
 // left of the water which the crowd saw is stopped by people, not thrown back. What is missing then is booked apart.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -52,11 +53,19 @@ struct MomentumAccount {
     GroundVector missing{};  // what people got from water that was no longer there
 };
 
+// Particles near one person, with their weights.
+struct NearParticles {
+    std::size_t size = 0;  // of those in use; the lists may be longer
+    std::vector<std::uint32_t> index;
+    std::vector<float> weight;
+};
+
 struct PeopleInWater {
     std::vector<Push> pushes;  // of the frame at hand, those that are not 0, in the order of the agents
     double frame_time = 0;     // s
     MomentumAccount account;
-    bool told = false;  // a crowd has ever sent impulses
+    bool told = false;                // a crowd has ever sent impulses
+    std::vector<NearParticles> near;  // of each push, kept for its memory
 
     [[nodiscard]] bool push() const { return !pushes.empty(); }
 };
@@ -71,38 +80,43 @@ void take_pushes(const AgentsView& agents, PeopleInWater& people);
 // Writes the account into the diagnostics of a frame, once there are impulses.
 void note_people(const PeopleInWater& people, shm::Diagnostics& diagnostics);
 
-// Particles near one person, with their weights.
-struct NearParticles {
-    std::vector<std::size_t> index;
-    std::vector<double> weight;
-};
-
 // Finds the particles of the column round a person: those of which some part lies below the depth in which it stands, none that
 // an emitter or a guard moves. grid: sorted. counts: how much of a particle at x belongs to the water, [0, 1].
 template <typename Counts>
 void find_near(const Push& push, const CellGrid& grid, const Particles& p, float top, Counts&& counts,
                NearParticles& near) {
-    near.index.clear();
-    near.weight.clear();
     const auto x = static_cast<float>(push.place[0]), z = static_cast<float>(push.place[1]);
     const auto reach = static_cast<float>(push.spread);
     const Vec3 lo{x - reach, 0, z - reach}, hi{x + reach, top, z + reach};
+    std::size_t found = 0;
     grid.for_each_period(lo, hi, [&](const Vec3& shift) {
         const Vec3 from{lo[0] - shift[0], lo[1] - shift[1], lo[2] - shift[2]};
         const Vec3 to{hi[0] - shift[0], hi[1] - shift[1], hi[2] - shift[2]};
         grid.for_each_run(from, to, [&](std::uint32_t begin, std::uint32_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const double dx = static_cast<double>(p.x[i] + shift[0]) - push.place[0];
-                const double dz = static_cast<double>(p.z[i] + shift[2]) - push.place[1];
-                const double w = 1 - std::sqrt(dx * dx + dz * dz) / push.spread;
-                if (w <= 0 || p.y[i] >= top || p.kind[i] != Kind::fluid) continue;
-                const double counted = w * counts(p.x[i]);
-                if (counted <= 0) continue;
-                near.index.push_back(i);
-                near.weight.push_back(counted);
+            near.index.resize(std::max(near.index.size(), found + (end - begin)));
+            near.weight.resize(near.index.size());
+            // Most are too far away: no branch depends on that.
+            for (std::uint32_t i = begin; i < end; ++i) {
+                const float dx = p.x[i] + shift[0] - x, dz = p.z[i] + shift[2] - z, y = p.y[i];
+                const Kind kind = p.kind[i];
+                const float square = dx * dx + dz * dz;
+                near.index[found] = i;
+                near.weight[found] = square;
+                const bool is_near = square < reach * reach && y < top && kind == Kind::fluid;
+                found += is_near ? 1U : 0U;
             }
         });
     });
+    for (std::size_t n = 0; n < found; ++n) near.weight[n] = std::max(0.0F, 1 - std::sqrt(near.weight[n]) / reach);
+    std::size_t kept = 0;
+    for (std::size_t n = 0; n < found; ++n) {
+        const std::uint32_t i = near.index[n];
+        const auto counted = static_cast<float>(static_cast<double>(near.weight[n]) * counts(p.x[i]));
+        near.index[kept] = i;
+        near.weight[kept] = counted;
+        kept += counted > 0 ? 1U : 0U;
+    }
+    near.size = kept;
 }
 
 // The height up to which particles lie in the column of a person, m.
