@@ -1,15 +1,18 @@
 // bench_coupling: what a frame costs on its way from the solver to the agents, beside the solver and the crowd's step.
 //
-// A river of 100 x 27 x 1 m with all agents in it, the worst case: every particle is near an agent.
+// A river of 100 x 27 x 1 m with all agents in it, the worst case: every particle is near an agent. And what it costs that people
+// answer the water by their bodies, and that they push it.
 
 #include <omp.h>
 
+#include <functional>
 #include <string>
 
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_view.hpp"
 #include "fluid_server/dfsph/dfsph_model.hpp"
+#include "fluid_server/people/pushes.hpp"
 #include "shm_protocol/inside/bytes/hash.hpp"
 #include "tests/bench/bench_options.hpp"
 #include "tests/bench/measure.hpp"
@@ -137,7 +140,100 @@ void bench(const Size& size, const Options& options, std::vector<Result>& result
     }
 }
 
+// The same people with three answers to the same water, the last of which pushes it.
+struct Answers {
+    crowd::CrowdWorld paper, measured, two_way;
+
+    explicit Answers(const std::function<Scene(const std::string& response, const std::string& pushes)>& scene_with)
+        : paper(crowd::make_crowd(scene_with("paper", "false"))),
+          measured(crowd::make_crowd(scene_with("measured", "false"))),
+          two_way(crowd::make_crowd(scene_with("measured", "true"))) {}
+};
+
+// What people got in the last step, for the water to lose.
+void hand_over(const crowd::CrowdWorld& crowd, std::vector<crowd::Vector2d>& before, fluid::PeopleInWater& people) {
+    people.pushes.clear();
+    before.resize(crowd.agents.size(), crowd::Vector2d::Zero());
+    for (std::size_t id = 0; id < crowd.agents.size(); ++id) {
+        const crowd::Vector2d impulse = crowd.pushing->given[id] - before[id];
+        before[id] = crowd.pushing->given[id];
+        if (impulse.isZero(0)) continue;
+        const auto &place = crowd.agents.position[id], &velocity = crowd.agents.velocity[id];
+        people.pushes.push_back({{place.x(), place.y()},
+                                 {velocity.x(), velocity.y()},
+                                 {impulse.x(), impulse.y()},
+                                 crowd.pushing->submerged[id],
+                                 crowd.feeling->spread});
+    }
+}
+
+// 5,000 in the water: waist-deep people who brace themselves against 0.8 m/s, so that they stay on their feet.
+void bench_people(const Options& options, std::vector<Result>& results) {
+    constexpr std::uint64_t particles = 100'000;
+    const auto scene_with = [&](const std::string& response, const std::string& pushes) {
+        return river_with_crowd(
+            particles, 100, 50,
+            {{"/crowd/response", response}, {"/coupling/two_way", pushes}, {"/channel/velocity_m_s", "0.8"}},
+            response == "paper" ? R"("tau": 0.2)" : R"("skill": "braced")");
+    };
+    const Scene scene = scene_with("measured", "true");
+    const int frames = options.quick ? 15 : 45;
+    for (const int threads : options.thread_counts()) {
+        omp_set_num_threads(threads);
+        fluid::FluidWorld water(scene);
+        fluid::PeopleInWater people;
+        const auto bed = fluid::bed_facets(scene.channel);
+        const double spacing = scene.fluid.particle_spacing, mass = static_cast<double>(water.particle_mass());
+        double pushing_s = 0;
+        water.push_with([&](const fluid::CellGrid& grid, fluid::Particles& p, double duration, double gain) {
+            const double start = cpu_seconds();
+            fluid::push_particles(people, 30 * duration, gain, grid, bed, spacing, mass, p);
+            pushing_s += cpu_seconds() - start;
+        });
+        Answers crowds(scene_with);
+        for (crowd::CrowdWorld* c : {&crowds.paper, &crowds.measured, &crowds.two_way}) c->threads = threads;
+        std::vector<crowd::Vector2d> before;
+        std::vector<double> share, solver, pushing, paper, measured, two_way, ratio;
+        for (int f = 0; f < frames; ++f) {
+            hand_over(crowds.two_way, before, people);
+            pushing_s = 0;
+            timed_in_parallel(solver, threads, [&] {
+                for (double left = 1.0 / 30; left > 1e-9;) left -= water.step(left).dt;
+            });
+            pushing.push_back(1e3 * pushing_s / threads);
+            const fluid::Particles& p = water.particles();
+            const std::vector<float> masses(p.count, water.particle_mass());
+            const auto some = [&](const std::vector<float>& v) { return std::span<const float>(v).first(p.count); };
+            crowd::WaterView view;
+            view.mass = masses, view.px = some(p.x), view.py = some(p.y), view.pz = some(p.z);
+            view.vx = some(p.vx), view.vy = some(p.vy), view.vz = some(p.vz);
+            timed_in_parallel(paper, threads, [&] { crowd::step(crowds.paper, view); });
+            timed_in_parallel(measured, threads, [&] { crowd::step(crowds.measured, view); });
+            timed_in_parallel(two_way, threads, [&] { crowd::step(crowds.two_way, view); });
+            ratio.push_back(measured.back() / paper.back());
+            const double more = pushing.back() + two_way.back() - measured.back();
+            share.push_back(100 * more / (solver.back() - pushing.back() + measured.back()));
+        }
+        const auto median = [](std::vector<double>& v) { return quantile(v, 0.5); };
+        const std::uint64_t size = water.particles().count;
+        const auto agents = static_cast<double>(crowds.two_way.active.size());
+        Result cost = result_of("coupling/two_way", size, threads, share, "percent_of_frame");
+        cost.extra = {{"agents", agents},
+                      {"solver_ms", median(solver)},
+                      {"pushing_ms", median(pushing)},
+                      {"crowd_step_ms", median(two_way)},
+                      {"one_way_crowd_step_ms", median(measured)}};
+        Result bodies = result_of("coupling/measured", size, threads, ratio, "times_paper");
+        bodies.extra = {{"agents", agents}, {"paper_crowd_step_ms", median(paper)}};
+        for (Result* result : {&cost, &bodies}) {
+            print(*result);
+            results.push_back(std::move(*result));
+        }
+    }
+}
+
 void run(const Options& options, std::vector<Result>& results) {
+    if (options.wanted("coupling/two_way") || options.wanted("coupling/measured")) bench_people(options, results);
     if (!options.wanted("coupling/contacts")) return;
     bench({21'600, 10, 5, 1, 60}, options, results);
     bench({100'000, 100, 50, 0.5, 30}, options, results);

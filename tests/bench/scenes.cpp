@@ -22,12 +22,13 @@ Scene river_scene(const River& river, std::map<std::string, std::string> more) {
     return scene_of("river.json", more);
 }
 
-Scene river_with_crowd(std::uint64_t particles, int columns, int rows, std::map<std::string, std::string> more) {
+Scene river_with_crowd(std::uint64_t particles, int columns, int rows, std::map<std::string, std::string> more,
+                       const std::string& who) {
     constexpr double length = 100, width = 27;
     const std::string groups = R"([{"name": "waders", "columns": )" + std::to_string(columns) + R"(, "rows": )" +
                                std::to_string(rows) + R"(, "start": {"x_m": 0.4, "z_m": 0.2, "pitch_x_m": )" +
                                std::to_string(length / columns) + R"(, "pitch_z_m": )" + std::to_string(width / rows) +
-                               R"(, "jitter_m": 0.2}, "goal": {"x_m": 50, "z_m": 27}, "tau": 0.2}])";
+                               R"(, "jitter_m": 0.2}, "goal": {"x_m": 50, "z_m": 27}, )" + who + "}]";
     const double spacing = std::cbrt(length * width / static_cast<double>(particles));
     more.merge(std::map<std::string, std::string>{{"/fluid/particle_spacing_m", std::to_string(spacing)},
                                                   {"/fluid/max_particles", std::to_string(particles + 1000)},

@@ -28,7 +28,9 @@ inline constexpr std::array<River, 3> wide_rivers{
 
 Scene river_scene(const River& river, std::map<std::string, std::string> more = {});
 
-// The river of the paper, 100 x 27 m, with about so many particles and columns x rows agents all over it.
-Scene river_with_crowd(std::uint64_t particles, int columns, int rows, std::map<std::string, std::string> more = {});
+// The river of the paper, 100 x 27 m, with about so many particles and columns x rows agents all over it. who: more of their
+// group, as JSON.
+Scene river_with_crowd(std::uint64_t particles, int columns, int rows, std::map<std::string, std::string> more = {},
+                       const std::string& who = R"("tau": 0.2)");
 
 }  // namespace wade::bench

@@ -9,12 +9,17 @@ from pathlib import Path
 from wade.paths import ROOT, module_command
 from wade.reports.files import complain
 
+# The river lies where people start, so that all of them are in it, and push it, from the first step on; about 100,000 particles.
+PEOPLE_5000 = ("--set", "/crowd/response=measured", "--set", "/coupling/two_way=true",
+               "--set", "/channel/z_min_m=0", "--set", "/channel/z_max_m=51",
+               "--set", "/fluid/particle_spacing_m=0.37", "--set", "/fluid/max_particles=125000")
 # Name, scene, simulated time to which the run is cut (None: to its end), rounds, options; with --quick those of QUICK only.
 RUNS = (
     ("end_to_end/s05", "configs/paper/s05.json", None, 3, ()),
     ("end_to_end/s05_depth_1", "configs/paper/s05.json", None, 3, ("--set", "/lockstep_depth=1")),
     ("end_to_end/river_s05", "configs/river/s05.json", 60, 3, ()),
     ("end_to_end/fine", "configs/river/fine.json", 4, 3, ()),
+    ("end_to_end/people_5000", "configs/river/agents_5000.json", 4, 3, PEOPLE_5000),
 )
 SAME_FRAMES = {"end_to_end/s05", "end_to_end/s05_depth_1"}  # how far the water is ahead changes no bit
 QUICK = {"end_to_end/s05": 20}

@@ -22,6 +22,9 @@ GOALS = (
     ("shallow_water/river", 10_800, 1, 30e6, "at least"),
     ("end_to_end/s05", None, 2, 5, "at least"),
     ("end_to_end/fine", None, 2, 0.4, "at least"),
+    ("end_to_end/people_5000", None, 2, 1, "at least"),
+    ("coupling/two_way", None, 1, 10, "at most"),
+    ("coupling/measured", None, 1, 2, "at most"),
 )
 STAGE = "_ns_per_particle_step"
 ALONE = ("machine/fma_peak", "machine/stream")
