@@ -184,4 +184,58 @@ Result run_impulse_case(const Request& request, const std::string& name) {
     return result;
 }
 
+namespace {
+
+double mass_of(const crowd::WaterView& view) {
+    return std::accumulate(view.mass.begin(), view.mass.end(), 0.0,
+                           [](double sum, float m) { return sum + static_cast<double>(m); });
+}
+
+}  // namespace
+
+PeopleRun run_people(const Scene& scene, Result& result, const Look& look) {
+    PeopleRun run;
+    run.water = fluid::make_fluid_model(scene);
+    crowd::CrowdWorld people = crowd::make_crowd(scene);
+    FrameMemory memory(run.water->capacity());
+    WayBack way_back;
+    constexpr std::uint64_t ticks = 1000000;
+    const auto per_second = static_cast<std::uint64_t>(std::llround(scene.frame_rate * static_cast<double>(ticks)));
+    const std::uint64_t frames = frames_of(scene), first = frames / 2 + 1;
+    std::vector<crowd::Vector2d> before;
+    crowd::Vector2d handed = crowd::Vector2d::Zero();
+    const double cpu = process_cpu_time();
+    for (std::uint64_t frame = 1; frame <= frames; ++frame) {
+        // Parallel: the impulses of the step before last are what this frame takes.
+        run.got = handed;
+        handed = std::accumulate(people.pushing->given.begin(), people.pushing->given.end(),
+                                 crowd::Vector2d(crowd::Vector2d::Zero()));
+        if (people.scene.coupling.agents_stream == AgentsStream::serial) run.got = handed;
+        way_back.give(people, frame, *run.water);
+        if (frame == first) before = people.pushing->given;
+        const shm::Diagnostics d = run.water->advance_frame({(frame - 1) * ticks, frame * ticks, per_second});
+        memory.take(*run.water, frame);
+        result.steps += d.sub_steps;
+        if (frame >= first) run.taken -= d.taken_by_people_x_n_s - run.lost.x();
+        run.lost = {d.taken_by_people_x_n_s, d.taken_by_people_z_n_s};
+        run.missing = {d.missing_for_people_x_n_s, d.missing_for_people_z_n_s};
+        crowd::step(people, memory.ground_view());
+        const double dt = 1 / scene.frame_rate;
+        if (look) look(people, memory.ground_view(), static_cast<double>(frame) * dt);
+        if (frame < first) continue;
+        run.half += dt;
+        run.speed += d.mean_speed_m_s * dt;
+        if (!std::isnan(d.driving_acceleration_m_s2)) {
+            run.driven += d.driving_acceleration_m_s2 * dt * mass_of(memory.ground_view());
+        }
+    }
+    result.solver_cpu_time = process_cpu_time() - cpu;
+    run.speed /= run.half;
+    for (std::size_t id = 0; id < before.size(); ++id) run.impulse.push_back(people.pushing->given[id] - before[id]);
+    result.model = run.water->name();
+    result.particles = memory.count();
+    result.simulated_time = static_cast<double>(frames) / scene.frame_rate;
+    return run;
+}
+
 }  // namespace wade::validation

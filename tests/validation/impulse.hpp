@@ -14,6 +14,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <numeric>
 #include <span>
 #include <string>
 #include <vector>
@@ -149,5 +151,29 @@ class WayBack {
     Frame before_;
     std::vector<crowd::Vector2d> sent_;
 };
+
+// People who push the water (/coupling/two_way): sums of the second half of a run, when the river has found its state, and the
+// account of all of it.
+struct PeopleRun {
+    double half = 0;                                // s
+    std::vector<crowd::Vector2d> impulse;           // by id, N s
+    double driven = 0;                              // impulse of the force that holds the bulk speed, N s, towards -x
+    double taken = 0;                               // and what people took of it, N s: a frame or two after they got it
+    double speed = 0;                               // mean of the stream, m/s
+    crowd::Vector2d got = crowd::Vector2d::Zero();  // of the whole run, N s
+    crowd::Vector2d lost = crowd::Vector2d::Zero();  // and what the water says
+    crowd::Vector2d missing = crowd::Vector2d::Zero();
+    std::unique_ptr<fluid::FluidModel> water;
+
+    [[nodiscard]] double drag() const {  // of all people, N, towards -x
+        return -std::accumulate(impulse.begin(), impulse.end(), crowd::Vector2d(crowd::Vector2d::Zero())).x() / half;
+    }
+};
+
+// Called after each frame, at its time, s.
+using Look = std::function<void(const crowd::CrowdWorld&, const crowd::WaterView&, double)>;
+
+// Runs the scene as run_impulse, with people who push.
+[[nodiscard]] PeopleRun run_people(const Scene& scene, Result& result, const Look& look = {});
 
 }  // namespace wade::validation

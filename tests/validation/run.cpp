@@ -1,10 +1,15 @@
 #include "run.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <filesystem>
+#include <sstream>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/loading/scene_loader.hpp"
+#include "configs/scene/scene_capacity.hpp"
 
 namespace wade::validation {
 
@@ -34,6 +39,46 @@ void note_cost(const Cost& cost, const fluid::FluidWorld& world, Result& result)
 
 int frames_in(const Scene& scene, double time) {
     return static_cast<int>(std::lround(time * scene.frame_rate));
+}
+
+std::string assign(const std::string& pointer, double value) {
+    std::ostringstream text;
+    text.precision(17);
+    text << pointer << '=' << value;
+    return text.str();
+}
+
+Scene scene_for(const Request& request, const std::string& name, const std::vector<std::string>& sizes) {
+    const std::string capacity = "/fluid/max_particles=";
+    std::vector<SceneOverride> overrides;
+    bool capacity_given = false;
+    const auto add = [&](const std::string& text) {
+        capacity_given = capacity_given || text.starts_with(capacity);
+        overrides.push_back(parse_override(text));
+    };
+    if (request.spacing > 0) {
+        add(assign("/fluid/particle_spacing_m", request.spacing));
+    }
+    // A grid gets cells as large as the particles are apart, unless the request says otherwise.
+    const bool on_grid = std::any_of(request.overrides.begin(), request.overrides.end(), [](const std::string& text) {
+        return text.starts_with("/fluid/model=") &&
+               (text.find("shallow_water") != std::string::npos || text.find("mixed") != std::string::npos);
+    });
+    if (request.spacing > 0 && on_grid) {
+        add(assign("/fluid/shallow_water/cell_size_m", request.spacing));
+    }
+    std::for_each(sizes.begin(), sizes.end(), add);
+    std::for_each(request.overrides.begin(), request.overrides.end(), add);
+    if (!capacity_given) {
+        overrides.push_back(parse_override(capacity + "100000000"));  // refuses nothing; the true need follows
+    }
+    Scene scene = load_scene(std::filesystem::path(WADE_CONFIGS) / name, overrides).scene;
+    if (!capacity_given) {
+        const std::uint64_t needed = particles_needed(scene);
+        const std::uint64_t slack = scene.channel.flow == Flow::emitter ? needed / 4 : 0;
+        scene.fluid.max_particles = static_cast<int>(needed + slack);
+    }
+    return scene;
 }
 
 }  // namespace wade::validation
