@@ -3,9 +3,14 @@
 //   open(session, { capacity, depth, producerName, sceneHash, attachTimeoutS, stepTimeoutS }) -> publisher
 //   waitForConsumers(publisher, n)
 //   beginFrame(publisher) -> { frame, mass, vx, vy, vz, px, py, pz } or null when the stream should end
-//   endFrame(publisher, count, final), close(publisher), abort(publisher, code, text), frameHash(publisher)
+//   endFrame(publisher, count, final, account), close(publisher), abort(publisher, code, text), frameHash(publisher)
+//   joinPeople(session, { attachTimeoutS, stepTimeoutS }) -> people, coupling_lag in people.lag
+//   takePeople(people) -> { count, px, pz, jx, jz, submerged, spread }, the last four null if nobody pushes, or null when the
+//                         crowd has ended
+//   leavePeople(people)
 //   catchSignals(), receivedSignal()
 //
+// account: null, or [taken x, taken z, missing x, missing z] by people since the start, N s.
 // The arrays of a frame are Float32Arrays over the shared memory itself; close and abort detach them. Waits block the
 // event loop: a solver that also serves requests belongs in a worker thread. What fails throws an Error whose exitCode
 // is that of the contract.
@@ -21,7 +26,9 @@
 enum { max_slots = 64, field_count = 7 };
 static const char* const field_names[field_count] = {"mass", "vx", "vy", "vz", "px", "py", "pz"};
 
+enum { publisher_tag = 1, people_tag = 2 };
 struct publisher {
+    unsigned tag;
     wade_publisher* stream;
     unsigned slots;               // known so far
     float* addresses[max_slots];  // of the first array of a slot
@@ -56,7 +63,7 @@ static bool read_call(napi_env env, napi_callback_info info, size_t count, napi_
     napi_valuetype type = napi_undefined;
     if (given >= count) napi_typeof(env, arguments[0], &type);
     if (type == napi_external && napi_get_value_external(env, arguments[0], (void**)p) == napi_ok &&
-        (*p)->stream != NULL)
+        (*p)->tag == publisher_tag && (*p)->stream != NULL)
         return true;
     throw_failure(env, WADE_USAGE, "The first argument must be a publisher that is open; the others are required.");
     return false;
@@ -116,6 +123,7 @@ static napi_value open_publisher(napi_env env, napi_callback_info info) {
 
     struct publisher* const p = calloc(1, sizeof *p);
     if (p == NULL) return throw_failure(env, WADE_UNEXPECTED, "There is no memory left.");
+    p->tag = publisher_tag;
     const int failure = wade_publisher_open(session, &stream, &waiting, &p->stream);
     if (failure == WADE_OK && napi_create_external(env, p, finalize, NULL, &result) == napi_ok) return result;
     finalize(env, p, NULL);
@@ -170,17 +178,32 @@ static napi_value begin_frame(napi_env env, napi_callback_info info) {
     return frame;
 }
 
+// The account of what people took; without one the diagnostics say nothing of them.
+static void read_account(napi_env env, napi_value array, wade_diagnostics* d) {
+    double* const sums[] = {&d->taken_by_people_x_n_s, &d->taken_by_people_z_n_s, &d->missing_for_people_x_n_s,
+                            &d->missing_for_people_z_n_s};
+    wade_diagnostics_defaults(d);
+    bool is_array = false;
+    if (napi_is_array(env, array, &is_array) != napi_ok || !is_array) return;
+    for (uint32_t i = 0; i < 4; ++i) {
+        napi_value value;
+        if (napi_get_element(env, array, i, &value) == napi_ok) napi_get_value_double(env, value, sums[i]);
+    }
+}
+
 static napi_value end_frame(napi_env env, napi_callback_info info) {
-    napi_value arguments[3];
+    napi_value arguments[4];
     struct publisher* p;
-    if (!read_call(env, info, 3, arguments, &p)) return NULL;
+    if (!read_call(env, info, 4, arguments, &p)) return NULL;
     uint32_t count = 0;
     bool final = false;
     if (napi_get_value_uint32(env, arguments[1], &count) != napi_ok ||
         napi_get_value_bool(env, arguments[2], &final) != napi_ok)
         return throw_failure(env, WADE_USAGE,
-                             "endFrame(publisher, count, final): a number and a boolean are required.");
-    return done(env, wade_publisher_end_frame(p->stream, count, NULL, final));
+                             "endFrame(publisher, count, final, account): a number and a boolean are required.");
+    wade_diagnostics diagnostics;
+    read_account(env, arguments[3], &diagnostics);
+    return done(env, wade_publisher_end_frame(p->stream, count, &diagnostics, final));
 }
 
 static napi_value close_publisher(napi_env env, napi_callback_info info) {
@@ -213,6 +236,103 @@ static napi_value frame_hash(napi_env env, napi_callback_info info) {
     return result;
 }
 
+// The way back: the agents of the crowd.
+struct people {
+    unsigned tag;
+    wade_subscriber* stream;
+};
+static void finalize_people(napi_env env, void* data, void* hint) {
+    (void)env, (void)hint;
+    struct people* const p = data;
+    if (p->stream != NULL) wade_subscriber_free(p->stream);
+    free(p);
+}
+
+static napi_value join_people(napi_env env, napi_callback_info info) {
+    size_t count = 2;
+    napi_value arguments[2], stream_of, lag, result;
+    napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
+    char session[256];
+    if (count < 2 || napi_get_value_string_utf8(env, arguments[0], session, sizeof session, NULL) != napi_ok)
+        return throw_failure(env, WADE_USAGE, "joinPeople(session, options): a name and an object are required.");
+    wade_join join;
+    wade_join_defaults(&join);
+    join.kind = WADE_AGENTS;
+    join.waiting.attach_timeout_s = number_property(env, arguments[1], "attachTimeoutS", join.waiting.attach_timeout_s);
+    join.waiting.step_timeout_s = number_property(env, arguments[1], "stepTimeoutS", join.waiting.step_timeout_s);
+    struct people* const p = calloc(1, sizeof *p);
+    if (p == NULL) return throw_failure(env, WADE_UNEXPECTED, "There is no memory left.");
+    p->tag = people_tag;
+    wade_stream stream;
+    int failure = wade_subscriber_open(session, "producer_node", &join, &p->stream);
+    if (failure == WADE_OK) failure = wade_subscriber_stream(p->stream, &stream);
+    if (failure == WADE_OK && napi_create_external(env, p, finalize_people, NULL, &stream_of) == napi_ok &&
+        napi_create_uint32(env, stream.coupling_lag, &lag) == napi_ok && napi_create_object(env, &result) == napi_ok &&
+        napi_set_named_property(env, result, "stream", stream_of) == napi_ok &&
+        napi_set_named_property(env, result, "lag", lag) == napi_ok)
+        return result;
+    finalize_people(env, p, NULL);
+    return throw_failure(env, failure != WADE_OK ? failure : WADE_UNEXPECTED, wade_last_error());
+}
+
+// The people of a call, which have not left yet; NULL: an error was thrown.
+static struct people* read_people(napi_env env, napi_callback_info info) {
+    size_t count = 1;
+    napi_value argument, stream;
+    struct people* p = NULL;
+    napi_get_cb_info(env, info, &count, &argument, NULL, NULL);
+    if (count == 1 && napi_get_named_property(env, argument, "stream", &stream) == napi_ok &&
+        napi_get_value_external(env, stream, (void**)&p) == napi_ok && p->tag == people_tag && p->stream != NULL)
+        return p;
+    throw_failure(env, WADE_USAGE, "The argument must be what joinPeople gave, and must not have left.");
+    return NULL;
+}
+
+// Copies, so that the frame can be released at once. false: an error was thrown.
+static bool set_array(napi_env env, napi_value object, const char* name, const float* values, uint32_t count) {
+    napi_value buffer, array;
+    void* bytes;
+    if (values == NULL)
+        return napi_get_null(env, &array) == napi_ok && napi_set_named_property(env, object, name, array) == napi_ok;
+    if (napi_create_arraybuffer(env, count * sizeof(float), &bytes, &buffer) != napi_ok ||
+        napi_create_typedarray(env, napi_float32_array, count, buffer, 0, &array) != napi_ok)
+        return throw_failure(env, WADE_UNEXPECTED, "There is no memory left.") != NULL;
+    memcpy(bytes, values, count * sizeof(float));
+    return napi_set_named_property(env, object, name, array) == napi_ok;
+}
+
+static napi_value take_people(napi_env env, napi_callback_info info) {
+    struct people* const p = read_people(env, info);
+    napi_value result, number;
+    if (p == NULL) return NULL;
+    wade_frame frame;
+    wade_frame_impulses push;
+    int failure = wade_subscriber_acquire(p->stream, &frame);
+    if (failure == WADE_END) return napi_get_null(env, &result) == napi_ok ? result : NULL;
+    if (failure == WADE_OK) failure = wade_subscriber_impulses(p->stream, &push);
+    if (failure != WADE_OK) return done(env, failure);
+    napi_create_object(env, &result);
+    napi_create_uint32(env, frame.count, &number);
+    napi_set_named_property(env, result, "count", number);
+    const bool well =
+        set_array(env, result, "px", frame.px, frame.count) && set_array(env, result, "pz", frame.pz, frame.count) &&
+        set_array(env, result, "jx", push.jx, frame.count) && set_array(env, result, "jz", push.jz, frame.count) &&
+        set_array(env, result, "submerged", push.submerged, frame.count) &&
+        set_array(env, result, "spread", push.spread, frame.count);
+    if (!well) return NULL;
+    failure = wade_subscriber_release(p->stream);
+    return failure == WADE_OK ? result : done(env, failure);
+}
+
+static napi_value leave_people(napi_env env, napi_callback_info info) {
+    struct people* const p = read_people(env, info);
+    if (p == NULL) return NULL;
+    const int result = wade_subscriber_leave(p->stream);
+    wade_subscriber_free(p->stream);
+    p->stream = NULL;
+    return done(env, result);
+}
+
 static napi_value catch_signals(napi_env env, napi_callback_info info) {
     (void)env, (void)info;
     struct sigaction action = {.sa_handler = remember_signal};
@@ -236,6 +356,9 @@ NAPI_MODULE_INIT() {
         {"close", NULL, close_publisher, NULL, NULL, NULL, napi_enumerable, NULL},
         {"abort", NULL, abort_publisher, NULL, NULL, NULL, napi_enumerable, NULL},
         {"frameHash", NULL, frame_hash, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"joinPeople", NULL, join_people, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"takePeople", NULL, take_people, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"leavePeople", NULL, leave_people, NULL, NULL, NULL, napi_enumerable, NULL},
         {"catchSignals", NULL, catch_signals, NULL, NULL, NULL, napi_enumerable, NULL},
         {"receivedSignal", NULL, received_signal, NULL, NULL, NULL, napi_enumerable, NULL}};
     napi_define_properties(env, exports, sizeof functions / sizeof *functions, functions);

@@ -8,7 +8,7 @@ import { fileURLToPath } from "node:url";
 const MASS_KG = 100, HEIGHT_M = 0.23, FRAME_RATE_HZ = 30;
 const SPACING_M = 0.4642, ROWS = 50, FIRST_X_M = 60, FIRST_Z_M = 12, LENGTH_M = 100;
 const USAGE = "Usage: producer.mjs [SCENE.json] --session NAME [--frames N] [--particles N] [--speed V] [--depth D]\n" +
-  "       [--scene-hash HEX] [--attach-timeout-s T] [--step-timeout-s T]\n" +
+  "       [--scene-hash HEX] [--attach-timeout-s T] [--step-timeout-s T] [--take-people]\n" +
   "Plays the known stream of tools/producers/README.md; the scene file is not read.";
 
 function failure(exitCode, text) {
@@ -31,13 +31,17 @@ function readNumber(name, text) {
 }
 
 function readOptions(words) {
-  const options = { "--scene-hash": 0n };
+  const options = { "--scene-hash": 0n, "--take-people": false };
   for (const name in NUMBERS) options[name] = NUMBERS[name][0];
   let scenes = 0;
   for (let i = 0; i < words.length; ++i) {
     const name = words[i];
     if (name === "--help") return null;
     if (!name.startsWith("-") && scenes++ === 0) continue;
+    if (name === "--take-people") {
+      options[name] = true;
+      continue;
+    }
     const text = words[++i];
     if (text === undefined || !(name in NUMBERS || name === "--scene-hash" || name === "--session"))
       throw failure(2, `${name}: unknown, or its value is missing (--help shows the options).`);
@@ -64,22 +68,65 @@ function fill(slot, particles, speed) {
   }
 }
 
+// v -= w J / S over the cone w = 1 - r / R round a person, S = sum of w m, so that the water loses J. What it lost by that, rounded
+// to float32, and what it did not have go into the account: taken along x and z, missing along x and z.
+function takeImpulse(slot, particles, person, account) {
+  const weightAt = (k) => slot.py[k] > person.submerged ? 0 :
+    Math.max(0, 1 - Math.hypot(slot.px[k] - person.x, slot.pz[k] - person.z) / person.spread);
+  let sum = 0;
+  for (let k = 0; k < particles; ++k) sum += weightAt(k) * slot.mass[k];
+  if (!(sum > 0)) {
+    account[2] += person.jx;
+    account[3] += person.jz;
+    return;
+  }
+  for (let k = 0; k < particles; ++k) {
+    const share = weightAt(k) / sum;
+    if (!(share > 0)) continue;
+    const vx = slot.vx[k], vz = slot.vz[k];
+    slot.vx[k] = vx - share * person.jx;
+    slot.vz[k] = vz - share * person.jz;
+    account[0] += slot.mass[k] * (vx - slot.vx[k]);
+    account[1] += slot.mass[k] * (vz - slot.vz[k]);
+  }
+}
+
+// The agents that are due before this frame push it. False: the crowd has ended.
+function letPeoplePush(shm, people, slot, particles, account) {
+  if (slot.frame <= people.lag) return true;
+  const agents = shm.takePeople(people);
+  if (agents === null) return false;
+  for (let a = 0; agents.jx !== null && a < agents.count; ++a) {
+    if (agents.jx[a] === 0 && agents.jz[a] === 0) continue;
+    takeImpulse(slot, particles, {
+      x: agents.px[a], z: agents.pz[a], jx: agents.jx[a], jz: agents.jz[a],
+      submerged: agents.submerged[a], spread: agents.spread[a],
+    }, account);
+  }
+  return true;
+}
+
 function produce(shm, options) {
   const frames = options["--frames"], particles = options["--particles"];
   shm.catchSignals();
+  const waiting = { attachTimeoutS: options["--attach-timeout-s"], stepTimeoutS: options["--step-timeout-s"] };
   const publisher = shm.open(options["--session"], {
     capacity: particles, depth: options["--depth"], producerName: "producer_node", sceneHash: options["--scene-hash"],
-    attachTimeoutS: options["--attach-timeout-s"], stepTimeoutS: options["--step-timeout-s"],
+    ...waiting,
   });
   try {
     shm.waitForConsumers(publisher, 1);
+    const people = options["--take-people"] ? shm.joinPeople(options["--session"], waiting) : null;
+    const account = people === null ? null : [0, 0, 0, 0];
     for (let frame = 1; frame <= frames; ++frame) {
       if (shm.receivedSignal() !== 0) throw failure(130, `Interrupted after frame ${frame - 1}.`);
       const slot = shm.beginFrame(publisher);
       if (slot === null) break;
       fill(slot, particles, options["--speed"]);
-      shm.endFrame(publisher, particles, frame === frames);
+      if (people !== null && !letPeoplePush(shm, people, slot, particles, account)) break;
+      shm.endFrame(publisher, particles, frame === frames, account);
     }
+    if (people !== null) shm.leavePeople(people);
     shm.close(publisher);
   } catch (error) {
     if (shm.receivedSignal() !== 0) error.exitCode = 128 + shm.receivedSignal();

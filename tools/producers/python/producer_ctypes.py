@@ -62,6 +62,13 @@ class Frame(ctypes.Structure):
         ("diagnostics", ctypes.c_char * 192)]
 
 
+class Diagnostics(ctypes.Structure):
+    """wade_diagnostics, named as far as it is written here"""
+
+    _fields_ = [("of_the_solver", ctypes.c_char * 112), ("taken_x", F64), ("taken_z", F64), ("missing_x", F64),
+                ("missing_z", F64), ("reserved", U64 * 6)]
+
+
 class Impulses(ctypes.Structure):
     """wade_frame_impulses; all NULL in a stream of agents without"""
 
@@ -124,6 +131,9 @@ class People:
         stream = Stream()
         library("subscriber_stream", self.subscriber, ctypes.byref(stream))
         self.lag = stream.coupling_lag
+        self.account = Diagnostics()  # N s since the start: what the water lost, and what it did not have
+        library("diagnostics_defaults", ctypes.byref(self.account))
+        self.account.taken_x = self.account.taken_z = self.account.missing_x = self.account.missing_z = 0
 
     def push(self, frame, fields):
         """Takes the agents that are due before a frame and their impulses from the particles; False: the crowd has left."""
@@ -137,7 +147,7 @@ class People:
             people = [np.ctypeslib.as_array(array, (self.frame.count,)) for array in
                       (self.frame.px, self.frame.pz, impulses.jx, impulses.jz, impulses.submerged, impulses.spread)]
             for person in zip(*people):
-                take_impulse(fields, *map(float, person))
+                take_impulse(fields, self.account, *map(float, person))
         self.library("subscriber_release", self.subscriber)
         return True
 
@@ -146,14 +156,25 @@ class People:
         self.library("subscriber_free", self.subscriber)
 
 
-def take_impulse(fields, x, z, jx, jz, submerged, spread):
-    """v -= w J / S over the cone round a person, so that the sum of m w J / S is J; nothing where there is no water."""
+def take_impulse(fields, account, x, z, jx, jz, submerged, spread):
+    """v -= w J / S over the cone round a person, so that the water loses J; nothing where there is none.
+
+    The account gets what it lost, rounded to float32, and what it did not have.
+    """
     mass, vx, _, vz, px, py, pz = fields
+    if jx == jz == 0:
+        return
     weight = np.maximum(0, 1 - np.hypot(px - x, pz - z) / spread) * (py <= submerged)
     total = np.sum(weight * mass, dtype=float)
-    if total > 0:
-        vx -= (weight * (jx / total)).astype(np.float32)
-        vz -= (weight * (jz / total)).astype(np.float32)
+    if not total > 0:
+        account.missing_x += jx
+        account.missing_z += jz
+        return
+    before_x, before_z = vx.astype(float), vz.astype(float)
+    vx[:] = before_x - weight * (jx / total)
+    vz[:] = before_z - weight * (jz / total)
+    account.taken_x += float(np.sum(mass * (before_x - vx)))
+    account.taken_z += float(np.sum(mass * (before_z - vz)))
 
 
 def play(library, publisher, options, signal_received, interrupted):
@@ -170,7 +191,8 @@ def play(library, publisher, options, signal_received, interrupted):
         known_stream.fill(np, fields, start_x, z, options.speed, slot.frame)
         if people and not people.push(frame, fields):
             break
-        library("publisher_end_frame", publisher, options.particles, None, int(frame == options.frames))
+        account = ctypes.byref(people.account) if people else None
+        library("publisher_end_frame", publisher, options.particles, account, int(frame == options.frames))
     if people:
         people.free()
     library("publisher_close", publisher)
