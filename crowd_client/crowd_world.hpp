@@ -11,6 +11,10 @@ namespace wade::crowd {
 // Sets up markers, agents and walls. Throws ConfigurationError for what the crowd cannot work with.
 [[nodiscard]] CrowdWorld make_crowd(const Scene& scene);
 
+// People of a scene that leaves the model of the water open feel and push that of `model`, whose particles are `spacing` m apart, 0:
+// not known. Before the first step. Throws ConfigurationError for a spacing that is too wide for people.
+void suit_to_model(CrowdWorld& crowd, ModelKind model, double spacing);
+
 // Takes the next step, through the water as it is: Eq. 1-9 once, whatever the rate of the water's frames.
 // The new state of each agent is computed from the frozen old state of all, so the order of the agents does not matter.
 void step(CrowdWorld& crowd, const WaterView& water);

@@ -47,6 +47,11 @@ void move_out_of_faces(Agents& agents, const Walls& walls) {
     }
 }
 
+void feel_and_push(const Scene& scene, CrowdWorld& crowd) {
+    if (scene.crowd.response == ResponseKind::measured || scene.coupling.two_way) crowd.feeling = make_feeling(scene);
+    if (scene.coupling.two_way) crowd.pushing = start_pushing(scene, crowd.feeling->spread, crowd.agents);
+}
+
 }  // namespace
 
 CrowdWorld make_crowd(const Scene& scene) {
@@ -77,11 +82,16 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water = empty_bins(scene);
-    if (scene.crowd.response == ResponseKind::measured || scene.coupling.two_way) crowd.feeling = make_feeling(scene);
-    if (scene.coupling.two_way) crowd.pushing = start_pushing(scene, crowd.feeling->spread, crowd.agents);
+    feel_and_push(scene, crowd);
     crowd.links = links_of_scene(scene, crowd.agents);
     crowd.response = make_response(name_of(scene.crowd.response), scene);
     return crowd;
+}
+
+void suit_to_model(CrowdWorld& crowd, ModelKind model, double spacing) {
+    crowd.scene.fluid.model = model;
+    if (spacing > 0) crowd.scene.fluid.particle_spacing = spacing;
+    feel_and_push(crowd.scene, crowd);
 }
 
 }  // namespace wade::crowd

@@ -210,16 +210,16 @@ void check_capacity(const Scene& scene, const std::string& source) {
     }
 }
 
-// Water that people push has to know what momentum is.
+// Water that people push has to know what momentum is. Of the model "auto" a candidate that does not is refused in its turn.
 void check_two_way(const Scene& scene, const std::string& source) {
     const ModelKind model = scene.fluid.model;
     if (!scene.coupling.two_way || model == ModelKind::dfsph || model == ModelKind::shallow_water ||
-        model == ModelKind::mixed) {
+        model == ModelKind::mixed || model == ModelKind::automatic) {
         return;
     }
     refuse(source, "/coupling/two_way",
            "the water of /fluid/model \"" + name_of(model) +
-               "\" cannot be pushed; allowed with true: \"dfsph\", \"shallow_water\", \"mixed\".");
+               "\" cannot be pushed; allowed with true: \"dfsph\", \"shallow_water\", \"mixed\", \"auto\".");
 }
 
 }  // namespace

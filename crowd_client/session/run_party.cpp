@@ -12,6 +12,7 @@
 #include "configs/program/peer_support.hpp"
 #include "configs/program/run_control.hpp"
 #include "configs/program/time_left.hpp"
+#include "configs/scene/choices.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "crowd_client/outputs/writers/played_events.hpp"
 #include "crowd_client/session/frame_time.hpp"
@@ -127,9 +128,26 @@ class Voyage {
         for (Member& member : party_.members) member.labels.model = model;
         console_.line("joined session '" + options.session + "' of '" + model + "'" +
                       (party_.many ? " with " + std::to_string(party_.runs.size()) + " crowds" : ""));
+        suit_to_water();
         const std::string note = rate_note(start_.loaded.scene, source_->info());
         if (!note.empty()) console_.line(note);
         if (has_way_back()) open_way_back(waiting);
+    }
+
+    // What the scene leaves open, "auto", its stream says: people feel and push water by its model and its spacing.
+    void suit_to_water() {
+        const shm::StreamInfo& info = source_->info();
+        const std::optional<ModelKind> model = choice_named<ModelKind>(info.producer_name);
+        for (CrowdRun& run : party_.runs) {
+            CrowdWorld& crowd = run.crowd;
+            if (crowd.scene.fluid.model != ModelKind::automatic || !crowd.feeling || !model) continue;
+            try {
+                suit_to_model(crowd, *model, 2 * info.particle_radius);
+            } catch (const std::exception& error) {
+                source_->abort(exit_code_of<shm::Error>(error), error.what());
+                throw;
+            }
+        }
     }
 
     // The producer learns why there is no way back if it should have been there.

@@ -22,6 +22,20 @@ class ModelChoice(SystemTest):
         self.assertEqual(again.outcome()["frame_hash"], client.run.outcome()["frame_hash"])
         self.assertEqual(again.bytes_of("agents.csv"), client.run.bytes_of("agents.csv"))
 
+    def test_people_push_water_that_is_chosen_as_if_it_were_named(self):
+        """The crowd learns model and spacing from the stream: the drag on what people feel depends on both."""
+        two_way = ["--set", "/coupling/two_way=true", "--set", "/crowd/response=measured"]
+        folder = self.folder / "open"
+        server, client = self.server(*OPEN, *two_way, "--out", folder), self.client(*OPEN, *two_way, out=folder)
+        self.assert_ended_well(server, client)
+        outcome = client.run.outcome()
+        got = max(map(abs, outcome["momentum"]["people_got_n_s"]))
+        self.assertGreater(got, 10)
+        self.assertLess(outcome["momentum_balance_n_s"], 1e-5 * got)
+        again = self.pair(scene=folder / "scene_as_chosen.json")
+        self.assertEqual(again.outcome()["frame_hash"], outcome["frame_hash"])
+        self.assertEqual(again.bytes_of("agents.csv"), client.run.bytes_of("agents.csv"))
+
     def test_check_says_the_choice_and_print_config_the_scene_as_written(self):
         check = self.start_and_read("--check")
         self.assertIn("max_impulse_error 0.3: water of this scene:", check)

@@ -5,6 +5,7 @@ import unittest
 from pathlib import Path
 
 from harness import ENDLESS, SystemTest, wait_until
+from test_recordings import RecordingTest
 
 LAGS = ("serial", "parallel")
 
@@ -140,6 +141,16 @@ class WayBack(SystemTest):
         producer = self.producer(*way_back("serial"))
         self.assert_ends(client, 3, "1 consumer", f"{self.session}")
         self.assert_ends(producer, 5, "1 consumer")
+
+
+class Recorded(RecordingTest):
+    def test_recording_of_people_who_push_is_refused_as_nothing_in_it_can_be_pushed(self):
+        pushing = ["--until-s", "4", "--set", "/coupling/two_way=true"]
+        live = self.recorded_run(*pushing)
+        self.assertGreater(max(map(abs, live.outcome()["momentum"]["people_got_n_s"])), 1)
+        replay, crowd = self.replay("--take-agents"), self.client(*pushing)
+        self.assert_ends(replay, 5, "cannot answer people who push")
+        self.assert_ends(crowd, 5, "cannot answer people who push")
 
 
 if __name__ == "__main__":

@@ -41,7 +41,7 @@ void AgentsTaker::take_all(const std::string& session, const shm::Waiting& waiti
         subscriber.emplace(session, "replay", join);
         if (subscriber->info().impulses) {
             const std::string why =
-                "A recording cannot answer people who push the water: replay it with /coupling/two_way false.";
+                "A recording cannot answer people who push the water: a run with /coupling/two_way has no replay.";
             subscriber->abort(static_cast<int>(shm::Failure::protocol_violation), why);
             throw shm::Error(shm::Failure::protocol_violation, why);
         }
