@@ -79,13 +79,19 @@ class ByBody(unittest.TestCase):
             at[1.5, "braced"]: (*all_lost, ([50, 0.33],)), at[1.5, "poor"]: (*all_lost, ([50, 0.95],)),
         })
         self.assertIn("at least half arrive up to v_F, m/s: braced 0.5, poor none.", text)
-        self.assertIn("(0.5 m2/s, moderate): at least half arrive of braced; tau computed 0.00 to 0.60.", text)
-        self.assertIn("(1.5 m2/s, very high): at least half arrive of none; tau computed 0.33 to 0.95.", text)
+        self.assertIn("(0.5 m2/s, moderate): at least half arrive of braced; tau computed 0.00 to 0.60. In the paper, ", text)
+        self.assertIn("(1.5 m2/s, very high): at least half arrive of none; tau computed 0.33 to 0.95. In the paper, ", text)
+        self.assertNotIn("Tau counts slipping alone", text)
         self.assertIn("0: 50, 0.2: 50, 0.8: 0, 1: 0 | 0.33: 0 | - | - | - | 0.95: 0 |", text)
         self.assertIn("4 runs, seeds 1 to 1, by programs: 4 of commit abc", text)
         self.assertGreater((self.out / "measured.png").stat().st_size, 5000)
         self.assertNotIn("What two ways change", text)
         self.assertEqual(self.page({}), "")
+
+    def test_it_names_people_who_topple_and_do_not_slip(self):
+        case = plan.measured_case("river", 0.5, "unaware")
+        text = self.page({case: ({"carried": 44, "effort": 6}, {"arrived": 50}, ([50, 0.001],))})
+        self.assertIn("at 0.5 m/s unaware people have tau 0.00, and 44 of 50 lose their feet.", text)
 
     def test_two_ways_stand_beside_one(self):
         cases = {ways: plan.measured_pushing("S5", 0.75, "normal", *ways) for ways in plan.WAYS}

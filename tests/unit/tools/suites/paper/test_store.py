@@ -146,6 +146,14 @@ class Scenes(unittest.TestCase):
         steering = {"bodies": [], "walls": {"rule": "both"}}
         self.assertTrue(self.changed({"fluid": {"model": "dfsph", "steering": steering}}))
 
+    def test_groups_from_before_people_had_bodies_are_the_same_with_the_crowds_defaults(self):
+        old = {"crowd": {"groups": [{"tau": 0.2}, {"tau": 0.8}]}}
+        body = {"height_m": 1.7, "skill": "normal", "people": []}
+        self.assertTrue(same_scene(old, {"crowd": {"groups": [{"tau": 0.2, **body}, {"tau": 0.8, **body}]}}))
+        self.assertFalse(same_scene(old, {"crowd": {"groups": [{"tau": 0.2, **body}, {"tau": 0.8, "skill": "poor"}]}}))
+        self.assertFalse(same_scene(old, {"crowd": {"groups": [{"tau": 0.2, **body}]}}))
+        self.assertFalse(same_scene(old, {"crowd": {"groups": [{"tau": 0.2}, {"tau": 0.7}]}}))
+
     def test_any_other_change_is_another_scene(self):
         self.assertFalse(self.changed({"seed": 2}))
         self.assertFalse(self.changed({"fluid": {"model": "steering"}}))

@@ -77,7 +77,7 @@ def wanted_cases(chosen):
                     half = max(1, chosen.seeds // 2)
                     counts = (half, half) if part in WIDE_PARTS else (chosen.seeds, most_seeds(chosen, case))
                     if part == "measured":
-                        counts = (min(chosen.seeds, plan.SEEDS_ALONE if plan.pushes(case) else chosen.seeds),) * 2
+                        counts = (plan.measured_seeds(case, chosen.seeds),) * 2
                     wanted[case] = max(counts, wanted.get(case, counts))
     return wanted
 

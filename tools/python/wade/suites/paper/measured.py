@@ -16,15 +16,17 @@ HEAD = """# The paper's crowds, by their bodies
 The crowds of the [report](report.md) with an endurance that follows from the water instead of being given: people of 1.70 m
 and 65 kg with the response `measured` ([people in water](../../people_in_water.md)). S1 to S12 differ in tau and v_F; as tau
 is computed here, they fall onto three waters."""
-LEFT_OUT = """* `configs/paper` and `configs/observed` have gravity 0.98 m/s2, at which feet carry a tenth of their weight in water that
-  pushes as before. Both are run at 9.81 m/s2: the kinematic water stays as it is, the emitter's is the reading `gravity 9.81 m/s2` of
-  the report.
-* `configs/manning` is the river of `configs/river` at ten times the cost. The switch of tau has no meaning here.
-* Two ways want a run of the water for each crowd, so that they have 3 seeds; they and their one-way runs are by the shallow-water equations, cells of 0.5 m, on which
-  wakes that the water shows reach farther than on particles.
-* Who can sit but not stand up where it is tries again for as long as the run goes on: *in the water*, at 400 s.
-* People are alike, 1.70 m and 65 kg, half of them women, who walk slower in water. The goal radius is that of S1."""
+LEFT_OUT = (
+    "`configs/paper` and `configs/observed` have gravity 0.98 m/s2, at which feet carry a tenth of their weight in water that "
+    "pushes as before. Both are run at 9.81 m/s2: the kinematic water stays as it is, the emitter's is the reading `gravity "
+    "9.81 m/s2` of the report.",
+    "`configs/manning` is the river of `configs/river` at ten times the cost. The switch of tau has no meaning here.",
+    "Two ways want a run of the water for each crowd: three seeds, one on particles. They and their one-way runs are by the "
+    "shallow-water equations, cells of 0.5 m, on which wakes that the water shows reach farther than on particles.",
+    "Who can sit but not stand up where it is tries again for as long as the run goes on: *in the water*, at 400 s.",
+    "People are alike, 1.70 m and 65 kg, half of them women, who walk slower in water. The goal radius is that of S1.")
 OFF_FEET = ("toppled", "afloat", "carried", "drowned")
+FATES_AT = (0.5, 0.75, 1.0, 1.5)  # m/s; in faster water nobody keeps on the feet
 FATES = ("kept their feet", "slid", "off their feet", "arrive", "over the fall", "drowned", "in the water")
 
 
@@ -96,20 +98,42 @@ def summary_section(context):
     river = results_of(context, "river")
     if river:
         speeds = sorted({velocity for velocity, _ in river})
-        skills = [skill for skill in plan.SKILLS if any(key[1] == skill for key in river)]
+        skills = [skill for skill in plan.SKILLS if any(of == skill for _, of in river)]
         up_to = {skill: max((v for v in speeds if (v, skill) in river and share(river[v, skill]) >= 0.5), default=None)
                  for skill in skills}
         words = [f"{skill} {f'{speed:g}' if speed else 'none'}" for skill, speed in up_to.items()]
         lines.append(f"* Skill decides. In 1 m of water at least half arrive up to v_F, m/s: {', '.join(words)}.")
+        lines.append(f"* More than half lose their feet from v_F, m/s (its level by Table 2, Viseu): {falls_words(river)}.")
         for velocity in plan.V_F.values():
             of_water = {skill: river[velocity, skill] for skill in skills if (velocity, skill) in river}
             most = [skill for skill, result in of_water.items() if share(result) >= 0.5]
             taus = [tau for result in of_water.values() if (tau := tau_of(result)) is not None]
             if of_water and taus:
-                lines.append(f"* v_F {velocity:g} m/s ({water_words(velocity)}): at least half arrive of {listed(most)}; "
-                             f"tau computed {min(taus):.2f} to {max(taus):.2f}.")
+                lines.append(f"* v_F {velocity:g} m/s ({water_words(velocity)}): at least half arrive of {listed(most)}; tau "
+                             f"computed {min(taus):.2f} to {max(taus):.2f}. In the paper, by tau: "
+                             f"{paper_words(context.paper, velocity)}.")
+        lines += topple_words(river)
     lines += two_way_words(context)
     return section("In short", "\n".join(lines) + "\n") if lines else ""
+
+
+def falls_words(river):
+    """The slowest water in which more than half of a skill lose their feet."""
+    words = []
+    for skill in plan.SKILLS:
+        speeds = sorted(v for v, of in river if of == skill and off_feet(river[v, of])[0] > 0.5 * river[v, of].agents)
+        words.append(f"{skill} {f'{speeds[0]:g} ({level_words(speeds[0])})' if speeds else 'none'}")
+    return ", ".join(words)
+
+
+def topple_words(river):
+    """Where most lose their feet though the feet do not slip."""
+    firm = {key: off_feet(result)[0] for key, result in river.items() if (tau := tau_of(result)) is not None and tau < 0.01}
+    velocity, skill = max(firm, key=firm.get, default=(None, None))
+    if not firm or firm[velocity, skill] == 0:
+        return []
+    return [f"* Tau counts slipping alone, and people topple: at {velocity:g} m/s {skill} people have tau "
+            f"{tau_of(river[velocity, skill]):.2f}, and {firm[velocity, skill]:.0f} of 50 lose their feet."]
 
 
 def paper_words(paper, velocity):
@@ -125,7 +149,8 @@ def waters_section(context):
         for velocity in plan.V_F.values():
             of_water = [results.get((velocity, skill)) for skill in plan.SKILLS]
             if any(of_water):
-                cells = [f"{shown(tau_of(one), 2)}: {number_words(one.arrived, one.agents)}" if one else "-" for one in of_water]
+                cells = [f"{shown(tau_of(one), 2)}: {number_words(one.arrived, one.agents)}" if one else "-"
+                         for one in of_water]
                 lines.append([SET_UPS[scene_set], f"{velocity:g}", water_words(velocity),
                               paper_words(context.paper, velocity), *cells])
     text = (
@@ -142,9 +167,10 @@ def speeds_section(context):
         return ""
     speeds = sorted({velocity for velocity, _ in results})
     draw(results, speeds, context.out / FIGURE)
-    lines = [[f"{velocity:g}", level_words(velocity), *(fate_words(results.get((velocity, skill))) for skill in plan.SKILLS)]
-             for velocity in speeds]
-    text = "River of 1 m. Of 50: who arrives; who loses its feet, topples, floats or is carried. Intervals of 95 % but of all or nobody."
+    lines = [[f"{v:g}", level_words(v), *(fate_words(results.get((v, skill))) for skill in plan.SKILLS)] for v in speeds]
+    text = ("River of 1 m. Of 50: who arrives; who loses its feet, topples, floats or is carried. Intervals of 95 % but of all "
+            "or nobody.")
+    text += " Dotted: where levels of Table 2 begin."
     return section("Who arrives over v_F", f"![Who arrives over v_F]({FIGURE})", text,
                    markdown(["v_F = H v_F", "Table 2 (Viseu)", *plan.SKILLS], lines))
 
@@ -159,10 +185,10 @@ def draw(results, speeds, file):
         error_bars(arrive, places, [one and one.arrived for one in of_skill], skill, index)
         error_bars(topple, places, [one and off_feet(one) for one in of_skill], skill, index)
     for axes in (arrive, topple):
-        axes.set_ylim(-2, 53)
+        axes.set(ylim=(-2, 66), yticks=range(0, 51, 10))
         for bound, words in ((0.5, "moderate"), (0.75, "high"), (1.0, "very high")):
             axes.axvline(bound, color="#9a9aa2", linewidth=0.9, linestyle=":")
-            axes.text(bound + 0.01, 52.5, words, rotation=90, fontsize=6.5, color="#5a5a60", va="top")
+            axes.text(bound + 0.02, 65, words, rotation=90, fontsize=6.5, color="#5a5a60", va="top")
     figure.legend(*arrive.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, 1.0), ncol=5)
     save(figure, file)
 
@@ -171,7 +197,7 @@ def fates_section(context):
     results = results_of(context, "river")
     lines = [[f"{velocity:g}", level_words(velocity), skill, shown(tau_of(result), 2),
               *(f"{number:.1f}" for number in fates(result))]
-             for velocity in plan.V_F.values() for skill in plan.SKILLS if (result := results.get((velocity, skill)))]
+             for velocity in FATES_AT for skill in plan.SKILLS if (result := results.get((velocity, skill)))]
     head = ["v_F", "Table 2 (Viseu)", "skill", "tau", *FATES]
     text = "River, of 50. The first three: the worst state on the way; the last four: how it ended."
     return section("What becomes of them", text, markdown(head, lines)) if lines else ""
@@ -188,7 +214,7 @@ def others_section(context):
                 lines.append([words, f"{velocity:g}", *cells])
     text = (
         "River. Who arrives; who loses its feet. Two groups: of 50 each, of whom `upstream` walks against the stream; obstacle "
-        "at x 60 m and without: of 52. The paper, tau 0.6 and 1.5 m/s: 8 of 100; 26 with the obstacle and 8 without.")
+        "at x 60 m and without: of 52. Ten of `upstream` start at the fall and are over it at once. The paper, tau 0.6 and 1.5 m/s: 8 of 100; 26 with the obstacle and 8 without.")
     head = ["scenario", "v_F", *plan.SKILLS]
     return section("Two groups and the obstacle", text, markdown(head, lines)) if lines else ""
 
@@ -199,36 +225,35 @@ WAY_WORDS = {(False, False): "one way", (False, True): "one way, shelter", (True
              (True, True): "two ways, shelter"}
 
 
-def ways_of(context, name, skill, velocity):
-    return {ways: context.get(plan.measured_pushing(name, velocity, skill, *ways)) for ways in plan.WAYS}
+def pushed(context):
+    """[(who, skill, v_F, {ways: Result or None})] of those cases that were run."""
+    cases = [(name, skill, velocity, True) for name in plan.PUSHING for skill, velocity in plan.PUSHED_AT]
+    cases += [(*case, False) for case in plan.ON_PARTICLES]
+    for name, skill, velocity, cells in cases:
+        found = {ways: context.get(plan.measured_pushing(name, velocity, skill, *ways, cells=cells)) for ways in plan.WAYS}
+        if any(found.values()):
+            yield PUSHED[name] + ("" if cells else ", particles"), skill, velocity, found
 
 
 def two_way_words(context):
     """The case in which both ways and shelter change most."""
     changes = []
-    for name in plan.PUSHING:
-        for skill, velocity in plan.PUSHED_AT:
-            found = ways_of(context, name, skill, velocity)
-            first, last = found[False, False], found[True, True]
-            if first and last:
-                before, after = (one.arrived_of("walkers")[0] for one in (first, last))
-                words = f"{PUSHED[name]}, {skill}, {velocity:g} m/s: {before:.1f} arrive one way, {after:.1f} with both"
-                changes.append((abs(after - before), words))
+    for who, skill, velocity, found in pushed(context):
+        if found[False, False] and found[True, True]:
+            before, after = (found[ways].arrived_of("walkers")[0] for ways in ((False, False), (True, True)))
+            words = f"{who}, {skill}, {velocity:g} m/s: {before:.1f} arrive one way, {after:.1f} with both"
+            changes.append((abs(after - before), words))
     return [f"* Two ways and shelter change most for {max(changes)[1]}."] if changes else []
 
 
 def two_way_section(context):
-    lines = []
-    for name in plan.PUSHING:
-        for skill, velocity in plan.PUSHED_AT:
-            found = ways_of(context, name, skill, velocity)
-            if any(found.values()):
-                cells = [fate_words(one, "walkers") for one in found.values()]
-                lines.append([PUSHED[name], skill, f"{velocity:g}", *cells])
+    lines = [[who, skill, f"{velocity:g}", *(fate_words(one, "walkers") for one in found.values())]
+             for who, skill, velocity, found in pushed(context)]
     text = (
-        "The river by the shallow-water equations. Who arrives; who loses its feet. *Shelter*: `/coupling/shelter` `wake`, "
-        "people behind people feel slower water. *Two ways*: `/coupling/two_way`, people push the water. The block, "
-        "`configs/river/obstacle_of_people.json`, stands fast, 8 x 8 people a metre apart, on the way of those who drift.")
+        "The river by the shallow-water equations, the last row by `dfsph`. Who arrives; who loses its feet. *Shelter*: "
+        "`/coupling/shelter` `wake`, people behind people feel slower water. *Two ways*: `/coupling/two_way`, people push "
+        "the water. The block, `configs/river/obstacle_of_people.json`, stands fast, 8 x 8 people a metre apart, on the way "
+        "of those who drift.")
     head = ["who", "skill", "v_F", *WAY_WORDS.values()]
     return section("What two ways change", text, markdown(head, lines)) if lines else ""
 
@@ -239,7 +264,8 @@ def page(command, context):
     if not runs:
         return ""
     seeds = sorted({run.seed for run in runs})
-    head = (f"{HEAD}\n\nRegenerated by `tools/wade paper {command}`; {len(runs)} runs, seeds {seeds[0]} to {seeds[-1]}, "
-            f"by programs: {made_by(runs)}.\n")
+    head = (f"{HEAD}\n\nRegenerated by `tools/wade paper {command}`; {len(runs)} runs, seeds {seeds[0]} to "
+            f"{seeds[-1]}, by programs: {made_by(runs)}.\n")
     sections = (summary_section, waters_section, speeds_section, fates_section, others_section, two_way_section)
-    return document(head, *(tell(context) for tell in sections), section("What is left out, and why", LEFT_OUT))
+    left_out = section("What is left out, and why", "".join(f"* {words}\n" for words in LEFT_OUT))
+    return document(head, *(tell(context) for tell in sections), left_out)

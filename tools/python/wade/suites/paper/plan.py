@@ -34,7 +34,7 @@ MEASURED_OTHERS = tuple((name, v) for v in (1.5, 0.75) for name in ("two_groups"
 PUSHING = ("S5", "no_obstacle", "obstacle_of_people")  # scenes with people who push
 PUSHED_AT = (("normal", 0.75), ("braced", 1.0))  # skill, m/s: where some arrive and some do not
 WAYS = tuple((two_way, shelter) for two_way in (False, True) for shelter in (False, True))
-SEEDS_ALONE = 3  # of crowds that push the water, and so want a run of it each
+ON_PARTICLES = (("S5", "normal", 0.75),)  # the same by dfsph, ten times as dear
 CELLS = (("/fluid/model", "shallow_water"), ("/fluid/shallow_water/cell_size_m", 0.5))
 FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
 
@@ -230,16 +230,19 @@ def measured_other(scenario, velocity, skill):
     return Case(water, f"{scenario}-measured-{skill}", scene_of("river", scenario), by_body(skill))
 
 
-def measured_pushing(scenario, velocity, skill, two_way, shelter):
-    """People who push the water or not, who shelter one another or not, in a river of the shallow-water equations."""
+def measured_pushing(scenario, velocity, skill, two_way, shelter, cells=True):
+    """People who push the water or not, who shelter one another or not, in a river of cells or of particles."""
     suffix = f"measured-{skill}" + ("-pushes" if two_way else "") + ("-wake" if shelter else "")
     changes = ("/coupling/two_way", two_way), ("/coupling/shelter", "wake" if shelter else "off")
-    water = stream("river", velocity, "cells", CELLS)
+    water = stream("river", velocity, "cells", CELLS) if cells else stream("river", velocity)
     return Case(water, f"{scenario.lower()}-{suffix}", scene_of("river", scenario), by_body(skill) + changes)
 
 
-def pushes(case):
-    return ("/coupling/two_way", True) in case.changes
+def measured_seeds(case, seeds):
+    """Fewer where people push the water, as each crowd wants a run of it."""
+    if ("/coupling/two_way", True) not in case.changes:
+        return seeds
+    return min(seeds, 3 if case.water.changes[-len(CELLS):] == CELLS else 1)
 
 
 def by_body(skill):
@@ -256,6 +259,7 @@ def measured_cases(scene_set, quick=False):
         cases += [measured_other(name, velocity, skill) for name, velocity in MEASURED_OTHERS for skill in SKILLS]
         cases += [measured_pushing(name, velocity, skill, *ways) for name in PUSHING for skill, velocity in PUSHED_AT
                   for ways in WAYS]
+        cases += [measured_pushing(name, v, skill, *ways, cells=False) for name, skill, v in ON_PARTICLES for ways in WAYS]
     return cases
 
 

@@ -130,6 +130,13 @@ def is_default(value, node):
     return "default" in node and value == node["default"]
 
 
+def silent(key, known):
+    """The node of the schema that has the default of a key: a group that is silent has that of the crowd."""
+    node = known.get(key, {})
+    of_crowd = schema()["properties"]["crowd"]["properties"]
+    return of_crowd.get(key, node) if node.get("x-default") == "that of crowd" else node
+
+
 def same_scene(old, now):
     """Whether two resolved scenes are the same but for keys that older programs did not know and that have their default
     now."""
@@ -137,9 +144,11 @@ def same_scene(old, now):
 
 
 def same_part(old, now, node):
+    if isinstance(old, list) and isinstance(now, list):
+        return len(old) == len(now) and all(same_part(*pair, node.get("items", {})) for pair in zip(old, now))
     if not (isinstance(old, dict) and isinstance(now, dict)):
         return old == now
     known = node.get("properties", {})
     added = now.keys() - old.keys()
-    return old.keys() <= now.keys() and all(is_default(now[key], known.get(key, {})) for key in added) and all(
+    return old.keys() <= now.keys() and all(is_default(now[key], silent(key, known)) for key in added) and all(
         same_part(old[key], now[key], known.get(key, {})) for key in old)
