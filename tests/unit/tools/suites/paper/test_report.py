@@ -102,6 +102,17 @@ class ByBody(unittest.TestCase):
         line = next(line for line in text.splitlines() if line.startswith("| the 50 of Table 1"))
         self.assertEqual([cell.split(" ")[1] for cell in line.split("|")[4:8]], ["30.0", "40.0", "35.0", "48.0"])
 
+    def test_a_block_of_people_is_told_beside_the_same_people_without_it(self):
+        told = {}
+        for name, arrive in (("no_obstacle", 52), ("obstacle_of_people", 35)):
+            for ways in plan.WAYS:
+                state = {"arrived": arrive, "standing": 52 - arrive}
+                case = plan.measured_pushing(name, 0.75, "normal", *ways)
+                told[case] = {"effort": 52}, {key: n for key, n in state.items() if n}, ([52, 0.3],)
+        text = self.page(told)
+        self.assertIn("with both, of 52 arrive: normal 35.0 with it, 52.0 without.", text)
+        self.assertIn("in the order of the columns: normal 17.0, 17.0, 17.0, 17.0.", text.replace("\n", " "))
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -14,7 +14,8 @@ from wade.suites.paper.store import what_counts
 
 # Where the crowds of one water may differ; all else belongs to the water.
 CROWDS_OWN = ("crowd", "coupling", "events", "name", "description")
-PATIENCE_S = "300"  # a hundred crowds take a while to set out their markers, and for a frame
+# A hundred crowds take a while to set out their markers, and for a frame.
+WAITING = ("--attach-timeout-s", "300", "--step-timeout-s", "300")
 TOLD_EVERY_S = 60  # how far a water is, where its progress goes to a file
 
 
@@ -181,7 +182,7 @@ class Ensembles:
         (folder / "crowds.json").write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
         command = [*module_command("wade.run.pair"), water.scene, "--crowds", folder / "crowds.json", "--out", folder]
         command += ["--no-figure", "--threads", str(self.threads), *self.programs.words(water.changes)]
-        command += ["--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
+        command += WAITING
         complain(f"{water.key}: {len(missing)} crowds")
         with open(self.log(water), "w", encoding="utf-8") as log:
             process = self.pair.start(command, stdout=log, stderr=None if sys.stderr.isatty() else log)
@@ -195,7 +196,7 @@ class Ensembles:
             scene = folder / "scene.json"
             scene.write_text(json.dumps(self.programs.scene_of(case, seed), indent=1) + "\n", encoding="utf-8")
             command = [*module_command("wade.run.pair"), scene, "--out", folder, "--no-figure", "--water-every-s", "0"]
-            command += ["--threads", str(self.threads)]
+            command += ["--threads", str(self.threads), *WAITING]
             with open(self.log(water), "w", encoding="utf-8") as log:
                 code = self.wait_for(self.pair.start(command, stdout=log, stderr=log), water)
             if code != 0 or self.pair.signal:

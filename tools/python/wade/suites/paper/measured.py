@@ -1,5 +1,6 @@
 """measured.md: the paper's crowds of people who answer the water by their bodies; what was not run is left out."""
 
+import statistics
 from collections import Counter
 
 from wade.reports.intervals import arrival_interval
@@ -156,7 +157,7 @@ def waters_section(context):
     text = (
         "Of 50, behind the tau. Given: the paper's, by its Table 1 and text. Computed: mean of max(0, 1 - 1/S) over the time "
         "of each in the water, then over people (carried: that of who stood there); 0 holds, 1 has no hold.")
-    head = ["set", "v_F, m/s", "H v_F, Table 2 (Viseu)", "paper: tau, who arrives", *plan.SKILLS]
+    head = ["set", "v_F, m/s", "H v_F asked for, Table 2 (Viseu)", "paper: tau, who arrives", *plan.SKILLS]
     return section("Tau given, tau computed, and who arrives", text, markdown(head, lines)) if lines else ""
 
 
@@ -231,31 +232,49 @@ def pushed(context):
     cases += [(*case, False) for case in plan.ON_PARTICLES]
     for name, skill, velocity, cells in cases:
         found = {ways: context.get(plan.measured_pushing(name, velocity, skill, *ways, cells=cells)) for ways in plan.WAYS}
-        if any(found.values()):
+        if any(one for ways, one in found.items() if cells or any(ways)):  # one way on particles is part of Table 1
             yield PUSHED[name] + ("" if cells else ", particles"), skill, velocity, found
 
 
 def two_way_words(context):
-    """The case in which both ways and shelter change most."""
+    """The case in which both ways and shelter change most, and what a block of people does."""
     changes = []
     for who, skill, velocity, found in pushed(context):
         if found[False, False] and found[True, True]:
             before, after = (found[ways].arrived_of("walkers")[0] for ways in ((False, False), (True, True)))
             words = f"{who}, {skill}, {velocity:g} m/s: {before:.1f} arrive one way, {after:.1f} with both"
             changes.append((abs(after - before), words))
-    return [f"* Two ways and shelter change most for {max(changes)[1]}."] if changes else []
+    lines = [f"* Two ways and shelter change most for {max(changes)[1]}."] if changes else []
+    both = {(who, skill): found[True, True] for who, skill, _, found in pushed(context) if found[True, True]}
+    block, free = PUSHED["obstacle_of_people"], PUSHED["no_obstacle"]
+    words = [f"{skill} {both[block, skill].arrived_of('walkers')[0]:.1f} with it, "
+             f"{both[free, skill].arrived_of('walkers')[0]:.1f} without"
+             for skill, _ in plan.PUSHED_AT if {(block, skill), (free, skill)} <= both.keys()]
+    return lines + ([f"* A block of people in the way, with both, of 52 arrive: {'; '.join(words)}."] if words else [])
+
+
+def staying_words(context):
+    """Who stands before the block of people or among it at the end."""
+    lines = []
+    for who, skill, _, found in pushed(context):
+        if who == PUSHED["obstacle_of_people"] and all(found.values()):
+            numbers = [statistics.fmean(of_run[0]["state"].get("standing", 0) for of_run in people_in(one, ("walkers",)))
+                       for one in found.values()]
+            lines.append(f"{skill} {', '.join(f'{number:.1f}' for number in numbers)}")
+    text = "Who reaches the block stays, as people are in the way. Of 52 stand so at the end, in the order of the columns"
+    return f"{text}: {'; '.join(lines)}." if lines else ""
 
 
 def two_way_section(context):
     lines = [[who, skill, f"{velocity:g}", *(fate_words(one, "walkers") for one in found.values())]
              for who, skill, velocity, found in pushed(context)]
     text = (
-        "The river by the shallow-water equations, the last row by `dfsph`. Who arrives; who loses its feet. *Shelter*: "
+        "The river by the shallow-water equations; *particles*: by `dfsph`. Who arrives; who loses its feet. *Shelter*: "
         "`/coupling/shelter` `wake`, people behind people feel slower water. *Two ways*: `/coupling/two_way`, people push "
         "the water. The block, `configs/river/obstacle_of_people.json`, stands fast, 8 x 8 people a metre apart, on the way "
         "of those who drift.")
     head = ["who", "skill", "v_F", *WAY_WORDS.values()]
-    return section("What two ways change", text, markdown(head, lines)) if lines else ""
+    return section("What two ways change", text, markdown(head, lines), staying_words(context)) if lines else ""
 
 
 def page(command, context):

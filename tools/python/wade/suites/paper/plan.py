@@ -34,7 +34,7 @@ MEASURED_OTHERS = tuple((name, v) for v in (1.5, 0.75) for name in ("two_groups"
 PUSHING = ("S5", "no_obstacle", "obstacle_of_people")  # scenes with people who push
 PUSHED_AT = (("normal", 0.75), ("braced", 1.0))  # skill, m/s: where some arrive and some do not
 WAYS = tuple((two_way, shelter) for two_way in (False, True) for shelter in (False, True))
-ON_PARTICLES = (("S5", "normal", 0.75),)  # the same by dfsph, ten times as dear
+ON_PARTICLES = (("S5", "normal", 0.75),)  # the same by dfsph, ten times as dear; the crowd of Table 1 only
 CELLS = (("/fluid/model", "shallow_water"), ("/fluid/shallow_water/cell_size_m", 0.5))
 FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
 
@@ -232,6 +232,8 @@ def measured_other(scenario, velocity, skill):
 
 def measured_pushing(scenario, velocity, skill, two_way, shelter, cells=True):
     """People who push the water or not, who shelter one another or not, in a river of cells or of particles."""
+    if not (cells or two_way or shelter):
+        return measured_case("river", velocity, skill)  # of ON_PARTICLES, which are crowds of Table 1
     suffix = f"measured-{skill}" + ("-pushes" if two_way else "") + ("-wake" if shelter else "")
     changes = ("/coupling/two_way", two_way), ("/coupling/shelter", "wake" if shelter else "off")
     water = stream("river", velocity, "cells", CELLS) if cells else stream("river", velocity)
