@@ -4,6 +4,7 @@ The programs are found in the folder that WADE_PROGRAMS names. Nothing here meas
 holds, and the time-outs only keep a broken program from blocking the tests.
 """
 
+import contextlib
 import csv
 import itertools
 import json
@@ -18,6 +19,8 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+
+from wade import cli
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = Path(__file__).resolve().parent / "scenes"
@@ -170,6 +173,21 @@ class SystemTest(unittest.TestCase):
         self.assertEqual(program.wait(), code, f"{program.name}: {program.messages()}")
         for text in texts:
             self.assertIn(text, program.messages())
+
+    def assert_refused_here(self, *command, texts=()):
+        """tools/wade refuses this command line in this process, which saves the start of one."""
+        with tempfile.TemporaryFile("w+", dir=self.folder) as said:
+            with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+                try:
+                    code = cli.main(list(map(str, command)))
+                except SystemExit as end:
+                    code = end.code
+            said.seek(0)
+            messages = unwrapped(said.read())
+        self.assertEqual(code, 2, messages)
+        for text in texts:
+            self.assertIn(text, messages)
+        self.assertNotIn("Traceback", messages)
 
     def word(self, offset, form):
         """A word of the session's segment; 0 while there is none."""

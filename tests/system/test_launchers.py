@@ -44,6 +44,11 @@ class RunScript(Launcher):
         program.run = Run(self.folder / out)
         return program
 
+    def refused(self, arguments, *texts):
+        out = self.folder / "run"
+        self.assert_refused_here("run", SMALL, "--session", self.session, "--out", out, "--no-figure", *arguments, texts=texts)
+        self.assertFalse(out.exists())
+
     def assert_same_results(self, run, other):
         for name in ("outcome.json", "agents.csv", "trajectories.sqlite", "water.bin"):
             self.assertEqual(run.bytes_of(name), other.bytes_of(name), name)
@@ -133,8 +138,7 @@ class RunScript(Launcher):
         ):
             with self.subTest(arguments):
                 name = arguments[0].partition("=")[0]
-                self.assert_ends(self.run_sh("run", "--mode", "latest", *arguments), 2, "--mode latest", name, "exclude")
-                self.assertFalse((self.folder / "run").exists())
+                self.refused(["--mode", "latest", *arguments], "--mode latest", name, "exclude")
 
     def test_empty_values_are_refused_before_anything_starts(self):
         for arguments, *texts in (
@@ -152,10 +156,7 @@ class RunScript(Launcher):
             (["--no-figure="], "--no-figure: no value is allowed"),
         ):
             with self.subTest(arguments):
-                run_sh = self.run_sh("run", *arguments)
-                self.assert_ends(run_sh, 2, *texts)
-                self.assertNotIn("Traceback", run_sh.messages())
-                self.assertFalse((self.folder / "run").exists())
+                self.refused(arguments, *texts)
 
     def test_failed_producer_is_reported_with_its_code_and_log(self):
         run_sh = self.run_sh("run", "--producer", "sh -c 'echo no water today; exit 9'")
@@ -284,9 +285,7 @@ class DepthSweep(Launcher):
         for arguments, *texts in ((["--scene", "nosuch"], "nosuch"), (["--points", "1"], "--points: 1, allowed is 2 to 50"),
                                   (["--taus", "0.2,7"], "0.2,7, allowed is above 0 to 1 each")):
             with self.subTest(arguments):
-                program = self.script(ROOT / "tools" / "wade", "depth-sweep", "--out", out, *arguments)
-                self.assert_ends(program, 2, *texts)
-                self.assertNotIn("Traceback", program.messages())
+                self.assert_refused_here("depth-sweep", "--out", out, *arguments, texts=texts)
                 self.assertFalse(out.exists())
 
 
@@ -360,7 +359,7 @@ class RunMany(Launcher):
             ([SMALL, "--", "--crowds=list.json"], "--crowds is not allowed"),
         ):
             with self.subTest(arguments):
-                self.assert_ends(self.many(*arguments), 2, *texts)
+                self.assert_refused_here("many", "--out", self.folder / "many", *arguments, texts=texts)
 
 
 if __name__ == "__main__":

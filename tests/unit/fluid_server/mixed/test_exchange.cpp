@@ -34,7 +34,7 @@ TEST_CASE("still water stays at rest across the ends of the window", "[mixed]") 
     CHECK(world.volume() == Approx(volume).epsilon(1e-11));
 }
 
-TEST_CASE("a uniform river keeps depth and speed through the window", "[mixed]") {
+TEST_CASE("a uniform river keeps depth and speed through the window", "[.long]") {
     MixedWorld world(river(40, 12, 28, 1.5));
     const double volume = world.volume();
     run(world, 10);
@@ -108,7 +108,7 @@ TEST_CASE("a river of eight layers does not speed up before its window", "[mixed
     CHECK(static_cast<double>(fastest) < wave_speed);
 }
 
-TEST_CASE("a long wave passes through the window", "[mixed]") {
+TEST_CASE("a long wave passes through the window", "[.long]") {
     // A hump half a spacing high, 16 m long, that runs towards -x from its place at 54 m through the window from 24 to 36 m.
     constexpr double height = 0.125, length = 16, start = 54;
     const auto hump = [&](double x) {
