@@ -22,8 +22,8 @@ LEFT_OUT = (
     "pushes as before. Both are run at 9.81 m/s2: the kinematic water stays as it is, the emitter's is the reading `gravity "
     "9.81 m/s2` of the report.",
     "`configs/manning` is the river of `configs/river` at ten times the cost. The switch of tau has no meaning here.",
-    "Two ways want a run of the water for each crowd: three seeds, one on particles. They and their one-way runs are by the "
-    "shallow-water equations, cells of 0.5 m, on which wakes that the water shows reach farther than on particles.",
+    "Two ways want a run of the water for each crowd: three seeds. They and their one-way runs are by the shallow-water "
+    "equations, cells of 0.5 m, on which wakes that the water shows reach farther than on particles.",
     "Who can sit but not stand up where it is tries again for as long as the run goes on: *in the water*, at 400 s.",
     "People are alike, 1.70 m and 65 kg, half of them women, who walk slower in water. The goal radius is that of S1.")
 OFF_FEET = ("toppled", "afloat", "carried", "drowned")
@@ -268,8 +268,9 @@ def staying_words(context):
 def two_way_section(context):
     lines = [[who, skill, f"{velocity:g}", *(fate_words(one, "walkers") for one in found.values())]
              for who, skill, velocity, found in pushed(context)]
+    on_particles = "; *particles*: by `dfsph`, two ways one seed" if any("particles" in line[0] for line in lines) else ""
     text = (
-        "The river by the shallow-water equations; *particles*: by `dfsph`. Who arrives; who loses its feet. *Shelter*: "
+        f"The river by the shallow-water equations{on_particles}. Who arrives; who loses its feet. *Shelter*: "
         "`/coupling/shelter` `wake`, people behind people feel slower water. *Two ways*: `/coupling/two_way`, people push "
         "the water. The block, `configs/river/obstacle_of_people.json`, stands fast, 8 x 8 people a metre apart, on the way "
         "of those who drift.")
