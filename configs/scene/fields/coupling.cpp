@@ -31,7 +31,9 @@ void fields(Coupling& coupling, Fields& f, const Scene& scene) {
                    [&] { return mixed_needs_agents(scene) ? KeyValue(name_of(AgentsStream::serial)) : KeyValue(); }));
     f.flag(
         "two_way", coupling.two_way,
-        "People push back: what momentum the water gives them it loses, in the models dfsph, shallow_water and mixed. "
+        "People push back: what momentum the water gives them it loses, in the models dfsph, shallow_water and mixed, "
+        "among "
+        "which auto then chooses. "
         "Whoever answers by the response paper pushes with the drag of its body. Sets agents_stream to parallel where "
         "it is "
         "off.");
