@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/near_places.hpp"
@@ -84,6 +85,16 @@ PersonRow person_of_table(const Crowd& crowd, const AgentGroup& group, int membe
     return crowd.people.empty() ? PersonRow{} : crowd.people[id % crowd.people.size()];
 }
 
+// The agent's tau in time, of a table or that of all in its group, `of_group`.
+void add_tau_line(Agents& agents, std::size_t id, const PersonRow& person, const TauLine& of_group) {
+    TauLine line = of_group;
+    if (!person.tau_history.empty()) line.points = std::make_shared<const std::vector<TauPoint>>(person.tau_history);
+    if (!line.points) return;
+    line.id = static_cast<std::uint32_t>(id);
+    agents.tau[id] = line.points->front().tau;
+    agents.tau_lines.push_back(std::move(line));
+}
+
 void check_start(const World& world, std::size_t group, int member, const Vector2d& p) {
     if (p.x() >= 0 && p.x() <= world.length && p.y() >= 0 && p.y() <= world.width) return;
     std::ostringstream message;
@@ -110,6 +121,8 @@ Agents make_agents(const Scene& scene) {
     Agents agents;
     for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
         const AgentGroup& group = scene.crowd.groups[g];
+        TauLine line;
+        if (!group.tau_history.empty()) line.points = std::make_shared<const std::vector<TauPoint>>(group.tau_history);
         for (int k = 0; k < group.count; ++k) {
             const int column = k % group.columns;
             const int row = k / group.columns;
@@ -122,6 +135,7 @@ Agents make_agents(const Scene& scene) {
             const PersonRow person = person_of_table(scene.crowd, group, k, id);
             agents.mass.push_back(person.mass.value_or(group.mass.at(random_of(scene, id, draw_mass))));
             agents.tau.push_back(group.tau ? group.tau->at(random_of(scene, id, draw_tau)) : 0);
+            add_tau_line(agents, id, person, line);
             const bool by_body = scene.crowd.response == ResponseKind::measured && !group.tau;
             add_person(agents.people, group, person, by_body,
                        {random_of(scene, id, draw_sex), random_of(scene, id, draw_height),
@@ -129,6 +143,7 @@ Agents make_agents(const Scene& scene) {
             agents.group.push_back(static_cast<std::uint32_t>(g));
         }
     }
+    start_wear(agents.people, scene.crowd);
     draw_starts(scene, agents);
     const std::size_t n = agents.position.size();
     for (std::size_t id = 0; id < n; ++id)

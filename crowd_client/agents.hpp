@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -38,6 +39,12 @@ struct BodyMemory {
     std::vector<std::uint64_t> draw;   // of chance, from where it started
 };
 
+// Somebody's tau in time, shared by those of one group.
+struct TauLine {
+    std::uint32_t id = 0;
+    std::shared_ptr<const std::vector<TauPoint>> points;
+};
+
 struct Agents {
     std::vector<Vector2d> position;     // m
     std::vector<std::int32_t> laps;     // times round a periodic world, towards +x; 0 in an open one
@@ -63,6 +70,8 @@ struct Agents {
     std::vector<Vector2d> stay;                            // near which it has been since `stay_step` (standing.hpp), m
     std::vector<std::uint64_t> stay_step, stay_wet_steps;  // the step, and wet_steps then
     std::vector<bool> standing;
+
+    std::vector<TauLine> tau_lines;  // of those whose tau changes in time
 
     BodyMemory body;
     People people;

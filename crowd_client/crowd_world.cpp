@@ -4,6 +4,7 @@
 #include <array>
 
 #include "configs/scene/scene_frames.hpp"
+#include "configs/scene/time_lines.hpp"
 #include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/hands.hpp"
 #include "crowd_client/standing.hpp"
@@ -32,7 +33,13 @@ void apply_event(Agents& agents, const Scene& scene, const TauEvent& event) {
         if (!by_id || !by_group) continue;
         agents.tau[id] = event.tau;
         agents.people.by_body[id] = 0;
+        std::erase_if(agents.tau_lines, [id](const TauLine& line) { return line.id == id; });
     }
+}
+
+// tau of those who have one in time, at the end of the step.
+void follow_tau_lines(Agents& agents, double time) {
+    for (const TauLine& line : agents.tau_lines) agents.tau[line.id] = value_at(*line.points, &TauPoint::tau, time);
 }
 
 void apply_events_due(const Step& step) {
@@ -40,9 +47,10 @@ void apply_events_due(const Step& step) {
     const std::vector<TauEvent>& events = crowd.scene.events;
     for (; crowd.events_applied < events.size(); ++crowd.events_applied) {
         const TauEvent& event = events[crowd.events_applied];
-        if (step_of_frame(crowd.scene, event.frame) > step.number) return;
+        if (step_of_frame(crowd.scene, event.frame) > step.number) break;
         apply_event(crowd.agents, crowd.scene, event);
     }
+    follow_tau_lines(crowd.agents, static_cast<double>(step.number) * crowd.dt);
 }
 
 void find_contacts(const Step& step) {

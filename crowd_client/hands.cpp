@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint8_t hands_of_one = 2;
 
 Link link_between(const People& people, std::uint32_t a, std::uint32_t b, bool pushes) {
-    return {a, b, pushes, std::min(grip_of(people.sex[a]), grip_of(people.sex[b]))};
+    return {a, b, pushes, std::min(grip_of(people, a), grip_of(people, b))};
 }
 
 bool stands(const People& people, std::uint32_t id) {
@@ -112,6 +112,25 @@ Linked linked_people(const CrowdWorld& crowd) {
     return linked;
 }
 
+// Grips as time has left them.
+void weaken(const People& people, std::vector<Link>& links) {
+    if (people.wear.empty()) return;
+    for (Link& link : links) link.grip = std::min(grip_of(people, link.a), grip_of(people, link.b));
+}
+
+// Of two hands the one that holds more counts [A].
+void tire_all_hands(CrowdWorld& crowd) {
+    People& people = crowd.agents.people;
+    if (!people.tires) return;
+    std::vector<double> load(people.size(), 0);
+    for (const Link& link : crowd.links) {
+        for (const std::uint32_t id : {link.a, link.b}) {
+            load[id] = std::max(load[id], std::abs(link.pull) / grip_of(people.sex[id]));
+        }
+    }
+    for (const std::uint32_t id : crowd.active) tire_hands(people, id, load[id], crowd.part_time);
+}
+
 void note_holds(CrowdWorld& crowd) {
     People& people = crowd.agents.people;
     std::fill(people.hold.begin(), people.hold.end(), 0.0);
@@ -145,6 +164,7 @@ void hold_hands(CrowdWorld& crowd) {
     let_go_of_who_ended(crowd);
     if (crowd.scene.crowd.helping) take_hold(crowd);
     if (!crowd.links.empty()) {
+        weaken(crowd.agents.people, crowd.links);
         Linked linked = linked_people(crowd);
         pull_links(linked.people, crowd.links, linked.of_link, crowd.part_time);
         for (std::size_t i = 0; i < linked.people.size(); ++i) {
@@ -156,6 +176,7 @@ void hold_hands(CrowdWorld& crowd) {
         }
         std::erase_if(crowd.links, [&](const Link& link) { return lets_go(link, crowd.part_time); });
     }
+    tire_all_hands(crowd);
     note_holds(crowd);
 }
 

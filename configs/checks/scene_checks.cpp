@@ -16,6 +16,15 @@ void refuse(const std::string& source, const std::string& pointer, const std::st
     throw ConfigurationError(source + ": " + pointer + ": " + sentence);
 }
 
+void check_times(const std::vector<double>& times, const std::string& source, const std::string& list) {
+    for (std::size_t i = 1; i < times.size(); ++i) {
+        if (times[i - 1] <= times[i]) continue;
+        refuse(source, list + "/" + std::to_string(i) + "/time_s",
+               short_number(times[i]) +
+                   " s is earlier than that of the point before; allowed: >= " + short_number(times[i - 1]) + " s.");
+    }
+}
+
 void check_scene(const Scene& scene, const std::string& source) {
     Problems problems;
     check_geometry(scene, source, problems);

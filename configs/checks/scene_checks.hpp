@@ -2,6 +2,7 @@
 // Checks that need several values of a scene at once.
 
 #include <string>
+#include <vector>
 
 #include "configs/errors/problems.hpp"
 #include "configs/scene/scene.hpp"
@@ -36,5 +37,8 @@ void check_steering(const Scene& scene, const std::string& source);
 
 // Throws "SOURCE: POINTER: SENTENCE".
 [[noreturn]] void refuse(const std::string& source, const std::string& pointer, const std::string& sentence);
+
+// Throws for the first of a list of points whose time, s, is earlier than that of the one before it.
+void check_times(const std::vector<double>& times, const std::string& source, const std::string& list);
 
 }  // namespace wade

@@ -6,6 +6,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/time_lines.hpp"
 
 namespace wade {
 
@@ -142,12 +143,7 @@ void check_velocity_history(const Channel& channel, const std::string& source) {
                "nothing sets the speed of a " + name_of(channel.flow) +
                    " channel; allowed: none, or flow \"emitter\" or \"recirculating\".");
     }
-    for (std::size_t i = 1; i < history.size(); ++i) {
-        if (history[i - 1].time <= history[i].time) continue;
-        refuse(source, item("velocity_history", i) + "/time_s",
-               short_number(history[i].time) + " s is earlier than that of the point before; allowed: >= " +
-                   short_number(history[i - 1].time) + " s.");
-    }
+    check_times(times_of(history), source, "/channel/velocity_history");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "configs/checks/scene_checks.hpp"
 #include "configs/scene/choices.hpp"
 #include "configs/scene/near_places.hpp"
+#include "configs/scene/time_lines.hpp"
 
 namespace wade {
 
@@ -221,6 +222,26 @@ void check_bodies(const Crowd& crowd, std::size_t g, const std::string& source, 
     }
 }
 
+// Times in order, and nobody with a tau in time who answers by its body.
+void check_tau_histories(const Crowd& crowd, std::size_t g, const std::string& source, Problems& problems) {
+    const AgentGroup& group = crowd.groups[g];
+    const std::string pointer = "/crowd/groups/" + std::to_string(g);
+    problems.attempt([&] { check_times(times_of(group.tau_history), source, pointer + "/tau_history"); });
+    const bool of_its_own = !group.people.empty();
+    const std::vector<PersonRow>& people = of_its_own ? group.people : crowd.people;
+    for (std::size_t i = 0; i < people.size(); ++i) {
+        const std::string list = (of_its_own ? pointer : "/crowd") + "/people/" + std::to_string(i) + "/tau_history";
+        problems.attempt([&] { check_times(times_of(people[i].tau_history), source, list); });
+        problems.attempt([&] {
+            if (people[i].tau_history.empty() || group.tau || crowd.response != ResponseKind::measured) return;
+            refuse(source, list,
+                   "a person of group \"" + group.name +
+                       "\" answers the water by its body and has no tau; allowed: none, a tau of this group, or the "
+                       "response \"paper\".");
+        });
+    }
+}
+
 // Whether those who are to hold one another can.
 void check_hands(const Scene& scene, const AgentGroup& group, const std::string& source, const std::string& pointer) {
     if (group.hand_in_hand == HandInHand::none) return;
@@ -254,6 +275,18 @@ void check_measured(const Scene& scene, const std::string& source, Problems& pro
     for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
         check_bodies(scene.crowd, g, source, problems);
     }
+}
+
+// Keys that say nothing where people answer by tau.
+void check_keys_of_measured(const Crowd& crowd, const std::string& source) {
+    if (crowd.response == ResponseKind::measured) return;
+    const std::string by_tau = ": people who answer the water by tau ";
+    const std::string allowed = ", or the response \"measured\".";
+    if (crowd.helping) refuse(source, "/crowd/helping", "true" + by_tau + "hold nobody; allowed: false" + allowed);
+    if (crowd.fatigue) refuse(source, "/crowd/fatigue", "true" + by_tau + "do not tire; allowed: false" + allowed);
+    if (!crowd.water_temperature) return;
+    refuse(source, "/crowd/water_temperature_c",
+           short_number(*crowd.water_temperature) + " C" + by_tau + "feel no cold; allowed: none" + allowed);
 }
 
 void check_ragdoll(const Scene& scene, const std::string& source) {
@@ -311,13 +344,10 @@ void check_crowd(const Scene& scene, const std::string& source, Problems& proble
     check_measured(scene, source, problems);
     for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
         const std::string pointer = "/crowd/groups/" + std::to_string(g);
+        check_tau_histories(scene.crowd, g, source, problems);
         problems.attempt([&] { check_hands(scene, scene.crowd.groups[g], source, pointer); });
     }
-    problems.attempt([&] {
-        if (!scene.crowd.helping || scene.crowd.response == ResponseKind::measured) return;
-        refuse(source, "/crowd/helping",
-               "true: people who answer the water by tau hold nobody; allowed: false, or the response \"measured\".");
-    });
+    problems.attempt([&] { check_keys_of_measured(scene.crowd, source); });
     problems.attempt([&] { check_sampling(scene.coupling, source); });
     for (std::size_t i = 0; i < scene.events.size(); ++i) {
         problems.attempt([&] { check_event(scene, i, places.size(), source); });

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,18 @@ json value_of(const std::string& cell) {
     return is_whole ? json(static_cast<std::int64_t>(number)) : json(number);
 }
 
+// "0:0.2 30:0.8" as a list of points; what is none stays a text.
+json history_of(const std::string& cell) {
+    json points = json::array();
+    std::istringstream words(cell);
+    for (std::string word; words >> word;) {
+        const std::size_t colon = word.find(':');
+        if (colon == std::string::npos) return cell;
+        points.push_back({{"time_s", value_of(word.substr(0, colon))}, {"tau", value_of(word.substr(colon + 1))}});
+    }
+    return points;
+}
+
 class Table {
  public:
     Table(const std::filesystem::path& file, const std::string& context, Problems& problems)
@@ -84,7 +97,9 @@ class Table {
             return person;
         }
         for (std::size_t i = 0; i < cells.size(); ++i) {
-            if (!cells[i].empty()) person[columns[i]] = value_of(cells[i]);
+            if (cells[i].empty()) continue;
+            const bool in_time = columns[i] == "tau_history";
+            person[columns[i]] = in_time ? history_of(cells[i]) : value_of(cells[i]);
         }
         KeyNode of_one = keys;
         of_one.key.kind = KeyKind::object;

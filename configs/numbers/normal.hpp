@@ -1,5 +1,5 @@
 #pragma once
-// Normal values within limits.
+// Values that are drawn: normal ones within limits, uniform ones.
 
 #include <cmath>
 #include <numbers>
@@ -23,5 +23,27 @@ namespace wade {
     const double value = mean + 0.5 * (z_lo + z_hi) * sd;
     return value < lo ? lo : value > hi ? hi : value;
 }
+
+// A value of all agents of a group, or limits in which each agent's own is drawn: uniformly, or normally with the mean and the
+// standard deviation that the values would have without limits.
+struct Spread {
+    double lo = 0;
+    double hi = 0;
+    double mean = 0;
+    double sd = 0;  // 0: uniform
+
+    Spread() = default;
+    Spread(double value) : lo(value), hi(value) {}  // NOLINT(google-explicit-constructor): a number is one, too
+    Spread(double its_lo, double its_hi) : lo(its_lo), hi(its_hi) {}
+    Spread(double its_lo, double its_hi, double its_mean, double its_sd)
+        : lo(its_lo), hi(its_hi), mean(its_mean), sd(its_sd) {}
+
+    // The value for a random number u in [0, 1).
+    [[nodiscard]] double at(double u) const {
+        if (lo < hi && sd > 0) return normal_within(lo, hi, mean, sd, u);
+        return lo < hi ? lo + (hi - lo) * u : lo;
+    }
+    friend bool operator==(const Spread& spread, double value) { return spread.lo == value && spread.hi == value; }
+};
 
 }  // namespace wade

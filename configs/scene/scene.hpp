@@ -76,6 +76,12 @@ struct VelocityPoint {
     double velocity = 0;
 };
 
+// A point of somebody's tau in time.
+struct TauPoint {
+    double time = 0;
+    double tau = 0;
+};
+
 // The channel that confines the water: bed y = 0 unless bed_points raise it, banks at z.lo and z.hi.
 struct Channel {
     Interval x, z;
@@ -218,28 +224,6 @@ enum class NavigationRule {
     travel_time
 };
 
-// A value of all agents of a group, or limits in which each agent's own is drawn: uniformly, or normally with the mean and the
-// standard deviation that the values would have without limits.
-struct Spread {
-    double lo = 0;
-    double hi = 0;
-    double mean = 0;
-    double sd = 0;  // 0: uniform
-
-    Spread() = default;
-    Spread(double value) : lo(value), hi(value) {}  // NOLINT(google-explicit-constructor): a number is one, too
-    Spread(double its_lo, double its_hi) : lo(its_lo), hi(its_hi) {}
-    Spread(double its_lo, double its_hi, double its_mean, double its_sd)
-        : lo(its_lo), hi(its_hi), mean(its_mean), sd(its_sd) {}
-
-    // The value for a random number u in [0, 1).
-    [[nodiscard]] double at(double u) const {
-        if (lo < hi && sd > 0) return normal_within(lo, hi, mean, sd, u);
-        return lo < hi ? lo + (hi - lo) * u : lo;
-    }
-    friend bool operator==(const Spread& spread, double value) { return spread.lo == value && spread.hi == value; }
-};
-
 enum class SexRule {
     any,  // each of its own, half and half
     female,
@@ -266,6 +250,7 @@ struct PersonRow {
     std::optional<SexRule> sex;
     std::optional<Skill> skill;
     std::optional<bool> can_swim;
+    std::vector<TauPoint> tau_history;
 };
 
 struct AgentGroup {
@@ -277,7 +262,8 @@ struct AgentGroup {
     double desired_speed = 1.3;
     double start_jitter = 0;  // largest distance of a start from its place on the grid, along x and along z
     Spread mass = 65;
-    std::optional<Spread> tau = 0;  // endurance in [0, 1]: 0 is not moved by the water; none: their bodies tell
+    std::optional<Spread> tau = 0;      // endurance in [0, 1]: 0 is not moved by the water; none: their bodies tell
+    std::vector<TauPoint> tau_history;  // in time; empty: `tau` throughout
     BodySettings body;
     HandInHand hand_in_hand = HandInHand::none;
     Hold hold = Hold::hands;
@@ -327,7 +313,9 @@ enum class WalkingLaw { relative, bernardini };  // speed in water: by that on d
 struct Crowd {
     ResponseKind response = ResponseKind::paper;
     WalkingLaw walking_in_water = WalkingLaw::relative;
-    bool helping = false;  // who stands takes hold of whom the water carries past
+    bool fatigue = false;                     // legs and hands tire
+    std::optional<double> water_temperature;  // C; none: it is not cold
+    bool helping = false;                     // who stands takes hold of whom the water carries past
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second
     int markers_per_cell = 64;  // in a cell of 2 x 2 m

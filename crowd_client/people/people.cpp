@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "crowd_client/people/links.hpp"
+
 namespace wade::crowd {
 namespace {
 
@@ -35,6 +37,42 @@ double bernardini_speed(double age, double depth, double speed, double gravity) 
     return row.alpha * std::pow(specific_force, row.beta) / (1 + 0.016 * std::max(0.0, age - 68));
 }
 
+// Of the legs that hold, over that of fresh, warm ones.
+double strength_of_legs(const People& people, std::size_t id) {
+    const Wear& wear = people.wear[id];
+    return (1 - wear.legs) * holding_strength(wear.thigh);
+}
+
+bool swims(const People& people, std::size_t id) {
+    if (people.can_swim[id] == 0) return false;
+    return !people.water_temperature || people.wear[id].swum < swimming_time(*people.water_temperature);
+}
+
+double swimming_force_of(const People& people, std::size_t id) {
+    return people.wear.empty() ? swimming_force : swimming_force * moving_strength(people.wear[id].thigh);
+}
+
+// The load of the legs: what they are asked over what fresh legs, as cold as these, would hold.
+double load_of_legs(const People& people, std::size_t id, const Strain& e) {
+    const double slip = e.slip * friction_of(people, id) / people.friction[id];
+    const double topple = e.moment > 0 ? e.moment / (e.weight * people.arm[id] + e.hold) : 0;
+    return std::min(1.0, std::max(slip, topple) / holding_strength(people.wear[id].thigh));
+}
+
+// A step of dt, s, in which legs tire or rest, and the body cools or warms. Who is off his feet neither tires nor rests [A].
+void wear_out(People& people, std::size_t id, double dt) {
+    constexpr double knee = 0.25, hand = 0.5;  // of H [A]
+    Wear& wear = people.wear[id];
+    const PersonState state = people.condition[id].state;
+    const bool upright = has_ground(state) && state != PersonState::recovering;
+    if (people.tires && upright) wear.legs = tired_after(wear.legs, wear.load, knee_rates, dt);
+    if (!people.water_temperature) return;
+    const double depth = people.depth[id], height = people.height[id];
+    wear.thigh = thigh_after(wear.thigh, *people.water_temperature, !upright || depth >= knee * height, dt);
+    wear.chill = chill_after(wear.chill, !upright || depth >= hand * height, dt);
+    if (state == PersonState::afloat) wear.swum += dt;
+}
+
 Strain strain_of(const People& people, std::size_t id, double mass, const Vector2d& velocity,
                  const WaterProperties& water) {
     const double height = people.height[id], depth = people.depth[id], wet = std::min(depth, height);
@@ -42,13 +80,14 @@ Strain strain_of(const People& people, std::size_t id, double mass, const Vector
     const Vector2d stream = mean_stream(people, id);
     Strain e;
     e.weight = weight_on_feet(body_of(people, id, mass), depth, water);
-    e.slip = slip_demand(k, stream, people.wanted[id], people.friction[id], e.weight);
+    e.slip = slip_demand(k, stream, people.wanted[id], friction_of(people, id), e.weight);
     e.moment = 0.5 * k * (stream - velocity).squaredNorm() * wet;
     e.moment_at_rest = 0.5 * k * stream.squaredNorm() * wet;
     e.height = height;
-    e.arm = people.arm[id];
+    e.arm = arm_of(people, id);
     e.depth = depth;
-    e.can_swim = people.can_swim[id] != 0;
+    e.can_swim = swims(people, id);
+    if (people.water_temperature) e.air = std::min(air_budget, breath_in(*people.water_temperature));
     e.hold = people.hold[id];
     return e;
 }
@@ -108,6 +147,36 @@ void add_person(People& people, const AgentGroup& group, const PersonRow& row, b
     people.beyond.push_back(0);
 }
 
+void start_wear(People& people, const Crowd& crowd) {
+    people.tires = crowd.fatigue;
+    people.water_temperature = crowd.water_temperature;
+    if (people.tires || people.water_temperature) people.wear.resize(people.size());
+}
+
+double friction_of(const People& people, std::size_t id) {
+    if (people.wear.empty()) return people.friction[id];
+    return braced_with(people.friction[id], bracing_of(Skill::unaware).friction, strength_of_legs(people, id));
+}
+
+double arm_of(const People& people, std::size_t id) {
+    if (people.wear.empty()) return people.arm[id];
+    const double of_dummy = bracing_of(Skill::unaware).arm_share * people.height[id];
+    return braced_with(people.arm[id], of_dummy, strength_of_legs(people, id));
+}
+
+double grip_of(const People& people, std::size_t id) {
+    const double fresh = grip_of(people.sex[id]);
+    if (people.wear.empty()) return fresh;
+    const Wear& wear = people.wear[id];
+    const double warm = people.water_temperature ? chilled_grip(wear.chill, *people.water_temperature) : 1;
+    return fresh * (1 - wear.hands) * warm;
+}
+
+void tire_hands(People& people, std::size_t id, double load, double dt) {
+    double& tired = people.wear[id].hands;
+    if (people.tires) tired = tired_after(tired, load, hand_rates, dt);
+}
+
 Vector2d mean_stream(const People& people, std::size_t id) {
     return people.depth[id] > 0 ? Vector2d(people.flow[id] / people.depth[id]) : Vector2d(0, 0);
 }
@@ -132,16 +201,19 @@ double speed_in_water(const People& people, std::size_t id, WalkingLaw law, doub
 void note_condition(People& people, std::size_t id, double mass, const Vector2d& velocity, const Vector2d& wanted,
                     const WaterProperties& water, const FeltStep& felt) {
     people.wanted[id] += (wanted - people.wanted[id]) * share_of(felt);
+    if (!people.wear.empty()) wear_out(people, id, felt.dt);
     Condition& condition = people.condition[id];
     if (people.depth[id] == 0 && condition.state == PersonState::walking) {  // on dry ground, as most are
         people.slip[id] = people.topple[id] = 0;
         condition.slipping = condition.toppling = 0;
         condition.air = air_budget;
+        if (!people.wear.empty()) people.wear[id].load = 0;
         return;
     }
     const Strain strain = strain_of(people, id, mass, velocity, water);
     people.slip[id] = strain.slip;
     people.topple[id] = topple_demand(strain);
+    if (!people.wear.empty()) people.wear[id].load = load_of_legs(people, id, strain);
     condition = next_condition(condition, strain, felt.dt);
     const bool is_worse = condition.state > people.worst[id];
     if (is_worse && !is_on_its_way_back(condition.state)) people.worst[id] = condition.state;
@@ -163,11 +235,11 @@ PersonInWater person_in_water(const People& people, std::size_t id, double mass,
         return person;
     }
     const double share = submerged_share(height, felt.depth);
-    const double grip = people.friction[id] * weight_on_feet(body_of(people, id, mass), felt.depth, water);
+    const double grip = friction_of(people, id) * weight_on_feet(body_of(people, id, mass), felt.depth, water);
     person.footing = {drag_upright(height, felt.depth, water, people.drag[id]), mass_with_water(mass, share, water),
                       grip};
     if (state != PersonState::recovering) person.wanted = wanted;
-    if (people.can_swim[id] != 0) person.swimming = swimming_force * unit_or(wanted, Vector2d::Zero());
+    if (swims(people, id)) person.swimming = swimming_force_of(people, id) * unit_or(wanted, Vector2d::Zero());
     return person;
 }
 

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "crowd_client/people/person.hpp"
 #include "crowd_client/people/states.hpp"
+#include "crowd_client/people/wear.hpp"
 
 namespace wade::crowd {
 
@@ -32,6 +34,10 @@ struct People {
     std::vector<PersonState> worst;  // state so far, in the order of PersonState; recovering and holding do not count
     std::vector<double> beyond;      // time on its feet beyond what was measured, s
 
+    std::vector<Wear> wear;  // empty where nobody tires and the water is not cold
+    bool tires = false;
+    std::optional<double> water_temperature;  // C
+
     [[nodiscard]] std::size_t size() const { return height.size(); }
 };
 
@@ -53,6 +59,17 @@ struct Bracing {
 // Adds a person, of a table or drawn; `random` gives the number of [0, 1) of its sex, height, age and friction in turn.
 void add_person(People& people, const AgentGroup& group, const PersonRow& row, bool by_body,
                 const std::array<double, 4>& random);
+
+// Lets time act upon people, as the scene says.
+void start_wear(People& people, const Crowd& crowd);
+
+// mu and l of the legs, and the grip of the hands, N, as time has left them.
+[[nodiscard]] double friction_of(const People& people, std::size_t id);
+[[nodiscard]] double arm_of(const People& people, std::size_t id);
+[[nodiscard]] double grip_of(const People& people, std::size_t id);
+
+// A step of dt, s, of hands that hold `load` of what fresh ones hold, [0, 1].
+void tire_hands(People& people, std::size_t id, double load, double dt);
 
 // U as low-passed, m/s; 0 without water.
 [[nodiscard]] Vector2d mean_stream(const People& people, std::size_t id);

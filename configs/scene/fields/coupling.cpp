@@ -53,6 +53,12 @@ void fields(Coupling& coupling, Fields& f, const Scene& scene) {
     });
 }
 
+void fields(TauPoint& point, Fields& f) {
+    f.number("time_s", point.time, "s", from(0).to(1e6),
+             "Time, not smaller than that of the point before; two points of one time make a jump.", required);
+    f.number("tau", point.tau, "", from(0).to(1), "tau at this time.", required);
+}
+
 void fields(TauEvent& event, Fields& f, double frame_rate) {
     std::optional<std::uint64_t> frame = event.frame;
     std::optional<double> time;

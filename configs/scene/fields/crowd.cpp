@@ -120,6 +120,8 @@ void table_of_people(std::vector<PersonRow>& people, Fields& f) {
                f.choice("skill", row.skill, "Its skill.", as_group);
                f.number("ground_friction", row.ground_friction, "", from(0.01).to(2), "mu of the ground.", as_group);
                f.flag("can_swim", row.can_swim, "Whether it swims.", as_group);
+               f.list("tau_history", row.tau_history,
+                      "Its tau in time, where the group has a tau. In a file: time_s:tau, a space, and so on.");
            });
 }
 
@@ -165,6 +167,14 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
              "How much the water moves an agent: 0 not at all, 1 like a body without resistance. With min and max each "
              "agent has a tau of its own, drawn uniformly.",
              otherwise("that of crowd", [&] { return of_crowd.tau ? KeyValue(*of_crowd.tau) : KeyValue(); }));
+    f.list(
+        "tau_history", group.tau_history,
+        "tau in time, in place of one for all times: points in order of time, straight between them, constant before "
+        "the first and after the last, until an event sets another.");
+    f.once_read([&]() -> std::optional<std::string> {
+        if (!group.tau_history.empty() && !group.tau) group.tau = group.tau_history.front().tau;  // not by its body
+        return std::nullopt;
+    });
     fields(group.body, f, &of_crowd.body);
     f.choice(
         "hand_in_hand", group.hand_in_hand,
@@ -187,6 +197,15 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
     f.choice("walking_in_water", crowd.walking_in_water,
              "Response measured, how fast people walk in water. relative: a share of their speed on dry ground. "
              "bernardini: speeds measured by age, never above that on dry ground.");
+    f.flag("fatigue", crowd.fatigue,
+           "Response measured: legs that hold against the water tire, down to what a dummy holds, and so do hands that "
+           "hold "
+           "others, by a model of muscles; they rest where there is little to hold.");
+    f.number(
+        "water_temperature_c", crowd.water_temperature, "C", from(0).to(40),
+        "Response measured: cold water weakens legs and hands in time, leaves less air to who goes under, and ends "
+        "how long one swims.",
+        otherwise("it is not cold"));
     f.flag("helping", crowd.helping,
            "Response measured: who stands and has a hand free takes hold of whoever is carried past within 0.8 m.");
     f.choice("speed_rule", crowd.speed_rule,

@@ -33,6 +33,7 @@ void fields(PathSettings& paths, Fields& f);
 
 // What the coupling is by default depends on the water.
 void fields(Coupling& coupling, Fields& f, const Scene& scene);
+void fields(TauPoint& point, Fields& f);
 void fields(TauEvent& event, Fields& f, double frame_rate);
 
 // Letters, digits, '_', '-' and '.', for what becomes a folder or a column.

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
+#include <vector>
 
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/hands.hpp"
@@ -102,6 +103,40 @@ TEST_CASE("Whoever is carried past is held by who stands, and is carried on wher
         CHECK((crowd.agents.position[0].x() < 42) == !helping);
         CHECK(crowd.links.size() == (helping ? 1 : 0));
     }
+}
+
+// A hand that bears a share of its grip bears it for the endurance time of a hand, then lets go.
+TEST_CASE("Who holds somebody in the stream lets go when the hand is tired, at any rate of steps") {
+    Scene scene = side_by_side(1, HandInHand::none);
+    scene.crowd.helping = scene.crowd.fatigue = true;
+    scene.crowd.groups[0].body.skill = Skill::unaware;
+    scene.crowd.groups.push_back(scene.crowd.groups[0]);
+    AgentGroup& helper = scene.crowd.groups[1];
+    helper.name = "helper";
+    helper.start_x = 45;
+    helper.start_z = 25.3;
+    helper.body.skill = Skill::braced;
+    helper.body.ground_friction = 2;
+    MadeUpWater water = uniform_water(28, 56, 18, 32, 0.5, 0.5, -0.7, 0);
+    for (float& of_one : water.mass) of_one *= 2.4F;  // 1.2 m
+    std::vector<double> times;
+    for (const double rate : {15.0, 60.0}) {
+        scene.crowd.step_rate = scene.frame_rate = rate;
+        CrowdWorld crowd = make_crowd(scene);
+        double taken = 0, let_go = 0, load = 0;
+        for (int i = 1; i <= 100 * rate && let_go == 0; ++i) {
+            step(crowd, water.view());
+            if (taken == 0 && !crowd.links.empty()) taken = i / rate;
+            if (taken > 0 && i / rate < taken + 10 && !crowd.links.empty()) load = crowd.links[0].pull / grip_of_men;
+            if (taken > 0 && crowd.links.empty()) let_go = i / rate;
+        }
+        CAPTURE(rate, taken, load);
+        CHECK((load > 0.5 && load < 0.7));
+        CHECK(let_go - taken ==
+              Approx(endurance_time(load, hand_rates) + 0.3).epsilon(0.05));  // the first pull differs
+        times.push_back(let_go - taken);
+    }
+    CHECK(times[0] == Approx(times[1]).epsilon(0.02));
 }
 
 TEST_CASE("Links do not depend on the number of threads, and end with those who arrive") {

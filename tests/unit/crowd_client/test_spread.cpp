@@ -1,4 +1,4 @@
-// What is drawn for each agent: tau, mass, the deviation of the start.
+// What each agent has of its own: tau, also in time, mass, the deviation of the start.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -207,4 +207,50 @@ TEST_CASE("Starts near the joint of a periodic world stay in it") {
         before = before || (p.x() > 0 && p.x() < 1);
     }
     CHECK((behind && before));
+}
+
+TEST_CASE("tau in time is straight between its points, jumps where two have one time, and ends with an event") {
+    for (const double rate : {15.0, 30.0, 120.0}) {
+        Scene scene = row_of(3);
+        scene.frame_rate = scene.crowd.step_rate = rate;
+        scene.crowd.groups[0].tau_history = {{1, 0.2}, {3, 0.8}, {3, 0.4}};
+        PersonRow usual, other;
+        other.tau_history = {{0, 1}, {4, 0}};
+        scene.crowd.people = {usual, other, usual};
+        scene.events.push_back({static_cast<std::uint64_t>(2 * rate), 2, std::nullopt, 0.7});
+        CrowdWorld crowd = make_crowd(scene);
+        CHECK((crowd.agents.tau[0] == 0.2 && crowd.agents.tau[1] == 1));
+        const auto tau_at = [&](double time) {
+            while (static_cast<double>(crowd.steps) < time * rate) step(crowd, {});
+            return crowd.agents.tau;
+        };
+        CAPTURE(rate);
+        CHECK(tau_at(1)[0] == 0.2);
+        CHECK(tau_at(1)[1] == Approx(0.75));
+        CHECK(tau_at(2 - 1 / rate)[2] == Approx(0.5 - 0.3 / rate));
+        CHECK(tau_at(2)[0] == Approx(0.5));
+        CHECK(tau_at(2)[2] == 0.7);
+        CHECK(tau_at(3 - 1 / rate)[0] == Approx(0.8 - 0.3 / rate));
+        CHECK(tau_at(3)[0] == 0.4);
+        CHECK(tau_at(5)[0] == 0.4);
+        CHECK(tau_at(5)[1] == 0);
+        CHECK(tau_at(5)[2] == 0.7);
+    }
+}
+
+TEST_CASE("A tau that rises in time moves people as far at any rate of steps") {
+    std::vector<double> ways;
+    for (const double rate : {15.0, 30.0, 60.0, 120.0}) {
+        Scene scene = one_agent_scene(40, 25, 40, 50, 0);
+        scene.frame_rate = scene.crowd.step_rate = rate;
+        scene.crowd.groups[0].tau_history = {{0, 0}, {4, 1}};
+        CrowdWorld crowd = make_crowd(scene);
+        auto water = testing::uniform_water(34, 42, 24, 35, 0.125, 0.125, -1, 0);  // finer than what touches, 0.25 m
+        for (float& mass : water.mass) mass *= 8;                                  // 1 m deep
+        while (static_cast<double>(crowd.steps) < 6 * rate) step(crowd, water.view());
+        ways.push_back(40 - crowd.agents.position[0].x());
+    }
+    CHECK(ways[3] > 2);
+    // Each step takes tau at its end: half a step of 1/15 s at the water's 1 m/s is 1 % of this way.
+    for (const double way : ways) CHECK(way == Approx(ways[3]).epsilon(0.02));
 }

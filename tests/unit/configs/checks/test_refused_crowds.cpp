@@ -257,7 +257,7 @@ TEST_CASE("impossible bodies and unknown skills are refused by name, value and w
     CHECK_NOTHROW(load_patched(one, {"/crowd/mass_kg=20"}));  // of the paper's response only the mass is asked
 }
 
-TEST_CASE("hands that no one has or that do not reach are refused") {
+TEST_CASE("hands that no one has or that do not reach are refused, and keys of bodies where nobody has one") {
     const std::string two = crowd(group("a", 2, 2, R"(, "columns": 2)"));
     const auto refused = [&](const std::vector<std::string>& set) { return refusal(two, set); };
     const std::string hands = "/crowd/groups/0/hand_in_hand=along_x", measured = "/crowd/response=measured";
@@ -270,16 +270,46 @@ TEST_CASE("hands that no one has or that do not reach are refused") {
     CHECK_NOTHROW(load_patched(two, {hands, measured, "/crowd/groups/0/start/pitch_x_m=0.7"}));
     CHECK_THAT(refused({"/crowd/helping=true"}), Contains("/crowd/helping: true") && Contains("\"measured\""));
     CHECK_NOTHROW(load_patched(two, {"/crowd/helping=true", measured}));
+    CHECK_THAT(refused({"/crowd/fatigue=true"}), Contains("/crowd/fatigue: true") && Contains("\"measured\""));
+    CHECK_THAT(refused({"/crowd/water_temperature_c=5"}),
+               Contains("/crowd/water_temperature_c: 5 C: people who answer"));
+    CHECK_THAT(refused({"/crowd/water_temperature_c=-3", measured}),
+               Contains("/crowd/water_temperature_c: -3 is out of range; allowed: >= 0"));
+    CHECK_NOTHROW(load_patched(two, {"/crowd/fatigue=true", "/crowd/water_temperature_c=5", measured}));
+}
+
+TEST_CASE("tau in time has its points in order, and belongs to who has a tau") {
+    const std::string points = R"([{"time_s":0,"tau":0.2},{"time_s":5,"tau":1},{"time_s":5,"tau":0}])";
+    const std::string two = crowd(group("a", 1, 1) + "," + group("b", 2, 2));
+    const std::string measured = "/crowd/response=measured", of_group = "/crowd/groups/1/tau_history=";
+    const auto refused = [&](const std::vector<std::string>& set) { return refusal(two, set); };
+    const LoadedScene loaded = load_patched(two, {measured, of_group + points});
+    CHECK((loaded.scene.crowd.groups.at(1).tau_history.size() == 3 && loaded.scene.crowd.groups.at(1).tau == 0.2));
+    CHECK(!loaded.scene.crowd.groups.at(0).tau);  // answers by its body
+    CHECK(wade::load_scene_text(loaded.canonical_json, "again.json").canonical_json == loaded.canonical_json);
+
+    CHECK_THAT(refused({of_group + R"([{"time_s":3,"tau":0.2},{"time_s":2,"tau":1}])"}),
+               Contains("/crowd/groups/1/tau_history/1/time_s: 2 s is earlier than that of the point before; allowed: "
+                        ">= 3 s."));
+    CHECK_THAT(refused({of_group + R"([{"time_s":3,"tau":1.2}])"}),
+               Contains("/crowd/groups/1/tau_history/0/tau: 1.2 is out of range; allowed: >= 0 and <= 1."));
+    CHECK_THAT(refused({of_group + R"([{"tau":1}])"}), Contains("/crowd/groups/1/tau_history/0/time_s"));
+    const std::string of_one = R"(/crowd/people=[{"tau_history":)" + points + "}]";
+    CHECK_NOTHROW(load_patched(two, {of_one}));
+    CHECK_THAT(refused({of_one, measured, "/crowd/groups/0/tau=0.5"}),
+               Contains("/crowd/people/0/tau_history: a person of group \"b\" answers the water by its body and has no "
+                        "tau"));
+    CHECK_NOTHROW(load_patched(two, {of_one, measured, "/crowd/groups/0/tau=0", "/crowd/groups/1/tau=0"}));
 }
 
 TEST_CASE("people come from a table beside the scene, and a bad line is named with file, line, column and value") {
     const TemporaryFolder folder;
-    const auto load = [&](const std::string& table) {
+    const auto load = [&](const std::string& table, const std::string& response = "measured") {
         folder.write("people.csv", table);
         return wade::load_scene(folder.write(
             "scene.json", R"({"channel": {"x_min_m": 0, "x_max_m": 40, "z_min_m": 0, "z_max_m": 30, "flow": "closed"},
-                "crowd": {"response": "measured", "people_csv": "people.csv", "groups": [)" +
-                              group("a", 1, 1) + "]}}"));
+                "crowd": {"people_csv": "people.csv", "response": ")" +
+                              response + R"(", "groups": [)" + group("a", 1, 1) + "]}}"));
     };
     const auto refused = [&](const std::string& table) {
         try {
@@ -304,6 +334,14 @@ TEST_CASE("people come from a table beside the scene, and a bad line is named wi
     CHECK_THAT(refused("height_m,mass_kg\n1.7\n"), Contains("people.csv, line 2: there are 1 values; allowed: 2"));
     CHECK_THAT(refused("height_m,mass_kg\n1.7,5\n"), Contains("/crowd/people/0/mass_kg: 5 kg with a height of 1.7 m"));
     CHECK_THAT(refused("height_m\n"), Contains("people.csv: there are no people"));
+    const auto with_tau = load("height_m,tau_history\n1.7,0:0.2 5:0.8\n1.8,\n", "paper").scene.crowd.people;
+    CHECK((with_tau.at(0).tau_history.at(1).time == 5 && with_tau.at(0).tau_history.at(1).tau == 0.8));
+    CHECK(with_tau.at(1).tau_history.empty());
+    CHECK_THAT(refused("tau_history\n0:0.2 3:1.5\n"),
+               Contains("people.csv, line 2: /tau_history/1/tau: 1.5 is out of range"));
+    CHECK_THAT(refused("tau_history\n0:0.2 3\n"),
+               Contains("people.csv, line 2: /tau_history: expected an array, found \"0:0.2 3\""));
+    CHECK_THAT(refused("tau_history\n3:0.2 2:1\n"), Contains("/crowd/people/0/tau_history/1/time_s: 2 s is earlier"));
     CHECK_THAT(refusal(R"({"crowd": {"people_csv": "none.csv"}})", {}),
                Contains("/crowd/people_csv: the file none.csv cannot be read"));
 }

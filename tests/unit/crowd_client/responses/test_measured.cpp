@@ -250,3 +250,31 @@ TEST_CASE("Bodies, threads and how a step is divided do not keep people from ans
         }
     }
 }
+
+// T is the demand on a fresh person of normal skill, lambda 0.09. Its legs hold so much while at most 1 - T of them are tired, then
+// give way, and at 0.04 / 0.09 + (1 - 0.04 / 0.09) strength = T it topples.
+TEST_CASE("Whom a stream does not topple it topples when the legs are tired, after the time of the closed form") {
+    const MadeUpWater water = stream(1, 0.8);
+    Scene scene = standing_in_a_river();
+    CrowdWorld fresh = crowd_at(scene, 15);
+    for (int i = 0; i < 30 * 15; ++i) {
+        step(fresh, water.view());
+        REQUIRE(state_of(fresh) == PersonState::effort);
+    }
+    const double demand = fresh.agents.people.topple[0], of_dummy = 0.04 / 0.09;
+    CHECK((demand > 0.8 && demand < 0.95));
+    const double strength = (demand - of_dummy) / (1 - of_dummy), f = 0.015, r = 0.00149, end = f / (f + r);
+    const double held = std::log(f * demand / (f * demand - r * (1 - demand))) / r;
+    const double yields = std::log((end - (1 - demand)) / (end - (1 - strength))) / (f + r);
+    scene.crowd.fatigue = true;
+    for (const double rate : rates) {
+        CrowdWorld crowd = crowd_at(scene, rate);
+        double toppled = 0;
+        for (int i = 1; i <= 30 * rate && toppled == 0; ++i) {
+            step(crowd, water.view());
+            if (state_of(crowd) == PersonState::toppled) toppled = i / rate;
+        }
+        CAPTURE(rate, held, yields);
+        CHECK(toppled == Approx(held + yields + 0.3).epsilon(0.02));
+    }
+}
