@@ -30,6 +30,7 @@ template <typename Point>
 template <typename Point>
 [[nodiscard]] std::vector<double> times_of(const std::vector<Point>& points) {
     std::vector<double> times;
+    times.reserve(points.size());
     for (const Point& point : points) times.push_back(point.time);
     return times;
 }
