@@ -43,6 +43,8 @@ struct CrowdWorld {
     Walls walls;
     Navigation navigation;                     // empty where people go straight
     std::vector<Link> links;                   // of those who hold one another, in the order in which they took hold
+    std::vector<double> hands_spent;           // time until which hands rest, s, by id; empty without ropes
+    Rescues rescues;                           // empty without rescuers
     std::optional<Feeling> feeling;            // of who feels the water; none with the response paper, one way
     std::optional<Pushing> pushing;            // of people who push the water
     std::shared_ptr<const Response> response;  // to the water; has no state, so that copies of a crowd share it
@@ -72,9 +74,9 @@ struct CrowdWorld {
     return crowd.bodies.rule != BodyRule::none;
 }
 
-// Whether people get further in a step than the water round where they stood reaches.
-[[nodiscard]] inline bool walks_far(const CrowdWorld& crowd) {
-    return crowd.clock.parts > 1;
+// Whether people get further in a step than the water round where they stood reaches, or look at water farther away.
+[[nodiscard]] inline bool needs_all_water(const CrowdWorld& crowd) {
+    return crowd.clock.parts > 1 || !crowd.rescues.rescuers.empty();
 }
 
 // How many threads walk the crowd. One that is small takes less time than threads to wake up.

@@ -7,6 +7,7 @@
 #include "configs/scene/time_lines.hpp"
 #include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/hands.hpp"
+#include "crowd_client/rescue.hpp"
 #include "crowd_client/standing.hpp"
 #include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_met.hpp"
@@ -71,7 +72,9 @@ void find_contacts(const Step& step) {
 }
 
 FeltStep felt_step(const CrowdWorld& crowd, std::size_t k, const Step& step) {
-    return {crowd.felt[k].depth, crowd.felt[k].velocity, crowd.part_time, step.number == 1 && step.part == 0};
+    FeltStep felt{crowd.felt[k].depth, crowd.felt[k].velocity, crowd.part_time, step.number == 1 && step.part == 0};
+    if (crowd.scene.coupling.shelter == Shelter::wake) felt.lee = crowd.shelters.lee[k];
+    return felt;
 }
 
 WaterProperties water_of(const Scene& scene) {
@@ -98,7 +101,9 @@ void find_felt_water(const Step& step) {
     for_each_by_body(crowd, [&](std::size_t k, std::uint32_t id) {
         feel(agents.people, id, felt_step(crowd, k, step));
         agents.desired_speed[id] =
-            speed_in_water(agents.people, id, crowd.scene.crowd.walking_in_water, crowd.scene.world.gravity);
+            waits(crowd, id)
+                ? 0
+                : speed_in_water(agents.people, id, crowd.scene.crowd.walking_in_water, crowd.scene.world.gravity);
     });
 }
 
@@ -138,6 +143,14 @@ void solve_fields(const Step& step) {
     update_navigation(crowd.navigation, crowd.scene, crowd.active, crowd.positions, crowd.goal_offsets, crowd.threads);
 }
 
+// They look at the water that all feel, and stand from then on.
+void send(const Step& step) {
+    send_rescuers(step.crowd, step.water);
+    for (const Rescuer& one : step.crowd.rescues.rescuers) {
+        if (one.stands) step.crowd.agents.desired_speed[one.id] = 0;
+    }
+}
+
 void find_ways(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     go_straight(crowd);
@@ -149,6 +162,7 @@ void find_ways(const Step& step) {
     if (evasion.rule != EvasionRule::off && step.is_wet()) {
         evade(evasion, crowd.agents, crowd.active, crowd.positions, step.water, crowd.goal_offsets);
     }
+    lead_rescued(crowd);
 }
 
 void compete_for_markers(const Step& step) {
@@ -216,7 +230,7 @@ Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
     if (p.x() < 0 || crowd.agents.people.condition[id].state == PersonState::drowned) return Outcome::dead;
     const double reach = crowd.scene.crowd.goal_radius;
     const Vector2d rest = goal_offset(crowd.agents, id, crowd.scene.world.period());
-    return rest.squaredNorm() <= reach * reach ? Outcome::arrived : Outcome::active;
+    return rest.squaredNorm() <= reach * reach && !is_on_duty(crowd, id) ? Outcome::arrived : Outcome::active;
 }
 
 void judge_outcomes(const Step& step) {
@@ -250,6 +264,7 @@ constexpr std::array stages{
     Stage{"water met", note_water, When::once},
     Stage{"ragdolls", tumble, When::once},
     Stage{"fields", solve_fields, When::once},
+    Stage{"rescue", send, When::once},
     Stage{"ways", find_ways, When::at_decisions},
     Stage{"markers", compete_for_markers, When::at_decisions},  // Eq. 1-3
     Stage{"walking", choose_walking_velocities},                // Eq. 4
@@ -299,7 +314,7 @@ void advance(CrowdWorld& crowd, const WaterBins& water) {
 void step(CrowdWorld& crowd, const WaterView& water) {
     freeze_positions(crowd);
     timed(crowd.times.get(), 0, [&] {
-        if (walks_far(crowd)) return bin_all_water(crowd.water, water);
+        if (needs_all_water(crowd)) return bin_all_water(crowd.water, water);
         bin_water(crowd.water, water, crowd.positions);
     });
     advance(crowd, crowd.water);

@@ -9,20 +9,20 @@ namespace wade::crowd {
 namespace {
 
 constexpr std::uint8_t hands_of_one = 2;
+constexpr double rest_of_hands = 5;  // after they have let go of a rope, s [A]
 
-Link link_between(const People& people, std::uint32_t a, std::uint32_t b, bool pushes) {
-    return {a, b, pushes, std::min(grip_of(people, a), grip_of(people, b))};
+double hands_on(const Link& link) {
+    return link.kind == LinkKind::hands ? 1 : hands_of_one;
 }
 
 bool stands(const People& people, std::uint32_t id) {
     return has_ground(people.condition[id].state);
 }
 
-// From one person to another, in a periodic world the shorter way.
-Vector2d way_between(const CrowdWorld& crowd, std::uint32_t a, std::uint32_t b) {
-    Vector2d way = crowd.agents.position[b] - crowd.agents.position[a];
-    if (const double period = crowd.scene.world.period(); period > 0) way.x() -= period * std::round(way.x() / period);
-    return way;
+// Firm on its feet, so that it holds on to something because it wants to.
+bool is_firm(const People& people, std::uint32_t id) {
+    const PersonState state = people.condition[id].state;
+    return state == PersonState::walking || state == PersonState::effort;
 }
 
 void let_go_of_who_ended(CrowdWorld& crowd) {
@@ -30,15 +30,6 @@ void let_go_of_who_ended(CrowdWorld& crowd) {
         return crowd.agents.outcome[id] == Outcome::active && crowd.agents.people.by_body[id] != 0;
     };
     std::erase_if(crowd.links, [&](const Link& link) { return !walks(link.a) || !walks(link.b); });
-}
-
-std::vector<std::uint8_t> hands_in_use(const CrowdWorld& crowd) {
-    std::vector<std::uint8_t> used(crowd.agents.size(), 0);
-    for (const Link& link : crowd.links) {
-        ++used[link.a];
-        ++used[link.b];
-    }
-    return used;
 }
 
 // Whoever drifts past is held by the nearest who stands with a hand free, in the order of their ids.
@@ -71,10 +62,110 @@ void take_hold(CrowdWorld& crowd) {
     }
 }
 
-// The linked people of a step, and which of them each link joins.
+// A rope as somebody meets it: from where it is fixed to its other end, which if it is free lies down the stream.
+struct RopeNear {
+    Vector2d from = Vector2d::Zero(), along = Vector2d::Zero();  // m, the person at 0
+    double free_length = -1;                                     // m; below 0: both ends are fixed
+
+    // The way to its nearest place, m.
+    [[nodiscard]] Vector2d nearest() const {
+        const double square = along.squaredNorm();
+        const double share = square > 0 ? std::clamp(-from.dot(along) / square, 0.0, 1.0) : 0;
+        return from + share * along;
+    }
+};
+
+RopeNear rope_near(const CrowdWorld& crowd, std::uint32_t id, std::size_t i) {
+    const Rope& rope = crowd.scene.crowd.ropes[i];
+    const Vector2d from(rope.from_x, rope.from_z);
+    RopeNear near{way_to(crowd, id, from)};
+    if (rope.to_x && rope.to_z) {
+        near.along = Vector2d(*rope.to_x, *rope.to_z) - from;
+        return near;
+    }
+    near.free_length = rope.free_length.value_or(0);
+    near.along = near.free_length * unit_or(mean_stream(crowd.agents.people, id), Vector2d::Zero());
+    return near;
+}
+
+// Whether somebody who is firm, farther from where it holds on than its arm, wants still farther.
+bool wants_away(const People& people, std::uint32_t id, const Vector2d& to_hold, double length) {
+    if (!is_firm(people, id) || !(to_hold.squaredNorm() > length * length)) return false;
+    const Vector2d& wanted = people.wanted[id];
+    return -wanted.dot(to_hold) > 0.5 * std::sqrt(wanted.squaredNorm() * to_hold.squaredNorm());
+}
+
+// Hand over hand: who stands moves its hands along the rope as far as it wants to go; a carried body clasps it.
+void follow_rope(const CrowdWorld& crowd, Link& link, const RopeNear& rope) {
+    const People& people = crowd.agents.people;
+    if (!stands(people, link.a)) return;
+    const Vector2d& place = crowd.agents.position[link.a];
+    const Vector2d& wanted = people.wanted[link.a];
+    if (rope.free_length < 0) {
+        const Vector2d nearest = place + rope.nearest();
+        if ((nearest - link.tie).dot(wanted) > 0) link.tie = nearest;
+        return;
+    }
+    const double distance = std::sqrt(rope.from.squaredNorm()), outwards = -wanted.dot(rope.from);
+    if (outwards < 0) link.rest = std::min(link.rest, std::max(link_length, distance));
+    if (outwards > 0) link.rest = std::max(link.rest, std::min(rope.free_length + link_length, distance));
+}
+
+// Those on ropes move their hands; who is firm lets go of what it leaves.
+void follow_ropes(CrowdWorld& crowd) {
+    const People& people = crowd.agents.people;
+    for (Link& link : crowd.links) {
+        if (link.kind == LinkKind::rope) follow_rope(crowd, link, rope_near(crowd, link.a, link.rope));
+    }
+    std::erase_if(crowd.links, [&](const Link& link) {
+        if (link.kind != LinkKind::rope || !is_firm(people, link.a)) return false;
+        const Vector2d nearest = rope_near(crowd, link.a, link.rope).nearest();
+        return nearest.squaredNorm() > link_reach * link_reach || people.depth[link.a] == 0 ||
+               wants_away(people, link.a, way_to(crowd, link.a, link.tie), link.rest);
+    });
+}
+
+Link hold_of_rope(const CrowdWorld& crowd, std::uint32_t id, std::size_t i, const RopeNear& rope) {
+    Link link = link_between(crowd.agents.people, id, id, false);
+    link.kind = LinkKind::rope;
+    link.grip *= hands_of_one;
+    link.rope = i;
+    const bool is_free = rope.free_length >= 0;
+    link.tie = crowd.agents.position[id] + (is_free ? rope.from : rope.nearest());
+    if (is_free) link.rest = std::max(link_length, std::sqrt(rope.from.squaredNorm()));
+    return link;
+}
+
+double now_of(const CrowdWorld& crowd) {
+    return static_cast<double>(crowd.steps) * crowd.dt;
+}
+
+// Who is in the water with both hands free takes the nearest rope within reach.
+void take_ropes(CrowdWorld& crowd) {
+    const People& people = crowd.agents.people;
+    const std::vector<std::uint8_t> used = hands_in_use(crowd);
+    for (const std::uint32_t id : crowd.active) {
+        if (people.by_body[id] == 0 || used[id] > 0 || !(people.depth[id] > 0)) continue;
+        if (now_of(crowd) < crowd.hands_spent[id]) continue;
+        const bool is_rescuer = crowd.scene.crowd.groups[crowd.agents.group[id]].rescuer;
+        if (is_rescuer && stands(people, id)) continue;  // whose hands are for the line
+        std::optional<Link> hold;
+        double nearest = link_reach * link_reach;
+        for (std::size_t i = 0; i < crowd.scene.crowd.ropes.size(); ++i) {
+            const RopeNear rope = rope_near(crowd, id, i);
+            const double square = rope.nearest().squaredNorm();
+            if (square > nearest || wants_away(people, id, rope.nearest(), link_length)) continue;
+            nearest = square;
+            hold = hold_of_rope(crowd, id, i, rope);
+        }
+        if (hold) crowd.links.push_back(*hold);
+    }
+}
+
+// The linked people of a step, then the places to which ropes are tied; and which of them each link joins.
 struct Linked {
     std::vector<LinkedPerson> people;
-    std::vector<std::size_t> place;  // in the list of the active
+    std::vector<std::size_t> place;  // of the people in the list of the active
     std::vector<LinkPlaces> of_link;
 };
 
@@ -107,7 +198,13 @@ Linked linked_people(const CrowdWorld& crowd) {
         return static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
     };
     for (const Link& link : crowd.links) {
-        linked.of_link.push_back({place_of(link.a), place_of(link.b), way_between(crowd, link.a, link.b)});
+        if (link.kind != LinkKind::rope) {
+            const Vector2d way = way_to(crowd, link.a, agents.position[link.b]);
+            linked.of_link.push_back({place_of(link.a), place_of(link.b), way});
+            continue;
+        }
+        linked.of_link.push_back({place_of(link.a), linked.people.size(), way_to(crowd, link.a, link.tie)});
+        linked.people.emplace_back().is_fixed = true;
     }
     return linked;
 }
@@ -115,7 +212,9 @@ Linked linked_people(const CrowdWorld& crowd) {
 // Grips as time has left them.
 void weaken(const People& people, std::vector<Link>& links) {
     if (people.wear.empty()) return;
-    for (Link& link : links) link.grip = std::min(grip_of(people, link.a), grip_of(people, link.b));
+    for (Link& link : links) {
+        link.grip = hands_on(link) * std::min(grip_of(people, link.a), grip_of(people, link.b));
+    }
 }
 
 // Of two hands the one that holds more counts [A].
@@ -125,7 +224,7 @@ void tire_all_hands(CrowdWorld& crowd) {
     std::vector<double> load(people.size(), 0);
     for (const Link& link : crowd.links) {
         for (const std::uint32_t id : {link.a, link.b}) {
-            load[id] = std::max(load[id], std::abs(link.pull) / grip_of(people.sex[id]));
+            load[id] = std::max(load[id], std::abs(link.pull) / (hands_on(link) * grip_of(people.sex[id])));
         }
     }
     for (const std::uint32_t id : crowd.active) tire_hands(people, id, load[id], crowd.part_time);
@@ -134,13 +233,38 @@ void tire_all_hands(CrowdWorld& crowd) {
 void note_holds(CrowdWorld& crowd) {
     People& people = crowd.agents.people;
     std::fill(people.hold.begin(), people.hold.end(), 0.0);
+    const auto steady = [&](std::uint32_t id, double grip) {
+        people.hold[id] += moment_of_hold(people.height[id], grip);
+    };
     for (const Link& link : crowd.links) {
-        if (stands(people, link.b)) people.hold[link.a] += moment_of_hold(people.height[link.a], link.grip);
-        if (stands(people, link.a)) people.hold[link.b] += moment_of_hold(people.height[link.b], link.grip);
+        const bool is_rope = link.kind == LinkKind::rope;
+        if (is_rope || (link.kind == LinkKind::hands && stands(people, link.b))) steady(link.a, link.grip);
+        if (!is_rope && stands(people, link.a)) steady(link.b, link.grip);
     }
 }
 
 }  // namespace
+
+Link link_between(const People& people, std::uint32_t a, std::uint32_t b, bool pushes) {
+    return {a, b, pushes, std::min(grip_of(people, a), grip_of(people, b))};
+}
+
+Vector2d way_to(const CrowdWorld& crowd, std::uint32_t id, const Vector2d& place) {
+    Vector2d way = place - crowd.agents.position[id];
+    if (const double period = crowd.scene.world.period(); period > 0) way.x() -= period * std::round(way.x() / period);
+    return way;
+}
+
+std::vector<std::uint8_t> hands_in_use(const CrowdWorld& crowd) {
+    std::vector<std::uint8_t> used(crowd.agents.size(), 0);
+    for (const Link& link : crowd.links) {
+        for (const std::uint32_t id : {link.a, link.b}) {  // of a rope these are one
+            ++used[id];
+            if (link.kind == LinkKind::line) ++used[id];
+        }
+    }
+    return used;
+}
 
 std::vector<Link> links_of_scene(const Scene& scene, const Agents& agents) {
     std::vector<Link> links;
@@ -160,21 +284,30 @@ std::vector<Link> links_of_scene(const Scene& scene, const Agents& agents) {
 }
 
 void hold_hands(CrowdWorld& crowd) {
-    if (crowd.links.empty() && !crowd.scene.crowd.helping) return;
+    const Crowd& settings = crowd.scene.crowd;
+    if (crowd.links.empty() && !settings.helping && settings.ropes.empty()) return;
     let_go_of_who_ended(crowd);
-    if (crowd.scene.crowd.helping) take_hold(crowd);
+    if (settings.helping) take_hold(crowd);
+    if (!settings.ropes.empty()) {
+        follow_ropes(crowd);
+        take_ropes(crowd);
+    }
     if (!crowd.links.empty()) {
         weaken(crowd.agents.people, crowd.links);
         Linked linked = linked_people(crowd);
         pull_links(linked.people, crowd.links, linked.of_link, crowd.part_time);
-        for (std::size_t i = 0; i < linked.people.size(); ++i) {
+        for (std::size_t i = 0; i < linked.place.size(); ++i) {
             const LinkedPerson& one = linked.people[i];
             crowd.next.at_end[linked.place[i]] = one.next;
             crowd.next.push[linked.place[i]] = step_in_water(one.person, one.velocity, one.pulls, crowd.part_time).drag;
             crowd.next.mean[linked.place[i]] =
                 one.person.has_ground ? one.next : Vector2d(0.5 * (one.velocity + one.next));
         }
-        std::erase_if(crowd.links, [&](const Link& link) { return lets_go(link, crowd.part_time); });
+        std::erase_if(crowd.links, [&](const Link& link) {
+            if (!lets_go(link, crowd.part_time)) return false;
+            if (link.kind == LinkKind::rope) crowd.hands_spent[link.a] = now_of(crowd) + rest_of_hands;
+            return true;
+        });
     }
     tire_all_hands(crowd);
     note_holds(crowd);

@@ -1,6 +1,10 @@
 #pragma once
-// Who holds whom: chains of the scene (hand_in_hand of a group), and whoever is taken hold of when the water carries him past
-// (/crowd/helping). People have two hands. Forces and when a link lets go: people/links.hpp.
+// Who holds whom and what: chains of the scene (hand_in_hand of a group); whoever is taken hold of when the water carries him past
+// (/crowd/helping); ropes (/crowd/ropes); lines of rescuers (rescue.hpp). People have two hands. Forces and when a link lets go:
+// people/links.hpp.
+//
+// A rope is held by whom the water carries past it and by who walks along it, within 0.8 m, with both hands. A carried body clasps
+// one place; who stands moves its hands along as it walks, so that the rope pulls across alone, and lets go of what it walks away from.
 
 #include "crowd_client/crowd_state.hpp"
 
@@ -10,7 +14,15 @@ namespace wade::crowd {
 [[nodiscard]] std::vector<Link> links_of_scene(const Scene& scene, const Agents& agents);
 
 // Corrects the velocities in crowd.next of those who hold one another, in a step of crowd.part_time; takes hold of who is carried
-// within reach, lets go of whom no hand holds any more, and of those who have arrived or died.
+// within reach and of ropes, lets go of whom no hand holds any more, and of those who have arrived or died.
 void hold_hands(CrowdWorld& crowd);
+
+[[nodiscard]] Link link_between(const People& people, std::uint32_t a, std::uint32_t b, bool pushes);
+
+// From somebody to a place, in a periodic world the shorter way, m.
+[[nodiscard]] Vector2d way_to(const CrowdWorld& crowd, std::uint32_t id, const Vector2d& place);
+
+// How many hands of each hold something, by id.
+[[nodiscard]] std::vector<std::uint8_t> hands_in_use(const CrowdWorld& crowd);
 
 }  // namespace wade::crowd

@@ -8,6 +8,7 @@
 #include "configs/scene/choices.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/hands.hpp"
+#include "crowd_client/rescue.hpp"
 #include "crowd_client/responses/registry.hpp"
 #include "crowd_client/start_warnings.hpp"
 #include "crowd_client/water/contacts.hpp"
@@ -84,6 +85,8 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.water = empty_bins(scene);
     feel_and_push(scene, crowd);
     crowd.links = links_of_scene(scene, crowd.agents);
+    if (!scene.crowd.ropes.empty()) crowd.hands_spent.assign(crowd.agents.size(), 0.0);
+    crowd.rescues = rescues_of_scene(scene, crowd.agents);
     crowd.response = make_response(name_of(scene.crowd.response), scene);
     return crowd;
 }

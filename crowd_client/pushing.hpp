@@ -1,9 +1,11 @@
 #pragma once
 // What the people of a crowd feel of the water behind others, and what they do to it.
 
+#include <span>
 #include <vector>
 
 #include "crowd_client/agents.hpp"
+#include "crowd_client/bodies/body_cells.hpp"
 #include "crowd_client/people/push.hpp"
 #include "crowd_client/water/felt_water.hpp"
 
@@ -18,18 +20,31 @@ struct Pushing {
 // Gives people the C of those who push.
 [[nodiscard]] Pushing start_pushing(const Scene& scene, double spread, Agents& agents);
 
+// Who makes wakes: everybody in the water. Place k of all lists is the same person.
+struct WakeMakers {
+    std::span<const Vector2d> positions;  // m
+    std::span<const Vector2d> stream;     // U at each, m/s
+    std::span<const double> drag_width;   // C_D B, m; 0: makes none
+    std::span<const double> width;        // B, m
+};
+
+// The share of the velocity that the deepest wake takes from each, [0, 1].
+void find_wakes(const World& world, const WakeMakers& makers, BodyCells& cells, std::vector<double>& deficit);
+
 // Wakes of people before people (/coupling/shelter); place k of the lists is that of FeltWater.
 struct Shelters {
     std::vector<double> deficit;  // of the velocity, [0, 1]
-    WakeMemory memory;
-    std::vector<Vector2d> stream;
+    std::vector<double> lee;      // the same of the velocity of the water past them as they walk
+    BodyCells cells;
+    std::vector<Vector2d> stream, passing;
     std::vector<double> drag_width, width;
 };
 
 // W_e of a scene's water, m: see people/push.hpp.
 [[nodiscard]] double disc_width(const Scene& scene, double spread);
 
-// Slows what people feel who stand in wakes of others.
+// Slows what people feel who stand in wakes of others, and finds the wakes in which they walk: in still water, too, who walks
+// in a file has them before him.
 void shelter(const Scene& scene, const Agents& agents, std::span<const std::uint32_t> active,
              std::span<const Vector2d> positions, Shelters& shelters, std::vector<FeltWater>& felt);
 

@@ -261,6 +261,45 @@ void check_hands(const Scene& scene, const AgentGroup& group, const std::string&
                " and twice /start/jitter_m); allowed: <= 0.8 m, as far as hands reach.");
 }
 
+void check_rescuers(const Scene& scene, const AgentGroup& group, const std::string& source,
+                    const std::string& pointer) {
+    if (!group.rescuer) return;
+    if (scene.crowd.response != ResponseKind::measured || group.tau) {
+        refuse(source, pointer + "/rescuer",
+               "true: people who answer the water by tau hold nobody; allowed: false, or the response \"measured\" and "
+               "no tau of the group.");
+    }
+    if (group.hand_in_hand == HandInHand::none) return;
+    refuse(source, pointer + "/rescuer",
+           "true: a line takes both hands, and the group walks with hand_in_hand " + name_of(group.hand_in_hand) +
+               "; allowed: false, or hand_in_hand \"none\".");
+}
+
+void check_rope(const Scene& scene, const Rope& rope, const std::string& source, const std::string& pointer) {
+    if (scene.crowd.response != ResponseKind::measured) {
+        refuse(source, pointer,
+               "people who answer the water by tau hold no rope; allowed: no ropes, or the response \"measured\".");
+    }
+    if (rope.to_x.has_value() != rope.to_z.has_value()) {
+        refuse(source, pointer + "/to", "an end has x_m and z_m; allowed: both, or neither.");
+    }
+    if (rope.to_x.has_value() == rope.free_length.has_value()) {
+        refuse(source, pointer,
+               "a rope has either a second end, to, or a free one, free_length_m; allowed: one of both.");
+    }
+    const auto check_end = [&](const std::string& end, double x, double z) {
+        if (x <= scene.world.length && z <= scene.world.width) return;
+        refuse(source, pointer + "/" + end,
+               words(x, z) + " is outside the world; allowed: " + words(scene.world.length, scene.world.width) +
+                   " or less.");
+    };
+    check_end("from", rope.from_x, rope.from_z);
+    if (!rope.to_x) return;
+    check_end("to", *rope.to_x, *rope.to_z);
+    if (*rope.to_x != rope.from_x || *rope.to_z != rope.from_z) return;
+    refuse(source, pointer + "/to", "both ends are at one place; allowed: another, or free_length_m 0 for a post.");
+}
+
 // People feel the water within 1.5 spacings, and the crowd sorts it within 2 m of each.
 void check_measured(const Scene& scene, const std::string& source, Problems& problems) {
     if (scene.crowd.response != ResponseKind::measured) return;
@@ -346,6 +385,10 @@ void check_crowd(const Scene& scene, const std::string& source, Problems& proble
         const std::string pointer = "/crowd/groups/" + std::to_string(g);
         check_tau_histories(scene.crowd, g, source, problems);
         problems.attempt([&] { check_hands(scene, scene.crowd.groups[g], source, pointer); });
+        problems.attempt([&] { check_rescuers(scene, scene.crowd.groups[g], source, pointer); });
+    }
+    for (std::size_t i = 0; i < scene.crowd.ropes.size(); ++i) {
+        problems.attempt([&] { check_rope(scene, scene.crowd.ropes[i], source, "/crowd/ropes/" + std::to_string(i)); });
     }
     problems.attempt([&] { check_keys_of_measured(scene.crowd, source); });
     problems.attempt([&] { check_sampling(scene.coupling, source); });

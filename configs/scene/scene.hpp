@@ -116,7 +116,6 @@ enum class ModelKind {
 };
 
 enum class VelocityProfile { uniform, logarithmic };
-
 enum class Arrangement { random, lattice };
 
 // The kinematic model: nothing is solved, depth and velocity are given.
@@ -148,10 +147,7 @@ struct FlockBehaviour {
     double weight = 0;   // see the key for the unit
 };
 
-enum class CohesionForm {
-    equal,   // each neighbour pulls alike
-    growing  // with the square of its distance
-};
+enum class CohesionForm { equal, growing };  // each neighbour pulls alike, or with the square of its distance
 enum class LossForm { relative, absolute };
 enum class SteeringWalls { force, constraint, both };
 
@@ -267,7 +263,15 @@ struct AgentGroup {
     BodySettings body;
     HandInHand hand_in_hand = HandInHand::none;
     Hold hold = Hold::hands;
+    bool rescuer = false;           // goes to whom the water carries, and throws a line
     std::vector<PersonRow> people;  // the agents are these in turn
+};
+
+// A rope that people hold on to: between two places, or fixed at one, its free end down the stream.
+struct Rope {
+    double from_x = 0, from_z = 0;      // m
+    std::optional<double> to_x, to_z;   // m
+    std::optional<double> free_length;  // m
 };
 
 enum class RagdollCondition { off, paper, local_speed, depth_speed };
@@ -294,11 +298,7 @@ struct NavigationSettings {
     double every = 1;     // time after which fields with crowding are solved again, s; 0: never
 };
 
-enum class EvasionRule {
-    off,
-    flee,    // from where the water is
-    evasion  // from where it will be
-};
+enum class EvasionRule { off, flee, evasion };  // from where the water is, or will be
 
 // How agents keep away from water that comes.
 struct EvasionSettings {
@@ -316,6 +316,7 @@ struct Crowd {
     bool fatigue = false;                     // legs and hands tire
     std::optional<double> water_temperature;  // C; none: it is not cold
     bool helping = false;                     // who stands takes hold of whom the water carries past
+    std::vector<Rope> ropes;
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second
     int markers_per_cell = 64;  // in a cell of 2 x 2 m
@@ -341,10 +342,7 @@ enum class CouplingRule {
 };
 enum class AgentsStream { off, serial, parallel };  // the way back, coupling lag 0 or 1
 
-enum class Shelter {  // of people behind people
-    off,
-    wake  // a wake finer than the water shows
-};
+enum class Shelter { off, wake };  // of people behind people; a wake finer than the water shows
 
 struct Coupling {
     ContactRule contact_rule = ContactRule::difference;

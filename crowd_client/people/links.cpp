@@ -13,29 +13,34 @@ constexpr int rounds = 4, halvings = 40;
 // One link between two people who feel the pulls of all their other links.
 class Pair {
  public:
-    Pair(LinkedPerson& a, LinkedPerson& b, const Vector2d& way, double pull, double dt)
+    Pair(LinkedPerson& a, LinkedPerson& b, const Vector2d& way, const Link& link, double dt)
         : a_(a),
           b_(b),
           dt_(dt),
           length_(std::sqrt(way.squaredNorm())),
+          rest_(link.rest),
           along_(unit_or(way, Vector2d(1, 0))),
-          others_a_(a.pulls - pull * along_),
-          others_b_(b.pulls + pull * along_) {}
+          others_a_(a.pulls - link.pull * along_),
+          others_b_(b.pulls + link.pull * along_) {}
 
-    // K (L' - rest) + c dL'/dt if the link pulls with T; falls with T.
+    // K (L' - L_0) + c dL'/dt if the link pulls with T; falls with T.
     [[nodiscard]] double asked(double pull) {
         a_.pulls = others_a_ + pull * along_;
         b_.pulls = others_b_ - pull * along_;
-        a_.next = step_in_water(a_.person, a_.velocity, a_.pulls, dt_).velocity;
-        b_.next = step_in_water(b_.person, b_.velocity, b_.pulls, dt_).velocity;
+        move(a_);
+        move(b_);
         const double growth = (b_.next - a_.next).dot(along_);
-        return stiffness * (length_ + dt_ * growth - link_length) + damping * growth;
+        return stiffness * (length_ + dt_ * growth - rest_) + damping * growth;
     }
 
  private:
+    void move(LinkedPerson& one) const {
+        if (!one.is_fixed) one.next = step_in_water(one.person, one.velocity, one.pulls, dt_).velocity;
+    }
+
     LinkedPerson &a_, &b_;
     double dt_;
-    double length_;
+    double length_, rest_;
     Vector2d along_, others_a_, others_b_;
 };
 
@@ -70,7 +75,7 @@ void pull_links(std::span<LinkedPerson> people, std::span<Link> links, std::span
     for (int round = 0; round < rounds; ++round) {
         for (std::size_t i = 0; i < links.size(); ++i) {
             const LinkPlaces& place = places[i];
-            solve(links[i], Pair(people[place.a], people[place.b], place.way, links[i].pull, dt));
+            solve(links[i], Pair(people[place.a], people[place.b], place.way, links[i], dt));
         }
     }
     for (Link& link : links) link.overdue = link.pull >= link.grip ? link.overdue + dt : 0;

@@ -5,12 +5,15 @@
 #include <cmath>
 
 #include "crowd_client/people/links.hpp"
+#include "crowd_client/people/push.hpp"
 
 namespace wade::crowd {
 namespace {
 
-constexpr double mean_time = 0.3;      // of what people feel, s
-constexpr double dry = 1e-6;           // m; a depth that fades away ends here
+constexpr double mean_time = 0.3;  // of what people feel, s
+constexpr double dry = 1e-6;       // m; a depth that fades away ends here
+constexpr double gain_in_lee =
+    0.11;  // eta: between what two depths of Li et al. 2024 give, 0.134 at 0.60 m and 0.092 at 0.35 m
 constexpr double swimming_force = 45;  // N [A], of 30 to 60: 0.45 m/s through the water
 
 // Between these laws of standing were measured, by Abt, Karvonen and Xia; m.
@@ -97,6 +100,12 @@ bool is_on_its_way_back(PersonState state) {
     return state == PersonState::recovering || state == PersonState::holding;
 }
 
+// C of a body that lies: as wide as the upright one would have to be to have its area in the whole depth.
+double drag_of_lying(const People& people, double depth) {
+    if (!(people.disc_width > 0) || !(depth > 0)) return body_drag;
+    return drag_on_slowed_stream(body_drag, area_lying(depth) / depth, people.disc_width);
+}
+
 bool is_beyond_measured(const Condition& condition, double depth) {
     const bool strains = condition.state == PersonState::effort || condition.state == PersonState::sliding;
     return strains && (depth < shallowest_measured || depth > deepest_measured);
@@ -138,6 +147,7 @@ void add_person(People& people, const AgentGroup& group, const PersonRow& row, b
     people.dry_speed.push_back(group.desired_speed);
     people.depth.push_back(0);
     people.flow.push_back(Vector2d::Zero());
+    people.lee.push_back(0);
     people.wanted.push_back(Vector2d::Zero());
     people.slip.push_back(0);
     people.topple.push_back(0);
@@ -183,6 +193,7 @@ Vector2d mean_stream(const People& people, std::size_t id) {
 
 void feel(People& people, std::size_t id, const FeltStep& felt) {
     const double share = share_of(felt);
+    people.lee[id] += (felt.lee - people.lee[id]) * share;
     people.depth[id] += (felt.depth - people.depth[id]) * share;
     people.flow[id] += (felt.depth * felt.stream - people.flow[id]) * share;
     if (people.depth[id] >= dry) return;
@@ -193,9 +204,26 @@ void feel(People& people, std::size_t id, const FeltStep& felt) {
 double speed_in_water(const People& people, std::size_t id, WalkingLaw law, double gravity) {
     const double depth = people.depth[id], dry_speed = people.dry_speed[id];
     if (!(depth > 0)) return dry_speed;
-    const double speed = std::sqrt(mean_stream(people, id).squaredNorm());
-    if (law == WalkingLaw::relative) return dry_speed * walking_speed_ratio(people.sex[id], depth, speed, gravity);
-    return std::min(dry_speed, bernardini_speed(people.age[id], depth, speed, gravity));
+    const double flow = std::sqrt(mean_stream(people, id).squaredNorm());
+    const double speed = law == WalkingLaw::relative
+                             ? dry_speed * walking_speed_ratio(people.sex[id], depth, flow, gravity)
+                             : std::min(dry_speed, bernardini_speed(people.age[id], depth, flow, gravity));
+    if (!(people.lee[id] > 0)) return speed;
+    const double drag_left = (1 - people.lee[id]) * (1 - people.lee[id]);
+    return speed + gain_in_lee * (1 - drag_left) * (dry_speed - speed);
+}
+
+double demand_at(const People& people, std::size_t id, double mass, const Vector2d& along, const WaterProperties& water,
+                 const FeltStep& felt) {
+    const double height = people.height[id], depth = felt.depth;
+    if (depth >= chin * height) return std::numeric_limits<double>::infinity();
+    const double speed = std::sqrt(felt.stream.squaredNorm());
+    const Vector2d walking =
+        people.dry_speed[id] * walking_speed_ratio(people.sex[id], depth, speed, water.gravity) * along;
+    const double k = drag_upright(height, depth, water, people.drag[id]);
+    const double weight = weight_on_feet(body_of(people, id, mass), depth, water);
+    return std::max(slip_demand(k, felt.stream, walking, people.friction[id], weight),
+                    topple_demand(k, felt.stream - walking, depth, weight, people.arm[id]));
 }
 
 void note_condition(People& people, std::size_t id, double mass, const Vector2d& velocity, const Vector2d& wanted,
@@ -231,7 +259,8 @@ PersonInWater person_in_water(const People& people, std::size_t id, double mass,
     if (!person.has_ground && state != PersonState::afloat) {
         constexpr double thickness = 0.25;  // of a body that lies, m
         const double share = std::min(1.0, felt.depth / thickness);
-        person.footing = {drag_lying(felt.depth, water, people.drag[id]), mass_with_water(mass, share, water), 0};
+        person.footing = {drag_lying(felt.depth, water, drag_of_lying(people, felt.depth)),
+                          mass_with_water(mass, share, water), 0};
         return person;
     }
     const double share = submerged_share(height, felt.depth);

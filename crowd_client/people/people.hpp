@@ -18,6 +18,7 @@ struct People {
     std::vector<double> age;       // years
     std::vector<double> friction;  // mu of the feet
     std::vector<double> drag;      // C on the water that it feels: C_D, or more of who pushes the water (push.hpp)
+    double disc_width = 0;         // W_e of people who push the water, m; else 0
     std::vector<double> arm;       // l = lambda H, m
     std::vector<std::uint8_t> can_swim;
     std::vector<std::uint8_t> by_body;  // answers the water by its body (response measured) and not by a given tau
@@ -26,6 +27,7 @@ struct People {
     // As of the last step, low-passed with 0.3 s: a stride takes 0.5 s, and people fail on means.
     std::vector<double> depth;     // h, m
     std::vector<Vector2d> flow;    // h U, m2/s
+    std::vector<double> lee;       // delta of the wake in which it walks (push.hpp), [0, 1]; 0 without shelter
     std::vector<Vector2d> wanted;  // walking velocity, m/s
     std::vector<double> slip;      // S
     std::vector<double> topple;    // T
@@ -48,6 +50,7 @@ struct FeltStep {
     double dt = 0;                                                  // s
     bool is_first = false;                                          // of the run: nothing was felt before
     double most_impulse = std::numeric_limits<double>::infinity();  // that the water has to give in the step, N s
+    double lee = 0;                                                 // delta of the wake in which it walks
 };
 
 // mu and lambda of a skill; docs/people_in_water.md has their sources.
@@ -77,8 +80,13 @@ void tire_hands(People& people, std::size_t id, double load, double dt);
 // Takes what a person feels into the means.
 void feel(People& people, std::size_t id, const FeltStep& felt);
 
-// How fast it walks in the water that it has felt, m/s.
+// How fast it walks in the water that it has felt, m/s. In the lee of somebody who walks before it, v of the law becomes
+// v + eta (1 - s) (v_dry - v), s = (1 - lee)^2 the share of the drag that is left, eta = 0.11.
 [[nodiscard]] double speed_in_water(const People& people, std::size_t id, WalkingLaw law, double gravity);
+
+// D of somebody who would walk along a unit vector, or stand if it is 0, where the water is as felt; infinite where one floats.
+[[nodiscard]] double demand_at(const People& people, std::size_t id, double mass, const Vector2d& along,
+                               const WaterProperties& water, const FeltStep& felt);
 
 // S, T and the state after a step, of somebody who goes at `velocity` and wants to walk at `wanted`.
 void note_condition(People& people, std::size_t id, double mass, const Vector2d& velocity, const Vector2d& wanted,

@@ -46,9 +46,13 @@ double drag_upright(double height, double depth, const WaterProperties& water, d
     return 0.5 * water.density * drag * body_width_share * height * std::clamp(depth, 0.0, height);
 }
 
-double drag_lying(double depth, const WaterProperties& water, double drag) {
+double area_lying(double depth) {
     constexpr double area = 0.5, thickness = 0.25;  // m2, m
-    return 0.5 * water.density * drag * area * std::clamp(depth / thickness, 0.0, 1.0);
+    return area * std::clamp(depth / thickness, 0.0, 1.0);
+}
+
+double drag_lying(double depth, const WaterProperties& water, double drag) {
+    return 0.5 * water.density * drag * area_lying(depth);
 }
 
 double mass_with_water(double mass, double share, const WaterProperties& water) {

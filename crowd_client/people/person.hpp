@@ -40,7 +40,8 @@ struct Body {
 // is slowed by the person itself.
 [[nodiscard]] double drag_upright(double height, double depth, const WaterProperties& water, double drag = body_drag);
 
-// k of a body that lies in the water, of area 0.5 m2 against it, less where it is shallower than 0.25 m [A].
+// The area against the water of a body that lies in it, 0.5 m2, less where it is shallower than 0.25 m [A]; and its k.
+[[nodiscard]] double area_lying(double depth);
 [[nodiscard]] double drag_lying(double depth, const WaterProperties& water, double drag = body_drag);
 
 // M = m + rho m f / body_density, kg: of the body and the water that it displaces, which moves with it.

@@ -13,10 +13,6 @@
 // W_e = 2.05 R of particles, 1.5 R of cells: measured with one person in a river of 1 m/s, 1 m deep, where the drag is then right
 // within 3 %; within 10 % from 0.5 to 2.5 m/s.
 
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
 
@@ -62,20 +58,7 @@ inline constexpr double longest_wake = 20;  // m
 // delta behind a body of C_D B = `drag_width` m, B = `width` m; 0 beside and upstream of the wake.
 [[nodiscard]] double wake_deficit(double drag_width, double width, double along, double across);
 
-// Who makes wakes: everybody in the water. Place k of all lists is the same person.
-struct WakeMakers {
-    std::span<const Vector2d> positions;  // m
-    std::span<const Vector2d> stream;     // U at each, m/s
-    std::span<const double> drag_width;   // C_D B, m; 0: makes none
-    std::span<const double> width;        // B, m
-    double period = 0;                    // of a periodic world along x, m; else 0
-};
-
-// The share of the velocity that the deepest wake takes from each, [0, 1]; `memory` is kept from call to call.
-struct WakeMemory {
-    std::vector<std::uint32_t> order;  // by cell
-    std::vector<std::uint32_t> start;
-};
-void find_wakes(const WakeMakers& makers, WakeMemory& memory, std::vector<double>& deficit);
+// Beyond this to the side wakes of bodies of at most C_D B = `drag_width` m take less than 0.001, m.
+[[nodiscard]] double widest_wake(double drag_width);
 
 }  // namespace wade::crowd

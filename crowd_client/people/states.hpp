@@ -7,13 +7,15 @@
 //   sliding     feet slip              D >= 1 for 0.1 s                S < 0.9 for 0.3 s: effort
 //   toppled     fallen                 T >= 1 for 0.3 s                after 0.3 s: carried
 //   afloat      upright, no ground     h >= 0.87 H, the chin           h < 0.8 H: recovering; after 0.3 s who cannot swim: carried
-//   carried     a lying body           see toppled, afloat             h < 0.25 H, or h < 0.6 H and T(sit) < 0.5: recovering;
-//                                                                      who can swim at h >= 0.87 H: afloat
+//   carried     a lying body           see toppled, afloat             h < 0.25 H and T(sit) < 1, or h < 0.6 H and T(sit) < 0.5:
+//                                                                      recovering; who can swim at h >= 0.87 H: afloat
 //   holding     the same, held         carried, and somebody holds     as carried; let go: carried
 //                                      on to it who stands
-//   recovering  sits, kneels, squats,  see carried                     T of the posture >= 1: carried; after 4 s: on its feet
-//               stands up, 1 s each [A]
-//   drowned                            carried at h >= 0.25 H with no air left                        never
+//   recovering  sits, kneels, squats,  see carried                     T of who sits >= 1: carried;
+//               stands up, 1 s each                                    after 4 s: on its feet
+//               [A], as long as T < 1; else
+//               it waits in one below
+//   drowned                            carried at h >= 0.25 H, or sits at h >= 0.5 H [A], with no air left        never
 //
 // Air lasts for 60 s [A], less in water of a given temperature (wear.hpp); else it is taken in three times as fast. Times end with the step that is nearest.
 
@@ -38,11 +40,12 @@ inline constexpr std::array<std::string_view, 9> person_states{"walking", "effor
                                                                "carried", "recovering", "holding", "drowned"};
 
 inline constexpr double air_budget = 60;  // s [A]
+inline constexpr double chin = 0.87;      // of H: in deeper water one floats
 
 // How it goes with one person, from step to step.
 struct Condition {
     PersonState state = PersonState::walking;
-    double in_state = 0;  // time in this state, s
+    double in_state = 0;  // time in this state, s; recovering, that of getting up to its posture
     double slipping = 0;  // how long D >= 1, s
     double toppling = 0;  // how long T >= 1, s
     double firm = 0;      // how long S < 0.9, s

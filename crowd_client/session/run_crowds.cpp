@@ -133,7 +133,7 @@ class Journey {
             const CrowdWorld& crowd = crowds_[k].crowd;
             const std::uint64_t due = steps_due_at(crowd.scene, source_.info(), frame.tick);
             most_steps = std::max(most_steps, due - std::min(due, crowd.steps));
-            far = far || walks_far(crowd);
+            far = far || needs_all_water(crowd);
             for (const std::uint32_t id : crowd.active) positions_.push_back(crowd.agents.position[id]);
         }
         if (most_steps == 1 && !far) {

@@ -183,7 +183,31 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
     f.choice("hold", group.hold,
              "How: hands pull, 220 N at most, 140 N of women. arms, across backs, also push as much, as a file in a "
              "stream needs.");
+    f.flag(
+        "rescuer", group.rescuer,
+        "Whether they go to whoever is carried within 20 m, as far as they stand safely, throw a line of 15 m and "
+        "bring in whom it holds. Their goal is where they wait; they arrive there last. With the response measured.");
     table_of_people(group.people, f);
+}
+
+void fields(Rope& rope, Fields& f) {
+    f.object(
+        "from",
+        [&] {
+            f.number("x_m", rope.from_x, "m", from(0).to(1e5), "x of the end.", required);
+            f.number("z_m", rope.from_z, "m", from(0).to(1e5), "z of the end.", required);
+        },
+        "Where it is fixed.", required);
+    f.object(
+        "to",
+        [&] {
+            f.number("x_m", rope.to_x, "m", from(0).to(1e5), "x of the end.", otherwise("the rope has a free end"));
+            f.number("z_m", rope.to_z, "m", from(0).to(1e5), "z of the end.", otherwise("the rope has a free end"));
+        },
+        "Where its other end is fixed; it is taut.");
+    f.number("free_length_m", rope.free_length, "m", from(0).to(100),
+             "Length of a rope that is fixed at one end; the other lies down the stream. 0: a post.",
+             otherwise("it is fixed at both ends"));
 }
 
 void fields(Crowd& crowd, Fields& f, double frame_rate) {
@@ -208,6 +232,9 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
         otherwise("it is not cold"));
     f.flag("helping", crowd.helping,
            "Response measured: who stands and has a hand free takes hold of whoever is carried past within 0.8 m.");
+    f.list("ropes", crowd.ropes,
+           "Response measured: ropes in the water. Who has both hands free holds on to one within 0.8 m, with 440 N at "
+           "most, 280 N of women: who is carried past, and who walks along it.");
     f.choice("speed_rule", crowd.speed_rule,
              "Reading of Eq. 4, m the sum of the weighted ways to the markers. pi: speed min(pi |m| / 1 s, desired "
              "speed), so that a free agent walks at 0.99 of it. per_frame: way min(|m|, desired speed * dt) in a step. "

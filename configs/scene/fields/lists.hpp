@@ -26,6 +26,7 @@ void fields(SteeringBody& body, Fields& f);
 // The crowd takes a step for each frame unless it says otherwise; a group takes over the crowd's values.
 void fields(Crowd& crowd, Fields& f, double frame_rate);
 void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd);
+void fields(Rope& rope, Fields& f);
 void fields(EvasionSettings& evasion, Fields& f);
 void fields(NavigationSettings& navigation, Fields& f);
 void fields(RagdollRule& ragdoll, Fields& f);

@@ -7,6 +7,7 @@
 #include "configs/loading/scene_loader.hpp"
 #include "configs/program/version.hpp"
 #include "configs/scene/choices.hpp"
+#include "crowd_client/rescue.hpp"
 #include "crowd_client/results/output_file.hpp"
 #include "crowd_client/standing.hpp"
 #include "crowd_client/water/water_met.hpp"
@@ -118,6 +119,10 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     json["states"] = states_json(crowd);
     if (crowd.scene.crowd.response == ResponseKind::measured)
         json["beyond_measured"] = beyond_json(crowd.agents.people);
+    if (const RescueCount rescue = count_rescues(crowd); rescue.rescuers > 0) {
+        json["rescue"] = {
+            {"rescuers", rescue.rescuers}, {"saved", rescue.saved}, {"rescuers_lost_feet", rescue.lost_feet}};
+    }
     json["warnings"] = crowd.warnings;
     json["last_arrival_s"] = crowd.arrived > 0 ? Json(time_of(crowd, crowd.last_arrival_step)) : Json(nullptr);
     json["contact_rule"] = name_of(crowd.scene.coupling.contact_rule);

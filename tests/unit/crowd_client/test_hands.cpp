@@ -7,6 +7,7 @@
 
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/hands.hpp"
+#include "crowd_client/rescue.hpp"
 #include "made_up_water.hpp"
 
 namespace wade::crowd::hands_test {
@@ -137,6 +138,147 @@ TEST_CASE("Who holds somebody in the stream lets go when the hand is tired, at a
         times.push_back(let_go - taken);
     }
     CHECK(times[0] == Approx(times[1]).epsilon(0.02));
+}
+
+// A rope with a free end, a post if its length is 0.
+Rope rope_from(double x, double z, double length) {
+    Rope rope;
+    rope.from_x = x;
+    rope.from_z = z;
+    rope.free_length = length;
+    return rope;
+}
+
+// One across the stream, at x.
+Rope rope_across(double x) {
+    Rope rope = rope_from(x, 20, 0);
+    rope.free_length.reset();
+    rope.to_x = x;
+    rope.to_z = 30;
+    return rope;
+}
+
+// One who falls at x 50 and is carried off in 1.2 m of water.
+Scene one_carried() {
+    Scene scene = side_by_side(1, HandInHand::none);
+    scene.crowd.groups[0].body.skill = Skill::unaware;
+    return scene;
+}
+
+TEST_CASE("Ropes across the stream, with a free end and posts hold whom a stream carries past, but no strong one") {
+    const auto x_after = [&](const Rope& rope, double speed) {
+        Scene scene = one_carried();
+        scene.crowd.ropes = {rope};
+        CrowdWorld crowd = make_crowd(scene);
+        const MadeUpWater water = stream(speed, 1.2);
+        for (int i = 0; i < 30 * 20 / speed; ++i) step(crowd, water.view());
+        const bool holds = crowd.agents.people.condition[0].state == PersonState::holding;
+        CHECK(holds == !crowd.links.empty());
+        if (holds) CHECK(crowd.links[0].pull == Approx(275 * speed * speed).epsilon(0.02));
+        return crowd.agents.position[0].x();
+    };
+    CHECK(x_after(rope_across(42), 0.8) == Approx(41.2).margin(0.15));
+    CHECK(x_after(rope_from(42, 25.3, 0), 0.8) == Approx(41.2).margin(0.2));
+    CHECK(x_after(rope_from(44, 25.6, 4), 0.8) > 39);
+    CHECK(x_after(rope_from(42, 26.5, 0), 0.8) < 40);
+    CHECK(x_after(rope_across(42), 1.4) < 39);
+    CHECK(x_after(rope_from(44, 25.6, 4), 1.4) < 38);
+}
+
+TEST_CASE("Along a rope one crosses a stream that topples one without it, and leaves the rope at will") {
+    Scene scene = side_by_side(1, HandInHand::none);
+    AgentGroup& group = scene.crowd.groups[0];
+    group.start_z = 21;
+    group.desired_speed = 1;
+    group.goal_x = 50;
+    group.goal_z = 32;
+    scene.crowd.goal_radius = 2.5;
+    const MadeUpWater water = stream(0.95);
+    CHECK(fallen(scene, water, 25) == 1);
+    scene.crowd.ropes = {rope_across(50.2)};
+    CHECK(fallen(scene, water, 25) == 0);
+    CrowdWorld crowd = make_crowd(scene);
+    for (int i = 0; i < 40 * 30; ++i) step(crowd, water.view());
+    CHECK(crowd.arrived == 1);
+
+    // Across it: nobody is held back.
+    group.start_x = 48;
+    group.start_z = 25;
+    group.goal_x = 54;
+    group.goal_z = 25;
+    crowd = make_crowd(scene);
+    const MadeUpWater slow_water = stream(0.3, 0.5);
+    for (int i = 0; i < 20 * 30; ++i) step(crowd, slow_water.view());
+    CHECK(crowd.arrived == 1);
+}
+
+// One falls in the middle of the stream, in 1.2 m of water from z 15 m on; rescuers wait on the bank.
+Scene with_rescuers(double start_x, double start_z) {
+    Scene scene = one_carried();
+    scene.crowd.groups[0].start_x = 55;
+    scene.crowd.groups[0].start_z = 20;
+    scene.crowd.groups[0].desired_speed = 1;
+    scene.crowd.groups[0].goal_x = 45;
+    scene.crowd.groups[0].goal_z = 5;
+    scene.crowd.goal_radius = 1;
+    scene.crowd.groups.push_back(scene.crowd.groups[0]);
+    AgentGroup& rescuers = scene.crowd.groups[1];
+    rescuers.name = "rescuers";
+    rescuers.rescuer = true;
+    rescuers.start_x = rescuers.goal_x = start_x;
+    rescuers.start_z = rescuers.goal_z = start_z;
+    rescuers.desired_speed = 1.3;
+    rescuers.body.skill = Skill::good;
+    return scene;
+}
+
+TEST_CASE("A rescuer on the bank throws a line, and the stream swings whom it holds to the bank") {
+    const Scene scene = with_rescuers(45, 13);
+    const MadeUpWater water = stream(0.7, 1.2);
+    CrowdWorld crowd = make_crowd(scene);
+    bool threw = false;
+    for (int i = 0; i < 90 * 30 && !crowd.active.empty(); ++i) {
+        step(crowd, water.view());
+        threw = threw || (!crowd.links.empty() && crowd.links[0].kind == LinkKind::line);
+        REQUIRE(has_ground(crowd.agents.people.condition[1].state));
+    }
+    CHECK(threw);
+    const RescueCount count = count_rescues(crowd);
+    CHECK(count.rescuers == 1);
+    CHECK(count.saved == 1);
+    CHECK(count.lost_feet == 0);
+    CHECK(crowd.arrived == 2);  // the rescuer last, at its goal
+    CHECK(crowd.agents.end_step[1] >= crowd.agents.end_step[0]);
+}
+
+TEST_CASE("A rescuer goes into water in which it stands well, no farther, and not behind a wall") {
+    const auto deepest_met = [](Skill skill, double speed, bool walled) {
+        Scene scene = with_rescuers(45, 13);
+        scene.crowd.groups[0].start_z = 32;
+        scene.crowd.groups[0].goal_z = 45;
+        scene.crowd.groups[1].body.skill = skill;
+        scene.fluid.particle_spacing = 0.25;
+        if (walled) scene.obstacles.push_back({{20, 60}, {28, 28.5}, 3});
+        CrowdWorld crowd = make_crowd(scene);
+        const MadeUpWater water = stream(speed, 1.05);
+        for (int i = 0; i < 25 * 30; ++i) step(crowd, water.view());
+        return crowd.agents.max_depth[1];
+    };
+    CHECK(deepest_met(Skill::braced, 0.62, false) > 0.9);
+    CHECK(deepest_met(Skill::braced, 0.62, true) == 0);
+    CHECK(deepest_met(Skill::poor, 0.62, false) == 0);
+}
+
+TEST_CASE("A rescuer who loses the feet drops the line and counts as a victim") {
+    CrowdWorld crowd = make_crowd(with_rescuers(45, 13));
+    const MadeUpWater water = stream(0.7, 1.2);
+    for (int i = 0; i < 10 * 30 && crowd.links.empty(); ++i) step(crowd, water.view());
+    REQUIRE(crowd.links.size() == 1);
+    crowd.agents.people.condition[1].state = PersonState::toppled;
+    step(crowd, water.view());
+    CHECK(crowd.links.empty());
+    CHECK(count_rescues(crowd).lost_feet == 1);
+    CHECK(count_rescues(crowd).saved == 0);
 }
 
 TEST_CASE("Links do not depend on the number of threads, and end with those who arrive") {

@@ -42,6 +42,7 @@ COMMANDS = {
         Command("paper", "all scenarios of the paper with many seeds, beside the paper", "wade.suites.paper", PAIR,
                 old_names=("reproduce-paper",)),
         Command("frame-rates", "how much the outcome depends on the frame rate", "wade.sweeps.frame_rates", PAIR),
+        Command("together", "who keeps the feet hand in hand, and who alone", "wade.sweeps.together", PAIR),
         Command("depth-sweep", "who arrives over the plane of depth and velocity", "wade.sweeps.depth_sweep", PAIR),
     ),
     "Judge the water": (

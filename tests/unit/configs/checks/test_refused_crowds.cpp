@@ -268,6 +268,11 @@ TEST_CASE("hands that no one has or that do not reach are refused, and keys of b
     CHECK_THAT(refused({hands, measured, "/crowd/groups/0/start/pitch_x_m=0.7", "/crowd/groups/0/start/jitter_m=0.1"}),
                Contains("up to 0.9 m apart"));
     CHECK_NOTHROW(load_patched(two, {hands, measured, "/crowd/groups/0/start/pitch_x_m=0.7"}));
+    CHECK_THAT(refused({"/crowd/groups/0/rescuer=true"}), Contains("/crowd/groups/0/rescuer: true: people who answer"));
+    CHECK_THAT(refused({"/crowd/groups/0/rescuer=true", measured, "/crowd/groups/0/tau=0.5"}), Contains("/rescuer"));
+    CHECK_THAT(refused({hands, measured, "/crowd/groups/0/start/pitch_x_m=0.7", "/crowd/groups/0/rescuer=true"}),
+               Contains("/crowd/groups/0/rescuer: true: a line takes both hands") && Contains("hand_in_hand \"none\""));
+    CHECK_NOTHROW(load_patched(two, {"/crowd/groups/0/rescuer=true", measured}));
     CHECK_THAT(refused({"/crowd/helping=true"}), Contains("/crowd/helping: true") && Contains("\"measured\""));
     CHECK_NOTHROW(load_patched(two, {"/crowd/helping=true", measured}));
     CHECK_THAT(refused({"/crowd/fatigue=true"}), Contains("/crowd/fatigue: true") && Contains("\"measured\""));
@@ -300,6 +305,25 @@ TEST_CASE("tau in time has its points in order, and belongs to who has a tau") {
                Contains("/crowd/people/0/tau_history: a person of group \"b\" answers the water by its body and has no "
                         "tau"));
     CHECK_NOTHROW(load_patched(two, {of_one, measured, "/crowd/groups/0/tau=0", "/crowd/groups/1/tau=0"}));
+}
+
+TEST_CASE("ropes that lead nowhere are refused") {
+    const std::string one = crowd(group("a", 1, 1));
+    const auto refused = [&](const std::string& rope) {
+        return refusal(one, {"/crowd/response=measured", "/crowd/ropes=[{" + rope + "}]"});
+    };
+    const std::string from = R"("from": {"x_m": 5, "z_m": 6})", to = R"("to": {"x_m": 5, "z_m": 9})";
+    CHECK_THAT(refusal(one, {"/crowd/ropes=[{" + from + "," + to + "}]"}),
+               Contains("/crowd/ropes/0: people who answer the water by tau hold no rope"));
+    CHECK_THAT(refused(to), Contains("/crowd/ropes/0/from"));
+    CHECK_THAT(refused(from), Contains("/crowd/ropes/0: a rope has either a second end, to, or a free one"));
+    CHECK_THAT(refused(from + "," + to + R"(, "free_length_m": 3)"), Contains("allowed: one of both"));
+    CHECK_THAT(refused(from + R"(, "to": {"x_m": 5})"), Contains("/crowd/ropes/0/to: an end has x_m and z_m"));
+    CHECK_THAT(refused(from + R"(, "to": {"x_m": 5, "z_m": 6})"), Contains("both ends are at one place"));
+    CHECK_THAT(refused(from + R"(, "to": {"x_m": 5, "z_m": 6000})"), Contains("outside the world"));
+    CHECK_THAT(refused(from + R"(, "free_length_m": -1)"), Contains("/crowd/ropes/0/free_length_m: -1"));
+    CHECK(load_patched(one, {"/crowd/response=measured", "/crowd/ropes=[{" + from + R"(, "free_length_m": 3}])"})
+              .scene.crowd.ropes.size() == 1);
 }
 
 TEST_CASE("people come from a table beside the scene, and a bad line is named with file, line, column and value") {

@@ -34,6 +34,7 @@ const json everything = json::parse(R"({
               "water_temperature_c": 8,
               "people": [{"height_m": 1.8, "mass_kg": 80, "sex": "male", "age": 40, "skill": "good", "ground_friction": 0.6,
                           "can_swim": true, "tau_history": [{"time_s": 1, "tau": 0.1}]}],
+              "ropes": [{"from": {"x_m": 1, "z_m": 1}, "to": {"x_m": 2, "z_m": 2}, "free_length_m": 3}],
               "groups": [{"name": "takes", "start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 1, "z_m": 1}},
                          {"name": "sets", "start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 1, "z_m": 1},
                           "columns": 3, "rows": 3, "count": 5, "tau": 0.2, "mass_kg": 60, "desired_speed_m_s": 2,

@@ -120,6 +120,28 @@ TEST_CASE("A grip lets go after 0.3 s of more than it holds, and not of less") {
     }
 }
 
+// T = k u^2 with k = 137.5 kg/m of a body that lies in 0.125 m: 440 N at 1.789 m/s.
+TEST_CASE("A rope pulls whom it holds with his drag, and both hands hold it up to 1.79 m/s, at any rate") {
+    for (const double rate : {15.0, 30.0, 120.0}) {
+        const auto pull_at = [&](double stream) {
+            Chain chain = chain_of({1e6, 0}, {1, 1}, in_file, false);
+            chain.people[0].is_fixed = true;
+            chain.people[1].person.has_ground = false;
+            chain.people[1].person.footing.k = drag_lying(0.125, {});
+            chain.links[0].kind = LinkKind::rope;
+            chain.links[0].grip = 2 * grip_of_men;
+            for (double speed = 0.5; speed < stream; speed += 0.05) walk(chain, speed, 1, 1 / rate);
+            walk(chain, stream, 20, 1 / rate);
+            CHECK(chain.position[0] == Vector2d(0, 0));
+            return lets_go(chain.links[0], 1 / rate) ? 0.0 : chain.links[0].pull;
+        };
+        CHECK(pull_at(1) == Approx(137.5).epsilon(1e-3));
+        CHECK(pull_at(1.5) == Approx(309.4).epsilon(1e-3));
+        CHECK(pull_at(1.78) == Approx(435.7).epsilon(1e-3));
+        CHECK(pull_at(1.80) == 0);
+    }
+}
+
 TEST_CASE("What one of a pair gains the other loses") {
     Chain chain = chain_of({0, 0}, {0, 0}, in_file, true, 0.78);
     for (LinkedPerson& one : chain.people) one.person.has_ground = false;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "crowd_client/people/push.hpp"
+#include "crowd_client/pushing.hpp"
 
 using namespace wade;
 using namespace wade::crowd;
@@ -21,9 +22,9 @@ FileDrag drag_of_file(std::size_t n, double pitch) {
     std::vector<Vector2d> positions, stream(n, Vector2d(-1, 0));
     for (std::size_t k = 0; k < n; ++k) positions.push_back({50 - pitch * static_cast<double>(k), 3});
     const std::vector<double> drag_width(n, 0.30), width(n, 0.30 / 1.1);
-    WakeMemory memory;
+    BodyCells cells;
     std::vector<double> deficit;
-    find_wakes({positions, stream, drag_width, width, 0}, memory, deficit);
+    find_wakes({}, {positions, stream, drag_width, width}, cells, deficit);
     FileDrag drag;
     for (const double d : deficit) {
         drag.last = (1 - d) * (1 - d);
@@ -127,9 +128,10 @@ TEST_CASE("Wakes are found by cells as by looking at everybody, round a periodic
         drag_width.push_back(k % 7 == 0 ? 0 : 0.3);
     }
     for (const double period : {0.0, 60.0}) {
-        WakeMemory memory;
+        const World world{60, 20, 9.81, period > 0 ? Ends::periodic : Ends::open};
+        BodyCells cells;
         std::vector<double> deficit;
-        find_wakes({positions, stream, drag_width, width, period}, memory, deficit);
+        find_wakes(world, {positions, stream, drag_width, width}, cells, deficit);
         for (std::size_t k = 0; k < n; ++k) {
             double deepest = 0;
             for (const double shift : {0.0, -period, period}) {

@@ -73,7 +73,8 @@ TEST_CASE("Each state is left for the next when its row says, at any rate of ste
         Row{S::afloat, strain(0, 0, 0.81 * height), S::carried, 0.3},
         Row{S::afloat, strain(0, 0, 0.79 * height), S::recovering, 0}, Row{S::afloat, swimming(2), S::afloat, 1000},
         Row{S::afloat, swimming(0.79 * height), S::recovering, 0}, Row{S::carried, swimming(1.6), S::afloat, 0},
-        Row{S::carried, strain(0, 3, 0.24 * height), S::recovering, 0},
+        Row{S::carried, strain(0, 2.7, 0.24 * height), S::recovering, 0},
+        Row{S::carried, strain(0, 2.8, 0.24 * height), S::carried, 1000},
         // T of who sits is that of who stands times lever / 0.25 H = 0.36.
         Row{S::carried, strain(0, 0.49 / 0.36, 0.59 * height), S::recovering, 0},
         Row{S::carried, strain(0, 0.51 / 0.36, 0.59 * height), S::drowned, 60},
@@ -81,8 +82,10 @@ TEST_CASE("Each state is left for the next when its row says, at any rate of ste
         Row{S::carried, strain(0, 0, 0.5 * height), S::recovering, 0},
         Row{S::recovering, strain(0, 0.3, 0.5), S::effort, 4},
         Row{S::recovering, strain(0, 1.01 / 0.36, 0.5), S::carried, 0},
-        // Squatting, 0.08 H, is the least stable.
-        Row{S::recovering, strain(0, 0.95, 0.5), S::carried, 2},
+        Row{S::recovering, strain(0, 2, 0.51 * height), S::drowned, 60},
+        Row{S::recovering, strain(0, 2, 0.49 * height), S::recovering, 1000},
+        // Squatting, 0.08 H, is the least stable: who cannot squat goes on kneeling.
+        Row{S::recovering, strain(0, 0.95, 0.5), S::recovering, 1000},
         Row{S::recovering, strain(0, 0, 0.9 * height), S::afloat, 0},
         Row{S::drowned, strain(0, 0, 0), S::drowned, 1000});
     for (const double rate : {15.0, 30.0, 120.0}) {
@@ -115,4 +118,24 @@ TEST_CASE("Air comes back three times as fast as it goes, and who is in shallow 
     CHECK(condition.air == Approx(45));
     for (int i = 0; i < 100; ++i) condition = next_condition(condition, strain(0, 0, 0.3), 0.1);
     CHECK(condition.air == air_budget);
+}
+
+// T of a posture is T of who stands times lever over its arm: 0.36 sitting, 0.6 kneeling, 1.125 squatting.
+TEST_CASE("Who can sit but not stand sits until the water lets it stand, and is carried off by more") {
+    for (const double rate : {15.0, 30.0, 120.0}) {
+        Condition condition = in(S::carried);
+        const auto pass = [&](double topple, double time) {
+            for (int i = 0; i < std::lround(time * rate); ++i) {
+                condition = next_condition(condition, strain(0, topple, 0.5), 1 / rate);
+            }
+            return condition.state;
+        };
+        CHECK(pass(1.3, 60) == S::recovering);  // kneels: 0.78
+        CHECK(pass(2, 60) == S::recovering);    // sits: 0.72
+        CHECK(pass(0.4, 2.5) == S::recovering);
+        CHECK(pass(0.4, 1) == S::walking);
+        condition = in(S::recovering);
+        CHECK(pass(2, 10) == S::recovering);
+        CHECK(pass(3, 1 / rate) == S::carried);
+    }
 }

@@ -1,0 +1,239 @@
+#include "crowd_client/rescue.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "crowd_client/hands.hpp"
+#include "crowd_client/ways/sight.hpp"
+
+namespace wade::crowd {
+namespace {
+
+constexpr double sight = 20, line_length = 15;  // m; the line [A]
+constexpr double safe = 0.8;                    // D on the way
+constexpr double shallow = 0.3;                 // m
+constexpr double at_place = 0.5, beside = 1;    // m
+constexpr double hauls = 0.5;                   // m/s [A]
+constexpr double time_between_throws = 20;      // s [A]
+
+double now_of(const CrowdWorld& crowd) {
+    return static_cast<double>(crowd.steps) * crowd.dt;
+}
+
+bool sees(const CrowdWorld& crowd, const Vector2d& from, const Vector2d& to) {
+    const Vector2d lo = from.cwiseMin(to), hi = from.cwiseMax(to);
+    return !any_near(crowd.walls.boxes, {lo.x(), hi.x()}, {lo.y(), hi.y()},
+                     [&](const Obstacle& box) { return crosses(box, from, to); });
+}
+
+FeltStep water_at(const CrowdWorld& crowd, const WaterBins& water, Vector2d place) {
+    if (const double period = crowd.scene.world.period(); period > 0) {
+        place.x() -= period * std::floor(place.x() / period);
+    }
+    const FeltWater felt = feel_water(*crowd.feeling, water, place);
+    return {felt.depth, felt.velocity};
+}
+
+// Whether it would stand with D < 0.8 on each metre of the way, of a length, m, along a unit vector.
+bool is_safe(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id, const Vector2d& along, double length) {
+    const WaterProperties properties{crowd.scene.fluid.rest_density, crowd.scene.world.gravity};
+    for (int metre = 0; metre < length + 1; ++metre) {
+        const Vector2d place = crowd.agents.position[id] + std::min<double>(metre, length) * along;
+        const double demand =
+            demand_at(crowd.agents.people, id, crowd.agents.mass[id], along, properties, water_at(crowd, water, place));
+        if (!(demand < safe)) return false;
+    }
+    return true;
+}
+
+// The nearest place in sight with less than 0.3 m of water, of 16 directions and every metre up to 20 m; else its goal.
+Vector2d nearest_shallow(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id) {
+    const World& world = crowd.scene.world;
+    const Vector2d& here = crowd.agents.position[id];
+    constexpr int directions = 16;
+    for (int metre = 0; metre <= static_cast<int>(sight); ++metre) {
+        for (int i = 0; i < (metre > 0 ? directions : 1); ++i) {
+            const double angle = 2 * std::numbers::pi * i / directions;
+            const Vector2d place = here + metre * Vector2d(std::cos(angle), std::sin(angle));
+            const bool is_in_x = world.period() > 0 || (place.x() >= 0 && place.x() <= world.length);
+            if (!is_in_x || place.y() < 0 || place.y() > world.width || !sees(crowd, here, place)) continue;
+            if (water_at(crowd, water, place).depth < shallow) return place;
+        }
+    }
+    return here + goal_offset(crowd.agents, id, world.period());
+}
+
+Link* line_of(CrowdWorld& crowd, std::uint32_t id) {
+    const auto line = std::find_if(crowd.links.begin(), crowd.links.end(),
+                                   [&](const Link& link) { return link.kind == LinkKind::line && link.a == id; });
+    return line == crowd.links.end() ? nullptr : &*line;
+}
+
+bool is_on_line(const CrowdWorld& crowd, std::uint32_t id) {
+    return std::any_of(crowd.links.begin(), crowd.links.end(),
+                       [&](const Link& link) { return link.kind == LinkKind::line && link.b == id; });
+}
+
+// Those whom rescuers look for.
+std::vector<std::uint32_t> people_to_rescue(const CrowdWorld& crowd) {
+    std::vector<std::uint32_t> found;
+    for (const std::uint32_t id : crowd.active) {
+        const PersonState state = crowd.agents.people.condition[id].state;
+        if (crowd.agents.people.by_body[id] == 0) continue;
+        if (state == PersonState::carried || state == PersonState::holding) found.push_back(id);
+    }
+    return found;
+}
+
+void throw_line(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, std::uint32_t whom) {
+    std::erase_if(crowd.links, [&](const Link& link) {
+        return link.a == whom || link.b == whom || link.a == rescuer.id || link.b == rescuer.id;
+    });
+    Link line = link_between(crowd.agents.people, rescuer.id, whom, false);
+    line.kind = LinkKind::line;
+    line.grip *= 2;
+    line.rest = std::max(link_length, std::sqrt(way_to(crowd, rescuer.id, crowd.agents.position[whom]).squaredNorm()));
+    crowd.links.push_back(line);
+    rescuer.has_line = true;
+    rescuer.retreat = nearest_shallow(crowd, water, rescuer.id);
+}
+
+// Goes to the nearest whom it can reach, and throws once the line is long enough.
+void look_for_somebody(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer,
+                       const std::vector<std::uint32_t>& candidates) {
+    const Vector2d& here = crowd.agents.position[rescuer.id];
+    std::vector<std::pair<double, std::uint32_t>> near;
+    for (const std::uint32_t id : candidates) {
+        const Vector2d way = way_to(crowd, rescuer.id, crowd.agents.position[id]);
+        const double distance = std::sqrt(way.squaredNorm());
+        if (id != rescuer.id && distance <= sight && !is_on_line(crowd, id)) near.emplace_back(distance, id);
+    }
+    std::sort(near.begin(), near.end());
+    for (const auto& [distance, id] : near) {
+        const Vector2d way = way_to(crowd, rescuer.id, crowd.agents.position[id]);
+        const double on_foot = std::max(0.0, distance - line_length);
+        if (!sees(crowd, here, here + way)) continue;
+        if (!is_safe(crowd, water, rescuer.id, unit_or(way, Vector2d::Zero()), on_foot)) continue;
+        rescuer.way = way;
+        rescuer.stands = !(on_foot > 0);
+        if (rescuer.stands && now_of(crowd) >= rescuer.next_throw) throw_line(crowd, water, rescuer, id);
+        return;
+    }
+}
+
+bool is_safe_now(const People& people, std::uint32_t id) {
+    const PersonState state = people.condition[id].state;
+    const bool is_up = state == PersonState::walking || state == PersonState::effort;
+    return is_up && std::max(people.slip[id], people.topple[id]) < safe;
+}
+
+// Whether the one on the line can be let go of.
+bool bring_in(CrowdWorld& crowd, Rescuer& rescuer, Link& line) {
+    const People& people = crowd.agents.people;
+    const double distance = std::sqrt(way_to(crowd, line.a, crowd.agents.position[line.b]).squaredNorm());
+    if (is_safe_now(people, line.b) && (people.depth[line.b] < shallow || distance <= beside)) return true;
+    const Vector2d back = way_to(crowd, rescuer.id, rescuer.retreat);
+    rescuer.stands = people.depth[rescuer.id] < shallow || back.squaredNorm() <= at_place * at_place;
+    if (!rescuer.stands) {
+        rescuer.way = back;
+    } else if (line.pull < 0.5 * line.grip) {
+        line.rest = std::max(link_length, std::min(line.rest, distance) - hauls * crowd.dt);
+    }
+    return false;
+}
+
+// Whether it can do something: it is on its feet and answers by its body. Who cannot, drops its line.
+bool acts(CrowdWorld& crowd, Rescuer& rescuer) {
+    const std::uint32_t id = rescuer.id;
+    const bool is_there = crowd.agents.outcome[id] == Outcome::active && crowd.agents.people.by_body[id] != 0;
+    const bool has_feet = has_ground(crowd.agents.people.condition[id].state);
+    if (is_there && has_feet) return true;
+    rescuer.lost_feet = rescuer.lost_feet || !has_feet;
+    std::erase_if(crowd.links, [&](const Link& link) { return link.kind == LinkKind::line && link.a == id; });
+    rescuer.has_line = false;
+    return false;
+}
+
+const Rescuer* rescuer_of(const CrowdWorld& crowd, std::uint32_t id) {
+    const std::vector<Rescuer>& all = crowd.rescues.rescuers;
+    const auto found =
+        std::lower_bound(all.begin(), all.end(), id, [](const Rescuer& one, std::uint32_t it) { return one.id < it; });
+    return found != all.end() && found->id == id ? &*found : nullptr;
+}
+
+void decide(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, const std::vector<std::uint32_t>& candidates) {
+    rescuer.way.reset();
+    rescuer.stands = false;
+    if (!acts(crowd, rescuer)) return;
+    Link* line = line_of(crowd, rescuer.id);
+    if (rescuer.has_line && line == nullptr) rescuer.next_throw = now_of(crowd) + time_between_throws;
+    rescuer.has_line = line != nullptr;
+    if (line != nullptr) {
+        if (!bring_in(crowd, rescuer, *line)) return;
+        crowd.rescues.brought_in[line->b] = 1;
+        crowd.links.erase(crowd.links.begin() + (line - crowd.links.data()));
+        rescuer.has_line = false;
+    }
+    look_for_somebody(crowd, water, rescuer, candidates);
+    if (rescuer.way) return;
+    const Vector2d rest = goal_offset(crowd.agents, rescuer.id, crowd.scene.world.period());
+    rescuer.stands = rest.squaredNorm() <= at_place * at_place;
+}
+
+}  // namespace
+
+Rescues rescues_of_scene(const Scene& scene, const Agents& agents) {
+    Rescues rescues;
+    for (std::uint32_t id = 0; id < agents.size(); ++id) {
+        if (scene.crowd.groups[agents.group[id]].rescuer) rescues.rescuers.emplace_back().id = id;
+    }
+    if (!rescues.rescuers.empty()) rescues.brought_in.assign(agents.size(), 0);
+    return rescues;
+}
+
+void send_rescuers(CrowdWorld& crowd, const WaterBins& water) {
+    if (crowd.rescues.rescuers.empty()) return;
+    const std::vector<std::uint32_t> candidates = people_to_rescue(crowd);
+    for (Rescuer& rescuer : crowd.rescues.rescuers) decide(crowd, water, rescuer, candidates);
+}
+
+void lead_rescued(CrowdWorld& crowd) {
+    if (crowd.rescues.rescuers.empty()) return;
+    const auto place_of = [&](std::uint32_t id) {
+        return static_cast<std::size_t>(std::lower_bound(crowd.active.begin(), crowd.active.end(), id) -
+                                        crowd.active.begin());
+    };
+    const auto walks = [&](std::uint32_t id) { return crowd.agents.outcome[id] == Outcome::active; };
+    for (const Rescuer& rescuer : crowd.rescues.rescuers) {
+        if (rescuer.way && walks(rescuer.id)) crowd.goal_offsets[place_of(rescuer.id)] = *rescuer.way;
+    }
+    for (const Link& link : crowd.links) {
+        if (link.kind != LinkKind::line || !walks(link.b)) continue;
+        crowd.goal_offsets[place_of(link.b)] = way_to(crowd, link.b, crowd.agents.position[link.a]);
+    }
+}
+
+bool waits(const CrowdWorld& crowd, std::uint32_t id) {
+    const Rescuer* rescuer = rescuer_of(crowd, id);
+    return rescuer != nullptr && rescuer->stands;
+}
+
+bool is_on_duty(const CrowdWorld& crowd, std::uint32_t id) {
+    if (rescuer_of(crowd, id) == nullptr) return false;
+    return std::any_of(crowd.active.begin(), crowd.active.end(),
+                       [&](std::uint32_t other) { return rescuer_of(crowd, other) == nullptr; });
+}
+
+RescueCount count_rescues(const CrowdWorld& crowd) {
+    const Rescues& rescues = crowd.rescues;
+    RescueCount count;
+    count.rescuers = rescues.rescuers.size();
+    for (std::size_t id = 0; id < rescues.brought_in.size(); ++id) {
+        if (rescues.brought_in[id] != 0 && crowd.agents.outcome[id] != Outcome::dead) ++count.saved;
+    }
+    for (const Rescuer& one : rescues.rescuers) count.lost_feet += one.lost_feet ? 1 : 0;
+    return count;
+}
+
+}  // namespace wade::crowd
