@@ -13,6 +13,7 @@
 #include "crowd_client/bodies/bodies.hpp"
 #include "crowd_client/markers/biocrowds.hpp"
 #include "crowd_client/people/links.hpp"
+#include "crowd_client/people/pose.hpp"
 #include "crowd_client/pushing.hpp"
 #include "crowd_client/responses/response.hpp"
 #include "crowd_client/step_times.hpp"
@@ -41,12 +42,12 @@ struct CrowdWorld {
 
     Markers markers;
     Walls walls;
-    Navigation navigation;                     // empty where people go straight
-    std::vector<Link> links;                   // of those who hold one another, in the order in which they took hold
-    std::vector<double> hands_spent;           // time until which hands rest, s, by id; empty without ropes
-    Rescues rescues;                           // empty without rescuers
-    std::optional<Feeling> feeling;            // of who feels the water; none with the response paper, one way
-    std::optional<Pushing> pushing;            // of people who push the water
+    Navigation navigation;            // empty where people go straight
+    std::vector<Link> links;          // of those who hold one another, in the order in which they took hold
+    std::vector<double> hands_spent;  // time until which hands rest, s, by id; empty without ropes
+    Rescues rescues;                  // empty without rescuers
+    std::optional<Feeling> feeling;   // of who feels the water; none with the response paper, one way, without poses
+    std::optional<Pushing> pushing;   // of people who push the water
     std::shared_ptr<const Response> response;  // to the water; has no state, so that copies of a crowd share it
     int threads = 1;  // at most that many walk the crowd; the results are the same for any number
 
@@ -65,7 +66,9 @@ struct CrowdWorld {
     std::vector<Interval> ends;          // with bodies: of the world along x, for each, m
     std::vector<WaterParticle> touching;
     Shelters shelters;
-    std::vector<Ragdoll> ragdolls;  // empty where the scene has no condition for them
+    std::vector<Ragdoll> ragdolls;   // empty where the scene has no condition for them
+    std::vector<Tumbling> tumbling;  // by id; empty without ragdolls
+    std::vector<Pose> poses;         // by id; empty where the scene asks for none
 
     std::shared_ptr<StepTimes> times;  // if somebody wants to know how long the stages take
 };

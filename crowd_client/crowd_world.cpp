@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "configs/scene/scene_frames.hpp"
 #include "configs/scene/time_lines.hpp"
@@ -126,7 +127,8 @@ void note_water(const Step& step) {
 void tumble(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     if (!has_ragdolls(crowd.scene)) return;
-    find_ragdolls(crowd.ragdolls, crowd.scene, crowd.agents, crowd.active, crowd.positions, step.water, step.number);
+    find_ragdolls(crowd.ragdolls, crowd.tumbling, crowd.scene, crowd.agents, crowd.active, crowd.positions, step.water,
+                  step.number);
 }
 
 void go_straight(CrowdWorld& crowd) {
@@ -221,6 +223,35 @@ void push(const Step& step) {
     push_water(crowd.scene, crowd.agents, crowd.active, crowd.felt, crowd.next.push, crowd.part_time, *crowd.pushing);
 }
 
+// Whether the water tumbles somebody who answers by a given tau: where ragdoll.csv has him, once he is in it; in a scene without
+// ragdolls as with local_speed, by the water that he feels.
+bool is_swept(CrowdWorld& crowd, std::uint32_t id) {
+    constexpr double wet = 0.1;  // m; on a bank the stream beside him may touch him, too
+    Pose& pose = crowd.poses[id];
+    if (!crowd.tumbling.empty()) return crowd.tumbling[id].enabled.holds && pose.depth >= wet;
+    RagdollRule rule;
+    rule.condition = RagdollCondition::local_speed;
+    const CellWater felt{pose.depth, std::sqrt(mean_stream(pose).squaredNorm())};
+    const bool holds = pose.depth >= wet && ragdoll_holds(rule, crowd.agents.tau[id], 0, felt);
+    note(pose.swept, holds, crowd.part_time);
+    return pose.swept.holds;
+}
+
+void pose(const Step& step) {
+    CrowdWorld& crowd = step.crowd;
+    if (crowd.poses.empty()) return;
+    const Agents& agents = crowd.agents;
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        const std::uint32_t id = crowd.active[k];
+        const bool swept = agents.people.by_body[id] == 0 && is_swept(crowd, id);
+        const Posture posture = posture_of(agents.people, id, swept);
+        const double spin = has_ground(posture) ? 0 : spin_of_water(*crowd.feeling, step.water, crowd.positions[k]);
+        advance_pose(crowd.poses[id], agents.people, id, posture,
+                     {crowd.part_time, crowd.felt[k].depth, crowd.felt[k].velocity, spin, agents.velocity[id],
+                      crowd.walking[k], agents.mass[id], water_of(crowd.scene)});
+    }
+}
+
 void look_who_stands(const Step& step) {
     note_standing(step.crowd, step.number);
 }
@@ -273,6 +304,7 @@ constexpr std::array stages{
     Stage{"hands", hold},
     Stage{"motion", move},
     Stage{"push", push},
+    Stage{"poses", pose},
     Stage{"standing", look_who_stands, When::once},
     Stage{"outcomes", judge_outcomes},
 };

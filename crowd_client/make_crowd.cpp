@@ -49,7 +49,10 @@ void move_out_of_faces(Agents& agents, const Walls& walls) {
 }
 
 void feel_and_push(const Scene& scene, CrowdWorld& crowd) {
-    if (scene.crowd.response == ResponseKind::measured || scene.coupling.two_way) crowd.feeling = make_feeling(scene);
+    const bool has_poses = scene.crowd.pose_rate > 0;
+    if (scene.crowd.response == ResponseKind::measured || scene.coupling.two_way || has_poses) {
+        crowd.feeling = make_feeling(scene);
+    }
     if (scene.coupling.two_way) crowd.pushing = start_pushing(scene, crowd.feeling->spread, crowd.agents);
 }
 
@@ -84,6 +87,9 @@ CrowdWorld make_crowd(const Scene& scene) {
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water = empty_bins(scene);
     feel_and_push(scene, crowd);
+    for (std::size_t id = 0; scene.crowd.pose_rate > 0 && id < crowd.agents.size(); ++id) {
+        crowd.poses.push_back(standing_pose(crowd.agents.people, id, crowd.agents.heading[id]));
+    }
     crowd.links = links_of_scene(scene, crowd.agents);
     if (!scene.crowd.ropes.empty()) crowd.hands_spent.assign(crowd.agents.size(), 0.0);
     crowd.rescues = rescues_of_scene(scene, crowd.agents);

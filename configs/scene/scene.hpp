@@ -331,6 +331,7 @@ struct Crowd {
     double goal_radius = 3.0;        // an agent within it has arrived
     RagdollRule ragdoll;
     PathSettings paths;
+    double pose_rate = 0;           // frames of poses.csv in a second, 0: there is none
     std::vector<PersonRow> people;  // of groups without a table: the agent of a number is the person of this number
     std::vector<AgentGroup> groups;
 };

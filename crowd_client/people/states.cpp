@@ -11,7 +11,6 @@ constexpr double firm_below = 0.9;                                              
 constexpr double slip_time = 0.1, topple_time = 0.3, firm_time = 0.3, lost_time = 0.3;  // s
 constexpr double ground_again = 0.8, lies = 0.25, may_sit = 0.6, mouth_sitting = 0.5;   // of H
 constexpr double sits_below = 0.5;                                                      // T(sit)
-constexpr double posture_time = 1;                                                      // s [A]
 constexpr std::array posture_arm{0.25, 0.15, 0.08};  // of H: sit, kneel, squat [A]; then that of who stands
 constexpr double breathes_in = 3;                    // as fast as air is used up
 

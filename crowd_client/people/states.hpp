@@ -39,8 +39,9 @@ enum class PersonState : std::uint8_t {
 inline constexpr std::array<std::string_view, 9> person_states{"walking", "effort",     "sliding", "toppled", "afloat",
                                                                "carried", "recovering", "holding", "drowned"};
 
-inline constexpr double air_budget = 60;  // s [A]
-inline constexpr double chin = 0.87;      // of H: in deeper water one floats
+inline constexpr double air_budget = 60;   // s [A]
+inline constexpr double chin = 0.87;       // of H: in deeper water one floats
+inline constexpr double posture_time = 1;  // of each posture of getting up, s [A]
 
 // How it goes with one person, from step to step.
 struct Condition {

@@ -157,6 +157,34 @@ FeltWater feel_water(const Feeling& feeling, const WaterBins& bins, const Vector
     return felt;
 }
 
+double spin_of_water(const Feeling& feeling, const WaterBins& bins, const Vector2d& place) {
+    if (bins.x.empty() || !feeling.x.contains(place.x()) || !feeling.z.contains(place.y())) return 0;
+    // Sums of w m, w m r, w m r r^T and w m v r^T, r the way from the place, v the velocity.
+    double sum = 0;
+    Vector2d way = Vector2d::Zero(), velocity = Vector2d::Zero();
+    Eigen::Matrix2d spread = Eigen::Matrix2d::Zero(), shear = Eigen::Matrix2d::Zero();
+    for_each_particle_near(bins, place, feeling.spread, [&](std::size_t k) {
+        const Vector2d r(bins.x[k] - place.x(), bins.z[k] - place.y());
+        const WaterParticle p = bins.particle(k);
+        const double w = (1 - std::sqrt(r.squaredNorm()) / feeling.spread) * p.mass;
+        sum += w;
+        way += w * r;
+        velocity += w * p.velocity;
+        spread += w * r * r.transpose();
+        shear += w * p.velocity * r.transpose();
+    });
+    if (!(sum > 0)) return 0;
+    spread -= way * way.transpose() / sum;
+    shear -= velocity * way.transpose() / sum;
+    // Particles in a line, or close to one another, tell of no gradient: of an even cone the spread is 0.15 R^2 along any axis.
+    const double even = 0.15 * sum * feeling.spread * feeling.spread;
+    const double determinant = spread(0, 0) * spread(1, 1) - spread(0, 1) * spread(1, 0);
+    if (determinant < 1e-4 * even * even) return 0;
+    const double dx_dz = shear(0, 1) * spread(0, 0) - shear(0, 0) * spread(0, 1);
+    const double dz_dx = shear(1, 0) * spread(1, 1) - shear(1, 1) * spread(1, 0);
+    return 0.5 * (dx_dz - dz_dx) / determinant;
+}
+
 void feel_water(const Feeling& feeling, const WaterBins& bins, std::span<const Vector2d> positions, int threads,
                 std::vector<FeltWater>& felt) {
     const auto n = static_cast<std::ptrdiff_t>(positions.size());

@@ -46,7 +46,11 @@ struct Feeling {
 // What somebody at `place` feels; nothing beside the channel, where people stand above the water.
 [[nodiscard]] FeltWater feel_water(const Feeling& feeling, const WaterBins& bins, const Vector2d& place);
 
-// The same for each of `positions`, by at most so many threads, which change no bit.
+// Half of the vorticity about y there, rad/s: how fast the water turns what drifts in it, of the line that fits the velocities in
+// the cone best, with its weights; 0 with too few particles for one, or beside the channel.
+[[nodiscard]] double spin_of_water(const Feeling& feeling, const WaterBins& bins, const Vector2d& place);
+
+// What each of `positions` feels, by at most so many threads, which change no bit.
 void feel_water(const Feeling& feeling, const WaterBins& bins, std::span<const Vector2d> positions, int threads,
                 std::vector<FeltWater>& felt);
 

@@ -1,7 +1,8 @@
-"""ragdoll.csv, danger.csv and the columns of danger in agents.csv, from runs of both programs."""
+"""ragdoll.csv, poses.csv, danger.csv and the columns of danger in agents.csv, from runs of both programs."""
 
 import csv
 import json
+import math
 import signal
 import subprocess
 import unittest
@@ -16,6 +17,14 @@ DANGER = ["--danger-every-s", "1"]
 RAGDOLL_HEADER = "frame,id,hip_height_m,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s"
 LEVELS = ["none", "low", "moderate", "high", "very_high"]
 TIMES = [f"{level}_s" for level in LEVELS]
+
+
+# The same six, who answer by their bodies; particles of 0.25 m in which something is solved.
+BODIES = ["--set", "/crowd/response=measured", "--set", "/channel/velocity_m_s=2", "--set", "/crowd/poses/rate_hz=30"]
+SHALLOW = ["--set", "/fluid/model=shallow_water", "--set", "/fluid/particle_spacing_m=0.25"]
+SHALLOW += ["--set", "/fluid/max_particles=8000", "--until-s", "6"]
+FROM_STATE = {"toppled": {"falling"}, "carried": {"lying"}, "holding": {"lying"}, "drowned": {"lying"}}
+FROM_STATE["recovering"] = {"sitting", "kneeling", "squatting", "rising"}
 
 
 def table(run, name):
@@ -55,7 +64,28 @@ class Ragdoll(SystemTest):
         run = self.pair(*FAST, *WEAK, *RAGDOLL, *event)
         frames = {int(row["frame"]) for row in table(run, "ragdoll.csv")}
         self.assertGreater(len(frames), 0)
-        self.assertLessEqual(max(frames), 30)
+        self.assertLessEqual(max(frames), 30 + 15, "it fades within half a second")
+
+    def test_rows_follow_one_another_without_jumps(self):
+        """Frame by frame, as an animator reads them: in water that is solved, whose particles touch now and then."""
+        run = self.pair("--set", "/channel/velocity_m_s=2.5", *WEAK, *RAGDOLL, "--until-s", "3")
+        rows = {(int(row["id"]), int(row["frame"])): row for row in table(run, "ragdoll.csv")}
+        self.assertGreater(len(rows), 100)
+        pieces = {}
+        for (agent, frame), row in sorted(rows.items()):
+            before = rows.get((agent, frame - 1))
+            if before is None:
+                pieces[agent] = pieces.get(agent, 0) + 1
+                continue
+
+            def change(name, row=row, before=before):
+                return abs(float(row[name]) - float(before[name]))
+
+            # w A / e in a thirtieth of a second, w = 4 1/s, of particles within 1.2 m and 8 m/s.
+            self.assertLessEqual(change("hip_height_m"), 4 * 1.2 / math.e / 30)
+            for axis in "xyz":
+                self.assertLessEqual(change(f"rate_{axis}_rad_s"), 4 * 8 / math.e / 30)
+        self.assertLessEqual(max(pieces.values()), 3, "rows of 3 s in few pieces")
 
     def test_rows_are_whole_when_the_crowd_is_killed(self):
         arguments = [*FAST, *WEAK, *RAGDOLL, *ENDLESS]
@@ -71,6 +101,59 @@ class Ragdoll(SystemTest):
     def test_v_f_that_nothing_sets_is_refused(self):
         client = self.client(*RAGDOLL, "--set", "/channel/flow=periodic")
         self.assert_ends(client, 2, "/crowd/ragdoll/condition", "nothing sets the speed", "local_speed")
+
+
+class Poses(SystemTest):
+    def test_poses_of_a_run_go_on_from_frame_to_frame(self):
+        run = self.pair(*SHALLOW, *BODIES)
+        rows = table(run, "poses.csv")
+        keys = [(int(row["frame"]), int(row["id"])) for row in rows]
+        self.assertEqual(keys, run.query("SELECT frame, id FROM trajectory_data ORDER BY frame, id"))
+        self.assertIn("toppled", {row["state"] for row in rows})
+        by_id = {}
+        for row in rows:
+            postures = FROM_STATE.get(row["state"], {"upright"})
+            if row["state"] not in ("arrived", "dead", "afloat"):
+                self.assertIn(row["posture"], postures, row)
+            self.assertEqual(float(row["time_s"]), round(int(row["frame"]) / 30, 3))
+            by_id.setdefault(row["id"], []).append(row)
+        for agent in run.agents():
+            self.assertEqual(agent["state"], by_id[agent["id"]][-1]["state"])
+        # What the law of poses.csv allows in a thirtieth of a second, and the rounding to thousandths.
+        fast = 5 / math.e / 30
+        most = {
+            "heading_rad": (math.pi + 2) / 30,
+            "hip_height_m": 1.5 * fast,
+            "lean_x_rad": math.pi * fast + math.pi / 30,
+            "lean_z_rad": math.pi * fast + math.pi / 30,
+            "step_length_m": 1.3 * fast,
+            **{f"rate_{axis}_rad_s": 4 * fast for axis in "xyz"},
+        }
+        for one in by_id.values():
+            for before, row in zip(one, one[1:]):
+                for name, limit in most.items():
+                    self.assertLessEqual(abs(float(row[name]) - float(before[name])), limit + 1.1e-3, (name, row))
+                turned = (float(row["gait_phase"]) - float(before["gait_phase"])) % 1
+                self.assertLessEqual(turned, 0.5 * 182 / 60 / 30 + 1.1e-3)
+
+    def test_they_change_no_path_and_are_the_same_for_any_threads(self):
+        plain = self.pair(*SHALLOW, *BODIES, "--set", "/crowd/poses/rate_hz=0")
+        one = self.pair(*SHALLOW, *BODIES, "--threads", "1")
+        two = self.pair(*SHALLOW, *BODIES, "--threads", "2")
+        self.assertFalse((plain.folder / "poses.csv").exists())
+        self.assertEqual(plain.bytes_of("agents.csv"), one.bytes_of("agents.csv"))
+        self.assertEqual(one.bytes_of("poses.csv"), two.bytes_of("poses.csv"))
+
+    def test_frames_are_whole_when_the_crowd_is_killed(self):
+        arguments = [*FAST, *BODIES, *ENDLESS]
+        server, client = self.server(*arguments), self.client(*arguments)
+        self.wait_for_frame(40, server, client)
+        client.send(signal.SIGKILL)
+        client.wait()
+        self.assertEqual(server.wait(), 4)
+        text = client.run.bytes_of("poses.csv").decode()
+        self.assertTrue(text.endswith("\n"))
+        self.assertEqual({line.count(",") for line in text.splitlines()}, {17})
 
 
 class Danger(SystemTest):

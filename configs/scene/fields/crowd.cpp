@@ -272,9 +272,18 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
              "An agent this close to its goal has arrived and is removed.");
     f.object("ragdoll", crowd.ragdoll,
              "Data for animators (ragdoll.csv): where the water tumbles a character. It changes no path. A row for "
-             "each agent and frame of the paths in which the condition holds and at least one particle touches the "
-             "agent.");
+             "each agent and frame of the paths while the condition holds and particles touch the agent, most of the "
+             "time.");
     f.object("paths", crowd.paths, "How often it is written where everybody is (trajectories.sqlite, ragdoll.csv).");
+    f.object(
+        "poses",
+        [&] {
+            f.number("rate_hz", crowd.pose_rate, "1/s", from(0).to(10000),
+                     "Frames in a second of simulated time, at most: a frame is each n-th step of the crowd, n the "
+                     "least whole number for which step_rate_hz / n is not more. 0: no file, at no cost.");
+        },
+        "How each person holds itself, for animators (poses.csv): heading, lean, gait, hip, turning, hands. It changes "
+        "no path.");
     AgentGroup of_crowd;  // what groups take that set none
     f.shorthands([&] {
         f.spread("tau", of_crowd.tau, "", from(0).to(1),

@@ -23,7 +23,7 @@ Scene scene_with_all() {
     Scene scene = one_agent_scene(50, 25, 75, 50, 0.9);
     scene.crowd.groups[0].count = scene.crowd.groups[0].columns = 10;
     scene.channel.velocity = 2.5;
-    scene.crowd.paths.rate = scene.crowd.step_rate;
+    scene.crowd.paths.rate = scene.crowd.pose_rate = scene.crowd.step_rate;
     scene.crowd.ragdoll.condition = RagdollCondition::paper;
     return scene;
 }

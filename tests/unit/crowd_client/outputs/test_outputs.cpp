@@ -1,16 +1,18 @@
-// Files of a run, and what happens when they cannot be written.
+// Files of a run, and what happens when they cannot be written. What every output promises is tried of each in the list.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "crowd_client/outputs/run_folder.hpp"
 #include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/outputs/writers/water_snapshots.hpp"
 #include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"
+#include "outputs/conformance.hpp"
 #include "outputs/run_files.hpp"
 
 using namespace wade;
@@ -188,8 +190,8 @@ TEST_CASE("Ragdolls and levels of danger have files of their own, if they are as
     RunSummary summary;
     run.finish(crowd, summary, RunLabels{});
     const std::string ragdolls = content_of(folder.path / "ragdoll.csv");
-    CHECK(std::count(ragdolls.begin(), ragdolls.end(), '\n') == 1 + 10);
-    CHECK_THAT(ragdolls, Catch::StartsWith("frame,id,hip_height_m,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s\n1,0,0.5,"));
+    CHECK(std::count(ragdolls.begin(), ragdolls.end(), '\n') == 1 + 8);  // but for the first 0.2 s
+    CHECK_THAT(ragdolls, Catch::StartsWith("frame,id,hip_height_m,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s\n3,0,0.5,"));
     CHECK_THAT(content_of(folder.path / "agents.csv"),
                Catch::Contains(",mean_dv_m2_s,state,height_m,mean_tau,worst_state,danger_level,none_s,low_s,moderate_s,"
                                "high_s,very_high_s\n") &&
@@ -203,4 +205,59 @@ TEST_CASE("Ragdolls and levels of danger have files of their own, if they are as
     again.finish(crowd, summary, RunLabels{});
     CHECK_FALSE(fs::exists(folder.path / "ragdoll.csv"));
     CHECK_FALSE(fs::exists(folder.path / "danger.csv"));
+}
+
+TEST_CASE("Poses are rows of all on their way, from the start to where each ends, with those whom they hold") {
+    TemporaryFolder folder;
+    Scene scene = one_agent_scene(50, 25, 60, 25, 0);
+    scene.fluid.particle_spacing = 0.25;
+    scene.crowd.response = ResponseKind::measured;
+    scene.crowd.pose_rate = 20;  // so 15: each second step
+    AgentGroup& group = scene.crowd.groups[0];
+    group.tau.reset();
+    group.rows = group.count = 3;
+    group.pitch_z = 0.7;
+    group.hand_in_hand = HandInHand::along_z;
+    CrowdWorld crowd = make_crowd(scene);
+    RunFolder run(folder.path, crowd, RunLabels{}, Record{});
+    while (!run_is_over(crowd) && crowd.steps < 600) {
+        step(crowd, {});
+        run.record(crowd, {});
+    }
+    RunSummary summary;
+    run.finish(crowd, summary, RunLabels{});
+    CHECK(crowd.arrived == 3);
+    const std::string poses = content_of(folder.path / "poses.csv");
+    CHECK_THAT(poses, Catch::StartsWith("frame,time_s,id,x_m,z_m,state,posture,heading_rad,speed_m_s,gait_phase,"
+                                        "step_length_m,hip_height_m,lean_x_rad,lean_z_rad,rate_x_rad_s,rate_y_rad_s,"
+                                        "rate_z_rad_s,holds\n0,0,0,50,25,walking,upright,") &&
+                          Catch::Contains(",0,0,0,0.901,0,0,0,0,0,1\n0,0,1,50,25.7,walking,upright,") &&
+                          Catch::Contains(",0,0,0,0.901,0,0,0,0,0,0 2\n0,0,2,50,26.4,walking,upright,") &&
+                          Catch::Contains("\n1,0.067,0,50.") && Catch::EndsWith("\n"));
+    // A row for each frame from 0 on, up to the first since each arrived.
+    std::size_t rows = 0;
+    for (const std::uint64_t end : crowd.agents.end_step) rows += (end + 1) / 2 + 1;
+    CHECK(static_cast<std::size_t>(std::count(poses.begin(), poses.end(), '\n')) == 1 + rows);
+    CHECK_THAT(poses, Catch::Contains(",arrived,upright,"));
+}
+
+TEST_CASE("Every output keeps what outputs promise") {
+    for (const RegisteredOutput& output : outputs()) {
+        INFO("output " << output.files[0]);
+        check_output(output);
+    }
+}
+
+TEST_CASE("No two outputs have a file in common") {
+    std::set<std::string_view> names;
+    std::size_t count = 0;
+    for (const RegisteredOutput& output : outputs()) {
+        for (const std::string_view file : output.files) {
+            if (file.empty()) continue;
+            names.insert(file);
+            ++count;
+        }
+    }
+    CHECK(names.size() == count);
+    CHECK(names.contains("trajectories.sqlite"));
 }

@@ -181,3 +181,31 @@ TEST_CASE("Any number of threads feel the same") {
         CHECK(one[i].velocity == four[i].velocity);
     }
 }
+
+TEST_CASE(
+    "What drifts turns with half of the vorticity: all of a rigid rotation, half of a shear, nothing of an even "
+    "stream") {
+    const Scene scene = river(0.25);
+    const Vector2d place(50.07, 25.03);
+    const auto spin_in = [&](double dx_dz, double dz_dx) {
+        MadeUpWater water = stream(scene);
+        for (std::size_t i = 0; i < water.mass.size(); ++i) {
+            water.vx[i] += static_cast<float>(dx_dz * (static_cast<double>(water.pz[i]) - place.y()));
+            water.vz[i] += static_cast<float>(dz_dx * (static_cast<double>(water.px[i]) - place.x()));
+        }
+        WaterBins bins = empty_bins(scene);
+        bin_water(bins, water.view(), {&place, 1});
+        return spin_of_water(make_feeling(scene), bins, place);
+    };
+    // Velocities are stored as 32-bit numbers of some m/s, over half a metre.
+    CHECK(spin_in(0, 0) == Approx(0).margin(1e-6));
+    CHECK(spin_in(0.7, -0.7) == Approx(0.7).margin(1e-6));
+    CHECK(spin_in(0.7, 0) == Approx(0.35).margin(1e-6));
+    CHECK(spin_in(0.7, 0.7) == Approx(0).margin(1e-6));
+
+    MadeUpWater line;
+    for (int i = -3; i <= 3; ++i) line.add(50 + 0.1 * i, 25, 1, i, 0);
+    WaterBins bins = empty_bins(scene);
+    bin_water(bins, line.view(), {&place, 1});
+    CHECK(spin_of_water(make_feeling(scene), bins, {50, 25}) == 0);
+}

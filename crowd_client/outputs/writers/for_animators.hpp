@@ -1,0 +1,93 @@
+#pragma once
+// What animators read: poses.csv, how everybody holds itself, and ragdoll.csv, whom the water tumbles, frame by frame.
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "configs/scene/scene_frames.hpp"
+#include "crowd_client/agents.hpp"
+#include "crowd_client/results/output_file.hpp"
+#include "crowd_client/results/output_writer.hpp"
+#include "crowd_client/water/ragdoll.hpp"
+
+namespace wade::crowd {
+
+// frame,id,hip_height_m,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s. frame as in trajectories.sqlite; an agent that has arrived or
+// died has no row from that frame on.
+class RagdollFile {
+ public:
+    explicit RagdollFile(const std::filesystem::path& file);  // empties it; throws OutputError
+
+    // Appends the rows of a frame. Throws OutputError.
+    void write(std::uint64_t frame, std::span<const Ragdoll> ragdolls, const Agents& agents);
+
+ private:
+    AppendFile file_;
+    std::string rows_;
+};
+
+// The output of a run.
+class Ragdolls final : public OutputWriter {
+ public:
+    explicit Ragdolls(const OutputPlace& place)
+        : file_(place.folder / "ragdoll.csv"), steps_per_frame_(steps_per_path_frame(place.crowd.scene)) {}
+
+    void on_step(const CrowdWorld& crowd, const WaterView&) override {
+        if (crowd.steps % steps_per_frame_ != 0) return;
+        file_.write(crowd.steps / steps_per_frame_, crowd.ragdolls, crowd.agents);
+    }
+    void finish(const RunView&) override {}
+
+ private:
+    RagdollFile file_;
+    std::uint64_t steps_per_frame_;
+};
+
+// A row for each person on its way and frame, and one more for whoever has ended, in the first frame since then. Frame 0 is the
+// start. A text table, as any program of an animator reads it and a killed run keeps all its frames whole; rounded to thousandths,
+// which takes 87 bytes a row instead of some 200.
+class PoseFile {
+ public:
+    explicit PoseFile(const std::filesystem::path& file);  // empties it; throws OutputError
+
+    // Appends the frame of the crowd as it is, with who has ended in a step after `after`. Throws OutputError.
+    void write(std::uint64_t frame, const CrowdWorld& crowd, std::uint64_t after);
+
+ private:
+    AppendFile file_;
+    std::string rows_;
+};
+
+class Poses final : public OutputWriter {
+ public:
+    explicit Poses(const OutputPlace& place)
+        : file_(place.folder / "poses.csv"),
+          steps_per_frame_(steps_per_frame_at(place.crowd.scene, place.crowd.scene.crowd.pose_rate)) {
+        write(place.crowd);
+    }
+
+    void on_step(const CrowdWorld& crowd, const WaterView&) override {
+        if (crowd.steps % steps_per_frame_ == 0) write(crowd);
+    }
+    // The last poses of all are written, too, unless the file takes no more.
+    void finish(const RunView& run) override {
+        if (is_whole_ && run.crowd.steps > last_step_) write(run.crowd);
+    }
+
+ private:
+    void write(const CrowdWorld& crowd) {
+        is_whole_ = false;
+        file_.write(next_frame_++, crowd, last_step_);
+        is_whole_ = true;
+        last_step_ = crowd.steps;
+    }
+
+    PoseFile file_;
+    std::uint64_t steps_per_frame_;
+    std::uint64_t next_frame_ = 0, last_step_ = 0;
+    bool is_whole_ = true;  // nothing went wrong so far
+};
+
+}  // namespace wade::crowd
