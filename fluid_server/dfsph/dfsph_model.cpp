@@ -40,7 +40,7 @@ Estimate DfsphModel::estimate(const Scene& scene) {
     const auto n = static_cast<double>(estimate.particles);
     estimate.memory = empty_server + bytes_of_room * room +
                       bytes_of_pair * neighbours_within(support, scene.fluid) * n +
-                      sizeof(std::uint32_t) * layout_of_cells(scene, static_cast<float>(support)).all() +
+                      memory_of_cells(scene, static_cast<float>(support), n) +
                       memory_of_frames(scene, static_cast<std::uint64_t>(room));
     const double depth = deepest_water(scene), wave = std::sqrt(scene.world.gravity * depth);
     const double speed = largest_velocity(scene.channel);

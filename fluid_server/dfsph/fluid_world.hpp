@@ -55,6 +55,12 @@ struct StepReport {
     StepStages::Seconds stages{};     // wall time, s
 };
 
+// Of the particles of a block that touched an obstacle: the sum of the velocities that it took, divided by dt, m/s^2.
+struct ContactSum {
+    std::uint32_t obstacle = 0;
+    std::array<double, 3> change{};
+};
+
 class FluidWorld {
  public:
     // Builds the fluid of the scene at t = 0.
@@ -171,8 +177,8 @@ class FluidWorld {
     StepMeasures measures_;
     BlockSums<double> sums_;
     BlockSums<Guards> guards_;
+    BlockSums<std::vector<ContactSum>> contact_sums_;
     // Momentum that contact with each obstacle took in the last step, divided by dt, N.
-    BlockSums<std::vector<std::array<double, 3>>> contact_sums_;
     std::vector<std::array<double, 3>> contact_forces_;
 };
 

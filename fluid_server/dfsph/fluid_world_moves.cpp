@@ -9,6 +9,17 @@
 
 namespace wade::fluid {
 
+namespace {
+
+// Adds what contact with an obstacle took from the velocity of a particle within dt.
+void add_contact(std::uint32_t obstacle, const Vec3& removed, float dt, std::vector<ContactSum>& sums) {
+    auto at = std::find_if(sums.begin(), sums.end(), [&](const ContactSum& s) { return s.obstacle == obstacle; });
+    if (at == sums.end()) at = sums.insert(at, ContactSum{obstacle});
+    for (std::size_t k = 0; k < 3; ++k) at->change[k] += static_cast<double>(removed[k] / dt);
+}
+
+}  // namespace
+
 Places FluidWorld::places(std::size_t begin) const {
     return {particles_.x.data() + begin, particles_.y.data() + begin, particles_.z.data() + begin};
 }
@@ -19,11 +30,8 @@ void FluidWorld::touch_solids(float dt, StepReport& report) {
     sums_.begin(p.count);
     contact_sums_.begin(p.count);
     for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
-        contact_sums_[b].resize(scene_.obstacles.size());
-        const auto on_obstacle = [&](std::size_t o, std::size_t i, const Vec3& removed) {
-            for (std::size_t k = 0; k < 3 && p.kind[begin + i] == Kind::fluid; ++k) {
-                contact_sums_[b][o][k] += static_cast<double>(removed[k] / dt);
-            }
+        const auto on_obstacle = [&](std::uint32_t o, std::size_t i, const Vec3& removed) {
+            if (p.kind[begin + i] == Kind::fluid) add_contact(o, removed, dt, contact_sums_[b]);
         };
         BlockVelocities v;
         for (std::size_t i = begin; i < end; ++i) {
@@ -43,9 +51,9 @@ void FluidWorld::touch_solids(float dt, StepReport& report) {
     const auto mass = static_cast<double>(particle_mass_);
     contact_forces_.assign(scene_.obstacles.size(), {});
     for (std::size_t b = 0; b < block_count(particles_.count); ++b) {
-        for (std::size_t o = 0; o < contact_forces_.size(); ++o) {
+        for (const ContactSum& sum : contact_sums_[b]) {
             for (std::size_t k = 0; k < 3; ++k) {
-                contact_forces_[o][k] += mass * contact_sums_[b][o][k];
+                contact_forces_[sum.obstacle][k] += mass * sum.change[k];
             }
         }
     }
@@ -68,7 +76,7 @@ void FluidWorld::move(float dt, float shift_time, StepReport& report) {
             v.z[i - begin] = p.vz[i] + shift_time * f.az[i];
         }
         if (shift_time > 0) {
-            solids_.apply_contact(places(begin), end - begin, dt, v, [](std::size_t, std::size_t, const Vec3&) {});
+            solids_.apply_contact(places(begin), end - begin, dt, v, [](std::uint32_t, std::size_t, const Vec3&) {});
         }
         Guards guards;
         for (std::size_t i = begin; i < end; ++i) {

@@ -41,17 +41,9 @@ Box box_round(const ClusterPlaces& places) {
     return box;
 }
 
-// Whether a particle at x sees one at y, or its image in a mirror.
-bool sees(const Solids& solids, const Vec3& x, const Vec3& y, const Mirror& mirror, bool by_obstacle) {
-    if (mirror.facet >= 0 && !solids.sees_in_facet(x, y, mirror)) {
-        return false;
-    }
-    return !by_obstacle ||
-           (mirror.obstacle < 0 ? solids.visible(x, mirror.reflect(y)) : solids.sees_image(x, y, mirror));
-}
-
 // Room of a thread for the search.
 struct Room {
+    BoxNumbers obstacles;
     std::vector<Mirror> mirrors;
     std::vector<Run> runs;
     std::vector<std::uint32_t> candidates;
@@ -75,6 +67,13 @@ void add(std::vector<T>& list, const T& one_more) {
     if (list.size() == list.capacity()) list.reserve(list.size() + list.size() / 16 + 4);
     list.push_back(one_more);
 }
+
+// A cluster that looks round.
+struct Watchers {
+    const ClusterPlaces& places;
+    const Box& box;    // round them
+    bool by_obstacle;  // there is one near
+};
 
 // Finds the lists of one block.
 class BlockSearch {
@@ -102,35 +101,36 @@ class BlockSearch {
     void add_cluster(std::size_t begin, std::size_t end) {
         const ClusterPlaces places = places_of(p_, begin, end, size_);
         const Box box = box_round(places);
-        const bool by_obstacle = solids_.obstacle_near(box);
-        add_segments(places, places, box, {}, by_obstacle);
-        solids_.mirrors_near(box, room_.mirrors);
+        solids_.find_obstacles(box, room_.obstacles);
+        const bool by_obstacle = solids_.obstacle_near(box, room_.obstacles);
+        const Watchers watchers{places, box, by_obstacle};
+        add_segments(watchers, places, box, {});
+        solids_.mirrors_near(box, room_.obstacles, room_.mirrors);
         for (const Mirror& mirror : room_.mirrors) {
             const ClusterPlaces image = mapped(places, mirror.map());
-            add_segments(places, image, box_round(image), mirror, by_obstacle);
+            add_segments(watchers, image, box_round(image), mirror);
         }
     }
 
     // The segments of what is seen in a mirror, or without one: one, and one for each periodic border across which some of it
-    // lies. image: of the places in the mirror; box: round the image.
-    void add_segments(const ClusterPlaces& places, const ClusterPlaces& image, const Box& box, const Mirror& mirror,
-                      bool by_obstacle) {
-        const Box near = grown(box);
+    // lies. image: of the watchers in the mirror; box: round the image.
+    void add_segments(const Watchers& watchers, const ClusterPlaces& image, const Box& box, const Mirror& mirror) {
+        const Box near = grown(box, h_);
         grid_.for_each_period(near.lo, near.hi, [&](const Vec3& period) {
             const std::size_t first = entries_;
             NeighbourBlock::View view{mirror.map(), mirror.viscous, static_cast<std::int16_t>(mirror.obstacle),
                                       static_cast<std::int16_t>(mirror.obstacle_axis),
-                                      by_obstacle || mirror.facet >= 0};
+                                      watchers.by_obstacle || mirror.facet >= 0};
             if (period == Vec3{}) {
                 append(image, box);
-                if (view.by_sight) keep_seen(places, image, mirror, period, by_obstacle, first);
+                if (view.by_sight) keep_seen(watchers, image, mirror, period, first);
             } else {
                 for (std::size_t k = 0; k < 3; ++k) {
                     view.map.shift[k] -= period[k];  // instead of shifting the particles
                 }
-                const ClusterPlaces shifted = mapped(places, view.map);
+                const ClusterPlaces shifted = mapped(watchers.places, view.map);
                 append(shifted, box_round(shifted));
-                if (view.by_sight) keep_seen(places, shifted, mirror, period, by_obstacle, first);
+                if (view.by_sight) keep_seen(watchers, shifted, mirror, period, first);
             }
             if (entries_ > first) {
                 add(block_.segments, {static_cast<std::uint32_t>(entries_), number_of(view)});
@@ -150,17 +150,9 @@ class BlockSearch {
         return static_cast<std::uint32_t>(at);
     }
 
-    [[nodiscard]] Box grown(Box box) const {
-        for (std::size_t k = 0; k < 3; ++k) {
-            box.lo[k] -= h_;
-            box.hi[k] += h_;
-        }
-        return box;
-    }
-
     // Appends the particles that are nearer than the support radius to one of these places, which lie in the box.
     void append(const ClusterPlaces& places, const Box& box) {
-        const Box near = grown(box);
+        const Box near = grown(box, h_);
         room_.runs.clear();
         std::size_t most = largest_cluster;
         grid_.for_each_run(near.lo, near.hi, [&](std::uint32_t begin, std::uint32_t end) {
@@ -174,29 +166,47 @@ class BlockSearch {
         entries_ += find_near_places(places, h_, p_, candidates, block_.j.data() + entries_);
     }
 
-    // Keeps of the entries from `first` on those that some lane sees, and notes which do.
-    void keep_seen(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Vec3& period,
-                   bool by_obstacle, std::size_t first) {
+    // Keeps of the entries from `first` on those that some lane sees, and notes which do. image: of the watchers.
+    void keep_seen(const Watchers& watchers, const ClusterPlaces& image, const Mirror& mirror, const Vec3& period,
+                   std::size_t first) {
         make_room_for_lanes();
         std::size_t kept = first;
         for (std::size_t k = first; k < entries_; ++k) {
             const std::uint32_t j = block_.j[k];
             const Vec3 at{p_.x[j] + period[0], p_.y[j] + period[1], p_.z[j] + period[2]};
-            unsigned lanes = 0;
-            for (std::size_t l = 0; l < size_; ++l) {
-                const float dx = image.x[l] - p_.x[j];
-                const float dy = image.y[l] - p_.y[j];
-                const float dz = image.z[l] - p_.z[j];
-                if (dx * dx + dy * dy + dz * dz < h_ * h_ &&
-                    sees(solids_, {places.x[l], places.y[l], places.z[l]}, at, mirror, by_obstacle)) {
-                    lanes |= 1U << l;
-                }
-            }
+            const unsigned lanes = near(image, {p_.x[j], p_.y[j], p_.z[j]}) & seen(watchers, at, mirror);
             block_.j[kept] = j;
             set_lanes_of_entry(block_, kept, lanes);
             kept += lanes != 0 ? 1U : 0U;
         }
         entries_ = kept;
+    }
+
+    // The lanes that are nearer to y than the support radius.
+    [[nodiscard]] unsigned near(const ClusterPlaces& places, const Vec3& y) const {
+        unsigned lanes = 0;
+#pragma omp simd reduction(| : lanes)
+        for (unsigned l = 0; l < places.size; ++l) {
+            const float dx = places.x[l] - y[0];
+            const float dy = places.y[l] - y[1];
+            const float dz = places.z[l] - y[2];
+            lanes |= static_cast<unsigned>(dx * dx + dy * dy + dz * dz < h_ * h_) << l;
+        }
+        return lanes;
+    }
+
+    // The lanes that see a particle at y, or its image in a mirror.
+    [[nodiscard]] unsigned seen(const Watchers& watchers, const Vec3& y, const Mirror& mirror) const {
+        const ClusterPlaces& x = watchers.places;
+        unsigned lanes = ~0U;
+        for (unsigned l = 0; mirror.facet >= 0 && l < size_; ++l) {
+            if (!solids_.sees_in_facet({x.x[l], x.y[l], x.z[l]}, y, mirror)) lanes &= ~(1U << l);
+        }
+        if (!watchers.by_obstacle || lanes == 0) return lanes;
+        const Places from{x.x.data(), x.y.data(), x.z.data()};
+        return lanes &
+               (mirror.obstacle < 0 ? solids_.visible(from, size_, watchers.box, mirror.reflect(y), room_.obstacles)
+                                    : solids_.sees_image(from, size_, y, mirror));
     }
 
     const CellGrid& grid_;

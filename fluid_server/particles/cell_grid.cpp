@@ -19,6 +19,13 @@ constexpr double headroom = 3;
 // Along a row there are two cells to a spacing of the lattice, so that a run is hardly longer than the box that asks.
 constexpr double cells_per_radius_along_row = 4;
 
+// With more cells than this for each particle that there is room for, and more than this in all, those in use are kept alone.
+constexpr double dense_cells_per_particle = 8, dense_cells = 65536;
+
+bool is_sparse(const CellLayout& layout, double room) {
+    return layout.all() > std::max(dense_cells, dense_cells_per_particle * room);
+}
+
 template <typename T>
 void gather(std::vector<T>& target, const std::vector<T>& values, const std::vector<std::uint32_t>& source,
             std::size_t n) {
@@ -43,6 +50,14 @@ CellLayout layout_of_cells(const Scene& scene, float support_radius) {
     return layout;
 }
 
+double memory_of_cells(const Scene& scene, float support_radius, double particles) {
+    const CellLayout layout = layout_of_cells(scene, support_radius);
+    if (!is_sparse(layout, scene.fluid.max_particles)) return sizeof(std::uint32_t) * layout.all();
+    // Measured, of water that stands together; single particles far from one another take a page each.
+    constexpr double bytes_per_particle = 8;
+    return bytes_per_particle * particles;
+}
+
 CellGrid::CellGrid(const Scene& scene, float support_radius)
     : start_(),
       cell_of_(static_cast<std::size_t>(scene.fluid.max_particles)),
@@ -60,16 +75,17 @@ CellGrid::CellGrid(const Scene& scene, float support_radius)
         last_cell_[k] = static_cast<float>(cells_[k] - 1);
         inverse_cell_[k] = static_cast<float>(layout.cells[k] / layout.length[k]);
     }
-    start_.resize(std::size_t{cells_[0]} * cells_[1] * cells_[2] + 1);
+    sparse_ = is_sparse(layout, scene.fluid.max_particles);
+    start_.resize(sparse_ ? 1 : std::size_t{cells_[0]} * cells_[1] * cells_[2] + 1);
 }
 
 std::size_t CellGrid::sort(Particles& p, float outflow_x) {
     const std::size_t n = p.count;
-    for_each_particle(n, [&](std::size_t i) {
-        const std::uint32_t row = row_of(cell_along(1, p.y[i]), cell_along(2, p.z[i]));
-        const std::uint32_t cell = cell_in_row(row, cell_along(0, p.x[i]));
-        cell_of_[i] = p.x[i] > outflow_x ? cell : no_cell;
-    });
+    if (sparse_) {
+        find_pages(p, outflow_x);
+    } else {
+        find_cells(p, outflow_x);
+    }
     share_cells(n);
     for_each_share(shares_of(n), [&](std::size_t s) { deal_out(first_cell_[s], first_cell_[s + 1], n); });
     const std::size_t kept = start_.back();
@@ -81,6 +97,48 @@ std::size_t CellGrid::sort(Particles& p, float outflow_x) {
     std::swap(room_for_kind_, p.kind);
     p.count = kept;
     return n - kept;
+}
+
+void CellGrid::find_cells(const Particles& p, float outflow_x) {
+    for_each_particle(p.count, [&](std::size_t i) {
+        const std::uint32_t row = row_of(cell_along(1, p.y[i]), cell_along(2, p.z[i]));
+        const std::uint32_t cell = cell_in_row(row, cell_along(0, p.x[i]));
+        cell_of_[i] = p.x[i] > outflow_x ? cell : no_cell;
+    });
+}
+
+// Numbers the cells of pages in use, and sets start_ to their count. Particles of one page often follow one another.
+void CellGrid::find_pages(const Particles& p, float outflow_x) {
+    const auto cell_of = [&](std::size_t i) {
+        const std::uint64_t row = row_of(cell_along(1, p.y[i]), cell_along(2, p.z[i]));
+        return cell_in_row(row, cell_along(0, p.x[i]));
+    };
+    constexpr std::uint64_t no_page = std::numeric_limits<std::uint64_t>::max();
+    pages_.clear();
+    std::uint64_t last = no_page;
+    for (std::size_t i = 0; i < p.count; ++i) {
+        if (!(p.x[i] > outflow_x)) continue;
+        const std::uint64_t page = cell_of(i) / CellPages::cells_per_page;
+        if (page != last) pages_.add(page);
+        last = page;
+    }
+    pages_.settle();
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t) {
+        std::uint64_t page = no_page;
+        std::uint32_t first = 0;  // cell of the page
+        for (std::size_t i = begin; i < end; ++i) {
+            cell_of_[i] = no_cell;
+            if (!(p.x[i] > outflow_x)) continue;
+            const std::uint64_t cell = cell_of(i);
+            if (cell / CellPages::cells_per_page != page) {
+                page = cell / CellPages::cells_per_page;
+                first = pages_.rank(page) * static_cast<std::uint32_t>(CellPages::cells_per_page);
+            }
+            cell_of_[i] = first + static_cast<std::uint32_t>(cell % CellPages::cells_per_page);
+        }
+    });
+    const std::uint32_t total = start_.back();  // share_cells() wants numbers that ascend
+    start_.resize(pages_.count() * CellPages::cells_per_page + 1, total);
 }
 
 // Each thread deals out to a stretch of the cells, which had about as many particles in the step before as the others'.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "configs/scene/scene.hpp"
+#include "fluid_server/particles/cell_pages.hpp"
 #include "fluid_server/particles/mirror.hpp"
 #include "fluid_server/particles/parallel.hpp"
 #include "fluid_server/particles/particles.hpp"
@@ -21,13 +22,17 @@ struct CellLayout {
 };
 [[nodiscard]] CellLayout layout_of_cells(const Scene& scene, float support_radius);
 
+// Bytes that the cells of a grid take for so many particles, about.
+[[nodiscard]] double memory_of_cells(const Scene& scene, float support_radius, double particles);
+
 // Rows of cells along x, as high and as wide as the support radius, cut into cells a quarter as long. The order of the cells
 // winds from row to row, so that a few particles in succession lie close together, at the end of a row as well:
 //
 //     z ^  <-----  y = 1            y = 1 ----->        Each arrow a row; the next begins where one ends, and the next
 //       |  ----->  y = 0   then     y = 0 <-----        layer of rows where one layer ends.
 //
-// Particles beyond the grid count to its outermost cells, which changes nothing for the search.
+// Particles beyond the grid count to its outermost cells, which changes nothing for the search. Where the channel has many more
+// cells than there may be particles, only the cells of pages in use are kept (cell_pages.hpp), in the same order.
 class CellGrid {
  public:
     CellGrid(const Scene& scene, float support_radius);
@@ -64,9 +69,12 @@ class CellGrid {
         return k * cells_[1] + (k % 2 == 0 ? j : cells_[1] - 1 - j);
     }
     // The i-th cell of a row along x.
-    [[nodiscard]] std::uint32_t cell_in_row(std::uint32_t row, std::uint32_t i) const {
+    template <typename Row>
+    [[nodiscard]] Row cell_in_row(Row row, std::uint32_t i) const {
         return row * cells_[0] + (row % 2 == 0 ? i : cells_[0] - 1 - i);
     }
+    void find_cells(const Particles& p, float outflow_x);
+    void find_pages(const Particles& p, float outflow_x);
     void share_cells(std::size_t n);
     void deal_out(std::uint32_t first, std::uint32_t last, std::size_t n);
 
@@ -76,7 +84,10 @@ class CellGrid {
     std::array<float, 3> last_cell_{};  // its index
     std::array<std::uint32_t, 3> cells_{};
     std::array<bool, 3> periodic_{};
-    std::vector<std::uint32_t> start_;  // first particle of each cell, and the total behind the last
+    bool sparse_ = false;
+    CellPages pages_;  // if sparse
+    std::vector<std::uint32_t>
+        start_;  // first particle of each cell, if sparse of pages in use; the total behind the last
     std::vector<std::uint32_t> cell_of_;
     std::vector<std::uint32_t> source_;  // where the particle at a sorted place was before
     std::vector<float> room_;            // for one array of particles at a time
@@ -93,6 +104,13 @@ void CellGrid::for_each_run(const Vec3& lo, const Vec3& hi, Body&& body) const {
     for (std::uint32_t k = cell_along(2, lo[2]); k <= k1; ++k) {
         for (std::uint32_t j = cell_along(1, lo[1]); j <= j1; ++j) {
             const std::uint32_t row = row_of(j, k);
+            if (sparse_) {
+                const std::uint64_t one = cell_in_row(std::uint64_t{row}, i0),
+                                    other = cell_in_row(std::uint64_t{row}, i1);
+                const auto [first, last] = pages_.stretch(std::min(one, other), std::max(one, other));
+                if (start_[first] < start_[last]) body(start_[first], start_[last]);
+                continue;
+            }
             const std::uint32_t one = cell_in_row(row, i0);
             const std::uint32_t other = cell_in_row(row, i1);
             const std::uint32_t begin = start_[std::min(one, other)];

@@ -14,6 +14,10 @@ namespace {
 // a filled layer at about d/2, so that contact acts on thin sheets only.
 constexpr float contact_fraction = 0.4F;
 
+// Obstacles are looked for within so many support radii: an eighth more than the longest line of sight, which is far more than
+// what rounding moves.
+constexpr float search_radii = 1.125F;
+
 Box interior_of(const Channel& channel) {
     Box box;
     box.lo[1] = channel.top == Top::periodic || !channel.bed_points.empty() ? -Box::inf : 0;
@@ -68,6 +72,39 @@ void add_plane(Mirror& mirror, std::size_t axis, float plane, const std::optiona
     reflect_velocities(mirror, reflection, sticks);
 }
 
+const float* along(const Places& x, std::size_t axis) {
+    return axis == 0 ? x.x : axis == 1 ? x.y : x.z;
+}
+
+unsigned all_bits(std::size_t count) {
+    return count < 32 ? (1U << count) - 1 : ~0U;
+}
+
+// Of the straight lines from `count` places x to y, those that pass through the box: a bit each.
+unsigned lines_through(const Box& box, const Places& x, std::size_t count, const Vec3& y) {
+    unsigned through = 0;
+    // The part of the line x + t (y - x), 0 < t < 1, that lies between both faces of every axis.
+    const auto cut = [](float lo, float hi, float from, float to, float& enter, float& leave) {
+        const float way = to - from;
+        const float to_lo = (lo - from) / way;
+        const float to_hi = (hi - from) / way;
+        const float first = to_hi < to_lo ? to_hi : to_lo, last = to_lo < to_hi ? to_hi : to_lo;
+        const bool between = from > lo && from < hi;  // all the way, if there is none
+        const float entered = enter < first ? first : enter, left = last < leave ? last : leave;
+        enter = way == 0 ? enter : entered;
+        leave = way == 0 ? (between ? leave : -1.0F) : left;
+    };
+#pragma omp simd reduction(| : through)
+    for (unsigned l = 0; l < count; ++l) {
+        float enter = 0, leave = 1;
+        cut(box.lo[0], box.hi[0], x.x[l], y[0], enter, leave);
+        cut(box.lo[1], box.hi[1], x.y[l], y[1], enter, leave);
+        cut(box.lo[2], box.hi[2], x.z[l], y[2], enter, leave);
+        through |= static_cast<unsigned>(enter < leave) << l;
+    }
+    return through;
+}
+
 }  // namespace
 
 Solids::Solids(const Scene& scene)
@@ -78,6 +115,7 @@ Solids::Solids(const Scene& scene)
     for (const Obstacle& obstacle : scene.obstacles) {
         obstacles_.push_back(box_of(obstacle, interior_));
     }
+    index_ = BoxIndex(obstacles_);
     for (const NoSlip& wall : scene.channel.no_slip) {
         const Vec3 velocity{static_cast<float>(wall.velocity[0]), static_cast<float>(wall.velocity[1]),
                             static_cast<float>(wall.velocity[2])};
@@ -116,7 +154,23 @@ bool Solids::near(const Box& a, const Box& b) const {
     return true;
 }
 
-void Solids::mirrors_near(const Box& box, std::vector<Mirror>& mirrors) const {
+void Solids::find_obstacles(const Box& box, BoxNumbers& found) const {
+    if (obstacles_.empty()) {
+        found.clear();
+        return;
+    }
+    const Box reach = grown(box, search_radii * support_radius_);
+    index_.find(reach, found);
+    std::erase_if(found, [&](std::uint32_t o) {
+        const Box& obstacle = obstacles_[o];
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (obstacle.hi[k] < reach.lo[k] || obstacle.lo[k] > reach.hi[k]) return true;
+        }
+        return false;
+    });
+}
+
+void Solids::mirrors_near(const Box& box, const BoxNumbers& obstacles, std::vector<Mirror>& mirrors) const {
     mirrors.clear();
     mirrors.push_back({});  // no reflection; each axis then adds its own to all that are there
     for (std::size_t k = 0; k < 3; ++k) {
@@ -135,8 +189,8 @@ void Solids::mirrors_near(const Box& box, std::vector<Mirror>& mirrors) const {
             add_facet_mirrors(box, before, mirrors);
         }
     }
-    if (!obstacles_.empty()) {
-        add_obstacle_mirrors(box, mirrors);
+    if (!obstacles.empty()) {
+        add_obstacle_mirrors(box, obstacles, mirrors);
     }
     mirrors.erase(mirrors.begin());
 }
@@ -177,9 +231,9 @@ bool Solids::sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) c
     return middle >= facet.x_lo && middle < facet.x_hi && facet.distance(x[0], x[1]) + facet.distance(y[0], y[1]) > 0;
 }
 
-void Solids::add_obstacle_mirrors(const Box& box, std::vector<Mirror>& mirrors) const {
+void Solids::add_obstacle_mirrors(const Box& box, const BoxNumbers& obstacles, std::vector<Mirror>& mirrors) const {
     const std::size_t walls = mirrors.size();
-    for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    for (const std::uint32_t o : obstacles) {
         const Box& obstacle = obstacles_[o];
         for (std::size_t k = 0; k < 3 && near(obstacle, box); ++k) {
             for (const bool upper : {false, true}) {
@@ -200,144 +254,46 @@ void Solids::add_obstacle_mirrors(const Box& box, std::vector<Mirror>& mirrors) 
     }
 }
 
-bool Solids::obstacle_near(const Box& box) const {
-    return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Box& obstacle) { return near(obstacle, box); });
+bool Solids::obstacle_near(const Box& box, const BoxNumbers& obstacles) const {
+    return std::any_of(obstacles.begin(), obstacles.end(), [&](std::uint32_t o) { return near(obstacles_[o], box); });
 }
 
-bool Solids::visible(const Vec3& x, const Vec3& y) const {
-    for (const Box& box : obstacles_) {
-        // The part of the line x + t (y - x), 0 < t < 1, that lies between both faces of every axis.
-        float enter = 0;
-        float leave = 1;
+unsigned Solids::visible(const Places& x, std::size_t count, const Box& box, const Vec3& y,
+                         const BoxNumbers& obstacles) const {
+    unsigned hidden = 0;
+    for (const std::uint32_t o : obstacles) {
+        const Box& obstacle = obstacles_[o];
+        bool apart = false;  // along some axis both ends of all lines lie on the same side of the obstacle
         for (std::size_t k = 0; k < 3; ++k) {
-            const float way = y[k] - x[k];
-            if (way == 0) {
-                leave = x[k] > box.lo[k] && x[k] < box.hi[k] ? leave : -1;
-            } else {
-                const float to_lo = (box.lo[k] - x[k]) / way;
-                const float to_hi = (box.hi[k] - x[k]) / way;
-                enter = std::max(enter, std::min(to_lo, to_hi));
-                leave = std::min(leave, std::max(to_lo, to_hi));
-            }
+            apart = apart || std::max(box.hi[k], y[k]) <= obstacle.lo[k] || std::min(box.lo[k], y[k]) >= obstacle.hi[k];
         }
-        if (enter < leave) {
-            return false;
-        }
+        hidden |= apart ? 0U : lines_through(obstacle, x, count, y);
     }
-    return true;
+    return ~hidden & all_bits(count);
 }
 
-bool Solids::sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) const {
+unsigned Solids::sees_image(const Places& x, std::size_t count, const Vec3& y, const Mirror& mirror) const {
     const Box& box = obstacles_[static_cast<std::size_t>(mirror.obstacle)];
-    const std::size_t k = mirror.obstacle_axis;
-    const float side = mirror.plane[k] == box.hi[k] ? 1.0F : -1.0F;
-    const float from = side * (x[k] - mirror.plane[k]);
-    const float to = side * (y[k] - mirror.plane[k]);
-    if (from < 0 || to < 0 || from + to <= 0) {
-        return false;  // one of them is not on the face's side
+    const std::size_t k = mirror.obstacle_axis, m = (k + 1) % 3, n = (k + 2) % 3;
+    const float plane = mirror.plane[k], side = plane == box.hi[k] ? 1.0F : -1.0F;
+    const float to = side * (y[k] - plane);
+    if (to < 0) return 0;
+    const auto image = [&](std::size_t axis) { return mirror.axis[axis] ? 2 * mirror.plane[axis] - y[axis] : y[axis]; };
+    const float ym = image(m), yn = image(n);
+    const float m_lo = box.lo[m], m_hi = box.hi[m], n_lo = box.lo[n], n_hi = box.hi[n];
+    const float *xk = along(x, k), *xm = along(x, m), *xn = along(x, n);
+    unsigned seen = 0;
+#pragma omp simd reduction(| : seen)
+    for (unsigned l = 0; l < count; ++l) {
+        const float from = side * (xk[l] - plane);
+        // Both on the face's side.
+        bool sees = from >= 0 && from + to > 0;
+        const float part = from / (from + to);
+        const float at_m = xm[l] + part * (ym - xm[l]), at_n = xn[l] + part * (yn - xn[l]);
+        sees = sees && at_m > m_lo && at_m < m_hi && at_n > n_lo && at_n < n_hi;
+        seen |= static_cast<unsigned>(sees) << l;
     }
-    for (std::size_t m = 0; m < 3; ++m) {
-        if (m != k) {
-            const float ym = mirror.axis[m] ? 2 * mirror.plane[m] - y[m] : y[m];
-            const float crossing = x[m] + from / (from + to) * (ym - x[m]);
-            if (crossing <= box.lo[m] || crossing >= box.hi[m]) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
-void Solids::apply_border_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const {
-    const float rate = 1 / dt;
-    const auto keep_between = [&](std::size_t axis, const float* at, float* u) {
-        const float lo = interior_.lo[axis] + contact_distance_;
-        const float hi = interior_.hi[axis] - contact_distance_;
-        if (lo == -Box::inf && hi == Box::inf) {
-            return;
-        }
-#pragma omp simd
-        for (std::size_t i = 0; i < count; ++i) {
-            const float slowest = std::min(lo - at[i], 0.0F) * rate;  // negative while free
-            const float fastest = std::max(hi - at[i], 0.0F) * rate;
-            u[i] = std::min(std::max(u[i], slowest), fastest);
-        }
-    };
-    keep_between(0, x.x, v.x.data());
-    keep_between(1, x.y, v.y.data());
-    keep_between(2, x.z, v.z.data());
-    for (std::size_t i = 0; i < count && !bed_.empty(); ++i) {
-        // The facet where the particle is, and the one where it goes.
-        for (const float place : {x.x[i], x.x[i] + dt * v.x[i]}) {
-            const BedFacet& facet = facet_at(bed_, place);
-            const float to_bed = contact_distance_ - facet.distance(x.x[i], x.y[i]);
-            const float approach = facet.nx * v.x[i] + facet.ny * v.y[i] - std::min(to_bed, 0.0F) * rate;
-            if (approach < 0) {
-                v.x[i] -= approach * facet.nx;
-                v.y[i] -= approach * facet.ny;
-            }
-        }
-    }
-}
-
-bool Solids::apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const {
-    // The axis along which the particle is farthest outside of the box decides which face it meets.
-    std::size_t axis = 0;
-    float gap = -Box::inf;
-    float side = 0;
-    bool would_enter = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const float lo = box.lo[k] - contact_distance_;
-        const float hi = box.hi[k] + contact_distance_;
-        const float next = x[k] + dt * v[k];
-        would_enter = would_enter && next > lo && next < hi;
-        const float below = lo - x[k];
-        const float above = x[k] - hi;
-        const float outside = std::max(below, above);
-        if (outside > gap) {
-            gap = outside;
-            axis = k;
-            side = below > above ? -1.0F : 1.0F;
-        }
-    }
-    if (would_enter) {
-        const float room = std::max(gap, 0.0F) / dt;
-        v[axis] = side < 0 ? std::min(v[axis], room) : std::max(v[axis], -room);
-    }
-    return would_enter;
-}
-
-bool Solids::push_out(Vec3& x) const {
-    bool moved = false;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const float inside = std::max(interior_.lo[k], std::min(interior_.hi[k], x[k]));
-        moved = moved || inside != x[k];
-        x[k] = inside;
-    }
-    if (!bed_.empty() && x[1] < bed_height(bed_, x[0])) {
-        x[1] = bed_height(bed_, x[0]);
-        moved = true;
-    }
-    for (const Box& box : obstacles_) {
-        std::size_t axis = 0;
-        float depth = Box::inf;
-        float target = 0;
-        bool inside = true;
-        for (std::size_t k = 0; k < 3; ++k) {
-            inside = inside && x[k] > box.lo[k] && x[k] < box.hi[k];
-            if (x[k] - box.lo[k] < depth) {
-                depth = x[k] - box.lo[k], axis = k, target = box.lo[k];
-            }
-            if (box.hi[k] - x[k] < depth) {
-                depth = box.hi[k] - x[k], axis = k, target = box.hi[k];
-            }
-        }
-        if (inside) {
-            x[axis] = target;
-            moved = true;
-        }
-    }
-    return moved;
+    return seen;
 }
 
 }  // namespace wade::fluid

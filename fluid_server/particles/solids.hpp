@@ -25,32 +25,20 @@
 // Contact is for what pressure cannot carry: single particles and sheets thinner than the spacing have less than rest
 // density and so no pressure. Their centres stay a contact distance away from every face.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include "configs/scene/scene.hpp"
 #include "fluid_server/particles/bed_profile.hpp"
+#include "fluid_server/particles/box_index.hpp"
 #include "fluid_server/particles/mirror.hpp"
 #include "fluid_server/particles/parallel.hpp"
 
 namespace wade::fluid {
-
-// A box with faces normal to the axes; a bound may be infinite.
-struct Box {
-    static constexpr float inf = std::numeric_limits<float>::infinity();
-    Vec3 lo{-inf, -inf, -inf};
-    Vec3 hi{inf, inf, inf};
-};
-
-// Whether x lies in the box or on its faces; no if it is not a number.
-inline bool contains(const Box& box, const Vec3& x) {
-    return x[0] >= box.lo[0] && x[0] <= box.hi[0] && x[1] >= box.lo[1] && x[1] <= box.hi[1] && x[2] >= box.lo[2] &&
-           x[2] <= box.hi[2];
-}
 
 // Places of particles, m, as arrays.
 struct Places {
@@ -63,22 +51,30 @@ struct BlockVelocities {
 };
 
 class Solids {
+    // Particles that follow one another, whose ways are asked about together.
+    static constexpr std::size_t contact_group = 16;
+
  public:
     // Bed, lid if there is one, banks unless the sides are periodic, end walls if the channel is closed, and all obstacles.
     explicit Solids(const Scene& scene);
 
+    // Replaces `found` by the obstacles that matter to the particles of a box: all that are nearer to it than the support
+    // radius, or that the line from one of them to an image or a particle so near may touch. The questions below take them.
+    void find_obstacles(const Box& box, BoxNumbers& found) const;
+
     // Replaces `mirrors` by those in which a particle of a box may see images nearer than the support radius.
-    void mirrors_near(const Box& box, std::vector<Mirror>& mirrors) const;
+    void mirrors_near(const Box& box, const BoxNumbers& obstacles, std::vector<Mirror>& mirrors) const;
 
     // Whether an obstacle is nearer to a box than the support radius, so that the two questions below arise.
-    [[nodiscard]] bool obstacle_near(const Box& box) const;
+    [[nodiscard]] bool obstacle_near(const Box& box, const BoxNumbers& obstacles) const;
 
-    // Whether the straight line from x to y passes through no obstacle.
-    [[nodiscard]] bool visible(const Vec3& x, const Vec3& y) const;
+    // Of the straight lines to y from `count` places x in a box, at most 32, those that pass through no obstacle: a bit each.
+    [[nodiscard]] unsigned visible(const Places& x, std::size_t count, const Box& box, const Vec3& y,
+                                   const BoxNumbers& obstacles) const;
 
-    // Whether a particle at x sees a particle at y in a mirror that belongs to an obstacle: whether the line from x to
-    // the image passes through the face.
-    [[nodiscard]] bool sees_image(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
+    // Of `count` particles at x, at most 32, those that see a particle at y in a mirror that belongs to an obstacle: whether the
+    // line from x to the image passes through the face. A bit each.
+    [[nodiscard]] unsigned sees_image(const Places& x, std::size_t count, const Vec3& y, const Mirror& mirror) const;
 
     // Whether two particles see one another in a facet of the bed: whether the point halfway between them lies over it.
     [[nodiscard]] bool sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
@@ -90,12 +86,18 @@ class Solids {
     void apply_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v,
                        OnObstacle&& on_obstacle) const {
         apply_border_contact(x, count, dt, v);
-        for (std::size_t o = 0; o < obstacles_.size(); ++o) {
-            for (std::size_t i = 0; i < count; ++i) {
-                Vec3 u{v.x[i], v.y[i], v.z[i]};
-                if (apply_obstacle_contact(obstacles_[o], {x.x[i], x.y[i], x.z[i]}, dt, u)) {
-                    on_obstacle(o, i, Vec3{v.x[i] - u[0], v.y[i] - u[1], v.z[i] - u[2]});
-                    v.x[i] = u[0], v.y[i] = u[1], v.z[i] = u[2];
+        if (obstacles_.empty()) return;
+        for (std::size_t begin = 0; begin < count; begin += contact_group) {
+            const std::size_t end = std::min(begin + contact_group, count);
+            const Box way = way_of(x, begin, end, dt, v);
+            for (const std::uint32_t o : obstacles_on(way)) {
+                if (!may_enter(way, obstacles_[o])) continue;
+                for (std::size_t i = begin; i < end; ++i) {
+                    Vec3 u{v.x[i], v.y[i], v.z[i]};
+                    if (apply_obstacle_contact(obstacles_[o], {x.x[i], x.y[i], x.z[i]}, dt, u)) {
+                        on_obstacle(o, i, Vec3{v.x[i] - u[0], v.y[i] - u[1], v.z[i] - u[2]});
+                        v.x[i] = u[0], v.y[i] = u[1], v.z[i] = u[2];
+                    }
                 }
             }
         }
@@ -113,7 +115,13 @@ class Solids {
  private:
     [[nodiscard]] bool near(const Box& a, const Box& b) const;
     void add_facet_mirrors(const Box& box, std::size_t before, std::vector<Mirror>& mirrors) const;
-    void add_obstacle_mirrors(const Box& box, std::vector<Mirror>& mirrors) const;
+    void add_obstacle_mirrors(const Box& box, const BoxNumbers& obstacles, std::vector<Mirror>& mirrors) const;
+    // A box round the ways of particles [begin, end). What contact leaves of a velocity makes a way no longer.
+    [[nodiscard]] Box way_of(const Places& x, std::size_t begin, std::size_t end, float dt,
+                             const BlockVelocities& v) const;
+    // Obstacles near a way, until the thread asks again.
+    [[nodiscard]] const BoxNumbers& obstacles_on(const Box& way) const;
+    [[nodiscard]] bool may_enter(const Box& way, const Box& obstacle) const;
     void apply_border_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const;
     bool push_out(Vec3& x) const;
     bool apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const;
@@ -124,6 +132,7 @@ class Solids {
     std::array<std::array<std::optional<Vec3>, 2>, 3> sticks_;
     std::optional<Vec3> obstacles_stick_;
     std::vector<Box> obstacles_;  // reach down through the bed, and through a wall that they touch
+    BoxIndex index_;              // of them
     float support_radius_;
     float contact_distance_;
 };

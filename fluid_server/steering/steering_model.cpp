@@ -20,7 +20,7 @@ Estimate SteeringModel::estimate(const Scene& scene) {
     const auto n = static_cast<double>(estimate.particles);
     estimate.memory = empty_server + bytes_of_room * room +
                       bytes_of_pair * neighbours_within(settings.reach, scene.fluid) * n +
-                      sizeof(std::uint32_t) * layout_of_cells(scene, static_cast<float>(settings.reach)).all() +
+                      memory_of_cells(scene, static_cast<float>(settings.reach), n) +
                       memory_of_frames(scene, static_cast<std::uint64_t>(room));
     const double speed = largest_velocity(scene.channel) + settings.wave_speed;
     const double rate = speed / (scene.fluid.cfl * scene.fluid.particle_spacing);  // steps a second

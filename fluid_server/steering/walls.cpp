@@ -30,6 +30,10 @@ Walls::Walls(const Solids& solids, const Channel& channel, const Settings& setti
         quiet_.lo[k] += radius_;
         quiet_.hi[k] -= radius_;
     }
+    constexpr float for_rounding = 1.125F;
+    std::vector<Box> near;
+    for (const Box& box : obstacles_) near.push_back(grown(box, for_rounding * radius_));
+    index_ = BoxIndex(near);
 }
 
 template <typename OnFace>
@@ -50,8 +54,8 @@ void Walls::for_each_face(const Vec3& x, OnFace&& on_face) const {
         const float distance = facet.distance(x[0], x[1]);
         if (distance < radius_) on_face(Vec3{facet.nx, facet.ny, 0}, distance);
     }
-    for (const Box& box : obstacles_) {
-        const Vec3 way = way_from_box(box, x);
+    for (const std::uint32_t o : index_.at(x[0], x[2])) {
+        const Vec3 way = way_from_box(obstacles_[o], x);
         const float distance = std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
         if (distance > 0 && distance < radius_) {
             on_face(Vec3{way[0] / distance, way[1] / distance, way[2] / distance}, distance);

@@ -33,6 +33,7 @@ class Walls {
     Box interior_;
     Box quiet_;  // the interior less the radius
     std::vector<Box> obstacles_;
+    BoxIndex index_;  // of the obstacles with what lies within the radius
     std::vector<BedFacet> bed_;
     float radius_, push_, loss_;
 };

@@ -219,6 +219,23 @@ void run(const Options& options, std::vector<Result>& results) {
         bench_river("fluid/river_quartic_spline", river_2_layers, {4, 4, 5}, options, results, quartic);
         bench_river("fluid/river_quartic_spline", river_4_layers, {2, 1, 5}, options, results, quartic);
     }
+    if (options.wanted("fluid/river_boxes")) {
+        struct Grid {
+            int columns, rows;
+        };
+        for (const auto& [columns, rows] : {Grid{0, 0}, Grid{5, 2}, Grid{10, 5}, Grid{20, 10}}) {
+            const std::string boxes = boxes_on_grid(river_2_layers, columns, rows);
+            bench_river("fluid/river_boxes_" + std::to_string(columns * rows), river_2_layers, {4, 2, 5}, options,
+                        results, {{"/obstacles", boxes}});
+        }
+    }
+    if (options.wanted("fluid/dry_channel")) {
+        for (const River& channel : dry_channels) {
+            const std::string size = std::to_string(std::lround(channel.length)) + "x";
+            bench_river("fluid/dry_channel_" + size + std::to_string(std::lround(channel.width)), channel,
+                        {0.3, 0.2, 5}, options, results, block_in_the_corner());
+        }
+    }
     if (options.wanted("fluid/growth")) {
         // As much work in each round, and in the warm-up whole frames.
         bench_river("fluid/growth", wide_rivers[0], {2, 3, 5}, options, results);

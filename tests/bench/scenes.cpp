@@ -22,6 +22,26 @@ Scene river_scene(const River& river, std::map<std::string, std::string> more) {
     return scene_of("river.json", more);
 }
 
+std::string boxes_on_grid(const River& river, int columns, int rows) {
+    std::string boxes;
+    for (int k = 0; k < columns * rows; ++k) {
+        const double x = (k % columns + 0.5) * river.length / columns, z = (k / columns + 0.5) * river.width / rows;
+        const auto side = [](const std::string& axis, double middle) {
+            return '"' + axis + "_min_m\": " + std::to_string(middle - 0.5) + ", \"" + axis +
+                   "_max_m\": " + std::to_string(middle + 0.5) + ", ";
+        };
+        boxes += (k > 0 ? ", {" : "{") + side("x", x) + side("z", z) + "\"height_m\": 3}";
+    }
+    return '[' + boxes + ']';
+}
+
+std::map<std::string, std::string> block_in_the_corner() {
+    return {{"/channel/flow", "\"closed\""},
+            {"/channel/initial_river", "\"dry\""},
+            {"/channel/velocity_m_s", "0"},
+            {"/channel/water_blocks", R"([{"x_min_m": 0, "x_max_m": 50, "z_min_m": 0, "z_max_m": 50, "depth_m": 1}])"}};
+}
+
 Scene river_with_crowd(std::uint64_t particles, int columns, int rows, std::map<std::string, std::string> more,
                        const std::string& who) {
     constexpr double length = 100, width = 27;

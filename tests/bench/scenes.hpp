@@ -28,6 +28,15 @@ inline constexpr std::array<River, 3> wide_rivers{
 
 Scene river_scene(const River& river, std::map<std::string, std::string> more = {});
 
+// Boxes of 1 x 1 m and 3 m height on a grid all over a river, as JSON: columns along the river, rows across it.
+std::string boxes_on_grid(const River& river, int columns, int rows);
+
+// A block of water of 20,000 particles that collapses in a corner of a channel that is otherwise dry: in the smallest one it
+// has not yet reached the far walls after 1.5 s, so that the water is the same in all.
+inline constexpr std::array<River, 3> dry_channels{
+    {{20'000, 60, 60, 0.5}, {20'000, 2000, 500, 0.5}, {20'000, 20'000, 2000, 0.5}}};
+std::map<std::string, std::string> block_in_the_corner();
+
 // The river of the paper, 100 x 27 m, with about so many particles and columns x rows agents all over it. who: more of their
 // group, as JSON.
 Scene river_with_crowd(std::uint64_t particles, int columns, int rows, std::map<std::string, std::string> more = {},

@@ -163,3 +163,53 @@ TEST_CASE("sorting gives the same order for any number of threads, and keeps an 
     for (const int threads : {2, 3, 7}) CHECK(orders(threads) == expected);
     omp_set_num_threads(before);
 }
+
+TEST_CASE("a grid of pages in use sorts and finds as a grid of all cells does", "[fluid][neighbours]") {
+    const float h = 0.9284F;
+    Scene scene = test::tank(1000, 150, 1, 0.4642);  // 2 million cells
+    scene.fluid.max_particles = 6000;
+    Scene roomy = scene;
+    roomy.fluid.max_particles = 300000;  // so that all cells are kept
+    const auto far_apart = [&] {
+        Particles p(6000);
+        std::mt19937 random(5);
+        const auto in = [&](double lo, double hi) {
+            return static_cast<float>(std::uniform_real_distribution<double>(lo, hi)(random));
+        };
+        // Two pools at the ends and drops between, some of them beyond the channel.
+        for (int i = 0; i < 5000; ++i) {
+            const bool drop = i % 20 == 0;
+            const double x = drop ? 0 : i % 2 == 0 ? 20 : 900, z = drop ? 0 : 100;
+            const Vec3 at{in(drop ? -1 : x, drop ? 1001 : x + 12), in(0, drop ? 5 : 1), in(z, drop ? 150 : z + 12)};
+            p.add(at, {static_cast<float>(i), 0, 0}, Kind::fluid);
+        }
+        return p;
+    };
+    Particles few = far_apart(), all = far_apart();
+    CellGrid pages(scene, h), cells(roomy, h);
+    int runs = 0, wrong = 0;
+    for (const float outflow : {-Box::inf, 25.0F, 905.0F, 1e6F}) {  // in the end all have left
+        CHECK(pages.sort(few, outflow) == cells.sort(all, outflow));
+        const auto order = [](const Particles& p) { return std::vector<float>(p.vx.data(), p.vx.data() + p.count); };
+        CHECK(order(few) == order(all));
+        std::mt19937 random(7);
+        for (int asked = 0; asked < 500; ++asked) {
+            const float x = std::uniform_real_distribution<float>(-10, 1010)(random);
+            const float z = std::uniform_real_distribution<float>(90, 115)(random);
+            const float length = asked % 3 == 0 ? 500.0F : 4.0F;
+            const Vec3 lo{asked % 2 == 0 ? x : 20 + 0.01F * x, 0, z}, hi{lo[0] + length, 1, z + 3};
+            std::vector<std::uint32_t> a, b;
+            pages.for_each_run(lo, hi, [&](std::uint32_t begin, std::uint32_t end) {
+                a.insert(a.end(), {begin, end});
+            });
+            cells.for_each_run(lo, hi, [&](std::uint32_t begin, std::uint32_t end) {
+                b.insert(b.end(), {begin, end});
+            });
+            wrong += a == b ? 0 : 1;
+            runs += static_cast<int>(b.size());
+        }
+    }
+    CHECK(wrong == 0);
+    CHECK(runs > 1000);
+    CHECK(memory_of_cells(scene, h, 5000) < 0.01 * memory_of_cells(roomy, h, 5000));
+}

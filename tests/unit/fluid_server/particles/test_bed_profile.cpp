@@ -52,7 +52,7 @@ TEST_CASE("two particles see one another in a facet or neither does, at the same
     const auto seen_from = [&](const Vec3& a, const Vec3& b) {
         std::vector<float> distances;
         std::vector<Mirror> mirrors;
-        solids.mirrors_near({a, a}, mirrors);
+        solids.mirrors_near({a, a}, {}, mirrors);
         for (const Mirror& mirror : mirrors) {
             const Vec3 image = mirror.reflect(b);
             const float r = std::hypot(a[0] - image[0], a[1] - image[1], a[2] - image[2]);

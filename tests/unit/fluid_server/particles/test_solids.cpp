@@ -140,15 +140,18 @@ TEST_CASE("every place round a particle near an obstacle is filled exactly once"
     while (tried < 20000) {
         const Vec3 x{in(1.5F, 4.5F), in(0.5F, 1.5F), in(2, 3.3F)};  // bed out of reach: obstacle faces only
         const Vec3 place{x[0] + in(-0.5F, 0.5F), x[1] + in(-0.5F, 0.5F), x[2] + in(-0.5F, 0.5F)};
-        if (in_box(x) || !solids.obstacle_near({x, x})) {
+        BoxNumbers near;
+        solids.find_obstacles({x, x}, near);
+        if (in_box(x) || !solids.obstacle_near({x, x}, near)) {
             continue;
         }
         ++tried;
-        int filled = !in_box(place) && solids.visible(x, place) ? 1 : 0;
-        solids.mirrors_near({x, x}, mirrors);
+        const Places from{&x[0], &x[1], &x[2]};
+        int filled = !in_box(place) && solids.visible(from, 1, {x, x}, place, near) == 1 ? 1 : 0;
+        solids.mirrors_near({x, x}, near, mirrors);
         for (const Mirror& mirror : mirrors) {
             if (mirror.obstacle >= 0) {
-                filled += solids.sees_image(x, mirror.reflect(place), mirror) ? 1 : 0;
+                filled += solids.sees_image(from, 1, mirror.reflect(place), mirror) == 1 ? 1 : 0;
             }
         }
         wrong += filled == 1 ? 0 : 1;
@@ -173,7 +176,7 @@ TEST_CASE("contact stops a particle before every face and takes only the velocit
         BlockVelocities block;
         block.x[0] = k.v[0], block.y[0] = k.v[1], block.z[0] = k.v[2];
         Vec3 taken{};
-        const auto by_obstacle = [&](std::size_t, std::size_t, const Vec3& removed) { taken = removed; };
+        const auto by_obstacle = [&](std::uint32_t, std::size_t, const Vec3& removed) { taken = removed; };
         solids.apply_contact({&k.x[0], &k.x[1], &k.x[2]}, 1, dt, block, by_obstacle);
         const Vec3 v{block.x[0], block.y[0], block.z[0]};
         const float next = k.x[k.axis] + dt * v[k.axis];
