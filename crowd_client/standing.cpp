@@ -70,7 +70,13 @@ bool is_near_others(const CrowdWorld& crowd, std::size_t k) {
            }) > 1;
 }
 
+bool is_off_its_feet(const CrowdWorld& crowd, std::uint32_t id) {
+    const PersonState state = crowd.agents.people.condition[id].state;
+    return state != PersonState::walking && state != PersonState::effort;
+}
+
 Hold hold_of(const CrowdWorld& crowd, std::size_t k) {
+    if (is_off_its_feet(crowd, crowd.active[k])) return Hold::footing;
     const bool owns_none = !has_bodies(crowd) && crowd.motion.owned[k] == 0;
     if (owns_none || has_too_few_markers(crowd.scene.crowd)) return Hold::markers;
     const std::optional<Vector2d> led = way_led(crowd, k);
@@ -84,6 +90,9 @@ Hold hold_of(const CrowdWorld& crowd, std::size_t k) {
 // What is before them, and the key that helps.
 std::string words_of(Hold hold, const Crowd& settings) {
     switch (hold) {
+        case Hold::footing:
+            return "the water keeps them from walking, see their states; look at its depth and speed, and at skill, "
+                   "height_m and mass_kg of people";
         case Hold::markers:
             return "they own too few markers to walk by; set /crowd/markers_per_cell to " +
                    std::to_string(least_markers_per_cell(settings)) + " or more";

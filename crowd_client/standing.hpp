@@ -18,13 +18,14 @@ inline constexpr double standing_share = 0.05;  // of the free way
 
 // What keeps somebody, the first that holds.
 enum class Hold : std::uint8_t {
+    footing,   // the water keeps it off its feet, or they slip (response measured)
     markers,   // too few to walk by
     obstacle,  // a box right before it
     water,     // in which it was most of the time
     people,    // within a metre
     unknown
 };
-inline constexpr std::size_t holds = 5;
+inline constexpr std::size_t holds = 6;
 
 // Notes who stands after a step, and warns once of each hold that it finds, in crowd.warnings. Before judge_outcomes(): place k still belongs to active[k].
 void note_standing(CrowdWorld& crowd, std::uint64_t step);

@@ -301,3 +301,15 @@ TEST_CASE("Whom a stream does not topple it topples when the legs are tired, aft
         CHECK(toppled == Approx(held + yields + 0.3).epsilon(0.02));
     }
 }
+
+TEST_CASE("Who cannot stand up where it is counts as standing, and the warning names the water and the keys of people") {
+    Scene scene = standing_in_a_river();
+    scene.crowd.groups[0].desired_speed = 1.3;
+    scene.crowd.groups[0].body.skill = Skill::unaware;
+    CrowdWorld crowd = crowd_at(scene, 10);
+    const MadeUpWater water = stream(0.8, 1);
+    for (int i = 0; i < 450; ++i) step(crowd, water.view());  // 30 s in its place, after the fall
+    REQUIRE(state_of(crowd) == PersonState::recovering);
+    REQUIRE(count_standing(crowd) == 1);
+    CHECK_THAT(crowd.warnings.back(), Catch::Contains("keeps them from walking") && Catch::Contains("skill"));
+}
