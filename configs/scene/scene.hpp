@@ -234,6 +234,7 @@ struct BodySettings {
     Spread age = 30;  // years
     Skill skill = Skill::normal;
     std::optional<Spread> ground_friction;  // of the feet; else that of the skill
+    std::optional<double> bracing_arm;      // lambda; else that of the skill
     bool can_swim = false;
 };
 
@@ -242,7 +243,7 @@ enum class Hold { hands, arms };                   // hands pull, arms across ba
 
 // A person of a table; what is not set is as its group says.
 struct PersonRow {
-    std::optional<double> height, mass, age, ground_friction;
+    std::optional<double> height, mass, age, ground_friction, bracing_arm;
     std::optional<SexRule> sex;
     std::optional<Skill> skill;
     std::optional<bool> can_swim;

@@ -141,7 +141,8 @@ void add_person(People& people, const AgentGroup& group, const PersonRow& row, b
     people.age.push_back(row.age.value_or(body.age.at(random[2])));
     people.friction.push_back(row.ground_friction.value_or(ground));
     people.drag.push_back(body_drag);
-    people.arm.push_back(bracing.arm_share * people.height.back());
+    const double arm = row.bracing_arm.value_or(body.bracing_arm.value_or(bracing.arm_share));
+    people.arm.push_back(arm * people.height.back());
     people.can_swim.push_back(row.can_swim.value_or(body.can_swim) ? 1 : 0);
     people.by_body.push_back(by_body ? 1 : 0);
     people.dry_speed.push_back(group.desired_speed);

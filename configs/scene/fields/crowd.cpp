@@ -99,6 +99,11 @@ void fields(BodySettings& body, Fields& f, const BodySettings* of_crowd) {
                  return of_crowd == nullptr || !of_crowd->ground_friction ? KeyValue()
                                                                           : KeyValue(*of_crowd->ground_friction);
              }));
+    f.number("bracing_arm", body.bracing_arm, "", from(0.005).to(0.5),
+             "lambda, arm of the weight over the height, in place of that of the skill.",
+             otherwise("that of crowd, or of the skill", [=] {
+                 return of_crowd == nullptr || !of_crowd->bracing_arm ? KeyValue() : KeyValue(*of_crowd->bracing_arm);
+             }));
     f.flag("can_swim", body.can_swim,
            "Whether people who float swim towards their goal, at 0.45 m/s through the water, and do not drown.",
            unless_set(&BodySettings::can_swim));
@@ -119,6 +124,7 @@ void table_of_people(std::vector<PersonRow>& people, Fields& f) {
                f.number("age", row.age, "years", from(3).to(110), "Its age.", as_group);
                f.choice("skill", row.skill, "Its skill.", as_group);
                f.number("ground_friction", row.ground_friction, "", from(0.01).to(2), "mu of the ground.", as_group);
+               f.number("bracing_arm", row.bracing_arm, "", from(0.005).to(0.5), "Its lambda.", as_group);
                f.flag("can_swim", row.can_swim, "Whether it swims.", as_group);
                f.list("tau_history", row.tau_history,
                       "Its tau in time, where the group has a tau. In a file: time_s:tau, a space, and so on.");

@@ -223,7 +223,7 @@ TEST_CASE("What people feel first they feel as it is, and dry ground at last is 
     CHECK(mean_stream(people, 0) == Vector2d(0, 0));
 }
 
-TEST_CASE("Skills are pairs of friction and arm, and a friction of the ground takes the place of the first") {
+TEST_CASE("Skills are pairs of friction and arm, and a friction of the ground or an arm takes the place of either") {
     for (const Skill skill : {Skill::braced, Skill::good, Skill::normal, Skill::unaware, Skill::poor}) {
         BodySettings settings;
         settings.skill = skill;
@@ -233,6 +233,9 @@ TEST_CASE("Skills are pairs of friction and arm, and a friction of the ground ta
         settings.ground_friction = 0.2;
         CHECK(one_person(settings).friction[0] == 0.2);
         CHECK(one_person(settings).arm[0] == people.arm[0]);
+        settings.bracing_arm = 0.301;  // of Abt's people, by the fit of the observatory
+        CHECK(one_person(settings).arm[0] == Approx(1.7 * 0.301));
+        CHECK(one_person(settings).friction[0] == 0.2);
     }
 }
 

@@ -302,7 +302,8 @@ TEST_CASE("Whom a stream does not topple it topples when the legs are tired, aft
     }
 }
 
-TEST_CASE("Who cannot stand up where it is counts as standing, and the warning names the water and the keys of people") {
+TEST_CASE(
+    "Who cannot stand up where it is counts as standing, and the warning names the water and the keys of people") {
     Scene scene = standing_in_a_river();
     scene.crowd.groups[0].desired_speed = 1.3;
     scene.crowd.groups[0].body.skill = Skill::unaware;

@@ -2,7 +2,7 @@
 
 Three comparisons. Calibration: friction mu and arm lambda fitted to each data set, over its own bodies
 and depths; a fit, no forecast. Prediction: children with the constants of that set's adults. Flume:
-both programs with people of a skill in a stream that speeds up until they slip or topple, beside the
+both programs with people of these constants in a stream that speeds up until they slip or topple, beside the
 equations. --quick: the flume at one depth, with fewer bodies. All of it takes about a minute.
 
 Exit code 1: a goal is missed.
@@ -14,18 +14,19 @@ from wade.reports.tables import write_csv
 from wade.suites.stability_of_people import calibration, flume, report
 from wade.suites.stability_of_people.calibration import CHILDREN, SETS
 
-DEPTHS = (0.45, 0.7, 1.0)  # m, in which all sets with a skill were measured
-COLUMNS = ("set", "height_m", "mass_kg", "depth_m", "published_m_s", "fitted_m_s", "skill", "equations_m_s", "flume_m_s")
+DEPTHS = (0.45, 0.7, 1.0)  # m, in which all sets were measured
+COLUMNS = ("set", "height_m", "mass_kg", "depth_m", "published_m_s", "fitted_m_s", "flume_m_s")
 
 
-def run_flume(folder, depths, all_bodies):
+def run_flume(folder, constants, depths, all_bodies):
     """Rows (data, height, mass, depth, speed by the equations, speed of the flume); else of each set two bodies."""
-    people = [(data, *body) for data in SETS if data.skill for body in data.bodies[:: 1 if all_bodies else 5]]
+    people = [(data, *body) for data in SETS for body in data.bodies[:: 1 if all_bodies else 5]]
     rows = []
     for depth in depths:
-        expected = [float(calibration.critical(calibration.demands([(height, mass, depth)], data.skill), (1, 1))[0])
+        expected = [float(calibration.critical(calibration.demands([(height, mass, depth)]), constants[data.name])[0])
                     for data, height, mass in people]
-        found = flume.failures(folder / f"flume_{depth:g}", [(data.skill, *body) for data, *body in people], depth, expected)
+        found = flume.failures(folder / f"flume_{depth:g}", [(*constants[data.name], *body) for data, *body in people], depth,
+                               expected)
         rows += [(*person, depth, *speeds) for person, *speeds in zip(people, expected, found)]
     return rows
 
@@ -35,17 +36,16 @@ def table(constants, in_flume):
     for data in SETS:
         for row in calibration.points_of(data, data.bodies + (CHILDREN if data.children else ())):
             fitted = float(calibration.critical(calibration.demands([row]), constants[data.name])[0])
-            yield (data.name, *row, data.critical(*row), fitted, "", None, None)
+            yield (data.name, *row, data.critical(*row), fitted, None)
     for data, *row, expected, found in in_flume:
-        fitted = float(calibration.critical(calibration.demands([row]), constants[data.name])[0])
-        yield (data.name, *row, data.critical(*row), fitted, data.skill, expected, found)
+        yield (data.name, *row, data.critical(*row), expected, found)
 
 
 def main(arguments):
     chosen = options.parser_of("stability-of-people", "stability_of_people", __doc__,
                                "stability_of_people.csv").parse_args(arguments)
     constants = {data.name: calibration.fitted(data) for data in SETS}
-    in_flume = run_flume(chosen.out / "runs", DEPTHS[1:2] if chosen.quick else DEPTHS, not chosen.quick)
+    in_flume = run_flume(chosen.out / "runs", constants, DEPTHS[1:2] if chosen.quick else DEPTHS, not chosen.quick)
     write_csv(chosen.out / "stability_of_people.csv", COLUMNS, table(constants, in_flume))
     missed = report.write(chosen.out, constants, in_flume)
     say(f"report: {chosen.out / 'report.md'}, table: {chosen.out / 'stability_of_people.csv'}")

@@ -17,7 +17,7 @@ SLOWEST = 0.85  # of the least speed at which somebody should fail: where the ri
 
 
 def scene_of(people, depth, low, high):
-    """A stream of even depth whose speed rises from low to high, and a row of people (skill, height, mass) across it."""
+    """A stream of even depth whose speed rises from low to high, and a row of people (mu, lambda, height, mass) across it."""
     width = PITCH * (len(people) + 1)
     duration = math.log(high / low) / RISE
     history = [{"time_s": round(duration * k / 64, 6), "velocity_m_s": low * (high / low) ** (k / 64)} for k in range(65)]
@@ -32,9 +32,9 @@ def scene_of(people, depth, low, high):
                   "shallow_water": {"cell_size_m": SPACING}},
         "crowd": {
             "response": "measured", "paths": {"rate_hz": RATE},
-            "groups": [{"name": f"{k}", "skill": skill, "height_m": height, "mass_kg": mass, "desired_speed_m_s": 0,
+            "groups": [{"name": f"{k}", "ground_friction": mu, "bracing_arm": arm, "height_m": height, "mass_kg": mass, "desired_speed_m_s": 0,
                         "start": {"x_m": 2.5 * LENGTH, "z_m": z[k]}, "goal": {"x_m": 4 * LENGTH, "z_m": z[k]}}
-                       for k, (skill, height, mass) in enumerate(people)]},
+                       for k, (mu, arm, height, mass) in enumerate(people)]},
     }
 
 
@@ -47,7 +47,7 @@ def first_motion(path):
 
 
 def failures(folder, people, depth, expected):
-    """The speed at which each of the people (skill, height, mass) fails, m/s, None of who stands to the end."""
+    """The speed at which each of the people (mu, lambda, height, mass) fails, m/s, None of who stands to the end."""
     low, high = SLOWEST * min(expected), 1.1 * max(expected)
     folder.mkdir(parents=True, exist_ok=True)
     scene = folder / "flume.json"

@@ -64,12 +64,12 @@ def flume(in_flume, missed):
         if stood or abs(worst) > FLUME_GOAL:
             missed.append(f"flume, {data.title}: worst {100 * worst:+.1f} %, {len(stood)} never failed; goal {percent(FLUME_GOAL)}")
         depths = ", ".join(f"{depth:g}" for depth in sorted({row[3] for row in of_set}))
-        rows.append((data.title, data.skill, depths, len(of_set), f"{100 * np.mean(off):+.1f} %", f"{100 * worst:+.1f} %"))
+        rows.append((data.title, depths, len(of_set), f"{100 * np.mean(off):+.1f} %", f"{100 * worst:+.1f} %"))
     return section(
         "Flume: both programs against the equations",
-        "People of the set's bodies and of the skill nearest to it stand in water (the shallow-water equations) whose speed grows by 2 % a second. They fail when "
-        f"they move. Goal: each within {percent(FLUME_GOAL)}.",
-        markdown(("bodies of", "skill", "depths, m", "people", "mean", "worst"), rows))
+        "People of the set's bodies and constants stand in water (the shallow-water equations) whose speed grows by 2 % a second. They "
+        f"fail when they move. Goal: each within {percent(FLUME_GOAL)}.",
+        markdown(("bodies and constants of", "depths, m", "people", "mean", "worst"), rows))
 
 
 def picture(folder, constants, in_flume):
@@ -109,7 +109,7 @@ def picture(folder, constants, in_flume):
     return section(
         "In one picture", "![When people lose their footing](stability_of_people.png)",
         "Left: published formulas (lines) and the equations with constants fitted to them (dashes); marks with a black edge are of "
-        "the flume, with the skill nearest to the set and its body nearest to this one. Grey: limits of guidelines, which do not know "
+        "the flume, with the set's constants and its body nearest to this one. Grey: limits of guidelines, which do not know "
         "the body and are not scored. Right: each body at each depth.")
 
 
