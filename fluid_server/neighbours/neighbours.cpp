@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "fluid_server/neighbours/sight.hpp"
 #include "fluid_server/neighbours/sweeps.hpp"
 
 namespace wade::fluid {
@@ -41,9 +42,37 @@ Box box_round(const ClusterPlaces& places) {
     return box;
 }
 
+// More than what rounding moves, as a fraction of the support radius.
+constexpr float for_rounding = 0.001F;
+
+// A box round the images of those places from which a particle nearer than h may be seen in the face of an obstacle; its upper
+// bounds are below its lower ones if there are none. A line that is no longer than h meets the face.
+Box box_facing(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Box& obstacle,
+               float h) {
+    const std::array<const float*, 3> x{places.x.data(), places.y.data(), places.z.data()};
+    const std::array<const float*, 3> at{image.x.data(), image.y.data(), image.z.data()};
+    const float reach = (1 + for_rounding) * h;
+    Box face = grown(obstacle, reach);
+    const std::size_t k = mirror.obstacle_axis;
+    const bool upper = mirror.plane[k] == obstacle.hi[k];
+    face.lo[k] = upper ? mirror.plane[k] : mirror.plane[k] - reach;
+    face.hi[k] = upper ? mirror.plane[k] + reach : mirror.plane[k];
+    Box box{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
+    for (std::size_t l = 0; l < places.size; ++l) {
+        if (!contains(face, {x[0][l], x[1][l], x[2][l]})) continue;
+        for (std::size_t m = 0; m < 3; ++m) {
+            box.lo[m] = std::min(box.lo[m], at[m][l] - for_rounding * h);
+            box.hi[m] = std::max(box.hi[m], at[m][l] + for_rounding * h);
+        }
+    }
+    return box;
+}
+
 // Room of a thread for the search.
 struct Room {
     BoxNumbers obstacles;
+    std::vector<Box> boxes;  // of them
+    NearParticlesOfCluster near;
     std::vector<Mirror> mirrors;
     std::vector<Run> runs;
     std::vector<std::uint32_t> candidates;
@@ -67,13 +96,6 @@ void add(std::vector<T>& list, const T& one_more) {
     if (list.size() == list.capacity()) list.reserve(list.size() + list.size() / 16 + 4);
     list.push_back(one_more);
 }
-
-// A cluster that looks round.
-struct Watchers {
-    const ClusterPlaces& places;
-    const Box& box;    // round them
-    bool by_obstacle;  // there is one near
-};
 
 // Finds the lists of one block.
 class BlockSearch {
@@ -102,40 +124,61 @@ class BlockSearch {
         const ClusterPlaces places = places_of(p_, begin, end, size_);
         const Box box = box_round(places);
         solids_.find_obstacles(box, room_.obstacles);
-        const bool by_obstacle = solids_.obstacle_near(box, room_.obstacles);
-        const Watchers watchers{places, box, by_obstacle};
-        add_segments(watchers, places, box, {});
+        room_.boxes.clear();
+        if (solids_.obstacle_near(box, room_.obstacles)) {
+            for (const std::uint32_t o : room_.obstacles) room_.boxes.push_back(solids_.obstacles()[o]);
+        }
+        const Watchers watchers{places, box, room_.boxes};
+        const Mirror none;
+        add_segments(watchers, {places, none}, box);
         solids_.mirrors_near(box, room_.obstacles, room_.mirrors);
         for (const Mirror& mirror : room_.mirrors) {
             const ClusterPlaces image = mapped(places, mirror.map());
-            add_segments(watchers, image, box_round(image), mirror);
+            const Box* const obstacle = solids_.obstacle_of(mirror);
+            const Box round = obstacle == nullptr ? box_round(image) : box_facing(places, image, mirror, *obstacle, h_);
+            if (round.lo[0] > round.hi[0]) continue;
+            add_segments(watchers, {image, mirror, obstacle, solids_.facet_of(mirror)}, round);
         }
     }
 
     // The segments of what is seen in a mirror, or without one: one, and one for each periodic border across which some of it
-    // lies. image: of the watchers in the mirror; box: round the image.
-    void add_segments(const Watchers& watchers, const ClusterPlaces& image, const Box& box, const Mirror& mirror) {
+    // lies. box: round the images of those watchers that may see something so.
+    void add_segments(const Watchers& watchers, Sight sight, const Box& box) {
         const Box near = grown(box, h_);
+        const Mirror& mirror = sight.mirror;
+        const ClusterPlaces& image = sight.image;
         grid_.for_each_period(near.lo, near.hi, [&](const Vec3& period) {
             const std::size_t first = entries_;
             NeighbourBlock::View view{mirror.map(), mirror.viscous, static_cast<std::int16_t>(mirror.obstacle),
                                       static_cast<std::int16_t>(mirror.obstacle_axis),
-                                      watchers.by_obstacle || mirror.facet >= 0};
+                                      !watchers.obstacles.empty() || mirror.facet >= 0};
             if (period == Vec3{}) {
-                append(image, box);
-                if (view.by_sight) keep_seen(watchers, image, mirror, period, first);
+                append(image, box, way_of(watchers, sight));
+                if (view.by_sight) keep_seen(watchers, sight, first);
             } else {
                 for (std::size_t k = 0; k < 3; ++k) {
                     view.map.shift[k] -= period[k];  // instead of shifting the particles
                 }
                 const ClusterPlaces shifted = mapped(watchers.places, view.map);
-                append(shifted, box_round(shifted));
-                if (view.by_sight) keep_seen(watchers, shifted, mirror, period, first);
+                append(shifted, box_round(shifted), Search::grid);
+                if (view.by_sight) {
+                    keep_seen(watchers, {shifted, mirror, sight.obstacle, sight.facet, period}, first);
+                }
             }
             if (entries_ > first) {
                 add(block_.segments, {static_cast<std::uint32_t>(entries_), number_of(view)});
             }
         });
+    }
+
+    // Where particles are looked for. Both places of a pair that see one another in the face of an obstacle, or in walls and a
+    // level bed besides, lie on the same side of each: they are no farther apart than place and image, so that the particles
+    // near the cluster are enough. A facet may have one of them a little below it.
+    enum class Search { grid, grid_and_note, noted };
+    [[nodiscard]] static Search way_of(const Watchers& watchers, const Sight& sight) {
+        if (watchers.obstacles.empty()) return Search::grid;
+        if (&sight.image == &watchers.places) return Search::grid_and_note;
+        return sight.obstacle != nullptr && sight.facet == nullptr ? Search::noted : Search::grid;
     }
 
     void make_room_for_lanes() {
@@ -150,9 +193,18 @@ class BlockSearch {
         return static_cast<std::uint32_t>(at);
     }
 
-    // Appends the particles that are nearer than the support radius to one of these places, which lie in the box.
-    void append(const ClusterPlaces& places, const Box& box) {
-        const Box near = grown(box, h_);
+    // Appends the particles that are nearer than the support radius to one of these places and to the box.
+    void append(const ClusterPlaces& places, const Box& box, Search search) {
+        const std::span candidates = search == Search::noted ? find_noted(box) : find_by_grid(box, search);
+        make_room(block_.j, entries_ + candidates.size() + 1);
+        entries_ += find_near_places(places, h_, p_, candidates, block_.j.data() + entries_);
+    }
+
+    // Particles that are nearer to the box than the support radius, or, if they are noted, a little farther than that, which is
+    // more than what rounding moves.
+    std::span<const std::uint32_t> find_by_grid(const Box& box, Search search) {
+        const float reach = search == Search::grid_and_note ? (1 + for_rounding) * h_ : h_;
+        const Box near = grown(box, reach);
         room_.runs.clear();
         std::size_t most = largest_cluster;
         grid_.for_each_run(near.lo, near.hi, [&](std::uint32_t begin, std::uint32_t end) {
@@ -161,52 +213,20 @@ class BlockSearch {
         });
         make_room(room_.candidates, most);
         std::uint32_t* const to = room_.candidates.data();
-        const std::span candidates{to, find_near_box(box, h_, p_, room_.runs, to)};
-        make_room(block_.j, entries_ + candidates.size() + 1);
-        entries_ += find_near_places(places, h_, p_, candidates, block_.j.data() + entries_);
+        const std::span<const std::uint32_t> found{to, find_near_box(box, reach, p_, room_.runs, to)};
+        if (search == Search::grid_and_note) room_.near.assign(found, p_);
+        return found;
     }
 
-    // Keeps of the entries from `first` on those that some lane sees, and notes which do. image: of the watchers.
-    void keep_seen(const Watchers& watchers, const ClusterPlaces& image, const Mirror& mirror, const Vec3& period,
-                   std::size_t first) {
+    std::span<const std::uint32_t> find_noted(const Box& box) {
+        make_room(room_.candidates, room_.near.size + largest_cluster);
+        std::uint32_t* const to = room_.candidates.data();
+        return {to, find_near_box_among(box, h_, room_.near, to)};
+    }
+
+    void keep_seen(const Watchers& watchers, const Sight& sight, std::size_t first) {
         make_room_for_lanes();
-        std::size_t kept = first;
-        for (std::size_t k = first; k < entries_; ++k) {
-            const std::uint32_t j = block_.j[k];
-            const Vec3 at{p_.x[j] + period[0], p_.y[j] + period[1], p_.z[j] + period[2]};
-            const unsigned lanes = near(image, {p_.x[j], p_.y[j], p_.z[j]}) & seen(watchers, at, mirror);
-            block_.j[kept] = j;
-            set_lanes_of_entry(block_, kept, lanes);
-            kept += lanes != 0 ? 1U : 0U;
-        }
-        entries_ = kept;
-    }
-
-    // The lanes that are nearer to y than the support radius.
-    [[nodiscard]] unsigned near(const ClusterPlaces& places, const Vec3& y) const {
-        unsigned lanes = 0;
-#pragma omp simd reduction(| : lanes)
-        for (unsigned l = 0; l < places.size; ++l) {
-            const float dx = places.x[l] - y[0];
-            const float dy = places.y[l] - y[1];
-            const float dz = places.z[l] - y[2];
-            lanes |= static_cast<unsigned>(dx * dx + dy * dy + dz * dz < h_ * h_) << l;
-        }
-        return lanes;
-    }
-
-    // The lanes that see a particle at y, or its image in a mirror.
-    [[nodiscard]] unsigned seen(const Watchers& watchers, const Vec3& y, const Mirror& mirror) const {
-        const ClusterPlaces& x = watchers.places;
-        unsigned lanes = ~0U;
-        for (unsigned l = 0; mirror.facet >= 0 && l < size_; ++l) {
-            if (!solids_.sees_in_facet({x.x[l], x.y[l], x.z[l]}, y, mirror)) lanes &= ~(1U << l);
-        }
-        if (!watchers.by_obstacle || lanes == 0) return lanes;
-        const Places from{x.x.data(), x.y.data(), x.z.data()};
-        return lanes &
-               (mirror.obstacle < 0 ? solids_.visible(from, size_, watchers.box, mirror.reflect(y), room_.obstacles)
-                                    : solids_.sees_image(from, size_, y, mirror));
+        entries_ = fluid::keep_seen(watchers, sight, h_, p_, first, entries_, block_);
     }
 
     const CellGrid& grid_;

@@ -72,37 +72,24 @@ void add_plane(Mirror& mirror, std::size_t axis, float plane, const std::optiona
     reflect_velocities(mirror, reflection, sticks);
 }
 
-const float* along(const Places& x, std::size_t axis) {
-    return axis == 0 ? x.x : axis == 1 ? x.y : x.z;
-}
-
-unsigned all_bits(std::size_t count) {
-    return count < 32 ? (1U << count) - 1 : ~0U;
-}
-
-// Of the straight lines from `count` places x to y, those that pass through the box: a bit each.
-unsigned lines_through(const Box& box, const Places& x, std::size_t count, const Vec3& y) {
-    unsigned through = 0;
-    // The part of the line x + t (y - x), 0 < t < 1, that lies between both faces of every axis.
-    const auto cut = [](float lo, float hi, float from, float to, float& enter, float& leave) {
-        const float way = to - from;
-        const float to_lo = (lo - from) / way;
-        const float to_hi = (hi - from) / way;
-        const float first = to_hi < to_lo ? to_hi : to_lo, last = to_lo < to_hi ? to_hi : to_lo;
-        const bool between = from > lo && from < hi;  // all the way, if there is none
-        const float entered = enter < first ? first : enter, left = last < leave ? last : leave;
-        enter = way == 0 ? enter : entered;
-        leave = way == 0 ? (between ? leave : -1.0F) : left;
-    };
-#pragma omp simd reduction(| : through)
-    for (unsigned l = 0; l < count; ++l) {
-        float enter = 0, leave = 1;
-        cut(box.lo[0], box.hi[0], x.x[l], y[0], enter, leave);
-        cut(box.lo[1], box.hi[1], x.y[l], y[1], enter, leave);
-        cut(box.lo[2], box.hi[2], x.z[l], y[2], enter, leave);
-        through |= static_cast<unsigned>(enter < leave) << l;
+// Moves a point in a box to its nearest face; true if it had to.
+bool push_out_of(const Box& box, Vec3& x) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!(x[k] > box.lo[k] && x[k] < box.hi[k])) return false;
     }
-    return through;
+    std::size_t axis = 0;
+    float depth = Box::inf;
+    float target = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (x[k] - box.lo[k] < depth) {
+            depth = x[k] - box.lo[k], axis = k, target = box.lo[k];
+        }
+        if (box.hi[k] - x[k] < depth) {
+            depth = box.hi[k] - x[k], axis = k, target = box.hi[k];
+        }
+    }
+    x[axis] = target;
+    return true;
 }
 
 }  // namespace
@@ -225,12 +212,6 @@ void Solids::add_facet_mirrors(const Box& box, std::size_t before, std::vector<M
     }
 }
 
-bool Solids::sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) const {
-    const BedFacet& facet = bed_[static_cast<std::size_t>(mirror.facet)];
-    const float middle = 0.5F * (x[0] + y[0]);
-    return middle >= facet.x_lo && middle < facet.x_hi && facet.distance(x[0], x[1]) + facet.distance(y[0], y[1]) > 0;
-}
-
 void Solids::add_obstacle_mirrors(const Box& box, const BoxNumbers& obstacles, std::vector<Mirror>& mirrors) const {
     const std::size_t walls = mirrors.size();
     for (const std::uint32_t o : obstacles) {
@@ -258,42 +239,117 @@ bool Solids::obstacle_near(const Box& box, const BoxNumbers& obstacles) const {
     return std::any_of(obstacles.begin(), obstacles.end(), [&](std::uint32_t o) { return near(obstacles_[o], box); });
 }
 
-unsigned Solids::visible(const Places& x, std::size_t count, const Box& box, const Vec3& y,
-                         const BoxNumbers& obstacles) const {
-    unsigned hidden = 0;
-    for (const std::uint32_t o : obstacles) {
-        const Box& obstacle = obstacles_[o];
-        bool apart = false;  // along some axis both ends of all lines lie on the same side of the obstacle
-        for (std::size_t k = 0; k < 3; ++k) {
-            apart = apart || std::max(box.hi[k], y[k]) <= obstacle.lo[k] || std::min(box.lo[k], y[k]) >= obstacle.hi[k];
+void Solids::apply_border_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const {
+    const float rate = 1 / dt;
+    const auto keep_between = [&](std::size_t axis, const float* at, float* u) {
+        const float lo = interior_.lo[axis] + contact_distance_;
+        const float hi = interior_.hi[axis] - contact_distance_;
+        if (lo == -Box::inf && hi == Box::inf) {
+            return;
         }
-        hidden |= apart ? 0U : lines_through(obstacle, x, count, y);
+#pragma omp simd
+        for (std::size_t i = 0; i < count; ++i) {
+            const float slowest = std::min(lo - at[i], 0.0F) * rate;  // negative while free
+            const float fastest = std::max(hi - at[i], 0.0F) * rate;
+            u[i] = std::min(std::max(u[i], slowest), fastest);
+        }
+    };
+    keep_between(0, x.x, v.x.data());
+    keep_between(1, x.y, v.y.data());
+    keep_between(2, x.z, v.z.data());
+    for (std::size_t i = 0; i < count && !bed_.empty(); ++i) {
+        // The facet where the particle is, and the one where it goes.
+        for (const float place : {x.x[i], x.x[i] + dt * v.x[i]}) {
+            const BedFacet& facet = facet_at(bed_, place);
+            const float to_bed = contact_distance_ - facet.distance(x.x[i], x.y[i]);
+            const float approach = facet.nx * v.x[i] + facet.ny * v.y[i] - std::min(to_bed, 0.0F) * rate;
+            if (approach < 0) {
+                v.x[i] -= approach * facet.nx;
+                v.y[i] -= approach * facet.ny;
+            }
+        }
     }
-    return ~hidden & all_bits(count);
 }
 
-unsigned Solids::sees_image(const Places& x, std::size_t count, const Vec3& y, const Mirror& mirror) const {
-    const Box& box = obstacles_[static_cast<std::size_t>(mirror.obstacle)];
-    const std::size_t k = mirror.obstacle_axis, m = (k + 1) % 3, n = (k + 2) % 3;
-    const float plane = mirror.plane[k], side = plane == box.hi[k] ? 1.0F : -1.0F;
-    const float to = side * (y[k] - plane);
-    if (to < 0) return 0;
-    const auto image = [&](std::size_t axis) { return mirror.axis[axis] ? 2 * mirror.plane[axis] - y[axis] : y[axis]; };
-    const float ym = image(m), yn = image(n);
-    const float m_lo = box.lo[m], m_hi = box.hi[m], n_lo = box.lo[n], n_hi = box.hi[n];
-    const float *xk = along(x, k), *xm = along(x, m), *xn = along(x, n);
-    unsigned seen = 0;
-#pragma omp simd reduction(| : seen)
-    for (unsigned l = 0; l < count; ++l) {
-        const float from = side * (xk[l] - plane);
-        // Both on the face's side.
-        bool sees = from >= 0 && from + to > 0;
-        const float part = from / (from + to);
-        const float at_m = xm[l] + part * (ym - xm[l]), at_n = xn[l] + part * (yn - xn[l]);
-        sees = sees && at_m > m_lo && at_m < m_hi && at_n > n_lo && at_n < n_hi;
-        seen |= static_cast<unsigned>(sees) << l;
+Box Solids::way_of(const Places& x, std::size_t begin, std::size_t end, float dt, const BlockVelocities& v) const {
+    Box way{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
+    const auto grow = [&](std::size_t axis, const float* at, const float* u) {
+        float lo = Box::inf, hi = -Box::inf;
+#pragma omp simd reduction(min : lo) reduction(max : hi)
+        for (std::size_t i = begin; i < end; ++i) {
+            const float next = at[i] + dt * u[i];
+            lo = std::min(lo, std::min(at[i], next));
+            hi = std::max(hi, std::max(at[i], next));
+        }
+        way.lo[axis] = lo, way.hi[axis] = hi;
+    };
+    grow(0, x.x, v.x.data()), grow(1, x.y, v.y.data()), grow(2, x.z, v.z.data());
+    return way;
+}
+
+const BoxNumbers& Solids::obstacles_on(const Box& way) const {
+    thread_local BoxNumbers found;
+    index_.find(grown(way, 2 * contact_distance_), found);
+    return found;
+}
+
+bool Solids::may_enter(const Box& way, const Box& obstacle) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (way.hi[k] <= obstacle.lo[k] - contact_distance_ || way.lo[k] >= obstacle.hi[k] + contact_distance_) {
+            return false;
+        }
     }
-    return seen;
+    return true;
+}
+
+bool Solids::apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const {
+    // The axis along which the particle is farthest outside of the box decides which face it meets.
+    std::size_t axis = 0;
+    float gap = -Box::inf;
+    float side = 0;
+    bool would_enter = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const float lo = box.lo[k] - contact_distance_;
+        const float hi = box.hi[k] + contact_distance_;
+        const float next = x[k] + dt * v[k];
+        would_enter = would_enter && next > lo && next < hi;
+        const float below = lo - x[k];
+        const float above = x[k] - hi;
+        const float outside = std::max(below, above);
+        if (outside > gap) {
+            gap = outside;
+            axis = k;
+            side = below > above ? -1.0F : 1.0F;
+        }
+    }
+    if (would_enter) {
+        const float room = std::max(gap, 0.0F) / dt;
+        v[axis] = side < 0 ? std::min(v[axis], room) : std::max(v[axis], -room);
+    }
+    return would_enter;
+}
+
+bool Solids::push_out(Vec3& x) const {
+    bool moved = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const float inside = std::max(interior_.lo[k], std::min(interior_.hi[k], x[k]));
+        moved = moved || inside != x[k];
+        x[k] = inside;
+    }
+    if (!bed_.empty() && x[1] < bed_height(bed_, x[0])) {
+        x[1] = bed_height(bed_, x[0]);
+        moved = true;
+    }
+    // In the order of their numbers; who is pushed out of one goes on from where it then is.
+    std::span<const std::uint32_t> here = index_.at(x[0], x[2]);
+    for (std::size_t n = 0; n < here.size();) {
+        const std::uint32_t o = here[n++];
+        if (!push_out_of(obstacles_[o], x)) continue;
+        moved = true;
+        here = index_.at(x[0], x[2]);
+        n = static_cast<std::size_t>(std::upper_bound(here.begin(), here.end(), o) - here.begin());
+    }
+    return moved;
 }
 
 }  // namespace wade::fluid

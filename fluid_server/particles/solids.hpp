@@ -59,25 +59,22 @@ class Solids {
     explicit Solids(const Scene& scene);
 
     // Replaces `found` by the obstacles that matter to the particles of a box: all that are nearer to it than the support
-    // radius, or that the line from one of them to an image or a particle so near may touch. The questions below take them.
+    // radius, or that the line from one of them to an image or a particle so near may touch.
     void find_obstacles(const Box& box, BoxNumbers& found) const;
 
     // Replaces `mirrors` by those in which a particle of a box may see images nearer than the support radius.
     void mirrors_near(const Box& box, const BoxNumbers& obstacles, std::vector<Mirror>& mirrors) const;
 
-    // Whether an obstacle is nearer to a box than the support radius, so that the two questions below arise.
+    // Whether an obstacle is nearer to a box than the support radius, so that not everybody sees everything: sight.hpp.
     [[nodiscard]] bool obstacle_near(const Box& box, const BoxNumbers& obstacles) const;
 
-    // Of the straight lines to y from `count` places x in a box, at most 32, those that pass through no obstacle: a bit each.
-    [[nodiscard]] unsigned visible(const Places& x, std::size_t count, const Box& box, const Vec3& y,
-                                   const BoxNumbers& obstacles) const;
-
-    // Of `count` particles at x, at most 32, those that see a particle at y in a mirror that belongs to an obstacle: whether the
-    // line from x to the image passes through the face. A bit each.
-    [[nodiscard]] unsigned sees_image(const Places& x, std::size_t count, const Vec3& y, const Mirror& mirror) const;
-
-    // Whether two particles see one another in a facet of the bed: whether the point halfway between them lies over it.
-    [[nodiscard]] bool sees_in_facet(const Vec3& x, const Vec3& y, const Mirror& mirror) const;
+    // The obstacle in whose face one sees in a mirror, the facet of the bed that it is; null if there is none.
+    [[nodiscard]] const Box* obstacle_of(const Mirror& mirror) const {
+        return mirror.obstacle < 0 ? nullptr : &obstacles_[static_cast<std::size_t>(mirror.obstacle)];
+    }
+    [[nodiscard]] const BedFacet* facet_of(const Mirror& mirror) const {
+        return mirror.facet < 0 ? nullptr : &bed_[static_cast<std::size_t>(mirror.facet)];
+    }
 
     // Unilateral, inelastic contact: reduces the velocities v of `count` particles, at most block_size, at places x so that
     // after x + dt v their centres are no nearer than the contact distance to any face: first to those of bed, lid, banks

@@ -7,6 +7,7 @@
 
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/particles/bed_profile.hpp"
+#include "lanes_that_see.hpp"
 #include "scenes.hpp"
 
 using namespace wade;
@@ -56,7 +57,7 @@ TEST_CASE("two particles see one another in a facet or neither does, at the same
         for (const Mirror& mirror : mirrors) {
             const Vec3 image = mirror.reflect(b);
             const float r = std::hypot(a[0] - image[0], a[1] - image[1], a[2] - image[2]);
-            if (r < 0.2F && solids.sees_in_facet(a, b, mirror)) {
+            if (r < 0.2F && test::lanes_that_see(solids, {&a, 1}, b, mirror, {}) == 1) {
                 distances.push_back(r);
             }
         }

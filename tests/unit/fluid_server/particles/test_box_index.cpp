@@ -8,6 +8,7 @@
 
 #include "fluid_server/particles/box_index.hpp"
 #include "fluid_server/particles/solids.hpp"
+#include "lanes_that_see.hpp"
 #include "scenes.hpp"
 
 using namespace wade;
@@ -107,18 +108,19 @@ TEST_CASE("many boxes answer as one after the other does: sight, contact, the cl
     const Scene scene = tank_with_boxes(22, 9, draw);
     const Solids solids(scene);
     const std::vector<Solids> each = one_by_one(scene);
-    constexpr std::size_t lanes = 16;
+    constexpr std::size_t lanes = 8;
     constexpr float dt = 0.02F;
     int wrong = 0, hidden = 0, touched = 0, clamped = 0, mirrors_of_boxes = 0;
     for (int asked = 0; asked < 2000; ++asked) {
         const Vec3 middle = draw.place();
         std::array<float, lanes> x{}, y{}, z{};
         BlockVelocities v{};
+        std::array<Vec3, lanes> places_of_all{};
         Box box{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
         for (std::size_t l = 0; l < lanes; ++l) {
             x[l] = middle[0] + draw.in(-1, 1), y[l] = middle[1] + draw.in(0, 0.3F), z[l] = middle[2] + draw.in(0, 0.4F);
             v.x[l] = draw.in(-9, 9), v.y[l] = draw.in(-9, 9), v.z[l] = draw.in(-9, 9);
-            const Vec3 at{x[l], y[l], z[l]};
+            const Vec3 at = places_of_all[l] = {x[l], y[l], z[l]};
             for (std::size_t k = 0; k < 3; ++k) {
                 box.lo[k] = std::min(box.lo[k], at[k]), box.hi[k] = std::max(box.hi[k], at[k]);
             }
@@ -127,7 +129,10 @@ TEST_CASE("many boxes answer as one after the other does: sight, contact, the cl
         const Vec3 to{middle[0] + draw.in(-1, 1), middle[1] + draw.in(-0.3F, 0.6F), middle[2] + draw.in(-0.4F, 0.8F)};
         BoxNumbers near;
         solids.find_obstacles(box, near);
-        unsigned seen = (1U << lanes) - 1;
+        const std::span<const Vec3> asked_of(places_of_all.data(), std::min(lanes, cluster_size_here()));
+        unsigned seen = (1U << asked_of.size()) - 1;
+        std::vector<Box> boxes_near;
+        for (const std::uint32_t o : near) boxes_near.push_back(solids.obstacles()[o]);
         bool is_near = false;
         BlockVelocities slowed = v;
         std::vector<std::array<float, 4>> told, expected;  // obstacle, then what it took
@@ -136,7 +141,7 @@ TEST_CASE("many boxes answer as one after the other does: sight, contact, the cl
         std::size_t boxes_with_mirrors = 0;
         const BoxNumbers first{0};
         for (std::uint32_t o = 0; o < each.size(); ++o) {
-            seen &= each[o].visible(places, lanes, box, to, first);
+            seen &= test::lanes_that_see(solids, asked_of, to, Mirror{}, {&solids.obstacles()[o], 1});
             is_near = is_near || each[o].obstacle_near(box, first);
             each[o].mirrors_near(box, first, mirrors_of_one);
             boxes_with_mirrors += std::any_of(mirrors_of_one.begin(), mirrors_of_one.end(),
@@ -150,11 +155,12 @@ TEST_CASE("many boxes answer as one after the other does: sight, contact, the cl
         }
         // Lines longer than the support radius are nobody's question: only the others must agree.
         unsigned short_lines = 0;
-        for (std::size_t l = 0; l < lanes; ++l) {
+        for (std::size_t l = 0; l < asked_of.size(); ++l) {
             const float dx = x[l] - to[0], dy = y[l] - to[1], dz = z[l] - to[2];
             short_lines |= dx * dx + dy * dy + dz * dz < 0.25F ? 1U << l : 0U;
         }
-        wrong += (solids.visible(places, lanes, box, to, near) & short_lines) != (seen & short_lines) ? 1 : 0;
+        const unsigned seen_by_index = test::lanes_that_see(solids, asked_of, to, Mirror{}, boxes_near);
+        wrong += (seen_by_index & short_lines) != (seen & short_lines) ? 1 : 0;
         hidden += (seen & short_lines) != short_lines ? 1 : 0;
         wrong += solids.obstacle_near(box, near) != is_near ? 1 : 0;
         solids.mirrors_near(box, near, mirrors);

@@ -7,6 +7,7 @@
 #include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/particles/solids.hpp"
+#include "lanes_that_see.hpp"
 #include "scenes.hpp"
 
 using namespace wade;
@@ -146,13 +147,13 @@ TEST_CASE("every place round a particle near an obstacle is filled exactly once"
             continue;
         }
         ++tried;
-        const Places from{&x[0], &x[1], &x[2]};
-        int filled = !in_box(place) && solids.visible(from, 1, {x, x}, place, near) == 1 ? 1 : 0;
+        int filled =
+            !in_box(place) && test::lanes_that_see(solids, {&x, 1}, place, Mirror{}, solids.obstacles()) == 1 ? 1 : 0;
         solids.mirrors_near({x, x}, near, mirrors);
         for (const Mirror& mirror : mirrors) {
-            if (mirror.obstacle >= 0) {
-                filled += solids.sees_image(from, 1, mirror.reflect(place), mirror) == 1 ? 1 : 0;
-            }
+            if (mirror.obstacle < 0) continue;
+            filled +=
+                test::lanes_that_see(solids, {&x, 1}, mirror.reflect(place), mirror, solids.obstacles()) == 1 ? 1 : 0;
         }
         wrong += filled == 1 ? 0 : 1;
     }

@@ -1,0 +1,47 @@
+#pragma once
+// Whom a cluster sees: past boxes, in the face of one of them, in a facet of the bed. The rules stand in solids.hpp.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "fluid_server/neighbours/neighbour_lists.hpp"
+
+namespace wade::fluid {
+
+// A cluster that looks round.
+struct Watchers {
+    const ClusterPlaces& places;
+    const Box& box;                  // round them
+    std::span<const Box> obstacles;  // that may stand in the way; none unless one is nearer than the support radius
+};
+
+// How it looks: as it is, in a mirror, beyond a border.
+struct Sight {
+    const ClusterPlaces& image;  // of the watchers, as near to a particle as they are to what they see
+    const Mirror& mirror;
+    const Box* obstacle = nullptr;    // whose face the mirror is
+    const BedFacet* facet = nullptr;  // that the mirror is
+    Vec3 period{};                    // m, by which what is seen is shifted
+};
+
+// Keeps of the entries [first, last) of a block those that some watcher sees and that are nearer to it than the support radius;
+// writes which lanes do. Returns the end of those that are left. The block needs room for the masks.
+std::size_t keep_seen(const Watchers& watchers, const Sight& sight, float support_radius, const Particles& particles,
+                      std::size_t first, std::size_t last, NeighbourBlock& block);
+
+// The particles near a cluster, side by side.
+struct NearParticlesOfCluster {
+    std::size_t size = 0;  // of those in use; there is room for a vector more
+    std::vector<std::uint32_t> j;
+    std::vector<float> x, y, z;
+
+    void assign(std::span<const std::uint32_t> numbers, const Particles& particles);
+};
+
+// As find_near_box (sweeps.hpp), of these.
+std::size_t find_near_box_among(const Box& box, float support_radius, const NearParticlesOfCluster& particles,
+                                std::uint32_t* out);
+
+}  // namespace wade::fluid
