@@ -141,6 +141,8 @@ class CellGrid {
     [[nodiscard]] Row cell_in_row(Row row, std::uint32_t i) const {
         return row * cells_[0] + (row % 2 == 0 ? i : cells_[0] - 1 - i);
     }
+    template <typename Body>
+    [[gnu::noinline]] void for_each_run_of_pages(const Vec3& lo, const Vec3& hi, Body& body) const;
     void find_cells(const Particles& p, float outflow_x);
     void find_pages(const Particles& p, float outflow_x);
     void share_cells(std::size_t n);
@@ -165,6 +167,10 @@ class CellGrid {
 
 template <typename Body>
 void CellGrid::for_each_run(const Vec3& lo, const Vec3& hi, Body&& body) const {
+    if (sparse_) [[unlikely]] {
+        for_each_run_of_pages(lo, hi, body);
+        return;
+    }
     const std::uint32_t i0 = cell_along(0, lo[0]);
     const std::uint32_t i1 = cell_along(0, hi[0]);
     const std::uint32_t j1 = cell_along(1, hi[1]);
@@ -172,13 +178,6 @@ void CellGrid::for_each_run(const Vec3& lo, const Vec3& hi, Body&& body) const {
     for (std::uint32_t k = cell_along(2, lo[2]); k <= k1; ++k) {
         for (std::uint32_t j = cell_along(1, lo[1]); j <= j1; ++j) {
             const std::uint32_t row = row_of(j, k);
-            if (sparse_) {
-                const std::uint64_t one = cell_in_row(std::uint64_t{row}, i0),
-                                    other = cell_in_row(std::uint64_t{row}, i1);
-                const auto [first, last] = pages_.stretch(std::min(one, other), std::max(one, other));
-                if (start_[first] < start_[last]) body(start_[first], start_[last]);
-                continue;
-            }
             const std::uint32_t one = cell_in_row(row, i0);
             const std::uint32_t other = cell_in_row(row, i1);
             const std::uint32_t begin = start_[std::min(one, other)];
@@ -186,6 +185,20 @@ void CellGrid::for_each_run(const Vec3& lo, const Vec3& hi, Body&& body) const {
             if (begin < end) {
                 body(begin, end);
             }
+        }
+    }
+}
+
+// Apart from the above, so that compilers have little to inline there.
+template <typename Body>
+void CellGrid::for_each_run_of_pages(const Vec3& lo, const Vec3& hi, Body& body) const {
+    const std::uint32_t i0 = cell_along(0, lo[0]), i1 = cell_along(0, hi[0]);
+    const std::uint32_t j1 = cell_along(1, hi[1]), k1 = cell_along(2, hi[2]);
+    for (std::uint32_t k = cell_along(2, lo[2]); k <= k1; ++k) {
+        for (std::uint32_t j = cell_along(1, lo[1]); j <= j1; ++j) {
+            const std::uint64_t row = row_of(j, k), one = cell_in_row(row, i0), other = cell_in_row(row, i1);
+            const auto [first, last] = pages_.stretch(std::min(one, other), std::max(one, other));
+            if (start_[first] < start_[last]) body(start_[first], start_[last]);
         }
     }
 }
