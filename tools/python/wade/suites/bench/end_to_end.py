@@ -19,7 +19,7 @@ RUNS = (
     ("end_to_end/s05_depth_1", "configs/paper/s05.json", None, 3, ("--set", "/lockstep_depth=1")),
     ("end_to_end/river_s05", "configs/river/s05.json", 60, 3, ()),
     ("end_to_end/fine", "configs/river/fine.json", 4, 3, ()),
-    ("end_to_end/people_5000", "configs/river/agents_5000.json", 4, 3, PEOPLE_5000),
+    ("end_to_end/people_5000", "configs/river/agents_5000.json", 16, 3, PEOPLE_5000),
 )
 SAME_FRAMES = {"end_to_end/s05", "end_to_end/s05_depth_1"}  # how far the water is ahead changes no bit
 QUICK = {"end_to_end/s05": 20}
