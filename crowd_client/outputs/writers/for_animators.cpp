@@ -31,7 +31,7 @@ void add_number(std::string& row, double value) {
 // Whom each holds, ids ascending.
 struct Hand {
     std::uint32_t id, held;
-    auto operator<=>(const Hand&) const = default;
+    auto operator<=>(const Hand&) const = default;  // NOLINT(modernize-use-nullptr): a 0 of the compiler
 };
 std::vector<Hand> hands_of(const std::vector<Link>& links) {
     std::vector<Hand> all;
