@@ -73,6 +73,11 @@ struct CrowdWorld {
     std::shared_ptr<StepTimes> times;  // if somebody wants to know how long the stages take
 };
 
+// Time at the end of the last step, s.
+[[nodiscard]] inline double time_of(const CrowdWorld& crowd) {
+    return static_cast<double>(crowd.steps) * crowd.dt;
+}
+
 [[nodiscard]] inline bool has_bodies(const CrowdWorld& crowd) {
     return crowd.bodies.rule != BodyRule::none;
 }

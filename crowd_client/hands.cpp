@@ -21,8 +21,7 @@ bool stands(const People& people, std::uint32_t id) {
 
 // Firm on its feet, so that it holds on to something because it wants to.
 bool is_firm(const People& people, std::uint32_t id) {
-    const PersonState state = people.condition[id].state;
-    return state == PersonState::walking || state == PersonState::effort;
+    return is_firm(people.condition[id].state);
 }
 
 void let_go_of_who_ended(CrowdWorld& crowd) {
@@ -136,17 +135,13 @@ Link hold_of_rope(const CrowdWorld& crowd, std::uint32_t id, std::size_t i, cons
     return link;
 }
 
-double now_of(const CrowdWorld& crowd) {
-    return static_cast<double>(crowd.steps) * crowd.dt;
-}
-
 // Who is in the water with both hands free takes the nearest rope within reach.
 void take_ropes(CrowdWorld& crowd) {
     const People& people = crowd.agents.people;
     const std::vector<std::uint8_t> used = hands_in_use(crowd);
     for (const std::uint32_t id : crowd.active) {
         if (people.by_body[id] == 0 || used[id] > 0 || !(people.depth[id] > 0)) continue;
-        if (now_of(crowd) < crowd.hands_spent[id]) continue;
+        if (time_of(crowd) < crowd.hands_spent[id]) continue;
         const bool is_rescuer = crowd.scene.crowd.groups[crowd.agents.group[id]].rescuer;
         if (is_rescuer && stands(people, id)) continue;  // whose hands are for the line
         std::optional<Link> hold;
@@ -305,7 +300,7 @@ void hold_hands(CrowdWorld& crowd) {
         }
         std::erase_if(crowd.links, [&](const Link& link) {
             if (!lets_go(link, crowd.part_time)) return false;
-            if (link.kind == LinkKind::rope) crowd.hands_spent[link.a] = now_of(crowd) + rest_of_hands;
+            if (link.kind == LinkKind::rope) crowd.hands_spent[link.a] = time_of(crowd) + rest_of_hands;
             return true;
         });
     }

@@ -17,10 +17,6 @@ constexpr double at_place = 0.5, beside = 1;    // m
 constexpr double hauls = 0.5;                   // m/s [A]
 constexpr double time_between_throws = 20;      // s [A]
 
-double now_of(const CrowdWorld& crowd) {
-    return static_cast<double>(crowd.steps) * crowd.dt;
-}
-
 bool sees(const CrowdWorld& crowd, const Vector2d& from, const Vector2d& to) {
     const Vector2d lo = from.cwiseMin(to), hi = from.cwiseMax(to);
     return !any_near(crowd.walls.boxes, {lo.x(), hi.x()}, {lo.y(), hi.y()},
@@ -117,15 +113,13 @@ void look_for_somebody(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescu
         if (!is_safe(crowd, water, rescuer.id, unit_or(way, Vector2d::Zero()), on_foot)) continue;
         rescuer.way = way;
         rescuer.stands = !(on_foot > 0);
-        if (rescuer.stands && now_of(crowd) >= rescuer.next_throw) throw_line(crowd, water, rescuer, id);
+        if (rescuer.stands && time_of(crowd) >= rescuer.next_throw) throw_line(crowd, water, rescuer, id);
         return;
     }
 }
 
 bool is_safe_now(const People& people, std::uint32_t id) {
-    const PersonState state = people.condition[id].state;
-    const bool is_up = state == PersonState::walking || state == PersonState::effort;
-    return is_up && std::max(people.slip[id], people.topple[id]) < safe;
+    return is_firm(people.condition[id].state) && std::max(people.slip[id], people.topple[id]) < safe;
 }
 
 // Whether the one on the line can be let go of.
@@ -167,7 +161,7 @@ void decide(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, const s
     rescuer.stands = false;
     if (!acts(crowd, rescuer)) return;
     Link* line = line_of(crowd, rescuer.id);
-    if (rescuer.has_line && line == nullptr) rescuer.next_throw = now_of(crowd) + time_between_throws;
+    if (rescuer.has_line && line == nullptr) rescuer.next_throw = time_of(crowd) + time_between_throws;
     rescuer.has_line = line != nullptr;
     if (line != nullptr) {
         if (!bring_in(crowd, rescuer, *line)) return;

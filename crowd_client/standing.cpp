@@ -70,13 +70,8 @@ bool is_near_others(const CrowdWorld& crowd, std::size_t k) {
            }) > 1;
 }
 
-bool is_off_its_feet(const CrowdWorld& crowd, std::uint32_t id) {
-    const PersonState state = crowd.agents.people.condition[id].state;
-    return state != PersonState::walking && state != PersonState::effort;
-}
-
 Hold hold_of(const CrowdWorld& crowd, std::size_t k) {
-    if (is_off_its_feet(crowd, crowd.active[k])) return Hold::footing;
+    if (!is_firm(crowd.agents.people.condition[crowd.active[k]].state)) return Hold::footing;
     const bool owns_none = !has_bodies(crowd) && crowd.motion.owned[k] == 0;
     if (owns_none || has_too_few_markers(crowd.scene.crowd)) return Hold::markers;
     const std::optional<Vector2d> led = way_led(crowd, k);
@@ -175,8 +170,7 @@ std::string_view state_name(const CrowdWorld& crowd, std::size_t id) {
     if (crowd.agents.outcome[id] != Outcome::active) {
         return state == PersonState::drowned ? in_water : outcome_name(crowd.agents.outcome[id]);
     }
-    const bool is_up = state == PersonState::walking || state == PersonState::effort;
-    return is_up && crowd.agents.standing[id] ? "standing" : in_water;
+    return is_firm(state) && crowd.agents.standing[id] ? "standing" : in_water;
 }
 
 }  // namespace wade::crowd

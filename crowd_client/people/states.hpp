@@ -73,6 +73,11 @@ struct Strain {
 // The condition after a step of dt, s.
 [[nodiscard]] Condition next_condition(const Condition& before, const Strain& strain, double dt);
 
+// On its feet, and goes where it wants.
+[[nodiscard]] inline bool is_firm(PersonState state) {
+    return state == PersonState::walking || state == PersonState::effort;
+}
+
 [[nodiscard]] inline bool has_ground(PersonState state) {
     return state != PersonState::toppled && state != PersonState::afloat && state != PersonState::carried &&
            state != PersonState::holding && state != PersonState::drowned;

@@ -50,7 +50,7 @@ Words words_of_water(const shm::Frame& frame) {
 }  // namespace
 
 std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, double pace, std::optional<double> left) {
-    const double time = static_cast<double>(crowd.steps) * crowd.dt;
+    const double time = time_of(crowd);
     Words words = words_of_water(frame);
     words.begin = print("t %.1f/%g s  active %zu arrived %zu dead %zu", time, crowd.scene.duration, crowd.active.size(),
                         crowd.arrived, crowd.dead);
@@ -67,7 +67,7 @@ std::string progress_line(const CrowdsProgress& crowds, const shm::Frame& frame,
 }
 
 std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, double wall_time) {
-    const double time = static_cast<double>(crowd.steps) * crowd.dt;
+    const double time = time_of(crowd);
     std::string text = print("%s: %zu of %zu arrived", summary.status.c_str(), crowd.arrived, crowd.agents.size());
     if (crowd.arrived > 0)
         text += print(", the last after %.1f s", static_cast<double>(crowd.last_arrival_step) * crowd.dt);

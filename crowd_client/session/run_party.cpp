@@ -68,7 +68,7 @@ struct Regularity {
 CrowdsProgress progress_of(const Party& party) {
     CrowdsProgress totals{.crowds = party.runs.size()};
     for (const CrowdRun& run : party.runs) {
-        totals.time = std::max(totals.time, static_cast<double>(run.crowd.steps) * run.crowd.dt);
+        totals.time = std::max(totals.time, time_of(run.crowd));
         if (run.over) continue;
         ++totals.walking;
         totals.active += run.crowd.active.size();
@@ -243,7 +243,7 @@ class Voyage {
         }
         const Member& member = party_.members.front();
         member.folder->keep_results(crowd, only().summary, member.labels);
-        const double time = static_cast<double>(crowd.steps) * crowd.dt;
+        const double time = time_of(crowd);
         left_.note(time, party_.clock.seconds(), frame.count);
         if (!console_.progress_due(time)) return;
         console_.progress(progress_line(crowd, frame, left_.pace(), left_.seconds()));

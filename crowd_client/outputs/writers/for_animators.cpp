@@ -99,7 +99,7 @@ PoseFile::PoseFile(const std::filesystem::path& file) : file_(file) {
 void PoseFile::write(std::uint64_t frame, const CrowdWorld& crowd, std::uint64_t after) {
     const std::vector<Hand> hands = hands_of(crowd.links);
     std::string begin = std::to_string(frame);
-    add_number(begin, static_cast<double>(crowd.steps) * crowd.dt);
+    add_number(begin, time_of(crowd));
     begin += ',';
     rows_.clear();
     for (std::uint32_t id = 0; id < crowd.agents.size(); ++id) {

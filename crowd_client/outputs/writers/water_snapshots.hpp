@@ -48,7 +48,7 @@ class WaterPictures final : public OutputWriter {
     // After the first and the last step, too, so that any time of the run has a picture at most one interval away.
     void on_step(const CrowdWorld& crowd, const WaterView& water) override {
         const bool due = crowd.steps == 1 || crowd.steps % steps_between_ == 0;
-        if (due || run_is_over(crowd)) file_.write(crowd.steps, static_cast<double>(crowd.steps) * crowd.dt, water);
+        if (due || run_is_over(crowd)) file_.write(crowd.steps, time_of(crowd), water);
     }
     void finish(const RunView&) override {}
 

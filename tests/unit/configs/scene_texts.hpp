@@ -27,6 +27,11 @@ std::string refusal_of_file(const std::filesystem::path& file);
 // One group on a grid, as JSON; `more` is appended to its keys.
 std::string group(const std::string& name, double x, double z, const std::string& more = "");
 
+// A scene's patch with these groups, as JSON; `more` is appended to its keys.
+inline std::string crowd(const std::string& groups, const std::string& more = "") {
+    return R"({"crowd": {"groups": [)" + groups + "]}" + more + "}";
+}
+
 // A new folder that goes with its owner.
 class TemporaryFolder {
  public:
