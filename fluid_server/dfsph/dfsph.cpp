@@ -80,13 +80,12 @@ void finish_acceleration(const std::vector<float>& pressure, const Operator& o, 
     }
 }
 
-// W7: calls body(i, D_i(u), block) for each particle of a block, from sum_j u_j . (R g_ij).
-template <typename Body>
-void finish_density_rate(const ConstVectorArrays& u, const BlockOf& sums, const Operator& o, std::size_t begin,
-                         std::size_t end, std::size_t b, Body&& body) {
+// W7: D_i(u) of the particles of a block in the place of sum_j u_j . (R g_ij).
+void finish_density_rates(const ConstVectorArrays& u, const Operator& o, std::size_t begin, std::size_t end,
+                          BlockOf& rates) {
     const ParticleFields& f = o.f;
     for (std::size_t i = begin; i < end; ++i) {
-        body(i, u.x[i] * f.gx[i] + u.y[i] * f.gy[i] + u.z[i] * f.gz[i] - sums[i - begin], b);
+        rates[i - begin] = u.x[i] * f.gx[i] + u.y[i] * f.gy[i] + u.z[i] * f.gz[i] - rates[i - begin];
     }
 }
 
@@ -106,34 +105,56 @@ void pressure_acceleration(const std::vector<float>& pressure, const Operator& o
     });
 }
 
-// Calls body(i, D_i(u), block) for each particle.
+// Calls body(begin, end, block, D_i(u) of its particles) for each block.
 template <typename Body>
-void for_each_density_rate(const ConstVectorArrays& u, const Operator& o, Body&& body) {
+void with_density_rates(const ConstVectorArrays& u, const Operator& o, Body&& body) {
     for_each_block(o.p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
-        BlockOf sums;
+        BlockOf rates;
         if (o.correction != nullptr) {
-            sum_corrected_divergence(b, o.p, o.lists, o.correction->arrays(), u, sums.data());
+            sum_corrected_divergence(b, o.p, o.lists, o.correction->arrays(), u, rates.data());
         } else {
-            sum_divergence(b, o.p, o.lists, u, sums.data());
+            sum_divergence(b, o.p, o.lists, u, rates.data());
         }
-        finish_density_rate(u, sums, o, begin, end, b, body);
+        finish_density_rates(u, o, begin, end, rates);
+        body(begin, end, b, rates);
     });
 }
 
-// Both at the start of a solve, where one sweep does for the two: finds a_i(p) and calls body(i, D_i(u), block).
+// Both at the start of a solve, where one sweep does for the two: finds a_i(p) and calls body as with_density_rates() does.
 template <typename Body>
 void start_solve(const std::vector<float>& pressure, const ConstVectorArrays& u, const Operator& o, Body&& body) {
     if (o.correction != nullptr) {
-        for_each_density_rate(u, o, body);
+        with_density_rates(u, o, body);
         pressure_acceleration(pressure, o);
         return;
     }
     for_each_block(o.p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
-        BlockOf sums;
-        sum_gradients_and_divergence(b, o.p, o.lists, pressure.data(), accelerations(o.f), u, sums.data());
+        BlockOf rates;
+        sum_gradients_and_divergence(b, o.p, o.lists, pressure.data(), accelerations(o.f), u, rates.data());
         finish_acceleration(pressure, o, begin, end);
-        finish_density_rate(u, sums, o, begin, end, b, body);
+        finish_density_rates(u, o, begin, end, rates);
+        body(begin, end, b, rates);
     });
+}
+
+// The sum of what is not negative among the first n.
+double sum_of_positive(const BlockOf& values, std::size_t n) {
+    double sum = 0;
+    for (std::size_t k = 0; k < n; ++k) sum += static_cast<double>(std::max(values[k], 0.0F));
+    return sum;
+}
+
+// Goes on from q = `found` to y' (see first_with_momentum), of n particles from `pressure` and `earlier` on. Returns by how
+// much that leads back.
+double carry_on(const BlockOf& found, std::size_t n, float beta, float* pressure, float* earlier) {
+    double back = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+        const float moved = found[k] - earlier[k];
+        back += static_cast<double>((pressure[k] - found[k]) * moved);
+        pressure[k] = found[k] + beta * moved;
+        earlier[k] = found[k];
+    }
+    return back;
 }
 
 double total_of(const BlockSums<double>& sums) {
@@ -153,13 +174,17 @@ ConstVectorArrays velocities(const Particles& p) {
 }  // namespace
 
 // W2 and W3.
-void compute_density_and_diagonal(const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
-                                  ParticleFields& f) {
+void compute_density_and_diagonal(const Particles& p, const Kernel& kernel, float volume, bool viscous,
+                                  NeighbourLists& lists, ParticleFields& f) {
     lists.factor_unit =
         volume * std::visit([](const auto& k) { return k.gradient_factor(0); }, kernel) / largest_factor_units;
     for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
         float* const squares = f.inverse_diagonal.data();
-        sum_kernel(b, p, kernel, volume, lists, {f.density.data(), {f.gx.data(), f.gy.data(), f.gz.data()}, squares});
+        sum_kernel(b, p, kernel, volume, lists,
+                   {f.density.data(),
+                    {f.gx.data(), f.gy.data(), f.gz.data()},
+                    squares,
+                    viscous ? accelerations(f) : VectorArrays{}});
         for (std::size_t i = begin; i < end; ++i) {
             f.inverse_diagonal[i] = inverse_of_diagonal(f.gx[i], f.gy[i], f.gz[i], squares[i]);
         }
@@ -225,8 +250,9 @@ SolveResult PressureSolver::solve(const PressureSystem& system, const Task& task
     const double free = static_cast<double>(p.count) - static_cast<double>(given);
     const float warm_start = task.warm_start;
     for_each_particle(p.count, [&](std::size_t i) { pressure[i] *= is_given(i) ? 1 : warm_start; });
-    start_solve(pressure, velocities(p), o,
-                [&](std::size_t i, float rate, std::size_t) { f.source[i] = source(i, rate); });
+    start_solve(pressure, velocities(p), o, [&](std::size_t begin, std::size_t end, std::size_t, const BlockOf& rates) {
+        for (std::size_t i = begin; i < end; ++i) f.source[i] = source(i, rates[i - begin]);
+    });
     if (confined_) {
         subtract_mean(f.source, p.count);
     }
@@ -241,20 +267,27 @@ SolveResult PressureSolver::solve(const PressureSystem& system, const Task& task
         const float beta = carries ? momentum.next_beta() : 0;
         errors_.begin(p.count);
         turns_.begin(p.count);
-        for_each_density_rate(accelerations(f), o, [&](std::size_t i, float rate, std::size_t b) {
-            // Compression that is left after the step.
-            const float error = is_given(i) ? 0 : f.source[i] + dt2 * rate;
-            errors_[b] += static_cast<double>(std::max(error, 0.0F));
-            const float from = pressure[i];
-            const float found = std::max(0.0F, from + relaxation_ * error * f.inverse_diagonal[i] / dt2);
-            pressure[i] = found;
-            if (carries) {
-                const float moved = found - earlier_[i];
-                turns_[b] += static_cast<double>((from - found) * moved);
-                pressure[i] += beta * moved;
-                earlier_[i] = found;
-            }
-        });
+        with_density_rates(accelerations(f), o,
+                           [&](std::size_t begin, std::size_t end, std::size_t b, const BlockOf& rates) {
+                               BlockOf errors;  // compression that is left after the step
+                               for (std::size_t i = begin; i < end; ++i)
+                                   errors[i - begin] = f.source[i] + dt2 * rates[i - begin];
+                               for (std::size_t i = begin; inflow_is_given && i < end; ++i) {
+                                   if (is_given(i)) errors[i - begin] = 0;
+                               }
+                               errors_[b] = sum_of_positive(errors, end - begin);
+                               float* const from = pressure.data() + begin;
+                               BlockOf found;
+                               for (std::size_t k = 0; k < end - begin; ++k) {
+                                   const float change = relaxation_ * errors[k] * f.inverse_diagonal[begin + k] / dt2;
+                                   found[k] = std::max(0.0F, from[k] + change);
+                               }
+                               if (carries) {
+                                   turns_[b] = carry_on(found, end - begin, beta, from, earlier_.data() + begin);
+                               } else {
+                                   std::copy_n(found.begin(), end - begin, from);
+                               }
+                           });
         ++result.iterations;
         const double error = free == 0 ? 0 : total_of(errors_) / free;
         const bool grows = error > std::exchange(result.error, error);

@@ -40,9 +40,10 @@ struct SolveResult {
 // Gives dt times the accelerations of the last solve to the velocities.
 void apply_acceleration(Particles& particles, const ParticleFields& fields, float dt);
 
-// Density, sum of gradients and diagonal of each particle, and the factors of the lists. volume: V, m^3.
-void compute_density_and_diagonal(const Particles& particles, const Kernel& kernel, float volume, NeighbourLists& lists,
-                                  ParticleFields& fields);
+// Density, sum of gradients and diagonal of each particle, and the factors of the lists. volume: V, m^3. viscous: the sums of
+// viscosity too (viscosity.hpp), into fields.ax, ay, az, by the velocities of now.
+void compute_density_and_diagonal(const Particles& particles, const Kernel& kernel, float volume, bool viscous,
+                                  NeighbourLists& lists, ParticleFields& fields);
 
 // Force on bed and obstacles, N, downwards, by the pressures of the last step, once it has moved the particles: what they
 // push against their images. A lid's is subtracted.

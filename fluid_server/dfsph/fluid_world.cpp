@@ -115,9 +115,9 @@ StepReport FluidWorld::step(double remaining) {
     StepStages stage(report.stages);
     // Places are those of the begin of the step until the last stage, and so are lists, densities and gradients.
     stage(Stage::sort, [&] { sort(report.dt); });
+    if (pushers_) stage(Stage::people, [&] { push(plan); });
     stage(Stage::neighbours, [&] { find_neighbours(grid_, solids_, particles_, support_radius_, lists_); });
     stage(Stage::density, [&] { find_densities(report); });
-    if (pushers_) stage(Stage::people, [&] { push(plan); });
     stage(Stage::forces, [&] { apply_forces(plan, report); });
     if (plan.split) stage(Stage::divergence_solve, [&] { solve_divergence(plan, report); });
     if (plan.contact_comes_first()) stage(Stage::contact, [&] { apply_contact(plan, report); });
@@ -152,7 +152,7 @@ void FluidWorld::sort(double dt) {
 }
 
 void FluidWorld::find_densities(StepReport& report) {
-    compute_density_and_diagonal(particles_, kernel_, volume_, lists_, fields_);
+    compute_density_and_diagonal(particles_, kernel_, volume_, viscosity_ > 0, lists_, fields_);
     if (confined_) {
         correct_gradients(particles_, lists_, correction_, fields_);
     }
@@ -175,7 +175,7 @@ void FluidWorld::apply_forces(const Plan& plan, StepReport& report) {
     }
     const float duration = plan.to_midpoint();
     if (viscosity_ > 0) {
-        apply_viscosity(particles_, lists_, fields_, static_cast<float>(viscosity_), duration);
+        apply_viscosity(particles_, fields_, static_cast<float>(viscosity_), duration);
     }
     report.driving_acceleration = ends_->driving_acceleration(particles_, time_ + report.dt, report.dt).value_or(0);
     apply_body_force(particles_, static_cast<float>(gravity_x_ - report.driving_acceleration),
@@ -196,7 +196,7 @@ void FluidWorld::solve_density(const Plan& plan, StepReport& report) {
     if (!plan.split) {
         apply_acceleration(particles_, fields_, plan.dt);
     }
-    report.sweeps = 1 + (viscosity_ > 0 ? 1 : 0) + report.divergence.sweeps + report.density.sweeps;
+    report.sweeps = 1 + report.divergence.sweeps + report.density.sweeps;
 }
 
 void FluidWorld::apply_contact(const Plan& plan, StepReport& report) {

@@ -29,9 +29,9 @@ namespace wade::fluid {
 
 enum class Stage : std::size_t {
     sort,        // by cell
-    neighbours,  // which clusters see whom
-    density,     // kernel, density, diagonal
     people,      // take their impulses
+    neighbours,  // which clusters see whom
+    density,     // kernel, density, diagonal, sums of viscosity
     forces,      // viscosity, gravity, friction
     divergence_solve,
     density_solve,
@@ -39,7 +39,7 @@ enum class Stage : std::size_t {
     advance   // new positions, emitter
 };
 inline constexpr std::array<std::string_view, 9> stage_names{
-    "sort", "neighbours", "density", "people", "forces", "divergence_solve", "density_solve", "contact", "advance"};
+    "sort", "people", "neighbours", "density", "forces", "divergence_solve", "density_solve", "contact", "advance"};
 using StepStages = StageClock<Stage, stage_names.size()>;
 
 struct StepReport {

@@ -142,7 +142,33 @@ HWY_NOINLINE std::uint16_t* keep_factors(Vec3V seen, const Particles& p, const s
     return to;
 }
 
-template <typename AnyKernel>
+// Sums over the entries of a segment for viscosity: M, of ImageVelocity, is taken out of the sum over j.
+struct ShearSums {
+    V weights;       // of the factors
+    Vec3V weighted;  // of factor times u_j
+};
+
+// Adds n entries, whose factors are the rounded ones.
+HWY_NOINLINE ShearSums add_shear(const ConstVectorArrays& u, const std::uint32_t* j, std::size_t n, const Batch& batch,
+                                 ShearSums sums) {
+    for (std::size_t e = 0; e < n; ++e) {
+        const V factor = hn::Sub(hn::Load(lanes, batch.factor[e].lane.data()), all(ones_from));
+        sums.weights = hn::Add(sums.weights, factor);
+        sums.weighted = add_product(factor, Vec3V{all(u.x[j[e]]), all(u.y[j[e]]), all(u.z[j[e]])}, sums.weighted);
+    }
+    return sums;
+}
+
+// sum_j (u_i - (M u_j + shift)) of a segment.
+HWY_INLINE Vec3V finish_shear(const ShearSums& sums, const Vec3V& ui, const ImageVelocity& image) {
+    const Vec3V own{hn::Sub(ui.x, all(image.shift[0])), hn::Sub(ui.y, all(image.shift[1])),
+                    hn::Sub(ui.z, all(image.shift[2]))};
+    const Vec3V mirrored = apply(image.map, sums.weighted);
+    return {hn::MulSub(sums.weights, own.x, mirrored.x), hn::MulSub(sums.weights, own.y, mirrored.y),
+            hn::MulSub(sums.weights, own.z, mirrored.z)};
+}
+
+template <bool with_shear, typename AnyKernel>
 HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel& kernel, float volume,
                               NeighbourLists& lists, const KernelSums& sums) {
     NeighbourBlock& block = lists.blocks[b];
@@ -158,10 +184,11 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
         block.first_factor[cluster] = static_cast<std::uint32_t>(to - factors.data());
         const Vec3V x = load(places(p), i);
         V density = hn::Zero(lanes), squares = hn::Zero(lanes);
-        Vec3V gradient = zero3();
+        Vec3V gradient = zero3(), shear = zero3();
         for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
             const Vec3V seen = apply(view.map, x);
             FactorSums of_segment{zero3(), squares};
+            ShearSums shear_of_segment{hn::Zero(lanes), zero3()};
             for (std::size_t k = first; k < last; k += Batch::size) {
                 const std::size_t n = std::min(Batch::size, last - k);
                 const std::uint32_t* const j = block.j.data() + k;
@@ -170,13 +197,18 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
                 density = view.by_sight ? find_factors<true>(kernel, seen_by, n, density, batch)
                                         : find_factors<false>(kernel, seen_by, n, density, batch);
                 to = keep_factors(seen, p, j, n, batch, to, seen_by, of_segment);
+                if constexpr (with_shear) shear_of_segment = add_shear(velocities(p), j, n, batch, shear_of_segment);
             }
             squares = of_segment.squares;
             gradient = plus(gradient, apply(view.map.rotation, of_segment.gradient));
+            if constexpr (with_shear) {
+                shear = plus(shear, finish_shear(shear_of_segment, load(velocities(p), i), view.viscous));
+            }
         });
         hn::StoreU(hn::Mul(all(volume * kernel.value(0)), density), lanes, sums.density + i);
         hn::StoreU(hn::Mul(hn::Mul(unit, unit), squares), lanes, sums.squares + i);
         store(times(unit, gradient), sums.gradient, i);
+        if constexpr (with_shear) store(times(unit, shear), sums.shear, i);
     });
     // What is loaded may reach beyond the last.
     std::fill_n(to, spread_loads, std::uint16_t{0});
@@ -185,7 +217,15 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
 
 void SumKernel(std::size_t b, const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
                const KernelSums& sums) {
-    std::visit([&](const auto& of_scene) { sum_kernel_of(b, p, of_scene, volume, lists, sums); }, kernel);
+    std::visit(
+        [&](const auto& of_scene) {
+            if (sums.shear.x != nullptr) {
+                sum_kernel_of<true>(b, p, of_scene, volume, lists, sums);
+            } else {
+                sum_kernel_of<false>(b, p, of_scene, volume, lists, sums);
+            }
+        },
+        kernel);
 }
 
 void SumGradients(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
@@ -254,34 +294,6 @@ void SumGradientsAndDivergence(std::size_t b, const Particles& p, const Neighbou
     });
 }
 
-void SumShear(std::size_t b, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
-              const VectorArrays& sums) {
-    const NeighbourBlock& block = lists.blocks[b];
-    for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
-        Factors factors(block, cluster);
-        const Vec3V ui = load(u, i);
-        Vec3V total = zero3();
-        for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
-            // u_i - (M u_j + shift): M is taken out of the sum over j.
-            V weights = hn::Zero(lanes);
-            Vec3V weighted = zero3();
-            for (std::size_t k = first; k < last; ++k) {
-                const std::size_t j = block.j[k];
-                const V weight = factors.take(k);
-                weights = hn::Add(weights, weight);
-                weighted = add_product(weight, Vec3V{all(u.x[j]), all(u.y[j]), all(u.z[j])}, weighted);
-            }
-            const ImageVelocity& image = view.viscous;
-            const Vec3V own{hn::Sub(ui.x, all(image.shift[0])), hn::Sub(ui.y, all(image.shift[1])),
-                            hn::Sub(ui.z, all(image.shift[2]))};
-            const Vec3V mirrored = apply(image.map, weighted);
-            total = plus(total, Vec3V{hn::MulSub(weights, own.x, mirrored.x), hn::MulSub(weights, own.y, mirrored.y),
-                                      hn::MulSub(weights, own.z, mirrored.z)});
-        });
-        store(times(all(lists.factor_unit), total), sums, i);
-    });
-}
-
 // The bits of the first n lanes, of all if there are fewer.
 HWY_INLINE unsigned first_lanes(std::size_t n) {
     return n < cluster_size ? (1U << n) - 1 : ~0U;
@@ -341,7 +353,6 @@ HWY_EXPORT(SumKernel);
 HWY_EXPORT(SumGradients);
 HWY_EXPORT(SumDivergence);
 HWY_EXPORT(SumGradientsAndDivergence);
-HWY_EXPORT(SumShear);
 
 std::size_t find_near_box(const Box& box, float support_radius, const Particles& p, std::span<const Run> runs,
                           std::uint32_t* out) {
@@ -372,11 +383,6 @@ void sum_gradients_and_divergence(std::size_t block, const Particles& p, const N
                                   const float* scalar, const VectorArrays& gradients, const ConstVectorArrays& u,
                                   float* divergences) {
     HWY_DYNAMIC_DISPATCH(SumGradientsAndDivergence)(block, p, lists, scalar, gradients, u, divergences);
-}
-
-void sum_shear(std::size_t block, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
-               const VectorArrays& sums) {
-    HWY_DYNAMIC_DISPATCH(SumShear)(block, p, lists, u, sums);
 }
 
 std::size_t cluster_size_here() {

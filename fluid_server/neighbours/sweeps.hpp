@@ -21,6 +21,8 @@ struct KernelSums {
     float* density;         // V sum_j W_ij, fraction of rest density
     VectorArrays gradient;  // sum_j g_ij, 1/m
     float* squares;         // sum_j |g_ij|^2, 1/m^2
+    VectorArrays
+        shear;  // sum_j (v_i - v_j) V (dW/dr) / r, 1/(m s), by the velocities that viscosity sees of images; or null
 };
 
 // Writes those particles of the runs to `out` that are nearer than the support radius to a box. Returns their number. Needs
@@ -33,7 +35,8 @@ std::size_t find_near_box(const Box& box, float support_radius, const Particles&
 std::size_t find_near_places(const ClusterPlaces& places, float support_radius, const Particles& particles,
                              std::span<const std::uint32_t> candidates, std::uint32_t* out);
 
-// Computes the factors of the block's lists, and the sums that go with them. volume: V, m^3.
+// Computes the factors of the block's lists, and the sums that go with them. volume: V, m^3. Viscosity's sum is among them as
+// a sweep of its own would cost twice as much.
 void sum_kernel(std::size_t block, const Particles& particles, const Kernel& kernel, float volume,
                 NeighbourLists& lists, const KernelSums& sums);
 
@@ -49,10 +52,6 @@ void sum_divergence(std::size_t block, const Particles& particles, const Neighbo
 void sum_gradients_and_divergence(std::size_t block, const Particles& particles, const NeighbourLists& lists,
                                   const float* scalar, const VectorArrays& gradients, const ConstVectorArrays& u,
                                   float* divergences);
-
-// sum_j (u_i - u_j) V (dW/dr) / r with the velocities that viscosity sees of images.
-void sum_shear(std::size_t block, const Particles& particles, const NeighbourLists& lists, const ConstVectorArrays& u,
-               const VectorArrays& sums);
 
 // - sum_j (x_i - x_j) (x) g_ij, for an image x_j its place.
 void sum_moments(std::size_t block, const Particles& particles, const NeighbourLists& lists, const MatrixArrays& sums);

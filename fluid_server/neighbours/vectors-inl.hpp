@@ -60,6 +60,9 @@ HWY_INLINE MatrixV load(const ConstMatrixArrays& a, std::size_t i) {
 HWY_INLINE ConstVectorArrays places(const Particles& p) {
     return {p.x.data(), p.y.data(), p.z.data()};
 }
+HWY_INLINE ConstVectorArrays velocities(const Particles& p) {
+    return {p.vx.data(), p.vy.data(), p.vz.data()};
+}
 
 HWY_INLINE Vec3V plus(const Vec3V& a, const Vec3V& b) {
     return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};

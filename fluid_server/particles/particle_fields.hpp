@@ -31,7 +31,7 @@ struct ParticleFields {
 
 // A vector a particle, as arrays.
 struct VectorArrays {
-    float *x, *y, *z;
+    float *x = nullptr, *y = nullptr, *z = nullptr;
 };
 struct ConstVectorArrays {
     const float *x, *y, *z;

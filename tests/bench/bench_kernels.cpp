@@ -51,7 +51,7 @@ struct Water {
           fields(particles.capacity()) {
         grid.sort(particles, -1e30F);
         fluid::find_neighbours(grid, solids, particles, support_radius, lists);
-        fluid::compute_density_and_diagonal(particles, kernel, volume, lists, fields);
+        fluid::compute_density_and_diagonal(particles, kernel, volume, true, lists, fields);
     }
     [[nodiscard]] std::size_t blocks() const { return fluid::block_count(particles.count); }
 };
@@ -120,7 +120,7 @@ void list_build(benchmark::State& state) {
     Water& water = water_of(state.range(0));
     for (auto _ : state)
         fluid::find_neighbours(water.grid, water.solids, water.particles, water.support_radius, water.lists);
-    fluid::compute_density_and_diagonal(water.particles, water.kernel, water.volume, water.lists, water.fields);
+    fluid::compute_density_and_diagonal(water.particles, water.kernel, water.volume, true, water.lists, water.fields);
     count_items(state, water.particles.count);
     count_pairs(state, water);
 }
@@ -128,7 +128,8 @@ void list_build(benchmark::State& state) {
 void kernel_sweep(benchmark::State& state) {
     Water& water = water_of(state.range(0));
     for (auto _ : state)
-        fluid::compute_density_and_diagonal(water.particles, water.kernel, water.volume, water.lists, water.fields);
+        fluid::compute_density_and_diagonal(water.particles, water.kernel, water.volume, true, water.lists,
+                                            water.fields);
     count_items(state, water.particles.count);
     count_pairs(state, water);
 }
@@ -169,7 +170,7 @@ void sweeps_with_skin(benchmark::State& state, double spacings) {
     fluid::ParticleFields& f = water.fields;
     std::array<float, fluid::block_size> sums;
     for (auto _ : state) {
-        fluid::compute_density_and_diagonal(p, water.kernel, water.volume, water.lists, f);
+        fluid::compute_density_and_diagonal(p, water.kernel, water.volume, true, water.lists, f);
         for (int k = 0; k < 5; ++k) {
             for (std::size_t b = 0; b < water.blocks(); ++b) {
                 fluid::sum_gradients(b, p, water.lists, p.pressure.data(), {f.ax.data(), f.ay.data(), f.az.data()});
@@ -181,7 +182,7 @@ void sweeps_with_skin(benchmark::State& state, double spacings) {
     count_items(state, p.count);
     count_pairs(state, water);
     fluid::find_neighbours(water.grid, water.solids, water.particles, water.support_radius, water.lists);
-    fluid::compute_density_and_diagonal(p, water.kernel, water.volume, water.lists, f);
+    fluid::compute_density_and_diagonal(p, water.kernel, water.volume, true, water.lists, f);
 }
 
 // A crowd all over a river, and the water round it.

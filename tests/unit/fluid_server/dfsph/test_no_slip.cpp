@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "configs/scene/scene_capacity.hpp"
-#include "fluid_server/dfsph/viscosity.hpp"
+#include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/particles/solids.hpp"
 #include "scenes.hpp"
@@ -15,6 +15,7 @@ using namespace wade::fluid;
 namespace {
 
 constexpr double d = 0.1;
+constexpr float viscosity = 1;  // over the second moment of the kernel, m^2/s
 
 // Largest viscous acceleration, m/s2, of a lattice that fills 1 x 1 x 1 m between bed and lid, u_x(y) given.
 template <typename Profile>
@@ -35,11 +36,10 @@ float largest_acceleration(Scene scene, Profile&& profile) {
     NeighbourLists lists(p.capacity());
     find_neighbours(grid, Solids(scene), p, h, lists);
     ParticleFields fields(p.capacity());
-    compute_density_and_diagonal(p, make_kernel(scene.fluid), static_cast<float>(d * d * d), lists, fields);
-    apply_viscosity(p, lists, fields, 1, 0);
+    compute_density_and_diagonal(p, make_kernel(scene.fluid), static_cast<float>(d * d * d), true, lists, fields);
     float largest = 0;
     for (std::size_t i = 0; i < p.count; ++i) {
-        largest = std::max(largest, std::abs(fields.ax[i]));
+        largest = std::max(largest, 2 * viscosity * std::abs(fields.ax[i]));
     }
     return largest;
 }

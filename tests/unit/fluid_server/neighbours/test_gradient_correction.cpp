@@ -42,7 +42,7 @@ struct Packing {
         CellGrid grid(scene, 2 * d);
         REQUIRE(grid.sort(p, -Box::inf) == 0);
         find_neighbours(grid, Solids(scene), p, 2 * d, lists);
-        compute_density_and_diagonal(p, CubicSpline(2 * d), d * d * d, lists, fields);
+        compute_density_and_diagonal(p, CubicSpline(2 * d), d * d * d, false, lists, fields);
     }
 
     static Scene scene_in_tank() {

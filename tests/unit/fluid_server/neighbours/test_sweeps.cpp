@@ -46,7 +46,7 @@ struct Corner {
         CellGrid grid(scene, h);
         grid.sort(particles, -Box::inf);
         find_neighbours(grid, Solids(scene), particles, h, lists);
-        compute_density_and_diagonal(particles, kernel, volume, lists, fields);
+        compute_density_and_diagonal(particles, kernel, volume, true, lists, fields);
     }
 
     // Calls body(i, j, R, x_i - R-image of x_j) for all pairs and images nearer than h.
@@ -88,11 +88,11 @@ TEST_CASE("the sums of a sweep are those of a loop over all pairs and images", "
     std::vector<float> divergence(p.x.size() + block_size);
     std::vector<float> together(p.x.size() + block_size);
     std::vector<float> fx(p.x.size()), fy(p.x.size()), fz(p.x.size());
-    std::vector<float> gx(p.x.size()), gy(p.x.size()), gz(p.x.size()), sx(p.x.size()), sy(p.x.size()), sz(p.x.size());
+    std::vector<float> gx(p.x.size()), gy(p.x.size()), gz(p.x.size());
+    const std::vector<float>&sx = corner.fields.ax, &sz = corner.fields.az;
     for (std::size_t b = 0; b < block_count(p.count); ++b) {
         sum_divergence(b, p, corner.lists, velocity, divergence.data() + b * block_size);
         sum_gradients(b, p, corner.lists, p.pressure.data(), {gx.data(), gy.data(), gz.data()});
-        sum_shear(b, p, corner.lists, velocity, {sx.data(), sy.data(), sz.data()});
         sum_gradients_and_divergence(b, p, corner.lists, p.pressure.data(), {fx.data(), fy.data(), fz.data()}, velocity,
                                      together.data() + b * block_size);
     }

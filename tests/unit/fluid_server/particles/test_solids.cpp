@@ -47,8 +47,8 @@ Densities densities_of_lattice(const Scene& scene, int nx, int ny, int nz) {
     NeighbourLists lists(result.particles.capacity());
     const Solids solids(scene);
     find_neighbours(grid, solids, result.particles, h, lists);
-    compute_density_and_diagonal(result.particles, make_kernel(scene.fluid), static_cast<float>(d * d * d), lists,
-                                 result.fields);
+    compute_density_and_diagonal(result.particles, make_kernel(scene.fluid), static_cast<float>(d * d * d), false,
+                                 lists, result.fields);
     return result;
 }
 
