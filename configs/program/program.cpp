@@ -63,7 +63,10 @@ int exit_code_of_signal() {
 void let_threads_spin_briefly(char** argv) {
     const bool chosen = std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr;
     if (!chosen && ::setenv("GOMP_SPINCOUNT", "2000", 1) == 0) {
-        ::execv("/proc/self/exe", argv);  // where that is not possible the program goes on as it is
+        // By its own path, so that lists of processes go on naming it. Where neither is possible it goes on as it is.
+        std::error_code ignored;
+        ::execv(std::filesystem::read_symlink("/proc/self/exe", ignored).c_str(), argv);
+        ::execv("/proc/self/exe", argv);
     }
 }
 

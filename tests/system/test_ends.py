@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import unittest
+from pathlib import Path
 
 from harness import ENDLESS, SystemTest, wait_until
 
@@ -23,6 +24,14 @@ class Ends(SystemTest):
         server, client = self.server(*ENDLESS), self.client(*ENDLESS)
         self.wait_for_frame(frame, server, client)
         return server, client
+
+    @unittest.skipUnless(Path("/proc/self/comm").exists(), "no such list of processes")
+    def test_lists_of_processes_name_the_programs(self):
+        server, client = self.started(1)
+        names = [Path(f"/proc/{of.process.pid}/comm").read_text(encoding="ascii") for of in (server, client)]
+        server.send(signal.SIGTERM)
+        self.assertEqual([server.wait(), client.wait()], [143, 5])
+        self.assertEqual(names, ["fluid_server\n", "crowd_client\n"], "the server starts itself anew")
 
     def assert_server_summed_up(self, server):
         self.assertRegex(server.messages(), r"[1-9]\d* frames, .* memory [1-9]\d* MB")
