@@ -16,6 +16,7 @@
 #include "fluid_server/server/report.hpp"
 #include "fluid_server/server/run_server.hpp"
 #include "fluid_server/server/state_options.hpp"
+#include "fluid_server/server/threads_in_use.hpp"
 
 namespace wade::fluid {
 
@@ -149,12 +150,14 @@ void serve(const ProgramStart& start, FluidModel& model, Console& console) {
         if (!control.take_tau_commands().empty()) console.warning("tau belongs to the crowd; tell it to crowd_client");
     };
     TimeLeft left(clock.end(), static_cast<double>(particles_expected(scene)));
+    ThreadsInUse threads;
     run.on_frame = [&](const shm::Diagnostics&) {
+        threads.frame_done();
         left.note(clock.simulated(), wall(), summary.particles);
         if (console.progress_due(clock.simulated())) console.progress(progress_line(run, summary, left));
     };
-    console.line("session '" + options.session + "', scene '" + scene.name + "', " +
-                 std::to_string(omp_get_max_threads()) + " threads; " + waits_for(consumers));
+    console.line("session '" + options.session + "', scene '" + scene.name + "', " + std::to_string(threads.now()) +
+                 " threads; " + waits_for(consumers));
     try {
         run_server(run, summary);
     } catch (const std::exception&) {

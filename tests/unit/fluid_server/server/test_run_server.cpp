@@ -1,12 +1,15 @@
 #include <unistd.h>
 
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <exception>
 #include <thread>
 #include <vector>
 
 #include "fluid_server/dfsph/dfsph_model.hpp"
 #include "fluid_server/server/run_server.hpp"
+#include "fluid_server/server/threads_in_use.hpp"
 #include "frame_arrays.hpp"
 #include "scenes.hpp"
 #include "shm_protocol/subscriber.hpp"
@@ -326,4 +329,55 @@ TEST_CASE("the solved water of a frame is that of its steps", "[server][fluid]")
     REQUIRE(arrays.count == p.count);
     const std::vector<float> x(p.x.begin(), p.x.begin() + static_cast<std::ptrdiff_t>(p.count));
     CHECK(arrays.x() == x);
+}
+
+TEST_CASE("threads make room while others want the processors, and come back", "[fluid][threads]") {
+    ThreadChoice threads{.most = 2, .now = 2};
+    const auto periods = [&](int number, double waiting) {
+        for (int n = 0; n < number; ++n) threads.after_period(waiting);
+    };
+    periods(100, 0.5);  // the crowd of the same run, busy all the time, on two processors
+    CHECK(threads.now == 2);
+    periods(1, 1.0);  // another such run
+    CHECK(threads.now == 1);
+    periods(threads.patience - 1, 0.1);
+    CHECK(threads.now == 1);
+    periods(1, 0.1);
+    CHECK(threads.now == 2);  // a trial
+    const int before = threads.patience;
+    periods(1, 0.9);
+    CHECK(threads.now == 1);
+    CHECK(threads.patience == 2 * before);
+    periods(1000, 0.9);  // one thread is the least, and trials are rare
+    CHECK(threads.patience == ThreadChoice::most_patience);
+    periods(ThreadChoice::most_patience + 1, 0.1);
+    CHECK(threads.now == 2);
+
+    ThreadChoice many{.most = 16, .now = 16};
+    many.after_period(6.2);
+    CHECK(many.now == 10);
+    many.after_period(40);
+    CHECK(many.now == 1);
+}
+
+TEST_CASE("the system tells how long threads were ready without a processor", "[fluid][threads]") {
+    // More threads that work than processors: some must wait, half of the time where nobody else works.
+    const double before = time_without_processor();
+    REQUIRE(before >= 0);
+    std::atomic<bool> work = true;
+    std::vector<std::thread> threads;
+    for (unsigned n = 0; n < 2 * std::thread::hardware_concurrency(); ++n) {
+        threads.emplace_back([&] {
+            while (work) {
+            }
+        });
+    }
+    double waited = 0;
+    for (int n = 0; n < 1000 && waited <= 0.01; ++n) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        waited = time_without_processor() - before;
+    }
+    work = false;
+    for (std::thread& thread : threads) thread.join();
+    CHECK(waited > 0.01);
 }

@@ -3,8 +3,12 @@
 import json
 import os
 import subprocess
+import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
+from statistics import median
 
 from wade.paths import ROOT, module_command
 from wade.reports.files import complain
@@ -23,6 +27,10 @@ RUNS = (
 )
 SAME_FRAMES = {"end_to_end/s05", "end_to_end/s05_depth_1"}  # how far the water is ahead changes no bit
 QUICK = {"end_to_end/s05": 20}
+# What all threads give where others want the processors too, over what one thread gives there: (name, how many pairs at once,
+# programs beside that never rest). Both by the river of S5, cut to so many simulated seconds.
+SHARED = (("end_to_end/beside_busy_programs", 1, os.cpu_count()), ("end_to_end/pairs_at_once", os.cpu_count(), 0))
+SHARED_SCENE, SHARED_UNTIL, SHARED_ROUNDS = "configs/river/s05.json", 8, 5
 
 
 def one_run(scene, until, threads, options):
@@ -56,9 +64,38 @@ def result_of(name, threads, outcomes):
     }
 
 
+@contextmanager
+def busy_programs(number):
+    programs = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(number)]
+    try:
+        yield
+    finally:
+        for program in programs:
+            program.kill()
+            program.wait()
+
+
+def shared_rate(pairs, until, threads):
+    """Simulated seconds a second of the slowest of some pairs at once."""
+    with ThreadPoolExecutor(pairs) as pool:
+        outcomes = list(pool.map(lambda _: one_run(SHARED_SCENE, until, threads, ()), range(pairs)))
+    return min(o["sim_time_s"] / o["wall_time_s"] for o in outcomes)
+
+
+def shared_result(name, pairs, programs):
+    with busy_programs(programs):
+        ratios = sorted(shared_rate(pairs, SHARED_UNTIL, os.cpu_count()) / shared_rate(pairs, SHARED_UNTIL, 1)
+                        for _ in range(SHARED_ROUNDS))
+    return {"name": name, "size": pairs, "threads": os.cpu_count(), "median": median(ratios), "min": ratios[0],
+            "max": ratios[-1], "unit": "of_one_thread", "rounds": SHARED_ROUNDS}
+
+
 def measure(only, quick, threads):
     """Results of the runs whose names begin with `only`, and whether all went well."""
     results, well, hashes = [], True, set()
+    for name, pairs, programs in SHARED:
+        if name.startswith(only) and threads is None and not quick:
+            results.append(shared_result(name, pairs, programs))
     for name, scene, until, rounds, options in RUNS:
         if not name.startswith(only) or (quick and name not in QUICK):
             continue
