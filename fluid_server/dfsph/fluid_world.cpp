@@ -177,9 +177,15 @@ void FluidWorld::apply_forces(const Plan& plan, StepReport& report) {
     if (viscosity_ > 0) {
         apply_viscosity(particles_, fields_, static_cast<float>(viscosity_), duration);
     }
-    report.driving_acceleration = ends_->driving_acceleration(particles_, time_ + report.dt, report.dt).value_or(0);
-    apply_body_force(particles_, static_cast<float>(gravity_x_ - report.driving_acceleration),
-                     static_cast<float>(gravity_y_), duration);
+    const std::optional<double> driving = ends_->driving_acceleration(particles_, time_ + report.dt, report.dt);
+    const double before = driving ? mean_velocity(particles_) : 0;
+    apply_body_force(particles_, static_cast<float>(gravity_x_ - driving.value_or(0)), static_cast<float>(gravity_y_),
+                     duration);
+    // What the water really got: all velocities are near v_F, so that the same small change is rounded alike in all of them.
+    if (driving) {
+        report.driving_acceleration =
+            gravity_x_ - (mean_velocity(particles_) - before) / static_cast<double>(duration);
+    }
     if (friction_) {
         friction_->apply(particles_, duration);
     }

@@ -16,13 +16,18 @@ inline void apply_body_force(Particles& p, float ax, float ay, float dt) {
     });
 }
 
+// Of all particles along x, m/s; 0 without any.
+inline double mean_velocity(const Particles& p) {
+    double sum = 0;
+    for (std::size_t i = 0; i < p.count; ++i) {
+        sum += static_cast<double>(p.vx[i]);
+    }
+    return p.count == 0 ? 0 : sum / static_cast<double>(p.count);
+}
+
 // Uniform acceleration along x that brings the mean velocity of all fluid to -speed within dt, m/s^2.
 inline double driving_acceleration(const Particles& p, double speed, float dt) {
-    double momentum = 0;
-    for (std::size_t i = 0; i < p.count; ++i) {
-        momentum += static_cast<double>(p.vx[i]);
-    }
-    return p.count == 0 ? 0 : (-speed - momentum / static_cast<double>(p.count)) / static_cast<double>(dt);
+    return p.count == 0 ? 0 : (-speed - mean_velocity(p)) / static_cast<double>(dt);
 }
 
 }  // namespace wade::fluid

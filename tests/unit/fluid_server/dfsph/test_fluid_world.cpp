@@ -1,5 +1,6 @@
 #include <omp.h>
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -98,6 +99,25 @@ TEST_CASE("a velocity that is not finite ends the run as a numerical failure", "
     } catch (const RunError& error) {
         CHECK(error.code() == ExitCode::numerical_failure);
     }
+}
+
+// Beyond -1 a float is 2^-23 m/s from the next.
+TEST_CASE("what is said to drive a river is what its velocities got, to the last bit", "[fluid][people]") {
+    const auto driven = [](double speed) {
+        Scene scene = test::tank(1, 1, 1, 0.1);
+        scene.channel.water_blocks.clear();
+        scene.channel.flow = Flow::recirculating;
+        scene.channel.initial_river = InitialRiver::filled;
+        scene.channel.velocity = speed;
+        FluidWorld world(scene);
+        world.set_velocity([](const std::array<double, 3>&) { return std::array<double, 3>{-1, 0, 0}; });
+        const StepReport step = world.step(1.0 / 30);
+        return step.driving_acceleration * step.dt;
+    };
+    const double bit = std::ldexp(1.0, -23);
+    CHECK(driven(1 + 0.4 * bit) == 0);
+    CHECK(driven(1 + 0.6 * bit) == Approx(bit).epsilon(1e-6));
+    CHECK(driven(1 + 2.4 * bit) == Approx(2 * bit).epsilon(1e-6));
 }
 
 TEST_CASE("a world without particles and one with a single particle step without harm", "[fluid]") {
