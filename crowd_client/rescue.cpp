@@ -15,7 +15,11 @@ constexpr double safe = 0.8;                    // D on the way
 constexpr double shallow = 0.3;                 // m
 constexpr double at_place = 0.5, beside = 1;    // m
 constexpr double hauls = 0.5;                   // m/s [A]
+constexpr double in_tow = 2;                    // m [A]
 constexpr double time_between_throws = 20;      // s [A]
+constexpr double detour = 30;                   // how far it may lead away from the rescuer along each axis, m [A]
+constexpr double pace = 0.25;                   // from one place of a detour to the next, m
+constexpr double time_between_looks = 1;        // for detours, s
 
 bool sees(const CrowdWorld& crowd, const Vector2d& from, const Vector2d& to) {
     const Vector2d lo = from.cwiseMin(to), hi = from.cwiseMax(to);
@@ -43,21 +47,43 @@ bool is_safe(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id, 
     return true;
 }
 
-// The nearest place in sight with less than 0.3 m of water, of 16 directions and every metre up to 20 m; else its goal.
-Vector2d nearest_shallow(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id) {
+// The same along places that are a pace apart, the last the next, until the line is long enough for the first and nothing is in
+// its way.
+bool is_safe_round(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id,
+                   const std::vector<Vector2d>& places) {
+    const WaterProperties properties{crowd.scene.fluid.rest_density, crowd.scene.world.gravity};
+    constexpr auto metre = static_cast<std::size_t>(1 / pace);
+    const Vector2d& whom = places.front();
+    for (std::size_t left = places.size(); left > 1; left -= std::min(metre, left)) {
+        const Vector2d& place = places[left - 1];
+        const double demand =
+            demand_at(crowd.agents.people, id, crowd.agents.mass[id],
+                      unit_or(places[left - 2] - place, Vector2d::Zero()), properties, water_at(crowd, water, place));
+        if (!(demand < safe)) return false;
+        if ((whom - place).squaredNorm() <= line_length * line_length && sees(crowd, place, whom)) break;
+    }
+    return true;
+}
+
+// The nearest place in sight with less than 0.3 m of water, of 16 directions and every metre up to 20 m; if there are any, of those
+// to which no corner cuts off whom it brings. Else its goal.
+Vector2d nearest_shallow(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id, const Vector2d& whom) {
     const World& world = crowd.scene.world;
     const Vector2d& here = crowd.agents.position[id];
     constexpr int directions = 16;
+    std::optional<Vector2d> cut_off;
     for (int metre = 0; metre <= static_cast<int>(sight); ++metre) {
         for (int i = 0; i < (metre > 0 ? directions : 1); ++i) {
             const double angle = 2 * std::numbers::pi * i / directions;
             const Vector2d place = here + metre * Vector2d(std::cos(angle), std::sin(angle));
             const bool is_in_x = world.period() > 0 || (place.x() >= 0 && place.x() <= world.length);
             if (!is_in_x || place.y() < 0 || place.y() > world.width || !sees(crowd, here, place)) continue;
-            if (water_at(crowd, water, place).depth < shallow) return place;
+            if (water_at(crowd, water, place).depth >= shallow) continue;
+            if (sees(crowd, whom, place)) return place;
+            if (!cut_off) cut_off = place;
         }
     }
-    return here + goal_offset(crowd.agents, id, world.period());
+    return cut_off ? *cut_off : Vector2d(here + goal_offset(crowd.agents, id, world.period()));
 }
 
 Link* line_of(CrowdWorld& crowd, std::uint32_t id) {
@@ -89,10 +115,42 @@ void throw_line(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, std
     Link line = link_between(crowd.agents.people, rescuer.id, whom, false);
     line.kind = LinkKind::line;
     line.grip *= 2;
-    line.rest = std::max(link_length, std::sqrt(way_to(crowd, rescuer.id, crowd.agents.position[whom]).squaredNorm()));
+    const Vector2d way = way_to(crowd, rescuer.id, crowd.agents.position[whom]);
+    line.rest = std::max(link_length, std::sqrt(way.squaredNorm()));
     crowd.links.push_back(line);
     rescuer.has_line = true;
-    rescuer.retreat = nearest_shallow(crowd, water, rescuer.id);
+    rescuer.retreat = nearest_shallow(crowd, water, rescuer.id, crowd.agents.position[rescuer.id] + way);
+}
+
+// Looks for the shortest way round obstacles to one of those who are out of sight, that it can walk.
+void look_for_detour(const CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer,
+                     const std::vector<std::uint32_t>& hidden) {
+    const World& world = crowd.scene.world;
+    const Vector2d& here = crowd.agents.position[rescuer.id];
+    const bool goes_round = world.period() > 0;
+    const Interval x{goes_round ? here.x() - detour : std::max(0.0, here.x() - detour),
+                     goes_round ? here.x() + detour : std::min(world.length, here.x() + detour)};
+    const Interval z{std::max(0.0, here.y() - detour), std::min(world.width, here.y() + detour)};
+    const Navigation ways = ways_within(crowd.scene, crowd.walls.boxes, x, z, here);
+    rescuer.round.clear();
+    for (const std::uint32_t id : hidden) {
+        const Vector2d whom = here + way_to(crowd, rescuer.id, crowd.agents.position[id]);
+        std::vector<Vector2d> places = places_on_way(ways, ways.fields.at(0), whom, pace);
+        if (places.empty() || (!rescuer.round.empty() && places.size() >= rescuer.round.size())) continue;
+        if (is_safe_round(crowd, water, rescuer.id, places)) rescuer.round = std::move(places);
+    }
+}
+
+// Nobody in sight can be reached: goes round obstacles, if the scene lets people go round.
+void go_round(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, const std::vector<std::uint32_t>& hidden) {
+    if (hidden.empty() || crowd.scene.crowd.navigation.rule == NavigationRule::straight) return rescuer.round.clear();
+    if (time_of(crowd) >= rescuer.next_look) {
+        look_for_detour(crowd, water, rescuer, hidden);
+        rescuer.next_look = time_of(crowd) + time_between_looks;
+    }
+    const auto next = [&] { return way_to(crowd, rescuer.id, rescuer.round.back()); };
+    while (!rescuer.round.empty() && next().squaredNorm() <= at_place * at_place) rescuer.round.pop_back();
+    if (!rescuer.round.empty()) rescuer.way = next();
 }
 
 // Goes to the nearest whom it can reach, and throws once the line is long enough.
@@ -106,16 +164,22 @@ void look_for_somebody(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescu
         if (id != rescuer.id && distance <= sight && !is_on_line(crowd, id)) near.emplace_back(distance, id);
     }
     std::sort(near.begin(), near.end());
+    std::vector<std::uint32_t> hidden;
     for (const auto& [distance, id] : near) {
         const Vector2d way = way_to(crowd, rescuer.id, crowd.agents.position[id]);
         const double on_foot = std::max(0.0, distance - line_length);
-        if (!sees(crowd, here, here + way)) continue;
+        if (!sees(crowd, here, here + way)) {
+            hidden.push_back(id);
+            continue;
+        }
         if (!is_safe(crowd, water, rescuer.id, unit_or(way, Vector2d::Zero()), on_foot)) continue;
+        rescuer.round.clear();
         rescuer.way = way;
         rescuer.stands = !(on_foot > 0);
         if (rescuer.stands && time_of(crowd) >= rescuer.next_throw) throw_line(crowd, water, rescuer, id);
         return;
     }
+    go_round(crowd, water, rescuer, hidden);
 }
 
 bool is_safe_now(const People& people, std::uint32_t id) {
@@ -125,23 +189,29 @@ bool is_safe_now(const People& people, std::uint32_t id) {
 // Whether the one on the line can be let go of.
 bool bring_in(CrowdWorld& crowd, Rescuer& rescuer, Link& line) {
     const People& people = crowd.agents.people;
-    const double distance = std::sqrt(way_to(crowd, line.a, crowd.agents.position[line.b]).squaredNorm());
+    const Vector2d& here = crowd.agents.position[rescuer.id];
+    const Vector2d to_whom = way_to(crowd, line.a, crowd.agents.position[line.b]);
+    const double distance = std::sqrt(to_whom.squaredNorm());
     if (is_safe_now(people, line.b) && (people.depth[line.b] < shallow || distance <= beside)) return true;
     const Vector2d back = way_to(crowd, rescuer.id, rescuer.retreat);
-    rescuer.stands = people.depth[rescuer.id] < shallow || back.squaredNorm() <= at_place * at_place;
+    const bool is_back = people.depth[rescuer.id] < shallow || back.squaredNorm() <= at_place * at_place;
+    // A line is not led round corners: first it is hauled in.
+    const bool is_cut_off = distance > in_tow && !sees(crowd, here + to_whom, here + back);
+    rescuer.stands = is_back || is_cut_off;
     if (!rescuer.stands) {
-        rescuer.way = back;
+        if (sees(crowd, here, here + back)) rescuer.way = back;  // or to its goal, by the ways of all
     } else if (line.pull < 0.5 * line.grip) {
         line.rest = std::max(link_length, std::min(line.rest, distance) - hauls * crowd.dt);
     }
     return false;
 }
 
-// Whether it can do something: it is on its feet and answers by its body. Who cannot, drops its line.
+// Whether it can do something: it is on its feet, not just getting up, and answers by its body. Who cannot, drops its line.
 bool acts(CrowdWorld& crowd, Rescuer& rescuer) {
     const std::uint32_t id = rescuer.id;
     const bool is_there = crowd.agents.outcome[id] == Outcome::active && crowd.agents.people.by_body[id] != 0;
-    const bool has_feet = has_ground(crowd.agents.people.condition[id].state);
+    const PersonState state = crowd.agents.people.condition[id].state;
+    const bool has_feet = has_ground(state) && state != PersonState::recovering;
     if (is_there && has_feet) return true;
     rescuer.lost_feet = rescuer.lost_feet || !has_feet;
     std::erase_if(crowd.links, [&](const Link& link) { return link.kind == LinkKind::line && link.a == id; });

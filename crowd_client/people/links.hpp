@@ -48,6 +48,8 @@ struct Rescuer {
     std::optional<Vector2d> way;          // that it takes instead of the one to its goal, m
     Vector2d retreat = Vector2d::Zero();  // where it brings whom it holds, m
     double next_throw = 0;                // not before this time, s
+    std::vector<Vector2d> round;          // places of a way round obstacles to somebody, the last the next, m
+    double next_look = 0;                 // for such a way, not before this time, s
     bool lost_feet = false;               // at some time
 };
 

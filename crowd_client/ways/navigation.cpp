@@ -165,12 +165,8 @@ void place_boxes_of_way(Navigation& navigation, const Scene& scene) {
     navigation.sight.boxes = place_boxes(std::move(boxes), cell);
 }
 
-void lay_out_grid(Navigation& navigation, const Scene& scene, double cell) {
-    const double period = navigation.period;
-    const double lap_cell = period > 0 ? period / std::ceil(period / cell - 1e-9) : cell;
-    navigation.grid =
-        period > 0 ? travel_grid({-lap_of_goals * period, 0}, {laps_laid_out * period, scene.world.width}, lap_cell)
-                   : travel_grid({0, 0}, {scene.world.length, scene.world.width}, cell);
+// The grid is laid out.
+void close_boxes(Navigation& navigation, const Scene& scene) {
     for (const Obstacle& box : navigation.sight.boxes.all) {
         close_box(navigation.grid, grown(box, navigation.sight.clearance));
     }
@@ -180,6 +176,15 @@ void lay_out_grid(Navigation& navigation, const Scene& scene, double cell) {
     constexpr int most_reach = 31;
     navigation.reach = std::min(most_reach, 1 + static_cast<int>(std::ceil(navigation.sight.clearance / narrowest)));
     navigation.start_radius = std::max(scene.crowd.goal_radius, 2 * widest);
+}
+
+void lay_out_grid(Navigation& navigation, const Scene& scene, double cell) {
+    const double period = navigation.period;
+    const double lap_cell = period > 0 ? period / std::ceil(period / cell - 1e-9) : cell;
+    navigation.grid =
+        period > 0 ? travel_grid({-lap_of_goals * period, 0}, {laps_laid_out * period, scene.world.width}, lap_cell)
+                   : travel_grid({0, 0}, {scene.world.length, scene.world.width}, cell);
+    close_boxes(navigation, scene);
 }
 
 void name_goals(Navigation& navigation, const Agents& agents) {
@@ -359,6 +364,27 @@ void steer(Navigation& navigation, std::span<const std::uint32_t> active, std::s
         if (looks) way = look_for_way(navigation, active[k], positions[k], goal_offsets[k]);
         if (way != Vector2d::Zero()) goal_offsets[k] = way;
     }
+}
+
+Navigation ways_within(const Scene& scene, const PlacedBoxes& boxes, const Interval& x, const Interval& z,
+                       const Vector2d& goal) {
+    constexpr double smallest = 0.25, cell_of_boxes = 4;  // m
+    Navigation navigation;
+    navigation.goal_radius = scene.crowd.goal_radius;
+    navigation.sight.clearance = least_clearance(scene);
+    std::vector<Obstacle> near;
+    for_each_near(boxes, x, z, [&](const Obstacle& box) { near.push_back(box); });
+    navigation.sight.boxes = place_boxes(std::move(near), cell_of_boxes);
+    const double largest = scene.crowd.navigation.cell;
+    const double cell = std::min(largest, std::max(smallest, narrowest_gap(navigation.sight, largest)));
+    navigation.grid = travel_grid({x.lo, z.lo}, {x.length(), z.length()}, cell);
+    close_boxes(navigation, scene);
+    WayField& field = navigation.fields.emplace_back();
+    field.goal = goal;
+    start_at_goal(navigation, field);
+    march(field.travel, field.memory, navigation.grid, navigation.slowness, field.starts);
+    navigation.solved = 1;
+    return navigation;
 }
 
 }  // namespace wade::crowd

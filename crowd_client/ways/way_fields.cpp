@@ -150,4 +150,19 @@ std::optional<Vector2d> way_from(const Navigation& navigation, const WayField& f
     return towards_a_node(navigation, field, cell, at);
 }
 
+std::vector<Vector2d> places_on_way(const Navigation& navigation, const WayField& field, const Vector2d& from,
+                                    double step) {
+    constexpr double longest = 100;  // m; longer ones go in circles
+    std::vector<Vector2d> places{from};
+    while (static_cast<double>(places.size()) * step < longest) {
+        const Vector2d here = places.back(), rest = field.goal - here;
+        const double length = std::sqrt(rest.squaredNorm());
+        if (length <= step) return places;
+        const std::optional<Vector2d> way = way_from(navigation, field, here, rest);
+        if (!way) return {};
+        places.push_back(here + *way * (step / std::sqrt(way->squaredNorm())));
+    }
+    return {};
+}
+
 }  // namespace wade::crowd

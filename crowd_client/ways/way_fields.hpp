@@ -52,4 +52,9 @@ struct Navigation {
 [[nodiscard]] std::optional<Vector2d> way_from(const Navigation& navigation, const WayField& field, const Vector2d& p,
                                                const Vector2d& rest);
 
+// Places on the way from somewhere to the goal of a field, `step` apart, m, the last at most that far from it; nothing where no way is
+// found. Not in periodic worlds.
+[[nodiscard]] std::vector<Vector2d> places_on_way(const Navigation& navigation, const WayField& field,
+                                                  const Vector2d& from, double step);
+
 }  // namespace wade::crowd

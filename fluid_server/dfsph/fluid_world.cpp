@@ -183,8 +183,7 @@ void FluidWorld::apply_forces(const Plan& plan, StepReport& report) {
                      duration);
     // What the water really got: all velocities are near v_F, so that the same small change is rounded alike in all of them.
     if (driving) {
-        report.driving_acceleration =
-            gravity_x_ - (mean_velocity(particles_) - before) / static_cast<double>(duration);
+        report.driving_acceleration = gravity_x_ - (mean_velocity(particles_) - before) / static_cast<double>(duration);
     }
     if (friction_) {
         friction_->apply(particles_, duration);
