@@ -106,6 +106,7 @@ void find_felt_water(const Step& step) {
                 ? 0
                 : speed_in_water(agents.people, id, crowd.scene.crowd.walking_in_water, crowd.scene.world.gravity);
     });
+    if (!crowd.links.empty()) share_speeds_of_files(crowd);
 }
 
 void judge_footing(const Step& step) {
@@ -200,6 +201,7 @@ void choose_walking_velocities(const Step& step) {
                                                                    crowd.agents.desired_speed[id], rule, crowd.dt);
         crowd.walking[k] = keep_in_world(crowd.scene.world, crowd.positions[k], wish, crowd.part_time);
     }
+    if (!crowd.links.empty()) walk_in_files(crowd);
 }
 
 void respond_to_water(const Step& step) {

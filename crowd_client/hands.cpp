@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "crowd_client/people/push.hpp"
 
@@ -10,6 +11,8 @@ namespace {
 
 constexpr std::uint8_t hands_of_one = 2;
 constexpr double rest_of_hands = 5;  // after they have let go of a rope, s [A]
+constexpr double closing_time =
+    1.6;  // of gaps in a file, s: four times that of legs, so that nobody runs up to another
 
 double hands_on(const Link& link) {
     return link.kind == LinkKind::hands ? 1 : hands_of_one;
@@ -238,7 +241,72 @@ void note_holds(CrowdWorld& crowd) {
     }
 }
 
+// Whether one of the two walks behind the other.
+bool is_in_file(const CrowdWorld& crowd, const Link& link) {
+    const auto walks = [&](std::uint32_t id) {
+        return crowd.agents.outcome[id] == Outcome::active && crowd.agents.people.by_body[id] != 0 &&
+               is_firm(crowd.agents.people, id);
+    };
+    return link.leads != Lead::nobody && walks(link.a) && walks(link.b);
+}
+
+void follow(CrowdWorld& crowd, std::uint32_t id, std::uint32_t leader) {
+    const double most = crowd.agents.desired_speed[id];
+    const Vector2d way = way_to(crowd, id, crowd.agents.position[leader]);
+    const double distance = std::sqrt(way.squaredNorm());
+    if (!(most > 0) || !(distance > 0)) return;
+    const auto place_of = [&](std::uint32_t one) {
+        return static_cast<std::size_t>(std::lower_bound(crowd.active.begin(), crowd.active.end(), one) -
+                                        crowd.active.begin());
+    };
+    const Vector2d along = way / distance;
+    const double wanted = crowd.walking[place_of(leader)].dot(along) + (distance - link_length) / closing_time;
+    const std::size_t k = place_of(id);
+    crowd.walking[k] =
+        keep_in_world(crowd.scene.world, crowd.positions[k], std::clamp(wanted, 0.0, most) * along, crowd.part_time);
+}
+
+// Who leads of two who stand as at the start.
+Lead lead_of(const Agents& agents, double period, std::uint32_t a, std::uint32_t b) {
+    const auto way_left = [&](std::uint32_t id) { return std::sqrt(goal_offset(agents, id, period).squaredNorm()); };
+    const double ahead = way_left(a) - way_left(b);
+    if (std::abs(ahead) < 0.5 * link_length) return Lead::nobody;
+    return ahead > 0 ? Lead::b : Lead::a;
+}
+
 }  // namespace
+
+void share_speeds_of_files(CrowdWorld& crowd) {
+    std::vector<double>& speed = crowd.agents.desired_speed;
+    std::vector<std::uint32_t> file(speed.size());
+    std::iota(file.begin(), file.end(), 0U);
+    const auto file_of = [&](std::uint32_t id) {
+        while (file[id] != id) id = file[id];
+        return id;
+    };
+    for (const Link& link : crowd.links) {
+        if (is_in_file(crowd, link)) file[file_of(link.b)] = file_of(link.a);
+    }
+    std::vector<double> sum(speed.size(), 0), count(speed.size(), 0);
+    for (const std::uint32_t id : crowd.active) {
+        sum[file_of(id)] += speed[id];
+        count[file_of(id)] += 1;
+    }
+    for (const std::uint32_t id : crowd.active) {
+        const std::uint32_t of = file_of(id);
+        if (count[of] > 1) speed[id] = sum[of] / count[of];
+    }
+}
+
+// A leader comes before who follows it: chains are listed in the order of their ids.
+void walk_in_files(CrowdWorld& crowd) {
+    for (const Link& link : crowd.links) {
+        if (link.leads == Lead::a && is_in_file(crowd, link)) follow(crowd, link.b, link.a);
+    }
+    for (auto link = crowd.links.rbegin(); link != crowd.links.rend(); ++link) {
+        if (link->leads == Lead::b && is_in_file(crowd, *link)) follow(crowd, link->a, link->b);
+    }
+}
 
 Link link_between(const People& people, std::uint32_t a, std::uint32_t b, bool pushes) {
     return {a, b, pushes, std::min(grip_of(people, a), grip_of(people, b))};
@@ -271,7 +339,9 @@ std::vector<Link> links_of_scene(const Scene& scene, const Agents& agents) {
             const bool along_x = group.hand_in_hand == HandInHand::along_x;
             const std::uint32_t next = along_x ? k + 1 : k + columns;
             if (next >= count || (along_x && next % columns == 0)) continue;
-            links.push_back(link_between(agents.people, first + k, first + next, group.hold == Hold::arms));
+            Link link = link_between(agents.people, first + k, first + next, group.hold == Hold::arms);
+            link.leads = lead_of(agents, scene.world.period(), link.a, link.b);
+            links.push_back(link);
         }
         first += count;
     }

@@ -24,6 +24,9 @@ inline constexpr double grip_of_men = 220, grip_of_women = 140;  // N [A]
 // What a link joins: hands of a and of b, those of a and a rope, those of a rescuer a and of b at either end of a line.
 enum class LinkKind : std::uint8_t { hands, rope, line };
 
+// Of two who walk in file, the one behind whom the other walks.
+enum class Lead : std::uint8_t { nobody, a, b };
+
 struct Link {
     std::uint32_t a = 0, b = 0;  // ids; of a rope b is a as well
     bool pushes = false;
@@ -34,6 +37,7 @@ struct Link {
     LinkKind kind = LinkKind::hands;
     std::size_t rope = 0;             // its place in the list of the scene
     Vector2d tie = Vector2d::Zero();  // where the rope is held, or fixed if its end is free, m
+    Lead leads = Lead::nobody;
 };
 
 [[nodiscard]] inline double grip_of(Sex sex) {

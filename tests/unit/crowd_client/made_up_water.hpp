@@ -1,11 +1,13 @@
 #pragma once
-// Frames of water that tests make up, and a source that hands them out without shared memory.
+// Frames of water that tests make up, and a source that hands them out without shared memory; dry ground with people on it.
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "configs/scene/scene.hpp"
+#include "crowd_client/equations.hpp"
 #include "crowd_client/session/frame_source.hpp"
 #include "crowd_client/water/water_view.hpp"
 
@@ -64,5 +66,31 @@ class MadeUpSource final : public FrameSource {
 
 // A world of 100 x 50 m with one agent group of one agent at `start`.
 [[nodiscard]] Scene one_agent_scene(double start_x, double start_z, double goal_x, double goal_z, double tau);
+
+// A closed channel without water that fills the world, 10 steps a second.
+inline Scene dry_scene(double length, double width, std::vector<Obstacle> obstacles = {}) {
+    Scene scene;
+    scene.world.length = length;
+    scene.world.width = width;
+    scene.channel.x = {0, length};
+    scene.channel.z = {0, width};
+    scene.channel.flow = Flow::closed;
+    scene.frame_rate = scene.crowd.step_rate = 10;
+    scene.obstacles = std::move(obstacles);
+    scene.crowd.goal_radius = 0.5;
+    return scene;
+}
+
+// `columns` people along x from `start` on, `pitch` apart, m.
+inline AgentGroup row_of_people(int columns, const Vector2d& start, double pitch, const Vector2d& goal) {
+    AgentGroup group;
+    group.columns = group.count = columns;
+    group.start_x = start.x();
+    group.start_z = start.y();
+    group.pitch_x = pitch;
+    group.goal_x = goal.x();
+    group.goal_z = goal.y();
+    return group;
+}
 
 }  // namespace wade::crowd::testing

@@ -9,7 +9,6 @@
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/standing.hpp"
 #include "crowd_client/start_warnings.hpp"
-#include "dry_scene.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;

@@ -8,7 +8,6 @@
 #include "configs/loading/scene_loader.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
-#include "dry_scene.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;
