@@ -260,7 +260,9 @@ void look_who_stands(const Step& step) {
 
 Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
     const Vector2d& p = crowd.agents.position[id];
-    if (p.x() < 0 || crowd.agents.people.condition[id].state == PersonState::drowned) return Outcome::dead;
+    const bool may_drown = crowd.scene.crowd.response == ResponseKind::measured;
+    if (p.x() < 0 || (may_drown && crowd.agents.people.condition[id].state == PersonState::drowned))
+        return Outcome::dead;
     const double reach = crowd.scene.crowd.goal_radius;
     const Vector2d rest = goal_offset(crowd.agents, id, crowd.scene.world.period());
     return rest.squaredNorm() <= reach * reach && !is_on_duty(crowd, id) ? Outcome::arrived : Outcome::active;
@@ -268,15 +270,18 @@ Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
 
 void judge_outcomes(const Step& step) {
     CrowdWorld& crowd = step.crowd;
+    bool all_go_on = true;
     for (const std::uint32_t id : crowd.active) {
         const Outcome outcome = judge(crowd, id);
         crowd.agents.outcome[id] = outcome;
         if (outcome == Outcome::active) continue;
+        all_go_on = false;
         crowd.agents.end_step[id] = step.number;
         crowd.agents.end_before[id] = (crowd.clock.parts - 1 - step.part) * crowd.part_time;
         ++(outcome == Outcome::arrived ? crowd.arrived : crowd.dead);
         if (outcome == Outcome::arrived) crowd.last_arrival_step = step.number;
     }
+    if (all_go_on) return;
     std::erase_if(crowd.active, [&](std::uint32_t id) { return crowd.agents.outcome[id] != Outcome::active; });
 }
 

@@ -59,15 +59,12 @@ void note_progress(const BodyStyle& style, BodyMemory& body, std::uint32_t id, d
     const double walked = body.intended[id].squaredNorm() * time;
     const double left = walked > 0 ? std::clamp(wished.dot(body.intended[id]) / walked, 0.0, 1.0) : 1.0;
     note(body.blocked[id], speed < 0.5 * left * desired_speed ? 1.0 : 0.0, time, style.patience);
-    double& trapped = body.trapped_time[id];
-    trapped = body.blocked[id] > 0.9 ? trapped + time : 0.0;
-    if (body.opposed[id] > keep_right_from) {
-        body.detour_side[id] = 1;
-        trapped = 0;
-    }
-    if (trapped < trapped_patience) return;
-    body.detour_side[id] = -body.detour_side[id];
-    trapped = 0;
+    const bool keeps_right = body.opposed[id] > keep_right_from;
+    const double side = keeps_right ? 1.0 : body.detour_side[id];
+    const double trapped = !keeps_right && body.blocked[id] > 0.9 ? body.trapped_time[id] + time : 0.0;
+    const bool changes = trapped >= trapped_patience;
+    body.detour_side[id] = changes ? -side : side;
+    body.trapped_time[id] = changes ? 0.0 : trapped;
 }
 
 // Whether an agent that has stood too long steps back in this second.

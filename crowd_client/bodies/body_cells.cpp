@@ -39,7 +39,7 @@ void sort_people(BodyCells& cells, const World& world, std::span<const Vector2d>
         cells.start[c + 1] = before;
         before += in_cell;
     }
-    cells.person.resize(entries);
+    cells.person.resize(entries + BodyCells::lanes - 1);
     cells.x.resize(entries + BodyCells::lanes - 1);
     cells.z.resize(entries + BodyCells::lanes - 1);
     for (std::size_t i = 0; i < entries; ++i) {

@@ -18,9 +18,10 @@ struct BodyCells {
     static constexpr std::size_t lanes = 16;  // entries that loops take at once
 
     int columns = 0, rows = 0;
-    std::vector<std::uint32_t> start;   // people of cell c: [start[c], start[c + 1]), in the order of the list
+    std::vector<std::uint32_t> start;  // people of cell c: [start[c], start[c + 1]), in the order of the list
+    // Of an entry, with lanes - 1 more that are nobody's:
     std::vector<std::uint32_t> person;  // place in the list
-    std::vector<double> x, z;           // m; of an image where it stands; with lanes - 1 more that are nobody's
+    std::vector<double> x, z;           // m; of an image where it stands
 
     std::vector<std::uint32_t> cell, listed;  // working memory
     std::vector<double> listed_x;

@@ -1,75 +1,88 @@
 // How far bodies may move: limits u.n <= g, and the step that they leave of a wish.
 
+#include <omp.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "crowd_client/bodies/bodies.hpp"
 #include "crowd_client/bodies/body_looks.hpp"
 #include "crowd_client/bodies/obstacles_near.hpp"
+#include "crowd_client/markers/lanes.hpp"
 
 namespace wade::crowd {
 namespace {
 
 constexpr double shrink_rate = 0.3, grow_rate = 0.15;  // m/s, of a radius
 
-struct Limit {
-    double nx = 0, nz = 0;  // unit vector towards what is in the way
-    double gap = 0;         // m, >= 0
-};
-
-// Somebody who may come near in this step. shift: along x, of an image in a periodic world, m.
-struct Neighbour {
-    std::uint32_t person = 0;
-    double shift = 0;
-};
-
+// Of an image in a periodic world against its person, along x, m.
 double shift_of(const Bodies& bodies, std::uint32_t entry, double period) {
     const double moved = bodies.cells.x[entry] - bodies.place[bodies.cells.person[entry]].x();
     return period * std::round(moved / period);
 }
 
-// Which of a block of entries are less than `reach` from p, a bit for each.
-std::uint32_t near_in_block(const double* x, const double* z, const Vector2d& p, double reach) {
-    std::uint32_t bits = 0;
-#pragma omp simd reduction(| : bits)
-    for (std::size_t l = 0; l < BodyCells::lanes; ++l) {
-        const double dx = x[l] - p.x(), dz = z[l] - p.y();
-        bits |= dx * dx + dz * dz < reach * reach ? 1U << l : 0U;
-    }
-    return bits;
+// Which of a block of entries are less than `reach` from p, but not there, a bit for each.
+inline std::uint32_t near_in_block(const double* x, const double* z, const Vector2d& p, double reach) {
+    using L = Lanes<double>;
+    static_assert(BodyCells::lanes == 2 * L::count);
+    const L::Reals own_x = p.x(), own_z = p.y(), none = 0, limit = reach * reach;
+    const auto near = [&](std::size_t from) {
+        const L::Reals dx = L::load(x + from) - own_x, dz = L::load(z + from) - own_z;
+        const L::Reals square = dx * dx + dz * dz;
+        return bits_of((square < limit) & (none < square));
+    };
+    return near(0) | near(L::count) << L::count;
 }
 
-// Adds those less than `reach` from place k; returns their number.
-std::uint32_t list_neighbours(std::vector<Neighbour>& list, const Bodies& bodies, std::size_t k, double reach,
-                              double period) {
+// Adds those less than `reach` from place k. Most blocks have few: these are taken without asking whether there are any, as the
+// branch would be foretold badly.
+void add_near(NearPairs& pairs, const Bodies& bodies, std::size_t k, double reach, double period) {
     const Vector2d p = bodies.place[k];
     const BodyCells& cells = bodies.cells;
-    const std::size_t before = list.size();
     cells.visit_runs(p, {-reach, reach}, {-reach, reach}, [&](std::uint32_t first, std::uint32_t end) {
         for (std::uint32_t block = first; block < end; block += BodyCells::lanes) {
             std::uint32_t near = near_in_block(&cells.x[block], &cells.z[block], p, reach);
             if (end - block < BodyCells::lanes) near &= (1U << (end - block)) - 1;
-            for (; near != 0; near &= near - 1) {
-                const std::uint32_t i = block + static_cast<std::uint32_t>(std::countr_zero(near));
-                list.push_back({cells.person[i], period > 0 ? shift_of(bodies, i, period) : 0.0});
-            }
+            pairs.make_room_for(BodyCells::lanes + 1);
+            std::uint32_t *const own = pairs.own.data(), *const other = pairs.other.data();
+            const std::uint32_t* const person = &cells.person[block];
+            std::size_t count = pairs.count;
+            const auto take_one = [&] {
+                const auto i = static_cast<std::uint32_t>(std::countr_zero(near)) % BodyCells::lanes;
+                own[count] = static_cast<std::uint32_t>(k);
+                other[count] = person[i];
+                if (period > 0) pairs.shift[count] = shift_of(bodies, block + static_cast<std::uint32_t>(i), period);
+                count += static_cast<std::size_t>(near != 0);
+                near &= near - 1;
+            };
+            for (int often = 0; often < 3; ++often) take_one();
+            while (near != 0) take_one();
+            pairs.count = count;
         }
     });
-    return static_cast<std::uint32_t>(list.size() - before);
 }
 
-// share: sigma, of the gap to a neighbour.
-void add_neighbours(std::vector<Limit>& limits, const Bodies& bodies, std::size_t k,
-                    std::span<const Neighbour> neighbours, double reach, double share) {
-    const double own = bodies.radius_now[k] + body_slack;
-    const Vector2d& p = bodies.place[k];
-    for (const auto& [j, shift] : neighbours) {
-        const double dx = bodies.place[j].x() + shift - p.x(), dz = bodies.place[j].y() - p.y();
-        const double square = dx * dx + dz * dz;
-        if (square >= reach * reach || !(square > 0)) continue;
-        const double d = std::sqrt(square), per_length = 1 / d;
-        limits.push_back({dx * per_length, dz * per_length, share * std::max(0.0, d - own - bodies.radius_now[j])});
+// Sets the limits of one motion, and what they leave whom: the least gap, and whether a limit may shorten the wish.
+void set_limits(NearPairs& pairs, Bodies& bodies, double share) {
+    constexpr double least_square = 1e-30;  // m2; so that nothing is divided by 0
+    const Vector2d *const place = bodies.place.data(), *const wish = bodies.wish.data();
+    const double *const radius = bodies.radius_now.data(), *const growth = bodies.growth.data();
+    const double* const shift = pairs.shift.data();
+    double* const least_gap = bodies.least_gap.data();
+    std::uint32_t* const is_bound = bodies.is_bound.data();
+    const std::uint32_t *const own = pairs.own.data(), *const other = pairs.other.data();
+    Limit* const limit = pairs.limit.data();
+    for (std::size_t i = 0; i < pairs.count; ++i) {
+        const std::uint32_t k = own[i], j = other[i];
+        const double dx = place[j].x() + shift[i] - place[k].x(), dz = place[j].y() - place[k].y();
+        const double d = std::sqrt(std::max(dx * dx + dz * dz, least_square)), per_length = 1 / d;
+        const double nx = dx * per_length, nz = dz * per_length;
+        const double gap = share * std::max(0.0, d - (radius[k] + body_slack) - radius[j]);
+        limit[i] = {nx, nz, gap};
+        least_gap[k] = std::min(least_gap[k], gap);
+        is_bound[k] |= static_cast<std::uint32_t>(wish[k].x() * nx + wish[k].y() * nz > gap - growth[k]);
     }
 }
 
@@ -120,14 +133,6 @@ double wished_radius(const Bodies& bodies, const BodyMemory& body, std::uint32_t
     return bodies.radius * (1 - (1 - turned_share) * turned);
 }
 
-// How far a body grows, of what it wishes; its limits shrink by as much.
-double grown(std::vector<Limit>& limits, double wish) {
-    double growth = wish;
-    for (const Limit& limit : limits) growth = std::min(growth, 0.5 * limit.gap);
-    for (Limit& limit : limits) limit.gap -= growth;
-    return growth;
-}
-
 // What the motions of a step have for all.
 struct Motions {
     int count;
@@ -147,19 +152,34 @@ Motions motions_of(double dt, std::span<const Vector2d> wishes) {
     return {count, time, 1 - std::exp2(-time / longest_motion), std::sqrt(longest) / count + grow_rate * time};
 }
 
-// Moves place k, into next_place.
+// What place k wishes in a motion: its way, and its radius, which shrinks at once.
+void wish_motion(Bodies& bodies, const BodyMemory& body, std::uint32_t id, std::size_t k, const Motions& motions) {
+    const double r = body.radius[id], wished = bodies.radius_wished[k];
+    const double now = std::min(r, std::max(wished, r - shrink_rate * motions.time));
+    bodies.radius_now[k] = now;
+    bodies.growth[k] = std::max(0.0, std::min(grow_rate * motions.time, wished - now));
+    bodies.least_gap[k] = std::numeric_limits<double>::infinity();
+    bodies.is_bound[k] = 0;
+}
+
+// Moves place k, into next_place. own: its limits towards neighbours. Most people have room for all that they wish.
 void move_one(Bodies& bodies, BodyMemory& body, std::uint32_t id, std::size_t k, const Walls& walls,
-              const Vector2d& wish, const Interval& ends, const Motions& motions, std::span<const Neighbour> neighbours,
-              std::vector<Limit>& limits) {
+              const Interval& ends, const Motions& motions, std::span<const Limit> own, std::vector<Limit>& limits) {
     const Vector2d& p = bodies.place[k];
     const double now = bodies.radius_now[k];
     limits.clear();
-    add_neighbours(limits, bodies, k, neighbours, motions.reach(bodies.radius), motions.share);
-    add_obstacles(limits, walls, p, now, motions.longest);
-    const double more = std::min(grow_rate * motions.time, bodies.radius_wished[k] - now);
-    body.radius[id] = more > 0 ? now + grown(limits, more) : now;
+    if (!walls.boxes.all.empty()) add_obstacles(limits, walls, p, now, motions.longest);
+    double least_gap = bodies.least_gap[k];
+    for (const Limit& limit : limits) least_gap = std::min(least_gap, limit.gap);
+    const double growth = std::min(bodies.growth[k], 0.5 * least_gap);
+    for (Limit& limit : limits) limit.gap -= growth;
+    body.radius[id] = now + growth;
     add_edges(limits, walls.world, p, ends, motions.longest);
-    const Vector2d u = within(limits, wish / motions.count);
+    Vector2d u = bodies.wish[k];
+    if (bodies.is_bound[k] != 0 || !limits.empty()) {
+        for (const Limit& limit : own) limits.push_back({limit.nx, limit.nz, limit.gap - growth});
+        u = within(limits, u);
+    }
     bodies.step[k] += u;
     bodies.next_place[k] = p + u;
 }
@@ -174,10 +194,13 @@ void limit_steps(Bodies& bodies, Agents& agents, std::span<const std::uint32_t> 
     const std::size_t n = positions.size();
     bodies.step.assign(n, Vector2d::Zero());
     bodies.place.assign(positions.begin(), positions.end());
-    bodies.next_place.resize(n);
-    bodies.radius_now.resize(n);
-    bodies.radius_wished.resize(n);
+    for (std::vector<Vector2d>* v : {&bodies.next_place, &bodies.wish}) v->resize(n);
+    for (std::vector<double>* v : {&bodies.radius_now, &bodies.radius_wished, &bodies.growth, &bodies.least_gap}) {
+        v->resize(n);
+    }
+    bodies.is_bound.resize(n);
     bodies.neighbours.resize(n);
+    bodies.near.resize(std::max(bodies.near.size(), static_cast<std::size_t>(std::max(threads, 1))));
     BodyMemory& body = agents.body;
     const Motions motions = motions_of(dt, wishes);
     const double reach = motions.reach(bodies.radius) + 2 * (motions.count - 1) * motions.longest;
@@ -188,23 +211,25 @@ void limit_steps(Bodies& bodies, Agents& agents, std::span<const std::uint32_t> 
 #pragma omp parallel num_threads(threads) if (threads > 1)
     {
         std::vector<Limit> limits;
-        std::vector<Neighbour> near;  // of this thread's people, one after the other
+        NearPairs& pairs = bodies.near[static_cast<std::size_t>(omp_get_thread_num())];
+        pairs.count = 0;
 #pragma omp for schedule(static)
         for (std::size_t k = 0; k < n; ++k) {
-            bodies.neighbours[k] = list_neighbours(near, bodies, k, reach, walls.world.period());
+            const std::size_t before = pairs.count;
+            add_near(pairs, bodies, k, reach, walls.world.period());
+            bodies.neighbours[k] = static_cast<std::uint32_t>(pairs.count - before);
             bodies.radius_wished[k] = wished_radius(bodies, body, active[k]);
+            bodies.wish[k] = wishes[k] / motions.count;
         }
         for (int motion = 0; motion < motions.count; ++motion) {
 #pragma omp for schedule(static)
-            for (std::size_t k = 0; k < n; ++k) {
-                const double r = body.radius[active[k]];
-                bodies.radius_now[k] = std::min(r, std::max(bodies.radius_wished[k], r - shrink_rate * motions.time));
-            }
+            for (std::size_t k = 0; k < n; ++k) wish_motion(bodies, body, active[k], k, motions);
+            set_limits(pairs, bodies, motions.share);  // of this thread's people, in the loop that follows
             std::size_t from = 0;
 #pragma omp for schedule(static)
             for (std::size_t k = 0; k < n; ++k) {
-                const std::span<const Neighbour> own{near.data() + from, bodies.neighbours[k]};
-                move_one(bodies, body, active[k], k, walls, wishes[k], ends[k], motions, own, limits);
+                const std::span<const Limit> own{pairs.limit.data() + from, bodies.neighbours[k]};
+                move_one(bodies, body, active[k], k, walls, ends[k], motions, own, limits);
                 from += own.size();
             }
 #pragma omp single

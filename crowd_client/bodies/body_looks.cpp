@@ -22,27 +22,27 @@ inline void add_box(const BodyCells& cells, const Vector2d& p, const Interval& a
     });
 }
 
-void fill(std::vector<float>& x, std::vector<float>& z, const std::vector<std::uint32_t>& person,
+void fill(std::vector<float>& x, std::vector<float>& z, const BodyCells& cells,
           const std::vector<Vector2d>& of_person) {
-    const std::size_t n = person.size();
+    const std::size_t n = cells.start.back();
     x.resize(n + lanes - 1);
     z.resize(n + lanes - 1);
     for (std::size_t i = 0; i < n; ++i) {
-        x[i] = static_cast<float>(of_person[person[i]].x());
-        z[i] = static_cast<float>(of_person[person[i]].y());
+        x[i] = static_cast<float>(of_person[cells.person[i]].x());
+        z[i] = static_cast<float>(of_person[cells.person[i]].y());
     }
 }
 
 }  // namespace
 
 void sort_headings(Looks& looks, const BodyCells& cells, const std::vector<Vector2d>& heading) {
-    fill(looks.heading_x, looks.heading_z, cells.person, heading);
+    fill(looks.heading_x, looks.heading_z, cells, heading);
 }
 
 void sort_ways(Looks& looks, const BodyCells& cells, const std::vector<Vector2d>& way,
                const std::vector<Vector2d>& bearing) {
-    fill(looks.way_x, looks.way_z, cells.person, way);
-    fill(looks.bearing_x, looks.bearing_z, cells.person, bearing);
+    fill(looks.way_x, looks.way_z, cells, way);
+    fill(looks.bearing_x, looks.bearing_z, cells, bearing);
 }
 
 double share_followed(const Looks& looks, const BodyCells& cells, const Vector2d& p, const Vector2d& heading) {

@@ -22,6 +22,28 @@ struct BodyStyle {
 };
 [[nodiscard]] BodyStyle body_style(BodyRule rule);
 
+// u.n <= gap.
+struct Limit {
+    double nx = 0, nz = 0;  // unit vector towards what is in the way
+    double gap = 0;         // m, >= 0
+};
+
+// Those who may come near one another in a step, person by person, and the limits that they set one another in a motion.
+struct NearPairs {
+    std::size_t count = 0;
+    std::vector<std::uint32_t> own, other;  // places in the list of people
+    std::vector<double> shift;              // of an image in a periodic world, along x, m; else 0
+    std::vector<Limit> limit;
+
+    void make_room_for(std::size_t more) {
+        if (count + more <= own.size()) return;
+        const std::size_t size = 2 * (count + more);
+        for (std::vector<std::uint32_t>* v : {&own, &other}) v->resize(size);
+        shift.resize(size, 0.0);
+        limit.resize(size);
+    }
+};
+
 struct Bodies {
     BodyRule rule = BodyRule::none;
     BodyStyle style;
@@ -41,7 +63,12 @@ struct Bodies {
     std::vector<Vector2d> place, next_place;  // m
     std::vector<double> radius_now;           // r_i before growth, m
     std::vector<double> radius_wished;        // that shoulders turn to, m
+    std::vector<Vector2d> wish;               // w, m
+    std::vector<double> growth;               // dr that the body would take, m
+    std::vector<double> least_gap;            // towards others, m
+    std::vector<std::uint32_t> is_bound;      // 1: others may shorten w, else 0
     std::vector<std::uint32_t> neighbours;    // number of those who may come near
+    std::vector<NearPairs> near;              // by thread
     std::vector<Vector2d> step;               // u, of all motions in a step, m
 };
 

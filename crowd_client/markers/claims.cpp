@@ -1,6 +1,7 @@
 #include "crowd_client/markers/claims.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 
@@ -61,50 +62,132 @@ void find_candidates(Candidates<Real>& candidates, const WalkerCells& cells, con
     begin_tables({&c.site_x, &c.site_z}, c.count);
     if (c.with_bodies) begin_tables({&c.body_x, &c.body_z, &c.vx, &c.vz, &c.slowness}, c.count);
     for_each_run(cells, column, row, [&](int, std::uint32_t first, std::uint32_t last, std::size_t before) {
-        const std::size_t place = 1 + before, n = last - first;
-        const auto copy = [&](std::vector<Real>& table, const std::vector<double>& entries, double origin) {
-            copy_in_fours(table.data() + place, entries.data() + first, n, origin);
-        };
-        copy(c.site_x, cells.x, markers.origin_x);
-        copy(c.site_z, cells.z, markers.origin_z);
-        if (bodies == nullptr) return;
-        copy(c.body_x, bodies->x, markers.origin_x);
-        copy(c.body_z, bodies->z, markers.origin_z);
-        copy(c.vx, bodies->vx, 0);
-        copy(c.vz, bodies->vz, 0);
-        copy(c.slowness, bodies->slowness, 0);
+        // All tables in one loop: a loop for each would end at a branch that is foretold badly.
+        for (std::size_t from = first, to = 1 + before; from < last; from += 4, to += 4) {
+            const auto copy = [&](std::vector<Real>& table, const std::vector<double>& entries, double origin) {
+                copy_four(table.data() + to, entries.data() + from, origin);
+            };
+            copy(c.site_x, cells.x, markers.origin_x);
+            copy(c.site_z, cells.z, markers.origin_z);
+            if (bodies == nullptr) continue;
+            copy(c.body_x, bodies->x, markers.origin_x);
+            copy(c.body_z, bodies->z, markers.origin_z);
+            copy(c.vx, bodies->vx, 0);
+            copy(c.vz, bodies->vz, 0);
+            copy(c.slowness, bodies->slowness, 0);
+        }
     });
 }
+
+namespace {
+
+// Vectors of markers that loops over candidates take at once: as many as there are registers for. A short loop for each of
+// them would end as often, at a branch that is foretold badly.
+constexpr std::size_t vectors_at_once = register_bytes == 64 ? 4 : 1;
+
+// Calls at(m) for the vectors of markers from place m on: vectors_at_once of them, at last one by one.
+template <typename Real, typename Many, typename One>
+void for_each_block(std::size_t markers, Many&& many, One&& one) {
+    using L = Lanes<Real>;
+    const std::size_t places = L::padded(markers);
+    std::size_t m = 0;
+    for (; m + vectors_at_once * L::count <= places; m += vectors_at_once * L::count) many(m);
+    for (; m < places; m += L::count) one(m);
+}
+
+template <std::size_t vectors, typename Real>
+void claim_block(std::size_t first, Claims<Real>& claims, const MarkerLanes<Real>& markers,
+                 const Candidates<Real>& candidates, Real above_limit, typename Lanes<Real>::Integers& ties) {
+    using L = Lanes<Real>;
+    using Reals = typename L::Reals;
+    using Integers = typename L::Integers;
+    using Integer = typename L::Integer;
+    std::array<Reals, vectors> x, z, best;
+    std::array<Integers, vectors> owner;
+#pragma GCC unroll 4
+    for (std::size_t v = 0; v < vectors; ++v) {
+        x[v] = L::load(markers.x.data() + first + v * L::count);
+        z[v] = L::load(markers.z.data() + first + v * L::count);
+        best[v] = above_limit;
+        owner[v] = Integers(0);
+    }
+    Integers equal = ties;
+    for (std::size_t c = 1; c < candidates.count; ++c) {
+        const Reals site_x = candidates.site_x[c], site_z = candidates.site_z[c];
+        const Integers number = static_cast<Integer>(c);
+#pragma GCC unroll 4
+        for (std::size_t v = 0; v < vectors; ++v) {
+            const Reals dx = x[v] - site_x, dz = z[v] - site_z;
+            const Reals distance = dx * dx + dz * dz;
+            const Integers nearer = distance < best[v];
+            equal |= distance == best[v];
+            owner[v] = choose<Integer>(nearer, number, owner[v]);
+            best[v] = choose(nearer, distance, best[v]);
+        }
+    }
+    ties = equal;
+#pragma GCC unroll 4
+    for (std::size_t v = 0; v < vectors; ++v) L::store(claims.owner.data() + first + v * L::count, owner[v]);
+}
+
+template <std::size_t vectors, typename Real>
+void find_contested_block(std::size_t first, Claims<Real>& claims, const MarkerLanes<Real>& markers,
+                          const Candidates<Real>& candidates, Real limit) {
+    using L = Lanes<Real>;
+    using Reals = typename L::Reals;
+    using Integers = typename L::Integers;
+    const auto of_owner = [&](const std::vector<Real>& table, const Integers& owner) {
+        return look_up(table, candidates.count, owner);
+    };
+    std::array<Reals, vectors> x, z, time;  // until the owner is there, s
+    std::array<Integers, vectors> all;      // minus how many will be close, without the owner
+    const auto close = [&](std::size_t v, const Reals& at_x, const Reals& at_z, const Reals& vx,
+                           const Reals& vz) -> Integers {
+        const Reals dx = x[v] - (at_x + vx * time[v]);
+        const Reals dz = z[v] - (at_z + vz * time[v]);
+        return dx * dx + dz * dz < limit;
+    };
+#pragma GCC unroll 4
+    for (std::size_t v = 0; v < vectors; ++v) {
+        x[v] = L::load(markers.x.data() + first + v * L::count);
+        z[v] = L::load(markers.z.data() + first + v * L::count);
+        const Integers owner = L::load(claims.owner.data() + first + v * L::count);
+        const Reals own_x = of_owner(candidates.body_x, owner), own_z = of_owner(candidates.body_z, owner);
+        const Way<Real> way = way_to(x[v], z[v], own_x, own_z);
+        L::store(claims.way_x.data() + first + v * L::count, way.x);
+        L::store(claims.way_z.data() + first + v * L::count, way.z);
+        L::store(claims.distance.data() + first + v * L::count, way.length);
+        time[v] = way.length * of_owner(candidates.slowness, owner);
+        all[v] = Integers(0) - close(v, own_x, own_z, of_owner(candidates.vx, owner), of_owner(candidates.vz, owner));
+    }
+    for (std::size_t c = 1; c < candidates.count; ++c) {
+        const Reals at_x = candidates.body_x[c], at_z = candidates.body_z[c];
+        const Reals vx = candidates.vx[c], vz = candidates.vz[c];
+#pragma GCC unroll 4
+        for (std::size_t v = 0; v < vectors; ++v) all[v] += close(v, at_x, at_z, vx, vz);
+    }
+#pragma GCC unroll 4
+    for (std::size_t v = 0; v < vectors; ++v) {
+        const Reals contested = choose<Real>(all[v] != Integers(0), 1, 0);
+        L::store(claims.contested.data() + first + v * L::count, contested);
+    }
+}
+
+}  // namespace
 
 template <typename Real>
 void claim(Claims<Real>& claims, const MarkerLanes<Real>& markers, const Candidates<Real>& candidates,
            const WalkerCells& cells, int column, int row, double radius) {
     using L = Lanes<Real>;
-    using Reals = typename L::Reals;
-    using Integers = typename L::Integers;
-    using Integer = typename L::Integer;
-    const std::size_t places = L::padded(markers.count);
-    make_room(claims.owner, places);
+    make_room(claims.owner, L::padded(markers.count));
     const auto limit = static_cast<Real>(radius * radius);
     const Real above_limit = std::nextafter(limit, 2 * limit);  // a marker at R is claimed
-    Integers ties{};
-    for (std::size_t m = 0; m < places; m += L::count) {
-        const Reals x = L::load(markers.x.data() + m);
-        const Reals z = L::load(markers.z.data() + m);
-        Reals best = above_limit;
-        Integers owner{};
-        for (std::size_t c = 1; c < candidates.count; ++c) {
-            const Reals dx = x - candidates.site_x[c];
-            const Reals dz = z - candidates.site_z[c];
-            const Reals distance = dx * dx + dz * dz;
-            const Integers nearer = distance < best;
-            ties |= distance == best;
-            owner = choose<Integer>(nearer, static_cast<Integer>(c), owner);
-            best = choose(nearer, distance, best);
-        }
-        L::store(claims.owner.data() + m, owner);
-    }
-    Integer any = 0;
+    typename L::Integers ties(0);
+    for_each_block<Real>(
+        markers.count,
+        [&](std::size_t m) { claim_block<vectors_at_once>(m, claims, markers, candidates, above_limit, ties); },
+        [&](std::size_t m) { claim_block<1>(m, claims, markers, candidates, above_limit, ties); });
+    typename L::Integer any = 0;
     for (std::size_t lane = 0; lane < L::count; ++lane) any |= ties[lane];
     if (any != 0) claim_by_order(claims, markers, candidates, cells, column, row, limit);
 }
@@ -112,35 +195,14 @@ void claim(Claims<Real>& claims, const MarkerLanes<Real>& markers, const Candida
 template <typename Real>
 void find_contested(Claims<Real>& claims, const MarkerLanes<Real>& markers, const Candidates<Real>& candidates,
                     double distance) {
-    using L = Lanes<Real>;
-    using Reals = typename L::Reals;
-    using Integers = typename L::Integers;
-    const std::size_t places = L::padded(markers.count);
-    make_room(claims.contested, places);
-    const auto limit = static_cast<Real>(distance * distance);
-    const auto of_owner = [&](const std::vector<Real>& table, const Integers& owner) {
-        return look_up(table, candidates.count, owner);
-    };
-    for (std::size_t m = 0; m < places; m += L::count) {
-        const Reals x = L::load(markers.x.data() + m);
-        const Reals z = L::load(markers.z.data() + m);
-        const Integers owner = L::load(claims.owner.data() + m);
-        const Reals own_x = of_owner(candidates.body_x, owner), own_z = of_owner(candidates.body_z, owner);
-        const Reals way_x = x - own_x, way_z = z - own_z;
-        // Until the owner is there, s.
-        const Reals time = square_root(way_x * way_x + way_z * way_z) * of_owner(candidates.slowness, owner);
-        const auto close = [&](const Reals& at_x, const Reals& at_z, const Reals& vx, const Reals& vz) -> Integers {
-            const Reals dx = x - (at_x + vx * time);
-            const Reals dz = z - (at_z + vz * time);
-            return dx * dx + dz * dz < limit;
-        };
-        Integers all{};  // minus how many will be close, with the owner
-        for (std::size_t c = 1; c < candidates.count; ++c) {
-            all += close(candidates.body_x[c], candidates.body_z[c], candidates.vx[c], candidates.vz[c]);
-        }
-        const Integers own = close(own_x, own_z, of_owner(candidates.vx, owner), of_owner(candidates.vz, owner));
-        L::store(claims.contested.data() + m, choose<Real>(all != own, 1, 0));
+    for (std::vector<Real>* v : {&claims.contested, &claims.way_x, &claims.way_z, &claims.distance}) {
+        make_room(*v, Lanes<Real>::padded(markers.count));
     }
+    const auto limit = static_cast<Real>(distance * distance);
+    for_each_block<Real>(
+        markers.count,
+        [&](std::size_t m) { find_contested_block<vectors_at_once>(m, claims, markers, candidates, limit); },
+        [&](std::size_t m) { find_contested_block<1>(m, claims, markers, candidates, limit); });
 }
 
 template void find_candidates(Candidates<double>&, const WalkerCells&, const WalkerBodies*, const MarkerLanes<double>&,

@@ -2,6 +2,7 @@
 // Who owns the markers of a cell: the walker whose site is nearest, within R; ties to the one that comes first.
 
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "crowd_client/markers/marker_lanes.hpp"
@@ -10,7 +11,7 @@
 namespace wade::crowd {
 
 // What a cell needs to know of the walkers beside their sites where markers can be contested; by entry of WalkerCells,
-// to copy_in_fours().
+// read by copy_four().
 struct WalkerBodies {
     std::vector<double> x, z;      // where they stand, m
     std::vector<double> vx, vz;    // displacement of the last step / dt, m/s
@@ -37,9 +38,25 @@ struct Candidates {
 template <typename Real>
 struct Claims {
     using Integer = typename Lanes<Real>::Integer;
-    std::vector<Integer> owner;   // candidate, 0 = nobody
-    std::vector<Real> contested;  // 0 or 1, where bodies are given
+    std::vector<Integer> owner;  // candidate, 0 = nobody
+    // Where bodies are given:
+    std::vector<Real> contested;               // 0 or 1
+    std::vector<Real> way_x, way_z, distance;  // from the owner, as of way_to(), m
 };
+
+// From a walker to a marker, m. The length is above 0.
+template <typename Real>
+struct Way {
+    typename Lanes<Real>::Reals x, z, length;
+};
+template <typename Reals>
+inline auto way_to(const Reals& x, const Reals& z, const Reals& from_x, const Reals& from_z) {
+    using Real = std::remove_cvref_t<decltype(x[0])>;
+    constexpr Real least = static_cast<Real>(1e-20);  // m2
+    const Reals way_x = x - from_x, way_z = z - from_z;
+    const Reals square = way_x * way_x + way_z * way_z;
+    return Way<Real>{way_x, way_z, square_root(choose<Real>(Reals(least) < square, square, least))};
+}
 
 template <typename Real>
 void find_candidates(Candidates<Real>& candidates, const WalkerCells& cells, const WalkerBodies* bodies,

@@ -79,7 +79,7 @@ void DrawnOwners::look_up_owners(const Claiming& claiming, const RowBand& band, 
         make_table(*table, candidates_.count + beyond_fours);
         (*table)[0] = 0;
     }
-    make_room(sums_of_, candidates_.count);
+    make_room(sums_of_, candidates_.count + beyond_fours);
     sums_of_[0] = &nobody_;
     for_each_run(claiming.cells, column, row, [&](int r, std::uint32_t first, std::uint32_t last, std::size_t before) {
         const std::size_t place = 1 + before, n = last - first;
@@ -89,11 +89,23 @@ void DrawnOwners::look_up_owners(const Claiming& claiming, const RowBand& band, 
         }
         Row& here = row_of(claiming, r);
         const std::size_t from = first - here.first;
-        std::iota(sums_of_.data() + place, sums_of_.data() + place + n, here.sums.data() + from);
-        copy_in_fours(goal_x_.data() + place, here.goal_x.data() + from, n, 0.0F);
-        copy_in_fours(goal_z_.data() + place, here.goal_z.data() + from, n, 0.0F);
-        if (with_bodies) copy_in_fours(discount_.data() + place, here.discount.data() + from, n, 0.0F);
+        for (std::size_t k = 0; k < n; k += 4) {
+            copy_four(goal_x_.data() + place + k, here.goal_x.data() + from + k, 0.0F);
+            copy_four(goal_z_.data() + place + k, here.goal_z.data() + from + k, 0.0F);
+            if (with_bodies) copy_four(discount_.data() + place + k, here.discount.data() + from + k, 0.0F);
+            std::iota(sums_of_.data() + place + k, sums_of_.data() + place + k + 4, here.sums.data() + from + k);
+        }
     });
+}
+
+Way<float> DrawnOwners::way_of(std::size_t m, const L::Integers& owner, bool with_bodies) const {
+    if (with_bodies) {
+        return {L::load(claims_.way_x.data() + m), L::load(claims_.way_z.data() + m),
+                L::load(claims_.distance.data() + m)};
+    }
+    const std::size_t size = candidates_.count;
+    return way_to(L::load(markers_.x.data() + m), L::load(markers_.z.data() + m), look_up(candidates_.x(), size, owner),
+                  look_up(candidates_.z(), size, owner));
 }
 
 void DrawnOwners::weigh(bool with_bodies) {
@@ -101,11 +113,9 @@ void DrawnOwners::weigh(bool with_bodies) {
     for (std::vector<float>* v : {&weight_, &x_, &z_}) make_room(*v, places);
     for (std::size_t m = 0; m < places; m += L::count) {
         const L::Integers owner = L::load(claims_.owner.data() + m);
-        const L::Reals x = L::load(markers_.x.data() + m) - look_up(candidates_.x(), size, owner);
-        const L::Reals z = L::load(markers_.z.data() + m) - look_up(candidates_.z(), size, owner);
+        const Way<float> way = way_of(m, owner, with_bodies);
+        const L::Reals &x = way.x, &z = way.z, &distance = way.length;
         const L::Reals along = look_up(goal_x_, size, owner) * x + look_up(goal_z_, size, owner) * z;
-        const L::Reals square = x * x + z * z;
-        const L::Reals distance = square_root(choose<float>(1e-20F < square, square, 1e-20F));
         const L::Reals ahead = distance + along;
         L::Reals f = choose<float>(0 < ahead, ahead, 0) / (distance + distance * distance);
         if (with_bodies) {

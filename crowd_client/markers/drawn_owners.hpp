@@ -50,6 +50,7 @@ class DrawnOwners {
         return rows_[static_cast<std::size_t>(row % claiming.cells.span)];
     }
     void look_up_owners(const Claiming& claiming, const RowBand& band, int column, int row);
+    [[nodiscard]] Way<float> way_of(std::size_t m, const L::Integers& owner, bool with_bodies) const;
     void weigh(bool with_bodies);
     template <bool with_bodies>
     void add_to_owners();

@@ -197,23 +197,34 @@ inline Vector<Real> square_root(const Vector<Real>& v) {
     return roots;
 }
 
+// Of the lanes of a mask, the first in the lowest bit.
+inline std::uint32_t bits_of(const Vector<std::int64_t>& mask) {
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < mask.parts; ++k) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+        bits |= _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask.part[k]));
+#else
+        for (std::size_t l = 0; l < mask.in_part; ++l) bits |= mask.part[k][l] != 0 ? 1U << (k * mask.in_part + l) : 0U;
+#endif
+    }
+    return bits;
+}
+
 // Gives working memory at least n places; what was in it is lost or not.
 template <typename T>
 void make_room(std::vector<T>& memory, std::size_t n) {
     if (memory.size() < n) memory.resize(n + n / 2);
 }
 
-// to[k] = from[k] - origin for n numbers, by fours: up to three beyond are read and written.
+// to[k] = from[k] - origin for four numbers. Who copies n of them by fours reads and writes up to three beyond.
 template <typename To, typename From>
-inline void copy_in_fours(To* to, const From* from, std::size_t n, From origin) {
+inline void copy_four(To* to, const From* from, From origin) {
     using FourFrom [[gnu::vector_size(4 * sizeof(From))]] = From;
     using FourTo [[gnu::vector_size(4 * sizeof(To))]] = To;
-    for (std::size_t k = 0; k < n; k += 4) {
-        FourFrom four;
-        std::memcpy(&four, from + k, sizeof four);
-        const FourTo moved = __builtin_convertvector(four - origin, FourTo);
-        std::memcpy(to + k, &moved, sizeof moved);
-    }
+    FourFrom four;
+    std::memcpy(&four, from, sizeof four);
+    const FourTo moved = __builtin_convertvector(four - origin, FourTo);
+    std::memcpy(to, &moved, sizeof moved);
 }
 inline constexpr std::size_t beyond_fours = 3;
 

@@ -28,7 +28,7 @@ struct WalkerCells {
     // Entries with corner cell c: [start[c], start[c + 1]), within a cell in the order of the walkers' list.
     std::vector<std::uint32_t> start;
     std::vector<std::uint32_t> walker;  // of an entry: place in the walkers' list
-    std::vector<double> x, z;  // its site, m; an image's beyond the joint of a periodic world; to copy_in_fours()
+    std::vector<double> x, z;  // its site, m; an image's beyond the joint of a periodic world; read by copy_four()
 
     // Empty in an open world. A walker that reaches over the joint has two entries, the first with the smaller x.
     std::vector<double> shift;         // of an entry against its walker along x, m
