@@ -25,7 +25,7 @@ LEFT_OUT = (
     "Two ways want a run of the water for each crowd: three seeds. They and their one-way runs are by the shallow-water "
     "equations, cells of 0.5 m, on which wakes that the water shows reach farther than on particles.",
     "Who can sit but not stand up where it is sits until the water lets it stand, or drowns it where its mouth is under (0.5 H): at "
-    "400 s the rest is *in the water*.",
+    "400 s the rest is *in the water*. Who keeps the feet and does not arrive stands behind them on the bank.",
     "People are alike, 1.70 m and 65 kg, half of them women, who walk slower in water. The goal radius is that of S1.")
 OFF_FEET = ("toppled", "afloat", "carried", "drowned")
 FATES_AT = (0.5, 0.75, 1.0, 1.5)  # m/s; in faster water nobody keeps on the feet
