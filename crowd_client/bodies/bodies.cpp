@@ -29,10 +29,13 @@ void note(double& value, double now, double time, double memory) {
 
 // Clockwise as seen with x to the right and z up. |angle| <= 1.5 rad: the first terms of the cosine and the sine, to 1e-7,
 // as their bits are the same everywhere.
-Vector2d turned_right(const Vector2d& v, double angle) {
+inline Vector2d turned_right(const Vector2d& v, double angle) {
     const double q = angle * angle;
-    const double c = 1 - q / 2 * (1 - q / 12 * (1 - q / 30 * (1 - q / 56 * (1 - q / 90 * (1 - q / 132)))));
-    const double s = angle * (1 - q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * (1 - q / 110)))));
+    const double c =
+        1 -
+        q * (1. / 2 - q * (1. / 24 - q * (1. / 720 - q * (1. / 40320 - q * (1. / 3628800 - q * (1. / 479001600))))));
+    const double s =
+        angle * (1 - q * (1. / 6 - q * (1. / 120 - q * (1. / 5040 - q * (1. / 362880 - q * (1. / 39916800))))));
     return {c * v.x() + s * v.y(), c * v.y() - s * v.x()};
 }
 
