@@ -1,4 +1,5 @@
 #include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/dfsph/step_measures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +7,6 @@
 
 #include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
-#include "fluid_server/dfsph/failure_checks.hpp"
 #include "fluid_server/dfsph/time_step.hpp"
 #include "fluid_server/dfsph/viscosity.hpp"
 #include "fluid_server/neighbours/gradient_correction.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "fluid_server/dfsph/failure_checks.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/dfsph/step_measures.hpp"
 
 namespace wade::fluid {
 

@@ -1,11 +1,13 @@
 #pragma once
-// What a step of the water asks of all particles at once.
+// What a step of the water asks of all particles at once, and what is no water any more.
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
+#include "configs/scene/scene.hpp"
 #include "fluid_server/particles/parallel.hpp"
 #include "fluid_server/particles/particles.hpp"
 
@@ -35,6 +37,17 @@ class StepMeasures {
     };
     BlockSums<Extremes> extremes_;
 };
+
+// What is no water any more throws RunError (numerical_failure), with advice on the settings of the fluid.
+
+// fastest: of what moves, m/s; expected: of what the scene speaks of, m/s, 0 = nothing.
+void check_speed(const Particles& particles, double fastest, double expected, const Fluid& fluid);
+
+// A mean density error, a fraction of rest density.
+void check_compression(double mean_error, const Fluid& fluid);
+
+// After a step: particles that are somewhere no longer finite, and the longest way, m.
+void check_moves(std::uint64_t not_finite, double longest, double support_radius, const Fluid& fluid);
 
 inline Motion StepMeasures::motion(const Particles& p) {
     extremes_.begin(p.count);

@@ -1,4 +1,4 @@
-#include "fluid_server/dfsph/failure_checks.hpp"
+#include "fluid_server/dfsph/step_measures.hpp"
 
 #include <string>
 
