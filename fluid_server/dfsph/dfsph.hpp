@@ -15,6 +15,9 @@
 //                      step; particles with an open side are left alone
 //   diagonal       A_ii = dt^2 ( |sum_j g_ij|^2 + sum_j |g_ij|^2 )
 //
+// Each iteration finds short waves of the pressure at once and long ones late. Where water has many layers of particles the
+// divergence solve adds those from a coarse grid (coarse_pressure.hpp).
+//
 // A sweep finds sum_j p_j g_ij or sum_j u_j . (R g_ij) (sweeps.hpp; R is symmetric); the share of i itself follows from
 // sum_j g_ij, which is found once a step.
 
@@ -23,6 +26,7 @@
 #include <vector>
 
 #include "configs/scene/scene.hpp"
+#include "fluid_server/dfsph/coarse_pressure.hpp"
 #include "fluid_server/neighbours/gradient_correction.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/particles/parallel.hpp"
@@ -82,11 +86,13 @@ class PressureSolver {
     //     packing follows the stream. Else Kind::inflow is the lattice of an emitter, and the density solve does not mind
     //     how dense that is: where it is denser than rest it cannot yield, so that a pressure against it would grow for
     //     ever, and burst once a particle is let go.
-    PressureSolver(float open_surface_density, float relaxation, bool confined, bool inflow_is_carried)
+    PressureSolver(const Scene& scene, float open_surface_density, float relaxation, bool confined,
+                   bool inflow_is_carried)
         : open_surface_density_(confined ? 0 : open_surface_density),
           relaxation_(relaxation),
           confined_(confined),
-          inflow_is_carried_(inflow_is_carried) {}
+          inflow_is_carried_(inflow_is_carried),
+          long_waves_(scene) {}
 
     // Layers of particles in the deepest water from now on, 1 before. What each of n layers yields adds up to an error
     // n d tolerance / dt of the velocity above; held against g dt, what weight gives in a step of a fixed CFL number, it grows
@@ -117,11 +123,21 @@ class PressureSolver {
         float dt;                      // s
         Inflow inflow;
         PressureSolve settings;
+        bool two_levels = false;  // with long waves from the coarse grid, which has been placed
+        double tolerance_of_long_waves = 0;
     };
     // source(i, D_i(u)): the right-hand side, u the velocities that the particles have.
     template <typename Source>
     SolveResult solve(const PressureSystem& system, const Task& task, Source&& source);
     void subtract_mean(std::vector<float>& source, std::size_t n);
+    // The long waves of a divergence solve: whether there are any, what they are made of, and how they change found_. The last returns
+    // their share of the compression that is left, summed over particles.
+    using BlockOf = std::array<float, block_size>;  // one number for each particle of a block
+    bool place_long_waves(const Particles& particles, const PressureSolve& settings);
+    void note_for_long_waves(const Particles& particles, std::size_t begin, std::size_t end, bool first,
+                             const BlockOf& errors, const BlockOf& found);
+    void build_long_waves(const PressureSystem& system);
+    double find_long_waves(const Particles& particles, float dt2);
 
     float open_surface_density_;
     float relaxation_;
@@ -131,6 +147,10 @@ class PressureSolver {
     BlockSums<double> errors_;
     BlockSums<double> turns_;     // by how much momentum leads back
     std::vector<float> earlier_;  // pressure of the iteration before, where there is momentum
+    CoarsePressure long_waves_;
+    // With two levels: 1 where the coarse grid may change the pressure, or 0; the residual there, 0 elsewhere; the pressure that an
+    // iteration finds.
+    std::vector<float> may_change_, residual_, found_;
 };
 
 }  // namespace wade::fluid

@@ -44,7 +44,8 @@ Estimate DfsphModel::estimate(const Scene& scene) {
                       memory_of_frames(scene, static_cast<std::uint64_t>(room));
     const double depth = deepest_water(scene), wave = std::sqrt(scene.world.gravity * depth);
     const double speed = largest_velocity(scene.channel);
-    const TimeStep step = longest_step(scene.fluid, {speed, wave, wave}, 1 / scene.frame_rate);
+    const double layers = depth / scene.fluid.particle_spacing;
+    const TimeStep step = longest_step(scene.fluid, {speed, wave, wave, layers}, 1 / scene.frame_rate);
     const double deep = std::max(1.0, depth / (quiet_layers * scene.fluid.particle_spacing));
     estimate.cpu_time =
         scene.duration / step.dt * n * step_cost * deep * (scene.channel.water_blocks.empty() ? 1 : blocks_cost);

@@ -1,5 +1,4 @@
 #include "fluid_server/dfsph/fluid_world.hpp"
-#include "fluid_server/dfsph/step_measures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "fluid_server/dfsph/step_measures.hpp"
 #include "fluid_server/dfsph/time_step.hpp"
 #include "fluid_server/dfsph/viscosity.hpp"
 #include "fluid_server/neighbours/gradient_correction.hpp"
@@ -66,7 +66,7 @@ FluidWorld::FluidWorld(const Scene& scene, ChannelEnds* ends)
     }
     std::visit(
         [&](const auto& kernel) {
-            solver_.emplace(kernel.open_surface_density, kernel.relaxation, confined_, ends_->carry_inflow());
+            solver_.emplace(scene, kernel.open_surface_density, kernel.relaxation, confined_, ends_->carry_inflow());
         },
         kernel_);
     if (scene.channel.manning_n > 0) {
@@ -139,7 +139,8 @@ FluidWorld::Plan FluidWorld::plan_step(double remaining, StepReport& report) {
     check_speed(particles_, v,
                 std::max({wave, largest_velocity(scene_.channel), fastest_plane(scene_.channel), initial_speed_}),
                 scene_.fluid);
-    const TimeStep step = longest_step(scene_.fluid, {v, wave, std::sqrt(scene_.world.gravity * depth)}, remaining);
+    const WaterSpeeds speeds{v, wave, std::sqrt(scene_.world.gravity * depth), depth / scene_.fluid.particle_spacing};
+    const TimeStep step = longest_step(scene_.fluid, speeds, remaining);
     report.dt = step.dt;
     Plan plan{static_cast<float>(step.dt), step.share, scene_.fluid.divergence_solve.max_iterations > 0};
     if (confined_ && plan.split) plan.theta = midpoint_theta(plan.share);

@@ -26,8 +26,9 @@ double fastest_plane(const Channel& channel) {
 
 TimeStep longest_step(const Fluid& fluid, const WaterSpeeds& speeds, double remaining) {
     const double d = fluid.particle_spacing, v = speeds.fastest, wave = speeds.wave;
-    double dt = std::min({remaining, time_for(fluid.cfl * d, v + wave), time_for(pressure_limit * d, speeds.pressure),
-                          time_for(way_limit * d, v)});
+    const double deep = std::min(1.0, std::pow(layers_of_pressure_limit / speeds.layers, power_of_pressure_limit));
+    double dt = std::min({remaining, time_for(fluid.cfl * d, v + wave),
+                          time_for(deep * pressure_limit * d, speeds.pressure), time_for(way_limit * d, v)});
     if (fluid.kinematic_viscosity > 0) {
         dt = std::min(dt, viscous_limit * d * d / fluid.kinematic_viscosity);
     }

@@ -125,7 +125,8 @@ void fields(Fluid& fluid, Fields& f) {
             f.number("tolerance", fluid.divergence_solve.tolerance, "fraction", above(0).to(0.1),
                      "Mean change of density, relative to the rest density, in a time step of CFL 0.5 that ends the "
                      "iteration; shorter steps and water deeper than ten layers of particles take a share of it. In no "
-                     "block of 256 particles, which lie close together, may it be more than five times as large.");
+                     "block of 256 particles, which lie close together, may it be more than five times as large. "
+                     "Beyond 32 layers it counts as 0.002 at most.");
             f.whole("min_iterations", fluid.divergence_solve.min_iterations, "", from(1).to(10000),
                     "Iterations done in any case, unless max_iterations = 0 switches the solve off.");
             f.whole("max_iterations", fluid.divergence_solve.max_iterations, "", from(0).to(10000),

@@ -1,0 +1,144 @@
+#pragma once
+// The long waves of the pressure of deep water: a correction on a coarse Cartesian grid, from what a solve has left.
+//
+// A Jacobi iteration (dfsph.hpp) carries pressure no further than a support radius, so that water of n layers takes
+// iterations in the order of n. What it leaves is smooth, and smooth pressure needs few numbers: one at each node of a grid
+// whose cells are a few spacings long (two-grid iteration, Brandt 1977; with the coarse matrix of Galerkin, which needs no
+// discretisation of its own at the surface).
+//
+// W13. Let G p be the accelerations a_i(p) of W7. Sums over pairs are antisymmetric, so that the density rate of a velocity is
+// D = -G^T but for velocities that are given, and the system of W8 is
+//
+//   A p = b,   A = -dt^2 D G = dt^2 G^T G,
+//
+// symmetric, and positive but for a pressure that moves nothing. Among all pressures p + sum_k e_k P_k that one is nearest to
+// the solution, by the energy of the error, whose residual r = b - A p is orthogonal to each P_k (Galerkin):
+//
+//   sum_l (P_k . A P_l) e_l = P_k . r,   P_k . A P_l = dt^2 sum_i (G P_k)_i . (G P_l)_i.
+//
+// P_k is the trilinear hat N_k of node k where the water has pressure, m_i = 1, and zero elsewhere, m_i = 0. With the hat at a
+// neighbour to first order, N_k(x_j) = N_k(x_i) + grad N_k . (x_j - x_i), and sum_j (x_j - x_i) (x) g_ij = 1, which
+// holds inside of the water (compare W4),
+//
+//   (G P_k)_i = - sum_j (m_i N_k(x_i) + m_j N_k(x_j)) g_ij
+//             ~ - ( N_k(x_i) c_i + m_i grad N_k(x_i) ),     c_i = m_i sum_j g_ij + sum_j m_j g_ij.
+//
+// c_i is exact, vanishes inside and points out of the water at its surface: there it says that a hat that does not vanish is
+// a jump of the pressure to zero, so that the matrix knows the free surface. Particles whose velocity is given have no row in G.
+//
+// A node with less water than a share of what a node inside has is left out, e_k = 0: in the gradients of a few particles c_i N_k + grad N_k may
+// cancel, the matrix is then singular, and its solution throws them away.
+//
+// The matrix couples a node to its 26 neighbours. It is solved by conjugate gradients, with the vertical lines of nodes, along
+// which the weight of the water goes down, solved exactly as preconditioner.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "configs/scene/scene.hpp"
+#include "fluid_server/particles/particle_fields.hpp"
+#include "fluid_server/particles/particles.hpp"
+
+namespace wade::fluid {
+
+// The cells over the water; each has a node at its corners.
+class CoarseGrid {
+ public:
+    static constexpr std::size_t corners = 8;  // bit 0: along x, 1: along y, 2: along z
+    using Hats = std::array<float, corners>;   // N_k of the corners of a cell
+
+    explicit CoarseGrid(const Scene& scene);
+
+    // Whether the channel is one that a grid with a bed and a surface fits.
+    [[nodiscard]] bool fits() const { return !periodic_[1]; }
+
+    // Lays the grid over the particles and sorts them by cell. False if the water fills so little of the box round it that
+    // cells would take more memory and time than they are worth.
+    bool place(const Particles& particles);
+
+    // A particle within its cell: how far along each axis, 0 to 1.
+    struct Place {
+        std::size_t cell;
+        std::array<float, 3> way;
+    };
+    [[nodiscard]] Place place_of(const std::array<float, 3>& x) const;
+
+    // Numbers of the nodes at the corners of a cell, a cell's particles, how much water a node has when it is all inside.
+    [[nodiscard]] std::array<std::uint32_t, corners> nodes_of(std::size_t cell) const;
+    [[nodiscard]] const std::uint32_t* first_of(std::size_t cell) const { return order_.data() + start_[cell]; }
+    [[nodiscard]] const std::uint32_t* end_of(std::size_t cell) const { return order_.data() + start_[cell + 1]; }
+    [[nodiscard]] float full_node(std::size_t i, std::size_t j, std::size_t k) const;
+
+    [[nodiscard]] std::size_t cells() const { return cells_[0] * cells_[1] * cells_[2]; }
+    [[nodiscard]] std::size_t nodes() const { return nodes_[0] * nodes_[1] * nodes_[2]; }
+    [[nodiscard]] std::size_t nodes_along(std::size_t axis) const { return nodes_[axis]; }
+    [[nodiscard]] bool wraps(std::size_t axis) const { return periodic_[axis]; }
+    // Nodes of a vertical line follow one another.
+    [[nodiscard]] std::size_t node(std::size_t i, std::size_t j, std::size_t k) const {
+        return (k * nodes_[0] + i) * nodes_[1] + j;
+    }
+    [[nodiscard]] float cells_a_metre(std::size_t axis) const { return inverse_[axis]; }
+
+ private:
+    struct Box {
+        std::array<float, 3> lo{}, hi{};
+    };
+    [[nodiscard]] Box box_of(const Particles& particles) const;
+    bool cut(const Box& box, float cell, std::size_t particles);
+    void sort(const Particles& particles);
+
+    float spacing_;
+    std::array<bool, 3> periodic_{};
+    Box channel_;
+    std::array<std::array<bool, 2>, 3> walls_{};  // whether the box over the water ends at one, below and above
+    std::array<float, 3> lo_{}, inverse_{};
+    std::array<std::size_t, 3> cells_{}, nodes_{};
+    std::vector<std::uint32_t> cell_of_, start_, order_;
+};
+
+// A_c e = r_c.
+class CoarsePressure {
+ public:
+    explicit CoarsePressure(const Scene& scene) : grid_(scene) {}
+
+    [[nodiscard]] bool fits() const { return grid_.fits(); }
+    bool place(const Particles& particles) { return grid_.place(particles); }
+
+    // The matrix over dt^2. mask: m; open: c.
+    void build(const Particles& particles, const std::vector<float>& mask, const ConstVectorArrays& open);
+
+    // Finds dt^2 e from a residual that is zero where m = 0. Returns the compression that nodes see before, summed over particles:
+    // that of single particles, which has no sign, cancels.
+    double solve(const Particles& particles, const std::vector<float>& residual);
+
+    // dt^2 sum_k e_k N_k(x_i) of the last solve.
+    [[nodiscard]] float at(const Particles& particles, std::size_t i) const;
+
+ private:
+    static constexpr std::size_t corners = CoarseGrid::corners;
+    using Element = std::array<float, corners * corners>;  // what the particles of one cell add to the matrix
+    using Row = std::array<float, 27>;                     // [9 (dz + 1) + 3 (dx + 1) + dy + 1]
+
+    [[nodiscard]] Element element_of(std::size_t cell, const Particles& particles, const std::vector<float>& mask,
+                                     const ConstVectorArrays& open) const;
+    void add(const Element& element, std::size_t cell);
+    // sum_i q_i N_k(x_i) for each node.
+    void restrict_to_nodes(const Particles& particles, const std::vector<float>& q, std::vector<float>& sums);
+    void leave_out_thin_nodes(const Particles& particles, const std::vector<float>& mask);
+    void eliminate_lines();
+    void multiply(const std::vector<float>& e, std::vector<float>& out) const;
+    void solve_lines(const std::vector<float>& r, std::vector<float>& z) const;
+    void solve_by_conjugate_gradients();
+
+    CoarseGrid grid_;
+    std::vector<CoarseGrid::Hats> at_corners_;  // of each cell: sums, then e
+    std::vector<Element> elements_;             // of a few cells at a time
+    std::vector<Row> rows_;
+    std::vector<float> in_use_;        // 1, or 0 for a node that is left out
+    std::vector<float> line_inverse_;  // of the diagonal, once what is below is eliminated
+    std::vector<float> e_, r_, z_, d_, q_;
+};
+
+}  // namespace wade::fluid
