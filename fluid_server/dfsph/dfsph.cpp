@@ -50,12 +50,11 @@ constexpr double most_in_a_block = 5;
 // iterations that it spares.
 constexpr double one_level_up_to = 32;
 
-// With two levels the tolerance of the divergence solve shrinks with the square of the layers for the mean over the water round a node
-// of the coarse grid, which adds up over the depth, and with this power for that over single particles, most of which has no sign.
-// In trials 80 and 200 layers held with 1 to 1.5, in 13.5 to 16.5 sweeps at 80.
+// With two levels the tolerance of the divergence solve shrinks with the square of the layers for means over the water round a node of the
+// coarse grid, which add up over the depth, and with this power for the mean over single particles, most of which has no sign.
 constexpr double power_of_particles = 1.25;
 
-// What the tolerance is at most with two levels. With 0.005 the lattice of 200 layers still broke when it buckled, and that of 50 with 0.01.
+// What it is at most with two levels. With 0.005 the lattice of 200 layers still broke when it buckled, and that of 50 with 0.01.
 constexpr double largest_tolerance = 2e-3;
 
 // Share of the coarse correction that is taken: the Jacobi iteration beside it finds some of the same waves. 0.4 to 1 made no
@@ -208,51 +207,6 @@ void compute_density_and_diagonal(const Particles& p, const Kernel& kernel, floa
     });
 }
 
-double bed_pressure_force(const Particles& p, const NeighbourLists& lists, double particle_mass) {
-    BlockSums<double> forces;
-    forces.begin(lists.count);
-    for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
-        for_each_pair(lists, b, [&](const ListedPair& pair) {
-            if (pair.view.map.rotation.yy > 0 || p.kind[pair.i] == Kind::inflow) {
-                return;
-            }
-            const float gy = pair.view.map.rotation(pair.gradient)[1];
-            forces[b] -= static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * gy) * particle_mass;
-        });
-    });
-    return forces.total([](double& sum, double force) { sum += force; });
-}
-
-std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& lists, double particle_mass,
-                                     double viscosity, int obstacle) {
-    BlockSums<std::array<double, 3>> forces;
-    forces.begin(lists.count);
-    for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
-        std::array<double, 3>& force = forces[b];
-        for_each_pair(lists, b, [&](const ListedPair& pair) {
-            const NeighbourBlock::View& face = pair.view;
-            if (face.obstacle != obstacle || p.kind[pair.i] == Kind::inflow) {
-                return;
-            }
-            // The face pushes along its normal; along itself it holds only water that sticks to it.
-            const auto normal = static_cast<std::size_t>(face.obstacle_axis);
-            const float g = face.map.rotation(pair.gradient)[normal];
-            force[normal] += static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * g) * particle_mass;
-            const Vec3 own{p.vx[pair.i], p.vy[pair.i], p.vz[pair.i]};
-            const Vec3 image = face.viscous.map({p.vx[pair.j], p.vy[pair.j], p.vz[pair.j]});
-            for (std::size_t a = 0; a < 3; ++a) {
-                const float slip = own[a] - (image[a] + face.viscous.shift[a]);
-                force[a] -= 2 * viscosity * static_cast<double>(slip * pair.factor) * particle_mass;
-            }
-        });
-    });
-    return forces.total([](std::array<double, 3>& sum, const std::array<double, 3>& force) {
-        for (std::size_t a = 0; a < 3; ++a) {
-            sum[a] += force[a];
-        }
-    });
-}
-
 // W8.
 template <typename Source>
 SolveResult PressureSolver::solve(const PressureSystem& system, const Task& task, Source&& source) {
@@ -325,8 +279,7 @@ SolveResult PressureSolver::solve(const PressureSystem& system, const Task& task
             if (long_waves) error_of_long_waves = find_long_waves(p, dt2) / free;
             for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
                 BlockOf found;
-                std::copy(found_.begin() + static_cast<std::ptrdiff_t>(begin),
-                          found_.begin() + static_cast<std::ptrdiff_t>(end), found.begin());
+                std::copy_n(found_.data() + begin, end - begin, found.data());
                 go_on(begin, end, b, found);
             });
         }
@@ -381,8 +334,7 @@ void PressureSolver::note_for_long_waves(const Particles& p, std::size_t begin, 
 double PressureSolver::find_long_waves(const Particles& p, float dt2) {
     const double error = long_waves_.solve(p, residual_);
     for_each_particle(p.count, [&](std::size_t i) {
-        if (may_change_[i] == 0) return;
-        found_[i] = std::max(0.0F, found_[i] + coarse_share / dt2 * long_waves_.at(p, i));
+        if (may_change_[i] > 0) found_[i] = std::max(0.0F, found_[i] + coarse_share / dt2 * long_waves_.at(p, i));
     });
     return error;
 }
@@ -392,14 +344,6 @@ void PressureSolver::subtract_mean(std::vector<float>& source, std::size_t n) {
     for_each_particle(n, [&](std::size_t i) { errors_[i / block_size] += static_cast<double>(source[i]); });
     const auto mean = static_cast<float>(n == 0 ? 0 : total_of(errors_) / static_cast<double>(n));
     for_each_particle(n, [&](std::size_t i) { source[i] -= mean; });
-}
-
-void apply_acceleration(Particles& p, const ParticleFields& f, float dt) {
-    for_each_particle(p.count, [&](std::size_t i) {
-        p.vx[i] += dt * f.ax[i];
-        p.vy[i] += dt * f.ay[i];
-        p.vz[i] += dt * f.az[i];
-    });
 }
 
 // W9.
@@ -420,10 +364,11 @@ SolveResult PressureSolver::solve_divergence(const PressureSystem& system, float
     of_this_step.tolerance = tolerance_by(two_levels ? std::pow(shallow, power_of_particles) : shallow * shallow);
     const double forgotten =
         confined_ ? forgotten_confined : std::min(forgotten_at_most, forgotten_per_layer * layers_);
+    const Inflow inflow = inflow_is_carried_ ? Inflow::given : Inflow::rigid;
     const Task task{system.particles.pressure,
                     static_cast<float>(1 - forgotten),
                     dt,
-                    inflow_is_carried_ ? Inflow::given : Inflow::rigid,
+                    inflow,
                     of_this_step,
                     two_levels,
                     two_levels ? tolerance_by(shallow * shallow) : 0};

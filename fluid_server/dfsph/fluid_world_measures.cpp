@@ -4,6 +4,51 @@
 
 namespace wade::fluid {
 
+double bed_pressure_force(const Particles& p, const NeighbourLists& lists, double particle_mass) {
+    BlockSums<double> forces;
+    forces.begin(lists.count);
+    for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
+        for_each_pair(lists, b, [&](const ListedPair& pair) {
+            if (pair.view.map.rotation.yy > 0 || p.kind[pair.i] == Kind::inflow) {
+                return;
+            }
+            const float gy = pair.view.map.rotation(pair.gradient)[1];
+            forces[b] -= static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * gy) * particle_mass;
+        });
+    });
+    return forces.total([](double& sum, double force) { sum += force; });
+}
+
+std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& lists, double particle_mass,
+                                     double viscosity, int obstacle) {
+    BlockSums<std::array<double, 3>> forces;
+    forces.begin(lists.count);
+    for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
+        std::array<double, 3>& force = forces[b];
+        for_each_pair(lists, b, [&](const ListedPair& pair) {
+            const NeighbourBlock::View& face = pair.view;
+            if (face.obstacle != obstacle || p.kind[pair.i] == Kind::inflow) {
+                return;
+            }
+            // The face pushes along its normal; along itself it holds only water that sticks to it.
+            const auto normal = static_cast<std::size_t>(face.obstacle_axis);
+            const float g = face.map.rotation(pair.gradient)[normal];
+            force[normal] += static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * g) * particle_mass;
+            const Vec3 own{p.vx[pair.i], p.vy[pair.i], p.vz[pair.i]};
+            const Vec3 image = face.viscous.map({p.vx[pair.j], p.vy[pair.j], p.vz[pair.j]});
+            for (std::size_t a = 0; a < 3; ++a) {
+                const float slip = own[a] - (image[a] + face.viscous.shift[a]);
+                force[a] -= 2 * viscosity * static_cast<double>(slip * pair.factor) * particle_mass;
+            }
+        });
+    });
+    return forces.total([](std::array<double, 3>& sum, const std::array<double, 3>& force) {
+        for (std::size_t a = 0; a < 3; ++a) {
+            sum[a] += force[a];
+        }
+    });
+}
+
 std::array<double, 3> FluidWorld::obstacle_force(std::size_t obstacle) const {
     std::array<double, 3> force = fluid::obstacle_force(particles_, lists_, static_cast<double>(particle_mass_),
                                                         viscosity_, static_cast<int>(obstacle));

@@ -20,6 +20,14 @@ void add_contact(std::uint32_t obstacle, const Vec3& removed, float dt, std::vec
 
 }  // namespace
 
+void apply_acceleration(Particles& p, const ParticleFields& f, float dt) {
+    for_each_particle(p.count, [&](std::size_t i) {
+        p.vx[i] += dt * f.ax[i];
+        p.vy[i] += dt * f.ay[i];
+        p.vz[i] += dt * f.az[i];
+    });
+}
+
 Places FluidWorld::places(std::size_t begin) const {
     return {particles_.x.data() + begin, particles_.y.data() + begin, particles_.z.data() + begin};
 }

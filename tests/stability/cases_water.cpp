@@ -99,10 +99,11 @@ Result deep_sweeps(const Request& request) {
         hooks.after_step = [&](const FluidWorld&, const StepReport& step, Result&) { sweeps += step.sweeps; };
         const Result one = run_water(scene, hooks);
         add_to(all, one);
-        return sweeps / static_cast<double>(one.steps);
+        sweeps /= static_cast<double>(one.steps);
+        note(all, "sweeps_at_" + std::to_string(layers), sweeps);
+        return sweeps;
     };
     const double few = sweeps_of(10);
-    note(all, "sweeps_at_10", few);
     check_at_most(all, "sweeps_at_80_over_10", sweeps_of(80) / few, 1.5);
     if (!request.quick) check_at_most(all, "sweeps_at_200_over_10", sweeps_of(200) / few, 2.5);
     return all;
