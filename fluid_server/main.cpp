@@ -2,6 +2,7 @@
 
 #include <omp.h>
 
+#include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -15,6 +16,7 @@
 #include "configs/program/program.hpp"
 #include "fluid_server/make_model.hpp"
 #include "fluid_server/model_choice/model_choice.hpp"
+#include "fluid_server/neighbours/sweeps.hpp"
 #include "fluid_server/server/serve.hpp"
 #include "shm_protocol/error.hpp"
 
@@ -100,6 +102,7 @@ int run(ProgramStart& start, Console& console) {
 
 int main(int argc, char** argv) {
     let_threads_spin_briefly(argv);
+    if (std::getenv("WADE_NARROW_VECTORS") != nullptr) use_widest_vectors(false);
     Console console("fluid_server");
     try {
         ProgramStart start = start_program(description(), argc, argv);

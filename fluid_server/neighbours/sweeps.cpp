@@ -16,12 +16,6 @@ namespace wade::fluid::HWY_NAMESPACE {
 // 2^23: between it and its double a float has whole numbers only, in its last bits. A number that it is added to is rounded.
 constexpr float ones_from = 8388608;
 
-// 1 / sqrt(a) to the last bits: one step of Newton's method from the processor's estimate of 12 bits or more.
-HWY_INLINE V reciprocal_sqrt(V a) {
-    const V y = hn::ApproximateReciprocalSqrt(a);
-    return hn::Mul(y, hn::NegMulAdd(hn::Mul(all(0.5F), a), hn::Mul(y, y), all(1.5F)));
-}
-
 // A kernel and (dW/dr) / r over its value at r = 0, of q = r / h and its inverse; zero from q = 1 on.
 struct Shape {
     V value, factor;
@@ -103,8 +97,9 @@ HWY_NOINLINE V find_factors(AnyKernel kernel, const LaneMask* seen_by, std::size
         // A distance of zero counts as a tiny one, so that its inverse stays finite.
         const V r2 = hn::Load(lanes, batch.squared_distance[e].lane.data());
         const V q2 = hn::Max(hn::Mul(r2, inverse_h2), all(1e-12F));
-        const V inverse_q = reciprocal_sqrt(q2);
-        Shape w = shape(kernel, hn::Mul(q2, inverse_q), inverse_q);
+        // Root and quotient are rounded as IEEE 754 asks; processors' estimates of 1 / sqrt(x) differ.
+        const V q = hn::Sqrt(q2);
+        Shape w = shape(kernel, q, hn::Div(all(1), q));
         if constexpr (by_sight) {
             const auto seen = lanes_of(seen_by[e]);
             w = {hn::IfThenElseZero(seen, w.value), hn::IfThenElseZero(seen, w.factor)};
@@ -387,6 +382,13 @@ void sum_gradients_and_divergence(std::size_t block, const Particles& p, const N
 
 std::size_t cluster_size_here() {
     return HWY_DYNAMIC_DISPATCH(ClusterSize)();
+}
+
+void use_widest_vectors(bool widest) {
+    constexpr auto up_to_avx2 = ~(std::int64_t{HWY_AVX3} | HWY_AVX3_DL);
+    hwy::SetSupportedTargetsForTest(0);
+    if (!widest) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & up_to_avx2);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 std::string_view instruction_set() {

@@ -67,4 +67,8 @@ void sum_corrected_divergence(std::size_t block, const Particles& particles, con
 // The instruction set in use, such as "AVX3".
 [[nodiscard]] std::string_view instruction_set();
 
+// From now on as a processor without AVX-512 would do it, with vectors of 8 lanes; true: with whatever the processor has. The bits
+// are the same.
+void use_widest_vectors(bool widest);
+
 }  // namespace wade::fluid

@@ -11,10 +11,9 @@ namespace wade::fluid::HWY_NAMESPACE {
 
 using steering::Settings;
 
-// 1 / sqrt(a) to the last bits: one step of Newton's method from the processor's estimate.
-HWY_INLINE V flock_reciprocal_sqrt(V a) {
-    const V y = hn::ApproximateReciprocalSqrt(a);
-    return hn::Mul(y, hn::NegMulAdd(hn::Mul(all(0.5F), a), hn::Mul(y, y), all(1.5F)));
+// 1 / sqrt(a): root and quotient are rounded as IEEE 754 asks; processors' estimates differ.
+HWY_INLINE V reciprocal_sqrt(V a) {
+    return hn::Div(all(1), hn::Sqrt(a));
 }
 
 // The sums of one vector of particles.
@@ -53,7 +52,7 @@ HWY_INLINE void sum_flock_of(std::size_t b, const Particles& p, const NeighbourL
         if constexpr (!plain) {
             const V v2 = dot(v, v);
             stands = hn::Eq(v2, hn::Zero(lanes));
-            forward = times(hn::IfThenZeroElse(stands, flock_reciprocal_sqrt(hn::Max(v2, all(1e-30F)))), v);
+            forward = times(hn::IfThenZeroElse(stands, reciprocal_sqrt(hn::Max(v2, all(1e-30F)))), v);
             factor_i = hn::LoadU(lanes, radius_factor.data() + i);
         }
         for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
@@ -64,7 +63,7 @@ HWY_INLINE void sum_flock_of(std::size_t b, const Particles& p, const NeighbourL
                 const Vec3V way = way_from(seen, p, j);
                 const Vec3V vj{all(p.vx[j]), all(p.vy[j]), all(p.vz[j])};
                 const V r2 = hn::Max(dot(way, way), tiny);
-                const V inverse_r = flock_reciprocal_sqrt(r2);
+                const V inverse_r = reciprocal_sqrt(r2);
                 const V r = hn::Mul(r2, inverse_r);
                 V reach2 = radius2;
                 V from2 = pull_from2;

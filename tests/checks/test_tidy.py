@@ -6,6 +6,7 @@ all of them with WADE_TIDY_ALL=1.
 
 import json
 import os
+import shlex
 import subprocess
 import tempfile
 import unittest
@@ -26,7 +27,7 @@ def compiled() -> dict[Path, list[str]]:
     for entry in json.loads(database.read_text()):
         source = Path(entry["file"])
         if source.is_relative_to(ROOT) and str(source.relative_to(ROOT)).startswith(PRODUCT):
-            words = entry["command"].split()
+            words = shlex.split(entry["command"])
             commands[source] = [part for word, following in zip(words, words[1:]) for part in
                                 ((word, following) if word == "-isystem" else
                                  (word,) if word.startswith(("-I", "-D", "-std", "-fopenmp")) else ())]
