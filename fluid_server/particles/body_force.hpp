@@ -1,6 +1,9 @@
 #pragma once
 // Forces that act alike on all particles.
 
+#include <array>
+#include <numeric>
+
 #include "fluid_server/particles/parallel.hpp"
 #include "fluid_server/particles/particles.hpp"
 
@@ -16,13 +19,15 @@ inline void apply_body_force(Particles& p, float ax, float ay, float dt) {
     });
 }
 
-// Of all particles along x, m/s; 0 without any.
+// Of all particles along x, m/s; 0 without any. Eight sums side by side, on whatever processor, as one would wait for itself.
 inline double mean_velocity(const Particles& p) {
-    double sum = 0;
-    for (std::size_t i = 0; i < p.count; ++i) {
-        sum += static_cast<double>(p.vx[i]);
+    std::array<double, 8> sums{};
+    const std::size_t whole = p.count / sums.size() * sums.size();
+    for (std::size_t i = 0; i < whole; i += sums.size()) {
+        for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += static_cast<double>(p.vx[i + k]);
     }
-    return p.count == 0 ? 0 : sum / static_cast<double>(p.count);
+    for (std::size_t i = whole; i < p.count; ++i) sums[0] += static_cast<double>(p.vx[i]);
+    return p.count == 0 ? 0 : std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(p.count);
 }
 
 // Uniform acceleration along x that brings the mean velocity of all fluid to -speed within dt, m/s^2.
