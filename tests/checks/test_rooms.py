@@ -15,7 +15,7 @@ from sources import ROOT, git, tracked
 PRODUCT = ("configs", "shm_protocol", "fluid_server", "crowd_client")
 MOST_FILES = 25  # sources in a folder, a header and its source counted as two
 MOST_LINES = 400
-MOST_TRACKED = 1250
+MOST_TRACKED = 1285  # 1,250 before there was a viewer and its exports
 CODE = (".cpp", ".hpp", ".h")  # of the product
 TOOLS_CODE = (*CODE, ".c", ".mjs", ".py", ".sh")
 
