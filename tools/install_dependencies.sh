@@ -34,6 +34,11 @@ tests     clang-format        clang-tools-extra    clang-format
 tests     clang-tidy          clang-tools-extra    llvm
 tests     shellcheck          ShellCheck           shellcheck
 tests     pyflakes3           python3-pyflakes     pyflakes
+readers   python3-vtk9        -                    -
+readers   python3-meshio      -                    -
+readers   ffmpeg              ffmpeg               ffmpeg
+readers   mono-mcs            -                    -
+readers   mono-runtime        -                    -
 '
 # Headers for the producer in Node; a node from elsewhere often brings them along.
 node=$(readlink -f "$(command -v node || true)" || true)
@@ -51,11 +56,13 @@ fail() {
 
 usage() {
   cat <<HELP
-Usage: tools/install_dependencies.sh [build] [pictures] [tests]
+Usage: tools/install_dependencies.sh [build] [pictures] [tests] [readers]
 
-Installs, as root or with sudo, what is missing of these sets of Debian's packages; all without an
-argument. A run needs build and pictures, the tests and what CI checks need all. On other systems it
-names the packages, which you install yourself:
+Installs, as root or with sudo, what is missing of these sets of Debian's packages; without an
+argument all but readers. A run needs build and pictures, the tests and what CI checks need tests,
+too. readers are programs of others that read what Wade writes: ffmpeg makes films, the others are
+for tests, which are skipped without them. On other systems it names the packages, which you install
+yourself:
 
 set       Debian, Ubuntu      Fedora               Homebrew
 $(grep . <<<"$packages")
@@ -69,10 +76,10 @@ HELP
 sets=()
 for argument in "$@"; do
   case "$argument" in
-    build | pictures | tests) sets+=("$argument") ;;
+    build | pictures | tests | readers) sets+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *)
-      echo "install_dependencies.sh: unexpected argument \"$argument\"; allowed: build, pictures, tests" >&2
+      echo "install_dependencies.sh: unexpected argument \"$argument\"; allowed: build, pictures, tests, readers" >&2
       exit 2
       ;;
   esac

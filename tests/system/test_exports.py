@@ -1,0 +1,320 @@
+"""tools/wade export: each format is read back by a reader that knows nothing of its writer, where one is installed.
+
+tools/install_dependencies.sh readers installs those of Debian; those of npm are found in build/readers, or where
+WADE_READERS says, after npm install --prefix build/readers gltf-validator tinyusdz.
+"""
+
+import csv
+import functools
+import importlib.util
+import json
+import os
+import re
+import shutil
+import struct
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import recording_file
+from harness import CLIENT, PROGRAMS, ROOT, SERVER, SMALL, SystemTest
+
+READERS = Path(os.environ.get("WADE_READERS", ROOT / "build" / "readers")) / "node_modules"
+TEMPORARY = tempfile.TemporaryDirectory(prefix="wade-exports-")
+FOLDER = Path(TEMPORARY.name)
+RUN, RECORDING, PLAIN = FOLDER / "run", FOLDER / "water.wrec", FOLDER / "plain.wrec"
+FRAMES = 240  # of 8 s
+
+
+def tearDownModule():
+    TEMPORARY.cleanup()
+
+
+@functools.cache
+def recorded_run():
+    """A whole run with its water, compressed and not; (outcome, rows of agents.csv)."""
+    session = f"wade-exports-{os.getpid()}"
+    commands = ([SERVER, SMALL, "--session", session, "--consumers", "3"],
+                [PROGRAMS / "shm_record", session, RECORDING],
+                [PROGRAMS / "shm_record", session, PLAIN, "--compression", "0"],
+                [CLIENT, SMALL, "--session", session, "--out", RUN])
+    started = [subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) for command in commands]
+    assert [program.wait(120) for program in started] == [0, 0, 0, 0]
+    with open(RUN / "agents.csv", newline="", encoding="utf-8") as file:
+        return json.loads((RUN / "outcome.json").read_text()), list(csv.DictReader(file))
+
+
+def first_and_last():
+    """(time_s, positions, velocities) of the first and last frame of the recording, read as tools/shm/README.md says."""
+    data = PLAIN.read_bytes()
+    frames = [r for r in recording_file.records(data) if r.kind == recording_file.FRAME]
+    for record in (frames[0], frames[-1]):
+        _, number, _, count, *_ = record.descriptor(data)
+        fields = np.frombuffer(record.payload(data), "<f4").reshape(7, count)
+        yield number / 30, fields[4:].T, fields[1:4].T
+
+
+def needs(module, package):
+    return unittest.skipUnless(importlib.util.find_spec(module), f"needs {package} (tools/install_dependencies.sh readers)")
+
+
+def needs_npm(name):
+    there = shutil.which("node") and (READERS / name).is_dir()
+    return unittest.skipUnless(there, f"needs node and npm's {name} in {READERS}")
+
+
+class ExportTest(SystemTest):
+    def setUp(self):
+        super().setUp()
+        self.outcome, self.agents = recorded_run()
+        self.out = self.folder / "out"
+
+    def export(self, *arguments):
+        """What an export says, run in this process."""
+        import contextlib
+        import io
+
+        from wade import cli
+
+        with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.redirect_stderr(said):
+            code = cli.main(["export", *map(str, arguments), "--out", str(self.out)])
+        self.assertEqual(code, 0, said.getvalue())
+        return said.getvalue()
+
+    def rows(self, name):
+        with open(self.out / name, newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+    def node(self, script, *arguments):
+        command = ["node", "--input-type=module", "-e", script, READERS, *arguments]
+        done = subprocess.run(command, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def assert_states(self, states):
+        """Of the last frame, as words: as many arrived and dead as outcome.json says."""
+        states = list(states)
+        for word in ("arrived", "dead"):
+            self.assertEqual(states.count(word), self.outcome[word])
+        self.assertEqual(len(states), self.outcome["agents"])
+
+
+class Tables(ExportTest):
+    def test_csv_has_all_frames_and_ends_as_the_outcome_says(self):
+        self.export(RUN, "--water", RECORDING, "--to", "csv")
+        water, people = self.rows("water.csv"), self.rows("people.csv")
+        self.assertEqual(len(water), FRAMES * 640)
+        last = [row for row in people if row["frame"] == people[-1]["frame"]]
+        self.assert_states(row["state"] for row in last)
+        for row, agent in zip(last, self.agents):
+            self.assertEqual((row["id"], row["height_m"]), (agent["id"], agent["height_m"]))
+            self.assertLess(max(abs(float(row[name]) - float(agent[name])) for name in ("x_m", "z_m")), 0.02)
+        for (time_s, places, velocities), rows in zip(first_and_last(), (water[:640], water[-640:])):
+            self.assertAlmostEqual(float(rows[0]["time_s"]), time_s, 6)
+            names = ("x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s")
+            found = np.array([[float(row[name]) for name in names] for row in rows])
+            # Seven digits are written.
+            np.testing.assert_allclose(found, np.concatenate([places, velocities], axis=1), rtol=1e-6, atol=1e-9)
+
+    def test_velocities_of_people_are_those_of_their_paths(self):
+        self.export(RUN, "--to", "csv")
+        of_one = [row for row in self.rows("people.csv") if row["id"] == "0"]
+        for before, row in zip(of_one, of_one[1:]):
+            way = float(row["x_m"]) - float(before["x_m"])
+            passed = float(row["time_s"]) - float(before["time_s"])
+            self.assertAlmostEqual(way, passed * float(row["vx_m_s"]), 4)
+
+    def test_compression_changes_nothing(self):
+        tables = []
+        for file in (PLAIN, RECORDING):
+            self.export(file, "--to", "csv", "--every", 60)
+            tables.append((self.out / "water.csv").read_bytes())
+        self.assertEqual(*tables)
+
+    def test_time_and_place_are_thinned(self):
+        said = self.export(RECORDING, "--to", "csv", "--interval-s", 0.5, "--from-s", 2, "--until-s", 4,
+                           "--region", "0,10,4,6")
+        rows = self.rows("water.csv")
+        self.assertIn("water: 5 frames", said)
+        self.assertEqual(sorted({float(row["time_s"]) for row in rows}), [2, 2.5, 3, 3.5, 4])
+        self.assertTrue(all(0 <= float(row["x_m"]) <= 10 and 4 <= float(row["z_m"]) <= 6 for row in rows))
+        self.assertIn("water: 24 frames", self.export(RECORDING, "--to", "csv", "--every", 10))
+
+    def test_pedpys_text_is_what_its_loader_asks_for(self):
+        """load_trajectory_from_txt: comments with the frame rate and x/m, then ID FR X Y Z between blanks."""
+        self.export(RUN, "--to", "pedpy", "--every", 6)
+        text = (self.out / "people.txt").read_text()
+        self.assertEqual(float(re.search(r"#.*framerate: ([\d.]+)", text)[1]), 5)
+        self.assertIn("x/m", text)
+        rows = np.loadtxt(self.out / "people.txt")
+        self.assertEqual(len(np.unique(rows[:, 0])), len(self.agents))
+        self.assertEqual(len({(who, frame) for who, frame in rows[:, :2]}), len(rows))
+        self.assertTrue(np.all(rows[:, :2] == np.floor(rows[:, :2])))
+        ended = [agent for agent in self.agents if agent["outcome"] != "active"]
+        self.assertGreater(len(ended), 0)
+        for agent in ended:  # nobody stays in it after the end
+            own = rows[rows[:, 0] == int(agent["id"])]
+            self.assertLessEqual(own[-1, 1] / 5, float(agent["time_s"]) + 0.2)
+
+
+class Readers(ExportTest):
+    @needs("vtk", "python3-vtk9")
+    def test_vtk_reads_the_numbers_of_the_recording(self):
+        import vtk
+        from vtk.util.numpy_support import vtk_to_numpy
+
+        self.export(RUN, "--water", RECORDING, "--to", "vtk", "--every", FRAMES - 1)
+        listed = re.findall(r'timestep="([^"]+)".*file="([^"]+)"', (self.out / "water.pvd").read_text())
+        self.assertEqual(len(listed), 2)
+        reader = vtk.vtkXMLPolyDataReader()
+        for (time_s, places, velocities), (told, file) in zip(first_and_last(), listed):
+            reader.SetFileName(str(self.out / file))
+            reader.Update()
+            data = reader.GetOutput()
+            self.assertAlmostEqual(float(told), time_s, 6)
+            self.assertAlmostEqual(data.GetFieldData().GetArray("TimeValue").GetValue(0), time_s, 6)
+            self.assertEqual((data.GetNumberOfPoints(), data.GetNumberOfVerts()), (640, 640))
+            # y across, z up.
+            self.assertTrue(np.array_equal(vtk_to_numpy(data.GetPoints().GetData()), places[:, [0, 2, 1]]))
+            self.assertTrue(np.array_equal(vtk_to_numpy(data.GetPointData().GetVectors()), velocities[:, [0, 2, 1]]))
+        reader.SetFileName(str(max(self.out.glob("people_*.vtp"))))
+        reader.Update()
+        states = vtk_to_numpy(reader.GetOutput().GetPointData().GetArray("state"))
+        self.assert_states(["walking", "arrived", "dead"][code] for code in states)
+
+    @needs("meshio", "python3-meshio")
+    def test_meshio_reads_the_ply(self):
+        import meshio
+
+        self.export(RECORDING, "--to", "ply", "--every", FRAMES - 1)
+        for (_, places, velocities), file in zip(first_and_last(), sorted(self.out.glob("water_*.ply"))):
+            mesh = meshio.read(file)
+            self.assertTrue(np.array_equal(mesh.points, places[:, [0, 2, 1]]))
+            self.assertTrue(np.array_equal(mesh.point_data["vz"], velocities[:, 1]))
+
+    @needs_npm("gltf-validator")
+    def test_gltfs_validator_finds_nothing(self):
+        self.export(RUN, "--to", "gltf")
+        self.node("""
+            import fs from 'fs';
+            const [, modules, folder] = process.argv;
+            const validator = (await import(modules + '/gltf-validator/index.js')).default;
+            const bytes = name => Promise.resolve(new Uint8Array(fs.readFileSync(folder + '/' + name)));
+            const report = await validator.validateBytes(await bytes('people.gltf'), {externalResourceFunction: bytes});
+            fs.writeFileSync(folder + '/report.json', JSON.stringify(report));""", self.out)
+        report = json.loads((self.out / "report.json").read_text())
+        self.assertEqual(report["issues"]["messages"], [])
+        self.assertEqual(report["info"]["animationCount"], 1)
+
+    @needs_npm("tinyusdz")
+    def test_tinyusdz_reads_all_samples(self):
+        self.export(RUN, "--water", RECORDING, "--to", "usd", "--every", FRAMES - 1)
+        # The module asks where it runs, and is told a lie.
+        self.node("""
+            import fs from 'fs';
+            globalThis.window = {};
+            Object.defineProperty(process, 'type', {value: 'renderer'});
+            const [, modules, folder] = process.argv;
+            const init = (await import(modules + '/tinyusdz/tinyusdz.js')).default;
+            const usd = await init({wasmBinary: fs.readFileSync(modules + '/tinyusdz/tinyusdz.wasm')});
+            const read = name => {
+                const loader = new usd.TinyUSDZLoaderNative();
+                const whole = loader.loadAsLayerFromBinary(new Uint8Array(fs.readFileSync(folder + '/' + name)), name);
+                const text = loader.layerToString();
+                return [whole && loader.loadFromBinary(new Uint8Array(fs.readFileSync(folder + '/' + name)), name), text,
+                        loader.error()];
+            };
+            fs.writeFileSync(folder + '/read.json', JSON.stringify([read('water.usda'), read('people.usda')]));
+            process.exit(0);""", self.out)
+        layers = json.loads((self.out / "read.json").read_text())
+        for whole, _, error in layers:
+            self.assertEqual((whole, error), (True, ""))
+        water, people = (text for _, text, _ in layers)
+        samples = re.search(r"point3f\[\] points\.timeSamples = \{(.*?)\}", water, re.DOTALL)[1].strip().splitlines()
+        self.assertEqual(len(samples), 2)
+        for (time_s, places, _), line in zip(first_and_last(), samples):
+            code, values = line.split(":", 1)
+            self.assertAlmostEqual(float(code), 30 * time_s, 4)
+            found = np.array(re.findall(r"-?[\d.]+(?:e[-+]?\d+)?", values), float).reshape(-1, 3)
+            np.testing.assert_allclose(found, places[:, [0, 2, 1]], rtol=1e-5, atol=1e-6)  # tinyusdz prints six digits
+        for name in ("positions", "orientations", "velocities", "ids", "protoIndices", "primvars:state"):
+            self.assertIn(f" {name}.timeSamples", people)
+
+
+class Walking(ExportTest):
+    def test_feet_keep_time_with_the_way(self):
+        """The accessors of the glTF by its specification: a step is as long as Inman's rule says of the mean speed."""
+        self.export(RUN, "--to", "gltf")
+        document = json.loads((self.out / "people.gltf").read_text())
+        data = (self.out / document["buffers"][0]["uri"]).read_bytes()
+
+        def values(index):
+            accessor = document["accessors"][index]
+            at = document["bufferViews"][accessor["bufferView"]]["byteOffset"]
+            width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+            flat = struct.unpack_from(f"<{accessor['count'] * width}f", data, at)
+            return np.array(flat).reshape(-1, width)
+
+        animation = document["animations"][0]
+        for root in document["scenes"][0]["nodes"]:
+            node = document["nodes"][root]
+            agent = self.agents[node["extras"]["id"]]
+            tracks = {}
+            for channel in animation["channels"]:
+                sampler = animation["samplers"][channel["sampler"]]
+                target = channel["target"]["node"], channel["target"]["path"]
+                tracks[target] = values(sampler["input"]), values(sampler["output"])
+            times, places = tracks[root, "translation"]
+            self.assertTrue(np.all(np.diff(times[:, 0]) > 0))
+            # glTF is right-handed with y up: z is Wade's -z.
+            self.assertLess(np.abs(places[-1] - [float(agent["x_m"]), 0, -float(agent["z_m"])]).max(), 0.02)
+            end = min(float(agent["time_s"]), times[-1, 0])
+            keys, turns = tracks[root + 2, "rotation"]
+            steps = np.sum((np.abs(turns[:, 2]) > 0.05) & (keys[:, 0] <= end))
+            self.assertGreater(steps, 5)
+            way = np.sum(np.hypot(*np.diff(places[:, [0, 2]], axis=0).T))
+            length = np.sqrt(0.24 * float(agent["height_m"]) * way / end)
+            # A walk of n steps takes n or n + 1 of them; speeds differ, and the rule is a root: 10 % more is allowed.
+            self.assertLess(abs(steps * length / way - 1), 0.1 + 1 / steps)
+
+
+class Refusals(ExportTest):
+    def refused(self, *arguments, texts):
+        self.assert_refused_here("export", *arguments, "--out", self.out, texts=texts)
+
+    def test_bad_input_is_told_in_a_line(self):
+        nothing, text = self.folder / "nothing", self.folder / "text.wrec"
+        text.write_text("my only copy")
+        self.refused(nothing, "--to", "vtk", texts=[str(nothing), "no such run folder or recording"])
+        self.refused(self.folder, "--to", "vtk", texts=["is no run folder", "manifest.json"])
+        self.refused(text, "--to", "vtk", texts=["is no recording"])
+        self.refused(RUN, "--to", "fbx", texts=["--to", "fbx", "gltf"])
+        self.refused(RECORDING, "--to", "gltf", texts=["gltf is for people"])
+        self.refused(RUN, "--to", "csv", "--water", RUN, texts=["cannot read"])
+        self.refused(RUN, "--to", "csv", "--region", "3,2,0,1", texts=["--region", "x0 < x1"])
+        self.refused(RUN, "--to", "csv", "--every", "0", texts=["--every", "from 1"])
+        self.refused(RUN, "--to", "csv", "--from-s", "-1", texts=["--from-s", "0 or more"])
+
+    def test_a_recording_that_was_cut_off_opens_to_its_last_whole_frame(self):
+        data = RECORDING.read_bytes()
+        seventh = recording_file.records(data)[6]
+        file = self.folder / "part.wrec"
+        for cut in (seventh.at + 5, seventh.body_at + 300, seventh.end - 1, seventh.at):
+            file.write_bytes(data[:cut])
+            said = self.export(file, "--to", "csv")
+            self.assertIn("water: 6 frames", said)
+            self.assertEqual("cut off" in said, cut != seventh.at)
+        file.write_bytes(data[: recording_file.HEAD_BYTES + recording_file.PAGE_BYTES])
+        self.refused(file, "--to", "csv", texts=["holds no whole frame"])
+
+    def test_damaged_particles_are_refused(self):
+        data = bytearray(RECORDING.read_bytes())
+        data[recording_file.records(data)[6].end - 1] ^= 0x10
+        file = self.folder / "spoilt.wrec"
+        file.write_bytes(data)
+        self.refused(file, "--to", "csv", texts=["damaged", "frame 7"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,119 @@
+"""Writes the people of a run folder, or the water or people of a recording, as files of other programs.
+
+One frame at a time, so that a run of any length fits into memory. Axes: vtk, ply, usd and pedpy have x upstream, y
+across, z up, right-handed; gltf x, y up, -z; csv keeps Wade's own (docs/engines.md).
+
+vtk: a .vtp a frame and a .pvd, for ParaView. ply: a binary .ply a frame, with velocities. usd: one .usda with time
+samples. gltf: figures that walk, of people. csv: one table. pedpy: PedPy's text, of people.
+"""
+
+import argparse
+import pathlib
+
+from wade import UsageError
+from wade.terminal import Parser
+
+
+def formats():
+    """{word: (class of the writer, whether it takes water)}."""
+    from wade.export import gltf, tables, usd  # with numpy, which --help does without
+
+    return {"vtk": (tables.Vtk, True), "ply": (tables.Ply, True), "usd": (usd.Usd, True), "gltf": (gltf.Gltf, False),
+            "csv": (tables.Csv, True), "pedpy": (tables.PedPy, False)}
+
+
+WORDS = ("vtk", "ply", "usd", "gltf", "csv", "pedpy")
+
+
+def region(text):
+    """Borders x0,x1,z0,z1 of what is exported, m."""
+    try:
+        x0, x1, z0, z1 = map(float, text.split(","))
+    except ValueError:
+        x0, x1, z0, z1 = 0, 0, 0, 0
+    if not (x0 < x1 and z0 < z1):
+        raise argparse.ArgumentTypeError(f"{text} is not allowed; allowed: four numbers x0,x1,z0,z1, m, with x0 < x1 "
+                                         "and z0 < z1")
+    return x0, x1, z0, z1
+
+
+def seconds(text):
+    """A time of 0 or more, s."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not allowed; allowed: a time of 0 or more, s")
+    return value
+
+
+def parser():
+    made = Parser("export", __doc__)
+    made.add_argument("source", type=pathlib.Path, metavar="RUN|RECORDING", help="a run folder, or a recording (.wrec)")
+    made.add_argument("--to", choices=WORDS, required=True, help="the format")
+    made.add_argument("--out", type=pathlib.Path, metavar="DIR", required=True, help="folder of the files")
+    made.add_argument("--water", type=pathlib.Path, metavar="RECORDING", help="the water of a run, beside its people")
+    made.add_argument("--every", type=int, metavar="N", default=1, help="each n-th frame only [1]")
+    made.add_argument("--interval-s", type=seconds, metavar="T", default=0.0, help="a frame each T seconds, not each n-th")
+    made.add_argument("--from-s", type=seconds, metavar="T", default=0.0, help="from this time on, s [0]")
+    made.add_argument("--until-s", type=seconds, metavar="T", default=float("inf"), help="up to this time, s [the end]")
+    made.add_argument("--region", type=region, metavar="X0,X1,Z0,Z1", help="only what lies in this rectangle, m")
+    return made
+
+
+def streams_of(options):
+    """What is to be exported, and why something is left out."""
+    from wade.export import sources
+
+    takes_water = formats()[options.to][1]
+    if options.source.is_dir():
+        streams = [sources.of_run(options.source)]
+    elif options.source.exists():
+        streams = [sources.of_recording(options.source)]
+    else:
+        raise UsageError(f"{options.source}: there is no such run folder or recording")
+    if options.water:
+        streams.append(sources.of_recording(options.water))
+    if not takes_water:
+        if all(stream.name == "water" for stream in streams):
+            raise UsageError(f"--to {options.to} is for people; {options.source} holds water")
+        streams = [stream for stream in streams if stream.name == "people"]
+    if len({stream.name for stream in streams}) < len(streams):
+        raise UsageError(f"{options.source} and --water {options.water} both hold {streams[0].name}")
+    return streams
+
+
+def export(stream, writer, thinning):
+    """Writes one stream; returns how many frames."""
+    count = 0
+    for points in stream.points(thinning):
+        writer.add(points)
+        count += 1
+    writer.finish()
+    return count
+
+
+def main(arguments):
+    """tools/wade export."""
+    made = parser()
+    options = made.parse_args(arguments)
+    if options.every < 1:
+        made.error(f"--every: {options.every} is not allowed; allowed: whole numbers from 1")
+    if options.every > 1 and options.interval_s:
+        made.error("--every and --interval-s exclude one another")
+    if options.from_s > options.until_s:
+        made.error(f"--from-s {options.from_s:g} is after --until-s {options.until_s:g}")
+    from wade.export.sources import Thinning
+
+    thinning = Thinning(options.every, options.interval_s, options.from_s, options.until_s, options.region)
+    streams = streams_of(options)
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+        for stream in streams:
+            count = export(stream, formats()[options.to][0](options.out, stream), thinning)
+            print(f"{stream.name}: {count} frames")
+    except OSError as error:
+        raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error
+    print(f"{options.to}: {options.out}")
+    return 0
