@@ -7,18 +7,29 @@
 
 namespace wade::crowd {
 
+namespace {
+
+void note_disc(const Scene& scene, double spread, const Stream& stream, People& people, std::size_t id) {
+    people.disc_width[id] = disc_width_share(scene.fluid.model, stream) * spread;
+    people.drag[id] = drag_on_slowed_stream(body_drag, body_width_share * people.height[id], people.disc_width[id]);
+}
+
+}  // namespace
+
 Pushing start_pushing(const Scene& scene, double spread, Agents& agents) {
-    agents.people.disc_width = disc_width(scene, spread);
-    for (std::size_t id = 0; id < agents.size(); ++id) {
-        const double width = body_width_share * agents.people.height[id];
-        agents.people.drag[id] = drag_on_slowed_stream(body_drag, width, agents.people.disc_width);
-    }
+    const Stream usual{1, 1, scene.world.gravity};  // until they have been in the water
+    for (std::size_t id = 0; id < agents.size(); ++id) note_disc(scene, spread, usual, agents.people, id);
     return {std::vector<Vector2d>(agents.size(), Vector2d::Zero()), std::vector<double>(agents.size(), 0),
             std::vector<bool>(agents.size(), false)};
 }
 
-double disc_width(const Scene& scene, double spread) {
-    return disc_width_share(scene.fluid.model) * spread;
+void note_discs(const Scene& scene, std::span<const std::uint32_t> active, std::span<const FeltWater> felt,
+                Agents& agents) {
+    for (std::size_t k = 0; k < active.size(); ++k) {
+        if (!(felt[k].depth > 0)) continue;
+        const Stream stream{std::sqrt(felt[k].velocity.squaredNorm()), felt[k].depth, scene.world.gravity};
+        note_disc(scene, felt[k].spread, stream, agents.people, active[k]);
+    }
 }
 
 void find_wakes(const World& world, const WakeMakers& makers, BodyCells& cells, std::vector<double>& deficit) {
@@ -63,7 +74,8 @@ void shelter(const Scene& scene, const Agents& agents, std::span<const std::uint
                shelters.lee);
     const bool cells_show_wakes = scene.coupling.two_way && scene.fluid.model == ModelKind::shallow_water;
     for (std::size_t k = 0; k < felt.size(); ++k) {
-        const double resolved = cells_show_wakes ? shelters.drag_width[k] / (2 * disc_width(scene, felt[k].spread)) : 0;
+        const double disc = agents.people.disc_width[active[k]];
+        const double resolved = cells_show_wakes ? shelters.drag_width[k] / (2 * disc) : 0;
         felt[k].velocity *= 1 - std::max(0.0, shelters.deficit[k] - resolved);
         shelters.lee[k] = std::max(0.0, shelters.lee[k] - resolved);
     }

@@ -17,8 +17,12 @@ struct Pushing {
     std::vector<double> submerged;  // min(h, H) where it was last in the water, m
     std::vector<bool> wet;          // it is in the water
 };
-// Gives people the C of those who push.
+// Gives people the W_e and C of a usual stream.
 [[nodiscard]] Pushing start_pushing(const Scene& scene, double spread, Agents& agents);
+
+// Gives those in the water the W_e and C of the stream there, before others' wakes are taken from it.
+void note_discs(const Scene& scene, std::span<const std::uint32_t> active, std::span<const FeltWater> felt,
+                Agents& agents);
 
 // Who makes wakes: everybody in the water. Place k of all lists is the same person.
 struct WakeMakers {
@@ -39,9 +43,6 @@ struct Shelters {
     std::vector<Vector2d> stream, passing;
     std::vector<double> drag_width, width;
 };
-
-// W_e of a scene's water, m: see people/push.hpp.
-[[nodiscard]] double disc_width(const Scene& scene, double spread);
 
 // Slows what people feel who stand in wakes of others, and finds the wakes in which they walk: in still water, too, who walks
 // in a file has them before him.

@@ -101,9 +101,9 @@ bool is_on_its_way_back(PersonState state) {
 }
 
 // C of a body that lies: as wide as the upright one would have to be to have its area in the whole depth.
-double drag_of_lying(const People& people, double depth) {
-    if (!(people.disc_width > 0) || !(depth > 0)) return body_drag;
-    return drag_on_slowed_stream(body_drag, area_lying(depth) / depth, people.disc_width);
+double drag_of_lying(const People& people, std::size_t id, double depth) {
+    if (!(people.disc_width[id] > 0) || !(depth > 0)) return body_drag;
+    return drag_on_slowed_stream(body_drag, area_lying(depth) / depth, people.disc_width[id]);
 }
 
 bool is_beyond_measured(const Condition& condition, double depth) {
@@ -141,6 +141,7 @@ void add_person(People& people, const AgentGroup& group, const PersonRow& row, b
     people.age.push_back(row.age.value_or(body.age.at(random[2])));
     people.friction.push_back(row.ground_friction.value_or(ground));
     people.drag.push_back(body_drag);
+    people.disc_width.push_back(0);
     const double arm = row.bracing_arm.value_or(body.bracing_arm.value_or(bracing.arm_share));
     people.arm.push_back(arm * people.height.back());
     people.can_swim.push_back(row.can_swim.value_or(body.can_swim) ? 1 : 0);
@@ -260,7 +261,7 @@ PersonInWater person_in_water(const People& people, std::size_t id, double mass,
     if (!person.has_ground && state != PersonState::afloat) {
         constexpr double thickness = 0.25;  // of a body that lies, m
         const double share = std::min(1.0, felt.depth / thickness);
-        person.footing = {drag_lying(felt.depth, water, drag_of_lying(people, felt.depth)),
+        person.footing = {drag_lying(felt.depth, water, drag_of_lying(people, id, felt.depth)),
                           mass_with_water(mass, share, water), 0};
         return person;
     }

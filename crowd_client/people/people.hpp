@@ -15,11 +15,11 @@ namespace wade::crowd {
 struct People {
     std::vector<double> height;  // H, m
     std::vector<Sex> sex;
-    std::vector<double> age;       // years
-    std::vector<double> friction;  // mu of the feet
-    std::vector<double> drag;      // C on the water that it feels: C_D, or more of who pushes the water (push.hpp)
-    double disc_width = 0;         // W_e of people who push the water, m; else 0
-    std::vector<double> arm;       // l = lambda H, m
+    std::vector<double> age;         // years
+    std::vector<double> friction;    // mu of the feet
+    std::vector<double> drag;        // C on the water that it feels: C_D, or more of who pushes the water (push.hpp)
+    std::vector<double> disc_width;  // W_e of people who push the water, m; else 0
+    std::vector<double> arm;         // l = lambda H, m
     std::vector<std::uint8_t> can_swim;
     std::vector<std::uint8_t> by_body;  // answers the water by its body (response measured) and not by a given tau
     std::vector<double> dry_speed;      // at which it walks on dry ground, m/s

@@ -5,8 +5,11 @@
 
 namespace wade::crowd {
 
-double disc_width_share(ModelKind model) {
-    return model == ModelKind::shallow_water ? 1.5 : 2.05;
+double disc_width_share(ModelKind model, const Stream& stream) {
+    if (model == ModelKind::shallow_water) return 1.5;
+    constexpr double of_fast_water = 1.6, mixing = 0.011;
+    const double froude = stream.speed / std::sqrt(stream.gravity * stream.depth);
+    return of_fast_water + mixing / (froude * froude * froude);
 }
 
 double drag_on_slowed_stream(double drag, double body_width, double disc_width) {

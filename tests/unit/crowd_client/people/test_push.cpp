@@ -42,9 +42,20 @@ TEST_CASE("A body that slows what it feels needs the larger coefficient of momen
     CHECK(corrected == Approx(1.1 / ((1 - a) * (1 - a))).epsilon(1e-12));
     CHECK(drag_on_slowed_stream(1.1, 0, 1) == Approx(1.1));
     CHECK(drag_on_slowed_stream(1.1, 5, 1) == drag_on_slowed_stream(1.1, 0.8 / 1.1, 1));  // C_T <= 0.8
-    CHECK(disc_width_share(ModelKind::dfsph) == 2.05);
-    CHECK(disc_width_share(ModelKind::mixed) == 2.05);
-    CHECK(disc_width_share(ModelKind::shallow_water) == 1.5);
+}
+
+TEST_CASE("Particles mix within the disc while they pass, the more the slower and deeper the water") {
+    constexpr double g = 9.81;
+    CHECK(disc_width_share(ModelKind::shallow_water, {0.1, 2, g}) == 1.5);
+    for (const ModelKind model : {ModelKind::dfsph, ModelKind::mixed}) {
+        CHECK(disc_width_share(model, {1, 1, g}) == Approx(1.6 + 0.011 * std::pow(9.81, 1.5)));
+        CHECK(disc_width_share(model, {1, 4, g}) ==
+              Approx(disc_width_share(model, {0.5, 1, g})));  // of one Froude number
+        CHECK(disc_width_share(model, {50, 1, g}) == Approx(1.6).epsilon(1e-3));
+        // Who drifts with the water, or stands in still water, does not slow what it feels.
+        CHECK(drag_on_slowed_stream(1.1, 0.3, disc_width_share(model, {0, 1, g})) == Approx(1.1));
+        CHECK(drag_on_slowed_stream(1.1, 0.3, disc_width_share(model, {1e-200, 1, g})) == Approx(1.1));
+    }
 }
 
 TEST_CASE("Who stands takes the drag of the step, but no more than half of the velocity that it feels") {
