@@ -72,6 +72,14 @@ class RunScript(Launcher):
         self.assert_ended_well(self.run_sh("replay", *SHORT, *other, "--any-scene"))
         self.assertIn("--any-scene", subprocess.run([RUN, "--help"], capture_output=True, text=True, check=True).stdout)
 
+    def test_a_rounded_recording_that_is_given_no_region_takes_the_world(self):
+        file = self.folder / "run.wrec"
+        run_sh = self.run_sh("live", *SHORT, "--record", file, "--quantised", "--interval-s", "0.5", "--no-figure")
+        self.assert_ended_well(run_sh)
+        info = subprocess.run([PROGRAMS / "shm_replay", "--info", file], capture_output=True, text=True, check=True).stdout
+        self.assertIn("a frame each 0.5 s; x -1 to 21, y -16 to 48, z -1 to 13 m; places within", info)
+        self.assertRegex(info, r"frames +1 to 3,")
+
     def test_any_command_can_be_the_producer(self):
         file = self.folder / "run.wrec"
         live = self.run_sh("live", "--reproducible", *SHORT, "--record", file)

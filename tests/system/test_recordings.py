@@ -10,6 +10,8 @@ import numpy as np
 import recording_file
 from harness import ENDLESS, PROGRAMS, Run, SystemTest, wait_until
 
+from wade.export.recording import Recording
+
 RECORD, REPLAY = PROGRAMS / "shm_record", PROGRAMS / "shm_replay"
 SHORT = ["--until-s", "1"]  # 30 frames
 
@@ -184,6 +186,85 @@ class Format(RecordingTest):
         for text in ("water of 'dfsph'", "frames      1 to 30, up to 1 s, the last one final; 640 to 640 particles"):
             self.assertIn(text, info)
         self.assertIn(f"frame hash  {live.outcome()['frame_hash']}", info)
+
+
+class Thinned(RecordingTest):
+    """Recordings of version 2, beside the whole one of the same run."""
+
+    BOX = ("--region", "2,15,0,2,4.5,7.5")
+
+    def thinned(self, *arguments):
+        """The frames of a whole recording, [(tick, mass, velocities and places)], and the thinned one."""
+        whole = self.folder / "whole.wrec"
+        server = self.server("--consumers", "3", *SHORT)
+        recorders = self.start(RECORD, self.session, whole, "--compression", "0"), self.recorder(*arguments)
+        client = self.client(*SHORT)
+        self.assert_ended_well(server, client, *recorders)
+        data = whole.read_bytes()
+        self.assertEqual(data[8:12] + data[20:64], b"\1\0\0\0" + bytes(44))  # version 1, as it always was
+        frames = []
+        for record in recording_file.records(data)[:-1]:
+            _, _, tick, count, *_ = record.descriptor(data)
+            frames.append((tick, np.frombuffer(record.payload(data), "<f4").reshape(7, count)))
+        read = Recording(self.file)
+        self.addCleanup(read.file.close)
+        return frames, read, [(frame.time_s, np.array(list(frame.values().values()))) for frame in read.frames()]
+
+    def inside(self, fields):
+        x, y, z = fields[4:]
+        return fields[:, (x >= 2) & (x <= 15) & (y >= 0) & (y <= 2) & (z >= 4.5) & (z <= 7.5)]
+
+    def test_interval_keeps_whole_frames_at_its_multiples_and_both_ends(self):
+        frames, read, kept = self.thinned("--interval-s", "0.13")  # 3.9 frames
+        self.assertAlmostEqual(read.rate_hz, 1 / 0.13)
+        due = [1, 4, 8, 12, 16, 20, 24, 28, 30]
+        self.assertEqual([round(30 * time_s) for time_s, _ in kept], due)
+        for tick, (_, fields) in zip(due, kept):
+            self.assertTrue(np.array_equal(fields, frames[tick - 1][1]))
+        self.assertIn("thinned     a frame each 0.13 s\n", self.info())
+
+    def test_region_keeps_what_lies_in_it_bit_by_bit(self):
+        frames, _, kept = self.thinned(*self.BOX)
+        self.assertEqual(len(kept), 30)
+        for (_, whole), (_, fields) in zip(frames, kept):
+            self.assertTrue(np.array_equal(self.inside(whole), fields))
+        self.assertGreater(len(kept[0][1][0]), 100)
+
+    def test_rounded_values_are_as_near_as_the_head_says(self):
+        frames, read, kept = self.thinned(*self.BOX, "--quantised")
+        # Half of 13 m / 65535, and less than a millionth of a metre by float32.
+        self.assertLess(abs(read.position_error_m - 0.5 * 13 / 65535), 2e-6)
+        self.assertEqual(read.velocity_step, 1 / 512)
+        worst = 0
+        for (_, whole), (_, fields) in zip(frames, kept):
+            off = np.abs(fields - self.inside(whole))
+            self.assertEqual(off[0].max(), 0)
+            self.assertLessEqual(off[1:4].max(), 0.5 / 512)
+            worst = max(worst, off[4:].max())
+        self.assertLessEqual(worst, read.position_error_m)
+        self.assertGreater(worst, 0.9 * read.position_error_m)  # the bound is no wider than need be
+
+    def test_a_thinned_recording_can_be_played_and_says_what_it_is_not(self):
+        live = self.recorded_run(*SHORT, recorder=(*self.BOX, "--quantised", "--interval-s", "0.2"))
+        replay, crowd = self.replay(), self.client("--reproducible", *SHORT)
+        self.assert_ended_well(replay, crowd)
+        self.assertIn("is thinned (a frame each 0.2 s; x 2 to 15", replay.messages())
+        outcome = crowd.run.outcome()
+        self.assertEqual((outcome["fluid"]["model"], outcome["steps"]), ("dfsph, thinned", 30))
+        self.assertNotEqual(outcome["frame_hash"], live.outcome()["frame_hash"])
+        self.assertIn(f"frame hash  {outcome['frame_hash']}", self.info())
+
+    def test_what_cannot_be_thinned_is_refused(self):
+        for arguments, text in ((["--quantised"], "--quantised needs --region"),
+                                (["--region", "1,2,3"], "--region: 1,2,3 is not allowed"),
+                                (["--region", "1,2,4,3"], "allowed: X0,X1,Z0,Z1"),
+                                (["--interval-s=-1"], "--interval-s")):
+            self.assert_ends(self.recorder(*arguments), 2, text)
+        server = self.server(*WayBack.TWO_WAY)
+        recorder = self.recorder("--stream", "agents", "--lead", *self.BOX)
+        self.client(*WayBack.TWO_WAY, "--agents-consumers", "2")
+        self.assert_ends(recorder, 2, "are for water in metres")
+        server.wait()
 
 
 class DamagedFiles(RecordingTest):

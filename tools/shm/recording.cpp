@@ -68,9 +68,9 @@ void Recording::read_start() {
     static_assert(sizeof start == sizeof(FileHead) + sizeof(shm::Header));
     if (!fetch(file_, &start, sizeof start) || start.head.magic != file_magic)
         refuse("is no recording: it does not begin with WADEREC1 and a header page");
-    if (start.head.version != file_version)
-        refuse("is a recording of version " + std::to_string(start.head.version) + ", this program reads version " +
-               std::to_string(file_version));
+    if (start.head.version != whole_version && start.head.version != thinned_version)
+        refuse("is a recording of version " + std::to_string(start.head.version) + ", this program reads versions " +
+               std::to_string(whole_version) + " and " + std::to_string(thinned_version));
     if (start.head.endian_tag != shm::endian_tag) refuse("was recorded on a machine of another byte order");
     const std::uint32_t crc = start.head.crc32c;
     start.head.crc32c = 0;
@@ -80,6 +80,9 @@ void Recording::read_start() {
     } catch (const shm::Error& error) {
         refuse(std::string("holds a header that is refused. ") + error.what());
     }
+    thinning_ = start.head.thinning;
+    if (is_thinned(thinning_) != (start.head.version == thinned_version))
+        refuse("is damaged: what its head says of thinning does not fit its version");
     whole_bytes_ = sizeof start;
 }
 
@@ -108,7 +111,8 @@ bool Recording::read_record() {
 
 void Recording::keep_frame(const RecordHead& head, const std::vector<std::byte>& body) {
     if (body.size() < sizeof(shm::SlotDescriptor)) refuse_next("its record is too short");
-    if (head.encoding > payload_shuffled_zstd) refuse_next("its encoding is unknown");
+    const PayloadEncoding last = is_quantised(thinning_) ? payload_quantised_zstd : payload_shuffled_zstd;
+    if (head.encoding > last) refuse_next("its encoding is unknown");
     FrameRecord record;
     std::memcpy(&record.descriptor, body.data(), sizeof record.descriptor);
     record.payload_at = whole_bytes_ + sizeof head + sizeof record.descriptor;
@@ -145,7 +149,8 @@ void Recording::read(const FrameRecord& record, const shm::FrameFields& slot) {
     if (!fetch(file_, payload.data(), payload.size())) damaged("it cannot be read");
     auto fields = fields_of(slot, map_.info.kind);
     for (auto& field : fields) field = field.first(d.count);
-    if (!decode_payload(payload, record.encoding, fields)) damaged("its payload does not hold its particles");
+    if (!decode_payload(payload, record.encoding, thinning_, fields))
+        damaged("its payload does not hold its particles");
     const std::vector<std::span<const float>> values(fields.begin(), fields.end());
     if (shm::chain_hash(d.previous_hash, d.frame, values) != d.hash) damaged("its particles do not match its hash");
 }

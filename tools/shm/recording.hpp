@@ -30,6 +30,7 @@ class Recording {
     explicit Recording(const std::filesystem::path& file);
 
     [[nodiscard]] const shm::StreamInfo& info() const { return map_.info; }
+    [[nodiscard]] const Thinning& thinning() const { return thinning_; }  // all 0: every frame, bit by bit
     [[nodiscard]] const std::vector<FrameRecord>& frames() const { return frames_; }
     [[nodiscard]] const std::optional<EndBody>& end() const { return end_; }  // none: the file was cut off
     [[nodiscard]] std::uint64_t file_bytes() const { return file_bytes_; }
@@ -52,6 +53,7 @@ class Recording {
     std::ifstream file_;
     std::uint64_t file_bytes_ = 0, whole_bytes_ = 0;
     shm::SegmentMap map_;
+    Thinning thinning_{};
     std::vector<FrameRecord> frames_;
     std::optional<EndBody> end_;
 };

@@ -39,6 +39,27 @@ std::string ending_of(const Recording& r) {
     return "incomplete: the recorder ended " + after + " (" + text + ")";
 }
 
+// What a recording of version 2 is not of the run.
+std::string thinning_of(const Recording& r) {
+    const recording::Thinning& t = r.thinning();
+    std::string out;
+    const auto add = [&out](const char* form, auto... values) {
+        char text[160];
+        std::snprintf(text, sizeof text, form, values...);
+        out += (out.empty() ? "" : "; ") + std::string(text);
+    };
+    if (t.interval_s > 0) add("a frame each %.6g s", static_cast<double>(t.interval_s));
+    if (recording::has_box(t)) {
+        const auto d = [](float value) { return static_cast<double>(value); };
+        add("x %g to %g, y %g to %g, z %g to %g m", d(t.low[0]), d(t.high[0]), d(t.low[1]), d(t.high[1]), d(t.low[2]),
+            d(t.high[2]));
+    }
+    if (recording::is_quantised(t))
+        add("places within %.2g m, velocities within %.2g m/s", static_cast<double>(t.position_error_m),
+            static_cast<double>(t.velocity_step_m_s) / 2);
+    return out;
+}
+
 std::string info_text(const Options& o, const Recording& r) {
     const shm::StreamInfo& s = r.info();
     const auto& frames = r.frames();
@@ -66,6 +87,7 @@ std::string info_text(const Options& o, const Recording& r) {
         out += text;
         out += "frame hash  " + hash_text(last.hash) + "\n";
     }
+    if (recording::is_thinned(r.thinning())) out += "thinned     " + thinning_of(r) + "\n";
     const auto plain = static_cast<double>(r.plain_bytes());
     std::snprintf(text, sizeof text, "size        %.2f MB for %.2f MB of particles, ratio %.2f\n",
                   1e-6 * static_cast<double>(r.file_bytes()), 1e-6 * plain,
@@ -110,6 +132,9 @@ int replay(Options& o, Recording& r, Console& console) {
     console.line("session '" + o.session + "', " + std::to_string(r.frames().size()) + " frames of '" +
                  r.info().producer_name + "' from " + o.file + "; waiting for " +
                  std::to_string(static_cast<int>(o.consumers)) + (o.consumers == 1 ? " consumer" : " consumers"));
+    if (recording::is_thinned(r.thinning()))
+        console.warning(o.file + " is thinned (" + thinning_of(r) +
+                        "): the crowd goes other ways than in the run, and the frame hash is that of the file");
     try {
         AgentsTaker agents(o.take_agents, o.session, o.waiting);
         if (o.consumers > 0) publisher.wait_for_consumers(static_cast<int>(o.consumers));

@@ -12,7 +12,7 @@ HEAD, PAGE, RECORD, DESCRIPTOR = 64, 4096, 24, 256
 FLUID, AGENTS = 1, 2
 FIELDS = ("mass", "vx", "vy", "vz", "px", "py", "pz")
 OF_AGENTS = ("radius", "height", "state")
-PLAIN, SHUFFLED = 0, 1  # encodings of a payload
+PLAIN, SHUFFLED, QUANTISED = 0, 1, 2  # encodings of a payload
 
 
 class Frame:
@@ -62,10 +62,13 @@ class Recording:
         if len(start) < HEAD + PAGE or start[:8] != b"WADEREC1":
             raise UsageError(f"{path} is no recording: it does not begin with WADEREC1 and a header page")
         version, endian = struct.unpack_from("<II", start, 8)
-        if version not in (1,):
-            raise UsageError(f"{path} is a recording of version {version}; this program reads version 1")
+        if version not in (1, 2):
+            raise UsageError(f"{path} is a recording of version {version}; this program reads versions 1 and 2")
         if endian != 0x01020304:
             raise UsageError(f"{path} was recorded on a machine of another byte order")
+        # Of version 2, else 0: s between frames, ends of the box, step of rounded velocities, error of rounded places.
+        self.interval_s, *box, self.velocity_step, self.position_error_m = struct.unpack_from("<9f", start, 20)
+        self.low, self.high = np.array(box[:3]), np.array(box[3:])
         page = start[HEAD:]
         self.kind, = struct.unpack_from("<I", page, 56)
         self.ticks_per_second, self.ticks_per_frame, self.metres = struct.unpack_from("<QQd", page, 80)
@@ -102,16 +105,31 @@ class Recording:
         """The arrays as they were stored. UsageError if they are damaged."""
         self.file.seek(frame.payload[0])
         payload, count = self.file.read(frame.payload[1]), frame.count
-        data = np.frombuffer(payload, np.uint8)
-        if frame.encoding == SHUFFLED:
-            data = unpacked(payload, 4 * count * len(self.fields))
-        if data is None or frame.encoding > SHUFFLED or len(data) != 4 * count * len(self.fields):
+        data, size = np.frombuffer(payload, np.uint8), 4 * count * len(self.fields)
+        if frame.encoding == QUANTISED:
+            size = 16 * count
+        if frame.encoding != PLAIN:
+            data = unpacked(payload, size)
+        if data is None or frame.encoding > QUANTISED or len(data) != size:
             raise UsageError(f"{self.path} is damaged: the payload of frame {frame.number} does not hold its particles")
-        parts = np.split(data, len(self.fields))
-        arrays = [unshuffled(part, count, "<f4") if frame.encoding == SHUFFLED else part.view("<f4") for part in parts]
+        if frame.encoding == QUANTISED:
+            arrays = self.unrounded(data, count)
+        else:
+            parts = np.split(data, len(self.fields))
+            arrays = [unshuffled(part, count, "<f4") if frame.encoding == SHUFFLED else part.view("<f4") for part in parts]
         if chain(frame.hashes[0], frame.number, arrays) != frame.hashes[1]:
             raise UsageError(f"{self.path} is damaged: the particles of frame {frame.number} do not match their hash")
         return dict(zip(self.fields, arrays))
+
+    def unrounded(self, data, count):
+        """The fields of a quantised payload: mass as float32, velocities as int16, places as uint16."""
+        arrays = [unshuffled(data[: 4 * count], count, "<f4")]
+        for part in np.split(data[4 * count : 10 * count], 3):
+            arrays.append(unshuffled(part, count, "<i2").astype("f4") * np.float32(self.velocity_step))
+        for part, low, high in zip(np.split(data[10 * count :], 3), self.low, self.high):
+            step = float(np.float32((high - low) / 65535))
+            arrays.append((low + unshuffled(part, count, "<u2") * step).astype("f4"))
+        return arrays
 
     def in_the_world(self, stored):
         """Arrays of a frame, in metres along the axes of the world; those of axes as stored stay as they are."""

@@ -16,7 +16,8 @@ starts fluid_server and crowd_client, waits for both, prints the outcome and dra
 
   --out DIR           run folder [runs/<scene>-<time>/ in the project]; the server's log is
                       DIR/fluid_server.log, that of another producer DIR/producer.log
-  --record FILE       shm_record writes the water into FILE, frame by frame
+  --record FILE       shm_record writes the water into FILE, frame by frame; for long runs with
+                      --quantised --interval-s 0.2, a fifteenth of the size, other bits
   --replay FILE       shm_replay plays FILE in place of fluid_server; with --any-scene also the
                       water of another scene, which the crowd else refuses
   --producer COMMAND  another producer in place of fluid_server, as in a shell, for example

@@ -118,6 +118,17 @@ class Run:
         return 0
 
 
+def region_of(run):
+    """The region of a recording that is rounded and was given none: the world and the channel of the scene, and 1 m more."""
+    arguments = run.arguments["shm_record"]
+    if "--quantised" not in arguments or is_given(arguments, "--region"):
+        return []
+    world, channel = run.resolved["world"], run.resolved["channel"]
+    ends = (min(0, channel["x_min_m"]) - 1, max(world["length_m"], channel["x_max_m"]) + 1,
+            min(0, channel["z_min_m"]) - 1, max(world["width_m"], channel["z_max_m"]) + 1)
+    return ["--region=" + ",".join(f"{end:g}" for end in ends)]
+
+
 def start_all(run, pair, folder, session):
     """Starts the producer, the recorder if there is one, and the crowd; returns {name: (process, its log or None)}."""
     producer_name = run.producer or "the producer"
@@ -136,7 +147,7 @@ def start_all(run, pair, folder, session):
     producer = start_logged(producer_name, producer_command(run, folder, session), log_name)
     wait_for_own_segment(producer, session)
     if "--record" in run.own:
-        command = [BUILD / "shm_record", session, run.own["--record"], *run.arguments["shm_record"]]
+        command = [BUILD / "shm_record", session, run.own["--record"], *run.arguments["shm_record"], *region_of(run)]
         recorder = start_logged("shm_record", command, "shm_record.log")
         if not wait_until_joined(recorder, producer, session):
             return started
