@@ -10,6 +10,7 @@
 #include "configs/loading/scene_file.hpp"
 #include "configs/loading/scene_override.hpp"
 #include "configs/numbers/fnv1a.hpp"
+#include "configs/scene/kernel_choice.hpp"
 #include "configs/scene/scene_json.hpp"
 
 namespace wade {
@@ -99,6 +100,7 @@ LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& 
     loaded.scene.name = name_from(file);
     read_scene(document, loaded.scene, {source, problems});
     problems.throw_if_any();
+    choose_kernel(loaded.scene);
     check_scene(loaded.scene, source);
     const nlohmann::json resolved = written_scene(loaded.scene);
     loaded.scene.hash = scene_hash(resolved);

@@ -96,9 +96,10 @@ struct Words<SteeringWalls> {
 };
 template <>
 struct Words<KernelKind> {
-    static constexpr std::array<Named<KernelKind>, 3> all{{{"cubic_spline", KernelKind::cubic_spline},
+    static constexpr std::array<Named<KernelKind>, 4> all{{{"cubic_spline", KernelKind::cubic_spline},
                                                            {"quartic_spline", KernelKind::quartic_spline},
-                                                           {"wendland_c2", KernelKind::wendland_c2}}};
+                                                           {"wendland_c2", KernelKind::wendland_c2},
+                                                           {"auto", KernelKind::automatic}}};
 };
 template <>
 struct Words<ResponseKind> {

@@ -185,7 +185,12 @@ struct Steering {
     std::vector<SteeringBody> bodies;
 };
 
-enum class KernelKind { cubic_spline, quartic_spline, wendland_c2 };
+enum class KernelKind {
+    cubic_spline,
+    quartic_spline,
+    wendland_c2,
+    automatic  // one of the others, see kernel_choice.hpp; no scene that is loaded has it
+};
 
 struct PressureSolve {
     double tolerance = 0;  // mean error that ends the iteration, see the key for what it is relative to

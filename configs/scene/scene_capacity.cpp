@@ -13,6 +13,7 @@ double support_in_spacings_of(const Fluid& fluid) {
         case KernelKind::wendland_c2:
             return 3;
         case KernelKind::cubic_spline:
+        case KernelKind::automatic:
             break;
     }
     return fluid.support_in_spacings;

@@ -214,6 +214,7 @@ using Kernel = std::variant<CubicSpline, QuarticSpline, WendlandC2>;
         case KernelKind::wendland_c2:
             return WendlandC2(h);
         case KernelKind::cubic_spline:
+        case KernelKind::automatic:
             break;
     }
     return CubicSpline(h, support_in_spacings_of(fluid));

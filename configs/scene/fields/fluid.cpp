@@ -90,7 +90,10 @@ void fields(Fluid& fluid, Fields& f) {
         "particles resists shear as a soft solid, so that waves run 3 to 5 % too fast. quartic_spline: support radius "
         "2.4 d, 57 particles; hardly sees how particles are packed, so that waves have their speed, deep water rests "
         "and two layers of particles stand 2 % too low instead of 4; opposite walls must be 1.4 d apart. wendland_c2: "
-        "support radius 3 d, 113 particles, for water that fills its channel; opposite walls must be 2 d apart.");
+        "support radius 3 d, 113 particles, for water that fills its channel; opposite walls must be 2 d apart. auto: "
+        "what "
+        "the scene needs, wendland_c2 for water that fills its channel, cubic_spline for a front, quartic_spline for "
+        "rivers from the start, waves and water at rest.");
     f.number(
         "support_in_spacings", fluid.support_in_spacings, "", from(2).to(2.2),
         "Support radius of the kernel cubic_spline over d. A lattice of particles resists shear as a soft solid, so "
