@@ -4,9 +4,11 @@ tools/install_dependencies.sh readers installs those of Debian; those of npm are
 WADE_READERS says, after npm install --prefix build/readers gltf-validator tinyusdz.
 """
 
+import contextlib
 import csv
 import functools
 import importlib.util
+import io
 import json
 import os
 import re
@@ -16,10 +18,13 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import recording_file
 from harness import CLIENT, PROGRAMS, ROOT, SERVER, SMALL, SystemTest
+
+from wade import cli
 
 READERS = Path(os.environ.get("WADE_READERS", ROOT / "build" / "readers")) / "node_modules"
 TEMPORARY = tempfile.TemporaryDirectory(prefix="wade-exports-")
@@ -73,11 +78,6 @@ class ExportTest(SystemTest):
 
     def export(self, *arguments):
         """What an export says, run in this process."""
-        import contextlib
-        import io
-
-        from wade import cli
-
         with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.redirect_stderr(said):
             code = cli.main(["export", *map(str, arguments), "--out", str(self.out)])
         self.assertEqual(code, 0, said.getvalue())
@@ -277,6 +277,52 @@ class Walking(ExportTest):
             length = np.sqrt(0.24 * float(agent["height_m"]) * way / end)
             # A walk of n steps takes n or n + 1 of them; speeds differ, and the rule is a root: 10 % more is allowed.
             self.assertLess(abs(steps * length / way - 1), 0.1 + 1 / steps)
+
+
+class Films(ExportTest):
+    def film(self, *arguments):
+        """(exit code, what it said) of tools/wade film, in this process."""
+        with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.redirect_stderr(said):
+            return cli.main(["film", str(RUN), "--out", str(self.folder / "film.mp4"), *map(str, arguments)]), said.getvalue()
+
+    @unittest.skipUnless(shutil.which("ffmpeg") and shutil.which("ffprobe"), "needs ffmpeg")
+    def test_ffprobe_finds_the_frames_that_were_asked_for_and_they_move(self):
+        code, said = self.film("--water", RECORDING, "--rate-hz", 5, "--speed", 4, "--width-px", 320)
+        self.assertEqual(code, 0, said)
+        file = self.folder / "film.mp4"
+        asked = "stream=codec_name,pix_fmt,width,nb_frames,r_frame_rate"
+        found = json.loads(subprocess.run(["ffprobe", "-v", "error", "-show_entries", asked, "-of", "json", file],
+                                          capture_output=True, check=True).stdout)["streams"][0]
+        last_s = self.outcome["sim_time_s"]
+        self.assertEqual((found["codec_name"], found["pix_fmt"], found["width"], found["r_frame_rate"]),
+                         ("h264", "yuv420p", 320, "5/1"))
+        self.assertEqual(int(found["nb_frames"]), int(last_s * 5 / 4 + 1e-6) + 1)
+        raw = subprocess.run(["ffmpeg", "-v", "error", "-i", file, "-f", "rawvideo", "-pix_fmt", "gray", "-"],
+                             capture_output=True, check=True).stdout
+        frames = np.frombuffer(raw, np.uint8).reshape(int(found["nb_frames"]), -1).astype(int)
+        for before, after in zip(frames, frames[1:]):
+            self.assertGreater(np.sum(np.abs(after - before) > 20), 10)
+        self.assertEqual([path.name for path in self.folder.glob("*film*")], ["film.mp4"])
+
+    def test_its_last_frame_counts_as_the_outcome_says(self):
+        from wade.export.sources import Thinning
+        from wade.pictures.film import Film
+
+        drawn = Film(RUN, None, Thinning(), 320)
+        last_s = self.outcome["sim_time_s"]
+        drawn.advance(last_s)
+        self.assertEqual(drawn.people_at(last_s), {word: self.outcome[word] for word in ("arrived", "dead", "active")})
+
+    def test_without_ffmpeg_it_says_what_to_install(self):
+        with mock.patch.dict(os.environ, {"PATH": str(self.folder)}):
+            code, said = self.film()
+        self.assertEqual(code, 2)
+        self.assertIn("apt-get install ffmpeg", said)
+
+    def test_wrong_choices_are_told(self):
+        for wrong, text in ((["--width-px", "321"], "even numbers from 320"), (["--rate-hz", "0"], "1 to 120"),
+                            (["--out", "film.avi"], ".mp4"), (["--speed", "0"], "above 0")):
+            self.assert_refused_here("film", RUN, *wrong, texts=[wrong[0], text])
 
 
 class Refusals(ExportTest):

@@ -218,9 +218,39 @@ class Groups(unittest.TestCase):
 
     def test_one_group_and_more_than_there_are_colours_look_as_ever(self):
         self.assertEqual(top_view.path_colours(self.scene_of(((5.0, 9.0),), [3]), [0, 1]), [top_view.PATH] * 2)
-        many = self.scene_of([(float(x), 9.0) for x in range(9)], [1] * 9)
+        many = self.scene_of([(float(x), 9.0) for x in range(25)], [1] * 25)
         self.assertEqual(top_view.path_colours(many, [8]), [top_view.PATH])
+        self.assertEqual(top_view.path_dashes(many, [8, 24]), ["solid"] * 2)
         self.assertEqual(top_view.goal_colour(many, (3.0, 9.0)), top_view.STAR)
+
+    def test_24_groups_differ_in_colour_or_dashes(self):
+        many = self.scene_of([(float(x), 9.0) for x in range(24)], [1] * 24)
+        looks = zip(top_view.path_colours(many, range(24)), top_view.path_dashes(many, range(24)))
+        self.assertEqual(len(set(looks)), 24)
+        self.assertEqual(figure.rows_of_groups(many), 3)
+
+    def test_outcomes_differ_in_shape_and_their_lightness_from_their_rim(self):
+        """Who sees no colours tells them by the shape, and sees the shape by its rim: a contrast of 3 (WCAG 1.4.11)."""
+        styles = top_view.OUTCOMES.values()
+        self.assertEqual(len({style["marker"] for style in styles}), 3)
+
+        def luminance(colour):
+            rgb = np.array(figure.top_view.plt.matplotlib.colors.to_rgb(colour))
+            linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+            return linear @ [0.2126, 0.7152, 0.0722]
+
+        for style in styles:
+            dark, light = sorted((luminance(style["markerfacecolor"]), luminance(style["markeredgecolor"])))
+            self.assertGreater((light + 0.05) / (dark + 0.05), 3)
+
+    def test_paths_of_groups_are_seen_on_water_of_any_depth(self):
+        described = self.scene_of(((5.0, 9.0), (7.0, 9.0)), [1, 1])
+        drawing, axes = figure.plt.subplots()
+        self.addCleanup(figure.plt.close, drawing)
+        top_view.draw_paths(axes, {0: np.array([[5.0, 1.0], [5.0, 8.5]]), 1: np.array([[6.0, 1.0], [6.0, 8.5]])}, described)
+        rim, paths = axes.collections
+        self.assertEqual(rim.get_colors()[0][:3].tolist(), [1, 1, 1])
+        self.assertGreater(rim.get_linewidths()[0], paths.get_linewidths()[0] + 1)
 
     def test_paths_have_the_colour_of_their_group_and_of_its_goal(self):
         described = self.scene_of(((5.0, 9.0), (7.0, 9.0), (7.0, 9.0)), [2, 1, 3])
@@ -238,7 +268,7 @@ class Groups(unittest.TestCase):
         star = axes.lines[0].get_zorder()
         ends = {"arrived": [np.array([5.0, 8.5])], "dead": [], "active": []}
         top_view.draw_people(axes, ends, {0: np.array([[5.0, 1.0], [5.0, 8.5]])}, described)
-        self.assertGreater(axes.collections[-1].get_zorder(), star)
+        self.assertGreater(axes.lines[-1].get_zorder(), star)
 
 
 class Goals(unittest.TestCase):

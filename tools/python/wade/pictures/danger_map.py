@@ -26,11 +26,6 @@ LEVELS = {
     "very_high": ("#b10026", "very high, ≥ 1 m²/s"),
 }
 PATH = "#3a3a40"
-ENDS = {
-    "arrived": {"marker": "o", "markerfacecolor": "#0072b2", "markeredgecolor": "white", "markersize": 6.5},
-    "dead": {"marker": "X", "markerfacecolor": "black", "markeredgecolor": "white", "markersize": 9},
-    "active": {"marker": "s", "markerfacecolor": "white", "markeredgecolor": "black", "markersize": 5.5},
-}
 
 
 def read_cells(path):
@@ -56,10 +51,9 @@ def draw_people(axes, agents, paths, period):
     # With a light rim, so that they can be seen on the dark levels, too.
     for colour, line_width in (("white", 1.7), (PATH, 0.8)):
         axes.add_collection(LineCollection(ways, colors=colour, linewidths=line_width, zorder=6))
-    for outcome, style in ENDS.items():
-        points = [(float(a["x_m"]), float(a["z_m"])) for a in agents if a["outcome"] == outcome]
-        if points:
-            axes.plot(*np.array(points).T, linestyle="none", zorder=10, clip_on=False, markeredgewidth=0.8, **style)
+    places = {outcome: [(float(a["x_m"]), float(a["z_m"])) for a in agents if a["outcome"] == outcome]
+              for outcome in top_view.OUTCOMES}
+    top_view.draw_ends(axes, places)
 
 
 def legend_handles(wet, cells, agents, scene):
@@ -68,10 +62,10 @@ def legend_handles(wet, cells, agents, scene):
     levels = [Patch(facecolor=colour, edgecolor="#8d8d93", linewidth=0.6, label=f"{label} ({100 * share[level]:.0f} %)")
               for level, (colour, label) in LEVELS.items() if level in present]
     people = [Line2D([], [], color=PATH, linewidth=1.2, label="path")] if agents else []
-    for outcome, style in ENDS.items():
+    for outcome, style in top_view.OUTCOMES.items():
         count = sum(a["outcome"] == outcome for a in agents)
         if count:
-            people.append(Line2D([], [], linestyle="none", markeredgewidth=0.8, label=f"{outcome} ({count})", **style))
+            people.append(Line2D([], [], linestyle="none", label=f"{outcome} ({count})", **style))
     if agents:
         people.append(Line2D([], [], linestyle="none", marker="*", markersize=11, markerfacecolor=top_view.STAR,
                              markeredgecolor=top_view.INK, markeredgewidth=0.6, label="goal"))
@@ -83,7 +77,7 @@ def legend_handles(wet, cells, agents, scene):
 def met_text(agents):
     """How those who ended one way met the levels, worst first."""
     parts = []
-    for outcome in ENDS:
+    for outcome in top_view.OUTCOMES:
         levels = [a["danger_level"] for a in agents if a["outcome"] == outcome]
         if levels:
             counts = [f"{levels.count(level)} {level.replace('_', ' ')}"
@@ -106,7 +100,7 @@ def draw(run, output):
     draw_people(axes, agents, paths, top_view.period_of(scene))
     top_view.draw_goals(axes, scene, by_group=False)
 
-    ends = {name: [a for a in agents if a["outcome"] == name] for name in ENDS}
+    ends = {name: [a for a in agents if a["outcome"] == name] for name in top_view.OUTCOMES}
     arrivals = [float(a["time_s"]) for a in ends["arrived"]]
     subtitle = subtitle_of(outcome, outcome["sim_time_s"], None, True)
     draw_title(figure, title_of(scene, agents, ends, arrivals), f"largest danger level of each cell  \u00b7  {subtitle}",

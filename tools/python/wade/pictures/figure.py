@@ -16,44 +16,54 @@ from matplotlib.patches import Patch
 from wade.pictures import top_view
 from wade.pictures.run_files import ENDINGS, RunError, read_agents, read_json, read_paths, read_water, save_picture
 from wade.pictures.texts import draw_legend, draw_title, group_names, subtitle_of, title_of
-from wade.pictures.top_view import ARRIVED, DEAD, INK, PATH, PERSON, STAR, far_goals
+from wade.pictures.top_view import INK, OUTCOMES, PATH, STAR, far_goals
 from wade.terminal import Parser, say_error
 
 
-def add_legend(figure, ends, scene, cut_off=""):
-    """What the marks mean; above it, where colours tell the groups apart, the groups."""
+def add_legend(figure, ends, scene, cut_off="", of_film=False):
+    """What the marks mean, and how many there are; above it, where colours tell the groups apart, the groups.
+
+    of_film: without numbers and starts, and without the groups that only dashes tell apart.
+    """
     handles = []
-    colours = top_view.group_colours(scene)
+    rows = rows_of_groups(scene, of_film)
+    colours = top_view.group_colours(scene) if rows else None
     common = INK if colours else PATH  # of what stands for the paths of all groups
-    if scene["crowd"]["groups"]:
-        handles.append(Line2D([], [], color=common, linewidth=1.4, label="path"))
-        handles.append(Line2D([], [], color=common, marker="o", markerfacecolor="white", markersize=4, linestyle="none",
-                              label="start"))
-    marks = {
-        "active": {"marker": "o", "color": PERSON, "markersize": 5},
-        "arrived": {"marker": "o", "color": ARRIVED, "markersize": 5},
-        "dead": {"marker": "x", "color": DEAD, "markersize": 6, "markeredgewidth": 1.5},
-    }
-    for outcome, style in marks.items():
+    count = len(scene["crowd"]["groups"])
+    if count:
+        label = "path" if colours or count == 1 else f"path ({count} groups)"
+        handles.append(Line2D([], [], color=common, linewidth=1.4, label=label))
+        if not of_film:
+            handles.append(Line2D([], [], color=common, marker="o", markerfacecolor="white", markersize=4, linestyle="none",
+                                  label="start"))
+    for outcome, style in OUTCOMES.items():
         if ends[outcome]:
             name = "last seen" if cut_off and outcome == "active" else outcome
-            handles.append(Line2D([], [], linestyle="none", label=f"{name} ({len(ends[outcome])})", **style))
+            label = name if of_film else f"{name} ({len(ends[outcome])})"
+            handles.append(Line2D([], [], linestyle="none", label=label, **style))
     goals = {(g["goal"]["x_m"], g["goal"]["z_m"]) for g in scene["crowd"]["groups"]}
     far = set(far_goals(scene))
     for marker, size, label, of in ((">", 9, "goal, laps away", far), ("*", 11, "goal", goals - far)):
         if of:
-            fill = STAR if STAR in {top_view.goal_colour(scene, goal) for goal in of} else "white"
+            fill = STAR if not colours or STAR in {top_view.goal_colour(scene, goal) for goal in of} else "white"
             handles.append(Line2D([], [], linestyle="none", marker=marker, markersize=size, markerfacecolor=fill,
                                   markeredgecolor=INK, markeredgewidth=0.6, label=label))
     if scene.get("obstacles"):
         handles.append(Patch(facecolor="#8d8d93", edgecolor=INK, hatch="////", label="obstacle"))
-    groups = [Line2D([], [], color=colour, linewidth=2.4, label=name)
-              for colour, name in zip(colours, group_names(scene["crowd"]["groups"]))] if colours else []
+    names = group_names(scene["crowd"]["groups"], rows) if colours else []
+    groups = [Line2D([], [], color=colour, linewidth=2.2, linestyle=top_view.dash_of_group(i), label=name)
+              for i, (colour, name) in enumerate(zip(colours or [], names))]
     draw_legend(figure, handles, 0.03)
-    draw_legend(figure, groups, 0.25)
+    draw_legend(figure, groups, 0.25, rows)
 
 
-def draw(run, time, output):
+def rows_of_groups(scene, of_film=False):
+    """Lines of the legend of groups; none where they are not told apart."""
+    rows = -(-len(top_view.group_colours(scene) or []) // len(top_view.GROUPS))
+    return 0 if of_film and rows > 1 else rows
+
+
+def draw(run, time, output, width_px=None):
     manifest = read_json(run / "manifest.json")
     outcome = read_json(run / "outcome.json")
     scene = manifest["resolved_scene"]
@@ -68,7 +78,10 @@ def draw(run, time, output):
     arrivals = [float(a["time_s"]) for a in agents
                 if a["outcome"] == "arrived" and (whole_run or float(a["time_s"]) <= end_time + 1e-9)]
 
-    figure, axes = top_view.new_map(scene, right=0.85, above=0.85, below=1.1 if top_view.group_colours(scene) else 0.92)
+    rows = rows_of_groups(scene)
+    figure, axes = top_view.new_map(scene, right=0.85, above=0.85, below=0.9 + 0.21 * rows if rows else 0.92)
+    if width_px:
+        figure.set_dpi(width_px / figure.get_figwidth())
     cells = top_view.water_cells(water, scene) if water else None
     mesh = top_view.draw_water(axes, cells, scene) if water else None
     if mesh:
@@ -94,10 +107,14 @@ def main(arguments):
     parser.add_argument("run", type=pathlib.Path, metavar="RUN_DIR", help="run folder of crowd_client")
     parser.add_argument("--time", type=float, metavar="S", help="simulated time to draw, s [the whole run]")
     parser.add_argument("--output", type=pathlib.Path, metavar="PNG", help="picture to write [RUN_DIR/figure.png]")
+    parser.add_argument("--width-px", type=int, metavar="W", help="width of the picture, 320 to 7680 pixels [1856]")
     options = parser.parse_args(arguments)
+    if options.width_px is not None and not 320 <= options.width_px <= 7680:
+        parser.error(f"--width-px: {options.width_px}, allowed is 320 to 7680")
     if options.time is not None and not options.time >= 0:
         parser.error(f"--time: {options.time} s, allowed is 0 or more")
-    return write(parser, options.output or options.run / "figure.png", lambda output: draw(options.run, options.time, output))
+    return write(parser, options.output or options.run / "figure.png",
+                 lambda output: draw(options.run, options.time, output, options.width_px))
 
 
 def write(parser, output, draw_it):

@@ -55,21 +55,29 @@ def read_paths(path, until_s=np.inf):
     return {int(part[0, 0]): part[:, 1:] for part in np.split(rows, starts[1:])}
 
 
+def water_snapshots(path):
+    """All snapshots: ((x edges' start, z start, cell size), records with frame, time and depth in mm, in a file), or Nones."""
+    if not path.exists():
+        return None, None
+    with path.open("rb") as file:
+        head, size = file.read(64), file.seek(0, os.SEEK_END)
+    if len(head) < 64 or head[:8] != b"WADEWAT1":
+        raise RunError(f"'{path}' is not a file of water snapshots")
+    columns, rows, cell, x0, z0, _ = struct.unpack_from("<IIdddd", head, 8)
+    record = np.dtype([("frame", "<u8"), ("time", "<f8"), ("depth", "<u2", (rows, columns))])
+    count = (size - 64) // record.itemsize  # a record cut off by a crash does not count
+    if count == 0:
+        return None, None
+    return (x0, z0, cell), np.memmap(path, record, "r", offset=64, shape=(count,))
+
+
 def read_water(path, time):
     """The snapshot nearest to a time: (time, x edges' start, z start, cell size, depth array in m), or None."""
-    if not path.exists():
+    grid, records = water_snapshots(path)
+    if records is None:
         return None
-    data = path.read_bytes()
-    if len(data) < 64 or data[:8] != b"WADEWAT1":
-        raise RunError(f"'{path}' is not a file of water snapshots")
-    columns, rows, cell, x0, z0, _ = struct.unpack_from("<IIdddd", data, 8)
-    record = np.dtype([("frame", "<u8"), ("time", "<f8"), ("depth", "<u2", (rows, columns))])
-    count = (len(data) - 64) // record.itemsize  # a record cut off by a crash does not count
-    if count == 0:
-        return None
-    records = np.frombuffer(data, dtype=record, count=count, offset=64)
     nearest = records[int(np.argmin(np.abs(records["time"] - time)))]
-    return float(nearest["time"]), x0, z0, cell, nearest["depth"] / 1000.0
+    return float(nearest["time"]), *grid, nearest["depth"] / 1000.0
 
 
 def save_picture(figure, output):

@@ -85,9 +85,9 @@ def subtitle_of(outcome, time, water, whole_run):
     return "  \u00b7  ".join(parts)
 
 
-def group_names(groups):
-    """Names of groups for one line of a legend, in which they have room together."""
-    length = max(6, LEGEND_LENGTH // max(1, len(groups)))
+def group_names(groups, rows=1):
+    """Names of groups for so many lines of a legend, in which they have room together."""
+    length = max(6, LEGEND_LENGTH * max(1, rows) // max(1, len(groups)))
     # A label that begins with "_" would be left out.
     return [re.sub("^_", " _", plain(group["name"], length)) for group in groups]
 
@@ -109,14 +109,15 @@ def draw_title(figure, title, *subtitles):
         shrunk(figure.text(0.5, 1 - inches / high, text, ha="center", va="center", fontsize=size, color=colour), figure)
 
 
-def draw_legend(figure, handles, inches):
-    """A legend in one line, so many inches above the lower edge; smaller where it would not fit."""
+def draw_legend(figure, handles, inches, rows=1):
+    """A legend in one line or more, so many inches above the lower edge; smaller where it would not fit."""
     if not handles:
         return
     allowed, size = SHARE * figure.bbox.width, 8.5
     for _ in range(3):
-        legend = figure.legend(handles=handles, loc="lower center", ncol=len(handles), frameon=False, fontsize=size,
-                               handletextpad=0.5, columnspacing=1.6, bbox_to_anchor=(0.5, inches / figure.get_figheight()))
+        legend = figure.legend(handles=handles, loc="lower center", ncol=-(-len(handles) // rows), frameon=False,
+                               fontsize=size, handlelength=2 if rows == 1 else 3, handletextpad=0.5, columnspacing=1.6,
+                               bbox_to_anchor=(0.5, inches / figure.get_figheight()))
         wide = legend.get_window_extent(figure.canvas.get_renderer()).width
         if wide <= allowed:
             return

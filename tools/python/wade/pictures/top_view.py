@@ -14,12 +14,19 @@ BED = "#ded6c6"
 BANK = "#b5a98f"
 WATER = LinearSegmentedColormap.from_list("water", ["#d5e8f5", "#86b8df", "#4587c6", "#123f7a"])
 PATH = "#d62728"
-PERSON = "#7f0d12"
-ARRIVED = "#2b8a3e"
 DEAD = "#16161a"
 STAR = "#ffc928"
+# How people ended: each by its shape as well as its colour, with a rim that is seen on any water and danger level.
+OUTCOMES = {
+    "active": {"marker": "D", "markersize": 4.6, "markerfacecolor": "white", "markeredgecolor": DEAD, "markeredgewidth": 1},
+    "arrived": {"marker": "^", "markersize": 7.5, "markerfacecolor": "#009e73", "markeredgecolor": "white",
+                "markeredgewidth": 0.7},
+    "dead": {"marker": "X", "markersize": 8, "markerfacecolor": DEAD, "markeredgecolor": "white", "markeredgewidth": 0.8},
+}
 # Of paths and goals where there are several groups: Tol's "muted" colours without the one that is lost on water.
 GROUPS = ("#cc6677", "#332288", "#999933", "#117733", "#aa4499", "#44aa99", "#882255", "#ddcc77")
+DASHES = ("solid", (0, (5, 2)), (0, (1.2, 1.2)))  # of the first eight groups, the next ones, the last ones
+MOST_GROUPS = len(GROUPS) * len(DASHES)  # that can be told apart
 INK = "#2a2a2e"
 
 ROUND_STEPS = (1, 1.5, 2, 3, 5, 7.5, 10)
@@ -215,16 +222,29 @@ def far_goals(scene):
 def group_colours(scene):
     """A colour for each group, in their order; None if there is one group, or more than can be told apart."""
     count = len(scene["crowd"]["groups"])
-    return GROUPS[:count] if 1 < count <= len(GROUPS) else None
+    return [GROUPS[i % len(GROUPS)] for i in range(count)] if 1 < count <= MOST_GROUPS else None
+
+
+def dash_of_group(group):
+    """The dashes of the paths of a group, by its number."""
+    return DASHES[group // len(GROUPS)]
+
+
+def groups_of(scene, agents):
+    """Numbers of the groups of these agents (ids). Ids run through the groups in their order."""
+    ends = np.cumsum([group["count"] for group in scene["crowd"]["groups"]])
+    return np.searchsorted(ends, list(agents), side="right")
 
 
 def path_colours(scene, agents):
-    """Colours of the paths of these agents (ids). Ids run through the groups in their order."""
+    """Colours of the paths of these agents (ids)."""
     colours = group_colours(scene)
-    if colours is None:
-        return [PATH] * len(agents)
-    ends = np.cumsum([group["count"] for group in scene["crowd"]["groups"]])
-    return [colours[np.searchsorted(ends, agent, side="right")] for agent in agents]
+    return [PATH] * len(agents) if colours is None else [colours[group] for group in groups_of(scene, agents)]
+
+
+def path_dashes(scene, agents):
+    """Dashes of the paths of these agents (ids)."""
+    return ["solid"] * len(agents) if group_colours(scene) is None else [dash_of_group(g) for g in groups_of(scene, agents)]
 
 
 def goal_colour(scene, goal):
@@ -268,21 +288,29 @@ def people_at(agents, paths, end_time, whole_run):
     return ends, lines
 
 
-def draw_people(axes, ends, lines, scene):
-    colours = path_colours(scene, list(lines))
-    parts = [(thinned(part), colour) for points, colour in zip(lines.values(), colours)
+def draw_paths(axes, lines, scene):
+    """The paths, those of groups with a light rim, so that dark ones are seen on deep water."""
+    styles = zip(lines.values(), path_colours(scene, list(lines)), path_dashes(scene, list(lines)))
+    parts = [(thinned(part), colour, dash) for points, colour, dash in styles
              for part in laps_apart(points, period_of(scene))]
-    axes.add_collection(LineCollection([part for part, _ in parts], colors=[colour for _, colour in parts],
-                                       linewidths=0.9, alpha=0.78, zorder=6, capstyle="round", joinstyle="round"))
+    ways = [part for part, _, _ in parts]
+    if group_colours(scene):
+        axes.add_collection(LineCollection(ways, colors="white", linewidths=2.2, alpha=0.6, zorder=6, capstyle="round"))
+    axes.add_collection(LineCollection(ways, colors=[colour for _, colour, _ in parts], linewidths=1, alpha=0.85, zorder=6,
+                                       linestyles=[dash for _, _, dash in parts], capstyle="butt", joinstyle="round"))
+
+
+def draw_ends(axes, ends):
+    """A mark where each person is in the end, by outcome."""
+    for outcome, style in OUTCOMES.items():
+        if len(ends[outcome]):
+            axes.plot(*np.array(ends[outcome]).T, linestyle="none", zorder=10, clip_on=False, **style)
+
+
+def draw_people(axes, ends, lines, scene):
+    draw_paths(axes, lines, scene)
     if lines:
         starts = np.array([points[0] for points in lines.values()])
-        axes.scatter(*starts.T, s=9, facecolors="white", edgecolors=colours, linewidths=0.7, zorder=7, clip_on=False)
-    styles = {
-        "active": {"s": 17, "c": PERSON, "edgecolors": "white", "linewidths": 0.5},
-        "arrived": {"s": 20, "c": ARRIVED, "edgecolors": "white", "linewidths": 0.5},
-        "dead": {"s": 30, "c": DEAD, "marker": "x", "linewidths": 1.5,
-                 "path_effects": [withStroke(linewidth=3, foreground="white")]},  # many lie on the black fall
-    }
-    for outcome, style in styles.items():
-        if ends[outcome]:
-            axes.scatter(*np.array(ends[outcome]).T, zorder=10, clip_on=False, **style)
+        axes.scatter(*starts.T, s=9, facecolors="white", edgecolors=path_colours(scene, list(lines)), linewidths=0.7, zorder=7,
+                     clip_on=False)
+    draw_ends(axes, ends)
