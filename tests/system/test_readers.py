@@ -1,10 +1,51 @@
-"""Programs that look into trajectories.sqlite, or lock it, during a run: the run ends well and keeps each of its frames."""
+"""Programs of others that look on: into trajectories.sqlite during a run, which keeps each of its frames, and engines."""
 
+import ctypes
+import os
+import shutil
 import signal
 import sqlite3
+import subprocess
+import sys
 import unittest
+from unittest import mock
 
-from harness import ENDLESS, SystemTest, wait_until
+import numpy as np
+from harness import ENDLESS, PROGRAMS, ROOT, SystemTest, wait_until
+
+ENGINES = ROOT / "tools" / "engines"
+LIBRARY = PROGRAMS / "libwade_shm.so"
+sys.path += [str(ENGINES), str(ROOT / "tools" / "producers" / "python")]
+
+# Prints each frame that it sees, and that the stream has ended.
+DRIVER = """
+using System;
+using System.Globalization;
+
+static class Driver
+{
+    static int Main(string[] arguments)
+    {
+        try
+        {
+            using (var stream = new Wade.Stream(arguments[0], arguments[1] == "people", 10))
+                for (;;)
+                {
+                    Wade.News news = stream.Poll();
+                    if (news == Wade.News.End) { Console.WriteLine("end"); return 0; }
+                    if (news == Wade.News.Nothing) { System.Threading.Thread.Sleep(1); continue; }
+                    Console.Write(stream.Number + " " + stream.TimeS.ToString("R", CultureInfo.InvariantCulture));
+                    foreach (float[] values in new[] { stream.X, stream.Y, stream.Z, stream.Vx, stream.Vy, stream.Vz,
+                                                       stream.Mass, stream.Radius, stream.Height, stream.State })
+                        for (int k = 0; k < stream.Count && k < values.Length; ++k)
+                            Console.Write(" " + values[k].ToString("R", CultureInfo.InvariantCulture));
+                    Console.WriteLine();
+                }
+        }
+        catch (Wade.StreamException error) { Console.WriteLine(error.Code + " " + error.Message); return 1; }
+    }
+}
+"""
 
 
 class Readers(SystemTest):
@@ -76,6 +117,98 @@ class Readers(SystemTest):
         kept = self.frames_in(self.file.with_name("trajectories.rest.sqlite"))
         self.assertEqual(kept, list(range(kept[0], steps + 1)))
         self.assertIn("moved or deleted", self.crowd.messages())
+
+
+class Engines(SystemTest):
+    """The bridges of tools/engines see what a producer of centimetres with other axes sends, in the world's axes."""
+
+    COUNT = 3
+
+    def setUp(self):
+        super().setUp()
+        if not LIBRARY.exists():
+            self.skipTest(f"needs {LIBRARY}")
+        with mock.patch.dict(os.environ, {"WADE_SHM_LIBRARY": str(LIBRARY)}):
+            import producer_ctypes
+
+            self.abi, self.library = producer_ctypes, producer_ctypes.Library()
+
+    def producer_of(self, kind):
+        stream, publisher = self.abi.Stream(), ctypes.c_void_p()
+        self.library("stream_defaults", ctypes.byref(stream))
+        stream.producer_name, stream.kind, stream.capacity, stream.metres_per_unit = b"test", kind, self.COUNT, 0.01
+        stream.origin[:], stream.axes[:] = (1, 2, 3), (2, -3, 1)
+        self.library("publisher_open", self.session.encode(), ctypes.byref(stream), None, ctypes.byref(publisher))
+        self.addCleanup(self.library, "publisher_free", publisher)
+        return publisher
+
+    def send(self, publisher, kind, final=False):
+        """Sends a frame; returns its values in the world: x, y, z, vx, vy, vz, mass, radius, height, state."""
+        slot = self.abi.Slot()
+        self.library("publisher_begin_frame", publisher, ctypes.byref(slot))
+        names = self.abi.FIELDS + ("radius", "height", "state") * (kind == 2)
+        sent = {name: np.float32(10 * slot.frame + 100 * i + np.arange(self.COUNT)) for i, name in enumerate(names)}
+        if kind == 2:
+            sent["state"] = np.float32([0, 1, 2])
+        for name, values in sent.items():
+            np.ctypeslib.as_array(getattr(slot, name), (self.COUNT,))[:] = values
+        self.library("publisher_end_frame", publisher, self.COUNT, None, int(final))
+        world = [1 + 0.01 * sent["py"], 2 - 0.01 * sent["pz"], 3 + 0.01 * sent["px"],
+                 0.01 * sent["vy"], -0.01 * sent["vz"], 0.01 * sent["vx"], sent["mass"]]
+        return np.array(world + ([0.01 * sent["radius"], 0.01 * sent["height"], sent["state"]] if kind == 2 else []))
+
+    def test_python(self):
+        from wade_stream import Stream, StreamError
+
+        with self.assertRaisesRegex(StreamError, self.session) as error:
+            Stream(self.session, library=LIBRARY, attach_timeout_s=0.01)
+        self.assertEqual(error.exception.code, 3)
+        for kind in (1, 2):
+            publisher = self.producer_of(kind)
+            world = self.send(publisher, kind)
+            reader = Stream(self.session, people=kind == 2, library=LIBRARY)
+            self.assertTrue(reader.poll())
+            self.assertEqual((reader.number, reader.count, reader.final), (1, self.COUNT, False))
+            self.assertAlmostEqual(reader.time_s, (2 - kind) / 30)  # agents begin at 0
+            x, y, z = world[:3]
+            # Unreal: left-handed, z up, centimetres; Blender: right-handed, z up; glTF: right-handed, y up.
+            for program, expected in (("wade", (x, y, z)), ("unity", (x, y, z)), ("unreal", (100 * x, -100 * z, 100 * y)),
+                                      ("blender", (x, z, y)), ("gltf", (x, y, -z))):
+                np.testing.assert_allclose(np.reshape(reader.places(program), (-1, 3)).T, expected, rtol=1e-6)
+            np.testing.assert_allclose(np.reshape(reader.velocities("unreal"), (-1, 3)).T,
+                                       100 * world[[3, 5, 4]] * [[1], [-1], [1]], rtol=1e-6)
+            for name, values in zip(("mass", "radius", "height", "state"), world[6:]):
+                np.testing.assert_allclose(reader.values(name), values, rtol=1e-6)
+            self.assertFalse(reader.poll(), "no newer frame")
+            self.send(publisher, kind, final=True)
+            self.assertTrue(reader.poll() and reader.final)
+            self.library("publisher_close", publisher)
+            self.assertFalse(reader.poll())
+            self.assertTrue(reader.ended)
+            reader.close()
+
+    @unittest.skipUnless(shutil.which("mcs") and shutil.which("mono"),
+                         "needs mono-mcs and mono-runtime (tools/install_dependencies.sh readers)")
+    def test_csharp(self):
+        driver, program = self.folder / "Driver.cs", self.folder / "driver.exe"
+        driver.write_text(DRIVER)
+        # The language that Unity 2018 and later take.
+        subprocess.run(["mcs", "-langversion:7", f"-out:{program}", ENGINES / "WadeStream.cs", driver], check=True)
+        environment = {**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)}
+        for kind, word in ((1, "water"), (2, "people")):
+            publisher = self.producer_of(kind)
+            worlds = [self.send(publisher, kind)]
+            with subprocess.Popen(["mono", program, self.session, word], stdout=subprocess.PIPE, text=True, env=environment) as mono:
+                lines = [mono.stdout.readline()]
+                worlds.append(self.send(publisher, kind, final=True))
+                self.library("publisher_close", publisher)
+                lines += mono.stdout.readlines()
+            self.assertEqual((mono.returncode, lines[-1]), (0, "end\n"), lines)
+            for frame, (line, world) in enumerate(zip(lines, worlds), 1):
+                number, time_s, *values = map(float, line.split())
+                self.assertEqual(number, frame)
+                self.assertAlmostEqual(time_s, (frame + 1 - kind) / 30)
+                np.testing.assert_allclose(np.reshape(values, world.shape), world, rtol=1e-6)
 
 
 if __name__ == "__main__":
