@@ -60,6 +60,7 @@ struct NeighbourBlock {
         std::int16_t obstacle = -1;  // in whose face images are seen, or -1
         std::int16_t obstacle_axis = 0;
         bool by_sight = false;  // not every near lane sees every entry: `lanes` says which do
+        bool in_part = false;   // by sight, and a lane may see a part of an entry only
 
         bool operator==(const View&) const = default;
     };
@@ -72,12 +73,17 @@ struct NeighbourBlock {
     std::vector<View> views;       // each once
     std::vector<std::uint32_t> j;  // entries: a particle each
     LaneMasks lanes;               // of each entry: which lanes are near and see it; from sum_kernel (sweeps.hpp) on
-    std::vector<std::uint16_t> factor;        // of each entry's near lanes: (dW/dr) / r in NeighbourLists::factor_unit
+    // Of each entry's near lanes (dW/dr) / r in NeighbourLists::factor_unit. Until sum_kernel computes these: the shares, of
+    // whole_share, of those that see entries in part, one after the other.
+    std::vector<std::uint16_t> factor;
     std::vector<std::uint32_t> first_factor;  // of each cluster
 };
 
 // A factor in units of NeighbourLists::factor_unit is at most this.
 inline constexpr float largest_factor_units = 65535;
+
+// All of an entry, as a share.
+inline constexpr float whole_share = 65535;
 
 // The quantum of a factor is 1.5e-5 of its largest value, at r = 0: 2e-5 of the largest V grad W. A pair's two factors
 // are the same bits, so that the forces between the two stay opposite.

@@ -76,6 +76,7 @@ struct Room {
     std::vector<Mirror> mirrors;
     std::vector<Run> runs;
     std::vector<std::uint32_t> candidates;
+    std::vector<std::uint16_t> shares;  // of a block
 };
 Room& room_of_thread() {
     thread_local Room room;
@@ -105,7 +106,7 @@ class BlockSearch {
         : grid_(grid), solids_(solids), p_(particles), h_(support_radius), size_(cluster_size), block_(block) {}
 
     void find(std::size_t begin, std::size_t end) {
-        entries_ = 0;
+        entries_ = shares_ = 0;
         block_.segments.clear();
         block_.views.clear();
         block_.first_segment[0] = 0;
@@ -117,6 +118,11 @@ class BlockSearch {
             block_.first_segment[c + 1] = static_cast<std::uint32_t>(block_.segments.size());
         }
         make_room_for_lanes();
+        if (shares_ > 0) {
+            // What is loaded may reach beyond the last.
+            make_room(block_.factor, shares_ + largest_cluster);
+            std::copy_n(room_.shares.data(), shares_, block_.factor.data());
+        }
     }
 
  private:
@@ -128,7 +134,7 @@ class BlockSearch {
         if (solids_.obstacle_near(box, room_.obstacles)) {
             for (const std::uint32_t o : room_.obstacles) room_.boxes.push_back(solids_.obstacles()[o]);
         }
-        const Watchers watchers{places, box, room_.boxes};
+        const Watchers watchers{places, box, room_.boxes, solids_.sight_delta()};
         const Mirror none;
         add_segments(watchers, {places, none}, box);
         solids_.mirrors_near(box, room_.obstacles, room_.mirrors);
@@ -149,9 +155,12 @@ class BlockSearch {
         const ClusterPlaces& image = sight.image;
         grid_.for_each_period(near.lo, near.hi, [&](const Vec3& period) {
             const std::size_t first = entries_;
-            NeighbourBlock::View view{mirror.map(), mirror.viscous, static_cast<std::int16_t>(mirror.obstacle),
+            NeighbourBlock::View view{mirror.map(),
+                                      mirror.viscous,
+                                      static_cast<std::int16_t>(mirror.obstacle),
                                       static_cast<std::int16_t>(mirror.obstacle_axis),
-                                      !watchers.obstacles.empty() || mirror.facet >= 0};
+                                      !watchers.obstacles.empty() || mirror.facet >= 0,
+                                      !watchers.obstacles.empty()};
             if (period == Vec3{}) {
                 append(image, box, way_of(watchers, sight));
                 if (view.by_sight) keep_seen(watchers, sight, first);
@@ -226,7 +235,14 @@ class BlockSearch {
 
     void keep_seen(const Watchers& watchers, const Sight& sight, std::size_t first) {
         make_room_for_lanes();
-        entries_ = fluid::keep_seen(watchers, sight, h_, p_, first, entries_, block_);
+        if (watchers.obstacles.empty()) {
+            entries_ = keep_seen_over_facet(watchers, sight, h_, p_, first, entries_, block_);
+            return;
+        }
+        make_room(room_.shares, shares_ + (entries_ - first) * size_);
+        std::uint16_t* to = room_.shares.data() + shares_;
+        entries_ = keep_seen_in_part(watchers, sight, h_, p_, first, entries_, block_, to);
+        shares_ = static_cast<std::size_t>(to - room_.shares.data());
     }
 
     const CellGrid& grid_;
@@ -237,6 +253,7 @@ class BlockSearch {
     NeighbourBlock& block_;
     Room& room_ = room_of_thread();
     std::size_t entries_ = 0;
+    std::size_t shares_ = 0;  // of what is seen in part
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// Whom a cluster sees: past boxes, in the face of one of them, in a facet of the bed. The rules stand in solids.hpp.
+// Who is near a cluster, and whom it sees: past boxes, in the face of one of them, in a facet of the bed. The rules stand in solids.hpp.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,6 +15,7 @@ struct Watchers {
     const ClusterPlaces& places;
     const Box& box;                  // round them
     std::span<const Box> obstacles;  // that may stand in the way; none unless one is nearer than the support radius
+    float delta = 0;                 // half the width over which sight fades at their edges, m
 };
 
 // How it looks: as it is, in a mirror, beyond a border.
@@ -27,9 +28,26 @@ struct Sight {
 };
 
 // Keeps of the entries [first, last) of a block those that some watcher sees and that are nearer to it than the support radius;
-// writes which lanes do. Returns the end of those that are left. The block needs room for the masks.
-std::size_t keep_seen(const Watchers& watchers, const Sight& sight, float support_radius, const Particles& particles,
-                      std::size_t first, std::size_t last, NeighbourBlock& block);
+// writes which lanes do. Returns the end of those that are left. The block needs room for the masks. Without obstacles, over a
+// facet of the bed:
+std::size_t keep_seen_over_facet(const Watchers& watchers, const Sight& sight, float support_radius,
+                                 const Particles& particles, std::size_t first, std::size_t last,
+                                 NeighbourBlock& block);
+// and past obstacles, in part. Writes how much each of the lanes sees, in units of 1 / whole_share, from `shares` on, which moves
+// behind the last; there must be room for cluster_size of them an entry.
+std::size_t keep_seen_in_part(const Watchers& watchers, const Sight& sight, float support_radius,
+                              const Particles& particles, std::size_t first, std::size_t last, NeighbourBlock& block,
+                              std::uint16_t*& shares);
+
+// Writes those particles of the runs to `out` that are nearer than the support radius to a box. Returns their number. Needs
+// room for all particles of the runs and largest_cluster more.
+std::size_t find_near_box(const Box& box, float support_radius, const Particles& particles, std::span<const Run> runs,
+                          std::uint32_t* out);
+
+// Writes those candidates to `out` that are nearer than the support radius to some place of a cluster. Returns their number.
+// Needs room for all candidates and one more.
+std::size_t find_near_places(const ClusterPlaces& places, float support_radius, const Particles& particles,
+                             std::span<const std::uint32_t> candidates, std::uint32_t* out);
 
 // The particles near a cluster, side by side.
 struct NearParticlesOfCluster {
@@ -40,7 +58,7 @@ struct NearParticlesOfCluster {
     void assign(std::span<const std::uint32_t> numbers, const Particles& particles);
 };
 
-// As find_near_box (sweeps.hpp), of these.
+// As find_near_box, of these.
 std::size_t find_near_box_among(const Box& box, float support_radius, const NearParticlesOfCluster& particles,
                                 std::uint32_t* out);
 

@@ -89,9 +89,14 @@ HWY_NOINLINE void find_distances(Vec3V seen, const Particles& p, const std::uint
     }
 }
 
-// Factors of n entries. Returns the density with their kernels added. seen_by: the lanes that see each, if by_sight.
-template <bool by_sight, typename AnyKernel>
-HWY_NOINLINE V find_factors(AnyKernel kernel, const LaneMask* seen_by, std::size_t n, V density, Batch& batch) {
+// How much of its entries a cluster sees.
+enum class Sees { all, by_sight, in_part };
+
+// Factors of n entries. Returns the density with their kernels added. seen_by: the lanes that see each, if by sight; shares: of
+// these lanes, if in part, which moves behind what it was read of.
+template <Sees sees, typename AnyKernel>
+HWY_NOINLINE V find_factors(AnyKernel kernel, const LaneMask* seen_by, const std::uint16_t*& shares, std::size_t n,
+                            V density, Batch& batch) {
     const V inverse_h2 = all(kernel.inverse_support_radius() * kernel.inverse_support_radius());
     for (std::size_t e = 0; e < n; ++e) {
         // A distance of zero counts as a tiny one, so that its inverse stays finite.
@@ -100,7 +105,11 @@ HWY_NOINLINE V find_factors(AnyKernel kernel, const LaneMask* seen_by, std::size
         // Root and quotient are rounded as IEEE 754 asks; processors' estimates of 1 / sqrt(x) differ.
         const V q = hn::Sqrt(q2);
         Shape w = shape(kernel, q, hn::Div(all(1), q));
-        if constexpr (by_sight) {
+        if constexpr (sees == Sees::in_part) {
+            const V share = hn::Mul(hn::ConvertTo(lanes, spread(shares, seen_by[e])), all(1 / whole_share));
+            shares += std::popcount(seen_by[e]);
+            w = {hn::Mul(share, w.value), hn::Mul(share, w.factor)};
+        } else if constexpr (sees == Sees::by_sight) {
             const auto seen = lanes_of(seen_by[e]);
             w = {hn::IfThenElseZero(seen, w.value), hn::IfThenElseZero(seen, w.factor)};
         }
@@ -174,6 +183,7 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
     if (factors.size() < most) factors.resize(most);
     std::uint16_t* to = factors.data();
     LaneMask* const masks = lane_masks(block);
+    const std::uint16_t* shares = block.factor.data();
     Batch batch;
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
         block.first_factor[cluster] = static_cast<std::uint32_t>(to - factors.data());
@@ -189,8 +199,9 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
                 const std::uint32_t* const j = block.j.data() + k;
                 LaneMask* const seen_by = masks + k;
                 find_distances(seen, p, j, n, batch);
-                density = view.by_sight ? find_factors<true>(kernel, seen_by, n, density, batch)
-                                        : find_factors<false>(kernel, seen_by, n, density, batch);
+                density = view.in_part    ? find_factors<Sees::in_part>(kernel, seen_by, shares, n, density, batch)
+                          : view.by_sight ? find_factors<Sees::by_sight>(kernel, seen_by, shares, n, density, batch)
+                                          : find_factors<Sees::all>(kernel, seen_by, shares, n, density, batch);
                 to = keep_factors(seen, p, j, n, batch, to, seen_by, of_segment);
                 if constexpr (with_shear) shear_of_segment = add_shear(velocities(p), j, n, batch, shear_of_segment);
             }
@@ -289,48 +300,6 @@ void SumGradientsAndDivergence(std::size_t b, const Particles& p, const Neighbou
     });
 }
 
-// The bits of the first n lanes, of all if there are fewer.
-HWY_INLINE unsigned first_lanes(std::size_t n) {
-    return n < cluster_size ? (1U << n) - 1 : ~0U;
-}
-
-std::size_t FindNearBox(const Box& box, float support_radius, const Particles& p, std::span<const Run> runs,
-                        std::uint32_t* out) {
-    const Numbers numbers;
-    const auto first_numbers = hn::Iota(numbers, 0);
-    const V h2 = all(support_radius * support_radius);
-    const Vec3V lo{all(box.lo[0]), all(box.lo[1]), all(box.lo[2])}, hi{all(box.hi[0]), all(box.hi[1]), all(box.hi[2])};
-    const auto gap = [](V at, V least, V most) {
-        return hn::Max(hn::Max(hn::Sub(least, at), hn::Sub(at, most)), hn::Zero(lanes));
-    };
-    std::size_t found = 0;
-    for (const Run& run : runs) {
-        // A particle of the run a lane.
-        for (std::size_t m = run.begin; m < run.end; m += cluster_size) {
-            const Vec3V x = load(places(p), m);
-            const Vec3V way{gap(x.x, lo.x, hi.x), gap(x.y, lo.y, hi.y), gap(x.z, lo.z, hi.z)};
-            const unsigned of_run = first_lanes(run.end - m);
-            const unsigned near = bits_of(hn::Lt(dot(way, way), h2)) & of_run;
-            put_together(hn::Add(first_numbers, hn::Set(numbers, static_cast<std::uint32_t>(m))), near, out + found);
-            found += static_cast<std::size_t>(std::popcount(near));
-        }
-    }
-    return found;
-}
-
-std::size_t FindNearPlaces(const ClusterPlaces& places, float support_radius, const Particles& p,
-                           std::span<const std::uint32_t> candidates, std::uint32_t* out) {
-    const V h2 = all(support_radius * support_radius);
-    const Vec3V x = load(ConstVectorArrays{places.x.data(), places.y.data(), places.z.data()}, 0);
-    std::size_t found = 0;
-    for (const std::uint32_t j : candidates) {
-        const Vec3V way = way_from(x, p, j);
-        out[found] = j;
-        found += hn::AllFalse(lanes, hn::Lt(dot(way, way), h2)) ? 0U : 1U;
-    }
-    return found;
-}
-
 std::size_t ClusterSize() {
     return cluster_size;
 }
@@ -341,23 +310,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace wade::fluid {
 
-HWY_EXPORT(FindNearBox);
-HWY_EXPORT(FindNearPlaces);
 HWY_EXPORT(ClusterSize);
 HWY_EXPORT(SumKernel);
 HWY_EXPORT(SumGradients);
 HWY_EXPORT(SumDivergence);
 HWY_EXPORT(SumGradientsAndDivergence);
-
-std::size_t find_near_box(const Box& box, float support_radius, const Particles& p, std::span<const Run> runs,
-                          std::uint32_t* out) {
-    return HWY_DYNAMIC_DISPATCH(FindNearBox)(box, support_radius, p, runs, out);
-}
-
-std::size_t find_near_places(const ClusterPlaces& places, float support_radius, const Particles& p,
-                             std::span<const std::uint32_t> candidates, std::uint32_t* out) {
-    return HWY_DYNAMIC_DISPATCH(FindNearPlaces)(places, support_radius, p, candidates, out);
-}
 
 void sum_kernel(std::size_t block, const Particles& p, const Kernel& kernel, float volume, NeighbourLists& lists,
                 const KernelSums& sums) {

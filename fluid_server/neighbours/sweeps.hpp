@@ -25,16 +25,6 @@ struct KernelSums {
         shear;  // sum_j (v_i - v_j) V (dW/dr) / r, 1/(m s), by the velocities that viscosity sees of images; or null
 };
 
-// Writes those particles of the runs to `out` that are nearer than the support radius to a box. Returns their number. Needs
-// room for all particles of the runs and largest_cluster more.
-std::size_t find_near_box(const Box& box, float support_radius, const Particles& particles, std::span<const Run> runs,
-                          std::uint32_t* out);
-
-// Writes those candidates to `out` that are nearer than the support radius to some place of a cluster. Returns their number.
-// Needs room for all candidates and one more.
-std::size_t find_near_places(const ClusterPlaces& places, float support_radius, const Particles& particles,
-                             std::span<const std::uint32_t> candidates, std::uint32_t* out);
-
 // Computes the factors of the block's lists, and the sums that go with them. volume: V, m^3. Viscosity's sum is among them as
 // a sweep of its own would cost twice as much.
 void sum_kernel(std::size_t block, const Particles& particles, const Kernel& kernel, float volume,

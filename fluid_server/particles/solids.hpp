@@ -12,7 +12,8 @@
 //         images across  |                   At a convex edge of an obstacle the rule is that of sight: a particle sees
 //         z              |  o   fluid        another if the straight line between them is free, and the image of another
 //                                            if the line to the image passes through the mirror's face. So every place
-//                                            round a particle is filled exactly once.
+//                                            round a particle is filled exactly once. Close to the edge it sees a part
+//                                            of either (sight.cpp), or water would never rest there.
 //
 // Images of images are left out: of obstacles and banks nearer than two support radii, and of opposite walls.
 //
@@ -106,6 +107,9 @@ class Solids {
         return !free && push_out(x);
     }
 
+    // Half the width over which sight fades at an edge of an obstacle, m: sight.cpp.
+    [[nodiscard]] float sight_delta() const { return sight_delta_; }
+
     [[nodiscard]] const Box& interior() const { return interior_; }
     [[nodiscard]] const std::vector<Box>& obstacles() const { return obstacles_; }
 
@@ -132,6 +136,7 @@ class Solids {
     BoxIndex index_;              // of them
     float support_radius_;
     float contact_distance_;
+    float sight_delta_;
 };
 
 }  // namespace wade::fluid

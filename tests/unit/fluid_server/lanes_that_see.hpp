@@ -2,7 +2,9 @@
 // Who of a few particles sees another one, asked as the search for neighbours asks.
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -11,10 +13,10 @@
 
 namespace wade::fluid::test {
 
-// The particles at x, not more than a cluster has, that see one at y in a mirror, a bit each; boxes: what may stand in the way.
-// However far away it is.
-inline unsigned lanes_that_see(const Solids& solids, std::span<const Vec3> x, const Vec3& y, const Mirror& mirror,
-                               std::span<const Box> boxes) {
+// How much of a particle at y each particle at x, not more than a cluster has, sees in a mirror, [0, 1]; boxes: what may stand in
+// the way. However far away it is.
+inline std::vector<float> shares_seen(const Solids& solids, std::span<const Vec3> x, const Vec3& y,
+                                      const Mirror& mirror, std::span<const Box> boxes) {
     ClusterPlaces places;
     places.size = cluster_size_here();
     Box box{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
@@ -32,9 +34,31 @@ inline unsigned lanes_that_see(const Solids& solids, std::span<const Vec3> x, co
     block.j = {0};
     std::visit([](auto& masks) { masks.resize(1); }, block.lanes);
     const Sight sight{places, mirror, solids.obstacle_of(mirror), solids.facet_of(mirror)};
+    const Watchers watchers{places, box, boxes, solids.sight_delta()};
     constexpr float far = 1e6F;
-    if (keep_seen({places, box, boxes}, sight, far, particles, 0, 1, block) == 0) return 0;
-    return lanes_of_entry(block, 0) & ((1U << x.size()) - 1);
+    std::array<std::uint16_t, largest_cluster> shares{};
+    std::uint16_t* end = shares.data();
+    const std::size_t kept = boxes.empty() && sight.facet != nullptr
+                                 ? keep_seen_over_facet(watchers, sight, far, particles, 0, 1, block)
+                                 : keep_seen_in_part(watchers, sight, far, particles, 0, 1, block, end);
+    std::vector<float> seen(x.size());
+    if (kept == 0) return seen;
+    const std::uint16_t* next = shares.data();
+    for (std::size_t l = 0; l < places.size; ++l) {
+        if ((lanes_of_entry(block, 0) >> l & 1U) == 0) continue;
+        const float share = end == shares.data() ? 1 : static_cast<float>(*next++) / whole_share;
+        if (l < x.size()) seen[l] = share;
+    }
+    return seen;
+}
+
+// Those of them that see some of it, a bit each.
+inline unsigned lanes_that_see(const Solids& solids, std::span<const Vec3> x, const Vec3& y, const Mirror& mirror,
+                               std::span<const Box> boxes) {
+    const std::vector<float> seen = shares_seen(solids, x, y, mirror, boxes);
+    unsigned lanes = 0;
+    for (std::size_t l = 0; l < seen.size(); ++l) lanes |= seen[l] > 0 ? 1U << l : 0U;
+    return lanes;
 }
 
 }  // namespace wade::fluid::test
