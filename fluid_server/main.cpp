@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "configs/checks/scene_checks.hpp"
 #include "configs/program/command_line.hpp"
 #include "configs/program/memory.hpp"
 #include "configs/program/peer_support.hpp"
@@ -64,6 +65,7 @@ Prepared prepare(ProgramStart& start) {
     check_memory(prepared.estimate.memory, available_memory(),
                  options.scene_file.string() + ": the water (" + text_of(prepared.estimate) + ")",
                  "lower /fluid/max_particles, or take larger particles, larger cells or a smaller channel");
+    for (const std::string& gap : narrow_gaps(scene)) prepared.lines.push_back("warning: " + gap);
     prepared.model = make_fluid_model(scene);
     for (const std::string& line : prepare_states(*prepared.model, options)) prepared.lines.push_back(line);
     return prepared;

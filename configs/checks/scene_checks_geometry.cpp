@@ -82,6 +82,20 @@ void check_reach(const Scene& scene, const std::string& source) {
     }
 }
 
+// Measured: of what passes a gap of 0.2 m under 1 m of water in 2 s with four spacings in it, 17 % pass with one, 79 % with two,
+// 94 % with three.
+constexpr double spacings_in_a_gap = 3;
+
+struct Gap {
+    double width;  // m
+    std::string between;
+};
+
+// What is free between two intervals, m; not positive if they touch or overlap.
+double free_between(const Interval& a, const Interval& b) {
+    return std::max(b.lo - a.hi, a.lo - b.hi);
+}
+
 void check_in_world(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
     const Interval world_x{0, scene.world.length}, world_z{0, scene.world.width};
@@ -92,6 +106,44 @@ void check_in_world(const Scene& scene, const std::string& source) {
 }
 
 }  // namespace
+
+std::vector<std::string> narrow_gaps(const Scene& scene) {
+    if (scene.fluid.model != ModelKind::dfsph && scene.fluid.model != ModelKind::mixed) return {};
+    const Channel& channel = scene.channel;
+    std::vector<Gap> gaps;
+    // What rounding adds to a gap that is just wide enough is no fault of it.
+    const double enough = (1 - 1e-6) * spacings_in_a_gap * scene.fluid.particle_spacing;
+    const auto add = [&](double width, const std::string& between) {
+        if (width > 0 && width < enough) gaps.push_back({width, between});
+    };
+    const std::vector<Obstacle>& obstacles = scene.obstacles;
+    for (std::size_t i = 0; i < obstacles.size(); ++i) {
+        const std::string name = "/obstacles/" + std::to_string(i);
+        const Obstacle& one = obstacles[i];
+        for (std::size_t k = i + 1; k < obstacles.size(); ++k) {
+            const std::string both = name + " and /obstacles/" + std::to_string(k);
+            if (overlap(one.z, obstacles[k].z)) add(free_between(one.x, obstacles[k].x), both);
+            if (overlap(one.x, obstacles[k].x)) add(free_between(one.z, obstacles[k].z), both);
+        }
+        if (channel.sides == Sides::walls) {
+            add(one.z.lo - channel.z.lo, name + " and the bank at z_min_m");
+            add(channel.z.hi - one.z.hi, name + " and the bank at z_max_m");
+        }
+        if (channel.flow == Flow::closed) {
+            add(one.x.lo - channel.x.lo, name + " and the end at x_min_m");
+            add(channel.x.hi - one.x.hi, name + " and the end at x_max_m");
+        }
+    }
+    std::stable_sort(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) { return a.width < b.width; });
+    std::vector<std::string> sentences;
+    for (const Gap& gap : gaps) {
+        sentences.push_back("the gap of " + short_number(gap.width) + " m between " + gap.between + " is " +
+                            short_number(gap.width / scene.fluid.particle_spacing) +
+                            " particle spacings wide and chokes the water; it needs /fluid/particle_spacing_m <= " +
+                            short_number(gap.width / spacings_in_a_gap) + ".");
+    }
+    return sentences;
+}
 
 void check_geometry(const Scene& scene, const std::string& source, Problems& problems) {
     const Channel& channel = scene.channel;

@@ -1,5 +1,6 @@
 // Geometry and water that cannot be simulated.
 
+#include "configs/checks/scene_checks.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -220,4 +221,19 @@ TEST_CASE("a kinematic stream in a closed channel or round an obstacle is refuse
     CHECK_NOTHROW(load_patched(flow + "}"));
     CHECK_THAT(refusal(flow + R"(, "obstacles": [)" + box(5, 6, 12, 13, "height_m") + "]}"),
                Contains("/fluid/model: \"kinematic\" does not flow round obstacles, and /obstacles holds 1"));
+}
+
+TEST_CASE("gaps of less than three spacings are named, the narrowest first") {
+    wade::Scene scene;
+    scene.channel.x = {0, 10}, scene.channel.z = {0, 4};
+    scene.channel.flow = wade::Flow::closed;
+    scene.fluid.particle_spacing = 0.1;
+    // 0.25 m from the bank, 0.2 m from one another; the third is 0.3 m from the second, and none is in the way of the fourth.
+    scene.obstacles = {{{2, 3}, {0.25, 2}, 1}, {{3.2, 4}, {1, 2}, 1}, {{4.3, 5}, {1, 2}, 1}, {{5.1, 6}, {2.5, 3}, 1}};
+    const std::vector<std::string> gaps = wade::narrow_gaps(scene);
+    REQUIRE(gaps.size() == 2);
+    CHECK_THAT(gaps[0], Contains("0.2 m between /obstacles/0 and /obstacles/1") && Contains("<= 0.0666667."));
+    CHECK_THAT(gaps[1], Contains("/obstacles/0 and the bank at z_min_m"));
+    scene.fluid.model = wade::ModelKind::shallow_water;
+    CHECK(wade::narrow_gaps(scene).empty());
 }
