@@ -1,12 +1,21 @@
 // bench_fluid: particle-steps per second of the water, with what the steps did and how exact they were beside them.
+// bench_fluid --frames SCENE OUT EVERY_S: one run of a scene for `wade speed-vs-error --splishsplash`.
 
 #include <omp.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "configs/loading/scene_loader.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "tests/bench/bench_options.hpp"
 #include "tests/bench/measure.hpp"
@@ -244,8 +253,71 @@ void run(const Options& options, std::vector<Result>& results) {
     }
 }
 
+// Time, number of particles, then x, y, z, vx, vy, vz, m and m/s, and the pressure, Pa, of all.
+void write_frame(std::ofstream& file, const fluid::FluidWorld& world) {
+    const fluid::Particles& p = world.particles();
+    const double time = world.time();
+    const std::uint64_t count = p.count;
+    file.write(reinterpret_cast<const char*>(&time), sizeof time);
+    file.write(reinterpret_cast<const char*>(&count), sizeof count);
+    std::vector<float> pressure(p.pressure.begin(), p.pressure.begin() + static_cast<std::ptrdiff_t>(count));
+    for (float& value : pressure) value *= static_cast<float>(world.scene().fluid.rest_density);
+    for (const std::vector<float>* values : {&p.x, &p.y, &p.z, &p.vx, &p.vy, &p.vz, &std::as_const(pressure)}) {
+        file.write(reinterpret_cast<const char*>(values->data()), static_cast<std::streamsize>(count * sizeof(float)));
+    }
+}
+
+// Writes OUT/frames.bin, the first step at or after each multiple of `every` seconds, and OUT/cost.json. One thread. Frames
+// do not shorten the steps, as in the program that stands beside.
+void write_run(const std::string& scene_file, const std::string& out, double every) {
+    const Scene scene = load_scene(scene_file, {}).scene;
+    omp_set_num_threads(1);
+    fluid::FluidWorld world(scene);
+    std::ofstream frames(out + "/frames.bin", std::ios::binary);
+    Work work;
+    std::int64_t frame = 0;
+    while (world.time() < scene.duration - 1e-6 * every) {
+        const Times start = Times::now();
+        const fluid::StepReport step = world.step(scene.duration - world.time());
+        const Times spent = Times::now().since(start);
+        work.times = {work.times.wall + spent.wall, work.times.cpu + spent.cpu};
+        work.add(step, world.particles().count);
+        if (world.time() >= (static_cast<double>(frame) + 1 - 1e-6) * every) {
+            frame = static_cast<std::int64_t>(world.time() / every + 1e-6);
+            write_frame(frames, world);
+        }
+    }
+    const auto steps = static_cast<double>(work.steps);
+    std::ofstream cost(out + "/cost.json");
+    cost << nlohmann::ordered_json{{"engine", "Wade"},
+                                   {"particles", world.particles().count},
+                                   {"particle_mass_kg", world.particle_mass()},
+                                   {"rest_density_kg_m3", scene.fluid.rest_density},
+                                   {"steps", work.steps},
+                                   {"particle_steps", work.particle_steps},
+                                   {"simulated_s", work.simulated},
+                                   {"solver_cpu_s", work.times.cpu},
+                                   {"solver_wall_s", work.times.wall},
+                                   {"density_iterations", work.density / steps},
+                                   {"divergence_iterations", work.divergence / steps},
+                                   {"mean_density_error", work.mean_error / steps},
+                                   {"max_density_error", work.max_error}}
+                .dump()
+         << '\n';
+    if (!frames.flush() || !cost.flush()) throw std::runtime_error("--frames: " + out + " cannot be written");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+    if (argc == 5 && std::strcmp(argv[1], "--frames") == 0) {
+        try {
+            write_run(argv[2], argv[3], std::stod(argv[4]));
+        } catch (const std::exception& error) {
+            std::fprintf(stderr, "bench_fluid: %s\n", error.what());
+            return 1;
+        }
+        return 0;
+    }
     return run_program("bench_fluid", argc, argv, run);
 }

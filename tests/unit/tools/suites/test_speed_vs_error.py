@@ -1,13 +1,20 @@
 """Front, settings and table of the sweep; runs nothing."""
 
 import csv
+import math
+import sys
 import tempfile
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
+
+import numpy as np
 
 from wade.reports.jobs import Fingerprints
 from wade.suites import speed_vs_error
+from wade.suites.speed_vs_error import beside_splishsplash as beside
+from wade.suites.speed_vs_error import beside_truths as truths
 from wade.suites.speed_vs_error.table import cheapest_below, distance_to_front, front
 from wade.suites.speed_vs_error.measure import Measured, Runner, of_seeds
 from wade.suites.speed_vs_error.report import beyond_chance, overall_section
@@ -172,6 +179,117 @@ class Running(unittest.TestCase):
         for limit, starts in ((0.3, 1), (0.3, 1), (0.2, 1), (0.4, 2)):
             self.assertIn("--time-limit", self.point(script, limit).failure)
             self.assertEqual(len(marker.read_text()), starts)
+
+
+# Stands for both engines: water at rest, 1 m deep, that moves at a tenth of sqrt(g H) and carries 0.9 of its weight. It
+# says that the peer took twice as many seconds for half as many steps.
+STUB = """#!{python}
+import json, math, sys
+from pathlib import Path
+import numpy as np
+words = sys.argv[1:]
+peer = words[0] != "--frames"
+out = Path(words[2])
+places = (np.mgrid[0:10, 0:10, 0:10].reshape(3, -1) + 0.5) * 0.1
+speeds = np.zeros((3, 1000)); speeds[0] = 0.1 * math.sqrt(9.81)
+pressure = 0.9 * 1000 * 9.81 * (1 - places[1])
+with open(out / "frames.bin", "wb") as file:
+    for time in (1.0, 3.0, 4.0):
+        file.write(np.float64(time).tobytes() + np.uint64(1000).tobytes())
+        file.write(np.vstack([places, speeds, pressure]).astype(np.float32).tobytes())
+cost = dict(engine="Peer 1" if peer else "Wade", particles=1000, particle_mass_kg=1, rest_density_kg_m3=1000,
+            steps=100 if peer else 200, particle_steps=1e5 if peer else 2e5, simulated_s=4.0,
+            solver_cpu_s=4.0 if peer else 2.0, solver_wall_s=9.0, density_iterations=2, divergence_iterations=1,
+            mean_density_error=0.002 if peer else 0.001, max_density_error=0.1)
+(out / "cost.json").write_text(json.dumps(cost))
+"""
+
+
+def scene_named(name):
+    return next(scene for scene in beside.SCENES if scene.name == name)
+
+
+class BesideSPlisHSPlasH(unittest.TestCase):
+    def run_main(self, folder, *words):
+        stub = Path(folder) / "tests" / "bench" / "bench_fluid"
+        stub.parent.mkdir(parents=True)
+        stub.write_text(STUB.format(python=sys.executable))
+        stub.chmod(0o755)
+        with mock.patch.object(beside, "BUILD", Path(folder)), mock.patch.object(beside, "VARIANTS", {"default": {}}):
+            return speed_vs_error.main(["--splishsplash", str(stub), "--out", folder, "--repeats", "1", *words])
+
+    def test_known_costs_and_errors_come_out(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(self.run_main(folder, "--cases", "column_0.1"), 0)
+            out = Path(folder) / "beside_splishsplash"
+            with open(out / beside.TABLE, newline="") as file:
+                rows = {(row["setting"][:6], row["error_metric"]): row for row in csv.DictReader(file)}
+            for engine, cost in (("tolera", 0.5), ("volume", 1.0)):
+                row = rows[(engine, "rms_speed")]
+                self.assertAlmostEqual(float(row["error"]), 0.1, places=4)
+                self.assertAlmostEqual(float(row["cpu_s_per_sim_s"]), cost)
+                # The middle of the lowest layer of ten lies at 0.95 of the depth.
+                self.assertAlmostEqual(float(rows[(engine, "bed_pressure")]["error"]), 0.1 * 0.95, places=4)
+                self.assertAlmostEqual(float(rows[(engine, "level")]["error"]), 0, places=4)
+            report = (out / "report.md").read_text()
+            self.assertRegex(report, r"\| default +\| 1000 +\| 20 +\| 0.1 +\| 0.5 +\| 4.0 +\| 2.0 +\|")
+            self.assertTrue((out / beside.PICTURE).is_file())
+
+    def test_a_program_or_scene_that_is_not_there_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(speed_vs_error.main(["--splishsplash", f"{folder}/none", "--out", folder]), 2)
+            self.assertEqual(self.run_main(folder, "--cases", "none"), 2)
+
+    def test_both_engines_get_the_same_block(self):
+        for scene in (s for s in beside.SCENES if s.block):
+            document = beside.splishsplash_scene(scene)
+            block, d = document["FluidBlocks"][0], scene.spacing
+            # SPlisHSPlasH puts round(length / d) - 1 particles a side, the first one a spacing from the start.
+            sides = [round((b - a) / d) - 1 for a, b in zip(block["start"], block["end"])]
+            self.assertEqual(sides, [round(side / d) for side in scene.block])
+            self.assertAlmostEqual(block["start"][1] + d, d / 2)
+            ours = beside.wade_scene(scene, {})["channel"]["water_blocks"][0]
+            self.assertAlmostEqual(block["start"][0] + d / 2, ours["x_min_m"])
+
+    def test_compression_of_a_lattice_that_is_squeezed(self):
+        scene = scene_named("column_0.05")
+        d = scene.spacing
+        places = (np.mgrid[0:20, 0:20, 0:20].reshape(3, -1) + 0.5) * d
+        frame = truths.Frame(0, places, np.zeros_like(places), np.zeros(8000))
+        less, more = (truths.compression(scene, frame, volume * d**3) for volume in (1.05, 1.1))
+        # Two of the eighteen layers away from the bed are near the surface, where less is seen.
+        self.assertAlmostEqual(less, 0.05, delta=0.05 * 2 / 18)
+        self.assertAlmostEqual(more, 0.1, delta=0.1 * 2 / 18)
+        self.assertIsNone(truths.compression(scene_named("river"), frame, d**3))
+
+    def test_the_truths_are_those_of_the_validation(self):
+        front = truths.martin_and_moyce()
+        self.assertEqual((len(front), front[0], front[-1]), (14, (0.41, 1.11), (3.11, 3.89)))
+        heights, pressures, peaks = truths.kleefsman()
+        self.assertEqual((heights[3][0], pressures[0][2], peaks), (0.55, 6564, [9658, 6310]))
+
+    def test_a_river_that_is_exact_has_no_error(self):
+        scene, time = scene_named("river"), 28
+        speed, wave = scene.velocity, math.sqrt(scene.gravity)
+        pace = np.linspace(0, (speed + 2 * wave) * time, 20001)[:-1]
+        xi = np.maximum(pace / time, speed - wave)
+        c = (speed + 2 * wave - xi) / 3
+        # A particle a short stretch, as heavy as its water: repeated by weight, which the measure takes as equal volumes.
+        counts = np.round(1000 * c**2 / scene.gravity).astype(int)
+        x = scene.tank[0] - np.repeat(pace, counts)
+        v = np.zeros((3, x.size))
+        v[0] = -np.repeat(xi + c, counts)
+        volume = (pace[1] - pace[0]) * scene.tank[2] / 1000
+        frame = truths.Frame(time, np.vstack([x, x * 0, x * 0]), v, x * 0)
+        errors = truths.measure_river(scene, [frame], volume)
+        self.assertLess(errors["depth"], 2e-3)
+        self.assertLess(errors["speed"], 5e-3)
+
+    def test_the_section_of_a_report_is_replaced_or_added(self):
+        part = "## Beside SPlisHSPlasH\n\nnew\n"
+        self.assertEqual(beside.with_section("# A\n\nx\n", part), "# A\n\nx\n\n" + part)
+        old = "# A\n\n## Beside SPlisHSPlasH\n\nold\n\n## Remarks\n"
+        self.assertEqual(beside.with_section(old, part), "# A\n\n" + part + "\n## Remarks\n")
 
 
 if __name__ == "__main__":

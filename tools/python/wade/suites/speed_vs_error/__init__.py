@@ -15,7 +15,7 @@ from wade.reports import options
 from wade.reports.files import complain, publish, say
 from wade.reports.jobs import Fingerprints, end_children_on_signals, exit_code
 from wade.suites import cases as known_cases
-from wade.suites.speed_vs_error import report
+from wade.suites.speed_vs_error import beside_splishsplash, report
 from wade.suites.speed_vs_error.measure import Runner, make_reference, of_seeds
 from wade.suites.speed_vs_error.settings import (FACTORS, OTHER_MODELS, QUICK_FACTORS, SEEDS, Setting, combinations,
                                                  default_setting, near_front, one_at_a_time, probes)
@@ -44,6 +44,9 @@ def parse(arguments):
                         "each agent met in a fine run, tests/validation/data/CASE_standing.csv and _walking.csv")
     parser.add_argument("--spacing", metavar="D", help="of --reference, m")
     parser.add_argument("--threads", type=options.whole(1), default=os.cpu_count(), metavar="N", help="of --reference")
+    parser.add_argument("--splishsplash", metavar="PROGRAM",
+                        help="instead, both engines in turns on the scenes of beside_splishsplash.py: the bridge of "
+                        "tools/splishsplash, linked; report, plot and table in DIR/beside_splishsplash")
     chosen = parser.parse_args(arguments)
     if bool(chosen.reference) != bool(chosen.spacing):
         parser.error("--reference and --spacing need one another")
@@ -131,6 +134,9 @@ def write_results(chosen, measured, remarks):
 
 def main(arguments):
     chosen = parse(arguments)
+    if chosen.splishsplash:
+        end_children_on_signals()
+        return beside_splishsplash.main(chosen)
     program = BUILD / "validate"
     end_children_on_signals()
     there = {case.name: case for case in known_cases.list_cases(program)}
@@ -151,5 +157,6 @@ def main(arguments):
         return exit_code(interrupt)
     say(chosen.out / "report.md")
     if chosen.publish:
+        beside_splishsplash.carry_over(chosen.out)
         publish(chosen.out, "speed_vs_error", "speed_vs_error.csv")
     return 0

@@ -1,0 +1,383 @@
+"""Wade and SPlisHSPlasH on the same scenes, in turns, on one thread: errors by one set of measures, and cost.
+
+Each engine is a program that takes a scene of its own form and writes what it did: frames.bin and cost.json, see
+tools/splishsplash/README.md. Nothing here knows how a frame came about.
+"""
+
+import json
+import math
+import os
+import re
+import shutil
+import statistics
+import subprocess
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from wade.paths import BUILD, ROOT
+from wade.reports import plots
+from wade.reports.files import PUBLISHED, complain, say, write_whole
+from wade.reports.jobs import Fingerprints, read_result
+from wade.reports.machine import machine_line
+from wade.reports.tables import markdown, number, section, wrapped, write_csv
+from wade.suites.speed_vs_error.beside_truths import measured, read_frames
+
+TITLE = "Beside SPlisHSPlasH"
+TABLE, PICTURE = "beside_splishsplash.csv", "beside_splishsplash.png"
+PEER = "SPlisHSPlasH"
+TOLERANCE, DIVERGENCE_TOLERANCE = 5e-4, 1e-3  # of both engines: those of the scenes that SPlisHSPlasH ships
+LONGEST_STEP = 5e-3  # s of its model, as there
+MODEL = 0.1  # units of its model in a metre of the paper's river, and seconds in one of ours, as its authors ran it
+# Ours: the default, as long steps as its rule allows (from a CFL number of 0.9 on others limits hold), and between.
+VARIANTS = {"default": {}, "cfl 0.7": {"cfl": 0.7}, "cfl 0.9": {"cfl": 0.9},
+            "cfl 0.9, div 0.01": {"cfl": 0.9, "divergence_solve": {"tolerance": 1e-2}}}
+GOAL = 8  # times the peer's particle-steps, and simulated time, in a second of processor time
+
+
+@dataclass
+class Scene:
+    """A tank with a block of water in the corner at its far end of x; m, s. Or a stream from x = length on a dry bed."""
+
+    name: str
+    kind: str  # whose truth it is
+    spacing: float
+    duration: float
+    every: float  # between frames
+    tank: tuple  # length, height, width
+    block: tuple = None  # length along x from the far end, height, width from z = 0
+    boxes: list = field(default_factory=list)  # (x0, x1, height, z0, z1) on the bed
+    viscosity: float = 0.01  # m2/s
+    gravity: float = 9.81
+    velocity: float = 0.0  # of the stream; 0: there is none
+
+    def scale(self):
+        """Units of the peer's model in a metre: its particles are as large as in its own scenes in the river only."""
+        return MODEL if self.velocity else 1.0
+
+
+def dam_break(name, spacing, duration, every):
+    return Scene(name, "dam_break", spacing, duration, every, (4, 3, 1.5), (1, 1, 1))
+
+
+def collapse(spacing):
+    return Scene(f"collapse_{spacing:g}", "collapse", spacing, 0.54, 0.005, (3, 2, 0.5), (0.5, 1, 0.5), viscosity=1e-6)
+
+
+def spheric2(name, spacing):
+    return Scene(name, "spheric2", spacing, 3.01, 0.005, (3.22, 2, 1), (1.228, 0.55, 1),
+                 [(0.6635, 0.8245, 0.161, 0.2985, 0.7015)], 1e-6)
+
+
+SCENES = (
+    dam_break("dam_break_8k", 0.05, 3, 0.1), dam_break("dam_break_27k", 1 / 30, 0.6, 0.05),
+    dam_break("dam_break_97k", 1 / 46, 0.3, 0.05),
+    collapse(0.05), collapse(0.025),
+    Scene("column_0.1", "column", 0.1, 4, 1 / 30, (1, 2, 1), (1, 1, 1)),
+    Scene("column_0.05", "column", 0.05, 4, 1 / 30, (1, 2, 1), (1, 1, 1)),
+    spheric2("spheric2_4k", 0.055), spheric2("spheric2_30k", 0.0282),
+    Scene("river", "river", 0.5, 28, 1, (100, 3, 27), gravity=0.981, velocity=1.5),
+)
+QUICK = ("dam_break_27k", "collapse_0.05", "river")
+
+# Of each kind: main error first; name -> words.
+ERRORS = {
+    "dam_break": {"mean_density_error": "mean density error", "max_density_error": "largest density error",
+                  "compression": "compression"},
+    "collapse": {"front": "RMS error of the front, Martin and Moyce", "mean_density_error": "mean density error",
+                 "compression": "compression"},
+    "column": {"rms_speed": "RMS speed at rest / sqrt(g H)", "pressure": "RMS error of the pressure / (rho g H)",
+               "bed_pressure": "error of the pressure at the bed", "level": "error of the level",
+               "mean_density_error": "mean density error", "compression": "compression"},
+    "spheric2": {"height": "RMS error of the heights / 0.55 m", "pressure": "RMS error of the pressure / its peak",
+                 "peak": "error of the pressure's peak", "mean_density_error": "mean density error",
+                 "compression": "compression"},
+    "river": {"depth": "error of the depth", "speed": "error of the speed", "mean_density_error": "mean density error"},
+}
+
+
+def wade_scene(scene, variant):
+    """Our scene file."""
+    length, _, width = scene.tank
+    channel = {"x_min_m": 0, "x_max_m": length, "z_min_m": 0, "z_max_m": width, "flow": "closed"}
+    if scene.velocity:
+        channel.update(flow="emitter", depth_m=1, velocity_m_s=scene.velocity, initial_river="dry")
+        most = 24000
+    else:
+        along, height, across = scene.block
+        channel["water_blocks"] = [{"x_min_m": length - along, "x_max_m": length, "z_min_m": 0, "z_max_m": across,
+                                    "depth_m": height}]
+        most = math.ceil(1.05 * along * height * across / scene.spacing**3)
+    fluid = {"particle_spacing_m": scene.spacing, "max_particles": most, "viscosity_m2_s": scene.viscosity,
+             "density_solve": {"tolerance": TOLERANCE}, "divergence_solve": {"tolerance": DIVERGENCE_TOLERANCE}}
+    obstacles = [{"x_min_m": b[0], "x_max_m": b[1], "height_m": b[2], "z_min_m": b[3], "z_max_m": b[4]}
+                 for b in scene.boxes]
+    return {"description": f"{scene.name}, beside SPlisHSPlasH, no agents. Froude number of its kind.",
+            "duration_s": scene.duration, "frame_rate_hz": 1 / scene.every,
+            "world": {"length_m": length, "width_m": width, "gravity_m_s2": scene.gravity},
+            "channel": channel, "obstacles": obstacles, "fluid": {**fluid, **variant}}
+
+
+def splishsplash_scene(scene):
+    """The same for SPlisHSPlasH, with the settings of the dam break that it ships; its x and y are ours."""
+    unit = scene.scale()
+    radius = scene.spacing / 2 * unit
+    length, height, width = (side * unit for side in scene.tank)
+
+    def box(x0, x1, top, z0, z1, **more):
+        sides = [x1 - x0, top, z1 - z0]
+        # Cells of the volume map as in that scene: two particles long.
+        return {"geometryFile": "box.obj", "translation": [(x0 + x1) / 2, top / 2, (z0 + z1) / 2], "scale": sides,
+                "isDynamic": False, "mapThickness": 0.0,
+                "mapResolution": [max(5, round(side / (4 * radius))) for side in sides], **more}
+
+    beyond = length / 10 if scene.velocity else 0  # a stream has no wall where we look
+    bodies = [box(-beyond, length + beyond, height, 0, width, isWall=True, mapInvert=True)]
+    bodies += [box(*(side * unit for side in b), isWall=False, mapInvert=False) for b in scene.boxes]
+    document = {
+        "Configuration": {
+            "particleRadius": radius, "simulationMethod": 4, "gravitation": [0, -9.81, 0], "timeStepSize": LONGEST_STEP,
+            "cflMethod": 1, "cflFactor": 1, "cflMaxTimeStepSize": LONGEST_STEP, "boundaryHandlingMethod": 2,
+            "DFSPH": {"minIterations": 2, "maxIterations": 100, "maxError": 100 * TOLERANCE, "maxIterationsV": 100,
+                      "maxErrorV": 100 * DIVERGENCE_TOLERANCE, "enableDivergenceSolver": True}},
+        "Materials": [{"id": "Fluid", "density0": 1000, "viscosityMethod": 1,
+                       "Standard viscosity": {"viscosity": scene.viscosity * unit, "viscosityBoundary": 0}}],
+        "RigidBodies": bodies}
+    if scene.velocity:
+        document["Materials"][0]["maxEmitterParticles"] = 40000
+        document["Emitters"] = [{"id": "Fluid", "type": 0, "width": round(scene.tank[2] / scene.spacing), "height": 2,
+                                 "translation": [length, 2 * radius, width / 2], "rotationAxis": [0, 1, 0],
+                                 "rotationAngle": math.pi, "velocity": scene.velocity}]
+    else:
+        # Its blocks begin and end a spacing beyond their outermost particles; ours half of one.
+        along, top, across = scene.block
+        document["FluidBlocks"] = [{"denseMode": 0, "start": [length - along - radius, -radius, -radius],
+                                    "end": [length + radius, top + radius, across + radius],
+                                    "translation": [0, 0, 0], "scale": [1, 1, 1]}]
+    return document
+
+
+def box_mesh():
+    """A box of side 1 round the origin, its triangles seen from outside."""
+    corners = [f"v {x - 0.5} {y - 0.5} {z - 0.5}" for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    faces = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4))
+    triangles = [t for a, b, c, d in faces for t in (f"f {a} {b} {c}", f"f {a} {c} {d}")]
+    return "\n".join(corners + triangles) + "\n"
+
+
+@dataclass
+class Point:
+    """A scene, an engine or variant of ours, and what its runs said: medians."""
+
+    scene: Scene
+    label: str
+    runs: list
+
+    def cost(self, name):
+        return statistics.median(run["cost"][name] for run in self.runs)
+
+    def error(self, name):
+        return self.runs[0]["metrics"].get(name)
+
+    def time_factor(self):
+        return 1 / self.scene.scale() if self.label == PEER else 1.0
+
+    def cpu(self):
+        """CPU seconds of a simulated second."""
+        costs = [r["cost"] for r in self.runs]
+        return statistics.median(c["solver_cpu_s"] / c["simulated_s"] for c in costs) / self.time_factor()
+
+    def rate(self):
+        """Particle-steps a CPU second."""
+        return statistics.median(r["cost"]["particle_steps"] / r["cost"]["solver_cpu_s"] for r in self.runs)
+
+    def step(self):
+        return self.time_factor() * self.cost("simulated_s") / self.cost("steps")
+
+
+def run_engine(scene, label, program, folder):
+    """One run: {"cost", "metrics"}. RuntimeError if the program does not do its part."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    is_peer = label == PEER
+    unit = scene.scale() if is_peer else 1.0
+    file = folder / "scene.json"
+    write_whole(file, json.dumps(splishsplash_scene(scene) if is_peer else wade_scene(scene, VARIANTS[label])))
+    command = [program, "--frames", file, folder, scene.every]
+    if is_peer:
+        write_whole(folder / "box.obj", box_mesh())
+        command = [program, file, "--measure", folder, "--until-s", scene.duration * unit, "--frame-s",
+                   scene.every * unit, "--log-dir", folder / "log", "--reproducible"]
+    environment = dict(os.environ, OMP_NUM_THREADS="1")
+    done = subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                          env=environment, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"{scene.name}, {label}: exit code {done.returncode}: {done.stderr.strip()[-300:]}")
+    cost = json.loads((folder / "cost.json").read_text(encoding="utf-8"))
+    volume = cost["particle_mass_kg"] / cost["rest_density_kg_m3"] / unit**3
+    frames = read_frames(folder / "frames.bin", 1 / unit, 1 / unit)
+    metrics = {name: cost[name] for name in ("mean_density_error", "max_density_error")}
+    metrics.update(measured(scene, frames, volume))
+    (folder / "frames.bin").unlink()
+    return {"cost": cost, "metrics": metrics}
+
+
+def run_all(scenes, labels, programs, folder, repeats):
+    """The points of all scenes, engines in turns. What is there of the same programs and scenes is not repeated."""
+    inputs = ("tools/python/wade/suites/speed_vs_error/beside_splishsplash.py",)
+    fingerprints = {label: Fingerprints([programs[label]], ROOT, inputs)() for label in labels}
+    points = [Point(scene, label, []) for scene in scenes for label in labels]
+    for k in range(1, repeats + 1):
+        for point in points:
+            place = folder / point.scene.name / re.sub(r"\W+", "_", point.label) / f"repeat-{k}"
+            run = read_result(place / "result.json")
+            if not run or run.get("fingerprint") != fingerprints[point.label]:
+                complain(f"  {point.scene.name}, {point.label} ({k} of {repeats})")
+                run = run_engine(point.scene, point.label, programs[point.label], place)
+                run["fingerprint"] = fingerprints[point.label]
+                write_whole(place / "result.json", json.dumps(run))
+            point.runs.append(run)
+    return points
+
+
+def worse_errors(point, peer):
+    """The errors of its kind in which a point is worse than the peer, by words."""
+    names = ERRORS[point.scene.kind]
+    return [name for name in names if point.error(name) is not None and peer.error(name) is not None
+            and point.error(name) > peer.error(name)]
+
+
+def peer_of(point, points):
+    return next(other for other in points if other.scene is point.scene and other.label == PEER)
+
+
+def draw(points, file):
+    """A panel a kind: main error over CPU seconds of a simulated second; a line joins the spacings of an engine."""
+    panels = [(kind, name) for kind, names in ERRORS.items() for name in list(names)[: 2 if kind == "spheric2" else 1]
+              if any(p.scene.kind == kind for p in points)]
+    rows = -(-len(panels) // 3)
+    figure, axes = plots.pyplot.subplots(rows, 3, figsize=(12.6, 3.6 * rows), squeeze=False)
+    labels = list(dict.fromkeys(p.label for p in points))
+    for panel, (kind, name) in zip(axes.flat, panels):
+        for k, label in enumerate(labels):
+            shown = [(p.cpu(), p.error(name)) for p in points if p.scene.kind == kind and p.label == label]
+            panel.plot(*zip(*sorted(shown)), label="Wade, " + label if label != PEER else label, linewidth=0.8,
+                       color=plots.COLOURS[k], marker=plots.MARKS[k], markersize=5)
+        panel.set(xscale="log", yscale="log", title=kind, xlabel="CPU s a simulated second", ylabel=ERRORS[kind][name])
+    for panel in axes.flat[len(panels):]:
+        panel.set_axis_off()
+    axes.flat[0].legend(fontsize=7)
+    figure.tight_layout()
+    plots.save(figure, file)
+
+
+def percent(value):
+    return "-" if value is None else f"{100 * value:.2g} %"
+
+
+def scene_table(scene, points):
+    """The points of a scene, ratios to the peer."""
+    mine = [p for p in points if p.scene is scene]
+    peer = peer_of(mine[0], points)
+    names = ERRORS[scene.kind]
+    rows = []
+    for p in mine:
+        worse = "" if p is peer else "none" if not worse_errors(p, peer) else ", ".join(worse_errors(p, peer))
+        times = ("", "") if p is peer else (f"{p.rate() / peer.rate():.1f}", f"{peer.cpu() / p.cpu():.1f}")
+        rows.append((p.label, number(p.cost("particles"), 6), number(1e3 * p.step()), number(p.rate() / 1e6),
+                     number(p.cpu()), *times, *(percent(p.error(name)) for name in names), worse))
+    head = ("", "particles", "step, ms", "M particle-steps a CPU s", "CPU s a simulated s", "times its particle-steps",
+            "times its simulated time", *names.values(), "worse in")
+    return markdown(head, rows)
+
+
+NOTE = (
+    "Both engines on the same particles at the same places, one thread, in turns in one run; each figure of cost is the "
+    "median of {repeats} runs of processor time within the solver, without set-up, measuring and writing. Both have the "
+    "tolerances of the scenes that SPlisHSPlasH ships (mean density error 0.05 %, divergence error 0.1 %), the peer volume "
+    "maps, CFL 1 and steps of at most 5 ms (in the river of its model, at 1/10 scale). Errors are those of the same "
+    "formulas on the particles of both; mean and largest density error are what each engine finds for itself, of "
+    "max(0, rho / rho_0 - 1) over particles and steps; `compression` is the same mean by one sum over the particles away "
+    "from walls. A particle of the peer weighs 0.8 of its cube: a block starts 24 % under density and shrinks to 0.8 of "
+    "its height. The level is measured against the depth of the water's own volume, the river against what was asked for.")
+
+
+def report(points, repeats):
+    """The section of report.md."""
+    engines = sorted({p.runs[0]["cost"]["engine"] for p in points})
+    parts = [f"Machine: {machine_line()} Engines: {', '.join(engines)}. What was run: [{TABLE}]({TABLE}).",
+             NOTE.format(repeats=repeats), f"![Error over cost of both engines]({PICTURE})"]
+    for scene in dict.fromkeys(p.scene.name for p in points):
+        mine = [p for p in points if p.scene.name == scene]
+        parts += [f"**{scene}**, d = {mine[0].scene.spacing:.4g} m, {mine[0].scene.duration:g} s",
+                  scene_table(mine[0].scene, points)]
+    return wrapped(section(TITLE, *parts))
+
+
+def write_points(file, points, machine):
+    """What was run, a line a point and error; settings in words."""
+    head = ("scene", "engine", "setting", "spacing_m", "duration_s", "particles", "steps", "particle_steps", "repeats",
+            "cpu_s_per_sim_s", "particle_steps_per_cpu_s", "density_iterations", "divergence_iterations",
+            "error_metric", "error", "machine")
+    rows = []
+    for p in points:
+        theirs = (f"volume maps; cfl 1; dt <= {LONGEST_STEP:g} s; maxError {100 * TOLERANCE:g} %; "
+                  f"maxErrorV {100 * DIVERGENCE_TOLERANCE:g} %")
+        ours = f"tolerance {TOLERANCE:g}; divergence tolerance {DIVERGENCE_TOLERANCE:g}; {p.label}"
+        cost = [number(p.cost(name), 8) for name in ("particles", "steps", "particle_steps")]
+        for name, value in p.runs[0]["metrics"].items():
+            rows.append((p.scene.name, p.runs[0]["cost"]["engine"], theirs if p.label == PEER else ours,
+                         number(p.scene.spacing, 6), number(p.scene.duration), *cost, len(p.runs), number(p.cpu(), 4),
+                         number(p.rate(), 4), number(p.cost("density_iterations")),
+                         number(p.cost("divergence_iterations")), name, number(value, 4, none=""), machine))
+    write_csv(file, head, rows)
+
+
+def with_section(text, part):
+    """A report with the section in place of the one that it has, or at its end."""
+    found = re.search(rf"^## {TITLE}\n.*?(?=^## |\Z)", text, re.M | re.S)
+    if found:
+        return text[: found.start()] + part.rstrip("\n") + "\n\n" * bool(text[found.end():]) + text[found.end():]
+    return text.rstrip("\n") + "\n\n" + part
+
+
+def carry_over(out):
+    """Gives a new report of the sweep the section that is published, which other runs made."""
+    home = PUBLISHED / "speed_vs_error"
+    found = re.search(rf"^## {TITLE}\n.*?(?=^## |\Z)", (home / "report.md").read_text(encoding="utf-8"), re.M | re.S)
+    if found:
+        write_whole(out / "report.md", with_section((out / "report.md").read_text(encoding="utf-8"), found[0]))
+        shutil.copyfile(home / PICTURE, out / PICTURE)
+
+
+def main(chosen):
+    """`wade speed-vs-error --splishsplash PROGRAM`."""
+    peer, ours = Path(chosen.splishsplash).resolve(), BUILD / "tests" / "bench" / "bench_fluid"
+    for program, how in ((peer, "see tools/splishsplash/README.md"), (ours, "`ninja bench_fluid` builds it")):
+        if not os.access(program, os.X_OK):
+            complain(f"speed-vs-error: --splishsplash: {program} is no program; {how}")
+            return 2
+    wanted = chosen.cases.split(",") if chosen.cases else QUICK if chosen.quick else [s.name for s in SCENES]
+    unknown = [name for name in wanted if name not in {s.name for s in SCENES}]
+    if unknown:
+        allowed = ", ".join(s.name for s in SCENES)
+        complain(f'speed-vs-error: --cases: "{unknown[0]}" is not allowed; allowed: {allowed}')
+        return 2
+    programs = {**dict.fromkeys(VARIANTS, ours), PEER: peer}
+    out = chosen.out / "beside_splishsplash"
+    try:
+        points = run_all([s for s in SCENES if s.name in wanted], list(programs), programs, out, chosen.repeats)
+    except (RuntimeError, OSError, KeyError) as error:
+        complain(f"speed-vs-error: {error}")
+        return 1
+    write_points(out / TABLE, points, machine_line())
+    draw(points, out / PICTURE)
+    write_whole(out / "report.md", report(points, chosen.repeats))
+    say(out / "report.md")
+    if chosen.publish:
+        home = PUBLISHED / "speed_vs_error"
+        before, part = ((place / "report.md").read_text(encoding="utf-8") for place in (home, out))
+        write_whole(home / "report.md", with_section(before, part))
+        for name in (TABLE, PICTURE):
+            shutil.copyfile(out / name, home / name)
+        say(f"published: {home.relative_to(ROOT)}")
+    return 0
