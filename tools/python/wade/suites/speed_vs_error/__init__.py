@@ -157,6 +157,6 @@ def main(arguments):
         return exit_code(interrupt)
     say(chosen.out / "report.md")
     if chosen.publish:
-        beside_splishsplash.carry_over(chosen.out)
+        report.carry_over(chosen.out)
         publish(chosen.out, "speed_vs_error", "speed_vs_error.csv")
     return 0

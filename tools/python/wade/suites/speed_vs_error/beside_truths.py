@@ -70,13 +70,20 @@ def wet_length(frame, x, z, volume, reach):
     return float(np.sum(np.maximum(along, 0) * np.maximum(across, 0)) * volume / reach**2)
 
 
-def measure_collapse(scene, frames, _):
-    """The far edge of the foremost particle, in units of the column's width."""
-    a = scene.block[0]
+def measure_collapse(scene, frames, volume):
+    """The farthest stretch of a spacing where the water is a quarter of a spacing deep, in units of the column's width.
+
+    Single drops that fly ahead do not count.
+    """
+    a, d = scene.block[0], scene.spacing
+    edges = np.arange(0, scene.tank[0] + d / 2, d)
     times, fronts = [0.0], [1.0]
     for frame in frames:
         times.append(frame.time * math.sqrt(2 * scene.gravity / a))
-        fronts.append((scene.tank[0] - frame.x[0].min() + scene.spacing / 2) / a)
+        counts, _ = np.histogram(scene.tank[0] - frame.x[0], edges)
+        wet = np.nonzero(counts * volume >= d / 4 * d * scene.tank[2])[0].max()
+        reached = scene.tank[0] - frame.x[0]
+        fronts.append((reached[reached < edges[wet + 1]].max() + d / 2) / a)
     errors = [np.interp(t, times, fronts) / z - 1 for t, z in martin_and_moyce()]
     return {"front": float(np.sqrt(np.mean(np.square(errors)))), "front_lead": float(np.mean(errors))}
 

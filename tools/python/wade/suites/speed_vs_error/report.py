@@ -3,13 +3,17 @@ of error over cost, with the front drawn and labelled.
 """
 
 import math
+import re
+import shutil
 
-from wade.reports.files import write_whole
+from wade.reports.files import PUBLISHED, write_whole
 from wade.reports.machine import machine_line
 from wade.reports.plots import pyplot, save
 from wade.reports.tables import document, markdown, section
 from wade.suites.speed_vs_error.settings import default_setting
 from wade.suites.speed_vs_error.table import ERRORS, cheapest_below, distance_to_front, front, is_default
+
+TITLE, PICTURE = "Beside SPlisHSPlasH", "beside_splishsplash.png"  # of a section that other runs make
 
 MARKERS = {"dfsph": "o", "kinematic": "D", "shallow_water": "s", "steering": "^", "mixed": "P"}
 COLOURS = ("#1b6ca8", "#d1701f", "#3a8a4d", "#8a4d9e", "#777777")
@@ -304,3 +308,20 @@ def overall_section(groups):
     head = ("setting", "CPU time, of the default's", "error, of the default's", "worse", "worst")
     ordered = [row[1:] for row in sorted(rows, key=lambda row: row[0])]
     return section("DFSPH: settings beside the default, over all cases", note, markdown(head, ordered))
+
+
+def with_section(text, part):
+    """A report with the section in place of the one that it has, or at its end."""
+    found = re.search(rf"^## {TITLE}\n.*?(?=^## |\Z)", text, re.M | re.S)
+    if found:
+        return text[: found.start()] + part.rstrip("\n") + "\n\n" * bool(text[found.end():]) + text[found.end():]
+    return text.rstrip("\n") + "\n\n" + part
+
+
+def carry_over(out):
+    """Gives a new report of the sweep the section that is published, which other runs made."""
+    home = PUBLISHED / "speed_vs_error"
+    found = re.search(rf"^## {TITLE}\n.*?(?=^## |\Z)", (home / "report.md").read_text(encoding="utf-8"), re.M | re.S)
+    if found:
+        write_whole(out / "report.md", with_section((out / "report.md").read_text(encoding="utf-8"), found[0]))
+        shutil.copyfile(home / PICTURE, out / PICTURE)
