@@ -325,6 +325,27 @@ class Films(ExportTest):
             self.assert_refused_here("film", RUN, *wrong, texts=[wrong[0], text])
 
 
+class Rendered(ExportTest):
+    @unittest.skipUnless(os.environ.get("WADE_RENDER") and shutil.which("blender"), "a long test, system_render; needs blender")
+    def test_blender_renders_water_and_people(self):
+        from PIL import Image
+
+        file = self.folder / "moment.png"
+        with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.redirect_stderr(said):
+            code = cli.main(["render", str(RUN), "--water", str(RECORDING), "--time", "2", "--out", str(file), "--width-px", "128",
+                             "--samples", "4"])
+        self.assertEqual(code, 0, said.getvalue())
+        with Image.open(file) as picture:
+            self.assertEqual(picture.size, (128, 72))
+            self.assertGreater(len(picture.convert("RGB").getcolors(128 * 72)), 500)
+
+    def test_without_blender_it_says_what_to_install(self):
+        with mock.patch.dict(os.environ, {"PATH": str(self.folder)}):
+            self.assert_refused_here("render", RUN, "--time", "1", texts=["apt-get install blender"])
+        self.assert_refused_here("render", self.folder, "--time", "1", texts=["is no run folder"])
+        self.assert_refused_here("render", RUN, "--time", "1", "--eye", "1,2", texts=["--eye", "x,y,z"])
+
+
 class Refusals(ExportTest):
     def refused(self, *arguments, texts):
         self.assert_refused_here("export", *arguments, "--out", self.out, texts=texts)

@@ -16,9 +16,9 @@ from wade.terminal import Parser
 
 def formats():
     """{word: (class of the writer, whether it takes water)}."""
-    from wade.export import gltf, tables, usd  # with numpy, which --help does without
+    from wade.export import figures, tables  # with numpy, which --help does without
 
-    return {"vtk": (tables.Vtk, True), "ply": (tables.Ply, True), "usd": (usd.Usd, True), "gltf": (gltf.Gltf, False),
+    return {"vtk": (tables.Vtk, True), "ply": (tables.Ply, True), "usd": (figures.Usd, True), "gltf": (figures.Gltf, False),
             "csv": (tables.Csv, True), "pedpy": (tables.PedPy, False)}
 
 

@@ -1,8 +1,31 @@
-"""A human figure of boxes, one metre tall, and how a person of a frame holds it; for glTF and USD."""
+"""A human figure of boxes, how a person holds it, and the writers of scenes: glTF 2.0 of people, USD of people and water."""
+
+import json
+import shutil
 
 import numpy as np
 
-from wade.export.sources import CODES
+from wade.export.sources import CODES, STATES
+
+FLOAT, SHORT = 5126, 5123  # component types
+VERTICES, INDICES = 34962, 34963  # targets
+CHUNK = 1 << 18  # rows that are in memory at once
+
+RATE = 30  # time codes a second
+HEAD = """#usda 1.0
+(
+    defaultPrim = "wade"
+    metersPerUnit = 1
+    upAxis = "Z"
+    timeCodesPerSecond = {rate}
+    framesPerSecond = {rate}
+    startTimeCode = {first:.9g}
+    endTimeCode = {last:.9g}
+)
+
+def Xform "wade"
+{{
+"""
 
 LYING = [CODES["dead"], CODES["drowned"]]
 HIP, SHOULDER = 0.53, 0.82  # heights, of the body's (Drillis and Contini 1966)
@@ -15,7 +38,6 @@ PARTS = {
 # Part, joint, and whether it swings with the left leg (1), against it (-1) or not at all (0).
 JOINTS = [("trunk", (0, HIP, 0), 0), ("leg", (0, HIP, -0.05), 1), ("leg", (0, HIP, 0.05), -1),
           ("arm", (0, SHOULDER, -0.13), -1), ("arm", (0, SHOULDER, 0.13), 1)]
-CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
 
 def faces():
@@ -86,6 +108,7 @@ class Gait:
         room = (ids.max() + 1 if len(ids) else 0) - len(self.phase)
         self.phase, self.time_s = np.concatenate([self.phase, np.zeros(max(0, room))]), now
         if before is None:
+            self.amplitude = np.zeros(len(ids))
             return ids, np.full(len(ids), now), np.zeros(len(ids))
         speed = np.hypot(people["vx"], people["vz"])
         step = step_length(people["height"], speed)
@@ -100,4 +123,227 @@ class Gait:
             when = before + (mark - old)[made] / steps[made] * (now - before)
             found.append((ids[made], when, np.where(mark[made] % 2 == 0, 1, -1) * angle[made]))
         self.phase[ids] = old + steps
+        self.amplitude = np.where(walks, angle, 0.0)
         return tuple(np.concatenate(parts) for parts in zip(*found))
+
+    def swing(self, people):
+        """The left leg's swing at the last frame, rad, between its keys."""
+        return self.amplitude * np.cos(np.pi * self.phase[people["id"]])
+
+
+class Spool:
+    """Rows of people, written as they come and sorted by person at the end, within files."""
+
+    def __init__(self, file, width):
+        self.file, self.kind = file, np.dtype([("who", "<i4"), ("time", "<f4"), ("values", "<f4", (width,))])
+        self.out, self.counts = open(file, "w+b"), np.zeros(0, dtype=int)
+
+    def add(self, ids, times, values):
+        rows = np.empty(len(ids), self.kind)
+        rows["who"], rows["time"], rows["values"] = ids, times, values
+        self.out.write(rows.tobytes())
+        counts = np.bincount(ids, minlength=len(self.counts))
+        counts[: len(self.counts)] += self.counts
+        self.counts = counts
+
+    def by_person(self):
+        """(times, values, first row of each person) as arrays that lie in files."""
+        total = int(self.counts.sum())
+        starts = np.concatenate([[0], np.cumsum(self.counts)])
+        times = np.memmap(f"{self.file}.times", "<f4", "w+", shape=(max(1, total),))
+        values = np.memmap(f"{self.file}.values", "<f4", "w+", shape=(max(1, total), self.kind["values"].shape[0]))
+        cursor = starts[:-1].copy()
+        self.out.seek(0)
+        while len(data := self.out.read(CHUNK * self.kind.itemsize)):
+            rows = np.frombuffer(data, self.kind)
+            rows = rows[np.argsort(rows["who"], kind="stable")]
+            who, first, count = np.unique(rows["who"], return_index=True, return_counts=True)
+            place = np.arange(len(rows)) - np.repeat(first, count) + np.repeat(cursor[who], count)
+            times[place], values[place] = rows["time"], rows["values"]
+            cursor[who] += count
+        self.out.close()
+        return times, values, starts
+
+
+class Gltf:
+    """people.gltf: a node a person, with hinged legs and arms, and one animation."""
+
+    def __init__(self, folder, stream):
+        self.folder, self.gait = folder, Gait()
+        self.places, self.swings = Spool(folder / ".places.part", 7), Spool(folder / ".swings.part", 1)
+        self.heights, self.ends = {}, {}
+        self.bytes, self.views, self.accessors = 0, [], []
+
+    def add(self, people):
+        places = np.stack([people["x"], people["y"], -people["z"]], axis=1)
+        times = np.full(len(people), people.time_s)
+        self.places.add(people["id"], times, np.concatenate([places, turns(people)], axis=1))
+        ids, times, angles = self.gait.keys(people)
+        self.swings.add(ids, times, angles[:, None])
+        self.heights.update(zip(people["id"].tolist(), people["height"].tolist()))
+
+    def stored(self, out, array, target=None, kind="SCALAR", range_of=False):
+        """Puts an array into the binary file; the number of its accessor."""
+        array = np.ascontiguousarray(array)
+        data = array.tobytes()
+        view = {"buffer": 0, "byteOffset": self.bytes, "byteLength": len(data)}
+        self.views.append(view | ({"target": target} if target else {}))
+        accessor = {"bufferView": len(self.views) - 1, "componentType": SHORT if array.dtype == np.uint16 else FLOAT,
+                    "count": len(array), "type": kind}
+        if range_of:
+            rows = array.reshape(len(array), -1)
+            accessor |= {"min": rows.min(axis=0).tolist(), "max": rows.max(axis=0).tolist()}
+        self.accessors.append(accessor)
+        padding = -len(data) % 4
+        out.write(data + bytes(padding))
+        self.bytes += len(data) + padding
+        return len(self.accessors) - 1
+
+    def meshes(self, out):
+        made = []
+        for part in PARTS:
+            points, normals, triangles = mesh(part)
+            made.append({"name": part, "primitives": [{
+                "attributes": {"POSITION": self.stored(out, points, VERTICES, "VEC3", True),
+                               "NORMAL": self.stored(out, normals, VERTICES, "VEC3")},
+                "indices": self.stored(out, triangles.ravel(), INDICES), "material": 0}]})
+        return made
+
+    def person(self, out, who, tracks, nodes, samplers, channels):
+        """Nodes and animation of one person; the number of its node."""
+        (times, values, starts), (swing_times, swings, swing_starts) = tracks
+        rows = slice(starts[who], starts[who + 1])
+        node, height = len(nodes), self.heights[who]
+        nodes.append({"name": f"person {who}", "extras": {"id": who}, "scale": [height] * 3,
+                      "translation": values[rows.start, :3].tolist(), "rotation": values[rows.start, 3:].tolist(),
+                      "children": [node + 1 + i for i in range(len(JOINTS))]})
+        parts = list(PARTS)
+        nodes += [{"mesh": parts.index(part), "translation": list(joint)} for part, joint, _ in JOINTS]
+
+        def animate(keys, output, kind, path, targets):
+            samplers.append({"input": keys, "output": self.stored(out, output, kind=kind)})
+            channels.extend({"sampler": len(samplers) - 1, "target": {"node": n, "path": path}} for n in targets)
+
+        keys = self.stored(out, times[rows], range_of=True)
+        animate(keys, values[rows, :3], "VEC3", "translation", [node])
+        animate(keys, values[rows, 3:], "VEC4", "rotation", [node])
+        rows = slice(swing_starts[who], swing_starts[who + 1])
+        half = swings[rows, 0] / 2
+        keys = self.stored(out, swing_times[rows], range_of=True)
+        still = np.zeros_like(half)
+        for side in (1, -1):  # a leg that is ahead has turned about z, which points to the right
+            turn = np.stack([still, still, np.sin(side * half), np.cos(half)], axis=1)
+            animate(keys, turn, "VEC4", "rotation", [node + 1 + i for i, (_, _, s) in enumerate(JOINTS) if s == side])
+        return node
+
+    def finish(self):
+        nodes, samplers, channels = [], [], []
+        with open(self.folder / "people.bin", "wb") as out:
+            meshes = self.meshes(out)
+            tracks = self.places.by_person(), self.swings.by_person()
+            roots = [self.person(out, who, tracks, nodes, samplers, channels) for who in sorted(self.heights)]
+        document = {
+            "asset": {"version": "2.0", "generator": "Wade"}, "scene": 0, "scenes": [{"nodes": roots}], "nodes": nodes,
+            "meshes": meshes, "materials": [{"name": "clothes", "pbrMetallicRoughness": {
+                "baseColorFactor": [0.7, 0.25, 0.1, 1], "metallicFactor": 0, "roughnessFactor": 0.8}}],
+            "animations": [{"name": "run", "samplers": samplers, "channels": channels}], "accessors": self.accessors,
+            "bufferViews": self.views, "buffers": [{"uri": "people.bin", "byteLength": self.bytes}],
+        }
+        if not roots:
+            document = {"asset": document["asset"]}
+        with open(self.folder / "people.gltf", "w", encoding="utf-8") as out:
+            json.dump(document, out)
+        for part in self.folder.glob(".*.part*"):
+            part.unlink()
+
+
+def numbers(array):
+    """Rows as USD writes them: (1, 2, 3), (4, 5, 6)."""
+    if len(array) == 0:
+        return ""
+    form = "%d" if array.dtype.kind == "i" else "%.7g"
+    row = form if array.ndim == 1 else "(" + ", ".join([form] * array.shape[1]) + ")"
+    return ", ".join([row] * len(array)) % tuple(array.ravel().tolist())
+
+
+def rotated(points):
+    """Vertices with y up as those with z up."""
+    x, y, z = points.T
+    return np.stack([x, -z, y], axis=1)
+
+
+def figure_text():
+    """The figure as a mesh, one metre tall, z up; it looks along x."""
+    vertices, corners, first = [], [], 0
+    for part, joint, _ in JOINTS:
+        points, _, triangles = mesh(part)
+        vertices.append(points + np.array(joint, "f4"))
+        corners.append(triangles.astype(int) + first)
+        first += len(points)
+    points, corners = rotated(np.concatenate(vertices)), np.concatenate(corners)
+    return f"""        def Xform "Figures"
+        {{
+            def Mesh "figure"
+            {{
+                int[] faceVertexCounts = [{numbers(np.full(len(corners), 3))}]
+                int[] faceVertexIndices = [{numbers(corners.ravel())}]
+                point3f[] points = [{numbers(points)}]
+                uniform token subdivisionScheme = "none"
+            }}
+        }}
+"""
+
+
+class Usd:
+    """One .usda. Each attribute grows in a file of its own, and all are put together at the end."""
+
+    def __init__(self, folder, stream):
+        self.folder, self.name, self.radius = folder, stream.name, stream.radius
+        self.parts, self.first, self.last = {}, None, 0.0
+
+    def sample(self, kind, name, code, array):
+        if (kind, name) not in self.parts:
+            self.parts[kind, name] = open(self.folder / f".{self.name}-{len(self.parts)}.part", "w+", encoding="utf-8")
+        self.parts[kind, name].write(f"            {code:.9g}: [{numbers(array)}],\n")
+
+    def add(self, points):
+        code = points.time_s * RATE
+        self.first, self.last = code if self.first is None else self.first, code
+        turned = turns(points) if self.name == "people" else None
+        points = points.z_up()
+        places, velocities = points.stacked("x", "y", "z"), points.stacked("vx", "vy", "vz")
+        if self.name == "water":
+            self.sample("point3f[]", "points", code, places)
+            self.sample("vector3f[]", "velocities", code, velocities)
+            self.sample("float[]", "primvars:mass", code, points["mass"])
+            return
+        self.sample("point3f[]", "positions", code, places)
+        self.sample("vector3f[]", "velocities", code, velocities)
+        x, y, z, w = turned.T  # of axes x, y up, -z
+        self.sample("quath[]", "orientations", code, np.stack([w, x, -z, y], axis=1))
+        self.sample("float3[]", "scales", code, np.repeat(points["height"][:, None], 3, axis=1))
+        self.sample("int64[]", "ids", code, points["id"])
+        self.sample("int[]", "protoIndices", code, np.zeros(len(points), "i4"))
+        self.sample("int[]", "primvars:state", code, points["state"])
+
+    def finish(self):
+        kind = "Points" if self.name == "water" else "PointInstancer"
+        with open(self.folder / f"{self.name}.usda", "w", encoding="utf-8") as out:
+            out.write(HEAD.format(rate=RATE, first=self.first or 0, last=self.last))
+            out.write(f'    def {kind} "{self.name}"\n    {{\n')
+            if self.name == "water":
+                out.write(f"        float[] widths = [{2 * self.radius:.6g}] (\n"
+                          '            interpolation = "constant"\n        )\n')
+            else:
+                words = ", ".join(f'"{word}"' for word in STATES)
+                out.write(f"        custom uniform token[] states = [{words}]\n"
+                          "        rel prototypes = [</wade/people/Figures/figure>]\n")
+            for (kind, name), part in self.parts.items():
+                out.write(f"        {kind} {name}.timeSamples = {{\n")
+                part.seek(0)
+                shutil.copyfileobj(part, out)
+                out.write("        }\n")
+                part.close()
+            out.write(("" if self.name == "water" else figure_text()) + "    }\n}\n")
+        for part in self.folder.glob(f".{self.name}-*.part"):
+            part.unlink()
