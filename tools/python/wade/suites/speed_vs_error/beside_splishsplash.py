@@ -26,6 +26,7 @@ TABLE = "beside_splishsplash.csv"
 PEER = "SPlisHSPlasH"
 TOLERANCE, DIVERGENCE_TOLERANCE = 5e-4, 1e-3  # of both engines: those of the scenes that SPlisHSPlasH ships
 LONGEST_STEP = 5e-3  # s of its model, as there
+MEASURES = ("tools/python/wade/suites/speed_vs_error/beside_truths.py",)
 MODEL = 0.1  # units of its model in a metre of the paper's river, and seconds in one of ours, as its authors ran it
 # Ours: the default, steps as long as the rule allows (from a CFL number of 0.9 on other limits hold), and those with looser
 # solves, as their errors stay below the peer's.
@@ -216,31 +217,28 @@ def run_engine(scene, label, program, folder):
     is_peer = label == PEER
     unit = scene.scale() if is_peer else 1.0
     file = folder.parent / "scene.json"  # beside which the peer keeps its volume maps
-    write_whole(file, json.dumps(splishsplash_scene(scene) if is_peer else wade_scene(scene, VARIANTS[label])))
+    write_whole(file, scene_text(scene, label))
     command = [program, "--frames", file, folder, scene.every]
     if is_peer:
         write_whole(folder.parent / "box.obj", box_mesh())
         command = [program, file, "--measure", folder, "--until-s", scene.duration * unit, "--frame-s",
                    scene.every * unit, "--log-dir", folder / "log", "--reproducible"]
-    environment = dict(os.environ, OMP_NUM_THREADS="1")
     done = subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                          env=environment, check=False)
+                          env=dict(os.environ, OMP_NUM_THREADS="1"), check=False)
     if done.returncode != 0:
         raise RuntimeError(f"{scene.name}, {label}: exit code {done.returncode}: {done.stderr.strip()[-300:]}")
     cost = json.loads((folder / "cost.json").read_text(encoding="utf-8"))
     volume = cost["particle_mass_kg"] / cost["rest_density_kg_m3"] / unit**3
     frames = read_frames(folder / "frames.bin", 1 / unit, 1 / unit)
     metrics = {name: cost[name] for name in ("mean_density_error", "max_density_error")}
-    metrics.update(measured(scene, frames, volume))
+    run = {"cost": cost, "metrics": {**metrics, **measured(scene, frames, volume)}}
     (folder / "frames.bin").unlink()
-    return {"cost": cost, "metrics": metrics}
+    return run
 
 
-def fingerprint(scene, label, program):
-    """Of a run: the program, the scene that it gets, and the measures."""
-    document = splishsplash_scene(scene) if label == PEER else wade_scene(scene, VARIANTS[label])
-    words = [json.dumps(document), str(scene)]
-    return Fingerprints([program], ROOT, ("tools/python/wade/suites/speed_vs_error/beside_truths.py",), words)()
+def scene_text(scene, label):
+    """The scene file of an engine."""
+    return json.dumps(splishsplash_scene(scene) if label == PEER else wade_scene(scene, VARIANTS[label]))
 
 
 def run_all(scenes, labels, programs, folder, repeats):
@@ -250,7 +248,8 @@ def run_all(scenes, labels, programs, folder, repeats):
         for point in points:
             scene, label = point.scene, point.label
             place = folder / scene.name / re.sub(r"\W+", "_", label) / f"repeat-{k}"
-            run, mark = read_result(place / "result.json"), fingerprint(scene, label, programs[label])
+            run, words = read_result(place / "result.json"), (scene_text(scene, label), str(scene))
+            mark = Fingerprints([programs[label]], ROOT, MEASURES, words)()
             if not run or run.get("fingerprint") != mark:
                 complain(f"  {scene.name}, {label} ({k} of {repeats})")
                 try:
@@ -268,29 +267,21 @@ def run_all(scenes, labels, programs, folder, repeats):
 
 def worse_errors(point, peer):
     """The errors of its kind in which a point is worse than the peer, by words."""
-    names = ERRORS[point.scene.kind]
-    return [name for name in names if point.error(name) is not None and peer.error(name) is not None
-            and point.error(name) > peer.error(name)]
-
-
-def peer_of(point, points):
-    return next(other for other in points if other.scene is point.scene and other.label == PEER)
+    both = ((name, point.error(name), peer.error(name)) for name in ERRORS[point.scene.kind])
+    return [name for name, ours, its in both if None not in (ours, its) and ours > its]
 
 
 def draw(points, file):
     """A panel a kind: main error over CPU seconds of a simulated second; a line joins the spacings of an engine."""
     panels = [(kind, name) for kind, names in ERRORS.items() for name in list(names)[: 2 if kind == "spheric2" else 1]
               if any(p.scene.kind == kind for p in points)]
-    rows = -(-len(panels) // 3)
+    rows, labels = -(-len(panels) // 3), list(dict.fromkeys(p.label for p in points))
     figure, axes = plots.pyplot.subplots(rows, 3, figsize=(12.6, 3.6 * rows), squeeze=False)
-    labels = list(dict.fromkeys(p.label for p in points))
     for panel, (kind, name) in zip(axes.flat, panels):
         for k, label in enumerate(labels):
             shown = [(p.cpu(), p.error(name)) for p in points if p.scene.kind == kind and p.label == label]
-            if not shown:
-                continue
-            panel.plot(*zip(*sorted(shown)), label="Wade, " + label if label != PEER else label, linewidth=0.8,
-                       color=plots.COLOURS[k], marker=plots.MARKS[k], markersize=5)
+            panel.plot(*(zip(*sorted(shown)) if shown else ([], [])), linewidth=0.8,
+                       label=label if label == PEER else "Wade, " + label, color=plots.COLOURS[k], marker=plots.MARKS[k], markersize=5)
         panel.set(xscale="log", yscale="log", title=kind, xlabel="CPU s a simulated second", ylabel=ERRORS[kind][name])
     for panel in axes.flat[len(panels):]:
         panel.set_axis_off()
@@ -299,21 +290,16 @@ def draw(points, file):
     plots.save(figure, file)
 
 
-def percent(value):
-    return "-" if value is None else f"{100 * value:.2g} %"
-
-
 def scene_table(scene, points):
     """The points of a scene, ratios to the peer."""
-    mine = [p for p in points if p.scene is scene]
-    peer = peer_of(mine[0], points)
-    names = ERRORS[scene.kind]
-    rows = []
+    mine, names, rows = [p for p in points if p.scene is scene], ERRORS[scene.kind], []
+    peer = next(p for p in mine if p.label == PEER)
     for p in mine:
         worse = "" if p is peer else "none" if not worse_errors(p, peer) else ", ".join(worse_errors(p, peer))
         times = ("", "") if p is peer else (f"{p.rate() / peer.rate():.1f}", f"{peer.cpu() / p.cpu():.1f}")
         rows.append((p.label, number(p.cost("particles"), 6), number(1e3 * p.step()), number(p.rate() / 1e6),
-                     number(p.cpu()), *times, *(percent(p.error(name)) for name in names), worse))
+                     number(p.cpu()), *times,
+                     *("-" if (e := p.error(name)) is None else f"{100 * e:.2g} %" for name in names), worse))
     head = ("", "particles", "step, ms", "M particle-steps a CPU s", "CPU s a simulated s", "times its particle-steps",
             "times its simulated time", *names.values(), "worse in")
     return markdown(head, rows)

@@ -80,9 +80,8 @@ def measure_collapse(scene, frames, volume):
     times, fronts = [0.0], [1.0]
     for frame in frames:
         times.append(frame.time * math.sqrt(2 * scene.gravity / a))
-        counts, _ = np.histogram(scene.tank[0] - frame.x[0], edges)
-        wet = np.nonzero(counts * volume >= d / 4 * d * scene.tank[2])[0].max()
         reached = scene.tank[0] - frame.x[0]
+        wet = np.nonzero(np.histogram(reached, edges)[0] * volume >= d / 4 * d * scene.tank[2])[0].max()
         fronts.append((reached[reached < edges[wet + 1]].max() + d / 2) / a)
     errors = [np.interp(t, times, fronts) / z - 1 for t, z in martin_and_moyce()]
     return {"front": float(np.sqrt(np.mean(np.square(errors)))), "front_lead": float(np.mean(errors))}
@@ -139,9 +138,7 @@ def measure_river(scene, frames, volume):
 
     Water that comes in with u0 > c0 over a dry bed spreads from u0 - c0 to u0 + 2 c0; before that it is as it came in.
     """
-    last = None
-    for last in frames:
-        pass
+    *_, last = frames
     start = math.sqrt(scene.gravity * 1.0)
     edges = np.arange(0, scene.tank[0] + 1e-9, 5)
     along = scene.tank[0] - last.x[0]
