@@ -28,6 +28,12 @@ namespace {
 using namespace wade;
 using namespace wade::bench;
 
+// Of 8 lanes where WADE_NARROW_VECTORS is set, as fluid_server has them.
+fluid::NeighbourLists lists_as_asked(std::size_t capacity) {
+    fluid::use_widest_vectors(std::getenv("WADE_NARROW_VECTORS") == nullptr);
+    return fluid::NeighbourLists(capacity);
+}
+
 // Water as the solver has it in the middle of a step.
 struct Water {
     Scene scene;
@@ -47,7 +53,7 @@ struct Water {
           particles(its_particles),
           grid(scene, support_radius),
           solids(scene),
-          lists(particles.capacity()),
+          lists(lists_as_asked(particles.capacity())),
           fields(particles.capacity()) {
         grid.sort(particles, -1e30F);
         fluid::find_neighbours(grid, solids, particles, support_radius, lists);
