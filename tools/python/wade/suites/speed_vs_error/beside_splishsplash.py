@@ -281,7 +281,8 @@ def draw(points, file):
         for k, label in enumerate(labels):
             shown = [(p.cpu(), p.error(name)) for p in points if p.scene.kind == kind and p.label == label]
             panel.plot(*(zip(*sorted(shown)) if shown else ([], [])), linewidth=0.8,
-                       label=label if label == PEER else "Wade, " + label, color=plots.COLOURS[k], marker=plots.MARKS[k], markersize=5)
+                       label=label if label == PEER else "Wade, " + label, color=plots.COLOURS[k],
+                       marker=plots.MARKS[k], markersize=5)
         panel.set(xscale="log", yscale="log", title=kind, xlabel="CPU s a simulated second", ylabel=ERRORS[kind][name])
     for panel in axes.flat[len(panels):]:
         panel.set_axis_off()
