@@ -183,6 +183,28 @@ class Readers(ExportTest):
         states = vtk_to_numpy(reader.GetOutput().GetPointData().GetArray("state"))
         self.assert_states(["walking", "arrived", "dead"][code] for code in states)
 
+    @needs("vtk", "python3-vtk9")
+    def test_vtk_reads_the_depths_of_the_snapshots(self):
+        import vtk
+        from vtk.util.numpy_support import vtk_to_numpy
+
+        from wade.pictures.run_files import read_water
+
+        self.export(RUN, "--to", "vtk", "--from-s", 1)
+        listed = re.findall(r'timestep="([^"]+)".*file="([^"]+)"', (self.out / "depth.pvd").read_text())
+        self.assertEqual(float(listed[0][0]), 5)
+        time_s, x0, z0, cell, depth = read_water(RUN / "water.bin", 5)
+        self.assertEqual(time_s, 5)
+        reader = vtk.vtkXMLImageDataReader()
+        reader.SetFileName(str(self.out / listed[0][1]))
+        reader.Update()
+        data = reader.GetOutput()
+        self.assertEqual((data.GetOrigin(), data.GetSpacing()), ((x0, z0, 0), (cell, cell, 1)))
+        found = vtk_to_numpy(data.GetCellData().GetArray("depth")).reshape(depth.shape)
+        self.assertTrue(np.array_equal(found, depth.astype("f4")))
+        # A metre of water over 20 x 4 m, but for what its particles' own spacing stretches.
+        self.assertAlmostEqual(float(found.sum()) * cell**2 / 80, 1, 1)
+
     @needs("meshio", "python3-meshio")
     def test_meshio_reads_the_ply(self):
         import meshio

@@ -3,7 +3,7 @@
 One frame at a time, so that a run of any length fits into memory. Axes: vtk, ply, usd and pedpy have x upstream, y
 across, z up, right-handed; gltf x, y up, -z; csv keeps Wade's own (docs/engines.md).
 
-vtk: a .vtp a frame and a .pvd, for ParaView. ply: a binary .ply a frame, with velocities. usd: one .usda with time
+vtk: a .vtp a frame and a .pvd, for ParaView; of a run without --water also the depths of its snapshots, .vti. ply: a binary .ply a frame, with velocities. usd: one .usda with time
 samples. gltf: figures that walk, of people. csv: one table. pedpy: PedPy's text, of people.
 """
 
@@ -94,6 +94,19 @@ def export(stream, writer, thinning):
     return count
 
 
+def export_depths(options, thinning):
+    """For vtk without particles: the depths that a run folder has."""
+    from wade.export.tables import Depths
+    from wade.pictures.run_files import RunError, water_snapshots
+
+    try:
+        grid, records = water_snapshots(options.source / "water.bin")
+    except RunError as error:
+        raise UsageError(str(error)) from error
+    if records is not None:
+        print(f"depth: {Depths(options.out, grid, records).write(thinning)} frames")
+
+
 def main(arguments):
     """tools/wade export."""
     made = parser()
@@ -113,6 +126,8 @@ def main(arguments):
         for stream in streams:
             count = export(stream, formats()[options.to][0](options.out, stream), thinning)
             print(f"{stream.name}: {count} frames")
+        if options.to == "vtk" and options.source.is_dir() and not options.water:
+            export_depths(options, thinning)
     except OSError as error:
         raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error
     print(f"{options.to}: {options.out}")

@@ -16,7 +16,7 @@ STATES = ("walking", "arrived", "dead", "standing", "effort", "sliding", "topple
           "holding", "drowned")
 CODES = {word: code for code, word in enumerate(STATES)}
 ROW = ("id", "x", "z", "heading", "state", "y", "lean_x", "lean_z")  # of a person in a frame
-BLOCK = 64  # frames of paths that are asked for at once
+BLOCK = 16  # frames of paths that are asked for at once
 
 
 class Points:

@@ -57,9 +57,50 @@ class Vtk:
         self.rows.append(f'<DataSet timestep="{points.time_s:.9g}" part="0" file="{file.name}"/>')
 
     def finish(self):
-        text = ['<?xml version="1.0"?>',
-                '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian"><Collection>', *self.rows, "</Collection></VTKFile>"]
-        (self.folder / f"{self.name}.pvd").write_text("\n".join(text) + "\n", encoding="utf-8")
+        write_collection(self.folder / f"{self.name}.pvd", self.rows)
+
+
+def write_collection(file, rows):
+    """A .pvd: rows name the file of each time."""
+    text = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian"><Collection>', *rows,
+            "</Collection></VTKFile>"]
+    file.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
+class Depths:
+    """depth.pvd and a .vti for each snapshot of a run's water.bin: the depth in its cells, m; x along x, z along y."""
+
+    def __init__(self, folder, grid, records):
+        self.folder, (self.x0, self.z0, self.cell), self.records = folder, grid, records
+
+    def write(self, thinning):
+        """Writes the snapshots that are wanted; returns how many."""
+        rows = []
+        for snapshot in thinning.chosen(Snapshot(record) for record in self.records):
+            file = self.folder / f"depth_{snapshot.number:06d}.vti"
+            high, wide = snapshot.depth.shape
+            extent, time_s = f"0 {wide} 0 {high} 0 0", f"{snapshot.time_s:.9g}"
+            data = np.ascontiguousarray(snapshot.depth, "<f4").tobytes()
+            with open(file, "wb") as out:
+                out.write(f"""<?xml version="1.0"?>
+<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
+<ImageData WholeExtent="{extent}" Origin="{self.x0:.9g} {self.z0:.9g} 0" Spacing="{self.cell:.9g} {self.cell:.9g} 1">
+<FieldData><DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{time_s}</DataArray></FieldData>
+<Piece Extent="{extent}"><CellData Scalars="depth">
+<DataArray type="Float32" Name="depth" format="appended" offset="0"/></CellData></Piece></ImageData>
+<AppendedData encoding="raw">
+_""".encode())
+                out.write(np.uint64(len(data)).tobytes() + data + b"\n</AppendedData></VTKFile>\n")
+            rows.append(f'<DataSet timestep="{time_s}" part="0" file="{file.name}"/>')
+        write_collection(self.folder / "depth.pvd", rows)
+        return len(rows)
+
+
+class Snapshot:
+    """A record of water.bin."""
+
+    def __init__(self, record):
+        self.number, self.time_s, self.depth = int(record["frame"]), float(record["time"]), record["depth"] / 1000.0
 
 
 class Ply:
