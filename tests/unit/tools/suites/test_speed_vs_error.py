@@ -11,16 +11,20 @@ from unittest import mock
 
 import numpy as np
 
+from wade.paths import ROOT
 from wade.reports.jobs import Fingerprints
 from wade.suites import speed_vs_error
-from wade.suites.speed_vs_error import beside_splishsplash as beside
-from wade.suites.speed_vs_error import beside_truths as truths
 from wade.suites.speed_vs_error.table import cheapest_below, distance_to_front, front
 from wade.suites.speed_vs_error.measure import Measured, Runner, of_seeds
 from wade.suites.speed_vs_error.report import PICTURE, beyond_chance, overall_section, with_section
 from wade.suites.speed_vs_error.settings import (FACTORS, Setting, combinations, default_setting, near_front,
                                                  one_at_a_time, probes)
 from wade.suites.speed_vs_error.table import HEADER, error_of, groups_of, write_table
+
+sys.path.append(str(ROOT / "tests" / "validation"))
+import beside_cases as truths  # noqa: E402
+
+from wade.suites.speed_vs_error import beside_splishsplash as beside  # noqa: E402
 
 # What scripts outside of this project read, in this order; more columns may follow.
 CONTRACT = (

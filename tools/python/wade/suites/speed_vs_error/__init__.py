@@ -8,6 +8,7 @@ same program and scenes, is not repeated. --quick: two spacings, few settings, o
 """
 
 import os
+import sys
 from dataclasses import replace
 
 from wade.paths import BUILD, ROOT
@@ -15,7 +16,7 @@ from wade.reports import options
 from wade.reports.files import complain, publish, say
 from wade.reports.jobs import Fingerprints, end_children_on_signals, exit_code
 from wade.suites import cases as known_cases
-from wade.suites.speed_vs_error import beside_splishsplash, report
+from wade.suites.speed_vs_error import report
 from wade.suites.speed_vs_error.measure import Runner, make_reference, of_seeds
 from wade.suites.speed_vs_error.settings import (FACTORS, OTHER_MODELS, QUICK_FACTORS, SEEDS, Setting, combinations,
                                                  default_setting, near_front, one_at_a_time, probes)
@@ -45,7 +46,7 @@ def parse(arguments):
     parser.add_argument("--spacing", metavar="D", help="of --reference, m")
     parser.add_argument("--threads", type=options.whole(1), default=os.cpu_count(), metavar="N", help="of --reference")
     parser.add_argument("--splishsplash", metavar="PROGRAM",
-                        help="instead, both engines in turns on the scenes of beside_splishsplash.py: the bridge of "
+                        help="instead, both engines in turns on the cases of tests/validation/beside_cases.py: the bridge of "
                         "tools/splishsplash, linked; report, plot and table in DIR/beside_splishsplash")
     chosen = parser.parse_args(arguments)
     if bool(chosen.reference) != bool(chosen.spacing):
@@ -136,6 +137,8 @@ def main(arguments):
     chosen = parse(arguments)
     if chosen.splishsplash:
         end_children_on_signals()
+        sys.path.append(str(ROOT / "tests" / "validation"))  # its cases stand beside the truths
+        from wade.suites.speed_vs_error import beside_splishsplash
         return beside_splishsplash.main(chosen)
     program = BUILD / "validate"
     end_children_on_signals()

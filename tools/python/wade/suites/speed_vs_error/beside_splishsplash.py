@@ -1,184 +1,36 @@
-"""Wade and SPlisHSPlasH on the same scenes, in turns, on one thread: errors by one set of measures, and cost.
+"""Wade and SPlisHSPlasH on the cases of tests/validation/beside_cases.py, in turns, on one thread: error and cost.
 
 Each engine is a program that takes a scene of its form and writes frames.bin and cost.json, tools/splishsplash/README.md.
 """
 
 import json
-import math
 import os
 import re
 import shutil
 import statistics
 import subprocess
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
+from beside_cases import (DIVERGENCE_TOLERANCE, ERRORS, LONGEST_STEP, QUICK, SCENES, TOLERANCE, Scene, box_mesh, measured,
+                          read_frames, splishsplash_scene, wade_scene)
 from wade.paths import BUILD, ROOT
 from wade.reports import plots
 from wade.reports.files import PUBLISHED, complain, say, write_whole
 from wade.reports.jobs import Fingerprints, read_result
 from wade.reports.machine import machine_line
 from wade.reports.tables import markdown, number, section, wrapped, write_csv
-from wade.suites.speed_vs_error.beside_truths import measured, read_frames
 from wade.suites.speed_vs_error.report import PICTURE, TITLE, with_section
 
 TABLE = "beside_splishsplash.csv"
 PEER = "SPlisHSPlasH"
-TOLERANCE, DIVERGENCE_TOLERANCE = 5e-4, 1e-3  # of both engines: those of the scenes that SPlisHSPlasH ships
-LONGEST_STEP = 5e-3  # s of its model, as there
-MEASURES = ("tools/python/wade/suites/speed_vs_error/beside_truths.py",)
-MODEL = 0.1  # units of its model in a metre of the paper's river, and seconds in one of ours, as its authors ran it
+MEASURES = ("tests/validation/beside_cases.py",)
 # Ours: the default, steps as long as the rule allows (from a CFL number of 0.9 on other limits hold), and those with looser
 # solves, as their errors stay below the peer's.
 VARIANTS = {"default": {}, "cfl 0.9": {"cfl": 0.9},
             "cfl 0.9, div 0.01": {"cfl": 0.9, "divergence_solve": {"tolerance": 1e-2}},
             "cfl 0.9, div 0.03, it 1": {"cfl": 0.9, "divergence_solve": {"tolerance": 3e-2},
                                         "density_solve": {"tolerance": TOLERANCE, "min_iterations": 1}}}
-
-
-@dataclass
-class Scene:
-    """A tank with a block of water at its far end of x; m, s. Or a stream from x = length on a dry bed."""
-
-    name: str
-    kind: str  # whose truth it is
-    spacing: float
-    duration: float
-    every: float  # between frames
-    tank: tuple  # length, height, width
-    block: tuple = None  # length along x from the far end, height, width in the middle of the tank
-    boxes: list = field(default_factory=list)  # (x0, x1, height, z0, z1) on the bed
-    viscosity: float = 0.01  # m2/s
-    gravity: float = 9.81
-    velocity: float = 0.0  # of the stream; 0: there is none
-
-    def scale(self):
-        """Units of the peer's model in a metre: its particles are as large as in its own scenes in the river only."""
-        return MODEL if self.velocity else 1.0
-
-
-def dam_break(name, spacing, duration, every):
-    return Scene(name, "dam_break", spacing, duration, every, (4, 3, 1.5), (1, 1, 1))
-
-
-def collapse(spacing):
-    return Scene(f"collapse_{spacing:g}", "collapse", spacing, 0.54, 0.005, (3, 2, 0.5), (0.5, 1, 0.5), viscosity=1e-6)
-
-
-def spheric2(name, spacing):
-    return Scene(name, "spheric2", spacing, 3.01, 0.005, (3.22, 2, 1), (1.228, 0.55, 1),
-                 [(0.6635, 0.8245, 0.161, 0.2985, 0.7015)], 1e-6)
-
-
-SCENES = (
-    dam_break("dam_break_8k", 0.05, 3, 0.1), dam_break("dam_break_27k", 1 / 30, 0.6, 0.05),
-    dam_break("dam_break_97k", 1 / 46, 0.3, 0.05),
-    collapse(0.05), collapse(0.025),
-    Scene("column_0.05", "column", 0.05, 4, 1 / 30, (1, 2, 1), (1, 1, 1)),
-    spheric2("spheric2_4k", 0.055), spheric2("spheric2_11k", 0.04),
-    Scene("river", "river", 0.5, 28, 1, (100, 3, 27), gravity=0.981, velocity=1.5),
-)
-QUICK = ("dam_break_27k", "collapse_0.05", "river")
-
-# Of each kind: main error first; name -> words.
-ERRORS = {
-    "dam_break": {"mean_density_error": "mean density error", "max_density_error": "largest density error",
-                  "compression": "compression"},
-    "collapse": {"front": "RMS error of the front, Martin and Moyce", "mean_density_error": "mean density error",
-                 "compression": "compression"},
-    "column": {"rms_speed": "RMS speed at rest / sqrt(g H)", "pressure": "RMS error of the pressure / (rho g H)",
-               "bed_pressure": "error of the pressure at the bed", "level": "error of the level",
-               "mean_density_error": "mean density error", "compression": "compression"},
-    "spheric2": {"height": "RMS error of the heights / 0.55 m", "pressure": "RMS error of the pressure / its peak",
-                 "peak": "error of the pressure's peak", "mean_density_error": "mean density error",
-                 "compression": "compression"},
-    "river": {"depth": "error of the depth", "speed": "error of the speed", "mean_density_error": "mean density error"},
-}
-
-
-def wade_scene(scene, variant):
-    """Our scene file."""
-    length, _, width = scene.tank
-    channel = {"x_min_m": 0, "x_max_m": length, "z_min_m": 0, "z_max_m": width, "flow": "closed"}
-    if scene.velocity:
-        channel.update(flow="emitter", depth_m=1, velocity_m_s=scene.velocity, initial_river="dry")
-        most = 24000
-    else:
-        along, height, across = scene.block
-        channel["water_blocks"] = [{"x_min_m": length - along, "x_max_m": length, "z_min_m": (width - across) / 2,
-                                    "z_max_m": (width + across) / 2, "depth_m": height}]
-        most = math.ceil(1.05 * along * height * across / scene.spacing**3)
-    fluid = {"particle_spacing_m": scene.spacing, "max_particles": most, "viscosity_m2_s": scene.viscosity,
-             "density_solve": {"tolerance": TOLERANCE}, "divergence_solve": {"tolerance": DIVERGENCE_TOLERANCE}}
-    obstacles = [{"x_min_m": b[0], "x_max_m": b[1], "height_m": b[2], "z_min_m": b[3], "z_max_m": b[4]}
-                 for b in scene.boxes]
-    return {"description": f"{scene.name}, beside SPlisHSPlasH, no agents. Froude number of its kind.",
-            "duration_s": scene.duration, "frame_rate_hz": 1 / scene.every,
-            "world": {"length_m": length, "width_m": width, "gravity_m_s2": scene.gravity},
-            "channel": channel, "obstacles": obstacles, "fluid": {**fluid, **variant}}
-
-
-def their_block(scene):
-    """The block as SPlisHSPlasH fills one: its outermost particles a spacing within, each 0.8 of its cube.
-
-    Nearer to the edges of a wall its volume maps throw them out. Its dam break as it ships it, 5 cm from bed and wall. The
-    collapse and SPHERIC 2 in its denser pattern, 8 % under density at first, which starts without a shock; in SPHERIC 2,
-    whose truth knows the volume of the water, as high as holds it.
-    """
-    length, _, width = scene.tank
-    along, height, across = scene.block
-    d = scene.spacing
-    if scene.kind == "spheric2":
-        # Of that pattern: round(side / d) - 2 particles along x and z, layers sqrt(3)/2 of a spacing apart.
-        row = (round(along / d) - 2) * (round(across / d) - 2) * 0.8 * d**3
-        height = (round(along * height * across / row) + 1) * math.sqrt(3) / 2 * d
-    return {"denseMode": int(scene.kind in ("collapse", "spheric2")),
-            "start": [length - along, 0.0, (width - across) / 2], "end": [length, height, (width + across) / 2],
-            "translation": [-0.05, 0.05, 0] if scene.kind == "dam_break" else [0, 0, 0], "scale": [1, 1, 1]}
-
-
-def splishsplash_scene(scene):
-    """The same for SPlisHSPlasH, with the settings of the dam break that it ships; its x and y are ours."""
-    unit = scene.scale()
-    radius = scene.spacing / 2 * unit
-    length, height, width = (side * unit for side in scene.tank)
-    cell = 0.1 if scene.kind == "dam_break" else 4 * radius
-
-    def box(x0, x1, top, z0, z1, **more):
-        sides = [x1 - x0, top, z1 - z0]
-        # Cells of the volume map as in that scene: two particles long, in the dam break 10 cm whatever the spacing.
-        return {"geometryFile": "box.obj", "translation": [(x0 + x1) / 2, top / 2, (z0 + z1) / 2], "scale": sides,
-                "isDynamic": False, "mapThickness": 0.0,
-                "mapResolution": [max(5, round(side / cell)) for side in sides], **more}
-
-    beyond = length / 10 if scene.velocity else 0  # a stream has no wall where we look
-    bodies = [box(-beyond, length + beyond, height, 0, width, isWall=True, mapInvert=True)]
-    bodies += [box(*(side * unit for side in b), isWall=False, mapInvert=False) for b in scene.boxes]
-    document = {
-        "Configuration": {
-            "particleRadius": radius, "simulationMethod": 4, "gravitation": [0, -9.81, 0], "timeStepSize": LONGEST_STEP,
-            "cflMethod": 1, "cflFactor": 1, "cflMaxTimeStepSize": LONGEST_STEP, "boundaryHandlingMethod": 2,
-            "DFSPH": {"minIterations": 2, "maxIterations": 100, "maxError": 100 * TOLERANCE, "maxIterationsV": 100,
-                      "maxErrorV": 100 * DIVERGENCE_TOLERANCE, "enableDivergenceSolver": True}},
-        "Materials": [{"id": "Fluid", "density0": 1000, "viscosityMethod": 1,
-                       "Standard viscosity": {"viscosity": scene.viscosity * unit, "viscosityBoundary": 0}}],
-        "RigidBodies": bodies}
-    if scene.velocity:
-        document["Materials"][0]["maxEmitterParticles"] = 40000
-        document["Emitters"] = [{"id": "Fluid", "type": 0, "width": round(scene.tank[2] / scene.spacing), "height": 2,
-                                 "translation": [length, 2 * radius, width / 2], "rotationAxis": [0, 1, 0],
-                                 "rotationAngle": math.pi, "velocity": scene.velocity}]
-    else:
-        document["FluidBlocks"] = [their_block(scene)]
-    return document
-
-
-def box_mesh():
-    """A box of side 1 round the origin, its triangles seen from outside."""
-    corners = [f"v {x - 0.5} {y - 0.5} {z - 0.5}" for x in (0, 1) for y in (0, 1) for z in (0, 1)]
-    faces = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4))
-    triangles = [t for a, b, c, d in faces for t in (f"f {a} {b} {c}", f"f {a} {c} {d}")]
-    return "\n".join(corners + triangles) + "\n"
 
 
 @dataclass
