@@ -47,48 +47,49 @@ HWY_INLINE V share_past(V distance, float delta) {
     return hn::Min(hn::Max(share, hn::Zero(lanes)), all(1));
 }
 
-// The ways along an axis from a point to both faces of a box.
+// Along an axis the ways from both ends of a line to both faces of a box, and that from end to end: reckoned by itself, so that it
+// does not depend on where a face far away was cut off.
 struct ToFaces {
-    V lo, hi;
+    V x_lo, x_hi, y_lo, y_hi, x_y;
 };
 
 // How far the four edges along an axis keep a line from their box, m; m and n: from its ends x and y along the other two axes.
-HWY_INLINE V past_edges(const ToFaces& xm, const ToFaces& ym, const ToFaces& xn, const ToFaces& yn) {
-    const auto side = [](V am, V bm, V an, V bn) HWY_ATTR { return hn::Sub(hn::Mul(am, bn), hn::Mul(an, bm)); };
-    const V a = side(xm.lo, ym.lo, xn.lo, yn.lo), b = side(xm.lo, ym.lo, xn.hi, yn.hi);
-    const V c = side(xm.hi, ym.hi, xn.lo, yn.lo), d = side(xm.hi, ym.hi, xn.hi, yn.hi);
+HWY_INLINE V past_edges(const ToFaces& m, const ToFaces& n) {
+    const auto side = [](V xm, V ym, V xn, V yn) HWY_ATTR { return hn::Sub(hn::Mul(xm, yn), hn::Mul(xn, ym)); };
+    const V a = side(m.x_lo, m.y_lo, n.x_lo, n.y_lo), b = side(m.x_lo, m.y_lo, n.x_hi, n.y_hi);
+    const V c = side(m.x_hi, m.y_hi, n.x_lo, n.y_lo), d = side(m.x_hi, m.y_hi, n.x_hi, n.y_hi);
     const V least = hn::Min(hn::Min(a, b), hn::Min(c, d)), most = hn::Max(hn::Max(a, b), hn::Max(c, d));
-    const V m = hn::Sub(xm.lo, ym.lo), n = hn::Sub(xn.lo, yn.lo);
-    const V length2 = hn::Add(hn::Mul(m, m), hn::Mul(n, n));
+    const V length2 = hn::Add(hn::Mul(m.x_y, m.x_y), hn::Mul(n.x_y, n.x_y));
     const V distance = hn::Div(hn::Max(least, hn::Neg(most)), hn::Sqrt(length2));
     // A line along the axis has no side here.
     return hn::IfThenElse(hn::Gt(length2, hn::Zero(lanes)), distance, all(-Box::inf));
 }
 
-// How much of y is seen past an obstacle; box: round the places x. An axis along which all lines end on one side of it decides
-// alone, and one along which all stay more than delta away from both faces has no say.
+// How much of y is seen past an obstacle; box: round the places x. An axis along which all lines end on one side of it, delta
+// away, decides alone, and one along which all stay more than delta away from both faces has no say.
 HWY_INLINE V seen_past(const Box& obstacle, const Box& box, const Vec3V& x, const Vec3& y, float delta) {
     const float far = 8 * delta;  // a face farther away than that has no say, be it at infinity
     std::array<bool, 3> between{};
     Vec3 lo{}, hi{};
     for (std::size_t k = 0; k < 3; ++k) {
         const float least = std::min(box.lo[k], y[k]), most = std::max(box.hi[k], y[k]);
-        if (most <= obstacle.lo[k] || least >= obstacle.hi[k]) return all(1);
+        if (most <= obstacle.lo[k] - delta || least >= obstacle.hi[k] + delta) return all(1);
         between[k] = least > obstacle.lo[k] + delta && most < obstacle.hi[k] - delta;
         lo[k] = std::max(obstacle.lo[k], least - far), hi[k] = std::min(obstacle.hi[k], most + far);
     }
-    const auto from_x = [&](std::size_t k) HWY_ATTR {
-        return ToFaces{hn::Sub(all(lo[k]), along(x, k)), hn::Sub(all(hi[k]), along(x, k))};
+    const auto faces = [&](std::size_t k) HWY_ATTR {
+        const V from = along(x, k);
+        return ToFaces{hn::Sub(all(lo[k]), from), hn::Sub(all(hi[k]), from), all(lo[k] - y[k]), all(hi[k] - y[k]),
+                       hn::Sub(all(y[k]), from)};
     };
-    const auto from_y = [&](std::size_t k) HWY_ATTR { return ToFaces{all(lo[k] - y[k]), all(hi[k] - y[k])}; };
+    const std::array<ToFaces, 3> to{faces(0), faces(1), faces(2)};
     V distance = all(-Box::inf);
     for (std::size_t k = 0; k < 3; ++k) {
-        const ToFaces a = from_x(k), b = from_y(k);
-        const V below = hn::Min(a.lo, b.lo), above = hn::Neg(hn::Max(a.hi, b.hi));
+        const V below = hn::Min(to[k].x_lo, to[k].y_lo), above = hn::Neg(hn::Max(to[k].x_hi, to[k].y_hi));
         if (!between[k]) distance = hn::Max(distance, hn::Max(below, above));
         const std::size_t m = (k + 1) % 3, n = (k + 2) % 3;
         if (between[m] || between[n]) continue;
-        distance = hn::Max(distance, past_edges(from_x(m), from_y(m), from_x(n), from_y(n)));
+        distance = hn::Max(distance, past_edges(to[m], to[n]));
     }
     return share_past(distance, delta);
 }

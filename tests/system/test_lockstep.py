@@ -15,7 +15,7 @@ from harness import CONSUMER_WAITING, ROOT, SystemTest, wait_until
 GOLDEN = {
     ("paper/s05", 1): "91e52b81d9899025",
     ("river/s05", 1): "ffda30f342b5f098",
-    ("river/obstacle", 0.5): "6324609f2450de7c",
+    ("river/obstacle", 0.5): "dd3331a159d1f2da",
     ("manning/s08", 0.3): "cd018a678da28171",
     ("bench/dam_break", 0.3): "b69bbc8a013514e0",
     ("bench/column_at_rest", 0.2): "5c6adf986ebc1be1",
