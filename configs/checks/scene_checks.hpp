@@ -30,7 +30,7 @@ void check_mixed(const Scene& scene, const std::string& source);
 void check_steering(const Scene& scene, const std::string& source);
 
 // A sentence for each gap between obstacles, or between one and a wall, that is so narrow that particles choke in it, the narrowest
-// first; none if the water does not consist of particles.
+// first; of more than five the last sentence tells how many. None if the water does not consist of particles.
 [[nodiscard]] std::vector<std::string> narrow_gaps(const Scene& scene);
 
 // Whether the flow brings or starts with water up to channel.depth.

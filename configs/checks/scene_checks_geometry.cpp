@@ -108,8 +108,9 @@ void check_in_world(const Scene& scene, const std::string& source) {
 }  // namespace
 
 std::vector<std::string> narrow_gaps(const Scene& scene) {
-    if (scene.fluid.model != ModelKind::dfsph && scene.fluid.model != ModelKind::mixed) return {};
     const Channel& channel = scene.channel;
+    const bool has_particles = scene.fluid.model == ModelKind::dfsph || scene.fluid.model == ModelKind::mixed;
+    if (!has_particles || (channel.flow == Flow::closed && channel.water_blocks.empty())) return {};
     std::vector<Gap> gaps;
     // What rounding adds to a gap that is just wide enough is no fault of it.
     const double enough = (1 - 1e-6) * spacings_in_a_gap * scene.fluid.particle_spacing;
@@ -135,12 +136,20 @@ std::vector<std::string> narrow_gaps(const Scene& scene) {
         }
     }
     std::stable_sort(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) { return a.width < b.width; });
+    constexpr std::size_t enough_to_read = 5;
+    const std::size_t named = std::min(gaps.size(), enough_to_read);
     std::vector<std::string> sentences;
-    for (const Gap& gap : gaps) {
+    sentences.reserve(named + 1);
+    for (std::size_t k = 0; k < named; ++k) {
+        const Gap& gap = gaps[k];
         sentences.push_back("the gap of " + short_number(gap.width) + " m between " + gap.between + " is " +
                             short_number(gap.width / scene.fluid.particle_spacing) +
                             " particle spacings wide and chokes the water; it needs /fluid/particle_spacing_m <= " +
                             short_number(gap.width / spacings_in_a_gap) + ".");
+    }
+    if (gaps.size() > named) {
+        sentences.push_back(std::to_string(gaps.size() - named) + " more gaps are narrower than " +
+                            short_number(spacings_in_a_gap) + " particle spacings.");
     }
     return sentences;
 }

@@ -230,10 +230,16 @@ TEST_CASE("gaps of less than three spacings are named, the narrowest first") {
     scene.fluid.particle_spacing = 0.1;
     // 0.25 m from the bank, 0.2 m from one another; the third is 0.3 m from the second, and none is in the way of the fourth.
     scene.obstacles = {{{2, 3}, {0.25, 2}, 1}, {{3.2, 4}, {1, 2}, 1}, {{4.3, 5}, {1, 2}, 1}, {{5.1, 6}, {2.5, 3}, 1}};
+    CHECK(wade::narrow_gaps(scene).empty());  // nor is there water
+    scene.channel.water_blocks = {{{0, 10}, {0, 4}, 1}};
     const std::vector<std::string> gaps = wade::narrow_gaps(scene);
     REQUIRE(gaps.size() == 2);
     CHECK_THAT(gaps[0], Contains("0.2 m between /obstacles/0 and /obstacles/1") && Contains("<= 0.0666667."));
     CHECK_THAT(gaps[1], Contains("/obstacles/0 and the bank at z_min_m"));
+    for (double x = 6.1; x < 8; x += 0.2) scene.obstacles.push_back({{x, x + 0.1}, {1, 2}, 1});
+    const std::vector<std::string> many = wade::narrow_gaps(scene);
+    REQUIRE(many.size() == 6);
+    CHECK_THAT(many[5], Contains("more gaps"));
     scene.fluid.model = wade::ModelKind::shallow_water;
     CHECK(wade::narrow_gaps(scene).empty());
 }
