@@ -66,8 +66,8 @@ HWY_INLINE V past_edges(const ToFaces& m, const ToFaces& n) {
 }
 
 // How much of y is seen past an obstacle; box: round the places x. An axis along which all lines end on one side of it, delta
-// away, decides alone, and one along which all stay more than delta away from both faces has no say.
-HWY_INLINE V seen_past(const Box& obstacle, const Box& box, const Vec3V& x, const Vec3& y, float delta) {
+// away, decides alone, and one along which all stay more than delta away from both faces has no say. near: the lanes that count.
+HWY_INLINE V seen_past(const Box& obstacle, const Box& box, const Vec3V& x, const Vec3& y, Seen near, float delta) {
     const float far = 8 * delta;  // a face farther away than that has no say, be it at infinity
     std::array<bool, 3> between{};
     Vec3 lo{}, hi{};
@@ -85,8 +85,13 @@ HWY_INLINE V seen_past(const Box& obstacle, const Box& box, const Vec3V& x, cons
     const std::array<ToFaces, 3> to{faces(0), faces(1), faces(2)};
     V distance = all(-Box::inf);
     for (std::size_t k = 0; k < 3; ++k) {
+        if (between[k]) continue;
         const V below = hn::Min(to[k].x_lo, to[k].y_lo), above = hn::Neg(hn::Max(to[k].x_hi, to[k].y_hi));
-        if (!between[k]) distance = hn::Max(distance, hn::Max(below, above));
+        distance = hn::Max(distance, hn::Max(below, above));
+    }
+    // Most lines of a cluster at a corner end on one side, each of its own.
+    if (hn::AllFalse(lanes, hn::And(near, hn::Lt(distance, all(delta))))) return all(1);
+    for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t m = (k + 1) % 3, n = (k + 2) % 3;
         if (between[m] || between[n]) continue;
         distance = hn::Max(distance, past_edges(to[m], to[n]));
@@ -183,7 +188,7 @@ std::size_t FindSeenOver(const Watchers& watchers, const Sight& sight, float h, 
                 [&](const Vec3& y, Seen near) HWY_ATTR { return hn::And(near, over(*sight.facet, x, y)); });
 }
 
-// share_of(y): how much of y each lane sees.
+// share_of(x, y, near): how much of y each lane sees that is near.
 template <typename ShareOf>
 HWY_INLINE std::size_t keep_shares(const Watchers& watchers, const Sight& sight, float h, const Particles& p,
                                    std::size_t first, std::size_t last, NeighbourBlock& block, std::uint16_t*& shares,
@@ -192,7 +197,7 @@ HWY_INLINE std::size_t keep_shares(const Watchers& watchers, const Sight& sight,
     const Vec3V x = load(watchers.places);
     return keep(sight, h, p, first, last, block, [&](const Vec3& y, Seen near) HWY_ATTR {
         const Seen over_facet = sight.facet == nullptr ? near : hn::And(near, over(*sight.facet, x, y));
-        const auto units = hn::NearestInt(hn::Mul(share_of(x, y), all(whole_share)));
+        const auto units = hn::NearestInt(hn::Mul(share_of(x, y, near), all(whole_share)));
         const Seen seen = hn::And(over_facet, hn::RebindMask(lanes, hn::Gt(units, hn::Zero(whole))));
         put_together(units, bits_of(seen), shares);
         shares += std::popcount(bits_of(seen));
@@ -205,17 +210,18 @@ std::size_t FindSharesSeen(const Watchers& watchers, const Sight& sight, float h
     if (sight.obstacle != nullptr) {
         const Face face(*sight.obstacle, sight.mirror, load(watchers.places), watchers.delta);
         return keep_shares(watchers, sight, h, p, first, last, block, shares,
-                           [&](const Vec3V&, const Vec3& y)
+                           [&](const Vec3V&, const Vec3& y, Seen)
                                HWY_ATTR { return face.distance(y) < 0 ? hn::Zero(lanes) : face.share_of(y); });
     }
-    return keep_shares(watchers, sight, h, p, first, last, block, shares, [&](const Vec3V& x, const Vec3& y) HWY_ATTR {
-        const Vec3 at = sight.mirror.reflect(y);
-        V share = all(1);
-        for (const Box& obstacle : watchers.obstacles) {
-            share = hn::Min(share, seen_past(obstacle, watchers.box, x, at, watchers.delta));
-        }
-        return share;
-    });
+    return keep_shares(watchers, sight, h, p, first, last, block, shares,
+                       [&](const Vec3V& x, const Vec3& y, Seen near) HWY_ATTR {
+                           const Vec3 at = sight.mirror.reflect(y);
+                           V share = all(1);
+                           for (const Box& obstacle : watchers.obstacles) {
+                               share = hn::Min(share, seen_past(obstacle, watchers.box, x, at, near, watchers.delta));
+                           }
+                           return share;
+                       });
 }
 
 // The bits of the first n lanes, of all if there are fewer.
