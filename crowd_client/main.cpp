@@ -27,6 +27,12 @@ ProgramDescription description() {
                   "map in danger.csv, more columns in agents.csv; 0: none",
           .number = NumberRange{0, 1e6},
           .preset = 0},
+         {.name = "--terms-every-s",
+          .help =
+              "Simulated time between two rows of what moves each person, the terms of Eq. 5 to 9 and of the body, in "
+              "terms.csv, s; 0: none",
+          .number = NumberRange{0, 1e6},
+          .preset = 0},
          {.name = "--no-trajectories",
           .help = "Write no trajectories.sqlite, for many runs of which only the end counts"},
          {.name = "--step-times", .help = "Say at the end how long each stage of a step took"},

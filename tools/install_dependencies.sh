@@ -39,6 +39,7 @@ readers   python3-meshio      -                    -
 readers   ffmpeg              ffmpeg               ffmpeg
 readers   mono-mcs            -                    -
 readers   mono-runtime        -                    -
+viewer    chromium            chromium             -
 '
 # Headers for the producer in Node; a node from elsewhere often brings them along.
 node=$(readlink -f "$(command -v node || true)" || true)
@@ -48,6 +49,10 @@ tests     nodejs              nodejs               node
 tests     libnode-dev         nodejs-devel         node
 '
 fi
+# A node from elsewhere often brings npm along, too.
+command -v npm >/dev/null || packages+='
+viewer    npm                 nodejs-npm           node
+'
 
 fail() {
   printf '%s\n' "install_dependencies.sh: $*" | fold -s -w 100 >&2
@@ -56,12 +61,13 @@ fail() {
 
 usage() {
   cat <<HELP
-Usage: tools/install_dependencies.sh [build] [pictures] [tests] [readers]
+Usage: tools/install_dependencies.sh [build] [pictures] [tests] [readers] [viewer]
 
 Installs, as root or with sudo, what is missing of these sets of Debian's packages; without an
-argument all but readers. A run needs build and pictures, the tests and what CI checks need tests,
-too. readers are programs of others that read what Wade writes: ffmpeg makes films, the others are
-for tests, which are skipped without them. On other systems it names the packages, which you install
+argument all but the last two. A run needs build and pictures, the tests and what CI checks need
+tests, too. readers are programs of others that read what Wade writes: ffmpeg makes films, the
+others are for tests, which are skipped without them. viewer: npm brings the page of tools/wade view
+its one package, chromium is for its test. On other systems it names the packages, which you install
 yourself:
 
 set       Debian, Ubuntu      Fedora               Homebrew
@@ -76,10 +82,10 @@ HELP
 sets=()
 for argument in "$@"; do
   case "$argument" in
-    build | pictures | tests | readers) sets+=("$argument") ;;
+    build | pictures | tests | readers | viewer) sets+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *)
-      echo "install_dependencies.sh: unexpected argument \"$argument\"; allowed: build, pictures, tests, readers" >&2
+      echo "install_dependencies.sh: unexpected argument \"$argument\"; allowed: build, pictures, tests, readers, viewer" >&2
       exit 2
       ;;
   esac

@@ -19,6 +19,9 @@ bool with_water(const Scene&, const Record& kept) {
 bool with_danger(const Scene&, const Record& kept) {
     return kept.danger_window > 0;
 }
+bool with_terms(const Scene&, const Record& kept) {
+    return kept.terms_interval > 0;
+}
 bool with_poses(const Scene& scene, const Record&) {
     return scene.crowd.pose_rate > 0;
 }
@@ -34,6 +37,7 @@ constexpr std::array registered{
     RegisteredOutput{Turn::growing, {"water.bin"}, 1, with_water, made<WaterPictures>},
     RegisteredOutput{Turn::growing, {"poses.csv"}, 1, with_poses, made<Poses>},
     RegisteredOutput{Turn::growing, {"ragdoll.csv"}, 1, with_ragdolls, made<Ragdolls>},
+    RegisteredOutput{Turn::growing, {"terms.csv"}, 1, with_terms, made<TermsFile>},
     RegisteredOutput{Turn::growing, {"events.jsonl", "scene_as_played.json"}, 0, always, made<EventsFile>},
     RegisteredOutput{Turn::results, {"danger.csv"}, 0, with_danger, made<DangerFile>},
     RegisteredOutput{Turn::results, {"agents.csv"}, 0, always, made<AgentsFile>},

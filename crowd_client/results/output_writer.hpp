@@ -22,6 +22,7 @@ struct Record {
     double water_interval = 0;  // simulated seconds between two snapshots of the water, 0 = none
     double danger_window = 0;   // over which the water is averaged for levels of danger, s; 0 = none are recorded
     bool trajectories = true;   // trajectories.sqlite
+    double terms_interval = 0;  // between two rows of everybody's terms of the equations, s; 0 = none
     double path_interval = 0;   // simulated seconds of paths that are written at once, 0 = each frame by itself
 };
 

@@ -52,7 +52,8 @@ std::vector<std::string> portable_command(const std::vector<std::string>& argume
 Record record_of(const RunOptions& options) {
     return {.water_interval = options.extra("--water-every-s"),
             .danger_window = options.extra("--danger-every-s"),
-            .trajectories = !options.has("--no-trajectories")};
+            .trajectories = !options.has("--no-trajectories"),
+            .terms_interval = options.extra("--terms-every-s")};
 }
 
 RunLabels labels_of(const ProgramStart& start) {

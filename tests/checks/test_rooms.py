@@ -12,7 +12,7 @@ from pathlib import Path
 
 from sources import ROOT, git, tracked
 
-PRODUCT = ("configs", "shm_protocol", "fluid_server", "crowd_client")
+PRODUCT = ("configs", "shm_protocol", "fluid_server", "crowd_client", "viewer")
 MOST_FILES = 25  # sources in a folder, a header and its source counted as two
 MOST_LINES = 400
 MOST_TRACKED = 1285  # 1,250 before there was a viewer and its exports

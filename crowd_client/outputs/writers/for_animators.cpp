@@ -73,6 +73,43 @@ void add_row(std::string& rows, const CrowdWorld& crowd, std::uint32_t id, std::
     rows += '\n';
 }
 
+// A vector, or two empty fields.
+void add_pair(std::string& row, bool is_there, const Vector2d& v) {
+    if (!is_there) {
+        row += ",,";
+        return;
+    }
+    add_number(row, v.x());
+    add_number(row, v.y());
+}
+
+// A number, or an empty field.
+void add_if(std::string& row, bool is_there, double v) {
+    if (is_there) return add_number(row, v);
+    row += ',';
+}
+
+// Place k of the lists of the step belongs to `id`.
+void add_terms(std::string& rows, const CrowdWorld& crowd, std::uint32_t id, std::size_t k) {
+    const Agents& agents = crowd.agents;
+    const People& people = agents.people;
+    const bool by_body = people.by_body[id] != 0, feels = crowd.feeling.has_value();
+    add_number(rows, agents.tau[id]);
+    add_number(rows, agents.mass[id]);
+    add_pair(rows, true, crowd.walking[k]);
+    add_if(rows, !by_body, crowd.contacts[k].mass);
+    add_pair(rows, !by_body, crowd.contacts[k].momentum);
+    add_pair(rows, true, agents.velocity[id]);
+    add_if(rows, by_body || feels, by_body ? people.depth[id] : feels ? crowd.felt[k].depth : 0);
+    add_pair(rows, by_body || feels,
+             by_body ? mean_stream(people, id)
+             : feels ? crowd.felt[k].velocity
+                     : Vector2d(Vector2d::Zero()));
+    add_if(rows, by_body, people.slip[id]);
+    add_if(rows, by_body, people.topple[id]);
+    rows += '\n';
+}
+
 }  // namespace
 
 RagdollFile::RagdollFile(const std::filesystem::path& file) : file_(file) {
@@ -107,6 +144,34 @@ void PoseFile::write(std::uint64_t frame, const CrowdWorld& crowd, std::uint64_t
         rows_ += begin;
         add_whole(rows_, id);
         add_row(rows_, crowd, id, hands);
+    }
+    if (!rows_.empty()) file_.append(rows_);
+}
+
+TermsFile::TermsFile(const OutputPlace& place)
+    : file_(place.folder / "terms.csv"),
+      steps_between_(
+          static_cast<std::uint64_t>(std::max(1LL, std::llround(place.kept.terms_interval / place.crowd.dt)))) {
+    file_.append(
+        "frame,time_s,id,tau,mass_kg,walking_x_m_s,walking_z_m_s,water_mass_kg,water_momentum_x_kg_m_s,"
+        "water_momentum_z_kg_m_s,velocity_x_m_s,velocity_z_m_s,depth_m,stream_x_m_s,stream_z_m_s,slip,topple\n");
+}
+
+void TermsFile::on_step(const CrowdWorld& crowd, const WaterView&) {
+    if (crowd.steps % steps_between_ != 0) return;
+    std::string begin = std::to_string(next_frame_++);
+    add_number(begin, time_of(crowd));
+    begin += ',';
+    rows_.clear();
+    const Agents& agents = crowd.agents;
+    std::size_t k = 0;
+    for (std::uint32_t id = 0; id < agents.size(); ++id) {
+        // The lists hold who was active as the last part of the step began.
+        const bool ended_now = agents.end_step[id] == crowd.steps && agents.end_before[id] == 0;
+        if (agents.outcome[id] != Outcome::active && !ended_now) continue;
+        rows_ += begin;
+        add_whole(rows_, id);
+        add_terms(rows_, crowd, id, k++);
     }
     if (!rows_.empty()) file_.append(rows_);
 }

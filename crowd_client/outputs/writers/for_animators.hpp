@@ -1,5 +1,6 @@
 #pragma once
-// What animators read: poses.csv, how everybody holds itself, and ragdoll.csv, whom the water tumbles, frame by frame.
+// What animators and viewers read, frame by frame: poses.csv, how everybody holds itself, ragdoll.csv, whom the water tumbles, and
+// terms.csv, what moves everybody.
 
 #include <cstdint>
 #include <filesystem>
@@ -88,6 +89,21 @@ class Poses final : public OutputWriter {
     std::uint64_t steps_per_frame_;
     std::uint64_t next_frame_ = 0, last_step_ = 0;
     bool is_whole_ = true;  // nothing went wrong so far
+};
+
+// terms.csv: a row for each person who was on its way in the last part of the step, with what Eq. 5 to 9 and the body have made its
+// velocity of. Empty where the response does not use a term.
+class TermsFile final : public OutputWriter {
+ public:
+    explicit TermsFile(const OutputPlace& place);
+
+    void on_step(const CrowdWorld& crowd, const WaterView& water) override;  // throws OutputError
+    void finish(const RunView&) override {}
+
+ private:
+    AppendFile file_;
+    std::string rows_;
+    std::uint64_t steps_between_, next_frame_ = 0;
 };
 
 }  // namespace wade::crowd

@@ -34,6 +34,8 @@ COMMANDS = {
         Command("scenes", "list the scenes by their short names", "wade.scenes"),
     ),
     "Look at a run": (
+        Command("view", "a run in the browser, while it goes on or later", "wade.view",
+                ("wade_view_server", "crowd_client")),
         Command("figure", "top view of a run: water, paths, goals, outcome", "wade.pictures.figure", pictures=True),
         Command("danger-map", "danger levels of the water, and whom they met", "wade.pictures.danger_map",
                 pictures=True),

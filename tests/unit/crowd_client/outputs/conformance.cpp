@@ -17,7 +17,7 @@ namespace wade::crowd::testing {
 namespace {
 
 constexpr int steps = 30;
-constexpr Record everything{.water_interval = 0.1, .danger_window = 0.5, .trajectories = true};
+constexpr Record everything{.water_interval = 0.1, .danger_window = 0.5, .trajectories = true, .terms_interval = 0.1};
 
 Scene scene_with_all() {
     Scene scene = one_agent_scene(50, 25, 75, 50, 0.9);

@@ -31,6 +31,10 @@ starts fluid_server and crowd_client, waits for both, prints the outcome and dra
   --mode latest       the crowd takes the newest frame and the water waits for nobody; fluid_server
                       gets --consumers 0 and --clock real_time, unless you give them. Not with
                       --consumers 1 and more, --clock fast, --replay
+  --view              the run in the browser, at the address that is printed; goes on after the run until
+                      Ctrl-C. The run keeps poses, terms and the water more often for it, and takes
+                      its commands from the page instead of the terminal
+  --view-port N       port of the page at 127.0.0.1 [any that is free]
   --no-figure         do not draw figure.png; nor is it drawn with --no-trajectories, which leaves
                       no paths
   --check             only check the scene and the options of both programs
@@ -51,8 +55,9 @@ OWN_VALUES = {
     "--record": "a file",
     "--replay": "a recording",
     "--producer": "a command as in a shell",
+    "--view-port": "a port, 0 to 65535",
 }
-OWN_SWITCHES = ("--no-figure",)
+OWN_SWITCHES = ("--no-figure", "--view")
 
 
 def options_of(program):
@@ -102,7 +107,7 @@ def suit_to_latest(theirs):
 
 def own_value(name, value):
     """The value of an own option, unless it is empty or, for --producer, no command."""
-    wrong = not value
+    wrong = not value or name == "--view-port" and not (value.isdigit() and int(value) < 65536)
     if name == "--producer":
         try:
             words = shlex.split(value)

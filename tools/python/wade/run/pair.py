@@ -11,6 +11,7 @@ import shlex
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from wade.building import PICTURES
@@ -22,6 +23,7 @@ from wade.run.outcome import BeforeRun, crowds_summary, has_frames, state_of, su
 from wade.run.processes import Pair, meaning, wait_for_own_segment, wait_until_joined
 from wade.scenes import find_scene
 from wade.terminal import harmless, say_error, tail_of, wrapped
+from wade.view import FIFO, Server, settings_for_view
 
 ANSWERS = ("--check", "--print-config", "--version")  # one program answers and nothing is run
 SHOWN_OF_LOG = 5  # lines, of a program that failed
@@ -29,7 +31,7 @@ SHOWN_OF_LOG = 5  # lines, of a program that failed
 
 def programs_for(arguments):
     """The programs of the build folder that a command line needs."""
-    return [name for name in programs_of(arguments)[1] if name]
+    return [*programs_of(arguments)[1], *(["wade_view_server"] if has_view(arguments) else [])]
 
 
 def programs_of(arguments):
@@ -41,6 +43,11 @@ def programs_of(arguments):
         producer = None
     recorder = ["shm_record"] if is_given(arguments, "--record") else []
     return producer, [name for name in (producer, "crowd_client", *recorder) if name]
+
+
+def has_view(arguments):
+    """Whether the page is shown beside the run."""
+    return is_given(arguments, "--view") or is_given(arguments, "--view-port")
 
 
 def resolved_scene(program, scene, arguments):
@@ -102,8 +109,12 @@ class Run:
         options = {name: options_of(BUILD / name) for name in names}
         scene, self.own, self.arguments = split_arguments(arguments, options)
         suit_to_latest(self.arguments)
+        self.view = has_view(arguments)
+        if self.view and is_given(arguments, "--crowds"):
+            raise UsageError("--view shows one crowd; allowed with --crowds: none (tools/wade view DIR/<name> later)")
         self.scene = find_scene(scene)
         self.resolved = None
+        self.suits_view = False
         check_state(self.arguments.get("fluid_server", []))
 
     def check_scene(self):
@@ -113,9 +124,47 @@ class Run:
                 self.resolved, code = resolved_scene(BUILD / name, self.scene, self.arguments[name])
                 if self.resolved is None:
                     return code
+        if self.view and not self.suits_view:
+            return self.suit_to_view()
         if "--replay" in self.own and self.resolved["coupling"]["two_way"]:
             raise UsageError("/coupling/two_way: a recording cannot answer people who push it; allowed with --replay: false")
         return 0
+
+    def suit_to_view(self):
+        """Lets the run keep what the page shows, but for what the user said himself, and checks the scene again."""
+        both, crowd = settings_for_view(self.resolved, [word for words in self.arguments.values() for word in words])
+        for name in ("fluid_server", "crowd_client"):
+            if name in self.arguments:
+                self.arguments[name] += both
+        self.arguments["crowd_client"] += crowd
+        if "--replay" in self.own and both:
+            self.arguments["shm_replay"].append("--any-scene")  # poses change no path, but the hash of the scene
+        self.suits_view = True
+        return self.check_scene()
+
+
+def start_viewer(run, folder, session):
+    """The page beside a run that is about to start; prints its address."""
+    given = values_of(run.arguments["crowd_client"], "--commands")
+    fifo = given[0] if given else folder / FIFO
+    if not given:
+        run.arguments["crowd_client"] += ["--commands", str(fifo)]
+    scene = folder / ".scene.json"
+    scene.write_text(json.dumps(run.resolved), encoding="utf-8")
+    server = Server("--run", folder, "--session", session, "--scene", scene, "--commands", fifo, "--starts",
+                    port=run.own.get("--view-port", 0))
+    if server.address:
+        print(f"viewer: {server.address}", flush=True)
+    return server
+
+
+def stay(viewer, pair):
+    """Lets the page show the run that is over, until the user has seen enough."""
+    if pair.signal == 0 and viewer.process.poll() is None:
+        print(f"viewer: {viewer.address} goes on; Ctrl-C ends it", flush=True)
+    while pair.signal == 0 and viewer.process.poll() is None:
+        time.sleep(0.1)
+    viewer.end()
 
 
 def region_of(run):
@@ -197,6 +246,9 @@ def carry_out(run):
     try:
         folder.mkdir(parents=True, exist_ok=True)
         before = BeforeRun(folder, many)
+        viewer = start_viewer(run, folder, session) if run.view else None
+        if viewer and not viewer.address:
+            return viewer.wait()
         started = start_all(run, pair, folder, session)
     except OSError as error:
         raise UsageError(f"--out: cannot write to {folder}: {error.strerror}") from error
@@ -219,6 +271,11 @@ def carry_out(run):
     drawable = not many and not pair.signal and before.has_new_results() and has_frames(folder)
     if "--no-figure" not in own and drawable and not picture(run, folder, pair):
         code = code or 1
+    if viewer:
+        interrupted = pair.signal
+        stay(viewer, pair)
+        (folder / ".scene.json").unlink(missing_ok=True)
+        return code if not interrupted else 130 if interrupted == signal.SIGINT else 143
     if pair.signal:
         code = 130 if pair.signal == signal.SIGINT else 143
     return code

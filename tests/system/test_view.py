@@ -1,0 +1,351 @@
+"""The viewer: its server against run folders, sessions, recordings and nonsense, and its page in a browser."""
+
+import base64
+import contextlib
+import csv
+import io
+import json
+import os
+import random
+import shutil
+import socket
+import struct
+import subprocess
+import unittest
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+from harness import PROGRAMS, SystemTest, wait_until
+
+from wade import view
+
+SERVER = PROGRAMS / "wade_view_server"
+PAGE_TEST = Path(__file__).resolve().parent / "view_page.mjs"
+KEPT = ["--set", "/crowd/poses/rate_hz=10"]  # both programs
+TERMS = ["--terms-every-s", "0.1", "--water-every-s", "0.5"]  # the crowd
+HEAD = struct.Struct("<4sIIIddIIfffI")  # docs/viewer.md
+
+
+class Socket:
+    """A client of the WebSocket, the least that talks to the server."""
+
+    def __init__(self, port, headers=()):
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
+        key = base64.b64encode(os.urandom(16)).decode()
+        lines = [f"GET /stream HTTP/1.1\r\nHost: 127.0.0.1:{port}", "Upgrade: websocket", "Connection: Upgrade",
+                 f"Sec-WebSocket-Key: {key}", "Sec-WebSocket-Version: 13", *headers]
+        self.socket.sendall(("\r\n".join(lines) + "\r\n\r\n").encode())
+        self.stream = self.socket.makefile("rb")
+        self.answer = self.stream.readline().decode()
+        while self.stream.readline().strip():
+            pass
+
+    def ask(self, **question):
+        self.send(json.dumps(question).encode())
+
+    def send(self, data, kind=1):
+        length = struct.pack(">B", 0x80 | len(data)) if len(data) < 126 else struct.pack(">BH", 0x80 | 126, len(data))
+        self.socket.sendall(bytes([0x80 | kind]) + length + b"\0\0\0\0" + data)  # masked with zeros
+
+    def message(self):
+        """The next message, text or (head, arrays); answers pings meanwhile."""
+        kind, length = self.stream.read(2)
+        length &= 0x7F
+        if length == 126:
+            length = struct.unpack(">H", self.stream.read(2))[0]
+        elif length == 127:
+            length = struct.unpack(">Q", self.stream.read(8))[0]
+        data = self.stream.read(length)
+        if kind & 15 == 9:
+            self.send(data, 10)
+            return self.message()
+        if kind & 15 == 1:
+            return json.loads(data)
+        head = HEAD.unpack_from(data)
+        count, fields = head[2:4]
+        values = struct.unpack_from(f"<{count * fields}f", data, HEAD.size)
+        return head, [values[k * count:(k + 1) * count] for k in range(fields)]
+
+    def wait_for(self, wanted):
+        """The next message for which wanted() holds, of those that come meanwhile."""
+        while True:
+            message = self.message()
+            if wanted(message):
+                return message
+
+    def get(self, **question):
+        self.ask(**question)
+        return self.wait_for(lambda m: not isinstance(m, dict) or "status" not in m)
+
+    def status(self, wanted=lambda _: True):
+        return self.wait_for(lambda m: isinstance(m, dict) and "status" in m and wanted(m["status"]))["status"]
+
+    def close(self):
+        self.stream.close()
+        self.socket.close()
+
+
+class ViewTest(SystemTest):
+    def three(self):
+        """A folder that looks like npm's; the page itself is for the browser."""
+        for name in ("build/three.module.js", "build/three.core.js", "examples/jsm/controls/OrbitControls.js"):
+            file = self.folder / "three" / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text("// three\n")
+        return self.folder / "three"
+
+    def view(self, *arguments, three=None):
+        """A server, once it listens; .port."""
+        program = self.start(SERVER, "--page", view.PAGE, "--three", three or self.three(), *arguments)
+
+        def address():
+            program.output.seek(0)
+            return program.output.read()
+
+        wait_until(lambda: "\n" in address() or not program.running(), "the address")
+        self.assertTrue(program.running(), program.messages())
+        program.port = int(address().rsplit(":", 1)[1].strip(" /\n"))
+        return program
+
+    def connect(self, program, **options):
+        client = Socket(program.port, **options)
+        self.addCleanup(client.close)
+        return client
+
+    def kept_run(self):
+        server, client = self.server(*KEPT), self.client(*KEPT, *TERMS)
+        self.assert_ended_well(server, client)
+        return client.run
+
+    def fetch(self, program, path):
+        with urllib.request.urlopen(f"http://127.0.0.1:{program.port}{path}", timeout=30) as answer:
+            return answer.read()
+
+
+class Folders(ViewTest):
+    def test_a_run_is_served_as_its_files_have_it(self):
+        run = self.kept_run()
+        program = self.view("--run", run.folder)
+        description = json.loads(self.fetch(program, "/run.json"))
+        self.assertEqual(json.loads(description["files"]["outcome.json"]), run.outcome())
+        poses = list(csv.DictReader(io.StringIO(run.bytes_of("poses.csv").decode())))
+        times = sorted({float(row["time_s"]) for row in poses})
+        client = self.connect(program)
+        status = client.status(lambda s: s["people"]["frames"] == len(times))
+        self.assertEqual(status["people"]["last"], times[-1])
+        self.assertEqual(status["outcome"], "completed")
+
+        frame = len(times) // 2
+        head, arrays = client.get(get="people", after=frame)
+        rows = [row for row in poses if float(row["time_s"]) == times[frame]]
+        self.assertEqual((head[0], head[1], head[2], head[4]), (b"WVF1", 2, len(rows), times[frame]))
+        for name, values in zip(description["fields"], arrays):
+            wanted = [row.get(name) for row in rows]
+            if name == "state":
+                wanted = [description["states"].index(row[name]) for row in rows]
+            elif name == "posture":
+                wanted = [description["postures"].index(row[name]) for row in rows]
+            elif name == "holds":
+                wanted = [-1] * len(rows)
+            for value, number in zip(values, wanted):
+                self.assertAlmostEqual(value, float(number), delta=1e-5 * (1 + abs(float(number))), msg=name)
+
+        head, depths = client.get(get="depths", t=4)
+        self.assertEqual((head[1], head[4]), (3, 4))
+        # 1 m of water over 20 x 4 m; the file rounds to millimetres.
+        self.assertAlmostEqual(sum(depths[0]) * head[10] ** 2, 80, delta=0.0005 * len(depths[0]))
+
+        rows = list(csv.DictReader(io.StringIO(run.bytes_of("terms.csv").decode())))
+        row = next(r for r in rows if r["id"] == "2" and float(r["time_s"]) >= 3)
+        shown = client.get(get="terms", id=2, t=float(row["time_s"]))["terms"]
+        self.assertEqual(next(csv.DictReader(io.StringIO(shown))), row)
+
+        ends = {int(a["id"]): a["outcome"] for a in run.agents() if a["outcome"] != "active"}
+        changes = client.get(get="changes", after=0)["changes"]
+        self.assertEqual({i: s for _, i, s in changes if s in ("arrived", "dead")}, ends)
+        head, paths = client.get(get="paths", t=0)
+        self.assertEqual(len(set(paths[0])), 6)
+
+    def test_terms_are_those_of_the_equations(self):
+        run = self.kept_run()
+        rows = list(csv.DictReader(io.StringIO(run.bytes_of("terms.csv").decode())))
+        wet = [{k: float(v) for k, v in row.items() if v} for row in rows if float(row["water_mass_kg"]) > 0]
+        self.assertGreater(len(wet), 20)
+        for row in wet:  # Eq. 9, by numbers that are rounded to thousandths
+            pushed = row["tau"] * row["water_mass_kg"]
+            for axis in "xz":
+                speed = ((row["mass_kg"] * row[f"walking_{axis}_m_s"] + row["tau"] * row[f"water_momentum_{axis}_kg_m_s"])
+                         / (row["mass_kg"] + pushed))
+                self.assertAlmostEqual(row[f"velocity_{axis}_m_s"], speed, delta=0.003)
+
+    def test_a_run_that_was_killed_is_served_up_to_its_last_whole_frame(self):
+        run = self.kept_run()
+        for name in ("poses.csv", "water.bin"):
+            data = run.bytes_of(name)
+            (run.folder / name).write_bytes(data[: len(data) * 2 // 3])
+        client = self.connect(self.view("--run", run.folder))
+        status = client.status(lambda s: s["people"]["frames"] > 0)
+        head, _ = client.get(get="people", after=1e6)
+        self.assertEqual(head[4], status["people"]["last"])
+        self.assertLess(head[4], run.outcome()["sim_time_s"] * 0.9)
+        self.assertLess(client.get(get="depths", t=1e6)[0][4], run.outcome()["sim_time_s"] * 0.9)
+
+    def test_only_paths_show_people_upright(self):
+        run = self.pair()
+        client = self.connect(self.view("--run", run.folder))
+        status = client.status(lambda s: s["people"]["frames"] > 0)
+        self.assertFalse(status["people"]["poses"])
+        frame = int(2 * status["people"]["rate"])
+        _, arrays = client.get(get="people", after=frame)
+        rows = run.query(f"SELECT id, pos_x, pos_y FROM trajectory_data WHERE frame = {frame}")
+        for value, row in zip(zip(*arrays[:3]), rows):
+            self.assertAlmostEqual(value[1], row[1], delta=1e-4)
+            self.assertAlmostEqual(value[2], row[2], delta=1e-4)
+
+
+class Sessions(ViewTest):
+    def test_a_live_run_is_shown_and_a_client_that_stalls_holds_nobody_up(self):
+        program = self.view("--session", self.session)
+        client, stalled = self.connect(program), self.connect(program)
+        self.assertEqual(client.status()["live"]["state"], "waiting")
+        crowd = self.client(*KEPT)
+        server = self.server(*KEPT)
+        stalled.ask(get="live", after=-1)  # and never reads
+        seen = []
+        while len(seen) < 3:
+            head, arrays = client.get(get="live", after=seen[-1] if seen else -1)
+            self.assertEqual(head[2:4], (640, 7))
+            self.assertAlmostEqual(sum(arrays[6]), 80, delta=1e-3)  # m3 of water
+            seen.append(head[5])
+        self.assertEqual(seen, sorted(set(seen)))
+        self.assert_ended_well(server, crowd)
+        self.assertEqual(client.status(lambda s: s["live"]["state"] == "ended")["live"]["problem"], "")
+
+    def test_tau_from_the_page_is_recorded_and_played_again(self):
+        fifo = self.folder / "fifo"
+        crowd = self.client(*KEPT, "--commands", fifo, "--reproducible")
+        wait_until(fifo.exists, "the FIFO")
+        client = self.connect(self.view("--run", crowd.run.folder, "--session", self.session, "--commands", fifo,
+                                        "--starts"))
+        self.assertIn("allowed", client.get(get="command", line="tau 7")["problem"])
+        self.assertIn("quit", client.get(get="command", line="quit")["problem"])
+        self.assertEqual(client.get(get="command", line="tau 0.9 group walkers")["problem"], "")
+        server = self.server(*KEPT, "--reproducible")
+        self.assert_ended_well(server, crowd)
+        events = client.status(lambda s: s["events"])["events"]
+        self.assertEqual([json.loads(line)["tau"] for line in events.splitlines()], [0.9])
+        again = self.pair("--reproducible", scene=crowd.run.folder / "scene_as_played.json")
+        self.assertEqual(crowd.run.bytes_of("agents.csv"), again.bytes_of("agents.csv"))
+
+    def test_a_recording_that_was_cut_off_opens_to_its_last_whole_frame(self):
+        file = self.folder / "water.wrec"
+        server = self.server("--consumers", "2", "--until-s", "1")
+        recorder = self.start(PROGRAMS / "shm_record", self.session, file)
+        crowd = self.client("--until-s", "1")
+        self.assert_ended_well(server, crowd, recorder)
+        file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+        client = self.connect(self.view("--recording", file))
+        recorded = client.status()["recorded"]
+        self.assertFalse(recorded["whole"])
+        self.assertIn(recorded["frames"], range(8, 20))
+        head, arrays = client.get(get="water", t=99)
+        self.assertEqual((head[2], head[4]), (640, recorded["last"]))
+        self.assertTrue(all(0 <= x <= 20 for x in arrays[0]))
+
+
+class Strangers(ViewTest):
+    def test_nonsense_is_refused_and_survived(self):
+        folder = self.folder / "run"
+        folder.mkdir()
+        program = self.view("--run", folder, "--starts")
+        chance = random.Random(1)
+        paths = ["/", "/run.json", "/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/viewer.js/../..", "//etc/passwd", "/stream"]
+        for k in range(1000):
+            with socket.create_connection(("127.0.0.1", program.port), timeout=30) as stranger:
+                host = chance.choice(["127.0.0.1", "localhost", "evil.example"])
+                request = (f"{chance.choice(['GET', 'POST', 'HEAD', 'TRACE', 'X' * 40])} {chance.choice(paths)} HTTP/1.1\r\n"
+                           f"Host: {host}:{program.port}\r\n{'A: ' + 'b' * chance.choice([1, 9000])}\r\n\r\n").encode()
+                if k % 4 == 1:
+                    request = chance.randbytes(chance.randrange(1, 300))
+                if k % 4 == 2:
+                    request = request[: chance.randrange(len(request))]
+                stranger.sendall(request)
+                if k % 4 == 0:
+                    self.assertNotIn(b"root:", stranger.recv(200))
+        for k in range(60):  # broken sockets in the midst of the stream
+            client = Socket(program.port)
+            client.send(chance.choice([b"{", b"[]", b'{"get":1}', b'{"get":"people","after":1e999}', b"\xff\xfe", b"x" * 4000,
+                                       b'{"get":"water","t":"x"}', b'{"get":"command","line":"tau 1\\ntau 0"}']), chance.choice([1, 2]))
+            if k % 3 == 0:
+                with contextlib.suppress(OSError):  # it may have closed by then
+                    client.socket.sendall(chance.randbytes(50))
+            client.close()
+        self.assertIn(b"<title>Wade</title>", self.fetch(program, "/"))
+        self.assertIn("status", self.connect(program).message())
+        self.assertEqual(program.messages(), "")
+
+    def test_other_sites_get_nothing(self):
+        folder = self.folder / "run"
+        folder.mkdir()
+        program = self.view("--run", folder, "--starts")
+        with self.assertRaises(urllib.error.HTTPError) as refused:
+            request = urllib.request.Request(f"http://127.0.0.1:{program.port}/run.json", headers={"Host": "evil.example"})
+            urllib.request.urlopen(request, timeout=30)
+        self.assertEqual(refused.exception.code, 403)
+        refused.exception.close()
+        self.assertIn("403", self.connect(program, headers=["Origin: http://evil.example"]).answer)
+
+    def test_bad_input_is_told_in_a_line(self):
+        page = ["--page", view.PAGE, "--three", self.three()]
+        taken = socket.create_server(("127.0.0.1", 0))
+        self.addCleanup(taken.close)
+        port = taken.getsockname()[1]
+        empty = self.folder / "empty"
+        empty.mkdir()
+        (self.folder / "no.wrec").write_text("no recording")
+        for words, text in ((["--run", self.folder / "none"], "is no run folder"), (["--run", empty], "holds no run"),
+                            (["--recording", self.folder / "no.wrec"], "is no recording"), ([], "nothing to show"),
+                            (["--run", empty, "--starts", "--port", port], f"--port {port}: ")):
+            self.assert_ends(self.start(SERVER, *page, *words), 2, text)
+        self.assert_refused_here("view", self.folder / "none", texts=["there is no run folder or recording"])
+        self.assert_refused_here("view", texts=["what to show is missing"])
+
+
+def missing_for_page():
+    """What the test of the page needs and is not there, as a sentence; empty if nothing."""
+    if shutil.which("chromium") is None:
+        return "chromium is not installed: tools/install_dependencies.sh viewer"
+    folder = view.modules_folder()
+    if not all(view.has_module(folder, name) for name in ("three", "playwright-core")):
+        return "npm's packages are not there: tools/wade view --install-for-tests"
+    return ""
+
+
+class Page(ViewTest):
+    @unittest.skipIf(missing_for_page(), missing_for_page())
+    def test_the_page_in_a_browser(self):
+        modules = view.modules_folder()
+        run = self.kept_run()
+        file, fifo = self.folder / "water.wrec", self.folder / "fifo"
+        three = modules / "node_modules" / "three"
+        ended = self.view("--run", run.folder, three=three)
+        crowd = self.client(*KEPT, *TERMS, "--commands", fifo, "--set", "/stop_when_no_agent_is_active=false", "--until-s", "5000")
+        wait_until(fifo.exists, "the FIFO")
+        live = self.view("--run", crowd.run.folder, "--session", self.session, "--commands", fifo, "--starts", three=three)
+        water = self.server(*KEPT, "--clock", "real_time", "--set", "/stop_when_no_agent_is_active=false", "--until-s", "5000")
+        self.assertFalse(file.exists())
+        outcome = run.outcome()
+        wanted = {"arrived": outcome["arrived"], "dead": outcome["dead"], "end": outcome["sim_time_s"]}
+        pictures = os.environ.get("WADE_VIEW_PICTURES", self.folder)
+        words = ["node", PAGE_TEST, modules, ended.port, live.port, json.dumps(wanted), pictures]
+        test = subprocess.run([*map(str, words)], capture_output=True, text=True, timeout=280)
+        self.assertEqual(test.returncode, 0, test.stdout + test.stderr)
+        self.assertIn('"tau":0.9', crowd.run.bytes_of("events.jsonl").decode().replace(" ", ""))
+        for program in (water, crowd):
+            program.send(2)
+            program.wait()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,178 @@
+"""The viewer in the browser: its npm package, its server, `tools/wade view`, and what `tools/wade run --view` needs of it."""
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from wade import UsageError
+from wade.paths import BUILD, ROOT, home_folder
+from wade.run.processes import end_with_parent, resolved
+from wade.terminal import Parser, say_error
+
+PAGE = ROOT / "viewer" / "page"
+POSES_HZ, WATER_S, TERMS_S = 10, 0.5, 0.1  # what --view records for the page, unless the user says otherwise
+FIFO = ".commands"  # in the run folder
+
+
+def modules_folder():
+    """Where npm puts three: build/viewer, or a folder of the user's own where the project cannot be written."""
+    folder = ROOT / "build" / "viewer"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return home_folder() / ".cache" / "wade-viewer"
+    return folder if os.access(folder, os.W_OK) else home_folder() / ".cache" / "wade-viewer"
+
+
+def wanted_version(name):
+    """The version of a package that the lock file names."""
+    lock = json.loads((PAGE / "package-lock.json").read_text(encoding="utf-8"))
+    return lock["packages"][f"node_modules/{name}"]["version"]
+
+
+def has_module(folder, name):
+    """Whether a package is there in the version of the lock file."""
+    try:
+        there = json.loads((folder / "node_modules" / name / "package.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return there["version"] == wanted_version(name)
+
+
+def install_modules(with_tests=False):
+    """The folder of npm's packages of the page; installs them from the lock file if they are not there. UsageError."""
+    folder = modules_folder()
+    if all(has_module(folder, name) for name in ("three", *(["playwright-core"] if with_tests else []))):
+        return folder
+    npm = shutil.which("npm")
+    if npm is None:
+        raise UsageError("the viewer needs npm, which is not installed: tools/install_dependencies.sh viewer, or "
+                         "install the package npm yourself; runs need neither")
+    print(f"Installing three {wanted_version('three')} for the viewer in {folder}, once, by npm", file=sys.stderr)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("package.json", "package-lock.json"):
+        shutil.copyfile(PAGE / name, folder / name)
+    words = [npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund", *([] if with_tests else ["--omit=dev"])]
+    if subprocess.run(words, cwd=folder, stdout=sys.stderr).returncode != 0:
+        raise UsageError("npm could not install what the viewer needs; its messages above say why (network?)")
+    return folder
+
+
+class Server:
+    """wade_view_server as a process, with the address that it has printed."""
+
+    def __init__(self, *arguments, port=0):
+        three = install_modules() / "node_modules" / "three"
+        command = [BUILD / "wade_view_server", "--page", PAGE, "--three", three, "--port", str(port), *arguments]
+        self.process = subprocess.Popen([*map(str, command)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                        text=True, preexec_fn=end_with_parent)
+        self.address = self.process.stdout.readline().strip()
+
+    def wait(self):
+        """Waits for its end; returns its exit code, 0 if the user has ended it."""
+        try:
+            code = self.process.wait()
+        except KeyboardInterrupt:
+            self.end()
+            return 0
+        return 0 if code in (-2, -15, 130, 143) else code
+
+    def end(self):
+        self.process.terminate()
+        self.process.wait()
+
+
+def settings_for_view(resolved_scene, arguments):
+    """Options that a run with --view has beyond those that the user gave: {program: options}."""
+    given = " ".join(arguments)
+    both, crowd = [], []
+    if resolved_scene["crowd"]["poses"]["rate_hz"] == 0 and "/crowd/poses" not in given:
+        both += ["--set", f"/crowd/poses/rate_hz={POSES_HZ}"]
+    if "--water-every-s" not in given:
+        crowd += ["--water-every-s", str(WATER_S)]
+    if "--terms-every-s" not in given:
+        crowd += ["--terms-every-s", str(TERMS_S)]
+    return both, crowd
+
+
+def live_session(folder):
+    """Options for a run that goes on in a folder: the session of its manifest, and its FIFO of commands."""
+    try:
+        session = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["session"]
+    except (OSError, ValueError, KeyError):
+        return []
+    if not session or not Path(f"/dev/shm/{session}-fluid").exists():
+        return []
+    fifo = folder / FIFO
+    return ["--session", session, *(["--commands", fifo] if fifo.is_fifo() else [])]
+
+
+def options_for(target, options):
+    """The server's options for a run folder or a recording."""
+    words = []
+    if target is not None and target.is_dir():
+        recordings = sorted(target.glob("*.wrec"))
+        words += ["--run", target, *live_session(target)]
+        if recordings and options.recording is None:
+            words += ["--recording", recordings[0]]
+    elif target is not None and target.is_file():
+        words += ["--recording", target]
+    elif target is not None:
+        raise UsageError(f"there is no run folder or recording {target}")
+    if options.recording is not None:
+        if not options.recording.is_file():
+            raise UsageError(f"--recording: there is no file {options.recording}")
+        words += ["--recording", options.recording]
+    if options.session is not None:
+        words += ["--session", options.session]
+    if not words:
+        raise UsageError("what to show is missing: a run folder, a recording, or --session NAME")
+    return words
+
+
+def parser_of_view():
+    parser = Parser("view", "Shows a run in the browser: water, people, paths, time line, at 127.0.0.1. A run may go on, "
+                    "have ended or been killed.")
+    parser.add_argument("target", type=Path, nargs="?", metavar="RUN|RECORDING", help="run folder, or file of --record")
+    parser.add_argument("--recording", type=Path, metavar="FILE", help="recording of the water of this run")
+    parser.add_argument("--session", metavar="NAME", help="a session that runs")
+    parser.add_argument("--scene", metavar="SCENE", help="the scene of a recording or session, for its ground and goals")
+    parser.add_argument("--port", type=int, default=0, help="port at 127.0.0.1 [any that is free]")
+    parser.add_argument("--no-open", action="store_true", help="open no browser, only print the address")
+    # npm's packages for the test of the page.
+    parser.add_argument("--install-for-tests", action="store_true", help=argparse.SUPPRESS)
+    return parser
+
+
+def main(arguments):
+    """tools/wade view."""
+    import tempfile  # these two only where they are needed, as every run reads this module
+    import webbrowser
+
+    options = parser_of_view().parse_args(arguments)
+    try:
+        if options.install_for_tests:
+            print(install_modules(with_tests=True))
+            return 0
+        words = options_for(options.target, options)
+        with tempfile.TemporaryDirectory() as folder:
+            if options.scene:
+                from wade.scenes import find_scene
+
+                scene = Path(folder) / "scene.json"
+                scene.write_text(json.dumps(resolved(find_scene(options.scene))), encoding="utf-8")
+                words += ["--scene", scene]
+            server = Server(*words, port=options.port)
+            if not server.address:
+                return server.wait()
+            print(f"viewer: {server.address}  (Ctrl-C ends it)", flush=True)
+            if not options.no_open and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+                webbrowser.open(server.address)
+            return server.wait()
+    except UsageError as error:
+        say_error(f"wade view: {error}")
+        return 2

@@ -1,0 +1,503 @@
+// The page: what is asked of the server, what time it shows, and how one looks at it.
+
+import * as THREE from 'three';
+import { OrbitControls } from 'three/orbit';
+import { GROUP_COLOURS, LIGHTS, makeGround, makeSky, place } from './ground.js';
+import { Symbols, Traces, makeRing } from './marks.js';
+import { $, fillHelp, rowOf, showCounts, showEvents, showLegend, showPerson, showState } from './panel.js';
+import { People } from './people.js';
+import { Stream } from './stream.js';
+import { Water } from './water.js';
+
+const wanted = new URLSearchParams(location.hash.slice(1));
+const renderer = new THREE.WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
+renderer.shadowMap.enabled = true;
+renderer.shadowMap.type = THREE.PCFShadowMap;
+renderer.toneMapping = THREE.NoToneMapping;
+$('view').append(renderer.domElement);
+renderer.domElement.tabIndex = 0;
+
+const stage = new THREE.Scene(), sky = makeSky(false), sun = new THREE.DirectionalLight(), ambient = new THREE.HemisphereLight('#dcebf7', '#8a8065');
+stage.add(sky, sun, sun.target, ambient);
+const free = new THREE.PerspectiveCamera(46, 1, 0.1, 2000), top = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 2000);
+let camera = free;
+const controls = new OrbitControls(free, renderer.domElement);
+controls.enableDamping = true;
+controls.dampingFactor = 0.12;
+controls.maxPolarAngle = 0.495 * Math.PI;
+
+const show = {
+  run: null, scene: null, status: null, world: null, water: null, people: null, traces: null, symbols: new Symbols(stage), ring: makeRing(stage),
+  time: +(wanted.get('t') ?? 0), playing: wanted.get('play') !== '0', speed: 1, live: false, step: 0, last: 0, selected: -1, agents: new Map(), changes: [], taus: [],
+  terms: null, follows: false, tracesOn: true, symbolsOn: true, dark: false, drawn: 0, sought: wanted.has('t'), shownTime: -1,
+};
+const frames = new Map(); // of people, by number
+let walkers = null, stream = null, runRevision = '', awake = 9; // pictures to draw though nothing moves
+
+
+// ---------------------------------------------------------------- what the server has
+
+const handlers = {
+  came: () => (awake = Math.max(awake, 2)),
+  opened: () => load(),
+  closed: () => (show.lost = true),
+  status: (status) => {
+    const first = !show.status;
+    show.status = status;
+    show.lost = false;
+    const revision = `${status.outcome} ${status.live?.state}`;
+    if (revision !== runRevision && !first) load();
+    runRevision = revision;
+    if (first) start();
+    takeTaus(status.events ?? '');
+  },
+  water: (message) => {
+    makeWater(message);
+    show.water.take(message);
+    if (show.live && !show.status?.people?.frames) show.time = message.time;
+  },
+  depths: (message) => show.water?.takeDepths(message),
+  people: (message) => {
+    frames.set(message.frame, message);
+    if (frames.size > 90) frames.delete(frames.keys().next().value);
+  },
+  walkers: (message) => (walkers = message),
+  paths: (message) => {
+    show.traces?.take(message, (id) => (show.groups > 1 ? 1 + (groupOf(id) % GROUP_COLOURS.length) : 0), show.scene?.world.ends === 'periodic' ? show.scene.world.length_m : 0);
+  },
+  text: (answer) => {
+    if (answer.terms !== undefined && answer.id === show.selected) show.terms = answer.terms ? rowOf(answer.terms) : null;
+    if (answer.changes) show.changes.push(...answer.changes);
+    if (answer.command !== undefined) $('said').textContent = answer.problem || `sent: ${answer.command}`;
+    if (answer.error) console.warn(answer.error);
+  },
+};
+
+async function load() {
+  try {
+    const run = await (await fetch('/run.json')).json(), manifest = JSON.parse(run.files?.['manifest.json'] || '{}');
+    show.run = run;
+    show.scene = JSON.parse(run.scene || 'null') ?? manifest.resolved_scene ?? null;
+    readAgents(run.files?.['agents.csv'] ?? '');
+    build();
+  } catch (error) {
+    console.warn(`the description of the run cannot be read: ${error.message}`);
+  }
+}
+
+function readAgents(table) {
+  const [head, ...lines] = table.trim().split('\n');
+  for (const line of lines) {
+    const agent = rowOf(`${head}\n${line}`);
+    if (agent) show.agents.set(agent.id, agent);
+  }
+}
+
+function groupOf(id) {
+  let end = 0;
+  for (const [k, group] of (show.scene?.crowd.groups ?? []).entries()) if (id < (end += group.count)) return k;
+  return 0;
+}
+
+function heightOf(id) {
+  const h = show.agents.get(id)?.height_m ?? show.scene?.crowd.groups[groupOf(id)]?.height_m;
+  return typeof h === 'number' ? h : 1.7;
+}
+
+function takeTaus(text) {
+  const lines = text.trim() ? text.trim().split('\n').map((line) => JSON.parse(line)) : [];
+  const rate = show.scene?.frame_rate_hz ?? 30;
+  const events = [...(show.scene?.events ?? []), ...lines];
+  show.taus = events.map((e) => ({ time: e.frame / rate, text: `tau ${e.tau} for ${e.group ?? (e.agent !== undefined ? `person ${e.agent}` : 'all')} at ${(e.frame / rate).toFixed(1)} s` }));
+}
+
+// ---------------------------------------------------------------- the stage
+
+function build() {
+  $('name').textContent = show.scene?.name ? `${show.scene.name}` : show.run.name;
+  document.title = `${show.scene?.name ?? show.run.name} \u2013 Wade`;
+  if (show.world || !show.scene) return theme(show.dark);
+  const scene = show.scene;
+  show.world = makeGround(scene);
+  stage.add(show.world);
+  makeWater(null);
+  makePeople();
+  frameCamera(scene.world.length_m, scene.world.width_m);
+  const groups = $('tau-group');
+  groups.replaceChildren(new Option('all', ''), ...scene.crowd.groups.map((g) => new Option(`group ${g.name}`, `group ${g.name}`)), new Option('the person picked', 'agent'));
+  $('tau').classList.toggle('on', show.run.commands);
+  theme(show.dark);
+  if (wanted.get('view') === 'top') look('top');
+  if (wanted.has('form')) $('form').value = wanted.get('form');
+  if (wanted.has('mode')) $('mode').value = wanted.get('mode');
+  setWater();
+}
+
+function makeWater(message) {
+  if (show.water) return;
+  let bounds = null;
+  if (!show.scene) {
+    const [x, , z, , , , volume] = message.arrays, most = (a, f) => a.reduce((m, v) => f(m, v), a[0]);
+    bounds = { x_min_m: most(x, Math.min), x_max_m: most(x, Math.max), z_min_m: most(z, Math.min), z_max_m: most(z, Math.max), spacing: Math.cbrt(volume[0] / message.stride) };
+    frameCamera(bounds.x_max_m, bounds.z_max_m);
+  }
+  show.water = new Water(stage, show.scene, bounds);
+  theme(show.dark);
+  setWater();
+}
+
+function makePeople() {
+  if (show.people) return;
+  show.groups = show.scene?.crowd.groups.length ?? 1;
+  show.people = new People(stage, heightOf, (id) => (show.groups > 1 ? groupOf(id) : -1));
+  show.traces = new Traces(stage, ['#d7261e', ...GROUP_COLOURS]);
+}
+
+function frameCamera(length, width) {
+  const centre = place(0.52 * length, 0, 0.47 * width), reach = Math.max(0.62 * length, 1.1 * width);
+  free.position.copy(centre).add(new THREE.Vector3(-0.42 * reach, 0.42 * reach, 0.72 * reach));
+  controls.target.copy(centre);
+  const eye = wanted.get('eye')?.split(',').map(Number); // x, y, z of the eye, then of what it looks at
+  if (eye?.length === 6 && eye.every(Number.isFinite)) {
+    free.position.copy(place(...eye.slice(0, 3)));
+    controls.target.copy(place(...eye.slice(3)));
+  }
+  show.extent = [length, width];
+  sun.position.copy(centre).add(new THREE.Vector3(0.35 * reach, 0.9 * reach, 0.5 * reach));
+  sun.target.position.copy(centre);
+  const s = sun.shadow.camera, half = 0.62 * Math.hypot(length, width);
+  Object.assign(s, { left: -half, right: half, top: half, bottom: -half, near: 1, far: 4 * reach });
+  s.updateProjectionMatrix();
+  sun.shadow.mapSize.set(2048, 2048);
+  sun.shadow.bias = -0.0008;
+  sun.shadow.normalBias = 0.03;
+  sun.castShadow = true;
+  resize();
+}
+
+function theme(dark) {
+  show.dark = dark;
+  document.documentElement.classList.toggle('dark', dark);
+  const l = LIGHTS[dark ? 'dark' : 'light'];
+  for (const name of ['low', 'high', 'below']) sky.material.uniforms[name].value.set(l[name]);
+  stage.fog = new THREE.Fog(l.low, 160, 620);
+  sun.intensity = l.sun;
+  sun.color.set(l.sunColour);
+  ambient.intensity = l.ambient;
+  show.water?.light(l.high, l.low, dark ? 0.55 : 1, l.sunColour);
+}
+
+function resize() {
+  const wide = innerWidth, high = innerHeight;
+  renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+  renderer.setSize(wide, high);
+  free.aspect = wide / high;
+  free.fov = wide < high ? 62 : 46;
+  free.updateProjectionMatrix();
+  const [length, width] = show.extent ?? [100, 50], share = wide / high, half = Math.max(0.54 * width + 4, (0.53 * length) / share);
+  Object.assign(top, { left: -half * share, right: half * share, top: half, bottom: -half });
+  top.position.copy(place(length / 2, 300, width / 2));
+  top.up.set(0, 0, -1); // z points up the page
+  top.lookAt(place(length / 2, 0, width / 2));
+  top.updateProjectionMatrix();
+}
+
+function look(kind) {
+  camera = kind === 'top' ? top : free;
+  controls.enabled = kind !== 'top';
+  show.follows = kind === 'follow';
+  $('camera').value = kind;
+}
+
+function setWater() {
+  if (!show.water) return;
+  show.water.as($('form').value);
+  show.water.setMode($('mode').value === 'clear' && $('form').value === 'points' ? 'depth' : $('mode').value);
+  showLegend(show.water.legend(), show.water.mode);
+}
+
+// ---------------------------------------------------------------- time
+
+const isLive = () => ['running', 'paused', 'stale', 'waiting'].includes(show.status?.live?.state);
+const lastTime = () => Math.max(show.status?.people?.last ?? 0, show.status?.recorded?.last ?? 0, show.status?.depths?.last ?? 0, show.live ? show.time : 0, 0);
+
+function start() {
+  show.live = isLive() && !show.sought;
+  if (!show.sought && !show.live) show.time = 0;
+}
+
+function seek(time) {
+  show.live = false;
+  show.time = Math.min(Math.max(0, time), lastTime());
+}
+
+function advance(wall) {
+  const s = show.status, people = s?.people;
+  if (!s) return;
+  if (show.live && !isLive()) show.live = false;
+  if (show.live) {
+    if (people?.frames) { // glide towards the newest frame
+      const gap = people.last - show.time;
+      show.time += gap > 3 || gap < 0 ? gap : gap * Math.min(1, 2.5 * wall);
+    }
+  } else if (show.playing) {
+    show.time += wall * show.speed;
+    if (show.time >= lastTime()) {
+      show.time = lastTime();
+      if (!isLive()) setPlaying(false);
+    }
+  }
+}
+
+function setPlaying(on) {
+  if (on && !show.live && show.time >= lastTime() - 1e-3 && !isLive()) show.time = 0;
+  show.playing = on;
+  $('play').textContent = on ? 'pause' : 'play';
+  $('play').setAttribute('aria-pressed', on);
+}
+
+// Asks for what this time needs and is not there.
+function askForAll() {
+  const s = show.status;
+  if (!s || show.lost) return;
+  if (show.live && s.live) stream.ask('live', { after: show.water?.message?.frame ?? -1 });
+  else if (s.recorded && show.time <= s.recorded.last + 0.5) askAt('water');
+  else if (s.depths?.frames) askAt('depths');
+  if (s.walkers && !s.people?.frames) stream.ask('walkers', { after: walkers?.frame ?? -1 });
+  if (s.people?.frames) {
+    const k = frameAt(show.time), ahead = show.playing ? Math.max(1, Math.round((0.15 * show.speed) * s.people.rate)) : 1;
+    const missing = [k, k + 1, k + ahead].find((f) => f < s.people.frames && !frames.has(f));
+    if (missing !== undefined) stream.ask('people', { after: missing });
+    const until = show.traces?.until ?? 0;
+    if (show.tracesOn && show.traces && s.people.last > until + (until < 0 ? 0 : 1) && stream.ask('paths', { t: Math.max(0, until) })) show.traces.until = s.people.last;
+  }
+  if ((s.changes ?? 0) > show.changes.length) stream.ask('changes', { after: show.changes.length });
+  if (show.selected >= 0 && show.drawn % 6 === 0) stream.ask('terms', { id: show.selected, t: show.time });
+}
+
+function askAt(kind) {
+  const step = kind === 'water' ? 1 / 30 : 0.25;
+  if (show.water && Math.abs((show.asked?.[kind] ?? -1e9) - show.time) < step) return;
+  if (stream.ask(kind, { t: show.time })) show.asked = { [kind]: show.time };
+}
+
+const frameAt = (time) => Math.min(Math.max(0, Math.floor(time * show.status.people.rate + 1e-4)), show.status.people.frames - 1);
+
+// ---------------------------------------------------------------- a picture
+
+function drawPeople(step, clock) {
+  const s = show.status;
+  if (!s) return;
+  let before = null, after = null, share = 0, poses = s.people?.poses;
+  if (s.people?.frames) {
+    const k = frameAt(show.time);
+    before = frames.get(k);
+    after = frames.get(k + 1);
+    if (!before) return;
+    if (after) share = Math.min(1, Math.max(0, (show.time - before.time) / Math.max(1e-6, after.time - before.time)));
+  } else if (walkers) {
+    before = asPeople(walkers);
+    poses = false;
+  }
+  if (!before) return;
+  makePeople();
+  show.people.update(before, after, share, { states: show.run.states, postures: show.run.postures, poses }, step, clock);
+  const counts = countStates();
+  showCounts(counts);
+  show.symbols.points.visible = show.symbolsOn;
+  const marks = show.people.shown.map((p) => ({ x: p.x, y: p.y + (p.posture === 'upright' ? 0.62 * p.height : 0.75), z: p.z, state: stateShown(p) }));
+  for (const end of endedBy(show.time)) if (!show.people.shown.some((p) => p.id === end.id)) marks.push({ x: end.x, y: 0.3, z: end.z, state: end.state });
+  show.symbols.show(marks);
+}
+
+// A stream of agents has no poses: places, velocities and outcomes.
+function asPeople(m) {
+  const [id, x, z, vx, vz, , state] = m.arrays, zero = new Float32Array(m.count), none = new Float32Array(m.count).fill(-1);
+  const speed = vx.map((v, k) => Math.hypot(v, vz[k])), heading = vx.map((v, k) => Math.atan2(vz[k], v));
+  const words = Float32Array.from(state, (v) => [0, 2, 3][v] ?? 0);
+  return { ...m, arrays: [id, x, z, words, zero, heading, speed, zero, zero, zero, zero, zero, zero, zero, zero, none] };
+}
+
+const stateShown = (p) => (p.state === 'walking' && p.posture === 'lying' ? 'tumbled' : p.state);
+
+function endedBy(time) {
+  const list = [];
+  for (const a of show.agents.values()) if (a.outcome !== 'active' && a.time_s <= time) list.push({ id: a.id, x: Math.max(0, a.x_m), z: a.z_m, state: a.outcome });
+  return list;
+}
+
+function countStates() {
+  const counts = {}, seen = new Set(), all = show.scene?.crowd.groups.reduce((n, g) => n + g.count, 0) ?? show.people.shown.length;
+  const add = (state) => (counts[state] = (counts[state] ?? 0) + 1);
+  for (const p of show.people.shown) seen.add(p.id), add(stateShown(p));
+  // Who has ended is in one more frame; from then on the file says no more of it.
+  const ended = new Map();
+  for (const [time, id, state] of show.changes) if (time <= show.time + 1e-6 && (state === 'arrived' || state === 'dead')) ended.set(id, state);
+  for (const end of endedBy(show.time)) ended.set(end.id, end.state);
+  for (const [id, state] of ended) if (!seen.has(id)) add(state);
+  counts.total = all;
+  const { total, ...rest } = counts;
+  show.counts = rest;
+  show.total = total;
+  return rest;
+}
+
+function stateOfPage() {
+  const s = show.status;
+  if (show.lost) return 'lost';
+  if (s?.live && isLive()) return s.live.state;
+  if (s?.outcome === 'running' && s?.live) return s.live.state;
+  return s ? 'ended' : 'waiting';
+}
+
+function showTexts() {
+  const s = show.status, end = lastTime(), w = show.water;
+  const waterOf = w?.time !== undefined ? `water of ${w.time.toFixed(1)} s${w.message ? `, ${(w.message.count * w.message.stride).toLocaleString('en')} particles${w.message.stride > 1 ? `, every ${w.message.stride}th shown` : ''}` : ', depths only'}` : 'no water yet';
+  const bare = s?.people?.frames && !s.people.poses ? '; paths only, for poses run with --view' : '';
+  const cut = s?.recorded && !s.recorded.whole ? '; the recording was cut off' : '';
+  showState(stateOfPage(), s?.outcome && s.outcome !== 'running' ? s.outcome : '', `${waterOf}${bare}${cut}${s?.live?.problem ? `; ${s.live.problem}` : ''}`);
+  $('clock').textContent = `${show.time.toFixed(1)} / ${end.toFixed(1)} s`;
+  const bar = $('time');
+  bar.max = Math.max(end, 0.01);
+  if (document.activeElement !== bar || show.playing) bar.value = show.time;
+  $('live').hidden = !isLive();
+  $('live').setAttribute('aria-pressed', show.live);
+  showEvents(show.changes, show.taus, Math.max(end, 0.01));
+  const person = show.people?.shown.find((p) => p.id === show.selected), agent = show.agents.get(show.selected);
+  showPerson(show.selected < 0 ? null : person, show.terms, show.selected < 0 ? null : agent, 'For the terms of Eq. 5 to 9 run with --view or --terms-every-s 0.1.');
+}
+
+function tick(now) {
+  const wall = Math.min(0.25, Math.max(0, (now - show.last) / 1000));
+  show.last = now;
+  const before = show.shownTime;
+  advance(wall);
+  askForAll();
+  drawPeople(before < 0 ? -1 : show.time - before, show.time);
+  show.shownTime = show.time;
+  const person = show.people?.shown.find((p) => p.id === show.selected);
+  show.ring.visible = Boolean(person);
+  if (person) {
+    show.ring.position.copy(place(person.x, Math.max(0.08, show.water?.grid.at(person.x, person.z) ?? 0), person.z));
+    if (show.follows) {
+      const to = place(person.x, 1, person.z), move = to.clone().sub(controls.target).multiplyScalar(Math.min(1, 4 * wall + (show.drawn < 5 ? 1 : 0)));
+      controls.target.add(move);
+      free.position.add(move);
+    }
+  }
+  if (controls.update()) awake = Math.max(awake, 2);
+  if (show.drawn % 10 === 0 || awake > 0) showTexts();
+  // A picture that would be the one before is not drawn.
+  if (--awake <= 0 && !show.live && !show.playing && show.time === before) return;
+  for (const star of show.world?.userData.stars ?? []) star.rotation.y = now / 1800;
+  show.water?.animate(isLive() || show.playing ? now / 1000 : show.time, innerHeight * renderer.getPixelRatio() * 0.5);
+  if (show.traces) {
+    show.traces.uniforms.now.value = show.time;
+    show.traces.uniforms.screen.value.set(innerWidth / 2, innerHeight / 2);
+    show.traces.uniforms.lift.value = camera === top ? 2.5 : 0.07;
+    show.traces.mesh.visible = show.tracesOn;
+  }
+  renderer.render(stage, camera);
+  ++show.drawn;
+}
+
+// ---------------------------------------------------------------- hands
+
+// Where a person is seen, in pixels of the window.
+function seenAt(p) {
+  const v = place(p.x, p.y, p.z).project(camera);
+  return [((v.x + 1) / 2) * innerWidth, ((1 - v.y) / 2) * innerHeight, v.z];
+}
+
+function pick(event) {
+  let best = 28, found = -1;
+  for (const p of show.people?.shown ?? []) {
+    const [x, y, z] = seenAt(p), d = Math.hypot(x - event.clientX, y - event.clientY);
+    if (z < 1 && d < best) [best, found] = [d, p.id];
+  }
+  select(found);
+}
+
+function select(id) {
+  show.selected = id;
+  show.terms = null;
+  show.traces?.rebuild(id);
+  showTexts();
+}
+
+function neighbour(way) {
+  const ids = (show.people?.shown ?? []).map((p) => p.id).sort((a, b) => a - b);
+  if (ids.length) select(ids[(ids.indexOf(show.selected) + way + ids.length) % ids.length]);
+}
+
+let down = null;
+renderer.domElement.addEventListener('pointerdown', (e) => (down = [e.clientX, e.clientY]));
+renderer.domElement.addEventListener('pointerup', (e) => down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) < 5 && e.button === 0 && pick(e));
+addEventListener('resize', resize);
+for (const name of ['pointerdown', 'keydown', 'input', 'change', 'resize', 'click']) addEventListener(name, () => (awake = 6), true);
+const frameStep = (way) => {
+  setPlaying(false);
+  const rate = show.status?.people?.frames ? show.status.people.rate : 30;
+  seek((Math.round(show.time * rate) + way) / rate);
+};
+const cycle = (id) => {
+  $(id).selectedIndex = ($(id).selectedIndex + 1) % $(id).options.length;
+  $(id).dispatchEvent(new Event('change'));
+};
+const newest = () => (show.live = isLive());
+const faster = (way) => {
+  const s = $('speed');
+  s.selectedIndex = Math.min(s.options.length - 1, Math.max(0, s.selectedIndex + way));
+  show.speed = +s.value;
+};
+const KEYS = {
+  ' ': () => setPlaying(!show.playing), ',': () => frameStep(-1), '.': () => frameStep(1), ArrowLeft: () => frameStep(-1), ArrowRight: () => frameStep(1), '-': () => faster(-1), '+': () => faster(1),
+  Home: () => seek(0), End: () => seek(lastTime()), l: newest, w: () => cycle('form'), c: () => cycle('mode'), t: () => look(camera === top ? 'free' : 'top'),
+  f: () => look('follow'), n: () => neighbour(1), p: () => neighbour(-1), r: () => (show.tracesOn = !show.tracesOn), s: () => (show.symbolsOn = !show.symbolsOn),
+  d: () => theme(!show.dark), '?': () => $('help').classList.toggle('open'), Escape: () => ($('help').classList.remove('open'), select(-1)),
+};
+addEventListener('keydown', (event) => {
+  if (['SELECT', 'INPUT'].includes(event.target.tagName) && !['?', 'Escape'].includes(event.key)) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key]) return;
+  event.preventDefault();
+  KEYS[event.key]();
+});
+const on = (id, name, does) => $(id).addEventListener(name, does);
+on('play', 'click', () => (show.live ? (show.live = false, setPlaying(false)) : setPlaying(!show.playing)));
+on('back', 'click', () => frameStep(-1));
+on('on', 'click', () => frameStep(1));
+on('live', 'click', newest);
+on('theme', 'click', () => theme(!show.dark));
+on('ask', 'click', KEYS['?']);
+on('help', 'click', KEYS['?']);
+on('more', 'click', () => $('look').classList.toggle('open'));
+on('time', 'input', () => seek(+$('time').value));
+on('speed', 'change', () => (show.speed = +$('speed').value));
+on('form', 'change', setWater);
+on('mode', 'change', setWater);
+on('camera', 'change', () => (show.selected < 0 && $('camera').value === 'follow' && neighbour(1), look($('camera').value)));
+on('tau-value', 'input', () => ($('tau-shown').textContent = (+$('tau-value').value).toFixed(2)));
+on('tau-set', 'click', () => {
+  const whose = $('tau-group').value === 'agent' ? `agent ${show.selected}` : $('tau-group').value;
+  stream.command(`tau ${$('tau-value').value} ${whose}`.trim());
+});
+on('run-pause', 'click', () => stream.command(show.status?.live?.state === 'paused' ? 'resume' : 'pause'));
+on('run-step', 'click', () => stream.command('step'));
+
+/** For tests and for who drives the page from a script. */
+window.wade = {
+  show, select, look, theme, setPlaying, stream: () => stream,
+  seek: (time) => (seek(time), (awake = 6)),
+  counts: () => show.counts ?? {},
+  placeOf: (id) => seenAt(show.people.shown.find((p) => p.id === id)),
+  ready: () => Boolean(show.people?.count && show.water?.time !== undefined),
+  at: () => ({ time: show.time, people: show.people?.count ?? 0, water: show.water?.time, particles: show.water?.message?.count ?? 0 }),
+  cost: () => ({ calls: renderer.info.render.calls, triangles: renderer.info.render.triangles, bytes: (show.water?.bytes ?? 0) + (show.people?.bytes ?? 0), received: stream.bytes, drawn: show.drawn }),
+};
+
+fillHelp();
+theme(wanted.has('dark') ? wanted.get('dark') === '1' : matchMedia('(prefers-color-scheme: dark)').matches);
+setPlaying(show.playing);
+resize();
+stream = new Stream(handlers);
+renderer.setAnimationLoop(tick);

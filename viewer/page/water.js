@@ -1,0 +1,389 @@
+// The water: its particles as points, and its surface as a height field over a grid, coloured by depth or speed.
+
+import * as THREE from 'three';
+import { hasFall } from './ground.js';
+
+// Cividis and a blue scale: both rise in lightness all the way, for the colour-blind and for print.
+const SCALES = {
+  depth: ['#e4f2fb', '#b3d6ec', '#74b0d8', '#3f86bf', '#1f5f9e', '#123f7a', '#0a2650'],
+  speed: ['#00224e', '#35456c', '#666970', '#948e77', '#c8b866', '#fee838', '#fff6b8'],
+};
+const FALL_ROWS = 14, FALL_STEP_S = 0.105;
+
+export function scaleColours(mode) {
+  return SCALES[mode === 'speed' ? 'speed' : 'depth'];
+}
+
+/** A round number at or above a value. */
+export function roundUp(value) {
+  const power = 10 ** Math.floor(Math.log10(Math.max(value, 1e-3)));
+  return [1, 1.5, 2, 3, 5, 7.5, 10].find((step) => step * power >= value * 0.999) * power;
+}
+
+function paletteTexture() {
+  const data = new Uint8Array(2 * 64 * 4);
+  ['depth', 'speed'].forEach((mode, row) => {
+    const colours = SCALES[mode].map((c) => new THREE.Color(c));
+    for (let k = 0; k < 64; ++k) {
+      const at = (k / 63) * (colours.length - 1), low = Math.min(Math.floor(at), colours.length - 2);
+      const c = colours[low].clone().lerp(colours[low + 1], at - low);
+      data.set([255 * c.r, 255 * c.g, 255 * c.b, 255], 4 * (row * 64 + k));
+    }
+  });
+  const texture = new THREE.DataTexture(data, 64, 2);
+  texture.magFilter = texture.minFilter = THREE.LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+const NOISE = `
+  float hash(vec2 p) { p = fract(p * vec2(123.34, 345.45)); p += dot(p, p + 34.345); return fract(p.x * p.y); }
+  float noise(vec2 p) { vec2 i = floor(p), f = fract(p); f = f * f * (3. - 2. * f);
+    return mix(mix(hash(i), hash(i + vec2(1, 0)), f.x), mix(hash(i + vec2(0, 1)), hash(i + vec2(1, 1)), f.x), f.y); }
+  float waves(vec2 p) { return .5 * noise(p) + .3 * noise(p * 2.13 + 7.1) + .2 * noise(p * 4.7 + 3.3); }`;
+
+const SURFACE_VERTEX = `
+  attribute vec4 state; // depth, slope x, slope z, foam
+  attribute vec3 stream; // vx, vz, side
+  varying vec3 at; varying vec4 s; varying vec3 w; varying float fogDepth;
+  void main() { s = state; w = stream; vec4 p = modelMatrix * vec4(position, 1.); at = p.xyz;
+    vec4 v = viewMatrix * p; fogDepth = -v.z; gl_Position = projectionMatrix * v; }`;
+
+const SURFACE_FRAGMENT = `
+  varying vec3 at; varying vec4 s; varying vec3 w; varying float fogDepth;
+  uniform float time, mode, full; uniform sampler2D palette; uniform vec3 sky, horizon, sun, sunColour; uniform float light;
+  ${NOISE}
+  // Ripples go with the stream, in two phases that fade into one another.
+  vec3 ripples(vec2 p, vec2 v) {
+    vec3 sum = vec3(0.); float e = .04;
+    for (int k = 0; k < 2; ++k) {
+      float t = fract(time * .35 + .5 * float(k)), weight = 1. - abs(2. * t - 1.);
+      vec2 q = (p - v * (t - .5) / .35 * .8) * 1.15 + 17. * float(k);
+      float h = waves(q);
+      sum += weight * vec3(waves(q + vec2(e, 0)) - h, h, waves(q + vec2(0, e)) - h) / vec3(e, 1., e);
+    }
+    return sum;
+  }
+  void main() {
+    if (s.x < .012) discard;
+    vec2 v = vec2(w.x, -w.y); float speed = length(v);
+    vec3 r = ripples(at.xz, v);
+    float rough = .045 + .05 * min(speed, 3.);
+    vec3 n = w.z > .5 ? vec3(0, 0, 1) : normalize(vec3(-s.y - rough * r.x, 1., s.z - rough * r.z));
+    vec3 eye = normalize(cameraPosition - at);
+    if (!gl_FrontFacing && w.z < .5) n = -n;
+    float facing = clamp(abs(dot(n, eye)), 0., 1.);
+    float fresnel = .02 + .98 * pow(1. - facing, 5.);
+    vec3 up = reflect(-eye, n);
+    vec3 mirror = mix(horizon, sky, pow(clamp(up.y, 0., 1.), .6));
+    float value = mode < 1.5 ? s.x : speed;
+    float row = mode < 1.5 ? .25 : .75;
+    vec3 clear = mix(vec3(.21, .47, .47), vec3(.012, .15, .25), 1. - exp(-1.3 * s.x));
+    vec3 body = mode < .5 ? clear : texture2D(palette, vec2(clamp(value / full, 0., 1.) * .984 + .008, row)).rgb;
+    float lit = .62 + .5 * max(0., dot(n, sun));
+    vec3 colour = body * lit * light;
+    float alpha = mode < .5 ? mix(.38, .86, 1. - exp(-1.1 * s.x)) : .84;
+    if (mode < .5) {
+      colour = mix(colour, mirror, w.z > .5 ? .06 : fresnel * .8);
+      float glint = pow(max(0., dot(up, sun)), 180.) * 1.6;
+      colour += sunColour * glint * light * (w.z > .5 ? 0. : 1.);
+    }
+    float foam = clamp(s.w, 0., 1.);
+    float patchy = smoothstep(.62 - .45 * foam, .8 - .3 * foam, r.y + .12 * noise(at.xz * 9. - v * time * .5));
+    float white = foam * patchy * (mode < .5 ? .85 : .3);
+    colour = mix(colour, vec3(.93, .97, .98) * light, white);
+    alpha = max(alpha, white) * smoothstep(.012, .09, s.x);
+    alpha = mix(alpha, 1., w.z > .5 ? 0. : fresnel * .5);
+    if (w.z > .5) alpha *= .8;
+    float haze = 1. - exp(-pow(fogDepth / 420., 2.));
+    gl_FragColor = vec4(mix(colour, horizon, haze), alpha);
+    #include <colorspace_fragment>
+  }`;
+
+const POINT_VERTEX = `
+  attribute float px, py, pz, value; varying float v; uniform float size, full, scale;
+  void main() { v = clamp(value / full, 0., 1.); vec4 p = modelViewMatrix * vec4(px, py, -pz, 1.);
+    gl_Position = projectionMatrix * p; gl_PointSize = max(1.5, projectionMatrix[3][3] > .5 ? size * projectionMatrix[1][1] * scale : size * projectionMatrix[1][1] * scale / -p.z); }`;
+
+const POINT_FRAGMENT = `
+  varying float v; uniform sampler2D palette; uniform float row, light;
+  void main() { vec2 d = 2. * gl_PointCoord - 1.; float r = dot(d, d); if (r > 1.) discard;
+    float shade = .72 + .38 * dot(normalize(vec3(d.x, -d.y, sqrt(1. - r))), normalize(vec3(.4, .8, .45)));
+    gl_FragColor = vec4(texture2D(palette, vec2(v * .984 + .008, row)).rgb * shade * light, 1.);
+    #include <colorspace_fragment>
+  }`;
+
+/** A grid over the channel: depth, momentum and what the surface needs of them. */
+class Grid {
+  constructor(x0, x1, z0, z1, cell) {
+    Object.assign(this, { x0, z0, cell });
+    this.nx = Math.max(2, Math.round((x1 - x0) / cell));
+    this.nz = Math.max(2, Math.round((z1 - z0) / cell));
+    const n = this.nx * this.nz;
+    for (const name of ['depth', 'vx', 'vz', 'old', 'part']) this[name] = new Float32Array(n);
+    this.parts = new Map();
+  }
+
+  /** Each particle's volume, dealt over a cone; walls keep it in, so that depth does not fall off beside them. */
+  splat(arrays, count, reach) {
+    const [x, , z, vx, , vz, volume] = arrays, { nx, nz, cell, depth, vx: mx, vz: mz } = this;
+    depth.fill(0);
+    mx.fill(0);
+    mz.fill(0);
+    const r = Math.max(1, Math.min(4, reach / cell)), wide = Math.ceil(r);
+    const weight = new Float32Array((2 * wide + 1) ** 2), inside = (k, n) => (k < 0 ? -1 - k : k >= n ? 2 * n - 1 - k : k);
+    for (let i = 0; i < count; ++i) {
+      const gx = (x[i] - this.x0) / cell - 0.5, gz = (z[i] - this.z0) / cell - 0.5;
+      const ci = Math.round(gx), cj = Math.round(gz);
+      if (ci < -1 || cj < -1 || ci > nx || cj > nz) continue;
+      let sum = 0, k = 0;
+      for (let b = -wide; b <= wide; ++b) {
+        for (let a = -wide; a <= wide; ++a, ++k) {
+          const d = 1 - ((ci + a - gx) ** 2 + (cj + b - gz) ** 2) / ((r + 0.7) ** 2);
+          weight[k] = d > 0 ? d * d : 0;
+          sum += weight[k];
+        }
+      }
+      k = 0;
+      const share = volume[i] / (sum * cell * cell);
+      for (let b = -wide; b <= wide; ++b) {
+        const row = nx * inside(cj + b, nz);
+        for (let a = -wide; a <= wide; ++a, ++k) {
+          if (weight[k] === 0) continue;
+          const at = row + inside(ci + a, nx), d = share * weight[k];
+          depth[at] += d;
+          mx[at] += d * vx[i];
+          mz[at] += d * vz[i];
+        }
+      }
+    }
+    for (let c = 0; c < depth.length; ++c) if (depth[c] > 0) (mx[c] /= depth[c]), (mz[c] /= depth[c]);
+  }
+
+  /** Depths of another grid, which know no velocity: that of the scene's stream stands for it, drawn only as ripples. */
+  resample(message, stream) {
+    const { nx, nz, cell, depth } = this, from = message.arrays[0], rows = message.count / message.columns;
+    for (let j = 0; j < nz; ++j) {
+      for (let i = 0; i < nx; ++i) {
+        const gx = (this.x0 + (i + 0.5) * cell - message.x0) / message.cell - 0.5;
+        const gz = (this.z0 + (j + 0.5) * cell - message.z0) / message.cell - 0.5;
+        const a = Math.max(0, Math.min(message.columns - 2, Math.floor(gx))), b = Math.max(0, Math.min(rows - 2, Math.floor(gz)));
+        const s = Math.min(1, Math.max(0, gx - a)), t = Math.min(1, Math.max(0, gz - b)), at = b * message.columns + a;
+        const low = from[at] + s * (from[at + 1] - from[at]);
+        const high = from[at + message.columns] + s * (from[at + message.columns + 1] - from[at + message.columns]);
+        depth[j * nx + i] = low + t * (high - low);
+      }
+    }
+    this.vx.fill(-stream);
+    this.vz.fill(0);
+  }
+
+  /** Evens out single particles: `times` passes of a small kernel; volume stays. */
+  smooth(times) {
+    const { nx, nz } = this;
+    for (; times > 0; --times) {
+      for (const field of [this.depth]) {
+        this.part.set(field);
+        for (let j = 0; j < nz; ++j) {
+          const up = nx * Math.max(0, j - 1), down = nx * Math.min(nz - 1, j + 1), row = nx * j;
+          for (let i = 0; i < nx; ++i) {
+            const l = Math.max(0, i - 1), r = Math.min(nx - 1, i + 1), p = this.part;
+            field[row + i] = 0.5 * p[row + i] + 0.125 * (p[row + l] + p[row + r] + p[up + i] + p[down + i]);
+          }
+        }
+      }
+    }
+  }
+
+  at(x, z) {
+    const i = Math.floor((x - this.x0) / this.cell), j = Math.floor((z - this.z0) / this.cell);
+    return i < 0 || j < 0 || i >= this.nx || j >= this.nz ? 0 : this.depth[j * this.nx + i];
+  }
+}
+
+export class Water {
+  constructor(parent, scene, bounds) {
+    this.scene = scene;
+    this.spacing = scene?.fluid?.particle_spacing_m ?? bounds?.spacing ?? 0.5;
+    const c = scene?.channel ?? bounds;
+    const area = (c.x_max_m - c.x_min_m) * (c.z_max_m - c.z_min_m);
+    const cell = Math.max(0.72 * this.spacing, Math.sqrt(area / 40000), 0.02);
+    this.grid = new Grid(c.x_min_m, c.x_max_m, c.z_min_m, c.z_max_m, cell);
+    this.fall = scene && hasFall(scene);
+    this.gravity = scene?.world?.gravity_m_s2 ?? 9.81;
+    this.stream = scene?.channel?.velocity_m_s ?? 0;
+    this.uniforms = {
+      time: { value: 0 }, mode: { value: 0 }, full: { value: 1 }, palette: { value: paletteTexture() }, light: { value: 1 },
+      sky: { value: new THREE.Color() }, horizon: { value: new THREE.Color() }, sun: { value: new THREE.Vector3(0.4, 0.8, 0.45).normalize() },
+      sunColour: { value: new THREE.Color('#fff3dd') },
+    };
+    this.mode = 'clear'; // clear, depth, speed
+    this.makeSurface(parent);
+    this.makePoints(parent);
+    this.as('surface');
+    this.bytes = 0; // sent to the graphics card by the last frame
+  }
+
+  makeSurface(parent) {
+    const { nx, nz } = this.grid, extra = this.fall ? FALL_ROWS : 0, columns = nx + extra, skirt = 2 * (2 * nx + nz);
+    this.columns = columns;
+    const count = columns * nz + skirt, index = [];
+    for (let j = 0; j + 1 < nz; ++j)
+      for (let i = 0; i + 1 < columns; ++i) {
+        const a = j * columns + i, b = a + columns;
+        index.push(a, b, a + 1, a + 1, b, b + 1);
+      }
+    let at = columns * nz;
+    for (const length of [nx, nx, nz]) {
+      for (let k = 0; k + 1 < length; ++k) {
+        const a = at + 2 * k;
+        index.push(a, a + 1, a + 2, a + 2, a + 1, a + 3);
+      }
+      at += 2 * length;
+    }
+    const geometry = new THREE.BufferGeometry();
+    geometry.setIndex(index);
+    const buffer = (size) => new THREE.BufferAttribute(new Float32Array(size * count), size).setUsage(THREE.DynamicDrawUsage);
+    geometry.setAttribute('position', buffer(3));
+    geometry.setAttribute('state', buffer(4));
+    geometry.setAttribute('stream', buffer(3));
+    const material = new THREE.ShaderMaterial({
+      uniforms: this.uniforms, vertexShader: SURFACE_VERTEX, fragmentShader: SURFACE_FRAGMENT, transparent: true, side: THREE.DoubleSide,
+    });
+    this.surface = new THREE.Mesh(geometry, material);
+    this.surface.frustumCulled = false;
+    this.surface.renderOrder = 5;
+    parent.add(this.surface);
+  }
+
+  makePoints(parent) {
+    const geometry = new THREE.BufferGeometry();
+    this.points = new THREE.Points(geometry, new THREE.ShaderMaterial({
+      uniforms: { ...this.uniforms, size: { value: 0.5 * this.spacing }, scale: { value: 500 }, row: { value: 0.25 } },
+      vertexShader: POINT_VERTEX, fragmentShader: POINT_FRAGMENT,
+    }));
+    this.points.frustumCulled = false;
+    parent.add(this.points);
+  }
+
+  as(form) {
+    this.form = form;
+    this.surface.visible = form !== 'points';
+    this.points.visible = form === 'points';
+  }
+
+  light(sky, horizon, strength, sunColour) {
+    this.uniforms.sky.value.set(sky);
+    this.uniforms.horizon.value.set(horizon);
+    this.uniforms.sunColour.value.set(sunColour);
+    this.uniforms.light.value = strength;
+  }
+
+  /** Particles as they came. */
+  take(message) {
+    this.message = message;
+    const grid = this.grid;
+    grid.splat(message.arrays, message.count, 1.35 * this.spacing * Math.cbrt(message.stride));
+    grid.smooth(3);
+    this.time = message.time;
+    this.refresh();
+  }
+
+  /** Depths of a snapshot; there are no particles then. */
+  takeDepths(message) {
+    this.message = null;
+    this.grid.resample(message, this.stream);
+    this.grid.smooth(4);
+    this.time = message.time;
+    this.refresh();
+  }
+
+  setMode(mode) {
+    this.mode = mode;
+    this.refresh();
+  }
+
+  /** What the legend says: the name, the unit, and the value of the last colour. */
+  legend() {
+    const named = (this.scene?.channel?.water_blocks ?? []).map((b) => b.depth_m).concat(this.scene?.channel?.flow !== 'closed' ? [this.scene?.channel?.depth_m ?? 1] : []);
+    const depth = roundUp(1.5 * Math.max(...named.filter(Number.isFinite), 0.1)), speed = roundUp(2 * Math.max(this.stream, 0.5));
+    return this.mode === 'speed' ? { name: 'speed of the water', unit: 'm/s', full: speed } : { name: 'depth of the water', unit: 'm', full: depth };
+  }
+
+  refresh() {
+    this.uniforms.mode.value = { clear: 0, depth: 1, speed: 2 }[this.mode];
+    this.uniforms.full.value = this.legend().full;
+    this.bytes = 0;
+    if (this.form === 'points' && this.message) this.refreshPoints();
+    if (this.form !== 'points') this.refreshSurface();
+  }
+
+  refreshPoints() {
+    const m = this.message, geometry = this.points.geometry;
+    ['px', 'py', 'pz'].forEach((name, k) => this.upload(geometry, name, m.arrays[k]));
+    const value = this.values?.length === m.count ? this.values : (this.values = new Float32Array(m.count));
+    const [x, , z, vx, vy, vz] = m.arrays, fast = this.mode === 'speed';
+    for (let i = 0; i < m.count; ++i) value[i] = fast ? Math.hypot(vx[i], vy[i], vz[i]) : this.grid.at(x[i], z[i]);
+    this.upload(geometry, 'value', value);
+    geometry.setDrawRange(0, m.count);
+    this.points.material.uniforms.row.value = fast ? 0.75 : 0.25;
+  }
+
+  upload(geometry, name, array) {
+    const old = geometry.attributes[name];
+    if (old && old.array.length >= array.length) {
+      old.array.set(array);
+      old.clearUpdateRanges();
+      old.addUpdateRange(0, array.length);
+      old.needsUpdate = true;
+    } else {
+      const room = new Float32Array(Math.ceil(1.2 * array.length));
+      room.set(array);
+      geometry.setAttribute(name, new THREE.BufferAttribute(room, 1).setUsage(THREE.DynamicDrawUsage));
+    }
+    this.bytes += 4 * array.length;
+  }
+
+  refreshSurface() {
+    const { nx, nz, x0, z0, cell, depth, vx, vz } = this.grid, extra = this.columns - nx, g = this.gravity;
+    const { position, state, stream } = this.surface.geometry.attributes;
+    const p = position.array, s = state.array, w = stream.array;
+    const set = (k, x, y, z, d, sx, sz, foam, u, v, side) => {
+      p[3 * k] = x, p[3 * k + 1] = y, p[3 * k + 2] = -z;
+      s[4 * k] = d, s[4 * k + 1] = sx, s[4 * k + 2] = sz, s[4 * k + 3] = foam;
+      w[3 * k] = u, w[3 * k + 1] = v, w[3 * k + 2] = side;
+    };
+    // The outermost vertices stand at the walls, not half a cell before them.
+    const edgeX = (i) => x0 + cell * (i === 0 ? 0 : i === nx - 1 ? nx : i + 0.5), edgeZ = (j) => z0 + cell * (j === 0 ? 0 : j === nz - 1 ? nz : j + 0.5);
+    for (let j = 0; j < nz; ++j) {
+      const up = nx * Math.max(0, j - 1), down = nx * Math.min(nz - 1, j + 1), row = nx * j, z = edgeZ(j);
+      for (let i = 0; i < nx; ++i) {
+        const l = Math.max(0, i - 1), r = Math.min(nx - 1, i + 1), c = row + i, d = depth[c];
+        const sx = (depth[row + r] - depth[row + l]) / (cell * (r - l)), sz = (depth[down + i] - depth[up + i]) / (2 * cell);
+        const steep = Math.hypot(sx, sz), fast = Math.hypot(vx[c], vz[c]) / Math.sqrt(g * Math.max(d, 0.05));
+        const foam = Math.min(0.85, Math.max(0, 1.1 * (steep - 0.22)) + Math.min(0.25, Math.max(0, 0.12 * (fast - 1))) + Math.max(0, 0.45 - 4 * d));
+        set(j * this.columns + extra + i, edgeX(i), d, z, d, sx, sz, foam, vx[c], vz[c], 0);
+      }
+      for (let k = 1; k <= extra; ++k) { // over the edge: a jet that falls freely
+        const t = k * FALL_STEP_S * Math.sqrt(9.81 / Math.max(g, 0.2)) * (g < 5 ? 0.45 : 1), d = depth[row], u = Math.max(0.6, -vx[row]);
+        set(j * this.columns + extra - k, x0 - u * t, d - 0.5 * Math.max(g, 4) * t * t, z, d, -2, 0, Math.min(0.95, 0.25 + 0.07 * k), vx[row] - 2, 0, 0);
+      }
+    }
+    let at = this.columns * nz;
+    const face = (c, x, z) => {
+      for (const y of [depth[c], 0]) set(at++, x, y, z, depth[c], 0, 0, 0, vx[c], vz[c], 1);
+    };
+    for (let i = 0; i < nx; ++i) face(i, edgeX(i), z0);
+    for (let i = 0; i < nx; ++i) face((nz - 1) * nx + i, edgeX(i), z0 + cell * nz);
+    for (let j = 0; j < nz; ++j) face(j * nx + nx - 1, x0 + cell * nx, edgeZ(j));
+    for (const attribute of [position, state, stream]) {
+      attribute.needsUpdate = true;
+      this.bytes += attribute.array.byteLength;
+    }
+  }
+
+  animate(seconds, scale) {
+    this.uniforms.time.value = seconds;
+    this.points.material.uniforms.scale.value = scale;
+  }
+}

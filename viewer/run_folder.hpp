@@ -1,0 +1,106 @@
+#pragma once
+// What a run folder holds of the people and the water, while the run goes on, at its end, or after it was killed.
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "viewer/message.hpp"
+
+namespace wade::view {
+
+// Words that messages of people give as their place in these lists.
+inline constexpr std::string_view state_words[] = {"walking", "standing",   "arrived", "dead",
+                                                   "effort",  "sliding",    "toppled", "afloat",
+                                                   "carried", "recovering", "holding", "drowned"};
+inline constexpr std::string_view posture_words[] = {"upright", "falling",  "lying",     "floating", "swimming",
+                                                     "sitting", "kneeling", "squatting", "rising"};
+// The arrays of a message of people, in their order; `holds` is the first id that somebody holds, -1: nobody.
+inline constexpr std::string_view people_fields[] = {
+    "id",           "x_m",          "z_m",           "state",        "posture",    "heading_rad",
+    "speed_m_s",    "gait_phase",   "step_length_m", "hip_height_m", "lean_x_rad", "lean_z_rad",
+    "rate_x_rad_s", "rate_y_rad_s", "rate_z_rad_s",  "holds"};
+
+// Somebody's state from a time on.
+struct StateChange {
+    double time = 0;
+    std::uint32_t id = 0;
+    std::uint32_t state = 0;  // in state_words
+};
+
+// A table that grows, rows of `frame,time_s,id,...`, frame by frame: where each frame lies. It is not held in memory.
+class FrameTable {
+ public:
+    explicit FrameTable(std::filesystem::path file) : path_(std::move(file)) {}
+
+    // Takes in what has come since the last call, some 8 MB at most; true if there is more.
+    bool read_on();
+
+    [[nodiscard]] std::size_t frames() const { return starts_.size(); }
+    [[nodiscard]] double time_of(std::size_t frame) const { return times_[frame]; }
+    // The frame of the table at a time, the last that is not later. There must be one.
+    [[nodiscard]] std::size_t at(double time_s) const;
+    [[nodiscard]] const std::string& header() const { return header_; }
+    // The whole rows of a frame that are there by now.
+    [[nodiscard]] std::string rows_of(std::size_t frame) const;
+    [[nodiscard]] const std::vector<StateChange>& changes() const { return changes_; }
+
+ private:
+    void take_row(std::string_view row, std::uint64_t at);
+    void forget();
+
+    std::filesystem::path path_;
+    std::string header_;
+    std::uint64_t read_ = 0;  // bytes, up to the end of a row
+    std::vector<std::uint64_t> starts_;
+    std::vector<double> times_;
+    long long last_frame_ = -1;
+    std::unordered_map<std::uint32_t, std::uint32_t> states_;
+    std::vector<StateChange> changes_;
+};
+
+class RunFolder {
+ public:
+    // may_be_empty: the run is about to start. Errors: ConfigurationError if it is no folder of a run.
+    explicit RunFolder(std::filesystem::path folder, bool may_be_empty);
+
+    // Takes in what has come; true if there is more to take in at once.
+    bool read_on();
+
+    // Frames of people: of poses.csv, else of trajectories.sqlite, where everybody is upright.
+    [[nodiscard]] bool has_poses() const { return poses_.frames() > 0; }
+    [[nodiscard]] std::size_t people_frames() const;
+    [[nodiscard]] double people_time(std::size_t frame) const;
+    [[nodiscard]] Message people(std::size_t frame) const;  // the last one if there are not so many
+    // Paths from a time on, thinned to some 300,000 points; null if there are none.
+    [[nodiscard]] Message paths(double from_s) const;
+    // Depths as of the newest snapshot of water.bin that is not later than a time, else the first; null if there is none.
+    [[nodiscard]] Message depths(double time_s) const;
+    [[nodiscard]] std::size_t snapshots() const { return snapshot_times_.size(); }
+    [[nodiscard]] double snapshot_time(std::size_t k) const { return snapshot_times_[k]; }
+    // The row of terms.csv of a person at a time with the header before it; empty if there is none.
+    [[nodiscard]] std::string terms(std::uint32_t id, double time_s) const;
+    [[nodiscard]] const std::vector<StateChange>& changes() const { return poses_.changes(); }
+    // A small text file of the folder, "" if it is not there.
+    [[nodiscard]] std::string text_of(const std::string& name) const;
+    [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
+
+ private:
+    void look_at_paths();
+    void look_at_water();
+
+    std::filesystem::path folder_;
+    FrameTable poses_, terms_;
+    double paths_per_s_ = 0;  // frames of trajectories.sqlite
+    std::size_t path_frames_ = 0;
+    std::uint32_t columns_ = 0, rows_ = 0;  // of water.bin
+    double cell_ = 0, x0_ = 0, z0_ = 0;
+    std::vector<double> snapshot_times_;
+    unsigned looks_ = 0;
+};
+
+}  // namespace wade::view
