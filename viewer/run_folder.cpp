@@ -1,5 +1,3 @@
-#include "viewer/run_folder.hpp"
-
 #include <sqlite3.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "viewer/sources.hpp"
 
 namespace wade::view {
 namespace {

@@ -22,8 +22,7 @@
 #include "configs/program/program.hpp"
 #include "configs/program/run_control.hpp"
 #include "tools/shm/tool_arguments.hpp"
-#include "viewer/run_folder.hpp"
-#include "viewer/water.hpp"
+#include "viewer/sources.hpp"
 #include "viewer/web_server.hpp"
 
 namespace {

@@ -1,5 +1,3 @@
-#include "viewer/water.hpp"
-
 #include <time.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "shm_protocol/latest_reader.hpp"
 #include "tools/shm/observer.hpp"
+#include "viewer/sources.hpp"
 
 namespace wade::view {
 namespace {

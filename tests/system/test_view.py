@@ -8,6 +8,7 @@ import json
 import os
 import random
 import shutil
+import signal
 import socket
 import struct
 import subprocess
@@ -24,7 +25,7 @@ SERVER = PROGRAMS / "wade_view_server"
 PAGE_TEST = Path(__file__).resolve().parent / "view_page.mjs"
 KEPT = ["--set", "/crowd/poses/rate_hz=10"]  # both programs
 TERMS = ["--terms-every-s", "0.1", "--water-every-s", "0.5"]  # the crowd
-HEAD = struct.Struct("<4sIIIddIIfffI")  # docs/viewer.md
+HEAD = struct.Struct("<4sIIIddIIfffI")  # viewer/README.md
 
 
 class Socket:
@@ -327,24 +328,23 @@ class Page(ViewTest):
     def test_the_page_in_a_browser(self):
         modules = view.modules_folder()
         run = self.kept_run()
-        file, fifo = self.folder / "water.wrec", self.folder / "fifo"
+        fifo = self.folder / "fifo"
         three = modules / "node_modules" / "three"
         ended = self.view("--run", run.folder, three=three)
         crowd = self.client(*KEPT, *TERMS, "--commands", fifo, "--set", "/stop_when_no_agent_is_active=false", "--until-s", "5000")
         wait_until(fifo.exists, "the FIFO")
         live = self.view("--run", crowd.run.folder, "--session", self.session, "--commands", fifo, "--starts", three=three)
         water = self.server(*KEPT, "--clock", "real_time", "--set", "/stop_when_no_agent_is_active=false", "--until-s", "5000")
-        self.assertFalse(file.exists())
         outcome = run.outcome()
         wanted = {"arrived": outcome["arrived"], "dead": outcome["dead"], "end": outcome["sim_time_s"]}
         pictures = os.environ.get("WADE_VIEW_PICTURES", self.folder)
         words = ["node", PAGE_TEST, modules, ended.port, live.port, json.dumps(wanted), pictures]
         test = subprocess.run([*map(str, words)], capture_output=True, text=True, timeout=280)
+        for program in (water, crowd):
+            program.send(signal.SIGINT)
+            program.wait()
         self.assertEqual(test.returncode, 0, test.stdout + test.stderr)
         self.assertIn('"tau":0.9', crowd.run.bytes_of("events.jsonl").decode().replace(" ", ""))
-        for program in (water, crowd):
-            program.send(2)
-            program.wait()
 
 
 if __name__ == "__main__":

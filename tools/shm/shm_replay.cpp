@@ -1,15 +1,20 @@
 // shm_replay FILE --session NAME: a producer that plays a recording, the same frames with the same hash chain.
 
+#include <atomic>
 #include <cstdio>
+#include <exception>
 #include <iostream>
+#include <optional>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "configs/program/peer_support.hpp"
 #include "configs/program/program.hpp"
 #include "shm_protocol/publisher.hpp"
-#include "tools/shm/agents_taker.hpp"
+#include "shm_protocol/subscriber.hpp"
 #include "tools/shm/recording.hpp"
 #include "tools/shm/tool_arguments.hpp"
 
@@ -27,6 +32,75 @@ struct Options {
     double consumers = 1;
     shm::Waiting waiting;
 };
+
+// The part of a fluid producer in a two-way run that has no use for the agents: takes every frame, looks at none.
+// Takes the frames of `/<session>-agents` in a thread of its own, from the moment the stream appears to its end.
+class AgentsTaker {
+ public:
+    // Does nothing at all unless `wanted`.
+    AgentsTaker(bool wanted, const std::string& session, shm::Waiting waiting);
+    ~AgentsTaker();  // says goodbye
+    AgentsTaker(const AgentsTaker&) = delete;
+    AgentsTaker& operator=(const AgentsTaker&) = delete;
+
+    // Throws what the thread met, if anything.
+    void check() const;
+
+    // Waits for the end of the stream. Errors: as check().
+    void finish();
+
+ private:
+    void take_all(const std::string& session, const shm::Waiting& waiting);
+
+    std::atomic<bool> stop_{false}, failed_{false};
+    std::exception_ptr error_;
+    std::thread thread_;
+};
+
+AgentsTaker::AgentsTaker(bool wanted, const std::string& session, shm::Waiting waiting) {
+    if (!wanted) return;
+    waiting.warn = {};  // the fluid's side warns
+    thread_ = std::thread([this, session, waiting = std::move(waiting)] { take_all(session, waiting); });
+}
+
+AgentsTaker::~AgentsTaker() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+}
+
+void AgentsTaker::check() const {
+    if (failed_) std::rethrow_exception(error_);
+}
+
+void AgentsTaker::finish() {
+    if (thread_.joinable()) thread_.join();
+    check();
+}
+
+void AgentsTaker::take_all(const std::string& session, const shm::Waiting& waiting) {
+    try {
+        std::optional<shm::Subscriber> subscriber;
+        shm::JoinOptions join;
+        join.kind = shm::stream_agents;
+        join.waiting = waiting;
+        join.waiting.interrupted = [&] {
+            const bool interrupted = waiting.interrupted && waiting.interrupted();
+            if (stop_ && !interrupted && subscriber) subscriber->leave();
+            return stop_ || interrupted;
+        };
+        subscriber.emplace(session, "replay", join);
+        if (subscriber->info().impulses) {
+            const std::string why =
+                "A recording cannot answer people who push the water: a run with /coupling/two_way has no replay.";
+            subscriber->abort(static_cast<int>(shm::Failure::protocol_violation), why);
+            throw shm::Error(shm::Failure::protocol_violation, why);
+        }
+        while (subscriber->acquire()) subscriber->release();
+    } catch (...) {
+        error_ = std::current_exception();
+        failed_ = true;
+    }
+}
 
 std::string ending_of(const Recording& r) {
     const std::uint64_t last = r.frames().empty() ? 0 : r.frames().back().descriptor.frame;

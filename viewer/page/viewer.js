@@ -3,10 +3,8 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/orbit';
 import { GROUP_COLOURS, LIGHTS, makeGround, makeSky, place } from './ground.js';
-import { Symbols, Traces, makeRing } from './marks.js';
-import { $, fillHelp, rowOf, showCounts, showEvents, showLegend, showPerson, showState } from './panel.js';
+import { $, Stream, Symbols, Traces, fillHelp, makeRing, rowOf, showCounts, showEvents, showLegend, showPerson, showState } from './panel.js';
 import { People } from './people.js';
-import { Stream } from './stream.js';
 import { Water } from './water.js';
 
 const wanted = new URLSearchParams(location.hash.slice(1));
@@ -236,8 +234,8 @@ function advance(wall) {
   if (!s) return;
   if (show.live && !isLive()) show.live = false;
   if (show.live) {
-    if (people?.frames) { // glide towards the newest frame
-      const gap = people.last - show.time;
+    if (people?.frames) { // glide towards the newest frame; once nobody is on its way only the water goes on
+      const water = show.water?.time ?? 0, gap = (water > people.last + 5 ? water : people.last) - show.time;
       show.time += gap > 3 || gap < 0 ? gap : gap * Math.min(1, 2.5 * wall);
     }
   } else if (show.playing) {
