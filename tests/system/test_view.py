@@ -314,7 +314,9 @@ class Strangers(ViewTest):
 
 
 def missing_for_page():
-    """What the test of the page needs and is not there, as a sentence; empty if nothing."""
+    """Why the page is not tested, as a sentence; empty if it is."""
+    if "WADE_VIEW_PAGE" not in os.environ:
+        return "in a browser by ctest -R system_view_page"
     if shutil.which("chromium") is None:
         return "chromium is not installed: tools/install_dependencies.sh viewer"
     folder = view.modules_folder()
