@@ -70,7 +70,7 @@ try {
   await page.close();
 
   // A run that goes on: particles come, time goes, tau changes, it pauses.
-  page = await open(live, 'dark=1&form=points', { width: 480, height: 320 });
+  page = await open(live, 'dark=1&form=points', { width: 800, height: 560 });
   await page.waitForFunction(() => wade.at().particles === 640 && document.querySelector('#state').textContent === 'running', null, patient);
   const then = await page.evaluate(() => wade.at());
   await page.waitForFunction((t) => wade.at().time > t.time && wade.at().water > t.water, then, patient);
