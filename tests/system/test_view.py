@@ -17,7 +17,7 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-from harness import PROGRAMS, SystemTest, wait_until
+from harness import ENDLESS, PROGRAMS, SystemTest, wait_until
 
 from wade import view
 
@@ -210,8 +210,7 @@ class Sessions(ViewTest):
         program = self.view("--session", self.session)
         client, stalled = self.connect(program), self.connect(program)
         self.assertEqual(client.status()["live"]["state"], "waiting")
-        crowd = self.client(*KEPT)
-        server = self.server(*KEPT)
+        crowd, server = self.client(*KEPT, *ENDLESS), self.server(*KEPT, *ENDLESS)
         stalled.ask(get="live", after=-1)  # and never reads
         seen = []
         while len(seen) < 3:
@@ -220,8 +219,11 @@ class Sessions(ViewTest):
             self.assertAlmostEqual(sum(arrays[6]), 80, delta=1e-3)  # m3 of water
             seen.append(head[5])
         self.assertEqual(seen, sorted(set(seen)))
-        self.assert_ended_well(server, crowd)
-        self.assertEqual(client.status(lambda s: s["live"]["state"] == "ended")["live"]["problem"], "")
+        self.wait_for_frame(self.published_frame() + 300, server, crowd)
+        for program in (crowd, server):
+            program.send(signal.SIGINT)
+            program.wait()
+        client.status(lambda s: s["live"]["state"] == "ended")
 
     def test_tau_from_the_page_is_recorded_and_played_again(self):
         fifo = self.folder / "fifo"
