@@ -14,7 +14,9 @@ import numpy as np
 from harness import ENDLESS, PROGRAMS, ROOT, SystemTest, wait_until
 
 ENGINES = ROOT / "tools" / "engines"
-LIBRARY = PROGRAMS / "libwade_shm.so"
+LIBRARY, VIEWER = PROGRAMS / "libwade_shm.so", PROGRAMS / "wade_view_server"
+needs_mono = unittest.skipUnless(shutil.which("mcs") and shutil.which("mono"),
+                                 "needs mono-mcs and mono-runtime (tools/install_dependencies.sh readers)")
 sys.path += [str(ENGINES), str(ROOT / "tools" / "producers" / "python")]
 
 # Prints each frame that it sees, and that the stream has ended.
@@ -24,22 +26,36 @@ using System.Globalization;
 
 static class Driver
 {
+    static void Show(double number, double time, int count, params float[][] arrays)
+    {
+        Console.Write(number + " " + time.ToString("R", CultureInfo.InvariantCulture));
+        foreach (float[] values in arrays)
+            for (int k = 0; k < count && k < values.Length; ++k)
+                Console.Write(" " + values[k].ToString("R", CultureInfo.InvariantCulture));
+        Console.WriteLine();
+    }
+
     static int Main(string[] arguments)
     {
         try
         {
+            if (arguments[1] == "web")
+                using (var web = new Wade.WebStream(arguments[0]))
+                    for (;;)
+                    {
+                        Wade.News news = web.Poll();
+                        if (news == Wade.News.End) { Console.WriteLine("end"); return 0; }
+                        if (news == Wade.News.Nothing) { System.Threading.Thread.Sleep(1); continue; }
+                        Show(web.Number, web.TimeS, web.Count, web.X, web.Y, web.Z, web.Vx, web.Vy, web.Vz, web.Volume);
+                    }
             using (var stream = new Wade.Stream(arguments[0], arguments[1] == "people", 10))
                 for (;;)
                 {
                     Wade.News news = stream.Poll();
                     if (news == Wade.News.End) { Console.WriteLine("end"); return 0; }
                     if (news == Wade.News.Nothing) { System.Threading.Thread.Sleep(1); continue; }
-                    Console.Write(stream.Number + " " + stream.TimeS.ToString("R", CultureInfo.InvariantCulture));
-                    foreach (float[] values in new[] { stream.X, stream.Y, stream.Z, stream.Vx, stream.Vy, stream.Vz,
-                                                       stream.Mass, stream.Radius, stream.Height, stream.State })
-                        for (int k = 0; k < stream.Count && k < values.Length; ++k)
-                            Console.Write(" " + values[k].ToString("R", CultureInfo.InvariantCulture));
-                    Console.WriteLine();
+                    Show(stream.Number, stream.TimeS, stream.Count, stream.X, stream.Y, stream.Z, stream.Vx, stream.Vy,
+                         stream.Vz, stream.Mass, stream.Radius, stream.Height, stream.State);
                 }
         }
         catch (Wade.StreamException error) { Console.WriteLine(error.Code + " " + error.Message); return 1; }
@@ -187,13 +203,41 @@ class Engines(SystemTest):
             self.assertTrue(reader.ended)
             reader.close()
 
-    @unittest.skipUnless(shutil.which("mcs") and shutil.which("mono"),
-                         "needs mono-mcs and mono-runtime (tools/install_dependencies.sh readers)")
+    def driver(self):
+        """The C# file with a program round it, in the language that Unity 2018 and later take."""
+        source, program = self.folder / "Driver.cs", self.folder / "driver.exe"
+        source.write_text(DRIVER)
+        subprocess.run(["mcs", "-langversion:7", f"-out:{program}", ENGINES / "WadeStream.cs", source], check=True)
+        return program
+
+    @needs_mono
+    @unittest.skipUnless(VIEWER.exists(), f"needs {VIEWER}")
+    def test_csharp_over_the_socket_of_the_viewer(self):
+        program, three = self.driver(), self.folder / "three"
+        for name in ("build/three.module.js", "build/three.core.js", "examples/jsm/controls/OrbitControls.js"):
+            (three / name).parent.mkdir(parents=True, exist_ok=True)
+            (three / name).write_text("// three\n")  # nobody asks for it here
+        publisher = self.producer_of(1)
+        worlds = [self.send(publisher, 1)]
+        command = [VIEWER, "--session", self.session, "--page", ROOT / "viewer" / "page", "--three", three]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as viewer:
+            address = viewer.stdout.readline().strip().replace("http:", "ws:") + "stream"
+            with subprocess.Popen(["mono", program, address, "web"], stdout=subprocess.PIPE, text=True) as mono:
+                lines = [mono.stdout.readline()]
+                worlds.append(self.send(publisher, 1, final=True))
+                self.library("publisher_close", publisher)
+                lines += mono.stdout.readlines()
+            viewer.send_signal(signal.SIGTERM)
+        self.assertEqual((mono.returncode, lines[-1], len(lines)), (0, "end\n", 3), lines)
+        for frame, (line, world) in enumerate(zip(lines, worlds), 1):
+            number, time_s, *values = map(float, line.split())
+            self.assertEqual(number, frame)
+            self.assertAlmostEqual(time_s, frame / 30)
+            np.testing.assert_allclose(np.reshape(values, (7, -1))[:6], world[:6], rtol=1e-6)
+
+    @needs_mono
     def test_csharp(self):
-        driver, program = self.folder / "Driver.cs", self.folder / "driver.exe"
-        driver.write_text(DRIVER)
-        # The language that Unity 2018 and later take.
-        subprocess.run(["mcs", "-langversion:7", f"-out:{program}", ENGINES / "WadeStream.cs", driver], check=True)
+        program = self.driver()
         environment = {**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)}
         for kind, word in ((1, "water"), (2, "people")):
             publisher = self.producer_of(kind)

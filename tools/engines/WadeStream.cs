@@ -6,9 +6,15 @@
 //
 // A free-running reader: it holds up nobody and may miss frames. Places and velocities are in metres, x upstream, y up,
 // z across: left-handed, as Unity's axes, so that new Vector3(X[i], Y[i], Z[i]) is the place (docs/engines.md).
-// For a project of Unity: this file into Assets, libwade_shm.so into Assets/Plugins.
+// For a project of Unity: this file into Assets, libwade_shm.so into Assets/Plugins. Where there is no shared memory of Linux,
+// as on Windows, WebStream takes the water from the server of the viewer: new Wade.WebStream("ws://127.0.0.1:PORT/stream").
 using System;
+using System.IO;
+using System.Net.WebSockets;
 using System.Runtime.InteropServices;
+using System.Text;
+using System.Threading;
+using System.Threading.Tasks;
 
 namespace Wade
 {
@@ -18,14 +24,13 @@ namespace Wade
     public sealed class StreamException : Exception
     {
         public readonly int Code;
-        public StreamException(int code, string text) : base(text) { Code = code; }
+        public StreamException(int code, string text) : base(text) => Code = code;
     }
 
     public sealed class Stream : IDisposable
     {
         const int Ok = 0, AtEnd = -1, NothingNew = -2, AbiVersion = 1;
 
-        [StructLayout(LayoutKind.Sequential)]
         struct Join // wade_join
         {
             public ulong SceneHash;
@@ -39,12 +44,8 @@ namespace Wade
         {
             [FieldOffset(80)] public ulong TicksPerSecond;
             [FieldOffset(96)] public double Metres;
-            [FieldOffset(104)] public double OriginX;
-            [FieldOffset(112)] public double OriginY;
-            [FieldOffset(120)] public double OriginZ;
-            [FieldOffset(128)] public int AxisX;
-            [FieldOffset(132)] public int AxisY;
-            [FieldOffset(136)] public int AxisZ;
+            [FieldOffset(104)] public double OriginX; [FieldOffset(112)] public double OriginY; [FieldOffset(120)] public double OriginZ;
+            [FieldOffset(128)] public int AxisX; [FieldOffset(132)] public int AxisY; [FieldOffset(136)] public int AxisZ;
             [FieldOffset(144)] public double ParticleRadius;
         }
 
@@ -56,81 +57,67 @@ namespace Wade
             public IntPtr Mass, Vx, Vy, Vz, Px, Py, Pz, Radius, Height, State;
         }
 
-        const string Library = "wade_shm";
+        const string Library = "wade_shm"; // lib and .so are added
         [DllImport(Library)] static extern uint wade_abi_version();
         [DllImport(Library)] static extern IntPtr wade_last_error();
         [DllImport(Library)] static extern void wade_join_defaults(out Join join);
-        [DllImport(Library)] static extern int wade_latest_open(string session, string name, ref Join join, uint stride,
-                                                                out IntPtr reader);
+        [DllImport(Library)] static extern int wade_latest_open(string session, string name, ref Join join, uint stride, out IntPtr r);
         [DllImport(Library)] static extern int wade_latest_stream(IntPtr reader, out Info info);
         [DllImport(Library)] static extern int wade_latest_poll(IntPtr reader, out Frame frame);
-        [DllImport(Library)] static extern int wade_latest_leave(IntPtr reader);
         [DllImport(Library)] static extern void wade_latest_free(IntPtr reader);
 
         IntPtr reader;
         readonly Info info;
         readonly bool agents;
-        float[][] places = new float[3][], velocities = new float[3][];
-
-        public int Count { get; private set; }
-        public ulong Number { get; private set; }
-        public double TimeS { get; private set; }
-        public bool Final { get; private set; }
-        public double ParticleRadius { get { return info.ParticleRadius; } } // m; 0: not given
-
-        // Of length Count or more; the same arrays from frame to frame as long as they are long enough.
-        public float[] X { get { return places[0]; } }
-        public float[] Y { get { return places[1]; } }
-        public float[] Z { get { return places[2]; } }
-        public float[] Vx { get { return velocities[0]; } }
-        public float[] Vy { get { return velocities[1]; } }
-        public float[] Vz { get { return velocities[2]; } }
-        public float[] Mass = new float[0];                            // kg
-        public float[] Radius = new float[0], Height = new float[0];   // m; people only
-        public float[] State = new float[0];                           // people only: 0 walking, 1 arrived, 2 dead
+        public ulong Number; // from 1 on
+        public int Count;
+        public bool Final;
+        public double TimeS;
+        public double ParticleRadius => info.ParticleRadius; // m; 0: not given
+        // m, m/s, kg, of length Count or more; radius, height (m) and state (0 walking, 1 arrived, 2 dead) of people only.
+        public float[] X = new float[0], Y = new float[0], Z = new float[0];
+        public float[] Vx = new float[0], Vy = new float[0], Vz = new float[0];
+        public float[] Mass = new float[0], Radius = new float[0], Height = new float[0], State = new float[0];
 
         /// <summary>Joins a session. people: its agents (scenes with /coupling/agents_stream), else the water.</summary>
         public Stream(string session, bool people = false, double attachTimeoutS = 10, uint stride = 1)
         {
             if (wade_abi_version() != AbiVersion) throw new StreamException(2, "libwade_shm has another ABI than version 1.");
-            Join join;
-            wade_join_defaults(out join);
+            wade_join_defaults(out Join join);
             agents = people;
             join.Kind = people ? 2u : 1u;
             join.AttachTimeout = attachTimeoutS;
             Check(wade_latest_open(session, "csharp", ref join, stride, out reader));
             Check(wade_latest_stream(reader, out info));
-            for (int i = 0; i < 3; ++i) places[i] = velocities[i] = new float[0];
         }
 
         /// <summary>Takes the newest frame if there is one that was not taken yet. Never waits.</summary>
         public News Poll()
         {
-            Frame frame;
-            int result = wade_latest_poll(reader, out frame);
-            if (result == NothingNew) return News.Nothing;
-            if (result == AtEnd) return News.End;
+            int result = wade_latest_poll(reader, out Frame frame);
+            if (result == NothingNew || result == AtEnd) return result == AtEnd ? News.End : News.Nothing;
             Check(result);
             Count = (int)frame.Count;
             Number = frame.Number;
             TimeS = frame.Tick / (double)info.TicksPerSecond;
             Final = frame.Final != 0;
             IntPtr[] p = { frame.Px, frame.Py, frame.Pz }, v = { frame.Vx, frame.Vy, frame.Vz };
-            int[] axes = { info.AxisX, info.AxisY, info.AxisZ };
-            double[] origin = { info.OriginX, info.OriginY, info.OriginZ };
-            for (int i = 0; i < 3; ++i)
-            {
-                int stored = Math.Abs(axes[i]) - 1;
-                double scale = axes[i] > 0 ? info.Metres : -info.Metres;
-                Copy(p[stored], ref places[i], scale, origin[i]);
-                Copy(v[stored], ref velocities[i], scale, 0);
-            }
+            Turn(info.AxisX, info.OriginX, p, v, ref X, ref Vx);
+            Turn(info.AxisY, info.OriginY, p, v, ref Y, ref Vy);
+            Turn(info.AxisZ, info.OriginZ, p, v, ref Z, ref Vz);
             Copy(frame.Mass, ref Mass, 1, 0);
             if (!agents) return News.Frame;
             Copy(frame.Radius, ref Radius, info.Metres, 0);
             Copy(frame.Height, ref Height, info.Metres, 0);
             Copy(frame.State, ref State, 1, 0);
             return News.Frame;
+        }
+
+        void Turn(int axis, double origin, IntPtr[] p, IntPtr[] v, ref float[] place, ref float[] velocity)
+        {
+            double scale = axis > 0 ? info.Metres : -info.Metres;
+            Copy(p[Math.Abs(axis) - 1], ref place, scale, origin);
+            Copy(v[Math.Abs(axis) - 1], ref velocity, scale, 0);
         }
 
         void Copy(IntPtr from, ref float[] into, double scale, double origin)
@@ -141,17 +128,72 @@ namespace Wade
             for (int k = 0; k < Count; ++k) into[k] = (float)(origin + scale * into[k]);
         }
 
-        static void Check(int result)
-        {
-            if (result != Ok) throw new StreamException(result, Marshal.PtrToStringAnsi(wade_last_error()));
-        }
+        static int Check(int code) => code == Ok ? Ok : throw new StreamException(code, Marshal.PtrToStringAnsi(wade_last_error()));
 
         public void Dispose()
         {
-            if (reader == IntPtr.Zero) return;
-            wade_latest_leave(reader);
-            wade_latest_free(reader);
+            wade_latest_free(reader); // says goodbye before; takes a null pointer, too
             reader = IntPtr.Zero;
         }
+    }
+
+    /// <summary>The newest frame of a session that the server of the viewer shows live, over its WebSocket.</summary>
+    public sealed class WebStream : IDisposable
+    {
+        readonly ClientWebSocket socket = new ClientWebSocket();
+        readonly byte[] part = new byte[1 << 16];
+        readonly MemoryStream whole = new MemoryStream();
+        Task<WebSocketReceiveResult> receiving;
+        int ended; // how often the server has said so since the last frame
+
+        public int Count;
+        public double Number, TimeS;
+        public float[] X, Y, Z, Vx, Vy, Vz, Volume; // m, m/s, m3, of length Count
+
+        public WebStream(string address)
+        {
+            socket.ConnectAsync(new Uri(address), CancellationToken.None).Wait();
+            Ask();
+        }
+
+        void Ask()
+        {
+            var question = new ArraySegment<byte>(Encoding.ASCII.GetBytes("{\"get\":\"live\",\"after\":" + (long)Number + "}"));
+            socket.SendAsync(question, WebSocketMessageType.Text, true, CancellationToken.None).Wait();
+        }
+
+        /// <summary>As Stream.Poll.</summary>
+        public News Poll()
+        {
+            for (;;)
+            {
+                receiving = receiving ?? socket.ReceiveAsync(new ArraySegment<byte>(part), CancellationToken.None);
+                if (!receiving.IsCompleted) return News.Nothing;
+                WebSocketReceiveResult got = receiving.Result;
+                receiving = null;
+                if (got.MessageType == WebSocketMessageType.Close) return News.End;
+                whole.Write(part, 0, got.Count);
+                if (!got.EndOfMessage) continue;
+                byte[] message = whole.ToArray();
+                whole.SetLength(0);
+                if (got.MessageType == WebSocketMessageType.Binary) return Take(message);
+                if (Encoding.UTF8.GetString(message).Contains("\"state\":\"ended\"") && ++ended > 1) return News.End;
+            }
+        }
+
+        News Take(byte[] message) // viewer/README.md: a head of 56 bytes, then x, y, z, vx, vy, vz and volume
+        {
+            Count = BitConverter.ToInt32(message, 8);
+            TimeS = BitConverter.ToDouble(message, 16);
+            Number = BitConverter.ToDouble(message, 24);
+            float[][] a = new float[7][];
+            for (int i = 0; i < 7; ++i) Buffer.BlockCopy(message, 56 + 4 * i * Count, a[i] = new float[Count], 0, 4 * Count);
+            X = a[0]; Y = a[1]; Z = a[2]; Vx = a[3]; Vy = a[4]; Vz = a[5]; Volume = a[6];
+            ended = 0;
+            Ask();
+            return News.Frame;
+        }
+
+        public void Dispose() { socket.Dispose(); }
     }
 }
