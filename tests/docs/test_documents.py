@@ -119,7 +119,7 @@ class MadeUpDocument(unittest.TestCase):
                 self.assertEqual(self.problems(text), [])
 
     def test_links(self):
-        self.assert_fine("[a](results.md)", "[a](../README.md)", "![a](../viewer/river_s05.png)", "[a](https://a.org)")
+        self.assert_fine("[a](results.md)", "[a](../README.md)", "![a](../tools/viewer/river_s05.png)", "[a](https://a.org)")
         self.assert_found("link", "[a](result.md)", "[a](../READMI.md)", "![a](../configs/paper/s055.png)")
         self.assert_found("link", "| [a](no.md) |", "[a](no.md)\nb", "[a]: no.md")
 

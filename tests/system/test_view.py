@@ -25,7 +25,7 @@ SERVER = PROGRAMS / "wade_view_server"
 PAGE_TEST = Path(__file__).resolve().parent / "view_page.mjs"
 KEPT = ["--set", "/crowd/poses/rate_hz=10"]  # both programs
 TERMS = ["--terms-every-s", "0.1", "--water-every-s", "0.5"]  # the crowd
-HEAD = struct.Struct("<4sIIIddIIfffI")  # viewer/README.md
+HEAD = struct.Struct("<4sIIIddIIfffI")  # tools/viewer/README.md
 
 
 class Socket:

@@ -13,7 +13,7 @@ from wade.paths import BUILD, ROOT, home_folder
 from wade.run.processes import end_with_parent, resolved
 from wade.terminal import Parser, say_error
 
-PAGE = ROOT / "viewer" / "page"
+PAGE = ROOT / "tools" / "viewer" / "page"
 POSES_HZ, WATER_S, TERMS_S = 10, 0.5, 0.1  # what --view records for the page, unless the user says otherwise
 FIFO = ".commands"  # in the run folder
 

@@ -22,8 +22,8 @@
 #include "configs/program/program.hpp"
 #include "configs/program/run_control.hpp"
 #include "tools/shm/tool_arguments.hpp"
-#include "viewer/sources.hpp"
-#include "viewer/web_server.hpp"
+#include "tools/viewer/sources.hpp"
+#include "tools/viewer/web_server.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "shm_protocol/latest_reader.hpp"
 #include "tools/shm/observer.hpp"
-#include "viewer/sources.hpp"
+#include "tools/viewer/sources.hpp"
 
 namespace wade::view {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
-#include "viewer/sources.hpp"
+#include "tools/viewer/sources.hpp"
 
 namespace wade::view {
 namespace {

@@ -1,4 +1,4 @@
-#include "viewer/web_server.hpp"
+#include "tools/viewer/web_server.hpp"
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "tools/shm/recording.hpp"
-#include "viewer/web_server.hpp"
+#include "tools/viewer/web_server.hpp"
 
 namespace wade::view {
 

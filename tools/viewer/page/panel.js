@@ -301,7 +301,7 @@ export function fillHelp() {
   }
 }
 
-// Questions and answers over the one WebSocket; viewer/README.md has the table of a binary answer.
+// Questions and answers over the one WebSocket; tools/viewer/README.md has the table of a binary answer.
 
 export const KINDS = { 1: 'water', 2: 'people', 3: 'depths', 4: 'paths', 5: 'walkers' };
 const HEAD_BYTES = 56;
