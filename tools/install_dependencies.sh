@@ -85,7 +85,7 @@ for argument in "$@"; do
     build | pictures | tests | readers | viewer) sets+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *)
-      echo "install_dependencies.sh: unexpected argument \"$argument\"; allowed: build, pictures, tests, readers, viewer" >&2
+      echo "install_dependencies.sh: unexpected \"$argument\", allowed: build, pictures, tests, readers, viewer" >&2
       exit 2
       ;;
   esac

@@ -31,9 +31,9 @@ starts fluid_server and crowd_client, waits for both, prints the outcome and dra
   --mode latest       the crowd takes the newest frame and the water waits for nobody; fluid_server
                       gets --consumers 0 and --clock real_time, unless you give them. Not with
                       --consumers 1 and more, --clock fast, --replay
-  --view              the run in the browser, at the address that is printed; goes on after the run until
-                      Ctrl-C. The run keeps poses, terms and the water more often for it, and takes
-                      its commands from the page instead of the terminal
+  --view              the run in the browser, at the address that is printed; goes on after the run
+                      until Ctrl-C. The run keeps poses, terms and the water more often for it, and
+                      takes its commands from the page instead of the terminal
   --view-port N       port of the page at 127.0.0.1 [any that is free]
   --no-figure         do not draw figure.png; nor is it drawn with --no-trajectories, which leaves
                       no paths
