@@ -219,7 +219,7 @@ class Engines(SystemTest):
             (three / name).write_text("// three\n")  # nobody asks for it here
         publisher = self.producer_of(1)
         worlds = [self.send(publisher, 1)]
-        command = [VIEWER, "--session", self.session, "--page", ROOT / "viewer" / "page", "--three", three]
+        command = [VIEWER, "--session", self.session, "--page", ROOT / "tools" / "viewer" / "page", "--three", three]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as viewer:
             address = viewer.stdout.readline().strip().replace("http:", "ws:") + "stream"
             with subprocess.Popen(["mono", program, address, "web"], stdout=subprocess.PIPE, text=True) as mono:
