@@ -2,9 +2,12 @@
 
 import os
 
+from wade import UsageError
 from wade.building import bring_up_to_date, install
 from wade.paths import BUILD
 from wade.run.arguments import asks_for_help
+from wade.terminal import say_error
+from wade.view import install_modules
 
 HELP = """\
 Usage: tools/wade test [--all] [options of ctest]
@@ -12,7 +15,7 @@ Usage: tools/wade test [--all] [options of ctest]
 Installs missing packages, builds the release preset with its tests, and runs the quick set, which
 leaves out the tests with the label `long`. Its exit code is that of ctest.
 
-  --all  all tests
+  --all  all tests; installs the browser that tests the viewer, too
 Other options go to ctest, for example -R unit -V. Where they choose tests (-R, -L, -LE, -I,
 --rerun-failed), long ones are not left out. As most tests wait for other processes, two run at once
 for each processor; CTEST_PARALLEL_LEVEL is another number."""
@@ -27,12 +30,23 @@ def ctest_options(arguments):
     return ["--test-dir", str(BUILD), "--output-on-failure", *quick, *(word for word in arguments if word != "--all")]
 
 
+def install_browser():
+    """What the page of the viewer is tested with; without it that test is skipped and says so."""
+    try:
+        if install("viewer"):
+            install_modules(with_tests=True)
+    except UsageError as error:
+        say_error(f"wade test: {error}")
+
+
 def main(arguments):
     """tools/wade test."""
     if asks_for_help(arguments):
         print(HELP)
         return 0
     install("build", "pictures", "tests")
+    if "--all" in arguments:
+        install_browser()
     bring_up_to_date((), with_tests=True)
     os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(2 * len(os.sched_getaffinity(0))))
     return os.execvp("ctest", ["ctest", *ctest_options(arguments)])
