@@ -11,8 +11,8 @@
 //   C_T = C_D B / W_e <= 0.8,   C = C_D * 4 / (1 + sqrt(1 - C_T))^2
 //
 //   W_e = 1.5 R                    of cells; 1.43 R in theory, 1 over the integral of the squared cone's profile
-//   W_e = R (1.6 + 0.011 / Fr^3)   of particles, Fr = |U| / sqrt(g h): they mix within the disc, the more the longer they take to
-//                                  pass and the deeper they are
+//   W_e = R (1.6 + 0.011 / Fr^3)   of particles, Fr = |U| / sqrt(g h): they mix within the disc [A], the more the longer they
+//                                  take to pass and the deeper they are
 //
 // Fitted to the drag of one who stands in 0.5 to 2.5 m/s and 0.5 to 1.5 m (spacing 0.25 m), where W_e / R is 1.3 to 8. The drag is
 // then right within 3 %, at 2.5 m/s within 6 %. It is the stream's U and not u, as it is the river that mixes [A].

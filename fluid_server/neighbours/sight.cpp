@@ -19,7 +19,8 @@
 //         share = clamp(1/2 + e / (2 delta), 0, 1)      of a particle at the end of the line,
 //         share = clamp(1/2 - e / (2 delta), 0, 1)      of an image there, seen in the face that the line enters.
 //
-// Both ask the same line about the same edge, so that the two add up to one: every place round a particle is still filled once.
+// Both ask the same line about the same edge, so that the two add up to one: every place round a particle is still filled once, but
+// for under one in a hundred, near the upper corners of a box, where three edges have a say.
 // And both are the same from either end: e is the distance of a corner c from the line through x and y in the plane across the
 // edge, (c - x) x (c - y) / |x - y|, the images' is reckoned from the point where line and face meet, and either changes nothing
 // but its sign if x and y change places. So forces stay opposite. How a share changes as particles move is left out of the

@@ -10,31 +10,10 @@ import numpy as np
 import recording_file
 from harness import ENDLESS, PROGRAMS, Run, SystemTest, wait_until
 
-from wade.export.recording import Recording
+from wade.export.recording import Recording, chain
 
 RECORD, REPLAY = PROGRAMS / "shm_record", PROGRAMS / "shm_replay"
 SHORT = ["--until-s", "1"]  # 30 frames
-
-
-def mix(z):
-    z ^= z >> 30
-    z = z * 0xBF58476D1CE4E5B9 % 2**64
-    z ^= z >> 27
-    z = z * 0x94D049BB133111EB % 2**64
-    return z ^ z >> 31
-
-
-def chain(previous, frame, fields):
-    """The hash chain as docs/protocol.md defines it."""
-    n = np.arange(1, len(fields[0]) + 1, dtype=np.uint32)
-    h = mix((previous + 0x9E3779B97F4A7C15) % 2**64)
-    h = mix(h ^ frame)
-    h = mix(h ^ len(n))
-    for w in fields:
-        x = w + n * np.uint32(0x9E3779B1)
-        y = (w << np.uint32(16) | w >> np.uint32(16)) ^ (n * np.uint32(0x85EBCA77))
-        h = mix(h ^ int(np.sum(x.astype(np.uint64) * y, dtype=np.uint64)))
-    return h or 1
 
 
 class RecordingTest(SystemTest):
