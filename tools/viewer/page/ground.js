@@ -237,3 +237,36 @@ function words(text) {
   c.fillText(text, 160, 72);
   return new THREE.CanvasTexture(canvas);
 }
+
+/** Sky, fog, sun and ambient light of the day or the night; returns what was taken of LIGHTS. */
+export function lightUp(stage, sky, sun, ambient, dark) {
+  const l = LIGHTS[dark ? 'dark' : 'light'];
+  for (const name of ['low', 'high', 'below']) sky.material.uniforms[name].value.set(l[name]);
+  stage.fog = new THREE.Fog(l.low, 160, 620);
+  sun.intensity = l.sun;
+  sun.color.set(l.sunColour);
+  ambient.intensity = l.ambient;
+  return l;
+}
+
+/** Lets the sun throw shadows over what lies up to `half` from the centre. */
+export function castShadows(sun, centre, reach, half) {
+  sun.position.copy(centre).add(new THREE.Vector3(0.35 * reach, 0.9 * reach, 0.5 * reach));
+  sun.target.position.copy(centre);
+  Object.assign(sun.shadow.camera, { left: -half, right: half, top: half, bottom: -half, near: 1, far: 4 * reach });
+  sun.shadow.camera.updateProjectionMatrix();
+  sun.shadow.mapSize.set(2048, 2048);
+  sun.shadow.bias = -0.0008;
+  sun.shadow.normalBias = 0.03;
+  sun.castShadow = true;
+}
+
+/** Sets a camera over the world, as the paper's pictures are seen from; share: of the window's width in its height. */
+export function lookDown(camera, [length, width], share) {
+  const half = Math.max(0.54 * width + 4, (0.53 * length) / share);
+  Object.assign(camera, { left: -half * share, right: half * share, top: half, bottom: -half });
+  camera.position.copy(place(length / 2, 300, width / 2));
+  camera.up.set(0, 0, -1); // z points up the page
+  camera.lookAt(place(length / 2, 0, width / 2));
+  camera.updateProjectionMatrix();
+}

@@ -162,6 +162,12 @@ export function makeRing(parent) {
 }
 
 export const $ = (id) => document.getElementById(id);
+
+/** Takes the next choice of a list. */
+export function cycle(id) {
+  $(id).selectedIndex = ($(id).selectedIndex + 1) % $(id).options.length;
+  $(id).dispatchEvent(new Event('change'));
+}
 const number = (v, digits = 2) => (Number.isFinite(v) ? v.toFixed(digits).replace('-', '\u2212') : '\u2013');
 const TELLING = ['arrived', 'dead', 'drowned', 'toppled', 'carried', 'afloat']; // changes that the time line marks
 

@@ -2,12 +2,12 @@
 
 import * as THREE from 'three';
 import { OrbitControls } from 'three/orbit';
-import { GROUP_COLOURS, LIGHTS, makeGround, makeSky, place } from './ground.js';
-import { $, Stream, Symbols, Traces, fillHelp, makeRing, rowOf, showCounts, showEvents, showLegend, showPerson, showState } from './panel.js';
+import { GROUP_COLOURS, castShadows, lightUp, lookDown, makeGround, makeSky, place } from './ground.js';
+import { $, Stream, Symbols, Traces, cycle, fillHelp, makeRing, rowOf, showCounts, showEvents, showLegend, showPerson, showState } from './panel.js';
 import { People } from './people.js';
-import { Water } from './water.js';
+import { asPeople, countStates, endedBy, frameAt, frames, groupOf, heightOf, isLive, lastTime, readAgents, show, stateOfPage, stateShown, takeTaus, wanted } from './run.js';
+import { Water, boundsOf } from './water.js';
 
-const wanted = new URLSearchParams(location.hash.slice(1));
 const renderer = new THREE.WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
 renderer.shadowMap.enabled = true;
 renderer.shadowMap.type = THREE.PCFShadowMap;
@@ -23,15 +23,10 @@ const controls = new OrbitControls(free, renderer.domElement);
 controls.enableDamping = true;
 controls.dampingFactor = 0.12;
 controls.maxPolarAngle = 0.495 * Math.PI;
+show.symbols = new Symbols(stage);
+show.ring = makeRing(stage);
 
-const show = {
-  run: null, scene: null, status: null, world: null, water: null, people: null, traces: null, symbols: new Symbols(stage), ring: makeRing(stage),
-  time: +(wanted.get('t') ?? 0), playing: wanted.get('play') !== '0', speed: 1, live: false, step: 0, last: 0, selected: -1, agents: new Map(), changes: [], taus: [],
-  terms: null, follows: false, tracesOn: true, symbolsOn: true, dark: false, drawn: 0, sought: wanted.has('t'), shownTime: -1,
-};
-const frames = new Map(); // of people, by number
 let walkers = null, stream = null, runRevision = '', awake = 9; // pictures to draw though nothing moves
-
 
 // ---------------------------------------------------------------- what the server has
 
@@ -83,32 +78,6 @@ async function load() {
   }
 }
 
-function readAgents(table) {
-  const [head, ...lines] = table.trim().split('\n');
-  for (const line of lines) {
-    const agent = rowOf(`${head}\n${line}`);
-    if (agent) show.agents.set(agent.id, agent);
-  }
-}
-
-function groupOf(id) {
-  let end = 0;
-  for (const [k, group] of (show.scene?.crowd.groups ?? []).entries()) if (id < (end += group.count)) return k;
-  return 0;
-}
-
-function heightOf(id) {
-  const h = show.agents.get(id)?.height_m ?? show.scene?.crowd.groups[groupOf(id)]?.height_m;
-  return typeof h === 'number' ? h : 1.7;
-}
-
-function takeTaus(text) {
-  const lines = text.trim() ? text.trim().split('\n').map((line) => JSON.parse(line)) : [];
-  const rate = show.scene?.frame_rate_hz ?? 30;
-  const events = [...(show.scene?.events ?? []), ...lines];
-  show.taus = events.map((e) => ({ time: e.frame / rate, text: `tau ${e.tau} for ${e.group ?? (e.agent !== undefined ? `person ${e.agent}` : 'all')} at ${(e.frame / rate).toFixed(1)} s` }));
-}
-
 // ---------------------------------------------------------------- the stage
 
 function build() {
@@ -133,12 +102,8 @@ function build() {
 
 function makeWater(message) {
   if (show.water) return;
-  let bounds = null;
-  if (!show.scene) {
-    const [x, , z, , , , volume] = message.arrays, most = (a, f) => a.reduce((m, v) => f(m, v), a[0]);
-    bounds = { x_min_m: most(x, Math.min), x_max_m: most(x, Math.max), z_min_m: most(z, Math.min), z_max_m: most(z, Math.max), spacing: Math.cbrt(volume[0] / message.stride) };
-    frameCamera(bounds.x_max_m, bounds.z_max_m);
-  }
+  const bounds = show.scene ? null : boundsOf(message);
+  if (bounds) frameCamera(bounds.x_max_m, bounds.z_max_m);
   show.water = new Water(stage, show.scene, bounds);
   theme(show.dark);
   setWater();
@@ -161,27 +126,14 @@ function frameCamera(length, width) {
     controls.target.copy(place(...eye.slice(3)));
   }
   show.extent = [length, width];
-  sun.position.copy(centre).add(new THREE.Vector3(0.35 * reach, 0.9 * reach, 0.5 * reach));
-  sun.target.position.copy(centre);
-  const s = sun.shadow.camera, half = 0.62 * Math.hypot(length, width);
-  Object.assign(s, { left: -half, right: half, top: half, bottom: -half, near: 1, far: 4 * reach });
-  s.updateProjectionMatrix();
-  sun.shadow.mapSize.set(2048, 2048);
-  sun.shadow.bias = -0.0008;
-  sun.shadow.normalBias = 0.03;
-  sun.castShadow = true;
+  castShadows(sun, centre, reach, 0.62 * Math.hypot(length, width));
   resize();
 }
 
 function theme(dark) {
   show.dark = dark;
   document.documentElement.classList.toggle('dark', dark);
-  const l = LIGHTS[dark ? 'dark' : 'light'];
-  for (const name of ['low', 'high', 'below']) sky.material.uniforms[name].value.set(l[name]);
-  stage.fog = new THREE.Fog(l.low, 160, 620);
-  sun.intensity = l.sun;
-  sun.color.set(l.sunColour);
-  ambient.intensity = l.ambient;
+  const l = lightUp(stage, sky, sun, ambient, dark);
   show.water?.light(l.high, l.low, dark ? 0.55 : 1, l.sunColour);
 }
 
@@ -192,12 +144,7 @@ function resize() {
   free.aspect = wide / high;
   free.fov = wide < high ? 62 : 46;
   free.updateProjectionMatrix();
-  const [length, width] = show.extent ?? [100, 50], share = wide / high, half = Math.max(0.54 * width + 4, (0.53 * length) / share);
-  Object.assign(top, { left: -half * share, right: half * share, top: half, bottom: -half });
-  top.position.copy(place(length / 2, 300, width / 2));
-  top.up.set(0, 0, -1); // z points up the page
-  top.lookAt(place(length / 2, 0, width / 2));
-  top.updateProjectionMatrix();
+  lookDown(top, show.extent ?? [100, 50], wide / high);
 }
 
 function look(kind) {
@@ -215,9 +162,6 @@ function setWater() {
 }
 
 // ---------------------------------------------------------------- time
-
-const isLive = () => ['running', 'paused', 'stale', 'waiting'].includes(show.status?.live?.state);
-const lastTime = () => Math.max(show.status?.people?.last ?? 0, show.status?.recorded?.last ?? 0, show.status?.depths?.last ?? 0, show.live ? show.time : 0, 0);
 
 function start() {
   show.live = isLive() && !show.sought;
@@ -279,8 +223,6 @@ function askAt(kind) {
   if (stream.ask(kind, { t: show.time })) show.asked = { [kind]: show.time };
 }
 
-const frameAt = (time) => Math.min(Math.max(0, Math.floor(time * show.status.people.rate + 1e-4)), show.status.people.frames - 1);
-
 // ---------------------------------------------------------------- a picture
 
 function drawPeople(step, clock) {
@@ -306,46 +248,6 @@ function drawPeople(step, clock) {
   const marks = show.people.shown.map((p) => ({ x: p.x, y: p.y + (p.posture === 'upright' ? 0.62 * p.height : 0.75), z: p.z, state: stateShown(p) }));
   for (const end of endedBy(show.time)) if (!show.people.shown.some((p) => p.id === end.id)) marks.push({ x: end.x, y: 0.3, z: end.z, state: end.state });
   show.symbols.show(marks);
-}
-
-// A stream of agents has no poses: places, velocities and outcomes.
-function asPeople(m) {
-  const [id, x, z, vx, vz, , state] = m.arrays, zero = new Float32Array(m.count), none = new Float32Array(m.count).fill(-1);
-  const speed = vx.map((v, k) => Math.hypot(v, vz[k])), heading = vx.map((v, k) => Math.atan2(vz[k], v));
-  const words = Float32Array.from(state, (v) => [0, 2, 3][v] ?? 0);
-  return { ...m, arrays: [id, x, z, words, zero, heading, speed, zero, zero, zero, zero, zero, zero, zero, zero, none] };
-}
-
-const stateShown = (p) => (p.state === 'walking' && p.posture === 'lying' ? 'tumbled' : p.state);
-
-function endedBy(time) {
-  const list = [];
-  for (const a of show.agents.values()) if (a.outcome !== 'active' && a.time_s <= time) list.push({ id: a.id, x: Math.max(0, a.x_m), z: a.z_m, state: a.outcome });
-  return list;
-}
-
-function countStates() {
-  const counts = {}, seen = new Set(), all = show.scene?.crowd.groups.reduce((n, g) => n + g.count, 0) ?? show.people.shown.length;
-  const add = (state) => (counts[state] = (counts[state] ?? 0) + 1);
-  for (const p of show.people.shown) seen.add(p.id), add(stateShown(p));
-  // Who has ended is in one more frame; from then on the file says no more of it.
-  const ended = new Map();
-  for (const [time, id, state] of show.changes) if (time <= show.time + 1e-6 && (state === 'arrived' || state === 'dead')) ended.set(id, state);
-  for (const end of endedBy(show.time)) ended.set(end.id, end.state);
-  for (const [id, state] of ended) if (!seen.has(id)) add(state);
-  counts.total = all;
-  const { total, ...rest } = counts;
-  show.counts = rest;
-  show.total = total;
-  return rest;
-}
-
-function stateOfPage() {
-  const s = show.status;
-  if (show.lost) return 'lost';
-  if (s?.live && isLive()) return s.live.state;
-  if (s?.outcome === 'running' && s?.live) return s.live.state;
-  return s ? 'ended' : 'waiting';
 }
 
 function showTexts() {
@@ -437,10 +339,6 @@ const frameStep = (way) => {
   setPlaying(false);
   const rate = show.status?.people?.frames ? show.status.people.rate : 30;
   seek((Math.round(show.time * rate) + way) / rate);
-};
-const cycle = (id) => {
-  $(id).selectedIndex = ($(id).selectedIndex + 1) % $(id).options.length;
-  $(id).dispatchEvent(new Event('change'));
 };
 const newest = () => (show.live = isLive());
 const faster = (way) => {

@@ -387,3 +387,9 @@ export class Water {
     this.points.material.uniforms.scale.value = scale;
   }
 }
+
+/** Where the particles of a message are, and their spacing, m: of water without a scene. */
+export function boundsOf(message) {
+  const [x, , z, , , , volume] = message.arrays, most = (a, f) => a.reduce((m, v) => f(m, v), a[0]);
+  return { x_min_m: most(x, Math.min), x_max_m: most(x, Math.max), z_min_m: most(z, Math.min), z_max_m: most(z, Math.max), spacing: Math.cbrt(volume[0] / message.stride) };
+}
