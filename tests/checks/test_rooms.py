@@ -16,7 +16,7 @@ PRODUCT = ("configs", "shm_protocol", "fluid_server", "crowd_client")
 VIEWER = Path("tools", "viewer")  # a program of the product that stands with the tools
 MOST_FILES = 25  # sources in a folder, a header and its source counted as two
 MOST_LINES = 400
-MOST_TRACKED = 1286  # 1,250 before there was a viewer and its exports
+MOST_TRACKED = 1400  # 1,250 before there were a viewer, exports, places and ensembles
 CODE = (".cpp", ".hpp", ".h")  # of the product
 TOOLS_CODE = (*CODE, ".c", ".mjs", ".py", ".sh")
 

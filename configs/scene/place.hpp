@@ -1,0 +1,151 @@
+#pragma once
+// A place: ground of any shape with houses, sources and outlets on it, in place of the straight channel.
+//
+// Lengths are metres on the map: x runs east, z north, both from the scene's origin, which lies at (origin_x, origin_z) of the
+// coordinate system; y is the height above the system's zero. Rasters, polygons and series that a scene names as files are
+// here as they were read, in these coordinates.
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace wade {
+
+// A point of the map, m.
+struct MapPoint {
+    double x = 0;
+    double z = 0;
+};
+
+// Corners of a closed line, the last one joined to the first; or of an open line.
+using MapLine = std::vector<MapPoint>;
+
+// Even-odd: a point is inside if a line from it to infinity crosses an odd number of edges of all rings, so that holes are rings.
+struct MapPolygon {
+    std::vector<MapLine> rings;
+};
+
+// Values on square cells, NaN where there is none. Row 0 is the southern one; the value of a cell is that at its centre.
+struct Raster {
+    double x = 0, z = 0;  // of the lower left corner of the lower left cell, m
+    double cell = 1;      // m
+    std::size_t columns = 0, rows = 0;
+    std::vector<double> values;  // by row, then column
+
+    [[nodiscard]] double at(std::size_t column, std::size_t row) const { return values[row * columns + column]; }
+};
+
+// A value in time: straight between its points, constant before the first and after the last.
+struct SeriesPoint {
+    double time = 0;  // s
+    double value = 0;
+};
+using Series = std::vector<SeriesPoint>;
+
+// The ground: a raster, or the plane level + slope_x x + slope_z z with points on it, between which it is linear.
+struct Ground {
+    std::string file;                           // of the raster, as the scene names it; empty: none
+    std::shared_ptr<const Raster> raster;       // height, m
+    double level = 0;                           // m, at the origin
+    double slope_x = 0, slope_z = 0;            // rise of the plane along x and along z, m a metre
+    std::vector<std::array<double, 3>> points;  // x, y, z of a surface through these, m; instead of the plane
+};
+
+// Walls for the water and for who is outside; never raised ground.
+struct House {
+    std::string name;
+    MapPolygon polygon;
+    double height = 6;            // of the walls above the ground, m
+    int residents = 0;            // who are in it at t = 0
+    std::vector<MapPoint> doors;  // on its walls, m; none: the corner of the ground plan's lowest ground
+    double upper_floor =
+        std::numeric_limits<double>::quiet_NaN();  // height above the ground of the upper floor, m; NaN: there is none
+};
+
+// Manning's n of the ground where no zone says otherwise, s/m^(1/3); of zones that overlap the last one holds.
+struct ManningZone {
+    MapPolygon polygon;
+    double n = 0.03;
+};
+struct Roughness {
+    double n = 0.03;
+    std::string file;
+    std::shared_ptr<const Raster> raster;
+    std::vector<ManningZone> zones;
+};
+
+// Water that comes in: spread evenly over a polygon, or over the cells along a line.
+struct Source {
+    std::string name;
+    MapPolygon polygon;  // empty: along `line`
+    MapLine line;
+    Series discharge;  // m3/s
+};
+
+enum class OutletKind {
+    free,  // water leaves as over a fall
+    stage  // the surface stands at a height that is given in time; waves from inside leave, water may come in
+};
+
+// Where water leaves: the cells of a polygon, or those that a line crosses; also where it touches the place's edge.
+struct Outlet {
+    std::string name;
+    OutletKind kind = OutletKind::free;
+    MapPolygon polygon;  // empty: along `line`
+    MapLine line;
+    Series stage;  // height of the surface, m
+};
+
+// A wall along a line that is gone from a time on.
+struct Gate {
+    std::string name;
+    MapLine line;
+    double opens_at = 0;  // s
+};
+
+// Water at t = 0 that stands at a level; without polygon everywhere.
+struct StandingWater {
+    MapPolygon polygon;
+    double level = 0;  // height of the surface, m
+};
+
+// Where people are safe.
+struct PlaceShelter {
+    std::string name;
+    MapPolygon polygon;
+    int capacity = 0;  // people; 0: any number
+};
+
+struct Place {
+    int epsg = 0;                       // of the coordinate system; 0: none is given
+    double origin_x = 0, origin_z = 0;  // of the scene's origin in it, easting and northing, m
+    Ground ground;
+    std::vector<House> houses;
+    Roughness roughness;
+    std::vector<Source> sources;
+    Series rain;  // mm/h, on every cell that is no house; empty: none
+    std::vector<Outlet> outlets;
+    std::vector<Gate> gates;
+    std::vector<StandingWater> water;  // at t = 0
+    std::string water_file;            // raster of depths at t = 0, m
+    std::shared_ptr<const Raster> water_depth;
+    std::vector<PlaceShelter> shelters;
+};
+
+// Whether a point lies in a polygon; on an edge it may be either.
+[[nodiscard]] inline bool contains(const MapPolygon& polygon, const MapPoint& p) {
+    bool inside = false;
+    for (const MapLine& ring : polygon.rings) {
+        for (std::size_t k = 0, last = ring.size() - 1; k < ring.size(); last = k++) {
+            const MapPoint &a = ring[last], &b = ring[k];
+            if ((a.z > p.z) == (b.z > p.z)) continue;
+            if (p.x < a.x + (b.x - a.x) * (p.z - a.z) / (b.z - a.z)) inside = !inside;
+        }
+    }
+    return inside;
+}
+
+}  // namespace wade
