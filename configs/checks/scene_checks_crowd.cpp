@@ -15,13 +15,13 @@ namespace wade {
 
 namespace {
 
-struct Place {
+struct StartPlace {
     double x = 0, z = 0;
     std::size_t group = 0;
 };
 
-std::vector<Place> start_places(const Crowd& crowd) {
-    std::vector<Place> places;
+std::vector<StartPlace> start_places(const Crowd& crowd) {
+    std::vector<StartPlace> places;
     for (std::size_t g = 0; g < crowd.groups.size(); ++g) {
         const AgentGroup& group = crowd.groups[g];
         for (int k = 0; k < group.count; ++k) {
@@ -55,10 +55,10 @@ void check_place(double x, double z, const Scene& scene, const std::string& who,
 }
 
 // Starts that are drawn at random keep their distance by the draw.
-void check_distances(const std::vector<Place>& places, const Crowd& crowd, const std::string& source) {
+void check_distances(const std::vector<StartPlace>& places, const Crowd& crowd, const std::string& source) {
     NearPlaces starts;
     for (std::size_t i = 0; i < places.size(); ++i) {
-        const Place& place = places[i];
+        const StartPlace& place = places[i];
         if (crowd.groups[place.group].start_jitter > 0) continue;
         if (const auto other = starts.near(place.x, place.z)) {
             refuse(source, "/crowd/groups/" + std::to_string(place.group) + "/start",
@@ -113,7 +113,8 @@ void check_number(const Crowd& crowd, const std::string& source) {
 }
 
 // The first agent of each group that has no place to start.
-void check_starts(const std::vector<Place>& places, const Scene& scene, const std::string& source, Problems& problems) {
+void check_starts(const std::vector<StartPlace>& places, const Scene& scene, const std::string& source,
+                  Problems& problems) {
     std::set<std::size_t> told;
     for (std::size_t i = 0; i < places.size(); ++i) {
         if (told.contains(places[i].group)) continue;
@@ -158,7 +159,7 @@ void check_markers(const Crowd& crowd, const std::string& source) {
 }
 
 // The cells of the ground are 2 m wide, and an agent looks into those beside its own: in a ring of three they differ.
-void check_ends(const Scene& scene, const std::vector<Place>& places, const std::string& source) {
+void check_ends(const Scene& scene, const std::vector<StartPlace>& places, const std::string& source) {
     if (scene.world.ends == Ends::open) return;
     constexpr double cell = 2;
     const double length = scene.world.length;
@@ -168,7 +169,7 @@ void check_ends(const Scene& scene, const std::vector<Place>& places, const std:
                    " m cannot be the length of a world with periodic ends; allowed: 6 m, 8 m, 10 m "
                    "and so on in steps of 2 m.");
     }
-    for (const Place& place : places) {
+    for (const StartPlace& place : places) {
         if (place.x < length) continue;
         refuse(source, "/crowd/groups/" + std::to_string(place.group) + "/start",
                "an agent starts at x " + short_number(place.x) +
@@ -374,7 +375,7 @@ void check_event(const Scene& scene, std::size_t i, std::size_t agents, const st
 void check_crowd(const Scene& scene, const std::string& source, Problems& problems) {
     check_groups(scene, source, problems);
     if (!problems.attempt([&] { check_number(scene.crowd, source); })) return;
-    const std::vector<Place> places = start_places(scene.crowd);
+    const std::vector<StartPlace> places = start_places(scene.crowd);
     check_starts(places, scene, source, problems);
     problems.attempt([&] { check_distances(places, scene.crowd, source); });
     problems.attempt([&] { check_ends(scene, places, source); });
