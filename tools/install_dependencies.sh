@@ -40,6 +40,12 @@ readers   ffmpeg              ffmpeg               ffmpeg
 readers   mono-mcs            -                    -
 readers   mono-runtime        -                    -
 viewer    chromium            chromium             -
+engines   parallel            parallel             parallel
+engines   openmpi-bin         openmpi              open-mpi
+engines   slurmctld           slurm-slurmctld      -
+engines   slurmd              slurm-slurmd         -
+engines   slurm-client        slurm                -
+engines   munge               munge                munge
 '
 # Headers for the producer in Node; a node from elsewhere often brings them along.
 node=$(readlink -f "$(command -v node || true)" || true)
@@ -61,14 +67,14 @@ fail() {
 
 usage() {
   cat <<HELP
-Usage: tools/install_dependencies.sh [build] [pictures] [tests] [readers] [viewer]
+Usage: tools/install_dependencies.sh [build] [pictures] [tests] [readers] [viewer] [engines]
 
 Installs, as root or with sudo, what is missing of these sets of Debian's packages; without an
-argument all but the last two. A run needs build and pictures, the tests and what CI checks need
+argument all but the last three. A run needs build and pictures, the tests and what CI checks need
 tests, too. readers are programs of others that read what Wade writes: ffmpeg makes films, the
 others are for tests, which are skipped without them. viewer: npm brings the page of tools/wade view
-its one package, chromium is for its test. On other systems it names the packages, which you install
-yourself:
+its one package, chromium is for its test. engines: what tools/wade many can hand runs to, for tests
+on this machine. On other systems it names the packages, which you install yourself:
 
 set       Debian, Ubuntu      Fedora               Homebrew
 $(grep . <<<"$packages")
@@ -82,10 +88,10 @@ HELP
 sets=()
 for argument in "$@"; do
   case "$argument" in
-    build | pictures | tests | readers | viewer) sets+=("$argument") ;;
+    build | pictures | tests | readers | viewer | engines) sets+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *)
-      echo "install_dependencies.sh: unexpected \"$argument\", allowed: build, pictures, tests, readers, viewer" >&2
+      echo "install_dependencies.sh: unexpected \"$argument\", allowed: build, pictures, tests, readers, viewer, engines" >&2
       exit 2
       ;;
   esac

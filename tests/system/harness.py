@@ -52,6 +52,34 @@ def unwrapped(text):
     return re.sub(r"\n {2,}", " ", text)
 
 
+def children_of(pid):
+    """The processes below a process, itself not included."""
+    found = []
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        try:
+            children = task.read_text().split()
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        for child in map(int, children):
+            found += [child, *children_of(child)]
+    return found
+
+
+def alive(pid):
+    """Whether the process runs; one that has ended and was not yet waited for does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
+    except FileNotFoundError:
+        return False
+
+
+def command_of(pid):
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_text()
+    except FileNotFoundError:
+        return ""
+
+
 class Program:
     """A running program whose messages go to a file, so that it never waits for a reader."""
 
@@ -244,3 +272,15 @@ class SystemTest(unittest.TestCase):
             present = [a for a in agents if a["outcome"] == "active" or float(a["time_s"]) * rate > frame - 1 + 1e-6]
             self.assertEqual(count, len(present), f"rows of frame {frame}")
         return outcome, last
+
+
+class Launcher(SystemTest):
+    """Tests of scripts that start the programs themselves."""
+
+    def script(self, *command):
+        # From a folder that is not the project's.
+        return self.start(*command, cwd=self.folder, env={**os.environ, "WADE_BUILD": str(PROGRAMS)})
+
+    def output_of(self, program):
+        program.output.seek(0)
+        return program.output.read()

@@ -1,6 +1,5 @@
-"""tools/run.sh with a recorder, a replay and another producer, its commands, and tools/run_many.sh."""
+"""tools/run.sh with a recorder, a replay and another producer, and its commands."""
 
-import csv
 import json
 import os
 import pty
@@ -11,9 +10,9 @@ import threading
 import unittest
 from pathlib import Path
 
-from harness import ENDLESS, PROGRAMS, ROOT, SMALL, Run, SystemTest, unwrapped, wait_until
+from harness import ENDLESS, PROGRAMS, ROOT, SMALL, Launcher, Run, unwrapped, wait_until
 
-RUN, RUN_MANY = ROOT / "tools" / "run.sh", ROOT / "tools" / "run_many.sh"
+RUN = ROOT / "tools" / "run.sh"
 SHORT = ["--until-s", "1"]
 CLIENT_PAUSED = 3 * 4096 + 84  # shm_protocol/layout.hpp: of the first consumer
 
@@ -25,15 +24,6 @@ def drain(terminal):
             pass
     except OSError:
         pass
-
-
-class Launcher(SystemTest):
-    def script(self, *command):
-        return self.start(*command, cwd=self.folder, env={**os.environ, "WADE_BUILD": str(PROGRAMS)})
-
-    def output_of(self, program):
-        program.output.seek(0)
-        return program.output.read()
 
 
 class RunScript(Launcher):
@@ -295,79 +285,6 @@ class DepthSweep(Launcher):
             with self.subTest(arguments):
                 self.assert_refused_here("depth-sweep", "--out", out, *arguments, texts=texts)
                 self.assertFalse(out.exists())
-
-
-class RunMany(Launcher):
-    def many(self, *arguments):
-        return self.script(RUN_MANY, "--out", self.folder / "many", *arguments)
-
-    def rows(self):
-        with open(self.folder / "many" / "summary.csv", newline="", encoding="utf-8") as file:
-            return list(csv.DictReader(file))
-
-    def test_runs_side_by_side_equal_single_runs(self):
-        many = self.many("--jobs", "2", "--seeds", "5-7", SMALL, "--", "--reproducible")
-        self.assert_ended_well(many)
-        rows = self.rows()
-        self.assertEqual([(row["seed"], row["status"]) for row in rows], [(s, "completed") for s in ("5", "6", "7")])
-        for row in rows:
-            alone = self.pair("--reproducible", "--seed", row["seed"])
-            self.assertEqual(row["frame_hash"], alone.outcome()["frame_hash"])
-            beside = Run(Path(row["folder"]))
-            for name in ("outcome.json", "agents.csv", "trajectories.sqlite", "water.bin"):
-                self.assertEqual(beside.bytes_of(name), alone.bytes_of(name), name)
-        said = self.output_of(many)
-        self.assertRegex(said, r"scenes-small +7 +completed")
-        self.assertEqual(said.split("\n")[0].split()[3:6], ["arrived", "dead", "active"])
-        for row in rows:
-            self.assertEqual(sum(int(row[name]) for name in ("arrived", "dead", "active")), int(row["agents"]))
-
-    def test_failing_run_does_not_stop_the_others(self):
-        broken = self.folder / "broken.json"
-        broken.write_text("{")
-        many = self.many("--jobs", "1", SMALL, broken, SMALL, "--", *SHORT)
-        self.assert_ends(many, 1, "exit code 2", "run.log")
-        self.assertEqual([row["status"] for row in self.rows()], ["completed", "failed", "completed"])
-        self.assertEqual([row["exit_code"] for row in self.rows()], ["0", "2", "0"])
-
-    def test_a_scene_that_is_not_there_stops_all_before_they_start(self):
-        self.assert_ends(self.many(SMALL, "s055"), 2, 'no scene "s055"', "s05")
-        self.assertFalse((self.folder / "many").exists())
-
-    def test_interrupt_ends_all_and_leaves_nothing(self):
-        many = self.many("--jobs", "2", SMALL, SMALL, SMALL, "--", *ENDLESS)
-        folders = [self.folder / "many" / name for name in ("scenes-small", "scenes-small-2")]
-        wait_until(
-            lambda: all((f / "run.log").exists() and "t 0.0/" in (f / "run.log").read_text() for f in folders),
-            "two runs to walk",
-        )
-        many.send(signal.SIGINT)
-        self.assert_ends(many, 130)
-        *started, last = [row["status"] for row in self.rows()]
-        self.assertEqual(last, "not_run")
-        self.assertLessEqual(set(started), {"interrupted", "peer_aborted"})  # whichever program is the first to stop
-        sessions = {json.loads((folder / "manifest.json").read_text())["session"] for folder in folders}
-        self.assertEqual(len(sessions), 2)
-        self.assertEqual([name for name in sessions if list(Path("/dev/shm").glob(f"{name}-*"))], [])
-
-    def test_wrong_usage_is_refused(self):
-        for arguments, *texts in (
-            (["--seeds", "3-1", SMALL], "--seeds", "3-1"),
-            (["--jobs", "0", SMALL], "--jobs", "whole numbers from 1"),
-            ([], "SCENE"),
-            (["--seeds", "1-2", SMALL, "--until-s", "60"], "--until-s", "behind --", "-- --until-s"),
-            (["--seeds", "1-2", "--until-s=60", SMALL], "behind --", "-- --until-s=60"),
-            ([SMALL, "--treads", "2"], "--treads", "behind --"),
-            (["--seeds", "1-2", SMALL, "--", "--seed", "3"], "--seeds", "--seed exclude one another"),
-            (["--seeds", "1-2", SMALL, "--", "--seed=3"], "--seeds", "--seed exclude one another"),
-            (["--seeds", "1-2", SMALL, "--", "--set", "/seed=3"], "--seeds", "--set /seed exclude one another"),
-            (["--seeds", "1-2", SMALL, "--", "--set=/seed=3"], "--seeds", "--set /seed exclude one another"),
-            ([SMALL, "--", "--out", "x"], "--out"),
-            ([SMALL, "--", "--crowds", "list.json"], "--crowds is not allowed", "tools/run.sh"),
-            ([SMALL, "--", "--crowds=list.json"], "--crowds is not allowed"),
-        ):
-            with self.subTest(arguments):
-                self.assert_refused_here("many", "--out", self.folder / "many", *arguments, texts=texts)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from harness import ENDLESS, PROGRAMS, ROOT, SMALL, Run, SystemTest, wait_until
+from harness import ENDLESS, ROOT, SMALL, Launcher, Run, alive, children_of, command_of, wait_until
 
 from wade.pictures import figure
 
@@ -19,34 +19,9 @@ INSTALL = ROOT / "tools" / "install_dependencies.sh"
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
-def children_of(pid):
-    """The processes below a process, itself not included."""
-    found = []
-    for task in Path(f"/proc/{pid}/task").glob("*/children"):
-        for child in map(int, task.read_text().split()):
-            found += [child, *children_of(child)]
-    return found
-
-
-def alive(pid):
-    """Whether the process runs; one that has ended and was not yet waited for does not."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
-    except FileNotFoundError:
-        return False
-
-
-class Scripts(SystemTest):
-    def script(self, *command):
-        # From a folder that is not the project's.
-        return self.start(*command, cwd=self.folder, env={**os.environ, "WADE_BUILD": str(PROGRAMS)})
-
+class Scripts(Launcher):
     def run_sh(self, *arguments):
         return self.script(RUN, "--session", self.session, "--out", self.folder / "run", *arguments)
-
-    def output_of(self, program):
-        program.output.seek(0)
-        return program.output.read()
 
     def test_run_sh_runs_a_scene_to_its_picture(self):
         run_sh = self.run_sh(SMALL, "--threads", "1", "--water-every-s=1")
@@ -194,10 +169,6 @@ class Scripts(SystemTest):
     def test_install_dependencies_says_nothing_when_nothing_is_missing(self):
         answer = subprocess.run([INSTALL], capture_output=True, text=True)
         self.assertEqual((answer.returncode, answer.stdout, answer.stderr), (0, "", ""))
-
-
-def command_of(pid):
-    return Path(f"/proc/{pid}/cmdline").read_text()
 
 
 if __name__ == "__main__":

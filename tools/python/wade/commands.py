@@ -29,8 +29,9 @@ COMMANDS = {
     "Run scenes": (
         Command("run", "run a scene with both programs and draw its picture", "wade.run.pair", PAIR,
                 draws_last=True),
-        Command("many", "run many scenes, or one with many seeds, several at once", "wade.many", PAIR,
+        Command("many", "run many scenes, seeds and settings, on one machine or many", "wade.many", PAIR,
                 old_names=("run-many",)),
+        Command("run-one", "one run of a plan of `many`, for any engine", "wade.ensembles.one"),
         Command("scenes", "list the scenes by their short names", "wade.scenes"),
     ),
     "Look at a run": (

@@ -1,74 +1,47 @@
-"""Runs each SCENE, or each with each of the seeds A to B, several pairs of fluid_server and crowd_client at once.
+"""Runs a plan: each SCENE, with each seed and each combination of values, or the lines of PLAN, several at once.
 
-Each pair has a session of its own. Prints a line for each run that ends and a table at the end; writes DIR/summary.csv and
-a run folder for each run, with what its programs said in run.log. A run that fails does not stop the others; Ctrl-C ends
-all of them.
+Runs whose scenes differ in the crowd alone share one water, where neither seed nor people change it. Writes DIR/runs/NNNNN/, a
+run folder for each, and DIR/runs.csv, and prints a table. A run that fails does not stop the others; what is complete is
+never done again. Ctrl-C ends all of them, and --resume goes on.
 """
 
 import argparse
+import contextlib
+import fcntl
 import json
 import os
 import re
-import signal
-import subprocess
+import secrets
+import shlex
+import shutil
 import time
 from pathlib import Path
 
 from wade import UsageError
-from wade.paths import module_command
-from wade.reports.files import complain
+from wade.ensembles.engines import ENGINES, Signals, still_queued
+from wade.ensembles.folder import FAILURE, EnsembleFolder, fingerprint, is_complete, read_json, remove_left_overs
+from wade.ensembles.gather import columns_of, gathered
+from wade.ensembles.plan import find_scenes, is_plan, plan_text, product, read_plan, scene_name, seeds_of, varied
+from wade.ensembles.waters import is_own_of_crowd, resolve_all, units_of
+from wade.paths import BUILD
+from wade.reports.files import complain, write_whole
 from wade.reports.options import whole
 from wade.reports.tables import plain, write_csv
-from wade.run.arguments import is_given, values_of
+from wade.run.arguments import is_given, options_of, split_arguments, suit_to_latest, values_of
 from wade.run.folders import new_folder
-from wade.run.outcome import BeforeRun
-from wade.run.processes import Pair, exit_code
 from wade.scenes import find_scene
 from wade.terminal import Parser
 
-COLUMNS = ("scene", "seed", "status", "exit_code", "agents", "arrived", "dead", "active", "last_arrival_s", "frames",
-           "frame_hash", "wall_time_s", "folder")
 TABLE = ("scene", "seed", "status", "arrived", "dead", "active", "last_arrival_s", "frame_hash")
+MOST_ROWS = 40  # of the table that is printed
+MOST_FAILURES = 20
+PATIENCE_WITH_LOCK_S = 20  # workers of a command that was killed need some time to end
 
+EPILOG = """Behind -- stand options for every run, for example -- --until-s 60 --set /crowd/mass_kg=80; see tools/wade run --help.
+Not allowed there are --out, --session, --record, --commands and --view, which each run needs for itself, --crowds, and --seed
+and --set /seed. Unless --threads is among them, the pairs share the processors evenly.
 
-EPILOG = """Behind -- stand options for every run, for example -- --until-s 60 --set /crowd/tau=0.3; see tools/wade run --help.
-Not allowed there are --out, --session, --record and --commands, which each run needs for itself, --crowds, and --seed and
---set /seed beside --seeds. Unless --threads is among them, the pairs share the processors evenly.
-
-Exit code: 0 if all runs ended well, 1 if one did not, 2 bad usage, 130/143 interrupted."""
-
-
-class Job:
-    """One run: its scene, its seed (None = the scene's) and its folder."""
-
-    def __init__(self, scene, seed, folder):
-        self.scene, self.seed, self.folder = scene, seed, folder
-        self.process = None
-        self.before = None  # what was in the folder when the run began
-
-    def command(self, options):
-        seed = [] if self.seed is None else ["--seed", str(self.seed)]
-        figure = [] if options.figures else ["--no-figure"]
-        return [*module_command("wade.run.pair"), self.scene, "--out", self.folder, *seed, *figure, *options.common]
-
-    def row(self):
-        """What the run came to, as a line of summary.csv."""
-        row = dict.fromkeys(COLUMNS, "")
-        row.update(scene=label(self.scene), seed=self.seed, status="not_run", folder=self.folder)
-        if self.process is None:
-            return row
-        row.update(status="failed", exit_code=exit_code(self.process))
-        if not self.before.has_new_results():
-            return row
-        try:
-            outcome = json.loads((self.folder / "outcome.json").read_text())
-        except (OSError, ValueError):
-            return row
-        row.update({key: value for key, value in outcome.items() if key in COLUMNS and key != "scene"})
-        return {key: "" if value is None else value for key, value in row.items()}
-
-    def ended_well(self):
-        return self.process is not None and self.process.returncode == 0
+Exit code: 0 if all runs are complete, 1 if one is not, 2 bad usage, 130/143 interrupted."""
 
 
 def label(scene):
@@ -85,110 +58,331 @@ def seed_range(text):
     return range(int(match[1]), int(match[2] or match[1]) + 1)
 
 
+def type_of(read):
+    """A type for the parser of what raises ValueError."""
+
+    def reading(text):
+        try:
+            return read(text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
+
+    return reading
+
+
+def build_parser():
+    parser = Parser("many", __doc__, EPILOG, usage="tools/wade many [options] SCENE ... | PLAN [-- options of every run]")
+    add = parser.add_argument
+    add("scenes", nargs="*", metavar="SCENE|PLAN", help="files or short names, as in tools/wade run; or a plan, a file whose "
+        "name ends in .csv, with the columns index,scene,seed,settings. None: the plan of --out")
+    add("--seeds", type=type_of(seeds_of), metavar="A-B", help="whole numbers, for example 1-8 or 1-8,11 [the scene's own]")
+    add("--vary", type=type_of(varied), action="append", default=[], metavar="POINTER=a,b,c",
+        help="each of these values of a scene's key, for example /crowd/tau=0.2,0.4; repeated: all combinations")
+    add("--out", type=Path, metavar="DIR", help="[runs/many-<time>/ in the project]")
+    add("--engine", choices=ENGINES, default="local", help="what hands out the runs: processes of this machine, GNU parallel, "
+        "an array of Slurm, ranks of mpirun (docs/clusters.md) [local]")
+    add("--engine-options", type=shlex.split, default=[], metavar="WORDS",
+        help="for parallel, sbatch or mpirun, for example '--partition=short --time=60'")
+    add("--jobs", type=whole(1), metavar="N", help="at once; of Slurm's array [half the processors, at least 1; Slurm: all]")
+    add("--resume", action="store_true", help="go on in DIR: what is complete stays; the plan may have grown")
+    add("--prepare", action="store_true", help="only write what workers need, and print the indices to hand out")
+    add("--gather", action="store_true", help="only gather what is there")
+    add("--own-water", action="store_true", help="each run computes its own water")
+    add("--share", type=whole(1), default=200, metavar="N", help="at most N runs share a water, and are done together [200]")
+    add("--tries", type=whole(1), default=3, metavar="N", help="of a run that was killed or whose peer was lost [3]")
+    add("--pictures", action="store_true", help="keep paths and pictures of the water, too")
+    add("--figures", action="store_true", help="draw figure.png of each run; implies --pictures")
+    add("--reproducible", action="store_true", help="no times and no host names in outputs")
+    return parser
+
+
+def refuse_misfits(parser, options):
+    for name in ("--out", "--session", "--record", "--commands", "--view", "--view-port"):
+        if is_given(options.common, name):
+            parser.error(f"{name} is not allowed behind --: the runs would share what each needs for itself")
+    seeded = is_given(options.common, "--seed") or any(value.split("=")[0] == "/seed"
+                                                       for value in values_of(options.common, "--set"))
+    if seeded:
+        parser.error("--seed and --set /seed are not allowed behind --: all runs would have the same seed; allowed: --seeds")
+    if is_given(options.common, "--crowds"):
+        parser.error("--crowds is not allowed behind --: runs share a water by themselves, where they can")
+    plans = [name for name in options.scenes if is_plan(name)]
+    if plans and (len(options.scenes) > 1 or options.seeds or options.vary):
+        parser.error(f"{plans[0]} is a plan, in which scenes, seeds and settings stand; allowed beside it: no other")
+    if not options.scenes and not (options.out and (options.resume or options.gather)):
+        parser.error("SCENE or PLAN is needed; without one allowed: --out DIR with --resume or --gather")
+
+
 def parse(arguments):
     common = []
     if "--" in arguments:
         at = arguments.index("--")
         arguments, common = arguments[:at], arguments[at + 1 :]
-    parser = Parser("many", __doc__, EPILOG, usage="tools/wade many [options] SCENE... [-- options of every run]")
-    parser.add_argument("scenes", nargs="+", metavar="SCENE", help="a file or a short name, as in tools/wade run")
-    parser.add_argument("--jobs", type=whole(1), default=max(1, len(os.sched_getaffinity(0)) // 2), metavar="N",
-                        help="pairs at once [half the processors, at least 1]")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="[runs/many-<time>/ in the project]")
-    parser.add_argument("--seeds", type=seed_range, default=[None], metavar="A-B",
-                        help="whole numbers, for example 1-8, or a single one [the scene's own seed]")
-    parser.add_argument("--figures", action="store_true", help="draw figure.png of each run")
+    parser = build_parser()
     options, others = parser.parse_known_args(arguments)
     if others:
         parser.error(f"{others[0]}: options of the runs stand behind --, for example: SCENE... -- {' '.join(others)}")
-    if not is_given(common, "--threads"):
-        common += ["--threads", str(max(1, len(os.sched_getaffinity(0)) // options.jobs))]
-    for name in ("--out", "--session", "--record", "--commands"):
-        if is_given(common, name):
-            parser.error(f"{name} is not allowed behind --: the runs would share what each needs for itself")
-    if options.seeds != [None] and is_given(common, "--seed"):
-        parser.error("--seeds and, behind --, --seed exclude one another: all runs would have the same seed")
-    if options.seeds != [None] and any(value.split("=")[0] == "/seed" for value in values_of(common, "--set")):
-        parser.error("--seeds and, behind --, --set /seed exclude one another: the latter would have no effect")
-    if is_given(common, "--crowds"):
-        parser.error("--crowds is not allowed behind --: a run of many crowds has an outcome for each, and no line in "
-                     "this table; tools/run.sh runs it, and a crowd can have a seed of its own")
-    options.common = common
+    options.common = [*common, *(["--reproducible"] if options.reproducible and "--reproducible" not in common else [])]
+    refuse_misfits(parser, options)
+    options.pictures |= options.figures
+    options.jobs_given = options.jobs is not None
+    options.jobs = options.jobs or max(1, len(os.sched_getaffinity(0)) // 2)
     options.out = options.out or new_folder("many")
     return options
 
 
-def jobs_of(options):
-    jobs, taken = [], set()
-    for name in options.scenes:
-        for seed in options.seeds:
-            scene = find_scene(name)
-            stem = label(scene) + ("" if seed is None else f"-seed{seed}")
-            folder, n = stem, 1
-            while folder in taken:
-                n += 1
-                folder = f"{stem}-{n}"
-            taken.add(folder)
-            jobs.append(Job(scene, seed, options.out / folder))
-    return jobs
+class Ensemble:
+    """A plan, its folder, and what all runs have in common."""
+
+    def __init__(self, options):
+        self.options = options
+        self.folder = EnsembleFolder(options.out)
+        self.kept = read_json(self.folder.settings)
+        if self.kept and not (options.resume or options.gather):
+            raise UsageError(f"--out: {options.out} holds an ensemble; --resume goes on with it, --gather sums it up")
+        if not self.kept and not options.scenes:
+            raise UsageError(f"--out: {options.out} holds no ensemble")
+        self.identity = (self.kept or {}).get("ensemble") or secrets.token_hex(4)
+        self.common = self.kept["options"] if self.kept and not options.common else options.common
+        self.pictures = options.pictures or bool(self.kept and self.kept["pictures"])
+        self.plan, beside = self.planned()
+        files = find_scenes(self.plan, beside)
+        self.files = {scene_name(file): Path(file).resolve() for file in files.values()}
+        for run in self.plan:
+            run.scene = scene_name(files[run.scene])
+        self.split_options()
+        self.scenes = resolve_all(self.plan, self.files, self.theirs["crowd_client"])
+        self.give_seeds()
+
+    def planned(self):
+        """The plan, and the folder at which paths in it start."""
+        names = self.options.scenes
+        if not names:
+            return read_plan(self.folder.plan), self.folder.path
+        if is_plan(names[0]):
+            return read_plan(names[0]), Path(names[0]).absolute().parent
+        scenes = [str(find_scene(name)) for name in names]
+        return product(scenes, self.options.seeds or [None], self.options.vary), None
+
+    def split_options(self):
+        """Sorts the options of all runs by program; water of another producer is that of tools/wade run."""
+        programs = {name: options_of(BUILD / name) for name in ("fluid_server", "crowd_client")}
+        _, own, self.theirs = split_arguments(["scene", *self.common], programs)
+        unsuited = [name for name in own if name not in ("--producer", "--replay", "--no-figure")]
+        if unsuited:
+            raise UsageError(f"{unsuited[0]} is not allowed behind --: the runs would share what each needs for itself")
+        self.other_water = "--producer" in own or "--replay" in own
+        if not self.other_water:
+            suit_to_latest(self.theirs)
+
+    def give_seeds(self):
+        """Runs without a seed get that of their scene, so that the plan says what is done."""
+        for run in self.plan:
+            resolved, _ = self.scenes[run.scene, run.settings_text]
+            if run.seed is None and resolved is not None:
+                run.seed = resolved["seed"]
+        refusals = {refusal for _, refusal in self.scenes.values()}
+        if None not in refusals:
+            raise UsageError("no run of the plan can be done: " + "; ".join(sorted(refusals)))
+
+    def fingerprint_of(self, run):
+        resolved, _ = self.scenes[run.scene, run.settings_text]
+        return resolved and fingerprint(resolved)
+
+    def check_growth(self):
+        """A plan that goes on begins as it did: what is there must be of its index."""
+        if not self.kept:
+            return
+        old = {run.index: (run.scene, run.seed, run.settings) for run in read_plan(self.folder.plan)}
+        for run in self.plan:
+            if run.index in old and old.pop(run.index) != (run.scene, run.seed, run.settings):
+                raise UsageError(f"--resume: run {run.index} is {run}, which it was not in {self.folder.plan}; allowed: a plan that "
+                                 "begins as that one, or another --out")
+        if old:
+            raise UsageError(f"--resume: run {min(old)} of {self.folder.plan} is not in this plan; allowed: a plan that begins "
+                             "as that one, or another --out")
+
+    def write(self):
+        write_whole(self.folder.plan, plan_text(self.plan))
+        write_whole(self.folder.settings, json.dumps({"ensemble": self.identity, "options": self.common,
+                                                      "pictures": self.pictures}, indent=1))
+
+    def is_complete(self, run):
+        expected = self.fingerprint_of(run)
+        return expected is not None and is_complete(self.folder.run(run.index), expected, run.seed)
+
+    def due(self, failed_too):
+        """Runs that are not complete; of those that failed only accidents, unless all are wanted."""
+        runs = [run for run in self.plan if self.fingerprint_of(run) and not self.is_complete(run)]
+        if failed_too:
+            return runs
+        failures = ((run, read_json(self.folder.run(run.index) / FAILURE)) for run in runs)
+        return [run for run, failure in failures if failure is None or failure["accident"]]
+
+    def words_of(self, run):
+        """A run as its worker needs it."""
+        resolved, _ = self.scenes[run.scene, run.settings_text]
+        crowd = {f"/{key}": resolved[key] for key in ("name", "description", "crowd", "coupling", "events") if key in resolved}
+        water = {pointer: value for pointer, value in run.settings.items() if not is_own_of_crowd(pointer)}
+        return {"index": run.index, "seed": run.seed, "fingerprint": self.fingerprint_of(run), "words": run.words(),
+                "water_words": run.words(water), "crowd": {"/seed": run.seed, **crowd}}
+
+    def prepare(self, runs):
+        """Writes units of these runs; the indices to hand out."""
+        options = self.options
+        own_water = options.own_water or self.other_water or is_given(self.common, "--mode")
+        units = units_of(runs, self.scenes, options.share, own_water)
+        threads = max(1, len(os.sched_getaffinity(0)) // options.jobs)
+        for unit in units:
+            document = {
+                "ensemble": self.identity, "scene": str(self.files[unit[0].scene]), **self.theirs, "pictures": self.pictures,
+                "launcher": self.common if self.other_water else None, "figures": options.figures, "threads": threads,
+                "runs": [self.words_of(run) for run in unit]}
+            write_whole(self.folder.unit(unit[0].index), json.dumps(document))
+        return [unit[0].index for unit in units]
 
 
-def start(job, pair, options):
-    job.folder.mkdir(parents=True, exist_ok=True)
-    job.before = BeforeRun(job.folder, many=False)
-    with open(job.folder / "run.log", "w", encoding="utf-8") as log:
-        job.process = pair.start(job.command(options), stdout=log, stderr=subprocess.STDOUT)
+@contextlib.contextmanager
+def locked(folder):
+    """One command at a time works in a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / ".lock", "ab") as lock:
+        given_up_at = time.monotonic() + PATIENCE_WITH_LOCK_S
+        while True:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > given_up_at:
+                    raise UsageError(f"--out: another tools/wade many works in {folder}") from None
+                time.sleep(0.1)
+        yield
 
 
-def told(job, done, total):
-    row = job.row()
-    seed = "" if row["seed"] in ("", None) else f" seed {row['seed']}"
-    words = f"[{done}/{total}] {row['scene']}{seed}: {row['status']}"
-    if row["agents"] != "":
-        words += f", {row['arrived']} of {row['agents']} arrived"
-    if not job.ended_well():
-        words += f" (exit code {row['exit_code']}, see {job.folder / 'run.log'})"
-    return words
+def hand_out(ensemble, signals):
+    """Lets the engine do what is due, once more for what was lost."""
+    options, told = ensemble.options, Progress(ensemble)
+    for k in range(options.tries):
+        indices = ensemble.prepare(ensemble.due(failed_too=k == 0))
+        if not indices or signals.number:
+            break
+        if k > 0:
+            complain(f"once more: {len(indices)} of what was handed out, which was lost")
+        ENGINES[options.engine](ensemble.folder, indices, options, signals, told)
 
 
-def run_all(jobs, pair, options):
-    """Keeps as many runs going as are allowed, until all have ended or a signal came."""
-    waiting, running, done = list(jobs), [], 0
-    while running or (waiting and not pair.signal):
-        while waiting and len(running) < options.jobs and not pair.signal:
-            running.append(waiting.pop(0))
-            start(running[-1], pair, options)
-        for job in [job for job in running if job.process.poll() is not None]:
-            running.remove(job)
-            done += 1
-            complain(told(job, done, len(jobs)))
-        time.sleep(0.02)
+class Progress:
+    """Tells of runs that have ended; of engines that do not say which, how many."""
+
+    def __init__(self, ensemble):
+        self.ensemble, self.done = ensemble, set()
+        self.runs = {run.index: run for run in ensemble.plan}
+        self.total = len(ensemble.plan)
+
+    def __call__(self, index):
+        if index is None:
+            there = sum(1 for run in self.ensemble.plan if self.ensemble.folder.run(run.index).is_dir())
+            if there != len(self.done):
+                self.done = set(range(there))
+                complain(f"[{there}/{self.total}]")
+            return
+        unit = read_json(self.ensemble.folder.unit(index))
+        for row in rows_of(self.ensemble, [self.runs[run["index"]] for run in unit["runs"]]):
+            self.done.add(row["index"])
+            complain(f"[{len(self.done)}/{self.total}] {told_of(row, self.ensemble.folder)}")
 
 
-def table(rows):
-    return plain(TABLE, [[shown(row[key]) for key in TABLE] for row in rows])
+def short(scene):
+    """A scene by its last folder and its name."""
+    return "/".join(Path(scene).with_suffix("").parts[-2:])
+
+
+def told_of(row, folder):
+    words = f"{short(row['scene'])} seed {row['seed']}: {row['status']}"
+    if row["status"] == "completed":
+        return f"{words}, {row['arrived']} of {row['agents']} arrived"
+    return f"{words}, see {folder.run(row['index'])}"
+
+
+def rows_of(ensemble, plan):
+    known = {kind: (resolved and fingerprint(resolved), refusal) for kind, (resolved, refusal) in ensemble.scenes.items()}
+    return gathered(ensemble.folder, plan, known)
 
 
 def shown(value):
     return f"{value:.1f}" if isinstance(value, float) else str(value if value is not None else "")
 
 
+def say_all(rows, pointers):
+    """The table on the terminal: a line a run, or of many runs a line a scene and settings; then who failed."""
+    rows = [{**row, "scene": short(row["scene"])} for row in rows]
+    if len(rows) <= MOST_ROWS:
+        columns = [*TABLE[:2], *pointers, *TABLE[2:]]
+        print(plain(columns, [[shown(row.get(key)) for key in columns] for row in rows]))
+    else:
+        kinds = {}
+        for row in rows:
+            kinds.setdefault((row["scene"], *(shown(row.get(key)) for key in pointers)), []).append(row)
+        lines = []
+        for kind, own in kinds.items():
+            complete = [row for row in own if row["status"] == "completed"]
+            means = [sum(row[key] for row in complete) / len(complete) if complete else None
+                     for key in ("agents", "arrived", "dead", "active")]
+            lines.append([*kind, len(own), len(complete), *map(shown, means)])
+        print(plain(["scene", *pointers, "runs", "completed", "agents", "arrived", "dead", "active"], lines))
+    failures = [row for row in rows if row["status"] != "completed"]
+    for row in failures[:MOST_FAILURES]:
+        complain(f"{row['index']}: {row['scene']} seed {row['seed']}: {row['status']}: {row['reason']}")
+    if len(failures) > MOST_FAILURES:
+        complain(f"... and {len(failures) - MOST_FAILURES} more, see runs.csv")
+
+
+def sum_up(ensemble):
+    """Writes and prints the table; whether all runs are complete."""
+    rows = rows_of(ensemble, ensemble.plan)
+    pointers = list(dict.fromkeys(pointer for run in ensemble.plan for pointer in run.settings))
+    write_csv(ensemble.folder.table, columns_of(rows, pointers), rows)
+    say_all(rows, pointers)
+    commits = {row["commit"] for row in rows if row.get("commit")}
+    if len(commits) > 1:
+        complain(f"warning: the runs are of several versions: {', '.join(sorted(commits))}")
+    print(f"table: {ensemble.folder.table}")
+    complete = all(row["status"] == "completed" for row in rows)
+    if complete:
+        shutil.rmtree(ensemble.folder.work, ignore_errors=True)
+    return complete
+
+
+def carry_out(ensemble):
+    """Prepares, hands out and gathers; the exit code."""
+    options, folder = ensemble.options, ensemble.folder
+    ensemble.check_growth()
+    job = still_queued(folder)
+    if job and not options.gather:
+        raise UsageError(f"--resume: job {job} of this ensemble is not over; wait for it, or scancel {job}")
+    if options.gather:
+        return 0 if sum_up(ensemble) else 1
+    ensemble.write()
+    if options.prepare:
+        print(*ensemble.prepare(ensemble.due(failed_too=True)), sep="\n")
+        return 0
+    signals = Signals()
+    remove_left_overs(ensemble.identity, folder.work)
+    hand_out(ensemble, signals)
+    remove_left_overs(ensemble.identity, folder.work)
+    complete = sum_up(ensemble)
+    if signals.number:
+        complain("interrupted; the same command with --resume goes on")
+        return 128 + signals.number if signals.number == 2 else 143
+    return 0 if complete else 1
+
+
 def main(arguments):
     """tools/wade many."""
     options = parse(arguments)
-    jobs = jobs_of(options)
-    summary = options.out / "summary.csv"
+    ensemble = Ensemble(options)
     try:
-        write_csv(summary, COLUMNS, [])
+        with locked(ensemble.folder.path):
+            return carry_out(ensemble)
     except OSError as error:
         raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error
-    pair = Pair()
-    run_all(jobs, pair, options)
-    rows = [job.row() for job in jobs]
-    write_csv(summary, COLUMNS, rows)
-    print(table(rows))
-    print(f"summary: {summary}")
-    if pair.signal:
-        return 130 if pair.signal == signal.SIGINT else 143
-    return 0 if all(job.ended_well() for job in jobs) else 1
-

@@ -2,6 +2,8 @@
 
 import ctypes
 import json
+import os
+import select
 import signal
 import struct
 import subprocess
@@ -75,8 +77,24 @@ class Pair:
                 told.update(process.pid for process in self.processes if process.poll() is None)
                 self.send(signal.SIGTERM)
                 given_up_at = time.monotonic() + PEER_NOTICES_WITHIN_S
-            time.sleep(0.02)
+            wait_for_an_end(self.processes, 0.02)
         return [None if process.pid in told else exit_code(process) for process in self.processes]
+
+
+def wait_for_an_end(processes, seconds):
+    """Waits until one of those that run has ended, but no longer than so many seconds."""
+    ends, watched = select.poll(), []
+    try:
+        for process in processes:
+            if process.returncode is None:
+                watched.append(os.pidfd_open(process.pid))
+                ends.register(watched[-1], select.POLLIN)
+        ends.poll(1000 * seconds)
+    except OSError:  # a kernel without them
+        time.sleep(seconds)
+    finally:
+        for number in watched:
+            os.close(number)
 
 
 def catches(process, number):

@@ -1,0 +1,202 @@
+"""tools/wade many on this machine: plans, shared waters, failures, kills, a full disk, and that it goes on."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import unittest
+
+from ensemble_test import EnsembleTest
+from harness import ENDLESS, PROGRAMS, ROOT, SMALL, wait_until
+
+from wade.ensembles.plan import split_values, varied
+from wade.ensembles.waters import water_of
+from wade.paths import CONFIGS
+
+SHORT = ["--until-s", "1"]
+OF_A_RUN = {"outcome.json", "agents.csv", "manifest.json"}
+
+
+def resolved(*changes, scene=SMALL):
+    words = [word for change in changes for word in ("--set", change)]
+    return json.loads(subprocess.check_output([PROGRAMS / "crowd_client", scene, *words, "--print-config"]))
+
+
+class Many(EnsembleTest):
+    def test_runs_that_share_a_water_equal_single_runs(self):
+        plan = ["--seeds", "5-6", "--vary", "/crowd/tau=0.2,0.7", SMALL]
+        self.assert_ended_well(self.many(*plan, "--pictures", "--reproducible"))
+        self.assert_ended_well(self.many(*plan, "--own-water", "--pictures", "--reproducible", out="own"))
+        self.assertEqual(self.table(), self.table("own"))
+        self.assertEqual([f.name for f in (self.folder / "many" / "waters").iterdir()], ["00001"], "one water for all")
+        self.assertFalse((self.folder / "own" / "waters").exists())
+        rows = self.rows()
+        self.assertEqual([(row["seed"], row["/crowd/tau"], row["status"]) for row in rows],
+                         [(seed, tau, "completed") for seed in "56" for tau in ("0.2", "0.7")])
+        for row in (rows[0], rows[3]):
+            alone = self.pair("--reproducible", "--seed", row["seed"], "--set", f"/crowd/tau={row['/crowd/tau']}")
+            for out in ("many", "own"):
+                run = self.run_of(int(row["index"]), out)
+                for name in ("outcome.json", "agents.csv", "trajectories.sqlite", "water.bin"):
+                    self.assertEqual(run.bytes_of(name), alone.bytes_of(name), name)
+
+    def test_what_shares_a_water_is_decided_from_the_scenes(self):
+        base = water_of(resolved(), 1)
+        for same in ("/crowd/tau=0.5", "/coupling/contact_rule=sum", "/name=other", '/events/0={"frame": 60, "tau": 1}'):
+            self.assertEqual(water_of(resolved(same), 2), base, same)
+        for other in ("/channel/velocity_m_s=0.6", "/duration_s=7", "/fluid/cfl=0.3", "/frame_rate_hz=20"):
+            self.assertNotEqual(water_of(resolved(other), 1), base, other)
+        kinematic = resolved("/fluid/model=kinematic")
+        self.assertEqual(water_of(kinematic, 1), water_of(kinematic, 1))
+        self.assertNotEqual(water_of(kinematic, 1), water_of(kinematic, 2), "its seed draws where particles lie")
+        for own in ("/coupling/two_way=true", "/coupling/agents_stream=serial", "/fluid/model=auto"):
+            self.assertIsNone(water_of(resolved(own), 1), own)
+        folder = CONFIGS / "paper"
+        self.assertEqual(len({water_of(resolved(scene=folder / f"s{k:02}.json"), 1) for k in (1, 5, 6)}), 3)
+
+    def test_water_that_a_seed_changes_is_not_shared(self):
+        self.assert_ended_well(self.many(SMALL, "--seeds", "1-2", "--", *SHORT, "--set", "/fluid/model=kinematic"))
+        self.assertEqual(len({row["frame_hash"] for row in self.rows()}), 2)
+        self.assertFalse((self.folder / "many" / "waters").exists())
+
+    def test_plan_file_says_scene_seed_and_settings(self):
+        shutil.copy(SMALL, self.folder / "mine.json")
+        plan = self.folder / "plan.csv"
+        plan.write_text('# two runs\nindex,scene,seed,settings\n7,mine.json,3,"{""/crowd/tau"": 0.5}"\n9,mine.json,,\n')
+        many = self.many(plan, "--", *SHORT)
+        self.assert_ended_well(many)
+        self.assertEqual([(row["index"], row["seed"], row["/crowd/tau"]) for row in self.rows()],
+                         [("7", "3", "0.5"), ("9", "5", "")])
+        self.assertEqual({f.name for f in self.run_of(7).folder.iterdir()}, OF_A_RUN)
+        manifests = [json.loads(self.run_of(index).bytes_of("manifest.json")) for index in (7, 9)]
+        self.assertEqual([m["resolved_scene"]["crowd"]["groups"][0]["tau"] for m in manifests], [0.5, 0.2])
+
+    def test_what_is_complete_stays_and_a_plan_may_grow(self):
+        seeds = lambda text: (SMALL, "--seeds", text, "--reproducible", "--resume", "--", *SHORT)  # noqa: E731
+        self.assert_ended_well(self.many(*seeds("1-2")))
+        first = self.run_of(1).folder / "outcome.json"
+        made = first.stat().st_mtime_ns
+        (self.run_of(2).folder / "agents.csv").write_text("id\n")  # cut off
+        self.assert_ended_well(self.many(*seeds("1-4")))
+        self.assertEqual(first.stat().st_mtime_ns, made)
+        self.assertEqual([row["status"] for row in self.rows()], 4 * ["completed"])
+        self.assertEqual(self.table(), self.undisturbed(*seeds("1-4")))
+        self.assert_ends(self.many(*seeds("2-5")), 2, "--resume: run 1", "begins as")
+        self.assert_ends(self.many(SMALL, "--seeds", "1-4"), 2, "holds an ensemble", "--resume")
+        # Of another scene than the plan's, as its file has changed.
+        made = [run.folder.stat().st_ino for run in map(self.run_of, (1, 2))]
+        self.assert_ended_well(self.many(*seeds("1-4"), "--set", "/crowd/tau=0.9"))
+        self.assertTrue(set(made).isdisjoint(run.folder.stat().st_ino for run in map(self.run_of, (1, 2))))
+
+    def test_failing_runs_are_listed_with_their_reason_and_stop_nobody(self):
+        broken = self.folder / "broken.json"
+        broken.write_text("{")
+        collapse = SMALL.parent / "collapse.json"
+        many = self.many("--jobs", "1", SMALL, broken, collapse, SMALL, "--vary", "/crowd/groups/0/columns=1,40", "--", *SHORT)
+        self.assert_ends(many, 1, "broken.json", "the water failed", "outside the world")
+        found = {(row["scene"].rsplit("/")[-1], row["/crowd/groups/0/columns"]): row for row in self.rows()}
+        self.assertEqual(found["small.json", "1"]["status"], "completed")
+        self.assertEqual(found["broken.json", "1"]["status"], "refused")
+        self.assertEqual(found["collapse.json", "1"]["status"], "peer_aborted")
+        self.assertIn("the water failed", found["collapse.json", "1"]["reason"])
+        failure = json.loads((self.run_of(5).folder / "failure.json").read_text())
+        self.assertEqual((failure["exit_code"], failure["accident"]), (9, False))
+        self.assertTrue(all(row["reason"] for row in self.rows() if row["status"] != "completed"))
+        self.assert_ends(self.many(broken, out="other"), 2, "no run of the plan can be done", "broken.json")
+        self.assertFalse((self.folder / "other" / "plan.csv").exists())
+
+    def test_run_one_does_what_an_index_names_and_skips_what_is_complete(self):
+        prepared = self.many(SMALL, "--seeds", "1-3", "--share", "2", "--prepare", "--", *SHORT)
+        self.assert_ended_well(prepared)
+        self.assertEqual(self.output_of(prepared).split(), ["1", "3"])
+        one = lambda *words: self.script(ROOT / "tools" / "wade", "run-one", self.folder / "many" / "plan.csv", *words)  # noqa: E731
+        self.assert_ended_well(one("1"))
+        self.assertEqual(sorted(f.name for f in (self.folder / "many" / "runs").iterdir()), ["00001", "00002"])
+        made = (self.run_of(1).folder / "outcome.json").stat().st_mtime_ns
+        (self.folder / "list").write_text("1\n3\n")
+        self.assert_ended_well(one("--of", self.folder / "list", "--share", "0/1"))
+        self.assertEqual((self.run_of(1).folder / "outcome.json").stat().st_mtime_ns, made)
+        self.assert_ended_well(self.many("--gather"))
+        self.assertEqual([row["status"] for row in self.rows()], 3 * ["completed"])
+        self.assert_ends(one("2"), 2, "nothing is prepared under index 2")
+        self.assert_ends(one("x"), 2, "a whole number")
+        self.assert_ends(one("--of", self.folder / "list", "--share", "1/1"), 2, "K < N")
+        self.assert_nothing_left()
+
+    def test_interrupt_ends_all_and_the_ensemble_goes_on(self):
+        plan = (SMALL, "--seeds", "1-3", "--own-water")
+        many = self.many(*plan, "--jobs", "2", "--", *ENDLESS)
+        wait_until(lambda: len(list((self.folder / "many" / "work").glob("*/*/agents.csv"))) == 2 or not many.running(), "runs")
+        self.assertEqual(len({name.parent.name for name in (self.folder / "many" / "work").glob("*/*")}), 2)
+        self.assert_ends_with_children(many, signal.SIGINT, 130)
+        self.assertEqual([row["status"] for row in self.rows()], 3 * ["not_run"])
+        self.assert_nothing_left()
+        self.assert_ended_well(self.many(*plan, "--resume", "--", *SHORT))
+
+    def test_ten_kills_change_nothing(self):
+        self.assert_kills_change_nothing(10, SMALL, "--seeds", "1-6", "--share", "2", "--jobs", "2", "--", "--until-s", "3")
+
+    def test_full_disk_loses_nothing(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        mount = ["mount", "-t", "tmpfs", "-o", "size=220k", "none", disk]
+        if subprocess.run(mount, capture_output=True).returncode != 0:
+            self.skipTest("no right to mount a small disk")
+        self.mounts.append(disk)
+        plan = (SMALL, "--seeds", "1-6", "--reproducible")
+        many = self.many(*plan, "--own-water", "--", *SHORT, out="disk/many")
+        self.assertEqual(many.wait(), 1, many.messages())
+        self.assertIn("space", many.messages())
+        subprocess.run(["mount", "-o", "remount,size=4m", disk], check=True)
+        self.assert_ended_well(self.many(*plan, "--resume", "--", *SHORT, out="disk/many"))
+        self.assertEqual(self.table("disk/many"), self.undisturbed(*plan, "--", *SHORT))
+
+    def test_values_that_vary(self):
+        self.assertEqual(split_values('1,[2,3],{"a":[4,5]},"x,y",z'), ["1", "[2,3]", '{"a":[4,5]}', '"x,y"', "z"])
+        self.assertEqual(varied("/crowd/tau=0.2,paper"), ("/crowd/tau", [0.2, "paper"]))
+
+    def test_a_scene_that_is_not_there_stops_all_before_they_start(self):
+        self.assert_ends(self.many(SMALL, "s055"), 2, 'no scene "s055"', "s05")
+        self.assertFalse((self.folder / "many").exists())
+
+    def test_wrong_usage_is_refused(self):
+        plan = self.folder / "plan.csv"
+        plan.write_text('index,scene,seed,settings\n1,s05,2,"{""/seed"": 1}"\n')
+        for arguments, *texts in (
+            (["--seeds", "3-1", SMALL], "--seeds", "3-1"),
+            (["--vary", "crowd.tau=1", SMALL], "--vary", "JSON pointer"),
+            (["--vary", "/seed=1,2", SMALL], "--vary", "--seeds"),
+            (["--vary", "/crowd/tau=1", "--vary", "/crowd/tau=2", SMALL], "given twice"),
+            (["--jobs", "0", SMALL], "--jobs", "whole numbers from 1"),
+            (["--engine", "ray", SMALL], "--engine", "slurm"),
+            ([], "SCENE"),
+            ([plan], "run 1: settings", "pointers but /seed"),
+            ([plan, "--seeds", "1-2"], "is a plan"),
+            ([self.folder / "absent.csv"], "absent.csv cannot be read"),
+            (["--resume"], "holds no ensemble"),
+            (["--seeds", "1-2", SMALL, "--until-s", "60"], "--until-s", "behind --", "-- --until-s"),
+            (["--seeds", "1-2", "--until-s=60", SMALL], "behind --", "-- --until-s=60"),
+            ([SMALL, "--treads", "2"], "--treads", "behind --"),
+            ([SMALL, "--", "--seed", "3"], "--seed", "--seeds"),
+            ([SMALL, "--", "--set=/seed=3"], "--set /seed", "--seeds"),
+            ([SMALL, "--", "--out", "x"], "--out"),
+            ([SMALL, "--", "--crowds=list.json"], "--crowds is not allowed"),
+        ):
+            with self.subTest(arguments):
+                self.assert_refused_here("many", "--out", self.folder / "many", *arguments, texts=texts)
+
+
+@unittest.skipUnless(os.environ.get("WADE_LONG"), "takes minutes")
+class ManyKills(EnsembleTest):
+    def test_a_hundred_kills_change_nothing_in_fifty_runs(self):
+        for water in ("--own-water", "--share=5"):
+            with self.subTest(water):
+                shutil.rmtree(self.folder / "many", ignore_errors=True)
+                shutil.rmtree(self.folder / "undisturbed", ignore_errors=True)
+                self.assert_kills_change_nothing(100, SMALL, "--seeds", "1-50", water, "--jobs", "3")
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())

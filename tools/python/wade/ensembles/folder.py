@@ -1,0 +1,149 @@
+"""The folder of an ensemble: what is complete in it, how a run gets into it whole, and what dead workers left."""
+
+import hashlib
+import json
+import os
+import re
+from pathlib import Path
+
+FAILURE = "failure.json"
+# Ends that another try may not meet: a time-out, a peer that died or gave up, a name in use, a kill.
+ACCIDENTS = (3, 4, 5, 7, 8)
+
+
+def digest(value):
+    return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def fingerprint(resolved):
+    """Of a resolved scene but for its seed."""
+    return digest({key: value for key, value in resolved.items() if key != "seed"})
+
+
+def is_accident(code):
+    return code in ACCIDENTS or code > 128
+
+
+def read_json(file):
+    """A JSON file; None if there is none that is whole."""
+    try:
+        return json.loads(Path(file).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+
+
+def messages_of(text):
+    """The messages of a log, each in one line, however the console broke it."""
+    return [line for line in re.sub(r"\n {2,}", " ", text).splitlines() if line.strip()]
+
+
+def message_of(text):
+    """The last message of a log, "" if there is none."""
+    return (messages_of(text) or [""])[-1]
+
+
+def name_of(index):
+    """Of the folder of a run."""
+    return f"{index:05d}"
+
+
+class EnsembleFolder:
+    """DIR of `tools/wade many`."""
+
+    def __init__(self, path):
+        self.path = Path(path).absolute()
+        self.plan, self.settings, self.table = self.path / "plan.csv", self.path / "ensemble.json", self.path / "runs.csv"
+        self.runs, self.work = self.path / "runs", self.path / "work"
+        self.units, self.waters = self.path / "units", self.path / "waters"
+
+    def run(self, index):
+        return self.runs / name_of(index)
+
+    def unit(self, index):
+        return self.units / f"{name_of(index)}.json"
+
+
+def status_of(folder, expected, seed):
+    """`not_run`, `stale`, or what outcome.json says of a run, in which `completed` means that all of it is there.
+
+    expected: the fingerprint of its scene.
+    """
+    if not folder.is_dir():
+        return "not_run"
+    outcome, manifest = read_json(folder / "outcome.json"), read_json(folder / "manifest.json")
+    if outcome is None or manifest is None:
+        return "failed"
+    if manifest.get("seed") != seed or fingerprint(manifest.get("resolved_scene", {})) != expected:
+        return "stale"
+    status = outcome.get("status", "failed")
+    return status if status != "completed" or has_all_agents(folder, outcome) else "failed"
+
+
+def has_all_agents(folder, outcome):
+    """Whether agents.csv has a whole line for each agent."""
+    try:
+        return (folder / "agents.csv").read_bytes().count(b"\n") == outcome["agents"] + 1
+    except (OSError, KeyError):
+        return False
+
+
+def is_complete(folder, expected, seed):
+    return status_of(folder, expected, seed) == "completed"
+
+
+def publish(made, place, expected, seed):
+    """Puts a run that was made elsewhere where it belongs, by a rename; what is complete there stays."""
+    aside = made.with_name(f"{made.name}.old")
+    for _ in range(3):
+        if is_complete(place, expected, seed):
+            remove_tree(made)
+            return
+        try:
+            if place.exists():
+                place.rename(aside)
+                remove_tree(aside)
+            made.rename(place)
+            return
+        except OSError:  # another worker was quicker
+            continue
+    raise OSError(f"{made} cannot be moved to {place}")
+
+
+def remove_tree(folder):
+    """Removes a folder and what is left in it."""
+    try:
+        folder.rmdir()  # mostly nothing is, and nothing more has to be imported
+    except OSError:
+        import shutil
+
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def alive(pid):
+    return Path(f"/proc/{pid}").is_dir()
+
+
+def host_name():
+    return re.sub(r"[^A-Za-z0-9.]", "", os.uname().nodename)[:60] or "host"
+
+
+def worker_name(ensemble, index):
+    """Of what a worker has for itself, its folder and its session: who it is, and which job of which engine."""
+    job = os.environ.get("SLURM_JOB_ID") or os.environ.get("PARALLEL_PID") or "0"
+    return f"wade-many-{ensemble}-{name_of(index)}-{job}-{os.urandom(3).hex()}-{host_name()}-{os.getpid()}"
+
+
+def is_left_over(name):
+    """Whether the worker of this name is gone from this machine; of those of other machines nobody here knows."""
+    match = re.fullmatch(r"wade-many-[0-9a-f]+-\d+-\d+-[0-9a-f]+-([A-Za-z0-9.]+)-(\d+)", name)
+    return bool(match) and match[1] == host_name() and not alive(match[2])
+
+
+def remove_left_overs(ensemble, work):
+    """Removes segments and half-made runs of workers of this ensemble that were killed on this machine."""
+    for segment in Path("/dev/shm").glob(f"wade-many-{ensemble}-*"):
+        if is_left_over(re.sub("-(fluid|agents)$", "", segment.name)):
+            segment.unlink(missing_ok=True)
+    for made in work.glob(f"wade-many-{ensemble}-*"):
+        if is_left_over(made.name):
+            remove_tree(made)

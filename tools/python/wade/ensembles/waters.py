@@ -1,0 +1,66 @@
+"""Which runs of a plan share a water: those whose scenes differ in the crowd alone, where no seed and no person changes it."""
+
+import json
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+
+from wade.ensembles.folder import digest, message_of
+from wade.paths import BUILD
+
+# Keys of a scene that are the crowd's: crowd_client/session/crowd_list.cpp.
+OWN_OF_CROWD = ("/seed", "/name", "/description", "/events", "/crowd", "/coupling")
+# Models whose water is the same for each seed. The others draw where their particles lie, or waves, from it; `auto` may
+# choose one of them, and chooses by where people walk.
+SEEDLESS = ("dfsph",)
+
+
+def water_of(resolved, seed):
+    """What two runs have in common if one water serves both; None where each needs its own."""
+    model, coupling = resolved["fluid"]["model"], resolved["coupling"]
+    if model == "auto" or coupling["two_way"] or coupling["agents_stream"] != "off":
+        return None
+    own = {pointer[1:] for pointer in OWN_OF_CROWD}
+    return digest([{key: value for key, value in resolved.items() if key not in own}, None if model in SEEDLESS else seed])
+
+
+def is_own_of_crowd(pointer):
+    return any(pointer == own or pointer.startswith(own + "/") for own in OWN_OF_CROWD)
+
+
+def resolve(file, words):
+    """(the resolved scene, None) or (None, why the program refuses it)."""
+    answer = subprocess.run([BUILD / "crowd_client", file, *words, "--print-config"], capture_output=True, text=True)
+    if answer.returncode == 0:
+        return json.loads(answer.stdout), None
+    return None, message_of(answer.stderr) or f"exit code {answer.returncode}"
+
+
+def resolve_all(plan, files, options):
+    """{(scene, settings as JSON): (resolved, refusal)} of all runs.
+
+    files: {scene: file}; options: of the crowd, for all runs.
+    """
+    kinds = {(run.scene, run.settings_text): run for run in plan}
+    with ThreadPoolExecutor() as pool:
+        answers = pool.map(lambda run: resolve(files[run.scene], [*options, *run.words()]), kinds.values())
+        return dict(zip(kinds, answers))
+
+
+def units_of(plan, scenes, most, own_water):
+    """Lists of runs that are done together: those that share a water, at most so many, in the order of their first ones.
+
+    scenes: as resolve_all gives them; runs whose scene is refused are in none.
+    """
+    units, open_units = [], {}
+    for run in plan:
+        resolved, _ = scenes[run.scene, run.settings_text]
+        if resolved is None:
+            continue
+        water = None if own_water else water_of(resolved, run.seed)
+        unit = open_units.get(water) if water else None
+        if unit is None or len(unit) >= most:
+            unit = []
+            units.append(unit)
+            open_units[water] = unit
+        unit.append(run)
+    return units
