@@ -16,6 +16,7 @@ build     libcli11-dev        cli11-devel          cli11
 build     libhwy-dev          highway-devel        highway
 build     libsqlite3-dev      sqlite-devel         sqlite
 build     libzstd-dev         libzstd-devel        zstd
+build     libtiff-dev         libtiff-devel        libtiff
 pictures  python3-numpy       python3-numpy        numpy
 pictures  python3-matplotlib  python3-matplotlib   python-matplotlib
 pictures  python3-pil         python3-pillow       pillow

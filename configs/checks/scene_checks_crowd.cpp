@@ -359,12 +359,10 @@ void check_event(const Scene& scene, std::size_t i, std::size_t agents, const st
     }
     if (!event.group) return;
     std::string known;
-    bool found = false;
     for (const AgentGroup& group : scene.crowd.groups) {
-        found = found || group.name == *event.group;
+        if (group.name == *event.group) return;
         known += (known.empty() ? "\"" : ", \"") + group.name + "\"";
     }
-    if (found) return;
     refuse(source, pointer + "/group",
            "there is no group \"" + *event.group +
                "\"; allowed: " + (known.empty() ? "none, as the scene has no groups." : known + "."));

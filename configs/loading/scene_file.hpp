@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "configs/errors/problems.hpp"
+#include "configs/files/text_file.hpp"
 
 namespace wade {
 
@@ -30,7 +31,10 @@ void merge_over(nlohmann::json& lower, const nlohmann::json& upper);
 // wrong with file, line, column, value and what is allowed.
 void take_people(nlohmann::json& document, const std::filesystem::path& scene_file, Problems& problems);
 
-// The contents of a plain file; throws ConfigurationError with the reason, beginning with `context`, and never waits.
-[[nodiscard]] std::string read_text_file(const std::filesystem::path& file, const std::string& context);
+// Makes the paths that keys of `document` name absolute: they are relative to `folder`.
+void make_paths_absolute(nlohmann::json& document, const std::filesystem::path& folder);
+
+// Puts a hash of the contents of the file in the place of each path, so that scenes of equal contents have equal texts.
+void put_contents_for_paths(nlohmann::json& document);
 
 }  // namespace wade

@@ -7,6 +7,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/problems.hpp"
+#include "configs/loading/place_reader.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/loading/scene_override.hpp"
 #include "configs/numbers/fnv1a.hpp"
@@ -57,6 +58,23 @@ void note_if_unused(const std::string& key, const nlohmann::json& crowd, const s
                   " has no effect, as every group sets its own; set /crowd/groups/0/" + key + " instead.");
 }
 
+// A place stands for the channel and what is in it.
+void note_if_beside_place(const nlohmann::json& document, const std::string& source, Problems& problems) {
+    for (const char* const key : {"channel", "obstacles"}) {
+        if (!document.contains(key) || document[key].empty()) continue;
+        problems.note(source + ": /" + key +
+                      ": a place stands instead of the channel and its obstacles; allowed: none beside " +
+                      "/place, also in the scenes that it extends. Houses are /place/houses.");
+    }
+}
+
+SetByScene set_by(const nlohmann::json& document) {
+    const auto sets = [&](const char* object, const char* key) {
+        return document.contains(object) && document[object].contains(key);
+    };
+    return {sets("world", "length_m"), sets("world", "width_m"), sets("fluid", "model")};
+}
+
 // A name for folders and titles that is as near to the file's as its characters allow: "my scene.json" is "my_scene". A
 // character of several bytes (UTF-8) becomes one '_', and so do dots and dashes in front, which would hide a folder, lead out of it
 // or look like an option.
@@ -79,6 +97,7 @@ std::string name_from(const std::filesystem::path& file) {
 std::uint64_t scene_hash(nlohmann::json document) {
     document.erase("name");
     document.erase("description");
+    put_contents_for_paths(document);
     return fnv1a(document.dump());
 }
 
@@ -92,6 +111,7 @@ LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& 
     Problems problems;
     for (const SceneOverride& change : overrides) problems.attempt([&] { apply_override(document, change); });
     problems.throw_if_any();
+    make_paths_absolute(document, "");  // those of overrides
     for (const std::string& key : inherited_by_groups()) {
         if (must_be_used(key, layers, overrides, document)) note_if_unused(key, document["crowd"], source, problems);
     }
@@ -99,6 +119,9 @@ LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& 
     LoadedScene loaded;
     loaded.scene.name = name_from(file);
     read_scene(document, loaded.scene, {source, problems});
+    if (loaded.scene.place_keys) note_if_beside_place(document, source, problems);
+    problems.throw_if_any();
+    read_place(loaded.scene, set_by(document), source, problems);
     problems.throw_if_any();
     choose_kernel(loaded.scene);
     check_scene(loaded.scene, source);

@@ -182,6 +182,10 @@ struct Words<AgentsStream> {
         {{"off", AgentsStream::off}, {"serial", AgentsStream::serial}, {"parallel", AgentsStream::parallel}}};
 };
 template <>
+struct Words<OutletKind> {
+    static constexpr std::array<Named<OutletKind>, 2> all{{{"free", OutletKind::free}, {"stage", OutletKind::stage}}};
+};
+template <>
 struct Words<Shelter> {
     static constexpr std::array<Named<Shelter>, 2> all{{{"off", Shelter::off}, {"wake", Shelter::wake}}};
 };

@@ -23,6 +23,13 @@ void Fields::branch(const Key& key, const std::function<void()>& inside) {
     place_ = here;
 }
 
+void Fields::branch(const Key& key, const OptionalMember& member) {
+    const std::string here = place_;
+    place_ = below(here, key.name);
+    if (place_ != skipped_) visit_optional(key, member);
+    place_ = here;
+}
+
 void Fields::items(const Key& key, const ListMember& member) {
     const std::string here = place_;
     const std::string list = below(here, key.name);

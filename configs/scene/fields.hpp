@@ -26,10 +26,16 @@
 
 namespace wade {
 
-enum class KeyKind { number, whole, flag, text, choice, spread, object, list };
+enum class KeyKind { number, whole, flag, text, choice, spread, points, object, list };
 
-// A value of any key that is no object and no list; monostate: none.
-using KeyValue = std::variant<std::monostate, bool, std::int64_t, double, std::string, Spread>;
+// Points of as many coordinates each, one after the other.
+struct PointList {
+    std::size_t size = 2;  // of a point
+    std::vector<double> numbers;
+};
+
+// A value of any key that is no object and no list of objects; monostate: none.
+using KeyValue = std::variant<std::monostate, bool, std::int64_t, double, std::string, Spread, PointList>;
 
 // Allowed numbers: from(0).to(1), above(0).below(1); `from` and `to` include the limit.
 struct Range {
@@ -67,9 +73,13 @@ struct Presence {
     } rule = Rule::preset;
     std::string_view words = {};             // what `derived` does
     std::function<KeyValue()> derived = {};  // the value, from what was read before; "none": as the rule says
+    std::string_view unless = {};            // of what is required: not where this key of the same object is set
 };
 inline const Presence preset{};
 inline const Presence required{Presence::Rule::required, {}, {}};
+[[nodiscard]] inline Presence required_unless(std::string_view key) {
+    return {Presence::Rule::required, {}, {}, key};
+}
 // The value of a new struct but where `derived` gives another, as `words` say.
 [[nodiscard]] inline Presence preset_but(std::string_view words, std::function<KeyValue()> derived) {
     return {Presence::Rule::preset, words, std::move(derived)};
@@ -97,6 +107,8 @@ struct Key {
     std::vector<std::string> choices = {};
     Presence presence = {};
     Storage storage = Storage::member;
+    bool is_path = false;        // a text that names a file, relative to the one that it stands in
+    std::size_t point_size = 2;  // coordinates of one of the points
 };
 
 // The member of a key, whatever its type. Setting "none" empties what may be empty and changes nothing else.
@@ -109,6 +121,12 @@ struct ListMember {
     std::function<void(std::size_t)> resize;
     std::function<void(std::size_t)> visit;  // the element's fields
     std::function<void()> visit_new;         // the fields of a new element
+};
+struct OptionalMember {
+    std::function<bool()> has;
+    std::function<void()> make;
+    std::function<void()> visit;      // the fields of what there is
+    std::function<void()> visit_new;  // the fields of a new one
 };
 
 // Visits the lists. `skipped`: the pattern of a key that is left out as if it were not declared, such as
@@ -138,6 +156,20 @@ class Fields {
     void text(std::string_view name, T& member, TextRule rule, std::string_view meaning, Presence presence = preset) {
         leaf({name, KeyKind::text, meaning, {}, {}, rule, {}, std::move(presence)}, member_of(member));
     }
+    // The name of a file, relative to the one that it stands in.
+    void path(std::string_view name, std::optional<std::string>& member, std::string_view meaning) {
+        Key key{name, KeyKind::text, meaning, {}, {}, {.shortest = 1}, {}, otherwise("none")};
+        key.is_path = true;
+        leaf(std::move(key), member_of(member));
+    }
+    // [[x, z], ...] or [[x, y, z], ...], as the member's points have two or three coordinates.
+    template <typename Point>
+    void points(std::string_view name, std::vector<Point>& member, std::string_view unit, Range range,
+                std::string_view meaning) {
+        Key key{name, KeyKind::points, meaning, unit, range};
+        key.point_size = sizeof(Point) / sizeof(double);
+        leaf(std::move(key), member_of(member));
+    }
     template <typename Choice>
     void choice(std::string_view name, Choice& member, std::string_view meaning, Presence presence = preset) {
         leaf({name, KeyKind::choice, meaning, {}, {}, {}, names_of<Choice>(), std::move(presence)}, member_of(member));
@@ -163,6 +195,17 @@ class Fields {
             branch({name, KeyKind::object, meaning, {}, {}, {}, {}, std::move(presence)},
                    [&] { fields(member, *this); });
         }
+    }
+    // An object that a scene has or has not.
+    template <typename T>
+    void object_or_none(std::string_view name, std::optional<T>& member, std::string_view meaning) {
+        const Key key{name, KeyKind::object, meaning, {}, {}, {}, {}, otherwise("none")};
+        branch(key, OptionalMember{[&] { return member.has_value(); }, [&] { member.emplace(); },
+                                   [&] { fields(*member, *this); },
+                                   [&] {
+                                       T fresh{};
+                                       fields(fresh, *this);
+                                   }});
     }
     // A list of such objects; `inside` declares the keys of one.
     template <typename T, typename Inside>
@@ -200,11 +243,13 @@ class Fields {
  protected:
     virtual void visit(const Key& key, const Member& member) = 0;
     virtual void visit_object(const Key& key, const std::function<void()>& inside) = 0;
+    virtual void visit_optional(const Key& key, const OptionalMember& member) = 0;
     virtual void visit_list(const Key& key, const ListMember& member) = 0;
 
  private:
     void leaf(Key key, const Member& member);
     void branch(const Key& key, const std::function<void()>& inside);
+    void branch(const Key& key, const OptionalMember& member);
     void items(const Key& key, const ListMember& member);
 
     static Member member_of(double& m) {
@@ -218,6 +263,34 @@ class Fields {
     }
     static Member member_of(Spread& m) {
         return {[&m] { return KeyValue(m); }, [&m](const KeyValue& v) { take<Spread>(v, m); }};
+    }
+    static Member member_of(std::vector<MapPoint>& m) {
+        return {[&m] {
+                    PointList list{2, {}};
+                    for (const MapPoint& p : m) list.numbers.insert(list.numbers.end(), {p.x, p.z});
+                    return KeyValue(std::move(list));
+                },
+                [&m](const KeyValue& v) {
+                    const auto* list = std::get_if<PointList>(&v);
+                    if (!list) return;
+                    m.clear();
+                    for (std::size_t i = 0; i + 1 < list->numbers.size(); i += 2)
+                        m.push_back({list->numbers[i], list->numbers[i + 1]});
+                }};
+    }
+    static Member member_of(std::vector<std::array<double, 3>>& m) {
+        return {[&m] {
+                    PointList list{3, {}};
+                    for (const auto& p : m) list.numbers.insert(list.numbers.end(), p.begin(), p.end());
+                    return KeyValue(std::move(list));
+                },
+                [&m](const KeyValue& v) {
+                    const auto* list = std::get_if<PointList>(&v);
+                    if (!list) return;
+                    m.clear();
+                    for (std::size_t i = 0; i + 2 < list->numbers.size(); i += 3)
+                        m.push_back({list->numbers[i], list->numbers[i + 1], list->numbers[i + 2]});
+                }};
     }
     template <typename T>
     requires std::is_integral_v<T>

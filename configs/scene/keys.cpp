@@ -56,6 +56,7 @@ class Declaring : public Fields {
         inside();
         node_ = outer;
     }
+    void visit_optional(const Key& key, const OptionalMember& member) override { visit_object(key, member.visit_new); }
     void visit_list(const Key& key, const ListMember& member) override { visit_object(key, member.visit_new); }
 
     KeyNode* node_;
@@ -91,6 +92,7 @@ bool has_type(const json& value, KeyKind kind) {
             return value.is_number() || value.is_object();
         case KeyKind::object:
             return value.is_object();
+        case KeyKind::points:
         case KeyKind::list:
             return value.is_array();
     }
@@ -119,6 +121,19 @@ std::string number_text(double value) {
     return whole ? json(static_cast<std::int64_t>(value)).dump() : json(value).dump();
 }
 
+std::string fault_of_point(const json& point, const Key& key) {
+    const bool has_size = point.is_array() && point.size() == key.point_size;
+    if (!has_size || !std::all_of(point.begin(), point.end(), [](const json& v) { return v.is_number(); })) {
+        return shown(point) + " is not a point; allowed: " + (key.point_size == 2 ? "[x, z]" : "[x, y, z]") +
+               ", numbers.";
+    }
+    for (const json& number : point) {
+        if (!key.range.contains(number.get<double>()))
+            return shown(number) + " is out of range; allowed: " + allowed_values(key) + ".";
+    }
+    return "";
+}
+
 // What is wrong with a value of the right type; empty if nothing is.
 std::string fault_of(const json& value, const Key& key) {
     if (key.kind == KeyKind::choice) {
@@ -133,6 +148,13 @@ std::string fault_of(const json& value, const Key& key) {
         if (rule.shortest <= text.size() && text.size() <= rule.longest && consists_of(text, rule.characters))
             return "";
         return shown(value) + " is not allowed; allowed: " + allowed_values(key) + ".";
+    }
+    if (key.kind == KeyKind::points) {
+        for (std::size_t i = 0; i < value.size(); ++i) {
+            if (const std::string fault = fault_of_point(value[i], key); !fault.empty())
+                return "point " + std::to_string(i) + ": " + fault;
+        }
+        return "";
     }
     if (!value.is_number() || key.range.contains(value.get<double>())) return "";
     return shown(value) + " is out of range; allowed: " + allowed_values(key) + ".";
@@ -171,6 +193,8 @@ std::string type_words(const Key& key) {
             return "a string";
         case KeyKind::spread:
             return R"(a number or an object {"min": ..., "max": ...})";
+        case KeyKind::points:
+            return key.point_size == 2 ? "an array of points [x, z]" : "an array of points [x, y, z]";
         case KeyKind::object:
             return "an object";
         case KeyKind::list:
@@ -201,6 +225,7 @@ std::string allowed_values(const Key& key) {
         case KeyKind::number:
         case KeyKind::whole:
         case KeyKind::spread:
+        case KeyKind::points:
             break;
     }
     if (std::isfinite(key.range.lo)) add((key.range.without_lo ? "> " : ">= ") + number_text(key.range.lo));
@@ -235,7 +260,7 @@ void check_keys(const json& value, const KeyNode& node, const std::string& point
                 note_unknown_key(value, node, name, pointer, reading);
             }
         }
-    } else if (value.is_array()) {
+    } else if (value.is_array() && key.kind == KeyKind::list) {
         const KeyNode element{{"", KeyKind::object, ""}, {}, node.inside};
         for (std::size_t i = 0; i < value.size(); ++i) {
             check_keys(value[i], element, pointer_to(pointer, std::to_string(i)), reading);
@@ -263,6 +288,12 @@ KeyValue key_value(const json& value, const Key& key) {
             }
             return Spread(value.at("min").get<double>() + 0.0, value.at("max").get<double>() + 0.0,
                           value.at("mean").get<double>() + 0.0, value.at("sd").get<double>());
+        case KeyKind::points: {
+            PointList list{key.point_size, {}};
+            for (const json& point : value)
+                for (const json& number : point) list.numbers.push_back(number.get<double>() + 0.0);
+            return list;
+        }
         case KeyKind::object:
         case KeyKind::list:
             break;
@@ -281,6 +312,14 @@ json json_of(const KeyValue& value) {
             return {{"min", spread->lo}, {"max", spread->hi}, {"mean", spread->mean}, {"sd", spread->sd}};
         }
         return {{"min", spread->lo}, {"max", spread->hi}};
+    }
+    if (const auto* points = std::get_if<PointList>(&value)) {
+        json list = json::array();
+        for (std::size_t i = 0; i + points->size <= points->numbers.size(); i += points->size) {
+            list.push_back(json::array());
+            for (std::size_t k = 0; k < points->size; ++k) list.back().push_back(points->numbers[i + k]);
+        }
+        return list;
     }
     return nullptr;
 }

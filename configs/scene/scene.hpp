@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "configs/numbers/normal.hpp"
+#include "configs/scene/fields/place_keys.hpp"
 #include "configs/scene/place.hpp"
 
 namespace wade {
@@ -380,8 +381,9 @@ struct Scene {
     bool stop_when_no_agent_is_active = true;
     int lockstep_depth = 2;  // frames the fluid may be ahead of the crowd, 1 to 3
     World world;
-    Channel channel;             // of a scene with a place: closed, of the world's size, and nothing else
-    std::optional<Place> place;  // instead of the channel
+    Channel channel;                      // of a scene with a place: closed, of the world's size, and nothing else
+    std::optional<PlaceKeys> place_keys;  // as the file says it
+    std::optional<Place> place;           // the same with what its files hold, instead of the channel
     std::vector<Obstacle> obstacles;
     Fluid fluid;
     Crowd crowd;

@@ -24,7 +24,7 @@ ordered preset_of(const KeyNode& node) {
 }
 
 bool is_required(const KeyNode& node) {
-    return node.key.presence.rule == Presence::Rule::required;
+    return node.key.presence.rule == Presence::Rule::required && node.key.presence.unless.empty();
 }
 
 ordered names_of_required(const KeyNode& node) {
@@ -49,6 +49,7 @@ const char* type_of(KeyKind kind) {
             return "string";
         case KeyKind::object:
             return "object";
+        case KeyKind::points:
         case KeyKind::list:
             return "array";
     }
@@ -67,6 +68,15 @@ void add_properties(ordered& schema, const KeyNode& node, bool whole) {
 
 void add_limits(ordered& schema, const Key& key) {
     if (!key.unit.empty()) schema["x-unit"] = key.unit;
+    if (key.kind == KeyKind::points) {
+        Key number = key;
+        number.kind = KeyKind::number;
+        number.unit = {};
+        ordered& point = schema["items"] = {{"type", "array"}};
+        add_limits(point["items"] = {{"type", "number"}}, number);
+        point["minItems"] = point["maxItems"] = key.point_size;
+        return;
+    }
     if (key.kind == KeyKind::choice) schema["enum"] = key.choices;
     if (std::isfinite(key.range.lo))
         schema[key.range.without_lo ? "exclusiveMinimum" : "minimum"] = number(key.range.lo);
@@ -105,6 +115,11 @@ ordered schema_of(const KeyNode& node, bool whole) {
 // What a whole scene must have of this object and of those below it.
 ordered required_of_whole(const KeyNode& node) {
     ordered schema = ordered::object();
+    for (const KeyNode& inner : node.inside) {
+        const Presence& presence = inner.key.presence;
+        if (presence.unless.empty()) continue;
+        schema["anyOf"] = {ordered{{"required", {inner.key.name}}}, ordered{{"required", {presence.unless}}}};
+    }
     if (const ordered names = names_of_required(node); !names.empty()) schema["required"] = names;
     for (const KeyNode& inner : node.inside) {
         if (inner.key.kind != KeyKind::object) continue;
@@ -140,6 +155,9 @@ std::string range_of(const Key& key) {
             return "`true`, `false`";
         case KeyKind::text:
             return "text";
+        case KeyKind::points:
+            return std::string(key.point_size == 2 ? "`[[x, z], ...]`, " : "`[[x, y, z], ...]`, ") +
+                   interval(key.range);
         case KeyKind::list:
             return "list";
         case KeyKind::object:
@@ -150,6 +168,7 @@ std::string range_of(const Key& key) {
 
 std::string default_of(const KeyNode& node) {
     if (is_required(node)) return "**required**";
+    if (!node.key.presence.unless.empty()) return "**required**, or " + code(std::string(node.key.presence.unless));
     const std::string words(node.key.presence.words);
     if (node.key.presence.rule == Presence::Rule::otherwise) return words;
     if (node.key.kind == KeyKind::object) return "";

@@ -66,11 +66,23 @@ class Reader : public Fields {
     void visit_object(const Key& key, const std::function<void()>& inside) override {
         const std::string name(key.name);
         if (!here_->contains(name) && key.presence.rule == Presence::Rule::required) {
-            note_missing_key({key, {}, {}}, pointer_, reading_);
+            if (!replaced(key)) note_missing_key({key, {}, {}}, pointer_, reading_);
             return;
         }
         static const json nothing = json::object();
         enter(here_->contains(name) ? (*here_)[name] : nothing, name, inside);
+    }
+
+    void visit_optional(const Key& key, const OptionalMember& member) override {
+        const std::string name(key.name);
+        if (!here_->contains(name)) return;
+        member.make();
+        enter((*here_)[name], name, member.visit);
+    }
+
+    // Whether another key of this object stands for it.
+    [[nodiscard]] bool replaced(const Key& key) const {
+        return !key.presence.unless.empty() && here_->contains(std::string(key.presence.unless));
     }
 
     void visit_list(const Key& key, const ListMember& member) override {
@@ -115,7 +127,12 @@ class Writer : public Fields {
         if (!value.is_null()) (*here_)[std::string(key.name)] = std::move(value);
     }
     void visit_object(const Key& key, const std::function<void()>& inside) override {
+        const std::string unless(key.presence.unless);
+        if (!unless.empty() && here_->contains(unless)) return;  // which was read in its place
         enter((*here_)[std::string(key.name)] = json::object(), inside);
+    }
+    void visit_optional(const Key& key, const OptionalMember& member) override {
+        if (member.has()) enter((*here_)[std::string(key.name)] = json::object(), member.visit);
     }
     void visit_list(const Key& key, const ListMember& member) override {
         json& list = (*here_)[std::string(key.name)] = json::array();

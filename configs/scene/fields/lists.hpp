@@ -15,6 +15,18 @@ void fields(NoSlip& wall, Fields& f);
 void fields(VelocityPoint& point, Fields& f);
 void fields(WaterBlock& block, Fields& f);
 
+void fields(PlaceKeys& place, Fields& f);
+void fields(GroundKeys& ground, Fields& f);
+void fields(HouseKeys& house, Fields& f);
+void fields(ZoneKeys& zone, Fields& f);
+void fields(ManningKeys& manning, Fields& f);
+void fields(SourceKeys& source, Fields& f);
+void fields(RainKeys& rain, Fields& f);
+void fields(OutletKeys& outlet, Fields& f);
+void fields(GateKeys& gate, Fields& f);
+void fields(WaterKeys& water, Fields& f);
+void fields(ShelterKeys& shelter, Fields& f);
+
 void fields(Fluid& fluid, Fields& f);
 void fields(Kinematic& kinematic, Fields& f);
 void fields(ShallowWaterGrid& grid, Fields& f);

@@ -5,10 +5,13 @@
 namespace wade {
 
 void fields(World& world, Fields& f) {
+    constexpr std::string_view of_raster = "with a place that of its ground's raster";
     f.number("length_m", world.length, "m", above(0).to(1e5),
              "Extent along x. x = 0 is the fall, and who is carried over it is dead, unless the flow of the channel is "
-             "closed: then it is a wall.");
-    f.number("width_m", world.width, "m", above(0).to(1e5), "Extent along z.");
+             "closed: then it is a wall.",
+             preset_but(of_raster, [] { return KeyValue(); }));
+    f.number("width_m", world.width, "m", above(0).to(1e5), "Extent along z.",
+             preset_but(of_raster, [] { return KeyValue(); }));
     f.number("gravity_m_s2", world.gravity, "m/s2", from(0).to(100), "Gravity, along -y.");
     f.choice("ends", world.ends,
              "open: the world ends at x = 0 (the fall, or a wall if the channel is closed) and at length_m (a wall). "
@@ -43,10 +46,14 @@ void fields(Scene& scene, Fields& f) {
             "Frames that the water may have ready before the crowd has read them; it changes the speed of the run, "
             "never its results.");
     f.object("world", scene.world, "The walkable ground, [0, length_m] x [0, width_m].");
+    f.object_or_none(
+        "place", scene.place_keys,
+        "A real place instead of the channel: ground of any shape, houses, sources, outlets. x runs east, z "
+        "north. Its water is that of the model shallow_water.");
     f.object(
         "channel", scene.channel,
         "The channel that confines the water: bed y = 0, ends at x_min_m and x_max_m, banks at z_min_m and z_max_m.",
-        required);
+        required_unless("place"));
     f.list("obstacles", scene.obstacles, "Solid boxes that stand on the bed, for the water and for the crowd.");
     f.object("fluid", scene.fluid, "The water and how it is solved.");
     f.object(

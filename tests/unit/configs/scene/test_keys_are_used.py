@@ -7,7 +7,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[4]
 DECLARED = re.compile(r"f\.(?:number|whole|flag|text|choice|spread)\(\s*\"([^\"]+)\",\s*([A-Za-z_]\w*(?:(?:\.\w+)|\[\d\])*)")
-READERS = ("fluid_server/**/*.?pp", "crowd_client/**/*.?pp", "configs/checks/*.cpp", "configs/scene/scene_[cf]*.?pp")
+READERS = ("fluid_server/**/*.?pp", "crowd_client/**/*.?pp", "configs/checks/*.cpp", "configs/scene/scene_[cf]*.?pp",
+           "configs/loading/place_reader.cpp")
 # Filled by the lists themselves into members that others declare, and words for people.
 ELSEWHERE = {"time": "frame"}
 FOR_PEOPLE = {"description"}

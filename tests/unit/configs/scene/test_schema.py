@@ -34,6 +34,7 @@ class Schema(unittest.TestCase):
         self.assertTrue(VALIDATOR.is_valid({"extends": "other.json", "channel": {"depth_m": 1}}))
         self.assertFalse(VALIDATOR.is_valid({"seed": 1}))
         self.assertFalse(VALIDATOR.is_valid({"channel": {"depth_m": 1}}))
+        self.assertTrue(VALIDATOR.is_valid({"place": {"ground": {"file": "ground.asc"}}}))
         self.assertFalse(VALIDATOR.is_valid({"extends": "other.json", "no_such_key": 1}))
 
 

@@ -1,0 +1,376 @@
+// GeoTIFF with libtiff alone: the map's tags are those of OGC 19-008 (GeoTIFF 1.1), and GDAL's for "no data".
+
+#include "configs/files/geotiff.hpp"
+
+#include <tiffio.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdarg>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "configs/errors/exit_code.hpp"
+#include "configs/files/raster_file.hpp"
+
+namespace wade {
+
+namespace {
+
+constexpr ttag_t tag_scale = 33550, tag_tie_point = 33922, tag_matrix = 34264, tag_keys = 34735, tag_no_data = 42113;
+
+// Keys of the directory in tag_keys.
+constexpr std::uint16_t key_model = 1024, key_raster = 1025, key_geographic = 2048, key_projected = 3072,
+                        key_length_unit = 3076;
+constexpr std::uint16_t model_projected = 1, model_geographic = 2, raster_is_area = 1, raster_is_point = 2,
+                        metre = 9001, of_no_number = 32767;
+
+TIFFExtendProc next_extender = nullptr;  // of who else uses libtiff in this program; set once
+
+void add_tags(TIFF* tiff) {
+    static std::array<char, 6> scale{"Scale"}, point{"Point"}, matrix{"Matri"}, keys{"GKeys"}, none{"NoDat"};
+    static const std::array<TIFFFieldInfo, 5> infos{{
+        {tag_scale, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, scale.data()},
+        {tag_tie_point, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, point.data()},
+        {tag_matrix, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, matrix.data()},
+        {tag_keys, -1, -1, TIFF_SHORT, FIELD_CUSTOM, 1, 1, keys.data()},
+        {tag_no_data, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, none.data()},
+    }};
+    TIFFMergeFieldInfo(tiff, infos.data(), infos.size());
+    if (next_extender) next_extender(tiff);
+}
+
+thread_local std::string last_complaint;
+
+void keep_complaint(const char*, const char* format, va_list values) {
+    std::array<char, 300> text{};
+    std::vsnprintf(text.data(), text.size(), format, values);
+    last_complaint = text.data();
+}
+
+void prepare_libtiff() {
+    static const bool once = [] {
+        next_extender = TIFFSetTagExtender(add_tags);
+        TIFFSetErrorHandler(keep_complaint);
+        TIFFSetWarningHandler(nullptr);
+        return true;
+    }();
+    static_cast<void>(once);
+    last_complaint.clear();
+}
+
+// A file that lies in memory.
+struct Memory {
+    std::string_view bytes;
+    std::size_t at = 0;
+};
+
+tmsize_t read_memory(thandle_t handle, void* to, tmsize_t size) {
+    auto& memory = *static_cast<Memory*>(handle);
+    const std::size_t left = memory.bytes.size() - std::min(memory.at, memory.bytes.size());
+    const std::size_t taken = std::min(left, static_cast<std::size_t>(std::max<tmsize_t>(size, 0)));
+    if (taken > 0) std::memcpy(to, memory.bytes.data() + memory.at, taken);
+    memory.at += taken;
+    return static_cast<tmsize_t>(taken);
+}
+tmsize_t write_memory(thandle_t, void*, tmsize_t) {
+    return -1;
+}
+toff_t seek_memory(thandle_t handle, toff_t offset, int whence) {
+    auto& memory = *static_cast<Memory*>(handle);
+    const toff_t from = whence == SEEK_CUR ? memory.at : whence == SEEK_END ? memory.bytes.size() : 0;
+    memory.at = static_cast<std::size_t>(from + offset);
+    return memory.at;
+}
+int close_memory(thandle_t) {
+    return 0;
+}
+toff_t size_of_memory(thandle_t handle) {
+    return static_cast<Memory*>(handle)->bytes.size();
+}
+
+using OpenTiff = std::unique_ptr<TIFF, void (*)(TIFF*)>;
+
+class TiffReader {
+ public:
+    TiffReader(std::string_view bytes, const std::string& name)
+        : name_(name), memory_{bytes}, tiff_(nullptr, TIFFClose) {
+        prepare_libtiff();
+        tiff_.reset(TIFFClientOpen(name.c_str(), "rm", &memory_, read_memory, write_memory, seek_memory, close_memory,
+                                   size_of_memory, nullptr, nullptr));
+        if (!tiff_) fail("it is no TIFF that can be read" + why());
+    }
+
+    RasterFile read() {
+        RasterFile file;
+        read_layout();
+        read_keys(file);
+        read_place(file.raster);
+        read_values(file.raster);
+        return file;
+    }
+
+ private:
+    [[noreturn]] void fail(const std::string& sentence) const {
+        throw ConfigurationError(name_ + ": " + sentence + (sentence.ends_with('.') ? "" : "."));
+    }
+    static std::string why() { return last_complaint.empty() ? "" : " (" + last_complaint + ")"; }
+
+    template <typename T>
+    T field(ttag_t tag, T otherwise) const {
+        T value = otherwise;
+        return TIFFGetFieldDefaulted(tiff_.get(), tag, &value) ? value : otherwise;
+    }
+    std::vector<double> doubles(ttag_t tag) const {
+        std::uint16_t count = 0;
+        double* values = nullptr;
+        if (!TIFFGetField(tiff_.get(), tag, &count, &values) || !values) return {};
+        return {values, values + count};
+    }
+
+    void read_layout() {
+        width_ = field<std::uint32_t>(TIFFTAG_IMAGEWIDTH, 0);
+        height_ = field<std::uint32_t>(TIFFTAG_IMAGELENGTH, 0);
+        bits_ = field<std::uint16_t>(TIFFTAG_BITSPERSAMPLE, 1);
+        format_ = field<std::uint16_t>(TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
+        const auto bands = field<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 1);
+        if (bands != 1)
+            fail(std::to_string(bands) +
+                 " bands, which looks like a picture; allowed: 1, heights. Remedy: gdal_translate -b 1");
+        if (width_ == 0 || height_ == 0) fail("it has no cells");
+        if (height_ > most_raster_cells / width_)
+            fail(std::to_string(width_) + " x " + std::to_string(height_) + " cells; allowed: up to " +
+                 std::to_string(most_raster_cells) + ". Remedy: wade place import --crop or --cell");
+        const bool is_float = format_ == SAMPLEFORMAT_IEEEFP && (bits_ == 32 || bits_ == 64);
+        const bool is_whole =
+            (format_ == SAMPLEFORMAT_UINT || format_ == SAMPLEFORMAT_INT) && (bits_ == 8 || bits_ == 16 || bits_ == 32);
+        if (!is_float && !is_whole)
+            fail(std::to_string(bits_) + " bits a value of TIFF format " + std::to_string(format_) +
+                 "; allowed: whole numbers of 8, 16 or 32 bits, floating ones of 32 or 64. Remedy: gdal_translate -ot "
+                 "Float32");
+    }
+
+    void read_keys(RasterFile& file) {
+        std::uint16_t count = 0;
+        std::uint16_t* keys = nullptr;
+        if (!TIFFGetField(tiff_.get(), tag_keys, &count, &keys) || !keys) return;
+        std::uint16_t model = 0, geographic = 0, projected = 0, unit = 0;
+        for (std::size_t i = 4; i + 3 < count; i += 4) {
+            if (keys[i + 1] != 0) continue;  // its value lies elsewhere
+            const std::uint16_t value = keys[i + 3];
+            if (keys[i] == key_model) model = value;
+            if (keys[i] == key_raster) point_ = value == raster_is_point;
+            if (keys[i] == key_geographic) geographic = value;
+            if (keys[i] == key_projected) projected = value;
+            if (keys[i] == key_length_unit) unit = value;
+        }
+        if (model == model_geographic)
+            fail("its coordinates are degrees" +
+                 (geographic ? " of EPSG:" + std::to_string(geographic) : std::string()) + "; " + reproject_words());
+        if (unit != 0 && unit != metre && unit != of_no_number)
+            fail("its unit of length is EPSG:" + std::to_string(unit) + " (9002 and 9003 are feet); " +
+                 reproject_words());
+        if (projected != 0 && projected != of_no_number) file.epsg = projected;
+    }
+
+    void read_place(Raster& raster) {
+        std::vector<double> scale = doubles(tag_scale);
+        const std::vector<double> tie = doubles(tag_tie_point), matrix = doubles(tag_matrix);
+        double column = 0, row = 0, x = 0, z = 0;
+        if (scale.size() >= 2 && tie.size() >= 6) {
+            column = tie[0];
+            row = tie[1];
+            x = tie[3];
+            z = tie[4];
+        } else if (matrix.size() >= 8) {
+            if (matrix[1] != 0 || matrix[4] != 0)
+                fail("its rows do not run from west to east. Remedy: wade place import turns it");
+            scale = {matrix[0], -matrix[5]};
+            x = matrix[3];
+            z = matrix[7];
+        } else {
+            fail(
+                "it does not say where it lies (no pixel scale and tie point). Remedy: gdal_translate -a_srs EPSG:N "
+                "-a_ullr "
+                "WEST NORTH EAST SOUTH");
+        }
+        const bool sound = std::all_of(scale.begin(), scale.begin() + 2, [](double v) { return v > 0 && v < 1e6; });
+        if (!sound || !(std::abs(x) < 1e9) || !(std::abs(z) < 1e9) || !(std::abs(column) < 1e9) ||
+            !(std::abs(row) < 1e9))
+            fail("its pixel scale or tie point is no place on a map");
+        constexpr double rounding = 1e-6;
+        if (std::abs(scale[0] - scale[1]) > rounding * scale[0])
+            fail("its cells are " + std::to_string(scale[0]) + " x " + std::to_string(scale[1]) +
+                 "; allowed: squares. Remedy: wade place import makes them square");
+        raster.cell = scale[0];
+        raster.columns = width_;
+        raster.rows = height_;
+        const double half = point_ ? 0.5 : 0;
+        raster.x = x - (column + half) * raster.cell;
+        raster.z = z + (row + half) * raster.cell - static_cast<double>(height_) * raster.cell;
+    }
+
+    void read_values(Raster& raster) {
+        const char* text = nullptr;
+        if (TIFFGetField(tiff_.get(), tag_no_data, &text) && text) {
+            const double value = std::strtod(text, nullptr);
+            no_data_ =
+                format_ == SAMPLEFORMAT_IEEEFP && bits_ == 32 ? static_cast<double>(static_cast<float>(value)) : value;
+        }
+        // Grows with what was read, so that a file that only promises cells takes no memory.
+        std::vector<double> from_top;
+        if (TIFFIsTiled(tiff_.get())) {
+            read_tiles(from_top);
+        } else {
+            read_strips(from_top);
+        }
+        raster.values.resize(from_top.size());
+        for (std::size_t row = 0; row < raster.rows; ++row) {
+            const auto from = from_top.begin() + static_cast<std::ptrdiff_t>((raster.rows - 1 - row) * raster.columns);
+            std::copy_n(from, raster.columns,
+                        raster.values.begin() + static_cast<std::ptrdiff_t>(row * raster.columns));
+        }
+    }
+
+    std::vector<std::uint8_t> buffer_of(std::uint64_t size) const {
+        constexpr std::uint64_t most = std::uint64_t{most_raster_cells} * 8;
+        if (size == 0 || size > most) fail("it promises a strip or tile of " + std::to_string(size) + " bytes");
+        return std::vector<std::uint8_t>(size);
+    }
+
+    void read_strips(std::vector<double>& values) {
+        const std::uint32_t rows = std::min(field<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, height_), height_);
+        if (rows == 0) fail("its strips have no rows");
+        std::vector<std::uint8_t> strip = buffer_of(TIFFStripSize64(tiff_.get()));
+        for (std::uint32_t row = 0, number = 0; row < height_; row += rows, ++number) {
+            const std::uint32_t here = std::min(rows, height_ - row);
+            const std::size_t cells = std::size_t{here} * width_;
+            if (is_sparse(number)) {
+                values.insert(values.end(), cells, no_value);
+                continue;
+            }
+            const tmsize_t got =
+                TIFFReadEncodedStrip(tiff_.get(), number, strip.data(), static_cast<tmsize_t>(strip.size()));
+            if (got < 0 || static_cast<std::size_t>(got) < cells * bits_ / 8)
+                fail("row " + std::to_string(row) + " and those below cannot be read: it is damaged or cut short" +
+                     why());
+            for (std::size_t i = 0; i < cells; ++i) values.push_back(value_at(strip.data(), i));
+        }
+    }
+
+    void read_tiles(std::vector<double>& values) {
+        const auto across = field<std::uint32_t>(TIFFTAG_TILEWIDTH, 0),
+                   down = field<std::uint32_t>(TIFFTAG_TILELENGTH, 0);
+        if (across == 0 || down == 0) fail("its tiles have no cells");
+        std::vector<std::uint8_t> tile = buffer_of(TIFFTileSize64(tiff_.get()));
+        if (tile.size() < std::uint64_t{across} * down * bits_ / 8) fail("its tiles do not fit their cells");
+        for (std::uint64_t row = 0; row < height_; row += down) {
+            const std::size_t first = values.size();
+            const std::size_t here = std::min<std::size_t>(down, height_ - row);
+            for (std::uint64_t column = 0; column < width_; column += across) {
+                const std::uint32_t number = TIFFComputeTile(tiff_.get(), static_cast<std::uint32_t>(column),
+                                                             static_cast<std::uint32_t>(row), 0, 0);
+                const bool sparse = is_sparse(number);
+                if (!sparse &&
+                    TIFFReadEncodedTile(tiff_.get(), number, tile.data(), static_cast<tmsize_t>(tile.size())) <
+                        static_cast<tmsize_t>(tile.size()))
+                    fail("the tile at row " + std::to_string(row) + ", column " + std::to_string(column) +
+                         " cannot be read: it is damaged or cut short" + why());
+                if (column == 0) values.resize(first + here * width_, no_value);
+                if (sparse) continue;
+                const std::size_t wide = std::min<std::size_t>(across, width_ - column);
+                for (std::size_t r = 0; r < here; ++r) {
+                    for (std::size_t c = 0; c < wide; ++c)
+                        values[first + r * width_ + column + c] = value_at(tile.data(), r * across + c);
+                }
+            }
+        }
+    }
+
+    // GDAL leaves out what holds no data.
+    bool is_sparse(std::uint32_t number) const { return no_data_ && TIFFGetStrileByteCount(tiff_.get(), number) == 0; }
+
+    double value_at(const std::uint8_t* from, std::size_t i) const {
+        const double value = plain_value_at(from, i);
+        return value == no_data_ || !std::isfinite(value) ? no_value : value;
+    }
+    double plain_value_at(const std::uint8_t* from, std::size_t i) const {
+        if (format_ == SAMPLEFORMAT_IEEEFP) return bits_ == 32 ? typed<float>(from, i) : typed<double>(from, i);
+        if (format_ == SAMPLEFORMAT_INT) {
+            if (bits_ == 8) return typed<std::int8_t>(from, i);
+            return bits_ == 16 ? typed<std::int16_t>(from, i) : typed<std::int32_t>(from, i);
+        }
+        if (bits_ == 8) return typed<std::uint8_t>(from, i);
+        return bits_ == 16 ? typed<std::uint16_t>(from, i) : typed<std::uint32_t>(from, i);
+    }
+    template <typename T>
+    static double typed(const std::uint8_t* from, std::size_t i) {
+        T value;
+        std::memcpy(&value, from + i * sizeof(T), sizeof(T));
+        return static_cast<double>(value);
+    }
+
+    const std::string& name_;
+    Memory memory_;
+    OpenTiff tiff_;
+    std::uint32_t width_ = 0, height_ = 0;
+    std::uint16_t bits_ = 0, format_ = 0;
+    bool point_ = false;
+    std::optional<double> no_data_;
+};
+
+}  // namespace
+
+RasterFile read_geotiff(std::string_view bytes, const std::string& name) {
+    return TiffReader(bytes, name).read();
+}
+
+void write_geotiff(const std::filesystem::path& file, const Raster& raster, int epsg) {
+    prepare_libtiff();
+    const auto fail = [&] { throw std::runtime_error(file.string() + " cannot be written: " + last_complaint); };
+    OpenTiff tiff(TIFFOpen(file.c_str(), "w"), TIFFClose);
+    if (!tiff) fail();
+    TIFF* const out = tiff.get();
+    const auto width = static_cast<std::uint32_t>(raster.columns), height = static_cast<std::uint32_t>(raster.rows);
+    constexpr std::uint32_t rows_of_strip = 64;
+    TIFFSetField(out, TIFFTAG_IMAGEWIDTH, width);
+    TIFFSetField(out, TIFFTAG_IMAGELENGTH, height);
+    TIFFSetField(out, TIFFTAG_BITSPERSAMPLE, 32);
+    TIFFSetField(out, TIFFTAG_SAMPLESPERPIXEL, 1);
+    TIFFSetField(out, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
+    TIFFSetField(out, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    TIFFSetField(out, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+    TIFFSetField(out, TIFFTAG_ROWSPERSTRIP, rows_of_strip);
+    TIFFSetField(out, TIFFTAG_COMPRESSION,
+                 TIFFIsCODECConfigured(COMPRESSION_ADOBE_DEFLATE) ? COMPRESSION_ADOBE_DEFLATE : COMPRESSION_NONE);
+    const std::array<double, 3> scale{raster.cell, raster.cell, 0};
+    const std::array<double, 6> tie{0, 0, 0, raster.x, raster.z + raster.cell * static_cast<double>(raster.rows), 0};
+    TIFFSetField(out, tag_scale, static_cast<int>(scale.size()), scale.data());
+    TIFFSetField(out, tag_tie_point, static_cast<int>(tie.size()), tie.data());
+    std::vector<std::uint16_t> keys{
+        1, 1, 0, 2, key_model, 0, 1, epsg > 0 ? model_projected : of_no_number, key_raster, 0, 1, raster_is_area};
+    if (epsg > 0 && epsg <= std::numeric_limits<std::uint16_t>::max()) {
+        keys.insert(keys.end(), {key_projected, 0, 1, static_cast<std::uint16_t>(epsg), key_length_unit, 0, 1, metre});
+        keys[3] = 4;
+    }
+    TIFFSetField(out, tag_keys, static_cast<int>(keys.size()), keys.data());
+    TIFFSetField(out, tag_no_data, "nan");
+    std::vector<float> row(raster.columns);
+    for (std::uint32_t from_top = 0; from_top < height; ++from_top) {
+        const std::size_t r = raster.rows - 1 - from_top;
+        for (std::size_t c = 0; c < raster.columns; ++c) row[c] = static_cast<float>(raster.at(c, r));
+        if (TIFFWriteScanline(out, row.data(), from_top, 0) < 0) fail();
+    }
+    if (!TIFFFlush(out)) fail();
+}
+
+}  // namespace wade

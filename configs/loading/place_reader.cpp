@@ -1,0 +1,322 @@
+#include "configs/loading/place_reader.hpp"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "configs/errors/exit_code.hpp"
+#include "configs/files/geojson.hpp"
+#include "configs/files/raster_file.hpp"
+#include "configs/files/series_csv.hpp"
+
+namespace wade {
+
+namespace {
+
+// A polygon or a line of a key, inline or of a file, in the scene's metres.
+struct Shape {
+    MapPolygon polygon;
+    MapLine line;
+    MapFeature feature;  // of a file, else without name and properties
+};
+
+class PlaceReader {
+ public:
+    PlaceReader(const PlaceKeys& keys, const std::string& source, Problems& problems)
+        : keys_(keys), source_(source), problems_(problems) {}
+
+    Place read() {
+        take("/ground", [&] { read_ground(); });
+        if (!problems_.none()) return std::move(place_);  // without an origin nothing has a place
+        each("/houses", keys_.houses, [&](const auto& key, const auto& pointer) { read_houses(key, pointer); });
+        take("/manning", [&] { read_manning(); });
+        each("/sources", keys_.sources, [&](const auto& key, const auto& pointer) { read_sources(key, pointer); });
+        take("/rain", [&] {
+            place_.rain =
+                series("/rain", keys_.rain.rate, "rate_mm_h", keys_.rain.table, "rate_csv", "rate_mm_h", 0, false);
+        });
+        each("/outlets", keys_.outlets, [&](const auto& key, const auto& pointer) { read_outlets(key, pointer); });
+        each("/gates", keys_.gates, [&](const auto& key, const auto& pointer) { read_gates(key, pointer); });
+        each("/water", keys_.water, [&](const auto& key, const auto& pointer) { read_water(key, pointer); });
+        take("/water_depth_file", [&] {
+            if (!keys_.water_depth) return;
+            place_.water_file = *keys_.water_depth;
+            place_.water_depth = raster("/water_depth_file", *keys_.water_depth);
+        });
+        each("/shelters", keys_.shelters, [&](const auto& key, const auto& pointer) { read_shelters(key, pointer); });
+        return std::move(place_);
+    }
+
+ private:
+    [[noreturn]] void fail(const std::string& pointer, const std::string& sentence) const {
+        throw ConfigurationError(source_ + ": /place" + pointer + ": " + sentence);
+    }
+
+    // Notes what `read` throws; what a file is to blame for comes with the key that names the file.
+    template <typename Read>
+    void take(const std::string& pointer, const Read& read) {
+        const std::string key = source_ + ": /place" + pointer;
+        try {
+            read();
+        } catch (const ConfigurationError& error) {
+            const std::string sentence = error.what();
+            problems_.note(sentence.starts_with(source_ + ": /place") ? sentence : key + ": " + sentence);
+        }
+    }
+    template <typename Key, typename Read>
+    void each(const std::string& list, const std::vector<Key>& keys, const Read& read) {
+        for (std::size_t i = 0; i < keys.size(); ++i) {
+            const std::string pointer = list + "/" + std::to_string(i);
+            take(pointer, [&] { read(keys[i], pointer); });
+        }
+    }
+
+    void read_ground() {
+        const GroundKeys& keys = keys_.ground;
+        Ground& ground = place_.ground;
+        ground.level = keys.level;
+        ground.slope_x = keys.slope_x;
+        ground.slope_z = keys.slope_z;
+        ground.points = keys.points;
+        const bool plane = keys.level != 0 || keys.slope_x != 0 || keys.slope_z != 0;
+        if (int{keys.file.has_value()} + int{!keys.points.empty()} + int{plane} > 1)
+            fail("/ground",
+                 "file, points and a plane (level_m, slope_x, slope_z) say different things; allowed: one of them.");
+        if (!keys.points.empty() && keys.points.size() < 3)
+            fail("/ground/points", std::to_string(keys.points.size()) + " points; allowed: at least 3.");
+        place_.epsg = keys_.epsg.value_or(0);
+        if (const std::string fault = fault_of_system(place_.epsg); !fault.empty()) fail("/epsg", fault);
+        std::optional<RasterFile> file;
+        if (keys.file) {
+            ground.file = *keys.file;
+            file = read_raster(*keys.file);
+            read_system(*file);
+        }
+        place_.origin_x = keys_.origin_x.value_or(file ? file->raster.x : 0);
+        place_.origin_z = keys_.origin_z.value_or(file ? file->raster.z : 0);
+        if (file) ground.raster = moved(std::move(file->raster));
+    }
+
+    void read_system(const RasterFile& file) {
+        const std::string name = *keys_.ground.file;
+        if (!keys_.epsg && !file.epsg)
+            fail("/ground/file",
+                 name +
+                     " names no coordinate system. Remedy: set /place/epsg to the system's number, or to 0 if "
+                     "its metres belong to none.");
+        if (!keys_.epsg) place_.epsg = *file.epsg;
+        if (const std::string fault = fault_of_system(place_.epsg); !fault.empty())
+            fail("/ground/file", name + ": " + fault);
+        check_system(file.epsg, name);
+        const Raster& raster = file.raster;
+        const bool on_globe = std::abs(raster.x) <= 360 && std::abs(raster.z) <= 360;
+        if (place_.epsg != 0 && raster.cell < 0.01 && on_globe)
+            fail("/ground/file", name + ": cells of " + std::to_string(raster.cell) + " at " +
+                                     std::to_string(raster.x) + ", " + std::to_string(raster.z) +
+                                     " look like degrees; " + reproject_words());
+    }
+
+    void check_system(const std::optional<int>& epsg, const std::string& name) const {
+        if (!epsg || *epsg == place_.epsg || keys_.epsg == 0) return;
+        const std::string system = name + ": it is in EPSG:" + std::to_string(*epsg);
+        if (place_.epsg == 0)
+            throw ConfigurationError(system + ", and the place names no system. Remedy: set /place/epsg.");
+        throw ConfigurationError(system + ", and the place is in EPSG:" + std::to_string(place_.epsg) +
+                                 ". Remedy: wade place import --epsg " + std::to_string(place_.epsg) +
+                                 " reprojects it.");
+    }
+
+    std::shared_ptr<const Raster> raster(const std::string&, const std::string& name) const {
+        RasterFile file = read_raster(name);
+        check_system(file.epsg, name);
+        return moved(std::move(file.raster));
+    }
+    std::shared_ptr<const Raster> moved(Raster raster) const {
+        raster.x -= place_.origin_x;
+        raster.z -= place_.origin_z;
+        return std::make_shared<const Raster>(std::move(raster));
+    }
+
+    // The shapes of a key; `lines`, `polygons`: which may be.
+    std::vector<Shape> shapes(const std::string& pointer, const std::optional<std::string>& name,
+                              const MapLine& polygon, const MapLine& line, bool polygons, bool lines) const {
+        const std::string allowed = polygons && lines ? "polygon, line or file"
+                                    : polygons        ? "polygon or file"
+                                                      : "line or file";
+        const int given = int{name.has_value()} + int{!polygon.empty()} + int{!line.empty()};
+        if (given != 1)
+            fail(pointer, (given == 0 ? "it has no place" : "it has several places") +
+                              std::string("; allowed: one of ") + allowed + ".");
+        if (!polygon.empty()) {
+            if (polygon.size() < 3)
+                fail(pointer + "/polygon", std::to_string(polygon.size()) + " corners; allowed: at least 3.");
+            return {{{{polygon}}, {}, {}}};
+        }
+        if (!line.empty()) {
+            if (line.size() < 2) fail(pointer + "/line", "1 point; allowed: at least 2.");
+            return {{{}, line, {}}};
+        }
+        MapFeatures file = read_geojson(*name);
+        check_system(file.epsg, *name);
+        if (file.features.empty()) fail(pointer + "/file", *name + ": it holds no feature; allowed: at least one.");
+        std::vector<Shape> found;
+        for (MapFeature& feature : file.features) {
+            if (feature.polygon.rings.empty() ? !lines : !polygons)
+                fail(pointer + "/file", *name + ": " + feature.label + ": it is a " +
+                                            (feature.polygon.rings.empty() ? "line" : "polygon") +
+                                            "; allowed: " + (polygons ? "polygons" : "lines") + ".");
+            for (MapLine& ring : feature.polygon.rings) move(ring);
+            move(feature.line);
+            move(feature.doors);
+            Shape shape{std::move(feature.polygon), std::move(feature.line), {}};
+            feature.label = *name + ": " + feature.label;
+            shape.feature = std::move(feature);
+            found.push_back(std::move(shape));
+        }
+        return found;
+    }
+    void move(MapLine& line) const {
+        for (MapPoint& point : line) {
+            point.x -= place_.origin_x;
+            point.z -= place_.origin_z;
+        }
+    }
+
+    // A property of the feature, or the value of the key.
+    double property(const Shape& shape, const std::string& name, double otherwise, double least, double most) const {
+        const auto value = shape.feature.number(name);
+        if (!value && shape.feature.words.count(name) > 0)
+            throw ConfigurationError(shape.feature.label + ": " + name + " is \"" + shape.feature.words.at(name) +
+                                     "\"; allowed: a number.");
+        if (!value) return otherwise;
+        if (*value >= least && *value <= most) return *value;
+        throw ConfigurationError(shape.feature.label + ": " + name + " is " + std::to_string(*value) +
+                                 "; allowed: " + std::to_string(least) + " to " + std::to_string(most) + ".");
+    }
+    static std::string name_of_shape(const Shape& shape, const std::string& otherwise) {
+        return shape.feature.name.empty() ? otherwise : shape.feature.name;
+    }
+
+    // A constant or a table; `needed`: one of them has to be there.
+    Series series(const std::string& pointer, const std::optional<double>& constant, const std::string& constant_key,
+                  const std::optional<std::string>& file, const std::string& file_key, const std::string& column,
+                  double least, bool needed) const {
+        if ((constant && file) || (needed && !constant && !file))
+            fail(pointer, std::string(constant ? "both " : "neither ") + constant_key + (constant ? " and " : " nor ") +
+                              file_key + " is set; allowed: one of them.");
+        if (constant) return {{0, *constant}};
+        return file ? read_series(*file, column, least) : Series{};
+    }
+
+    void read_houses(const HouseKeys& key, const std::string& pointer) {
+        for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false)) {
+            House house;
+            house.name = name_of_shape(shape, key.name);
+            house.height = property(shape, "height_m", key.height, 0.01, 1000);
+            house.residents = static_cast<int>(property(shape, "residents", key.residents, 0, 100000));
+            if (key.upper_floor) house.upper_floor = *key.upper_floor;
+            house.upper_floor = property(shape, "upper_floor_m", house.upper_floor, 0.01, 1000);
+            house.doors = shape.feature.doors.empty() ? key.doors : shape.feature.doors;
+            house.polygon = std::move(shape.polygon);
+            place_.houses.push_back(std::move(house));
+        }
+    }
+
+    void read_manning() {
+        Roughness& roughness = place_.roughness;
+        roughness.n = keys_.manning.n;
+        if (keys_.manning.file) {
+            roughness.file = *keys_.manning.file;
+            roughness.raster = raster("/manning/file", roughness.file);
+            for (const double n : roughness.raster->values) {
+                if (std::isnan(n) || (n >= 0 && n <= 1)) continue;
+                fail("/manning/file",
+                     roughness.file + ": a value of " + std::to_string(n) + "; allowed: 0 to 1 s/m^(1/3).");
+            }
+        }
+        each("/manning/zones", keys_.manning.zones, [&](const ZoneKeys& key, const std::string& pointer) {
+            for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false))
+                roughness.zones.push_back({std::move(shape.polygon), property(shape, "n", key.n, 0, 1)});
+        });
+    }
+
+    void read_sources(const SourceKeys& key, const std::string& pointer) {
+        for (Shape& shape : shapes(pointer, key.file, key.polygon, key.line, true, true)) {
+            Source made;
+            made.name = name_of_shape(shape, key.name);
+            constexpr double most = 1e6;
+            if (shape.feature.number("discharge_m3_s") || shape.feature.words.count("discharge_m3_s") > 0) {
+                made.discharge = {{0, property(shape, "discharge_m3_s", 0, 0, most)}};
+            } else {
+                made.discharge = series(pointer, key.discharge, "discharge_m3_s", key.hydrograph, "hydrograph_csv",
+                                        "discharge_m3_s", 0, true);
+            }
+            made.polygon = std::move(shape.polygon);
+            made.line = std::move(shape.line);
+            place_.sources.push_back(std::move(made));
+        }
+    }
+
+    void read_outlets(const OutletKeys& key, const std::string& pointer) {
+        const bool stage = key.kind == OutletKind::stage;
+        if (!stage && (key.level || key.stage))
+            fail(pointer, "level_m and stage_csv have no effect on a free outlet; allowed: none, or kind \"stage\".");
+        for (Shape& shape : shapes(pointer, key.file, key.polygon, key.line, true, true)) {
+            Outlet outlet;
+            outlet.name = name_of_shape(shape, key.name);
+            outlet.kind = key.kind;
+            outlet.polygon = std::move(shape.polygon);
+            outlet.line = std::move(shape.line);
+            constexpr double least = -1e4;
+            if (stage)
+                outlet.stage = series(pointer, key.level, "level_m", key.stage, "stage_csv", "level_m", least, true);
+            place_.outlets.push_back(std::move(outlet));
+        }
+    }
+
+    void read_gates(const GateKeys& key, const std::string& pointer) {
+        for (Shape& shape : shapes(pointer, key.file, {}, key.line, false, true)) {
+            const double opens_at = property(shape, "opens_at_s", key.opens_at, 0, 1e6);
+            place_.gates.push_back({name_of_shape(shape, key.name), std::move(shape.line), opens_at});
+        }
+    }
+
+    void read_water(const WaterKeys& key, const std::string& pointer) {
+        if (!key.file && key.polygon.empty()) {
+            place_.water.push_back({{}, key.level});
+            return;
+        }
+        for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false))
+            place_.water.push_back({std::move(shape.polygon), property(shape, "level_m", key.level, -1000, 10000)});
+    }
+
+    void read_shelters(const ShelterKeys& key, const std::string& pointer) {
+        for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false)) {
+            const auto capacity = static_cast<int>(property(shape, "capacity", key.capacity, 0, 1e7));
+            place_.shelters.push_back({name_of_shape(shape, key.name), std::move(shape.polygon), capacity});
+        }
+    }
+
+    const PlaceKeys& keys_;
+    const std::string& source_;
+    Problems& problems_;
+    Place place_;
+};
+
+}  // namespace
+
+void read_place(Scene& scene, const SetByScene& set, const std::string& source, Problems& problems) {
+    if (!scene.place_keys) return;
+    scene.place = PlaceReader(*scene.place_keys, source, problems).read();
+    if (const Raster* const raster = scene.place->ground.raster.get()) {
+        if (!set.length) scene.world.length = raster->x + static_cast<double>(raster->columns) * raster->cell;
+        if (!set.width) scene.world.width = raster->z + static_cast<double>(raster->rows) * raster->cell;
+    }
+    if (!set.model) scene.fluid.model = ModelKind::shallow_water;
+    scene.channel = {};
+    scene.channel.flow = Flow::closed;
+    scene.channel.x = {0, scene.world.length};
+    scene.channel.z = {0, scene.world.width};
+}
+
+}  // namespace wade

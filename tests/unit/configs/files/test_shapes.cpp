@@ -1,0 +1,116 @@
+// Polygons, lines and series of others.
+
+#include <catch2/catch.hpp>
+
+#include "configs/errors/exit_code.hpp"
+#include "configs/files/geojson.hpp"
+#include "configs/files/series_csv.hpp"
+#include "configs/numbers/splitmix.hpp"
+
+namespace wade::shape_test {
+
+const std::string two_houses = R"({"type": "FeatureCollection",
+ "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32756"}},
+ "features": [
+  {"type": "Feature", "properties": {"name": "mill", "height_m": 7.5, "levels": null, "doors": [[382260, 6354270]]},
+   "geometry": {"type": "Polygon", "coordinates": [[[382260, 6354270, 3], [382270, 6354270], [382270, 6354280], [382260, 6354270]],
+                                                   [[382264, 6354271], [382266, 6354271], [382266, 6354273]]]}},
+  {"type": "Feature", "properties": null, "geometry": null},
+  {"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": [[382260, 6354270], [382261, 6354271]]}}]})";
+
+std::string polygon_of(const std::string& points, const std::string& more = "") {
+    return R"({"type": "Polygon", "coordinates": [[)" + points + "]]" + more + "}";
+}
+
+std::string refusal_of_shapes(const std::string& text) {
+    try {
+        static_cast<void>(parse_geojson(text, "h.geojson"));
+    } catch (const ConfigurationError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+std::string refusal_of_series(const std::string& text) {
+    try {
+        static_cast<void>(parse_series(text, "q.csv", "discharge_m3_s", 0));
+    } catch (const ConfigurationError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+std::uint64_t shape_bits(std::uint64_t n) {
+    return mix_bits(n * splitmix_step);
+}
+
+}  // namespace wade::shape_test
+
+using namespace wade::shape_test;
+using Catch::Matchers::Contains;
+
+TEST_CASE("GeoJSON: rings without the point that closes them, properties, system") {
+    const wade::MapFeatures file = wade::parse_geojson(two_houses, "h.geojson");
+    CHECK(file.epsg == 32756);
+    REQUIRE(file.features.size() == 2);
+    const wade::MapFeature& mill = file.features[0];
+    CHECK(mill.name == "mill");
+    CHECK(mill.number("height_m") == 7.5);
+    CHECK_FALSE(mill.number("residents"));
+    REQUIRE(mill.polygon.rings.size() == 2);
+    CHECK((mill.polygon.rings[0].size() == 3 && mill.polygon.rings[1].size() == 3 && mill.doors.size() == 1));
+    CHECK(contains(mill.polygon, {382269, 6354272}));
+    CHECK_FALSE(contains(mill.polygon, {382265.5, 6354271.8}));  // in the hole
+    CHECK((file.features[1].polygon.rings.empty() && file.features[1].line.size() == 2));
+}
+
+TEST_CASE("what is wrong with a GeoJSON is named with its feature and a remedy") {
+    CHECK_THAT(refusal_of_shapes("{"), Contains("h.geojson: not valid JSON at byte"));
+    CHECK_THAT(refusal_of_shapes("[]"), Contains("no GeoJSON"));
+    CHECK_THAT(refusal_of_shapes(std::string(10000, '[')), Contains("nested") || Contains("not valid JSON"));
+    CHECK_THAT(refusal_of_shapes(polygon_of("[1e3, 0], [1e3, 1], [1e3, 0]")),
+               Contains("feature 0: a ring with 2 corners"));
+    CHECK_THAT(refusal_of_shapes(polygon_of("[1e3, 0], [1e3, \"1\"], [2e3, 0]")), Contains("is no point"));
+    CHECK_THAT(refusal_of_shapes(R"({"type": "Point", "coordinates": [1, 2]})"), Contains("allowed: Polygon"));
+    CHECK_THAT(refusal_of_shapes(polygon_of("[151.71234567, -32.9], [151.72, -32.9], [151.72, -32.8]")),
+               Contains("look like degrees") && Contains("wade place import"));
+    const std::string crs = R"(, "crs": {"type": "name", "properties": {"name": ")";
+    CHECK_THAT(refusal_of_shapes(polygon_of("[1, 2], [3, 4], [5, 7]", crs + R"(urn:ogc:def:crs:OGC:1.3:CRS84"}})")),
+               Contains("degrees"));
+    CHECK_THAT(refusal_of_shapes(polygon_of("[1, 2], [3, 4], [5, 7]", crs + R"(EPSG:3857"}})")), Contains("Mercator"));
+}
+
+TEST_CASE("a series: columns by name, comments, jumps; any name of the second of two columns") {
+    const wade::Series q = wade::parse_series(
+        "# of 2007\r\ntime_s, other, discharge_m3_s\r\n0,9,1.5\r\n60,9,2\r\n60,9,3\r\n", "q.csv", "discharge_m3_s", 0);
+    REQUIRE(q.size() == 3);
+    CHECK((q[0].value == 1.5 && q[1].time == 60 && q[2].value == 3));
+    CHECK(wade::parse_series("q,time_s\n4,0\n", "q.csv", "discharge_m3_s", 0).front().value == 4);
+}
+
+TEST_CASE("what is wrong with a series is named with its line and a remedy") {
+    const std::string head = "time_s,discharge_m3_s\n";
+    CHECK_THAT(refusal_of_series(head + "0,1\n60,2\n30,3\n"),
+               Contains("q.csv: line 4: time_s goes back from 60 to 30 s"));
+    CHECK_THAT(refusal_of_series(head + "0,-1\n"), Contains("line 2: discharge_m3_s is -1; allowed: >= 0"));
+    CHECK_THAT(refusal_of_series(head + "0,nan\n"), Contains("allowed: a number"));
+    CHECK_THAT(refusal_of_series(head + "0\n"), Contains("1 values; allowed: 2"));
+    CHECK_THAT(refusal_of_series("t,q\n0,1\n"), Contains("its columns are not time_s and discharge_m3_s"));
+    CHECK_THAT(refusal_of_series(head), Contains("there are no rows"));
+}
+
+TEST_CASE("damaged shapes and series are read or refused, never a crash") {
+    const std::string table = "time_s,discharge_m3_s\n0,1.5\n60,2\n";
+    std::size_t refused = 0;
+    const std::size_t tries = 4000;
+    for (std::size_t i = 0; i < tries; ++i) {
+        std::string text = i % 2 == 0 ? two_houses : table;
+        for (std::size_t k = 0; k < 1 + i % 3; ++k) {
+            const std::uint64_t bits = shape_bits(i * 100 + k);
+            text[bits % text.size()] = static_cast<char>(bits >> 40);
+        }
+        if (i % 5 == 0) text.resize(shape_bits(i + 1) % text.size());
+        refused += (i % 2 == 0 ? refusal_of_shapes(text) : refusal_of_series(text)).empty() ? 0U : 1U;
+    }
+    CHECK(refused > tries / 5);
+}
