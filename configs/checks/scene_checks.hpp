@@ -13,14 +13,23 @@ namespace wade {
 // for what lies where first, as the others compute with lengths and places:
 //   geometry    intervals, the channel in the world, obstacles and water blocks in the channel and apart from one another
 //   boundaries  bed points, top, planes without slip, slope, friction, an inflow that changes
+//   place       where there is one: ground without holes, houses and water that lie on it, and nobody in a wall
 //   water       a flow that can be, spacing against the channel, periodic lengths, capacity, iteration limits
 //   crowd       groups, start places, goals, markers, ragdoll, events
 void check_scene(const Scene& scene, const std::string& source);
 
-// The four parts.
+// Where the agents of a scene start, before their jitter, in the order of their numbers.
+struct StartPlace {
+    double x = 0, z = 0;
+    std::size_t group = 0;
+};
+[[nodiscard]] std::vector<StartPlace> start_places(const Crowd& crowd);
+
+// The parts.
 void check_geometry(const Scene& scene, const std::string& source, Problems& problems);
 void check_boundaries(const Scene& scene, const std::string& source, Problems& problems);
 void check_water(const Scene& scene, const std::string& source, Problems& problems);
+void check_place(const Scene& scene, const std::string& source, Problems& problems);
 void check_crowd(const Scene& scene, const std::string& source, Problems& problems);
 
 // Parts of the boundaries and of the water; each throws for the first that is wrong.

@@ -15,23 +15,6 @@ namespace wade {
 
 namespace {
 
-struct StartPlace {
-    double x = 0, z = 0;
-    std::size_t group = 0;
-};
-
-std::vector<StartPlace> start_places(const Crowd& crowd) {
-    std::vector<StartPlace> places;
-    for (std::size_t g = 0; g < crowd.groups.size(); ++g) {
-        const AgentGroup& group = crowd.groups[g];
-        for (int k = 0; k < group.count; ++k) {
-            const int column = k % group.columns, row = k / group.columns;
-            places.push_back({group.start_x + column * group.pitch_x, group.start_z + row * group.pitch_z, g});
-        }
-    }
-    return places;
-}
-
 std::string words(double x, double z) {
     return "(x " + short_number(x) + " m, z " + short_number(z) + " m)";
 }
@@ -369,6 +352,18 @@ void check_event(const Scene& scene, std::size_t i, std::size_t agents, const st
 }
 
 }  // namespace
+
+std::vector<StartPlace> start_places(const Crowd& crowd) {
+    std::vector<StartPlace> places;
+    for (std::size_t g = 0; g < crowd.groups.size(); ++g) {
+        const AgentGroup& group = crowd.groups[g];
+        for (int k = 0; k < group.count; ++k) {
+            const int column = k % group.columns, row = k / group.columns;
+            places.push_back({group.start_x + column * group.pitch_x, group.start_z + row * group.pitch_z, g});
+        }
+    }
+    return places;
+}
 
 void check_crowd(const Scene& scene, const std::string& source, Problems& problems) {
     check_groups(scene, source, problems);

@@ -18,6 +18,7 @@ struct Shape {
     MapPolygon polygon;
     MapLine line;
     MapFeature feature;  // of a file, else without name and properties
+    std::string label;   // where it stands
 };
 
 class PlaceReader {
@@ -150,11 +151,11 @@ class PlaceReader {
         if (!polygon.empty()) {
             if (polygon.size() < 3)
                 fail(pointer + "/polygon", std::to_string(polygon.size()) + " corners; allowed: at least 3.");
-            return {{{{polygon}}, {}, {}}};
+            return {{{{polygon}}, {}, {}, "/place" + pointer}};
         }
         if (!line.empty()) {
             if (line.size() < 2) fail(pointer + "/line", "1 point; allowed: at least 2.");
-            return {{{}, line, {}}};
+            return {{{}, line, {}, "/place" + pointer}};
         }
         MapFeatures file = read_geojson(*name);
         check_system(file.epsg, *name);
@@ -168,8 +169,9 @@ class PlaceReader {
             for (MapLine& ring : feature.polygon.rings) move(ring);
             move(feature.line);
             move(feature.doors);
-            Shape shape{std::move(feature.polygon), std::move(feature.line), {}};
             feature.label = *name + ": " + feature.label;
+            Shape shape{
+                std::move(feature.polygon), std::move(feature.line), {}, "/place" + pointer + ": " + feature.label};
             shape.feature = std::move(feature);
             found.push_back(std::move(shape));
         }
@@ -212,6 +214,7 @@ class PlaceReader {
         for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false)) {
             House house;
             house.name = name_of_shape(shape, key.name);
+            house.label = shape.label;
             house.height = property(shape, "height_m", key.height, 0.01, 1000);
             house.residents = static_cast<int>(property(shape, "residents", key.residents, 0, 100000));
             if (key.upper_floor) house.upper_floor = *key.upper_floor;
@@ -244,6 +247,7 @@ class PlaceReader {
         for (Shape& shape : shapes(pointer, key.file, key.polygon, key.line, true, true)) {
             Source made;
             made.name = name_of_shape(shape, key.name);
+            made.label = shape.label;
             constexpr double most = 1e6;
             if (shape.feature.number("discharge_m3_s") || shape.feature.words.count("discharge_m3_s") > 0) {
                 made.discharge = {{0, property(shape, "discharge_m3_s", 0, 0, most)}};
@@ -264,6 +268,7 @@ class PlaceReader {
         for (Shape& shape : shapes(pointer, key.file, key.polygon, key.line, true, true)) {
             Outlet outlet;
             outlet.name = name_of_shape(shape, key.name);
+            outlet.label = shape.label;
             outlet.kind = key.kind;
             outlet.polygon = std::move(shape.polygon);
             outlet.line = std::move(shape.line);
@@ -277,7 +282,7 @@ class PlaceReader {
     void read_gates(const GateKeys& key, const std::string& pointer) {
         for (Shape& shape : shapes(pointer, key.file, {}, key.line, false, true)) {
             const double opens_at = property(shape, "opens_at_s", key.opens_at, 0, 1e6);
-            place_.gates.push_back({name_of_shape(shape, key.name), std::move(shape.line), opens_at});
+            place_.gates.push_back({name_of_shape(shape, key.name), std::move(shape.line), opens_at, shape.label});
         }
     }
 
@@ -293,7 +298,8 @@ class PlaceReader {
     void read_shelters(const ShelterKeys& key, const std::string& pointer) {
         for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false)) {
             const auto capacity = static_cast<int>(property(shape, "capacity", key.capacity, 0, 1e7));
-            place_.shelters.push_back({name_of_shape(shape, key.name), std::move(shape.polygon), capacity});
+            place_.shelters.push_back(
+                {name_of_shape(shape, key.name), std::move(shape.polygon), capacity, shape.label});
         }
     }
 

@@ -63,6 +63,7 @@ struct House {
     std::vector<MapPoint> doors;  // on its walls, m; none: the corner of the ground plan's lowest ground
     double upper_floor =
         std::numeric_limits<double>::quiet_NaN();  // height above the ground of the upper floor, m; NaN: there is none
+    std::string label{};                           // where a scene says it, for messages
 };
 
 // Manning's n of the ground where no zone says otherwise, s/m^(1/3); of zones that overlap the last one holds.
@@ -82,7 +83,8 @@ struct Source {
     std::string name;
     MapPolygon polygon;  // empty: along `line`
     MapLine line;
-    Series discharge;  // m3/s
+    Series discharge;     // m3/s
+    std::string label{};  // as that of a house
 };
 
 enum class OutletKind {
@@ -97,6 +99,7 @@ struct Outlet {
     MapPolygon polygon;  // empty: along `line`
     MapLine line;
     Series stage;  // height of the surface, m
+    std::string label{};
 };
 
 // A wall along a line that is gone from a time on.
@@ -104,6 +107,7 @@ struct Gate {
     std::string name;
     MapLine line;
     double opens_at = 0;  // s
+    std::string label{};
 };
 
 // Water at t = 0 that stands at a level; without polygon everywhere.
@@ -117,6 +121,7 @@ struct PlaceShelter {
     std::string name;
     MapPolygon polygon;
     int capacity = 0;  // people; 0: any number
+    std::string label{};
 };
 
 struct Place {

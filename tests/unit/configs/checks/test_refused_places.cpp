@@ -1,0 +1,105 @@
+// Places that cannot be flooded or walked on: each with key, file, feature and remedy.
+
+#include "scene_texts.hpp"
+
+namespace wade::refused_place_test {
+
+using test::TemporaryFolder;
+
+// 20 m x 10 m of 2 m cells; `centre` is the height of the cell at x 9 m, z 5 m, `corner` that of the last one.
+std::string grid(const std::string& centre = "10", const std::string& corner = "10") {
+    std::string text = "ncols 10\nnrows 5\nxllcorner 500100\nyllcorner 6000200\ncellsize 2\n";
+    for (int k = 0; k < 50; ++k) text += (k == 24 ? centre : k == 49 ? corner : "10") + " ";
+    return text;
+}
+
+std::string load_or_refusal(const std::string& more, const std::string& raster = grid(),
+                            const std::string& beside = "") {
+    const TemporaryFolder folder;
+    folder.write("ground.asc", raster);
+    folder.write("bow.geojson",
+                 R"({"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"name": "bow"},
+        "geometry": {"type": "Polygon", "coordinates": [[[500102, 6000202], [500106, 6000206], [500106, 6000202], [500102, 6000206]]]}}]})");
+    folder.write("far.geojson",
+                 R"({"type": "Polygon", "coordinates": [[[400102, 6000202], [400106, 6000206], [400106, 6000202]]]})");
+    const auto scene = folder.write("scene.json", R"({"place": {"epsg": 32756, "ground": {"file": "ground.asc"})" +
+                                                      (more.empty() ? "" : ", " + more) + "}" + beside + "}");
+    try {
+        static_cast<void>(load_scene(scene));
+    } catch (const ConfigurationError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+const std::string hut = R"("houses": [{"name": "hut", "polygon": [[2, 2], [8, 2], [8, 8], [2, 8]]}])";
+
+}  // namespace wade::refused_place_test
+
+using namespace wade::refused_place_test;
+using Catch::Matchers::Contains;
+
+TEST_CASE("holes inside the ground are counted; those that reach its edge are the outside") {
+    CHECK_THAT(load_or_refusal("", grid("-9999")),
+               Contains("/place/ground/file: ") && Contains("ground.asc: 1 cells inside have no height") &&
+                   Contains("x 9 m, z 5 m") && Contains("wade place import --fill"));
+    CHECK(load_or_refusal("", grid("10", "-9999")).empty());
+    CHECK_THAT(load_or_refusal("", grid("-32768")),
+               Contains("row 3 from the top, column 5 is -32768 m") && Contains("gdal_translate -a_nodata -32768"));
+    CHECK(load_or_refusal("", grid("-9999"), R"(, "world": {"length_m": 8})").empty());  // it lies beyond
+}
+
+TEST_CASE("a world beyond its ground is refused") {
+    CHECK_THAT(load_or_refusal("", grid(), R"(, "world": {"length_m": 30})"), Contains("it covers x 0 to 20 m"));
+    CHECK_THAT(load_or_refusal(R"("origin_easting_m": 500000)"), Contains("it covers x 100 to 120 m"));
+}
+
+TEST_CASE("houses that cross themselves, enclose nothing or lie elsewhere are refused, those that touch are not") {
+    CHECK_THAT(load_or_refusal(R"("houses": [{"file": "bow.geojson"}])"),
+               Contains("/place/houses/0: ") &&
+                   Contains("bow.geojson: feature 0 (bow): its outline crosses itself at x 4 m, z 4 m") &&
+                   Contains("ogr2ogr -makevalid"));
+    CHECK_THAT(load_or_refusal(R"("houses": [{"polygon": [[2, 2], [4, 2], [6, 2]]}])"),
+               Contains("/place/houses/0: its corners enclose 0 m2"));
+    CHECK_THAT(load_or_refusal(R"("houses": [{"file": "far.geojson"}])"),
+               Contains("far.geojson: feature 0: it lies outside the place"));
+    CHECK_THAT(load_or_refusal(R"("houses": [{"polygon": [[2, 2], [6, 2], [6, 6]], "doors": [[2, 6]]}])"),
+               Contains("its door at x 2 m, z 6 m is 2.82843 m away"));
+    CHECK(
+        load_or_refusal(
+            R"("houses": [{"polygon": [[2, 2], [4, 2], [4, 4], [2, 4]]}, {"polygon": [[4, 2], [6, 2], [6, 4], [4, 4]]},
+                                        {"polygon": [[3, 3], [5, 3], [5, 5]]}])")
+            .empty());
+}
+
+TEST_CASE("sources on roofs or outside are refused, those that reach the ground are not") {
+    const auto refused = [](const std::string& source) {
+        return load_or_refusal(hut + R"(, "sources": [{"discharge_m3_s": 1, )" + source + "}]");
+    };
+    CHECK_THAT(refused(R"("polygon": [[3, 3], [5, 3], [5, 5]])"),
+               Contains("/place/sources/0: all of it lies on a roof, that of /place/houses/0. Remedy"));
+    CHECK_THAT(refused(R"("line": [[3, 3], [5, 5]])"), Contains("on a roof"));
+    CHECK_THAT(refused(R"("line": [[30, 3], [50, 5]])"), Contains("/place/sources/0: it lies outside the place"));
+    CHECK(refused(R"("polygon": [[3, 3], [12, 3], [12, 5]])").empty());
+    CHECK(refused(R"("line": [[0, 0], [0, 10]])").empty());
+    CHECK_THAT(load_or_refusal(R"("outlets": [{"line": [[30, 3], [50, 5]]}])"),
+               Contains("/place/outlets/0: it lies outside"));
+    CHECK_THAT(load_or_refusal(R"("shelters": [{"polygon": [[30, 3], [50, 5], [50, 3]]}])"),
+               Contains("/place/shelters/0: it lies outside"));
+}
+
+TEST_CASE("people who start in a wall or without ground are refused, and so are other models of the water") {
+    const auto people = [](double x, double z) {
+        return R"(, "crowd": {"groups": [{"name": "a", "start": {"x_m": )" + std::to_string(x) + R"(, "z_m": )" +
+               std::to_string(z) + R"(}, "goal": {"x_m": 18, "z_m": 2}}]})";
+    };
+    CHECK_THAT(load_or_refusal(hut, grid(), people(3, 3)),
+               Contains("/crowd/groups/0/start: agent 0 at x 3 m, z 3 m starts in the house /place/houses/0"));
+    CHECK(load_or_refusal(hut, grid(), people(9, 9)).empty());
+    CHECK_THAT(load_or_refusal(hut, grid("10", "-9999"), people(19.5, 0.5)),
+               Contains("where the ground has no height"));
+    CHECK_THAT(
+        load_or_refusal("", grid(), R"(, "fluid": {"model": "dfsph"})"),
+        Contains(
+            "/fluid/model: \"dfsph\" knows no ground but a channel's bed; allowed beside /place: \"shallow_water\""));
+}
