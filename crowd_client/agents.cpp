@@ -9,6 +9,7 @@
 #include "configs/scene/near_places.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/markers/placed_boxes.hpp"
+#include "crowd_client/markers/placed_houses.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -28,8 +29,15 @@ double folded_into(double v, double length) {
     return there_and_back > length ? 2 * length - there_and_back : there_and_back;
 }
 
-bool in_an_obstacle(const PlacedBoxes& obstacles, const Vector2d& p) {
-    return any_near(obstacles, {p.x(), p.x()}, {p.y(), p.y()},
+// What starts keep out of.
+struct Solids {
+    PlacedBoxes obstacles;
+    PlacedHouses houses;
+};
+
+bool in_an_obstacle(const Solids& solids, const Vector2d& p) {
+    return is_in_a_house(solids.houses, p) ||
+           any_near(solids.obstacles, {p.x(), p.x()}, {p.y(), p.y()},
                     [&](const Obstacle& o) { return o.x.contains(p.x()) && o.z.contains(p.y()); });
 }
 
@@ -48,11 +56,11 @@ Vector2d deviated(const Scene& scene, std::size_t id, const Vector2d& place, dou
 
 // The first trial that is outside obstacles and not at the start of an agent in `taken`.
 Vector2d jittered(const Scene& scene, std::size_t id, const AgentGroup& group, std::size_t g, const Vector2d& place,
-                  const PlacedBoxes& obstacles, const NearPlaces& taken) {
+                  const Solids& solids, const NearPlaces& taken) {
     constexpr std::uint64_t trials = 100;
     for (std::uint64_t trial = 0; trial < trials; ++trial) {
         const Vector2d start = deviated(scene, id, place, group.start_jitter, trial);
-        if (!in_an_obstacle(obstacles, start) && !taken.near(start.x(), start.y())) return start;
+        if (!in_an_obstacle(solids, start) && !taken.near(start.x(), start.y())) return start;
     }
     if (!taken.near(place.x(), place.y())) return place;
     std::ostringstream message;
@@ -66,7 +74,7 @@ Vector2d jittered(const Scene& scene, std::size_t id, const AgentGroup& group, s
 void draw_starts(const Scene& scene, Agents& agents) {
     const auto group_of = [&](std::size_t id) -> const AgentGroup& { return scene.crowd.groups[agents.group[id]]; };
     const auto is_drawn = [&](std::size_t id) { return group_of(id).start_jitter > 0; };
-    const PlacedBoxes obstacles = place_boxes(scene.obstacles);
+    const Solids solids{place_boxes(scene.obstacles), houses_of(scene)};
     NearPlaces taken;
     for (std::size_t id = 0; id < agents.size(); ++id) {
         if (!is_drawn(id)) taken.add(agents.position[id].x(), agents.position[id].y(), id);
@@ -74,7 +82,7 @@ void draw_starts(const Scene& scene, Agents& agents) {
     for (std::size_t id = 0; id < agents.size(); ++id) {
         if (!is_drawn(id)) continue;
         Vector2d& place = agents.position[id];
-        place = jittered(scene, id, group_of(id), agents.group[id], place, obstacles, taken);
+        place = jittered(scene, id, group_of(id), agents.group[id], place, solids, taken);
         taken.add(place.x(), place.y(), id);
     }
 }

@@ -22,6 +22,7 @@ constexpr double pace = 0.25;                   // from one place of a detour to
 constexpr double time_between_looks = 1;        // for detours, s
 
 bool sees(const CrowdWorld& crowd, const Vector2d& from, const Vector2d& to) {
+    if (meets_a_house(crowd.walls.houses, from, to)) return false;
     const Vector2d lo = from.cwiseMin(to), hi = from.cwiseMax(to);
     return !any_near(crowd.walls.boxes, {lo.x(), hi.x()}, {lo.y(), hi.y()},
                      [&](const Obstacle& box) { return crosses(box, from, to); });
@@ -131,7 +132,7 @@ void look_for_detour(const CrowdWorld& crowd, const WaterBins& water, Rescuer& r
     const Interval x{goes_round ? here.x() - detour : std::max(0.0, here.x() - detour),
                      goes_round ? here.x() + detour : std::min(world.length, here.x() + detour)};
     const Interval z{std::max(0.0, here.y() - detour), std::min(world.width, here.y() + detour)};
-    const Navigation ways = ways_within(crowd.scene, crowd.walls.boxes, x, z, here);
+    const Navigation ways = ways_within(crowd.scene, crowd.walls, x, z, here);
     rescuer.round.clear();
     for (const std::uint32_t id : hidden) {
         const Vector2d whom = here + way_to(crowd, rescuer.id, crowd.agents.position[id]);

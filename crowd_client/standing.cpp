@@ -52,6 +52,11 @@ bool faces_an_obstacle(const CrowdWorld& crowd, std::size_t k, const Vector2d& w
     const double radius = has_bodies(crowd) ? crowd.bodies.radius : 0, reach = look + radius;
     const Vector2d to = p + std::min(1.0, reach / length) * way;
     const Vector2d aside = 0.9 * radius / length * Vector2d(-way.y(), way.x());
+    const PlacedHouses& houses = crowd.walls.houses;
+    if (meets_a_house(houses, p, to) || meets_a_house(houses, p + aside, to + aside) ||
+        meets_a_house(houses, p - aside, to - aside)) {
+        return true;
+    }
     return any_near(crowd.walls.boxes, {p.x() - 2 * reach, p.x() + 2 * reach}, {p.y() - 2 * reach, p.y() + 2 * reach},
                     [&](const Obstacle& box) {
                         return crosses(box, p, to) || crosses(box, p + aside, to + aside) ||

@@ -168,7 +168,7 @@ void move_one(Bodies& bodies, BodyMemory& body, std::uint32_t id, std::size_t k,
     const Vector2d& p = bodies.place[k];
     const double now = bodies.radius_now[k];
     limits.clear();
-    if (!walls.boxes.all.empty()) add_obstacles(limits, walls, p, now, motions.longest);
+    if (walls.has_any()) add_obstacles(limits, walls, p, now, motions.longest);
     double least_gap = bodies.least_gap[k];
     for (const Limit& limit : limits) least_gap = std::min(least_gap, limit.gap);
     const double growth = std::min(bodies.growth[k], 0.5 * least_gap);

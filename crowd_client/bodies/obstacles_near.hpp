@@ -1,5 +1,5 @@
 #pragma once
-// The nearest places of the obstacles round a place.
+// The nearest places of the obstacles and houses round a place.
 
 #include <algorithm>
 #include <cmath>
@@ -12,12 +12,26 @@ inline Vector2d nearest_in(const Obstacle& box, const Vector2d& p) {
     return {std::clamp(p.x(), box.x.lo, box.x.hi), std::clamp(p.y(), box.z.lo, box.z.hi)};
 }
 
-// Calls visit(way, d) for each obstacle less than `reach` away: the way to its nearest place, d long, m; d > 0.
+// Calls visit(way, d) for each obstacle, and each side of a house, less than `reach` away: the way to its nearest place, d long, m; d > 0.
 template <typename Visit>
 void for_each_within(const Walls& walls, const Vector2d& p, double reach, Visit&& visit) {
     const Interval x{p.x() - reach, p.x() + reach}, z{p.y() - reach, p.y() + reach};
     for_each_near(walls.boxes, x, z, [&](const Obstacle& box) {
         const Vector2d way = nearest_in(box, p) - p;
+        const double d = std::sqrt(way.squaredNorm());
+        if (d < reach && d > 0) visit(way, d);
+    });
+    for_each_side_near(walls.houses, x, z, [&](const HouseSide& side) {
+        const double s = side.nearest(p);
+        // Beyond a corner that juts out the next side is nearer, and what keeps off it keeps off this one.
+        const HouseSide* const next = s <= 0 && side.juts_before            ? &walls.houses.sides[side.before]
+                                      : s >= side.length && side.juts_after ? &walls.houses.sides[side.after]
+                                                                            : nullptr;
+        if (next != nullptr) {
+            const double on_next = next->along.dot(p - next->from);
+            if (on_next > 0 && on_next < next->length) return;
+        }
+        const Vector2d way = side.at(s) - p;
         const double d = std::sqrt(way.squaredNorm());
         if (d < reach && d > 0) visit(way, d);
     });

@@ -27,6 +27,32 @@ void drop_those_inside(MarkerLanes<float>& lanes, const Vector2d& moved, const O
     }
 }
 
+// Even-odd, a side of the plan after the other.
+void drop_those_in(MarkerLanes<float>& lanes, const Vector2d& moved, const MapPolygon& plan) {
+    const double origin_x = lanes.origin_x + moved.x(), origin_z = lanes.origin_z + moved.y();
+    const auto count = static_cast<std::uint32_t>(lanes.count);
+    float* const at_x = lanes.x.data();
+    const float* const at_z = lanes.z.data();
+    std::vector<std::uint8_t>& crossed = lanes.crossed;
+    crossed.assign(count, 0);
+    for (const MapLine& ring : plan.rings) {
+        for (std::size_t k = 0, last = ring.size() - 1; k < ring.size(); last = k++) {
+            const MapPoint a = ring[last], b = ring[k];
+            if (a.z == b.z) continue;
+            const double slant = (b.x - a.x) / (b.z - a.z);
+#pragma omp simd
+            for (std::uint32_t m = 0; m < count; ++m) {
+                const double x = origin_x + static_cast<double>(at_x[m]), z = origin_z + static_cast<double>(at_z[m]);
+                const bool crosses = ((a.z > z) != (b.z > z)) & (x < a.x + slant * (z - a.z));
+                crossed[m] ^= static_cast<std::uint8_t>(crosses);
+            }
+        }
+    }
+    for (std::uint32_t m = 0; m < count; ++m) {
+        if (crossed[m] != 0) at_x[m] = static_cast<float>(out_of_reach);
+    }
+}
+
 // Two numbers of 16 bits in one. "lowbias32" by C. Wellons (Hash function prospector, 2018).
 inline std::uint32_t mix_32(std::uint32_t h) {
     h = (h ^ (h >> 16)) * 0x7feb352dU;
@@ -75,6 +101,8 @@ void draw_markers(MarkerLanes<float>& lanes, const DrawnMarkers& drawn, int colu
     const double middle_x = lanes.origin_x + drawn.moved.x(), middle_z = lanes.origin_z + drawn.moved.y();
     for_each_near(drawn.obstacles, {middle_x - half, middle_x + half}, {middle_z - half, middle_z + half},
                   [&](const Obstacle& box) { drop_those_inside(lanes, drawn.moved, box); });
+    for_each_near(drawn.houses.grounds, {middle_x - half, middle_x + half}, {middle_z - half, middle_z + half},
+                  [&](const Obstacle& ground) { drop_those_in(lanes, drawn.moved, drawn.houses.plan_on(ground)); });
     close_lanes(lanes);
 }
 

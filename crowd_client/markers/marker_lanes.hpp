@@ -2,6 +2,7 @@
 // The markers of one cell, side by side for the lanes of a vector.
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "crowd_client/markers/lanes.hpp"
@@ -16,6 +17,7 @@ struct MarkerLanes {
     std::size_t count = 0;
     double origin_x = 0, origin_z = 0;  // m
     std::vector<Real> x, z;             // m
+    std::vector<std::uint8_t> crossed;  // working memory
 };
 
 // Of fixed markers.

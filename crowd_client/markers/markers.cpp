@@ -147,7 +147,8 @@ DrawnMarkers drawn_markers(const Scene& scene, const GroundGrid& grid) {
         }
     }
     drawn.seed = scene.seed;
-    drawn.obstacles = place_boxes(scene.obstacles);
+    if (!scene.place) drawn.obstacles = place_boxes(scene.obstacles);
+    drawn.houses = houses_of(scene);
     if (crowd.bodies == BodyRule::none) drawn.play = pitch;
     return drawn;
 }
@@ -178,6 +179,7 @@ Markers place_markers(const Scene& scene) {
     }
     const GroundGrid& grid = markers.grid;
     const PlacedBoxes obstacles = place_boxes(scene.obstacles);
+    const PlacedHouses houses = houses_of(scene);
     const double min_distance = crowd.marker_min_distance;
     const auto wanted = static_cast<std::size_t>(crowd.markers_per_cell);
 
@@ -244,6 +246,7 @@ Markers place_markers(const Scene& scene) {
             }
             for (std::size_t k = 0; k < own.count; ++k) {
                 if (inside_obstacle(obstacles, own.x[k], own.z[k])) continue;
+                if (is_in_a_house(houses, {own.x[k], own.z[k]})) continue;
                 markers.x.push_back(own.x[k]);
                 markers.z.push_back(own.z[k]);
             }

@@ -8,6 +8,7 @@
 #include "crowd_client/equations.hpp"
 #include "crowd_client/markers/ground_grid.hpp"
 #include "crowd_client/markers/placed_boxes.hpp"
+#include "crowd_client/markers/placed_houses.hpp"
 
 namespace wade::crowd {
 
@@ -28,6 +29,7 @@ struct DrawnMarkers {
     std::uint64_t epoch = 0;
     Vector2d moved = Vector2d::Zero();  // in this epoch, m
     PlacedBoxes obstacles;              // inside them there are none
+    PlacedHouses houses;                // nor in these
 };
 
 struct Markers {
@@ -41,7 +43,7 @@ struct Markers {
 };
 
 // `fixed`: throws darts, `markers_per_cell` that stay in each cell of the grid, uniformly at random under the condition
-// that no two of them, in one cell or in two, are closer than `marker_min_distance`; then drops those inside obstacles, so
+// that no two of them, in one cell or in two, are closer than `marker_min_distance`; then drops those inside obstacles and houses, so
 // that free ground has the same density everywhere. The grid's border has markers too: an agent at the edge of the world
 // perceives as many as elsewhere. In a periodic world the border's first and last columns have none: what lies beyond an
 // end are the markers at the other, and the distance holds across the joint.

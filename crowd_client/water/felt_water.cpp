@@ -28,7 +28,20 @@ double cone_along(double to, double z) {
 struct Solids {
     Interval x, z;  // of the channel
     std::vector<Obstacle> boxes;
+    std::vector<std::vector<HouseSide>> houses;  // `from` and `to` alone
 };
+
+// Where the line z lies in a house: between each two sides that it crosses.
+void cover(const std::vector<HouseSide>& house, double z, std::vector<Interval>& covered) {
+    std::vector<double> crossings;
+    for (const HouseSide& side : house) {
+        if ((side.from.y() > z) == (side.to.y() > z)) continue;
+        const double share = (z - side.from.y()) / (side.to.y() - side.from.y());
+        crossings.push_back(side.from.x() + share * (side.to.x() - side.from.x()));
+    }
+    std::sort(crossings.begin(), crossings.end());
+    for (std::size_t k = 1; k < crossings.size(); k += 2) covered.push_back({crossings[k - 1], crossings[k]});
+}
 
 // The integral of the cone of radius 1 along the line z, over what is not solid.
 double open_line(const Solids& solids, double z, std::vector<Interval>& covered) {
@@ -39,6 +52,7 @@ double open_line(const Solids& solids, double z, std::vector<Interval>& covered)
     for (const Obstacle& box : solids.boxes) {
         if (box.z.lo < z && z < box.z.hi) covered.push_back(box.x);
     }
+    for (const std::vector<HouseSide>& house : solids.houses) cover(house, z, covered);
     std::sort(covered.begin(), covered.end(), [](const Interval& a, const Interval& b) { return a.lo < b.lo; });
     double sum = 0, at = lo;
     for (const Interval& box : covered) {
@@ -58,6 +72,9 @@ double open_cone(const Solids& solids) {
     std::vector<double> edges{lo, hi, std::clamp(0.0, lo, hi)};
     for (const Obstacle& box : solids.boxes) {
         for (const double z : {box.z.lo, box.z.hi}) edges.push_back(std::clamp(z, lo, hi));
+    }
+    for (const std::vector<HouseSide>& house : solids.houses) {
+        for (const HouseSide& side : house) edges.push_back(std::clamp(side.from.y(), lo, hi));
     }
     std::sort(edges.begin(), edges.end());
     std::vector<Interval> covered;
@@ -86,6 +103,29 @@ bool has_boxes_near(const Feeling& feeling, const Vector2d& place) {
                     [](const Obstacle&) { return true; });
 }
 
+bool has_sides_near(const Feeling& feeling, const Vector2d& place) {
+    return any_side_near(feeling.houses, within(place.x(), feeling.spread), within(place.y(), feeling.spread),
+                         [](const HouseSide&) { return true; });
+}
+
+// Houses near a place, in units of the cone round it.
+std::vector<std::vector<HouseSide>> houses_seen_from(const Feeling& feeling, const Vector2d& place) {
+    std::vector<std::vector<HouseSide>> seen;
+    const PlacedHouses& houses = feeling.houses;
+    for_each_near(houses.grounds, within(place.x(), feeling.spread), within(place.y(), feeling.spread),
+                  [&](const Obstacle& ground) {
+                      const auto plan = static_cast<std::size_t>(&ground - houses.grounds.all.data());
+                      std::vector<HouseSide>& sides = seen.emplace_back();
+                      for (std::uint32_t k = houses.first_side[plan]; k < houses.first_side[plan + 1]; ++k) {
+                          HouseSide side;
+                          side.from = (houses.sides[k].from - place) / feeling.spread;
+                          side.to = (houses.sides[k].to - place) / feeling.spread;
+                          sides.push_back(side);
+                      }
+                  });
+    return seen;
+}
+
 bool is_over_a_box(const Feeling& feeling, double x, double z) {
     return any_near(feeling.boxes, {x, x}, {z, z}, [](const Obstacle&) { return true; });
 }
@@ -104,7 +144,7 @@ Feeling make_feeling(const Scene& scene) {
     feeling.rest_density = scene.fluid.rest_density;
     feeling.x = scene.channel.x;
     feeling.z = scene.channel.z;
-    std::vector<Obstacle> boxes = scene.obstacles;
+    std::vector<Obstacle> boxes = scene.place ? std::vector<Obstacle>{} : scene.obstacles;
     if (const double period = scene.world.period(); period > 0) {
         constexpr double nowhere = std::numeric_limits<double>::infinity();
         feeling.x = {-nowhere, nowhere};
@@ -115,6 +155,7 @@ Feeling make_feeling(const Scene& scene) {
         }
     }
     feeling.boxes = place_boxes(std::move(boxes));
+    feeling.houses = houses_of(scene);
     return feeling;
 }
 
@@ -123,8 +164,10 @@ double open_ground(const Feeling& feeling, const Vector2d& place) {
     const Interval near_x = within(place.x(), r), near_z = within(place.y(), r);
     const bool far_from_ends = feeling.x.lo <= near_x.lo && near_x.hi <= feeling.x.hi && feeling.z.lo <= near_z.lo &&
                                near_z.hi <= feeling.z.hi;
-    if (far_from_ends && !has_boxes_near(feeling, place)) return std::numbers::pi * r * r / 3;
-    Solids solids{seen_from(feeling.x, place.x(), r), seen_from(feeling.z, place.y(), r), {}};
+    if (far_from_ends && !has_boxes_near(feeling, place) && !has_sides_near(feeling, place))
+        return std::numbers::pi * r * r / 3;
+    Solids solids{
+        seen_from(feeling.x, place.x(), r), seen_from(feeling.z, place.y(), r), {}, houses_seen_from(feeling, place)};
     for_each_near(feeling.boxes, near_x, near_z, [&](const Obstacle& box) {
         solids.boxes.push_back({seen_from(box.x, place.x(), r), seen_from(box.z, place.y(), r), box.height});
     });

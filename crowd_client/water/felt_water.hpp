@@ -5,7 +5,7 @@
 //   S     = sum w_i m_i                   kg
 //   theta = sum w_i^2 m_i / S             0.5 in even water; F / S * theta is how fast a force F slows U
 //   U     = sum w_i m_i v_i / S           m/s
-//   h     = S / (rho I)                   m;  I = integral of w over the ground of the channel that no box stands on, m2
+//   h     = S / (rho I)                   m;  I = integral of w over the ground of the channel that no box or house stands on, m2
 //
 // A disc of 0.25 m round the person holds so few particles of 0.46 m that (h U)^2, which topples people, changes by 79 %
 // from frame to frame in an even river; with the cone by 6 to 8 %. I counts dry ground, as the front of a flood is thin, but not
@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "crowd_client/markers/placed_boxes.hpp"
+#include "crowd_client/markers/placed_houses.hpp"
 #include "crowd_client/water/water_bins.hpp"
 
 namespace wade::crowd {
@@ -35,6 +36,7 @@ struct Feeling {
     double rest_density = 0;  // rho, kg/m3
     Interval x, z;            // ground of the channel, m; without ends along x where the world is periodic
     PlacedBoxes boxes;        // those of a periodic world three times, a world's length apart
+    PlacedHouses houses;      // whose cells may hold the water of those that they cut
 };
 
 // Throws ConfigurationError for a spacing of more than 4/3 m, whose cone would reach beyond the sorted water.

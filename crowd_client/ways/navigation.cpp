@@ -170,6 +170,7 @@ void close_boxes(Navigation& navigation, const Scene& scene) {
     for (const Obstacle& box : navigation.sight.boxes.all) {
         close_box(navigation.grid, grown(box, navigation.sight.clearance));
     }
+    close_houses(navigation.grid, navigation.sight.houses, navigation.sight.clearance);
     // From the cell of a place within the clearance to the nodes outside it, and one on.
     const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
     const double narrowest = std::min(navigation.grid.dx, navigation.grid.dz);
@@ -366,14 +367,18 @@ void steer(Navigation& navigation, std::span<const std::uint32_t> active, std::s
     }
 }
 
-Navigation ways_within(const Scene& scene, const PlacedBoxes& boxes, const Interval& x, const Interval& z,
+Navigation ways_within(const Scene& scene, const Walls& walls, const Interval& x, const Interval& z,
                        const Vector2d& goal) {
     constexpr double smallest = 0.25, cell_of_boxes = 4;  // m
     Navigation navigation;
     navigation.goal_radius = scene.crowd.goal_radius;
     navigation.sight.clearance = least_clearance(scene);
     std::vector<Obstacle> near;
-    for_each_near(boxes, x, z, [&](const Obstacle& box) { near.push_back(box); });
+    for_each_near(walls.boxes, x, z, [&](const Obstacle& box) { near.push_back(box); });
+    std::vector<MapPolygon> plans;
+    for_each_near(walls.houses.grounds, x, z,
+                  [&](const Obstacle& ground) { plans.push_back(walls.houses.plan_on(ground)); });
+    navigation.sight.houses = place_houses(std::move(plans));
     navigation.sight.boxes = place_boxes(std::move(near), cell_of_boxes);
     const double largest = scene.crowd.navigation.cell;
     const double cell = std::min(largest, std::max(smallest, narrowest_gap(navigation.sight, largest)));

@@ -32,6 +32,7 @@
 #include <string>
 
 #include "crowd_client/agents.hpp"
+#include "crowd_client/ways/obstacles.hpp"
 #include "crowd_client/ways/way_fields.hpp"
 
 namespace wade::crowd {
@@ -68,8 +69,8 @@ void update_navigation(Navigation& navigation, const Scene& scene, std::span<con
 void steer(Navigation& navigation, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
            std::span<Vector2d> goal_offsets, std::uint64_t decision, int threads);
 
-// The ways from everywhere in a rectangle to one goal in it, round the boxes that reach into it: one field, of no agent.
-[[nodiscard]] Navigation ways_within(const Scene& scene, const PlacedBoxes& boxes, const Interval& x, const Interval& z,
+// The ways from everywhere in a rectangle to one goal in it, round what reaches into it: one field, of no agent.
+[[nodiscard]] Navigation ways_within(const Scene& scene, const Walls& walls, const Interval& x, const Interval& z,
                                      const Vector2d& goal);
 
 }  // namespace wade::crowd

@@ -60,7 +60,7 @@ bool free_of_boxes(const Walls& walls, const Vector2d& p) {
 }  // namespace
 
 Walls make_walls(const Scene& scene) {
-    std::vector<Obstacle> boxes = scene.obstacles;
+    std::vector<Obstacle> boxes = scene.place ? std::vector<Obstacle>{} : scene.obstacles;
     if (const double period = scene.world.period(); period > 0) {
         for (const Obstacle& box : scene.obstacles) {
             for (const double shift : {-period, period}) {
@@ -76,6 +76,7 @@ Walls make_walls(const Scene& scene) {
     Walls walls{scene.world, place_boxes(std::move(boxes), cell)};
     walls.has_fall = scene.world.ends == Ends::open && scene.channel.flow != Flow::closed;
     if (scene.channel.flow == Flow::closed) walls.tank = Walls::Tank{scene.channel.x, scene.channel.z};
+    walls.houses = houses_of(scene);
     return walls;
 }
 
@@ -88,6 +89,7 @@ Interval ends_for(const Walls& walls, const Vector2d& p, double goal_x, bool car
 }
 
 std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p) {
+    if (!walls.houses.empty()) return place_before_houses(walls.houses, p);
     if (free_of_boxes(walls, p)) return p;
     std::optional<Vector2d> best;
     double best_distance = 3 * Walls::skin;
@@ -120,6 +122,7 @@ Vector2d keep_in_world(const World& world, const Vector2d& p, const Vector2d& wa
 }
 
 Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displacement, const Interval& ends) {
+    if (!walls.houses.empty()) return slide_along_houses(walls, p, displacement, ends);
     Vector2d target = p + displacement;
     target.x() = std::clamp(target.x(), ends.lo, ends.hi);
     target.y() = std::clamp(target.y(), 0.0, walls.world.width);

@@ -56,6 +56,17 @@ bool any_along(const PlacedBoxes& boxes, const Vector2d& p, const Vector2d& q, d
     return false;
 }
 
+// Whether the way from p to q comes nearer to a side of a house than a margin, m.
+bool comes_near_a_house(const PlacedHouses& houses, double margin, const Vector2d& p, const Vector2d& q) {
+    if (houses.empty()) return false;
+    const double reach = std::max(margin, 0.0) + rounding;
+    return any_along(houses.pieces, p, q, reach, reach, [&](const Obstacle& piece) {
+        const std::size_t side = houses.side_of[static_cast<std::size_t>(&piece - houses.pieces.all.data())];
+        const double distance = distance_between(houses.sides[side], p, q);
+        return distance < margin || distance == 0;
+    });
+}
+
 // The clearance, or less where an end of the way is nearer to a box.
 double margin_at_ends(const Sight& sight, const Vector2d& p, const Vector2d& q) {
     return std::min(margin_from(sight, p), margin_from(sight, q));
@@ -68,13 +79,17 @@ double margin_from(const Sight& sight, const Vector2d& p) {
     const double reach = sight.clearance + 2 * rounding;
     const Rectangle near = round_both(p, p, reach, reach);
     for_each_near(sight.boxes, near.x, near.z, [&](const Obstacle& box) { margin = margin_at(box, margin, p); });
+    for_each_side_near(sight.houses, near.x, near.z, [&](const HouseSide& side) {
+        margin = std::min(margin, (p - side.at(side.nearest(p))).norm() - rounding);
+    });
     return margin;
 }
 
 bool sees_with(const Sight& sight, double margin, const Vector2d& p, const Vector2d& q) {
     const double reach = sight.clearance + rounding;
-    return !any_along(sight.boxes, p, q, reach, reach,
-                      [&](const Obstacle& box) { return crosses(grown(box, margin), p, q); });
+    return !any_along(sight.boxes, p, q, reach, reach, [&](const Obstacle& box) {
+        return crosses(grown(box, margin), p, q);
+    }) && !comes_near_a_house(sight.houses, margin, p, q);
 }
 
 Obstacle grown(const Obstacle& box, double margin) {

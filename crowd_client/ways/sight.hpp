@@ -1,5 +1,5 @@
 #pragma once
-// Whether obstacles stand between two places.
+// Whether obstacles or houses stand between two places.
 
 #include <cstdint>
 #include <span>
@@ -8,13 +8,15 @@
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
 #include "crowd_client/markers/placed_boxes.hpp"
+#include "crowd_client/markers/placed_houses.hpp"
 
 namespace wade::crowd {
 
-// Obstacles of the whole way, and the distance to them that a way should keep along each axis.
+// Obstacles of the whole way, and the distance to them that a way should keep along each axis, to houses in any direction.
 struct Sight {
     PlacedBoxes boxes;
     double clearance = 0;  // m, >= 0
+    PlacedHouses houses = {};
 };
 
 // The box with each face moved outwards by `margin`, m.
@@ -36,7 +38,7 @@ struct Sight {
 // Whether the straight way from p to q keeps the distance that both ends have, at most the clearance, to all boxes.
 [[nodiscard]] bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q);
 
-// What is known for all places of a rectangle at once about a goal.
+// What is known for all places of a rectangle at once about a goal; of boxes alone.
 enum class View : std::uint8_t { unknown, in_sight, hidden };
 
 // in_sight if the goal is in sight of each place of the rectangle, hidden if of none; unknown may be either. What can hide the

@@ -111,6 +111,64 @@ class March {
     double a_, b_;  // A and B of the legend
 };
 
+// Nodes in the plan by even-odd along each row, and the edges and cells between them.
+void close_inside(TravelGrid& grid, const MapPolygon& plan, const Obstacle& ground) {
+    const Lines rows = lines_inside(ground.z, grid.origin.y(), grid.dz, grid.rows);
+    std::vector<double> crossings;
+    for (int row = rows.first; row <= rows.last; ++row) {
+        const double z = grid.origin.y() + row * grid.dz;
+        crossings.clear();
+        for (const MapLine& ring : plan.rings) {
+            for (std::size_t k = 0, last = ring.size() - 1; k < ring.size(); last = k++) {
+                const MapPoint &a = ring[last], &b = ring[k];
+                if ((a.z > z) != (b.z > z)) crossings.push_back(a.x + (b.x - a.x) * (z - a.z) / (b.z - a.z));
+            }
+        }
+        std::sort(crossings.begin(), crossings.end());
+        for (std::size_t k = 1; k < crossings.size(); k += 2) {
+            const Lines columns =
+                lines_inside({crossings[k - 1], crossings[k]}, grid.origin.x(), grid.dx, grid.columns);
+            close_all(grid, columns, {row, row}, std::uint8_t{TravelGrid::node_closed | TravelGrid::cell_closed});
+            for (const int below : {row - 1, row}) {
+                if (below < 0) continue;
+                close_all(grid, {std::max(0, columns.first - 1), columns.last}, {below, below},
+                          TravelGrid::cell_closed);
+            }
+        }
+    }
+}
+
+// What is nearer to a side than the clearance, piece by piece, as few nodes are near each.
+void close_along(TravelGrid& grid, const HouseSide& side, const Obstacle& piece, double clearance) {
+    const double reach = clearance + std::max(grid.dx, grid.dz);
+    const auto first = [&](double lo, double origin, double spacing) {
+        return static_cast<int>(std::max(0.0, std::floor((lo - reach - origin) / spacing)));
+    };
+    const auto last = [&](double hi, double origin, double spacing, int count) {
+        return static_cast<int>(std::min(count - 1.0, std::ceil((hi + reach - origin) / spacing)));
+    };
+    const int last_row = last(piece.z.hi, grid.origin.y(), grid.dz, grid.rows);
+    const int last_column = last(piece.x.hi, grid.origin.x(), grid.dx, grid.columns);
+    const auto is_near = [&](const Vector2d& p, const Vector2d& q) {
+        return distance_between(side, p, q) < std::max(clearance, 1e-9);
+    };
+    for (int row = first(piece.z.lo, grid.origin.y(), grid.dz); row <= last_row; ++row) {
+        for (int column = first(piece.x.lo, grid.origin.x(), grid.dx); column <= last_column; ++column) {
+            const Vector2d here = grid.place(column, row), right = grid.place(column + 1, row);
+            const Vector2d up = grid.place(column, row + 1), beyond = grid.place(column + 1, row + 1);
+            std::uint8_t& bits = grid.closed[grid.node(column, row)];
+            if (is_near(here, here)) bits |= TravelGrid::node_closed;
+            const bool below = is_near(here, right), left = is_near(here, up);
+            if (below) bits |= TravelGrid::edge_x_closed;
+            if (left) bits |= TravelGrid::edge_z_closed;
+            const bool holds_it =
+                (here.array() <= side.from.array()).all() && (side.from.array() <= beyond.array()).all();
+            if (below || left || holds_it || is_near(right, beyond) || is_near(up, beyond))
+                bits |= TravelGrid::cell_closed;
+        }
+    }
+}
+
 }  // namespace
 
 TravelGrid travel_grid(const Vector2d& origin, const Vector2d& extent, double cell) {
@@ -134,6 +192,15 @@ void close_box(TravelGrid& grid, const Obstacle& box) {
     close_all(grid, from_columns, rows, TravelGrid::edge_x_closed);
     close_all(grid, columns, from_rows, TravelGrid::edge_z_closed);
     close_all(grid, from_columns, from_rows, TravelGrid::cell_closed);
+}
+
+void close_houses(TravelGrid& grid, const PlacedHouses& houses, double clearance) {
+    for (std::size_t plan = 0; plan < houses.plans.size(); ++plan) {
+        close_inside(grid, houses.plans[plan], houses.grounds.all[plan]);
+    }
+    for (std::size_t piece = 0; piece < houses.side_of.size(); ++piece) {
+        close_along(grid, houses.sides[houses.side_of[piece]], houses.pieces.all[piece], clearance);
+    }
 }
 
 void march(std::vector<double>& travel, MarchMemory& memory, const TravelGrid& grid, std::span<const double> slowness,

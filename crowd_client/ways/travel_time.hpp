@@ -22,6 +22,7 @@
 
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
+#include "crowd_client/markers/placed_houses.hpp"
 
 namespace wade::crowd {
 
@@ -50,6 +51,9 @@ struct TravelGrid {
 // Closes all that lies in, or crosses, the inside of a box. A box beyond the grid closes nothing; boxes that only touch leave
 // the line between them open.
 void close_box(TravelGrid& grid, const Obstacle& box);
+
+// Closes all that lies in a house, or nearer to one of its sides than the clearance, m.
+void close_houses(TravelGrid& grid, const PlacedHouses& houses, double clearance);
 
 constexpr double unreachable = std::numeric_limits<double>::infinity();
 

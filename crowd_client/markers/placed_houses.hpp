@@ -1,0 +1,84 @@
+#pragma once
+// Houses of any ground plan, found by where they stand.
+//
+// The sides of the ground plans are listed in the cells of an index (placed_boxes.hpp), long ones in pieces, so that whoever looks
+// near a house meets the sides that are there and no others. Obstacles of a scene with a place are houses, too.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "configs/scene/scene.hpp"
+#include "crowd_client/equations.hpp"
+#include "crowd_client/markers/placed_boxes.hpp"
+
+namespace wade::crowd {
+
+// A side of a ground plan, the house on its left as seen along it.
+struct HouseSide {
+    Vector2d from = Vector2d::Zero(), to = Vector2d::Zero();  // m
+    Vector2d along = Vector2d::Zero();                        // unit vectors: from `from` to `to`,
+    Vector2d outward = Vector2d::Zero();                      // and away from the house
+    double length = 0;                                        // m
+    std::uint32_t before = 0, after = 0;                      // sides that end at `from` and begin at `to`
+    bool juts_before = false, juts_after = false;  // whether the house's corner there is less than 180 degrees
+
+    // How far p is before the line of the side, m; below 0 behind it.
+    [[nodiscard]] double distance_before(const Vector2d& p) const { return outward.dot(p - from); }
+    // The place of the side that is nearest to p, as a length from `from`, m.
+    [[nodiscard]] double nearest(const Vector2d& p) const { return std::clamp(along.dot(p - from), 0.0, length); }
+    [[nodiscard]] Vector2d at(double s) const { return s >= length ? to : Vector2d(from + s * along); }
+};
+
+struct PlacedHouses {
+    std::vector<MapPolygon> plans;
+    std::vector<HouseSide> sides;           // of all plans, those of a ring one after the other
+    std::vector<std::uint32_t> first_side;  // of each plan, and the end
+
+    PlacedBoxes grounds;                 // the rectangle round each plan
+    PlacedBoxes pieces;                  // rectangles round pieces of sides
+    std::vector<std::uint32_t> side_of;  // by piece
+
+    [[nodiscard]] bool empty() const { return plans.empty(); }
+    [[nodiscard]] const MapPolygon& plan_on(const Obstacle& ground) const {
+        return plans[static_cast<std::size_t>(&ground - grounds.all.data())];
+    }
+};
+
+[[nodiscard]] PlacedHouses place_houses(std::vector<MapPolygon> plans);
+
+// The houses of the scene's place, and its obstacles; none without a place.
+[[nodiscard]] PlacedHouses houses_of(const Scene& scene);
+
+[[nodiscard]] bool is_in_a_house(const PlacedHouses& houses, const Vector2d& p);
+
+// Whether `test(side)` is true for a side of which a piece reaches into the rectangle x, z, m. They are asked in their order, until one
+// is found; some that only come near are asked, too.
+template <typename Test>
+bool any_side_near(const PlacedHouses& houses, const Interval& x, const Interval& z, Test&& test) {
+    std::size_t last = houses.sides.size();
+    return any_near(houses.pieces, x, z, [&](const Obstacle& piece) {
+        const std::size_t side = houses.side_of[static_cast<std::size_t>(&piece - houses.pieces.all.data())];
+        return side != last && test(houses.sides[last = side]);
+    });
+}
+
+// Calls visit(side) for each of these sides.
+template <typename Visit>
+void for_each_side_near(const PlacedHouses& houses, const Interval& x, const Interval& z, Visit&& visit) {
+    any_side_near(houses, x, z, [&](const HouseSide& side) {
+        visit(side);
+        return false;
+    });
+}
+
+// Whether the way from p to q meets a side, at its ends, too.
+[[nodiscard]] bool meets(const HouseSide& side, const Vector2d& p, const Vector2d& q);
+
+// The distance of the way from p to q from a side, m; 0 if they meet.
+[[nodiscard]] double distance_between(const HouseSide& side, const Vector2d& p, const Vector2d& q);
+
+// Whether the way from p to q meets a house.
+[[nodiscard]] bool meets_a_house(const PlacedHouses& houses, const Vector2d& p, const Vector2d& q);
+
+}  // namespace wade::crowd
