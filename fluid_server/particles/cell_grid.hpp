@@ -118,6 +118,11 @@ class CellGrid {
     template <typename Body>
     void for_each_period(const Vec3& lo, const Vec3& hi, Body&& body) const;
 
+    // The length after which the grid repeats along an axis, m; 0 where it does not.
+    [[nodiscard]] double period(std::size_t axis) const {
+        return periodic_[axis] ? static_cast<double>(length_[axis]) : 0.0;
+    }
+
     // Moves a coordinate that is less than one period outside back into the grid; others stay.
     [[nodiscard]] float wrap(std::size_t axis, float v) const {
         if (periodic_[axis]) {

@@ -40,41 +40,44 @@ void for_each_share(std::size_t shares, Body&& body) {
     for (int s = 0; s < n; ++s) body(static_cast<std::size_t>(s));
 }
 
-// Blocks [next, end) that one thread is to work, on a cache line of its own.
-struct alignas(64) BlockShare {
+// Items [next, end) that one thread is to work, on a cache line of its own.
+struct alignas(64) ItemShare {
     std::atomic<std::size_t> next{0};
     std::size_t end = 0;
 };
 
-// Calls body(begin, end, block) for each block of [0, n), in parallel where there is enough to share. Each thread works
-// the blocks of its own share of the range, side by side in memory, and then helps those that are behind: on a shared
-// machine threads are not equally fast.
+// Calls body(item, thread) for each item of [0, items). Each thread works the items of its own share of the range, side by side
+// in memory, and then helps those that are behind: on a shared machine threads are not equally fast.
 template <typename Body>
-void for_each_block(std::size_t n, Body&& body) {
-    const std::size_t blocks = block_count(n);
-    const auto work = [&](std::size_t b) { body(b * block_size, std::min((b + 1) * block_size, n), b); };
-    const std::size_t threads = shares_of(n);
+void for_each_item(std::size_t items, std::size_t threads, Body&& body) {
     if (threads == 1) {
-        for (std::size_t b = 0; b < blocks; ++b) work(b);
+        for (std::size_t n = 0; n < items; ++n) body(n, std::size_t{0});
         return;
     }
-    std::array<BlockShare, most_shares> shares;
+    std::array<ItemShare, most_shares> shares;
     for (std::size_t s = 0; s < threads; ++s) {
-        shares[s].next.store(s * blocks / threads, std::memory_order_relaxed);
-        shares[s].end = (s + 1) * blocks / threads;
+        shares[s].next.store(s * items / threads, std::memory_order_relaxed);
+        shares[s].end = (s + 1) * items / threads;
     }
 #pragma omp parallel num_threads(static_cast <int>(threads))
     {
         const auto own = static_cast<std::size_t>(omp_get_thread_num());
         for (std::size_t k = 0; k < threads; ++k) {
-            BlockShare& share = shares[(own + k) % threads];
+            ItemShare& share = shares[(own + k) % threads];
             for (;;) {
-                const std::size_t b = share.next.fetch_add(1, std::memory_order_relaxed);
-                if (b >= share.end) break;
-                work(b);
+                const std::size_t n = share.next.fetch_add(1, std::memory_order_relaxed);
+                if (n >= share.end) break;
+                body(n, own);
             }
         }
     }
+}
+
+// Calls body(begin, end, block) for each block of [0, n), in parallel where there is enough to share.
+template <typename Body>
+void for_each_block(std::size_t n, Body&& body) {
+    for_each_item(block_count(n), shares_of(n),
+                  [&](std::size_t b, std::size_t) { body(b * block_size, std::min((b + 1) * block_size, n), b); });
 }
 
 // Calls body(i) for each i in [0, n).

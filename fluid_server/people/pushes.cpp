@@ -1,10 +1,22 @@
 #include "fluid_server/people/pushes.hpp"
 
+#include <omp.h>
+
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 
 #include "fluid_server/particles/parallel.hpp"
 
 namespace wade::fluid {
+
+namespace {
+
+// With fewer people than this the threads would wait for one another longer than they work.
+constexpr std::size_t alone_below = 64;
+
+}  // namespace
 
 void take_pushes(const AgentsView& agents, PeopleInWater& people) {
     people.pushes.clear();
@@ -44,7 +56,7 @@ void note_people(const PeopleInWater& people, shm::Diagnostics& diagnostics) {
 }
 
 float top_of_column(const Push& push, const std::vector<BedFacet>& bed, double spacing) {
-    return bed_height(bed, static_cast<float>(push.place[0])) + static_cast<float>(push.submerged + 0.5 * spacing);
+    return bed_height(bed, static_cast<float>(push.place[1])) + static_cast<float>(push.submerged + 0.5 * spacing);
 }
 
 void add_particles(const NearParticles& near, const Particles& p, double mass, NearWater& sum) {
@@ -80,25 +92,61 @@ GroundVector take_from(const NearParticles& near, const GroundVector& impulse, d
     return {mass * lost_x, mass * lost_z};
 }
 
+void find_strips(const std::vector<Push>& pushes, double period, PushStrips& strips) {
+    double reach = 0, lo = std::numeric_limits<double>::infinity(), hi = -lo;
+    for (const Push& push : pushes) {
+        reach = std::max(reach, push.spread);
+        lo = std::min(lo, push.place[1]);
+        hi = std::max(hi, push.place[1]);
+    }
+    // The discs of two strips that go together do not touch, whatever is rounded; more strips than people are of no use.
+    const double extent = period > 0 ? period : hi - lo;
+    double width = std::max(2.001 * reach, extent / static_cast<double>(pushes.size()));
+    std::size_t count = width > 0 ? 1 + static_cast<std::size_t>(extent / width) : 1;
+    if (period > 0) {
+        count = std::max<std::size_t>(1, 2 * static_cast<std::size_t>(period / (2 * width)));
+        width = period / static_cast<double>(count);
+    }
+    const auto strip_of = [&](const Push& push) {
+        const double z = push.place[1], from_lo = period > 0 ? z - period * std::floor(z / period) : z - lo;
+        return std::min(count - 1, static_cast<std::size_t>(from_lo / width));
+    };
+    strips.begin.assign(count + 1, 0);
+    strips.people.resize(pushes.size());
+    for (const Push& push : pushes) ++strips.begin[strip_of(push)];
+    std::partial_sum(strips.begin.begin(), strips.begin.end(), strips.begin.begin());
+    for (std::size_t k = pushes.size(); k-- > 0;) {  // from the end of each strip to its begin
+        strips.people[--strips.begin[strip_of(pushes[k])]] = static_cast<std::uint32_t>(k);
+    }
+}
+
 void push_particles(PeopleInWater& people, double share, double gain, const CellGrid& grid,
                     const std::vector<BedFacet>& bed, double spacing, double mass, Particles& particles) {
     const std::vector<Push>& pushes = people.pushes;
-    // Places do not change here, so that all can be looked for at once; velocities do, so that people push in their order.
-    people.near.resize(std::max(people.near.size(), pushes.size()));
-    const auto look = [&](std::size_t k) {
+    if (pushes.empty()) return;
+    const std::size_t threads =
+        pushes.size() < alone_below ? 1 : std::min(static_cast<std::size_t>(omp_get_max_threads()), most_shares);
+    people.accounts.assign(pushes.size(), {});
+    people.near.resize(std::max(people.near.size(), threads));
+    find_strips(pushes, grid.period(2), people.strips);
+    const auto push_by = [&](std::size_t k, NearParticles& near) {
         find_near(
-            pushes[k], grid, particles, top_of_column(pushes[k], bed, spacing), [](float) { return 1.0; },
-            people.near[k]);
-    };
-    for_each_block(pushes.size(), [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (std::size_t k = begin; k < end; ++k) look(k);
-    });
-    for (std::size_t k = 0; k < pushes.size(); ++k) {
+            pushes[k], grid, particles, top_of_column(pushes[k], bed, spacing), [](float) { return 1.0; }, near);
         NearWater water;
-        add_particles(people.near[k], particles, mass, water);
-        MomentumAccount now;
-        const GroundVector impulse = impulse_now(pushes[k], share, water, now);
-        now.taken = take_from(people.near[k], impulse, water.weight, mass, particles);
+        add_particles(near, particles, mass, water);
+        const GroundVector impulse = impulse_now(pushes[k], share, water, people.accounts[k]);
+        people.accounts[k].taken = take_from(near, impulse, water.weight, mass, particles);
+    };
+    const PushStrips& strips = people.strips;
+    for (const std::size_t first : {0U, 1U}) {
+        for_each_item((strips.count() + 1 - first) / 2, threads, [&](std::size_t item, std::size_t thread) {
+            const std::size_t strip = first + 2 * item;
+            for (std::size_t n = strips.begin[strip]; n < strips.begin[strip + 1]; ++n) {
+                push_by(strips.people[n], people.near[thread]);
+            }
+        });
+    }
+    for (const MomentumAccount& now : people.accounts) {
         for (std::size_t axis = 0; axis < 2; ++axis) {
             people.account.taken[axis] += gain * now.taken[axis];
             people.account.missing[axis] += gain * now.missing[axis];

@@ -8,6 +8,13 @@
 // The sum of m_i w_i J' / S is J', whatever the water: momentum goes nowhere else. Weights are those of the moment, so that the
 // water that a person pushed may have flowed away. J' is at most |U - V| S / theta, V the person's velocity: a film that is
 // left of the water which the crowd saw is stopped by people, not thrown back. What is missing then is booked apart.
+//
+// Particles are pushed by strips of people along x, each at least as wide as two discs: first all even strips, then all odd ones,
+// in each the people in their order. No two of the strips that are at work at once reach the same particle, so that the bits do
+// not depend on the threads.
+//
+//     0   1   2   3   4   5      even: 0, 2, 4 at once        A period is cut into an even number of strips, so that
+//   | . | o | . | o | . | o |    odd:  1, 3, 5 at once        the last one and the first do not go together.
 
 #include <algorithm>
 #include <array>
@@ -60,12 +67,24 @@ struct NearParticles {
     std::vector<float> weight;
 };
 
+// People by strips along x, side by side across.
+struct PushStrips {
+    std::vector<std::uint32_t> begin;  // of each strip in `people`, and their number behind the last
+    std::vector<std::uint32_t> people;
+
+    [[nodiscard]] std::size_t count() const { return begin.size() - 1; }
+};
+
 struct PeopleInWater {
     std::vector<Push> pushes;  // of the frame at hand, those that are not 0, in the order of the agents
     double frame_time = 0;     // s
     MomentumAccount account;
-    bool told = false;                // a crowd has ever sent impulses
-    std::vector<NearParticles> near;  // of each push, kept for its memory
+    bool told = false;  // a crowd has ever sent impulses
+
+    // Of the moment; kept for their memory.
+    PushStrips strips;
+    std::vector<MomentumAccount> accounts;  // by push
+    std::vector<NearParticles> near;        // by thread
 
     [[nodiscard]] bool push() const { return !pushes.empty(); }
 };
@@ -128,6 +147,9 @@ void add_particles(const NearParticles& near, const Particles& particles, double
 // Takes J' = `impulse` from them and other water of together the weight S; returns what they lost, N s.
 GroundVector take_from(const NearParticles& near, const GroundVector& impulse, double weight, double mass,
                        Particles& particles);
+
+// Sorts people into strips. period: after which z repeats, m; 0: it does not.
+void find_strips(const std::vector<Push>& pushes, double period, PushStrips& strips);
 
 // Every person takes its share of the frame. gain: the velocities changed here count so many times in the end (midpoint.hpp).
 void push_particles(PeopleInWater& people, double share, double gain, const CellGrid& grid,

@@ -108,7 +108,45 @@ std::array<std::vector<float>, 7> frame_after(const Scene& scene, const std::vec
 
 const std::array models{ModelKind::dfsph, ModelKind::shallow_water, ModelKind::mixed};
 
+// A dense crowd, spread evenly by the multiples of two irrational numbers, that pushes as it stands.
+std::vector<Push> crowd_of(int people) {
+    std::vector<Push> pushes;
+    for (int k = 0; k < people; ++k) {
+        const double along = std::fmod(k * 0.7548776662, 1.0), across = std::fmod(k * 0.5698402910, 1.0);
+        pushes.push_back({{12 * along, 6 * across}, {}, {-1 - along, across - 0.5}, 1, 0.5});
+    }
+    return pushes;
+}
+
 }  // namespace
+
+TEST_CASE("Strips of people that push at once share no water, in a period, too") {
+    const std::vector<Push> pushes = crowd_of(200);
+    for (const double period : {0.0, 6.0, 3.1, 1.5}) {
+        PushStrips strips;
+        find_strips(pushes, period, strips);
+        CAPTURE(period, strips.count());
+        CHECK(strips.people.size() == pushes.size());
+        CHECK(strips.begin.back() == pushes.size());
+        CHECK((strips.count() == 1 || period == 0 || strips.count() % 2 == 0));
+        std::vector<std::size_t> strip_of(pushes.size(), strips.count());
+        for (std::size_t s = 0; s < strips.count(); ++s) {
+            for (std::size_t n = strips.begin[s]; n < strips.begin[s + 1]; ++n) {
+                CHECK((n == strips.begin[s] || strips.people[n - 1] < strips.people[n]));
+                strip_of[strips.people[n]] = s;
+            }
+        }
+        for (std::size_t a = 0; a < pushes.size(); ++a) {
+            CHECK(strip_of[a] < strips.count());
+            for (std::size_t b = 0; b < a; ++b) {
+                if (strip_of[a] == strip_of[b] || strip_of[a] % 2 != strip_of[b] % 2) continue;
+                double apart = std::abs(pushes[a].place[1] - pushes[b].place[1]);
+                if (period > 0) apart = std::abs(std::remainder(apart, period));
+                CHECK(apart > pushes[a].spread + pushes[b].spread);
+            }
+        }
+    }
+}
 
 TEST_CASE("Particles lose what people take to the rounding of their velocities, and keep their weight") {
     const FluidWorld world(river(ModelKind::dfsph));
@@ -236,6 +274,7 @@ TEST_CASE("A river with people has the same bits for any threads, and people who
     for (const ModelKind kind : models) {
         const Scene scene = river(kind);
         CHECK((frame_after(scene, four_people(), 1) == frame_after(scene, four_people(), 2)));
+        CHECK((frame_after(scene, crowd_of(200), 1) == frame_after(scene, crowd_of(200), 2)));
         std::vector<Push> idle = four_people();
         for (Push& push : idle) push.impulse = {};
         const auto alone = frame_after(scene, four_people(), 1, true);
