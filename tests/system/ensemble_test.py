@@ -15,8 +15,8 @@ from wade.paths import module_command
 
 class EnsembleTest(Launcher):
     def many(self, *arguments, out="many"):
-        # Without tools/wade, which would look each time whether something is to be built.
-        return self.script(*module_command("wade.many"), "--out", self.folder / out, *arguments)
+        # Without tools/wade, which would look each time whether something is to be built; with two jobs each has one thread.
+        return self.script(*module_command("wade.many"), "--jobs", "2", "--out", self.folder / out, *arguments)
 
     def rows(self, out="many"):
         with open(self.folder / out / "runs.csv", newline="", encoding="utf-8") as file:

@@ -125,7 +125,7 @@ class Slurm(EnsembleTest):
         cls.temporary_home.cleanup()
 
     def many(self, *arguments, out="many"):
-        command = (*module_command("wade.many"), "--out", self.folder / out, *arguments)
+        command = (*module_command("wade.many"), "--jobs", "2", "--out", self.folder / out, *arguments)
         environment = {**self.nodes.environment, "WADE_BUILD": str(PROGRAMS)}
         return self.start(*command, cwd=self.folder, env=environment)
 
@@ -180,7 +180,7 @@ class Slurm(EnsembleTest):
 @unittest.skipUnless(there_is("parallel"), "GNU parallel is not installed")
 class Parallel(EnsembleTest):
     def test_gives_the_table_of_this_machine(self):
-        self.assert_ended_well(self.many("--engine", "parallel", "--jobs", "2", *PLAN))
+        self.assert_ended_well(self.many("--engine", "parallel", *PLAN))
         self.assertEqual(self.table(), self.undisturbed(*PLAN))
 
     def test_by_hand_its_own_resume_runs_nothing_twice(self):
@@ -195,10 +195,10 @@ class Parallel(EnsembleTest):
         self.assertEqual(self.table(), self.undisturbed(*PLAN))
 
     def test_kills_change_nothing(self):
-        self.assert_kills_change_nothing(20, "--engine", "parallel", "--jobs", "2", *PLAN)
+        self.assert_kills_change_nothing(20, "--engine", "parallel", *PLAN)
 
     def test_an_interrupt_ends_all(self):
-        many = self.many("--engine", "parallel", "--jobs", "2", *PLAN, "--", *ENDLESS)
+        many = self.many("--engine", "parallel", *PLAN, "--", *ENDLESS)
         wait_until(lambda: programs_below(many) == 4 or not many.running(), "two pairs to run")
         self.assert_ends_with_children(many, signal.SIGTERM, 143)
         self.assert_nothing_left()
@@ -206,7 +206,7 @@ class Parallel(EnsembleTest):
 
 @unittest.skipUnless(there_is("mpirun"), "Open MPI is not installed")
 class Mpirun(EnsembleTest):
-    MPI = ("--engine", "mpirun", "--engine-options", LOCAL_MPI, "--jobs", "2")
+    MPI = ("--engine", "mpirun", "--engine-options", LOCAL_MPI)
 
     def test_gives_the_table_of_this_machine(self):
         self.assert_ended_well(self.many(*self.MPI, *PLAN))

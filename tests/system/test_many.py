@@ -9,7 +9,7 @@ import sys
 import unittest
 
 from ensemble_test import EnsembleTest
-from harness import ENDLESS, PROGRAMS, ROOT, SMALL, wait_until
+from harness import PROGRAMS, ROOT, SMALL, wait_until
 
 from wade.ensembles.plan import split_values, varied
 from wade.ensembles.waters import water_of
@@ -85,16 +85,22 @@ class Many(EnsembleTest):
         self.assertEqual(self.table(), self.undisturbed(*seeds("1-4")))
         self.assert_ends(self.many(*seeds("2-5")), 2, "--resume: run 1", "begins as")
         self.assert_ends(self.many(SMALL, "--seeds", "1-4"), 2, "holds an ensemble", "--resume")
-        # Of another scene than the plan's, as its file has changed.
-        made = [run.folder.stat().st_ino for run in map(self.run_of, (1, 2))]
-        self.assert_ended_well(self.many(*seeds("1-4"), "--set", "/crowd/tau=0.9"))
-        self.assertTrue(set(made).isdisjoint(run.folder.stat().st_ino for run in map(self.run_of, (1, 2))))
+        self.assert_ends(self.many(*seeds("1-4"), "--set", "/crowd/tau=0.9"), 2, "options of every run")
+
+    def test_runs_of_a_scene_that_has_changed_are_stale_and_made_anew(self):
+        scene = self.folder / "scene.json"
+        scene.write_text(SMALL.read_text().replace('"../../../', '"/'))
+        self.assert_ended_well(self.many(scene, "--seeds", "1-2", "--", *SHORT))
+        scene.write_text(scene.read_text().replace('"tau": 0.2', '"tau": 0.9'))
+        self.assert_ends(self.many("--gather"), 1, "stale")
+        self.assert_ended_well(self.many("--resume"))
+        self.assertEqual([agent["tau"] for agent in self.run_of(2).agents()], 6 * ["0.9"])
 
     def test_failing_runs_are_listed_with_their_reason_and_stop_nobody(self):
         broken = self.folder / "broken.json"
         broken.write_text("{")
         collapse = SMALL.parent / "collapse.json"
-        many = self.many("--jobs", "1", SMALL, broken, collapse, SMALL, "--vary", "/crowd/groups/0/columns=1,40", "--", *SHORT)
+        many = self.many(SMALL, broken, collapse, SMALL, "--vary", "/crowd/groups/0/columns=1,40", "--", *SHORT)
         self.assert_ends(many, 1, "broken.json", "the water failed", "outside the world")
         found = {(row["scene"].rsplit("/")[-1], row["/crowd/groups/0/columns"]): row for row in self.rows()}
         self.assertEqual(found["small.json", "1"]["status"], "completed")
@@ -127,16 +133,19 @@ class Many(EnsembleTest):
 
     def test_interrupt_ends_all_and_the_ensemble_goes_on(self):
         plan = (SMALL, "--seeds", "1-3", "--own-water")
-        many = self.many(*plan, "--jobs", "2", "--", *ENDLESS)
-        wait_until(lambda: len(list((self.folder / "many" / "work").glob("*/*/agents.csv"))) == 2 or not many.running(), "runs")
+        long = ("--", "--until-s", "20", "--set", "/stop_when_no_agent_is_active=false")
+        many = self.many(*plan, *long)
+        logs = self.folder / "many" / "work"
+        wait_until(lambda: sum("t 0.0/" in log.read_text() for log in logs.glob("*/*/fluid_server.log")) == 2
+                   or not many.running(), "two runs to walk")
         self.assertEqual(len({name.parent.name for name in (self.folder / "many" / "work").glob("*/*")}), 2)
         self.assert_ends_with_children(many, signal.SIGINT, 130)
         self.assertEqual([row["status"] for row in self.rows()], 3 * ["not_run"])
         self.assert_nothing_left()
-        self.assert_ended_well(self.many(*plan, "--resume", "--", *SHORT))
+        self.assert_ended_well(self.many(*plan, "--resume", *long))
 
     def test_ten_kills_change_nothing(self):
-        self.assert_kills_change_nothing(10, SMALL, "--seeds", "1-6", "--share", "2", "--jobs", "2", "--", "--until-s", "3")
+        self.assert_kills_change_nothing(10, SMALL, "--seeds", "1-6", "--share", "2", "--", "--until-s", "3")
 
     def test_full_disk_loses_nothing(self):
         disk = self.folder / "disk"
@@ -185,7 +194,7 @@ class Many(EnsembleTest):
             ([SMALL, "--", "--crowds=list.json"], "--crowds is not allowed"),
         ):
             with self.subTest(arguments):
-                self.assert_refused_here("many", "--out", self.folder / "many", *arguments, texts=texts)
+                self.assert_refused_here("--module", "wade.many", "--out", self.folder / "many", *arguments, texts=texts)
 
 
 @unittest.skipUnless(os.environ.get("WADE_LONG"), "takes minutes")

@@ -7,35 +7,28 @@ never done again. Ctrl-C ends all of them, and --resume goes on.
 
 import argparse
 import contextlib
-import fcntl
-import json
 import os
 import re
-import secrets
 import shlex
 import shutil
-import time
 from pathlib import Path
 
 from wade import UsageError
 from wade.ensembles.engines import ENGINES, Signals, still_queued
-from wade.ensembles.folder import FAILURE, EnsembleFolder, fingerprint, is_complete, read_json, remove_left_overs
+from wade.ensembles.ensemble import Ensemble, locked
+from wade.ensembles.folder import fingerprint, read_json, remove_left_overs
 from wade.ensembles.gather import columns_of, gathered
-from wade.ensembles.plan import find_scenes, is_plan, plan_text, product, read_plan, scene_name, seeds_of, varied
-from wade.ensembles.waters import is_own_of_crowd, resolve_all, units_of
-from wade.paths import BUILD
-from wade.reports.files import complain, write_whole
+from wade.ensembles.plan import is_plan, seeds_of, varied
+from wade.reports.files import complain
 from wade.reports.options import whole
 from wade.reports.tables import plain, write_csv
-from wade.run.arguments import is_given, options_of, split_arguments, suit_to_latest, values_of
+from wade.run.arguments import is_given, values_of
 from wade.run.folders import new_folder
-from wade.scenes import find_scene
 from wade.terminal import Parser
 
 TABLE = ("scene", "seed", "status", "arrived", "dead", "active", "last_arrival_s", "frame_hash")
 MOST_ROWS = 40  # of the table that is printed
 MOST_FAILURES = 20
-PATIENCE_WITH_LOCK_S = 20  # workers of a command that was killed need some time to end
 
 EPILOG = """Behind -- stand options for every run, for example -- --until-s 60 --set /crowd/mass_kg=80; see tools/wade run --help.
 Not allowed there are --out, --session, --record, --commands and --view, which each run needs for itself, --crowds, and --seed
@@ -122,6 +115,7 @@ def parse(arguments):
     options, others = parser.parse_known_args(arguments)
     if others:
         parser.error(f"{others[0]}: options of the runs stand behind --, for example: SCENE... -- {' '.join(others)}")
+    options.own_options = bool(common) or options.reproducible
     options.common = [*common, *(["--reproducible"] if options.reproducible and "--reproducible" not in common else [])]
     refuse_misfits(parser, options)
     options.pictures |= options.figures
@@ -129,134 +123,6 @@ def parse(arguments):
     options.jobs = options.jobs or max(1, len(os.sched_getaffinity(0)) // 2)
     options.out = options.out or new_folder("many")
     return options
-
-
-class Ensemble:
-    """A plan, its folder, and what all runs have in common."""
-
-    def __init__(self, options):
-        self.options = options
-        self.folder = EnsembleFolder(options.out)
-        self.kept = read_json(self.folder.settings)
-        if self.kept and not (options.resume or options.gather):
-            raise UsageError(f"--out: {options.out} holds an ensemble; --resume goes on with it, --gather sums it up")
-        if not self.kept and not options.scenes:
-            raise UsageError(f"--out: {options.out} holds no ensemble")
-        self.identity = (self.kept or {}).get("ensemble") or secrets.token_hex(4)
-        self.common = self.kept["options"] if self.kept and not options.common else options.common
-        self.pictures = options.pictures or bool(self.kept and self.kept["pictures"])
-        self.plan, beside = self.planned()
-        files = find_scenes(self.plan, beside)
-        self.files = {scene_name(file): Path(file).resolve() for file in files.values()}
-        for run in self.plan:
-            run.scene = scene_name(files[run.scene])
-        self.split_options()
-        self.scenes = resolve_all(self.plan, self.files, self.theirs["crowd_client"])
-        self.give_seeds()
-
-    def planned(self):
-        """The plan, and the folder at which paths in it start."""
-        names = self.options.scenes
-        if not names:
-            return read_plan(self.folder.plan), self.folder.path
-        if is_plan(names[0]):
-            return read_plan(names[0]), Path(names[0]).absolute().parent
-        scenes = [str(find_scene(name)) for name in names]
-        return product(scenes, self.options.seeds or [None], self.options.vary), None
-
-    def split_options(self):
-        """Sorts the options of all runs by program; water of another producer is that of tools/wade run."""
-        programs = {name: options_of(BUILD / name) for name in ("fluid_server", "crowd_client")}
-        _, own, self.theirs = split_arguments(["scene", *self.common], programs)
-        unsuited = [name for name in own if name not in ("--producer", "--replay", "--no-figure")]
-        if unsuited:
-            raise UsageError(f"{unsuited[0]} is not allowed behind --: the runs would share what each needs for itself")
-        self.other_water = "--producer" in own or "--replay" in own
-        if not self.other_water:
-            suit_to_latest(self.theirs)
-
-    def give_seeds(self):
-        """Runs without a seed get that of their scene, so that the plan says what is done."""
-        for run in self.plan:
-            resolved, _ = self.scenes[run.scene, run.settings_text]
-            if run.seed is None and resolved is not None:
-                run.seed = resolved["seed"]
-        refusals = {refusal for _, refusal in self.scenes.values()}
-        if None not in refusals:
-            raise UsageError("no run of the plan can be done: " + "; ".join(sorted(refusals)))
-
-    def fingerprint_of(self, run):
-        resolved, _ = self.scenes[run.scene, run.settings_text]
-        return resolved and fingerprint(resolved)
-
-    def check_growth(self):
-        """A plan that goes on begins as it did: what is there must be of its index."""
-        if not self.kept:
-            return
-        old = {run.index: (run.scene, run.seed, run.settings) for run in read_plan(self.folder.plan)}
-        for run in self.plan:
-            if run.index in old and old.pop(run.index) != (run.scene, run.seed, run.settings):
-                raise UsageError(f"--resume: run {run.index} is {run}, which it was not in {self.folder.plan}; allowed: a plan that "
-                                 "begins as that one, or another --out")
-        if old:
-            raise UsageError(f"--resume: run {min(old)} of {self.folder.plan} is not in this plan; allowed: a plan that begins "
-                             "as that one, or another --out")
-
-    def write(self):
-        write_whole(self.folder.plan, plan_text(self.plan))
-        write_whole(self.folder.settings, json.dumps({"ensemble": self.identity, "options": self.common,
-                                                      "pictures": self.pictures}, indent=1))
-
-    def is_complete(self, run):
-        expected = self.fingerprint_of(run)
-        return expected is not None and is_complete(self.folder.run(run.index), expected, run.seed)
-
-    def due(self, failed_too):
-        """Runs that are not complete; of those that failed only accidents, unless all are wanted."""
-        runs = [run for run in self.plan if self.fingerprint_of(run) and not self.is_complete(run)]
-        if failed_too:
-            return runs
-        failures = ((run, read_json(self.folder.run(run.index) / FAILURE)) for run in runs)
-        return [run for run, failure in failures if failure is None or failure["accident"]]
-
-    def words_of(self, run):
-        """A run as its worker needs it."""
-        resolved, _ = self.scenes[run.scene, run.settings_text]
-        crowd = {f"/{key}": resolved[key] for key in ("name", "description", "crowd", "coupling", "events") if key in resolved}
-        water = {pointer: value for pointer, value in run.settings.items() if not is_own_of_crowd(pointer)}
-        return {"index": run.index, "seed": run.seed, "fingerprint": self.fingerprint_of(run), "words": run.words(),
-                "water_words": run.words(water), "crowd": {"/seed": run.seed, **crowd}}
-
-    def prepare(self, runs):
-        """Writes units of these runs; the indices to hand out."""
-        options = self.options
-        own_water = options.own_water or self.other_water or is_given(self.common, "--mode")
-        units = units_of(runs, self.scenes, options.share, own_water)
-        threads = max(1, len(os.sched_getaffinity(0)) // options.jobs)
-        for unit in units:
-            document = {
-                "ensemble": self.identity, "scene": str(self.files[unit[0].scene]), **self.theirs, "pictures": self.pictures,
-                "launcher": self.common if self.other_water else None, "figures": options.figures, "threads": threads,
-                "runs": [self.words_of(run) for run in unit]}
-            write_whole(self.folder.unit(unit[0].index), json.dumps(document))
-        return [unit[0].index for unit in units]
-
-
-@contextlib.contextmanager
-def locked(folder):
-    """One command at a time works in a folder."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / ".lock", "ab") as lock:
-        given_up_at = time.monotonic() + PATIENCE_WITH_LOCK_S
-        while True:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                if time.monotonic() > given_up_at:
-                    raise UsageError(f"--out: another tools/wade many works in {folder}") from None
-                time.sleep(0.1)
-        yield
 
 
 def hand_out(ensemble, signals):
@@ -357,11 +223,11 @@ def carry_out(ensemble):
     """Prepares, hands out and gathers; the exit code."""
     options, folder = ensemble.options, ensemble.folder
     ensemble.check_growth()
-    job = still_queued(folder)
-    if job and not options.gather:
-        raise UsageError(f"--resume: job {job} of this ensemble is not over; wait for it, or scancel {job}")
     if options.gather:
         return 0 if sum_up(ensemble) else 1
+    job = still_queued(folder)
+    if job:
+        raise UsageError(f"--resume: job {job} of this ensemble is not over; wait for it, or scancel {job}")
     ensemble.write()
     if options.prepare:
         print(*ensemble.prepare(ensemble.due(failed_too=True)), sep="\n")
@@ -382,7 +248,7 @@ def main(arguments):
     options = parse(arguments)
     ensemble = Ensemble(options)
     try:
-        with locked(ensemble.folder.path):
+        with contextlib.nullcontext() if options.gather else locked(ensemble.folder.path):
             return carry_out(ensemble)
     except OSError as error:
         raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error

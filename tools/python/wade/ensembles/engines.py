@@ -129,9 +129,9 @@ exec {worker} {plan} --of {list} --share "$SLURM_ARRAY_TASK_ID"/{tasks}
 
 
 def queued(job):
-    """Whether tasks of a job wait or run."""
+    """Whether tasks of a job wait or run; also while Slurm does not answer, as they may."""
     answer = subprocess.run(["squeue", "--noheader", "--jobs", job, "--format", "%T"], capture_output=True, text=True)
-    return answer.returncode == 0 and bool(answer.stdout.strip())
+    return bool(answer.stdout.strip()) if answer.returncode == 0 else "Invalid job id" not in answer.stderr
 
 
 def slurm(ensemble, indices, options, signals, tell):
@@ -152,7 +152,8 @@ def slurm(ensemble, indices, options, signals, tell):
     if answer.returncode != 0:
         raise UsageError("sbatch has refused the job; its message stands above")
     job = answer.stdout.strip().partition(";")[0]
-    (ensemble.path / "slurm_job.txt").write_text(job + "\n", encoding="utf-8")
+    kept = ensemble.path / "slurm_job.txt"
+    kept.write_text(job + "\n", encoding="utf-8")
     signals.pass_on = lambda _number: subprocess.run(["scancel", job])
     if signals.number:
         signals.pass_on(signals.number)
@@ -161,6 +162,7 @@ def slurm(ensemble, indices, options, signals, tell):
         time.sleep(pause)
         pause = min(1.3 * pause, LOOK_EVERY_S[1])
         tell(None)
+    kept.unlink()
 
 
 def still_queued(ensemble):
