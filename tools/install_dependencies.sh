@@ -38,6 +38,7 @@ tests     pyflakes3           python3-pyflakes     pyflakes
 readers   python3-vtk9        -                    -
 readers   python3-meshio      -                    -
 readers   ffmpeg              ffmpeg               ffmpeg
+readers   gdal-bin            gdal                 gdal
 readers   mono-mcs            -                    -
 readers   mono-runtime        -                    -
 viewer    chromium            chromium             -

@@ -200,9 +200,9 @@ void check_holes(const Scene& scene, const Raster& raster, const std::string& so
     std::size_t holes = 0, valid = 0;
     MapPoint first;
     for (std::size_t k = 0; k < raster.values.size(); ++k) {
-        const double half = 0.5;
-        const MapPoint centre{raster.x + (static_cast<double>(k % columns) + half) * raster.cell,
-                              raster.z + (static_cast<double>(k / columns) + half) * raster.cell};
+        const std::size_t c = k % columns, r = k / columns;
+        const MapPoint centre{raster.x + (static_cast<double>(c) + 0.5) * raster.cell,
+                              raster.z + (static_cast<double>(r) + 0.5) * raster.cell};
         if (!is_in_world(centre, scene.world)) continue;
         if (!std::isnan(raster.values[k])) ++valid;
         if (!std::isnan(raster.values[k]) || outside[k]) continue;

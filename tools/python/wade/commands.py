@@ -33,6 +33,7 @@ COMMANDS = {
                 old_names=("run-many",)),
         Command("run-one", "one run of a plan of `many`, for any engine", "wade.ensembles.one"),
         Command("scenes", "list the scenes by their short names", "wade.scenes"),
+        Command("place", "import: terrain and houses of a real place (needs GDAL)", "wade.place", pictures=True),
     ),
     "Look at a run": (
         Command("view", "a run in the browser, while it goes on or later", "wade.view",
