@@ -4,7 +4,7 @@ IN are rasters of heights, of which the later ones lie over the earlier ones, an
 DIR:
 
   ground.tif       heights in metres, square cells, one projected coordinate system
-  houses.geojson   the polygons that meet the ground, with height_m where the file tells heights or levels
+  houses.geojson   the polygons that meet the ground, with height_m of heights or levels
   scene.json       a scene to go on with: tools/wade run DIR/scene.json --check
 
 Needs the programs of GDAL (Debian, Ubuntu: apt-get install gdal-bin), which nothing else of Wade does.
