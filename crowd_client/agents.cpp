@@ -160,7 +160,9 @@ Agents make_agents(const Scene& scene) {
     agents.velocity.assign(n, Vector2d::Zero());
     agents.momentary.assign(n, Vector2d::Zero());
     agents.outcome.assign(n, Outcome::active);
+    agents.start = agents.position;
     agents.end_step.assign(n, 0);
+    agents.lost_feet_step.assign(n, 0);
     agents.end_before.assign(n, 0.0);
     agents.path_length.assign(n, 0.0);
     agents.max_depth.assign(n, 0.0);

@@ -57,6 +57,7 @@ struct Agents {
     std::vector<double> tau;            // endurance, [0, 1]; of those max(0, 1 - 1 / S) of the last step
     std::vector<std::uint32_t> group;   // index into Crowd::groups
     std::vector<Outcome> outcome;
+    std::vector<Vector2d> start;           // where it was at t = 0, m
     std::vector<std::uint64_t> end_step;   // step of arrival or death; meaningless while active
     std::vector<double> end_before;        // how long before the end of that step, s
     std::vector<double> path_length;       // m
@@ -66,6 +67,8 @@ struct Agents {
     std::vector<double> depth_sum;         // of the water over these steps, m
     std::vector<double> dv_sum;            // of depth times speed over these steps, m2/s
     std::vector<double> tau_sum;           // of tau as each of them began
+
+    std::vector<std::uint64_t> lost_feet_step;  // in which it first toppled, floated or was carried; 0: none so far
 
     std::vector<Vector2d> stay;                            // near which it has been since `stay_step` (standing.hpp), m
     std::vector<std::uint64_t> stay_step, stay_wet_steps;  // the step, and wet_steps then

@@ -118,6 +118,8 @@ void judge_footing(const Step& step) {
         note_condition(agents.people, id, agents.mass[id], agents.momentary[id], crowd.walking[k], water,
                        felt_step(crowd, k, step));
         agents.tau[id] = tau_of(agents.people.slip[id]);
+        const bool on_feet = agents.people.worst[id] < PersonState::toppled;
+        if (!on_feet && agents.lost_feet_step[id] == 0) agents.lost_feet_step[id] = step.number;
     });
 }
 

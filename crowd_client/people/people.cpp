@@ -134,7 +134,8 @@ void add_person(People& people, const AgentGroup& group, const PersonRow& row, b
     const BodySettings& body = group.body;
     const SexRule sex = row.sex.value_or(body.sex);
     const bool is_male = sex == SexRule::any ? random[0] >= 0.5 : sex == SexRule::male;
-    const Bracing bracing = bracing_of(row.skill.value_or(body.skill));
+    people.skill.push_back(row.skill.value_or(body.skill));
+    const Bracing bracing = bracing_of(people.skill.back());
     const double ground = body.ground_friction ? body.ground_friction->at(random[3]) : bracing.friction;
     people.sex.push_back(is_male ? Sex::male : Sex::female);
     people.height.push_back(row.height.value_or(body.height.at(random[1])));

@@ -143,7 +143,8 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     const Agents& agents = crowd.agents;
     std::string csv =
         "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
-        "mean_dv_m2_s,state,height_m,mean_tau,worst_state";
+        "mean_dv_m2_s,state,height_m,mean_tau,worst_state,age,skill,"
+        "start_x_m,start_z_m,off_feet_s";
     if (danger != nullptr) csv += std::string(",danger_level,") + exposure_columns;
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -159,6 +160,9 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         }
         csv += ',' + std::string(state_name(crowd, id)) + ',' + csv_number(agents.people.height[id]);
         csv += ',' + csv_number(mean_tau_met(agents, id)) + ',' + std::string(worst_state(agents.people, id));
+        csv += ',' + csv_number(agents.people.age[id]) + ',' + std::string(name_of(agents.people.skill[id]));
+        csv += ',' + csv_number(agents.start[id].x()) + ',' + csv_number(agents.start[id].y()) + ',';
+        if (const std::uint64_t lost = agents.lost_feet_step[id]; lost > 0) csv += csv_number(time_of(crowd, lost));
         if (danger != nullptr) {
             const Exposure& met = danger->agents()[id];
             csv += ',' + std::string(danger_name(met.largest)) + ',' + exposure_times(met, crowd.dt);

@@ -74,6 +74,7 @@ TEST_CASE("In a metre of water at 2.5 m/s one slides after 0.1 s, topples at 0.3
         CHECK(entered(PersonState::sliding) == Approx(0.1).margin(1 / rate));
         CHECK(entered(PersonState::toppled) == Approx(0.3).margin(1 / rate));
         CHECK(entered(PersonState::carried) == Approx(0.6).margin(1.01 / rate));
+        CHECK(static_cast<double>(crowd.agents.lost_feet_step[0]) / rate == Approx(entered(PersonState::toppled)));
         for (int i = 0; i < 10 * rate; ++i) step(crowd, stream(0.3, 0).view());
         CHECK(state_of(crowd) == PersonState::walking);
         CHECK(crowd.agents.people.worst[0] == PersonState::carried);
@@ -98,6 +99,7 @@ TEST_CASE("Who slides goes as fast as drag and friction balance, and its tau is 
     // The stream is the same all the time, but for what the points of the lattice change and the first 0.3 s.
     CHECK(mean_tau_met(crowd.agents, 0) == Approx(crowd.agents.tau[0]).epsilon(0.05));
     CHECK(crowd.agents.people.worst[0] == PersonState::sliding);
+    CHECK(crowd.agents.lost_feet_step[0] == 0);
 }
 
 TEST_CASE("Drift, time to topple and arrival are the same at 15 to 120 steps a second") {
