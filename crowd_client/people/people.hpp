@@ -15,7 +15,7 @@ namespace wade::crowd {
 struct People {
     std::vector<double> height;  // H, m
     std::vector<Sex> sex;
-    std::vector<double> age;         // years
+    std::vector<double> age;  // years
     std::vector<Skill> skill;
     std::vector<double> friction;    // mu of the feet
     std::vector<double> drag;        // C on the water that it feels: C_D, or more of who pushes the water (push.hpp)

@@ -52,6 +52,13 @@ COMMANDS = {
         Command("together", "who keeps the feet hand in hand, and who alone", "wade.sweeps.together", PAIR),
         Command("depth-sweep", "who arrives over the plane of depth and velocity", "wade.sweeps.depth_sweep", PAIR),
     ),
+    "Say what came out": (
+        Command("table", "who arrives, stands, is carried, drowns, with honest intervals", "wade.statistics.table",
+                pictures=True),
+        Command("victims", "where to search: map of the last places over all runs", "wade.statistics.victims", pictures=True),
+        Command("sensitivity", "which inputs decide who survives: Morris, then Sobol", "wade.statistics.sensitivity",
+                ("crowd_client",)),
+    ),
     "Judge the water": (
         Command("validate", "analytic solutions and experiments: errors and orders", "wade.suites.validate",
                 ("validate",), True),

@@ -16,7 +16,7 @@ from wade import UsageError
 from wade.many import label
 from wade.paths import ROOT, module_command
 from wade.reports.files import say, write_whole
-from wade.reports.intervals import bootstrap_mean
+from wade.statistics.shares import bootstrap_mean
 from wade.reports.options import whole
 from wade.reports.tables import document, markdown, read_csv, section, write_csv
 from wade.run.processes import resolved

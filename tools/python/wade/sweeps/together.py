@@ -17,7 +17,7 @@ from wade import UsageError
 from wade.many import label, seed_range
 from wade.paths import ROOT, module_command
 from wade.reports.files import say
-from wade.reports.intervals import bootstrap_mean
+from wade.statistics.shares import bootstrap_mean
 from wade.reports.tables import markdown, read_csv, write_csv
 from wade.run.processes import resolved
 from wade.scenes import find_scene

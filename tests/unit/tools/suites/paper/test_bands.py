@@ -47,6 +47,8 @@ class Bands(unittest.TestCase):
     def test_the_obstacle_must_help_beyond_the_intervals(self):
         self.assertTrue(bands.judge_obstacle(result(26, agents=52), result(8, agents=52)).holds)
         self.assertFalse(bands.judge_obstacle(result(26, agents=52), result(25, agents=52)).holds)
+        few = SimpleNamespace(arrived=(26, None, None), agents=52)
+        self.assertIsNone(bands.judge_obstacle(few, result(8, agents=52)).holds, "without an interval")
 
     def test_ten_times_the_particles_change_no_number_by_more_than_a_tenth(self):
         self.assertTrue(bands.judge_particles({"S5": (result(50, 70), result(45, 70))}).holds)

@@ -117,7 +117,8 @@ def judge_obstacle(with_it, without):
     if with_it is not None and without is not None:
         arrived = [in_words(result.arrived) for result in (with_it, without)]
         judgement.found = f"{' against '.join(arrived)} of {with_it.agents}"
-        judgement.holds = with_it.arrived[1] > without.arrived[2]
+        ends = with_it.arrived[1], without.arrived[2]
+        judgement.holds = None if None in ends else ends[0] > ends[1]  # None: no interval can be given
     return judgement
 
 

@@ -7,7 +7,7 @@ import time
 
 from wade.paths import module_command
 from wade.reports.files import complain
-from wade.reports.intervals import precise_enough
+from wade.statistics.shares import precise_enough
 from wade.suites.paper.pictures import note_what_is_seen
 from wade.suites.paper.results import Run, answers_by_body, record_of
 from wade.suites.paper.store import what_counts

@@ -3,7 +3,7 @@
 import statistics
 from collections import Counter
 
-from wade.reports.intervals import arrival_interval
+from wade.statistics.shares import arrival_interval
 from wade.reports.plots import error_bars, panels, save
 from wade.reports.tables import document, listed, markdown, section
 from wade.suites.paper import plan

@@ -23,8 +23,8 @@ Schaffer, Antonitsch, Neto, Musse: Towards Animating Virtual Humans in Flooded E
 | on a slope | `configs/manning` | the same river, whose speed slope and Manning's friction decide, four layers of particles, depth within 2 % |
 """
 SEEDS = """A seed moves the markers; the start grid is the paper's and the water is one and the same for all crowds of a set-up.
-More seeds are added where an interval of 95 % is wider than a tenth of the agents or of the mean time, up to three times as many in
-the set as observed; the parts phase, plane, rules and readings have half as many seeds and no more."""
+More seeds, 20 at least, are added where an interval of 95 % is wider than a tenth of the agents or of the mean time, up to three
+times as many in the set as observed; the parts phase, plane, rules and readings have half as many seeds and no more."""
 
 
 class Context:
@@ -120,8 +120,8 @@ def bands_section(context):
     text = (
         "Fixed before any result was known (`bands.py` of the suite), one set of parameters for all rows, contact rule "
         "`difference`. The one number fitted is the goal radius, 1.4 m, on S1 alone. Times are those of the last "
-        "arrival. Intervals are of 95 %: bootstrap over seeds for times; Wilson, with the design effect of runs, for "
-        "numbers of agents.")
+        "arrival. Intervals are of 95 %: bootstrap over seeds for times; Wilson, with the design effect of runs "
+        "and Student's t, for numbers of agents. Where none stands none can be given: fewer than 10 seeds, or an outcome too rare.")
     return section("Bands", text, markdown(head, lines), closest(context, by_set))
 
 

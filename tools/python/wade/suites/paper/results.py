@@ -5,7 +5,7 @@ import statistics
 from collections import Counter
 from itertools import accumulate
 
-from wade.reports.intervals import arrival_interval, bootstrap_mean
+from wade.statistics.shares import arrival_interval, bootstrap_mean
 from wade.reports.tables import read_csv
 from wade.sweeps.limits import in_words
 

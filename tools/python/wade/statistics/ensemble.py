@@ -1,0 +1,207 @@
+"""Reads the runs of an ensemble: a folder that `tools/wade many` wrote, or any folder with run folders in it.
+
+Only runs that are complete count; each scene with its settings is a case of its own.
+"""
+
+import csv
+import json
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from wade import UsageError
+
+# How people are at the end: what each state of agents.csv counts as. A state that is not here counts as itself.
+FATES = {
+    "arrived": "arrived",
+    "walking": "on their feet", "standing": "on their feet", "effort": "on their feet", "sliding": "on their feet",
+    "holding": "holding",
+    "toppled": "carried", "afloat": "carried", "carried": "carried", "recovering": "carried",
+    "drowned": "drowned", "dead": "swept away",
+}
+ALWAYS = ("arrived", "on their feet", "holding", "carried", "drowned")  # columns of each table; others only if they occur
+DEATHS = ("drowned", "swept away")
+AGE_CLASSES = ((15, "under 15"), (65, "15 to 64"), (200, "65 and over"))  # those of the United Nations' tables
+SQUARE_M = 20  # side of a place where people start
+PEOPLE = ("group", "outcome", "time_s", "x_m", "z_m", "state")
+OLDER = ("age", "skill", "start_x_m", "start_z_m", "off_feet_s")  # agents.csv has had these for a shorter time
+
+
+@dataclass
+class Run:
+    """A complete run: its folder, seed and outcome.json."""
+
+    folder: Path
+    seed: int
+    outcome: dict
+
+
+@dataclass
+class Case:
+    """All complete runs of a scene with its settings; people: arrays by column, `run` counts from 0."""
+
+    scene: str
+    settings: dict
+    runs: list = field(default_factory=list)
+    people: dict = field(default_factory=dict)
+
+    @property
+    def name(self):
+        values = ", ".join(f"{key.rpartition('/')[2]} {json.dumps(value).strip(chr(34))}" for key, value in self.settings.items())
+        return f"{self.scene}, {values}" if values else self.scene
+
+    @property
+    def seeds(self):
+        return [run.seed for run in self.runs]
+
+    def manifest(self):
+        return json.loads((self.runs[0].folder / "manifest.json").read_text(encoding="utf-8"))
+
+    def counts(self, chosen):
+        """How many people of each run are chosen, an array of truth values over people."""
+        return np.bincount(self.people["run"][chosen], minlength=len(self.runs))
+
+
+@dataclass
+class Ensemble:
+    """What a folder holds; left_out: {why: number of runs}."""
+
+    folder: Path
+    cases: list
+    left_out: Counter
+
+
+def settings_of(text):
+    return json.loads(text) if text.strip() else {}
+
+
+def planned(folder):
+    """[(run folder, scene, settings, seed)] of plan.csv, but for runs that runs.csv knows as stale; None without a plan."""
+    plan = folder / "plan.csv"
+    if not plan.exists():
+        return None
+    with open(plan, newline="", encoding="utf-8") as file:
+        try:
+            return [(folder / "runs" / f"{int(row['index']):05d}", row["scene"], settings_of(row["settings"]),
+                     int(row["seed"]) if row["seed"] else None) for row in csv.DictReader(file)]
+        except (KeyError, TypeError, ValueError) as error:
+            raise UsageError(f"{plan}: not a plan; allowed are lines of index,scene,seed,settings ({error})") from error
+
+
+def found(folder):
+    """The same of run folders anywhere in a folder without a plan; runs of the same scene are one case."""
+    folders = sorted(file.parent for file in folder.glob("**/outcome.json"))
+    return [(run, None, {}, None) for run in folders]
+
+
+def read_outcome(folder):
+    """(outcome or None, why it does not count)."""
+    try:
+        outcome = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
+    except OSError:
+        return None, "not run"
+    except ValueError:
+        return None, "outcome.json cut off"
+    if outcome.get("status") != "completed":
+        return None, str(outcome.get("status"))
+    return outcome, ""
+
+
+def read_people(file, run, columns):
+    """Adds the rows of an agents.csv to lists by column."""
+    with open(file, newline="", encoding="utf-8") as text:
+        rows = csv.reader(text)
+        head = next(rows, [])
+        missing = [name for name in PEOPLE if name not in head]
+        if missing:
+            raise UsageError(f"{file}: no column {missing[0]}")
+        places = [(name, head.index(name) if name in head else None) for name in (*PEOPLE, *OLDER)]
+        count = 0
+        for row in rows:
+            count += 1
+            for name, place in places:
+                columns[name].append("" if place is None else row[place])
+    columns["run"] += [run] * count
+
+
+def numbers(texts):
+    return np.array([float(text) if text else np.nan for text in texts])
+
+
+def arrays(columns):
+    """Columns as arrays, with `fate` and `dead`."""
+    people = {name: numbers(columns[name]) for name in ("time_s", "x_m", "z_m", "age", "start_x_m", "start_z_m", "off_feet_s")}
+    people |= {name: np.array(columns[name], dtype=object) for name in ("group", "skill", "outcome", "state")}
+    people["run"] = np.array(columns["run"], dtype=int)
+    people["fate"] = np.array([FATES.get(state, state) for state in columns["state"]], dtype=object)
+    people["dead"] = people["outcome"] == "dead"
+    return people
+
+
+def read_ensemble(folder):
+    """The complete runs of a folder; UsageError if there is none."""
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise UsageError(f"{folder}: there is no such folder")
+    listed = planned(folder)
+    cases, columns, left_out, seen = {}, {}, Counter(), set()
+    for run_folder, scene, settings, seed in found(folder) if listed is None else listed:
+        outcome, why_not = read_outcome(run_folder)
+        if why_not:
+            left_out[why_not] += 1
+            continue
+        name = outcome["scene"] if scene is None else "/".join(Path(scene.removesuffix(".json")).parts[-2:])
+        key = (name, json.dumps(settings, sort_keys=True))
+        seed = outcome["seed"] if seed is None else seed
+        if (key, seed) in seen:
+            left_out["twice the same seed"] += 1
+            continue
+        seen.add((key, seed))
+        case = cases.setdefault(key, Case(name, settings))
+        of_case = columns.setdefault(key, {name: [] for name in (*PEOPLE, *OLDER, "run")})
+        read_people(run_folder / "agents.csv", len(case.runs), of_case)
+        case.runs.append(Run(run_folder, seed, outcome))
+    if not cases:
+        why = ", ".join(f"{number} {words}" for words, number in left_out.items())
+        raise UsageError(f"{folder}: no complete run in it{f' ({why})' if why else ''}")
+    for key, case in cases.items():
+        case.people = arrays(columns[key])
+    return Ensemble(folder, list(cases.values()), left_out)
+
+
+def age_class(age):
+    return next(words for end, words in AGE_CLASSES if age < end) if age == age else ""
+
+
+def start_place(x, z):
+    """The square of 20 m in which somebody starts, "x 60, z 0" by its lower corner."""
+    return f"x {x // SQUARE_M * SQUARE_M:.0f}, z {z // SQUARE_M * SQUARE_M:.0f}" if x == x else ""
+
+
+BY = {
+    "all": lambda people: np.full(len(people["run"]), "all", dtype=object),
+    "group": lambda people: people["group"],
+    "age": lambda people: np.array([age_class(age) for age in people["age"]], dtype=object),
+    "skill": lambda people: people["skill"],
+    "start": lambda people: np.array([start_place(*at) for at in zip(people["start_x_m"], people["start_z_m"])], dtype=object),
+}
+
+
+def classes(case, by):
+    """[(class, who is in it)]; none where agents.csv is older than the column."""
+    values = BY[by](case.people)
+    order = {words: place for place, (_, words) in enumerate(AGE_CLASSES)} if by == "age" else {}
+    names = dict.fromkeys(values.tolist())
+    names = sorted(names, key=lambda name: (order.get(name, 0), _number_first(name))) if by in ("age", "start") else names
+    return [(name, values == name) for name in names if name]
+
+
+def _number_first(name):
+    return [float(word) for word in name.replace(",", "").split() if word.lstrip("-").isdigit()]
+
+
+def fates_of(case):
+    """The fates in the order of the columns: those of all tables, then what else occurs."""
+    return [*ALWAYS, *sorted(set(case.people["fate"].tolist()) - set(ALWAYS))]

@@ -1,0 +1,270 @@
+"""Shares of people, from runs: intervals of 95 % over runs, never over people, and none where it cannot hold.
+
+The people of a run share its water and push one another, so that their fates are not independent: the run is the unit.
+The same numbers give the same intervals. Coverage, by simulation: docs/survival.md.
+"""
+
+import functools
+import math
+import statistics
+from dataclasses import dataclass
+
+import numpy as np
+
+LEVEL = 0.95
+FEWEST_RUNS = 10      # with fewer, t-Wilson covers 77 to 92 % where people of a run are alike
+FEWEST_WITH_ANY = 5   # runs in which somebody has it, and runs in which somebody has it not
+FEWEST_EFFECTIVE = 12  # people whose fates are independent, of the rarer outcome: with fewer, over 7 % would be given a wrong one
+RESAMPLES = 1000      # moves the ends of an interval by about 4 % of its width
+SEED = 20201016
+
+
+@dataclass(frozen=True)
+class Share:
+    """What runs say of a share. low, high: None with the reason in `refused`."""
+
+    runs: int
+    people: int
+    mean: float  # of all people
+    low: float | None
+    high: float | None
+    runs_with_any: int
+    runs_with_other: int  # in which somebody has it not
+    refused: str = ""
+
+    @property
+    def width(self):
+        return None if self.low is None else self.high - self.low
+
+
+def t_tail(t, degrees):
+    """P(|T| <= t) of Student's t with whole degrees of freedom, a finite sum (Abramowitz and Stegun 26.7.3, 26.7.4)."""
+    angle = math.atan2(t, math.sqrt(degrees))
+    cosine, sine = math.cos(angle), math.sin(angle)
+    odd = degrees % 2
+    term, total = (cosine, cosine) if odd else (1.0, 1.0)
+    for k in range(2 if odd else 1, degrees - 1, 2):
+        term *= cosine * cosine * k / (k + 1)
+        total += term
+    if degrees == 1:
+        total = 0.0
+    return 2 / math.pi * (angle + sine * total) if odd else sine * total
+
+
+def between(low, high, too_low):
+    """Where too_low(x) turns false, by halving 100 times."""
+    for _ in range(100):
+        middle = (low + high) / 2
+        low, high = (middle, high) if too_low(middle) else (low, middle)
+    return (low + high) / 2
+
+
+@functools.cache
+def t_quantile(degrees, level=LEVEL):
+    """t with P(|T| <= t) = level, T of Student's distribution; beyond 200 degrees by the series in 1 / degrees (26.7.5)."""
+    if degrees <= 200:
+        return between(0.0, 1e4, lambda t: t_tail(t, degrees) < level)
+    z = statistics.NormalDist().inv_cdf((1 + level) / 2)
+    return z + (z**3 + z) / (4 * degrees) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * degrees**2)
+
+
+def wilson(successes, trials, quantile=None):
+    """Wilson's score interval (Wilson 1927) of a share, with the normal quantile or a given one; (0, 1) without trials."""
+    if trials <= 0:
+        return 0.0, 1.0
+    z = statistics.NormalDist().inv_cdf((1 + LEVEL) / 2) if quantile is None else quantile
+    share = successes / trials
+    scale = 1 + z * z / trials
+    middle = (share + z * z / (2 * trials)) / scale
+    half = z / scale * math.sqrt(share * (1 - share) / trials + z * z / (4 * trials * trials))
+    low = 0.0 if successes == 0 else max(0.0, middle - half)
+    high = 1.0 if successes == trials else min(1.0, middle + half)
+    return low, high
+
+
+def design_effect(counts, people):
+    """Variance of what runs count over that of independent people, at least 1 (Kish 1965).
+
+    counts, people: a number a run. With runs of unequal size that of the ratio estimator, residuals counts - share people.
+    """
+    runs, total = len(counts), sum(people)
+    if runs < 2 or total == 0:
+        return 1.0
+    share = sum(counts) / total
+    expected = total * share * (1 - share) / runs
+    if expected <= 0:
+        return 1.0
+    residuals = sum((count - share * size) ** 2 for count, size in zip(counts, people)) / (runs - 1)
+    return max(1.0, residuals / expected)
+
+
+def why_not(counts, people, effect):
+    """Why no interval can be given; "" if one can."""
+    runs = len(counts)
+    if runs < FEWEST_RUNS:
+        return f"fewer than {FEWEST_RUNS} runs"
+    with_any = sum(count > 0 for count in counts)
+    if with_any < FEWEST_WITH_ANY:
+        return f"in {with_any} of {runs} runs only, {FEWEST_WITH_ANY} needed" if with_any else f"in none of {runs} runs"
+    with_other = sum(count < size for count, size in zip(counts, people))
+    if with_other < FEWEST_WITH_ANY:
+        but = f"but {with_other} " if with_other else ""
+        return f"everybody in all {but}of {runs} runs" + (f", {FEWEST_WITH_ANY} needed" if with_other else "")
+    share = sum(counts) / sum(people)
+    effective = sum(people) / effect * min(share, 1 - share)
+    if effective < FEWEST_EFFECTIVE:
+        return f"worth {effective:.0f} independent cases, {FEWEST_EFFECTIVE} needed"
+    return ""
+
+
+def share_of(counts, people):
+    """The share of people to whom something happened, t-Wilson with the design effect of runs. counts, people: a run each."""
+    total = sum(people)
+    if total == 0:
+        return Share(len(counts), 0, math.nan, None, None, 0, 0, "nobody")
+    effect = design_effect(counts, people)
+    refused = why_not(counts, people, effect)
+    low, high = (None, None) if refused else wilson(sum(counts) / effect, total / effect, t_quantile(len(counts) - 1))
+    some = sum(count > 0 for count in counts), sum(count < size for count, size in zip(counts, people))
+    return Share(len(counts), total, sum(counts) / total, low, high, *some, refused)
+
+
+def share_of_runs(successes, runs):
+    """Exact interval (Clopper and Pearson 1934) of a share of runs, which are independent."""
+
+    def at_least(k, p):
+        return sum(math.comb(runs, i) * p**i * (1 - p) ** (runs - i) for i in range(k, runs + 1))
+
+    tail = (1 - LEVEL) / 2
+    low = 0.0 if successes == 0 else between(0.0, 1.0, lambda p: at_least(successes, p) < tail)
+    high = 1.0 if successes == runs else between(0.0, 1.0, lambda p: 1 - at_least(successes + 1, p) > tail)
+    return low, high
+
+
+def arrival_interval(arrived, agents):
+    """(mean, low, high) of how many of so many agents a run arrive; the ends are None where no interval can be given."""
+    share = share_of(arrived, [agents] * len(arrived))
+    ends = (None, None) if share.refused else (agents * share.low, agents * share.high)
+    return statistics.fmean(arrived), *ends
+
+
+def expanded_level(runs):
+    """Level of percentiles at which a bootstrap over so few runs covers 95 % (Hesterberg 2015, expanded percentiles)."""
+    quantile = t_quantile(runs - 1) * math.sqrt(runs / (runs - 1))
+    return 2 * statistics.NormalDist().cdf(quantile) - 1
+
+
+def bootstrap_mean(values):
+    """(mean, low, high) by the bootstrap over runs (Efron 1979), expanded percentiles; the ends are None for less than two."""
+    mean = statistics.fmean(values)
+    if len(values) < 2:
+        return mean, None, None
+    if min(values) == max(values):
+        return mean, mean, mean
+    numbers = np.asarray(values, dtype=float)
+    draws = np.random.default_rng(SEED).integers(0, len(numbers), size=(4 * RESAMPLES, len(numbers)))
+    tail = (1 - expanded_level(len(numbers))) / 2
+    low, high = np.quantile(numbers[draws].mean(axis=1), [tail, 1 - tail])
+    return mean, float(low), float(high)
+
+
+# When there are enough runs.
+
+FIRST_LOOK = 20  # runs; who looks at 3 runs first stops too early: coverage 0.80 where people of a run are alike
+MAX_WIDTH = 0.1  # of a share; of a mean time half of the narrowest band that is judged, +- 10 %
+
+
+def runs_needed(counts, people, width=MAX_WIDTH):
+    """How many runs, of the same size and as unlike one another, make the interval of the share so narrow.
+
+    None where that cannot be told: fewer than 20 runs, or so rare that no interval can be given.
+    """
+    runs, total = len(counts), sum(people)
+    if runs < FIRST_LOOK or total == 0:
+        return None
+    effect, share = design_effect(counts, people), sum(counts) / total
+    if why_not(counts, people, effect):
+        return None
+
+    def width_of(n):
+        size = total / runs * n / effect
+        low, high = wilson(share * size, size, t_quantile(n - 1))
+        return high - low
+
+    if width_of(runs) <= width:
+        return runs
+    many = runs
+    while width_of(many) > width and many < 10_000_000:
+        many *= 2
+    few = many // 2
+    while many - few > 1:
+        middle = (few + many) // 2
+        few, many = (middle, many) if width_of(middle) > width else (few, middle)
+    return many
+
+
+def precise_enough(arrived, agents, times):
+    """The rule when to stop: from 20 runs on, when the intervals are narrower than a tenth, of agents and of the mean time.
+
+    times: last arrivals of the runs in which somebody arrived. Runs that all end alike, with all or with nobody, are enough.
+    """
+    if len(arrived) < FIRST_LOOK:
+        return False
+    share = share_of(arrived, [agents] * len(arrived))
+    alike = min(arrived) == max(arrived) and arrived[0] in (0, agents)
+    if not alike and (share.width is None or share.width > MAX_WIDTH):
+        return False
+    if len(times) < 2:
+        return not times
+    mean, early, late = bootstrap_mean(times)
+    return late - early <= MAX_WIDTH * mean
+
+
+# Two ensembles, paired by seed.
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What the second ensemble has more than the first; per: people for one more, with its interval."""
+
+    pairs: int
+    people: int
+    first: float
+    second: float
+    difference: float
+    low: float | None
+    high: float | None
+    per: float | None
+    per_low: float | None
+    per_high: float | None
+    refused: str = ""
+
+
+def compared(first, second, people):
+    """Paired t over runs of the difference of shares; counts of the same seeds, people a run.
+
+    The number needed to warn (treat; Cook and Sackett 1995) is 1 over the difference, and has no interval where that of the
+    difference holds 0: it would go through infinity.
+    """
+    shares = [(a / n, b / n) for a, b, n in zip(first, second, people) if n > 0]
+    count, total = len(shares), sum(people)
+    if count == 0:
+        return Comparison(0, 0, math.nan, math.nan, math.nan, None, None, None, None, None, "no pairs")
+    means = [statistics.fmean(side) for side in zip(*shares)]
+    differences = [b - a for a, b in shares]
+    mean = statistics.fmean(differences)
+    per = 1 / abs(mean) if mean else None
+    unlike = sum(difference != 0 for difference in differences)
+    refused = ""
+    if count < FEWEST_RUNS:
+        refused = f"fewer than {FEWEST_RUNS} pairs"
+    elif unlike < FEWEST_WITH_ANY:
+        refused = f"unlike in {unlike} of {count} pairs only, {FEWEST_WITH_ANY} needed"
+    if refused:
+        return Comparison(count, total, *means, mean, None, None, per, None, None, refused)
+    half = t_quantile(count - 1) * statistics.stdev(differences) / math.sqrt(count)
+    low, high = mean - half, mean + half
+    if low <= 0 <= high:
+        return Comparison(count, total, *means, mean, low, high, per, None, None, "difference may be 0")
+    ends = sorted((1 / abs(low), 1 / abs(high)))
+    return Comparison(count, total, *means, mean, low, high, per, *ends)

@@ -1,0 +1,276 @@
+"""Who arrives, stands, holds on, is carried, drowned: a table of an ensemble with intervals over its runs.
+
+Reads DIR as `tools/wade many` wrote it, or any folder with run folders in it. Writes table.csv, table.md and figures there
+or into --out. Every number has its runs and people; where no interval can be given, the reason stands in its place.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from wade import UsageError
+from wade.reports.files import say, write_whole
+from wade.reports.options import above_0, some_of
+from wade.reports.tables import document, markdown, section, write_csv
+from wade.statistics.ensemble import BY, DEATHS, classes, fates_of, read_ensemble
+from wade.statistics.shares import FIRST_LOOK, compared, runs_needed, share_of, share_of_runs
+from wade.statistics.times import fn_curve
+from wade.terminal import Parser
+
+COLUMNS = ("case,by,class,fate,runs,people,number,share,low,high,why_no_interval,runs_with_any,runs_with_any_low,"
+           "runs_with_any_high,runs_needed").split(",")
+COMPARED = ("first,second,by,class,fate,pairs,people,share_first,share_second,difference,low,high,people_for_one_more,"
+            "people_low,people_high,why_no_interval").split(",")
+HOW = """Intervals are of 95 %, over runs and never over people: Wilson's, with the design effect of the runs and Student's t of their
+number. The people of a run share its water, so that a thousand people in one run are one case. Why a cell has no interval stands below
+the table; the share of runs is exact (Clopper and Pearson)."""
+EPILOG = """Exit code: 0, or 2 for bad usage or a folder without complete runs."""
+
+
+def percent(value):
+    """A share as "8.3", of few more digits near 0 and 100."""
+    return f"{100 * value:.1f}" if 0.001 <= value <= 0.999 or value in (0, 1) else f"{100 * value:.2g}" if value < 0.5 else \
+        f"{100 * value:.2f}"
+
+
+def in_words(share, notes):
+    """"82.0 % (75.1 to 87.4)", or with the mark of the note that says why there is no interval."""
+    if share.low is not None:
+        return f"{percent(share.mean)} % ({percent(share.low)} to {percent(share.high)})"
+    return f"{percent(share.mean)} % ({notes.mark(share)})" if share.people else "-"
+
+
+def refusal_words(share):
+    """Why there is no interval, and what is known of runs instead."""
+    if share.refused == "nobody":
+        return "nobody"
+    rare = share.runs_with_any <= share.runs_with_other
+    low, high = share_of_runs(share.runs_with_any if rare else share.runs_with_other, share.runs)
+    known = "it happens to somebody" if rare else "somebody is left out"
+    return f"{share.refused}; in {percent(low)} to {percent(high)} % of runs {known} (95 %)"
+
+
+class Notes:
+    """Reasons under a table, each once, marked a, b, c."""
+
+    def __init__(self):
+        self.lines = {}
+
+    def mark(self, share):
+        number = self.lines.setdefault(refusal_words(share), len(self.lines))
+        return chr(ord("a") + number) if number < 26 else f"a{number}"
+
+    def text(self):
+        marks = (chr(ord("a") + k) if k < 26 else f"a{k}" for k in range(len(self.lines)))
+        return "".join(f"* ({mark}) no interval: {words}\n" for mark, words in zip(marks, self.lines))
+
+
+def shares_of(case, by):
+    """[(class, {fate: (counts, people, Share)})], counts and people a number a run."""
+    rows = []
+    for name, here in classes(case, by):
+        people = case.counts(here)
+        of_fate = {}
+        for fate in fates_of(case):
+            counts = case.counts(here & (case.people["fate"] == fate))
+            of_fate[fate] = counts, people, share_of(counts.tolist(), people.tolist())
+        rows.append((name, of_fate))
+    return rows
+
+
+def rows_of(case, bys, width):
+    """The lines of table.csv."""
+    for by in bys:
+        for name, of_fate in shares_of(case, by):
+            for fate, (counts, people, share) in of_fate.items():
+                needed = runs_needed(counts.tolist(), people.tolist(), width)
+                yield (case.name, by, name, fate, share.runs, share.people, int(counts.sum()), share.mean, share.low,
+                       share.high, share.refused, share.runs_with_any, *share_of_runs(share.runs_with_any, share.runs), needed)
+
+
+def class_table(case, by):
+    """The Markdown table of one way to tell people apart; "" where agents.csv is older than that."""
+    rows = shares_of(case, by)
+    if not rows:
+        return f"By {by}: agents.csv of these runs does not have it; run them again with this version.\n"
+    notes, lines, fates = Notes(), [], fates_of(case)
+    for name, of_fate in rows:
+        first = of_fate[fates[0]][2]
+        lines.append([name, first.runs, first.people, *(in_words(of_fate[fate][2], notes) for fate in fates)])
+    title = "" if by == "all" else by
+    return markdown([title, "runs", "people", *fates], lines) + ("\n" + notes.text() if notes.lines else "")
+
+
+def stop_text(case, width):
+    """How many runs are needed, in words."""
+    rows = shares_of(case, "all")[0][1]
+    runs = len(case.runs)
+    if runs < FIRST_LOOK:
+        return f"How many runs are needed can be told from {FIRST_LOOK} runs on; there are {runs}.\n"
+    lines = []
+    for fate, (counts, people, share) in rows.items():
+        needed = runs_needed(counts.tolist(), people.tolist(), width)
+        wide = f"{100 * width:g} points wide"
+        if needed is None:
+            lines.append(f"* {fate}: cannot be told, {share.refused or 'nobody'}")
+        elif needed <= runs:
+            lines.append(f"* {fate}: enough, the interval is at most {wide}")
+        else:
+            lines.append(f"* {fate}: {needed - runs} more runs, {needed} in all, for an interval {wide}")
+    return "\n".join(lines) + "\n"
+
+
+def fn_text(case):
+    """The FN curve as a table."""
+    deaths = case.counts(case.people["dead"])
+    rows = fn_curve(deaths)
+    kept = rows if len(rows) <= 12 else [rows[k] for k in np.unique(np.linspace(0, len(rows) - 1, 12).round().astype(int))]
+    lines = [[number, f"{percent(share)} %", f"{percent(low)} to {percent(high)} %"] for number, share, low, high in kept]
+    return (f"Share of the {len(deaths)} runs in which N people or more die, exact interval of each N by itself.\n\n"
+            + markdown(["N", "runs with N dead or more", "95 %"], lines))
+
+
+def pairs_of(first, second):
+    """Indices of runs of the same seed in two cases; UsageError where there are none or people do not match."""
+    common = sorted(set(first.seeds) & set(second.seeds))
+    if not common:
+        raise UsageError(f"{first.name} and {second.name} have no seed in common; run both with the same --seeds")
+    chosen = [np.array([case.seeds.index(seed) for seed in common]) for case in (first, second)]
+    everybody = [np.bincount(case.people["run"], minlength=len(case.runs))[index]
+                 for case, index in zip((first, second), chosen)]
+    if (everybody[0] != everybody[1]).any():
+        raise UsageError(f"{first.name} and {second.name} differ in the number of people of a run; they cannot be paired")
+    return chosen
+
+
+def compare(first, second, by):
+    """[(class, fate, Comparison)] of all fates and of "alive"."""
+    chosen = pairs_of(first, second)
+    others = dict(classes(second, by))
+    for name, here in classes(first, by):
+        if name not in others:
+            continue
+        for fate in ("alive", *dict.fromkeys(fates_of(first) + fates_of(second))):
+            counts = []
+            for case, index, of_class in zip((first, second), chosen, (here, others[name])):
+                having = ~case.people["dead"] if fate == "alive" else case.people["fate"] == fate
+                counts.append(case.counts(of_class & having)[index].tolist())
+            people = first.counts(here)[chosen[0]].tolist()
+            yield name, fate, compared(*counts, people)
+
+
+def comparison_text(first, second, bys):
+    """A comparison as a section."""
+    lines = []
+    for by in bys:
+        for name, fate, result in compare(first, second, by):
+            if result.first == result.second == 0 and fate != "alive":
+                continue
+            interval = "-" if result.low is None else f"{100 * result.low:+.1f} to {100 * result.high:+.1f}"
+            per = "-" if result.per is None else f"{result.per:.3g}"
+            if result.per_low is not None:
+                per += f" ({result.per_low:.3g} to {result.per_high:.3g})"
+            lines.append([name, fate, result.pairs, result.people, f"{percent(result.first)} %", f"{percent(result.second)} %",
+                          f"{100 * result.difference:+.1f}", interval, per, result.refused or ""])
+    text = (f"First: {first.name} ({first.runs[0].folder.parent}). Second: {second.name} ({second.runs[0].folder.parent}). Runs of "
+            "the same seed are pairs; t interval of the differences, in points of per cent. *People for one more*: the number "
+            "needed to warn (or to treat otherwise) so that one more ends so, 1 over the difference.\n")
+    return text + "\n" + markdown(["", "", "pairs", "people", "first", "second", "difference", "95 %", "people for one more",
+                                   "why no interval"], lines)
+
+
+def compared_rows(first, second, bys):
+    for by in bys:
+        for name, fate, r in compare(first, second, by):
+            yield (first.name, second.name, by, name, fate, r.pairs, r.people, r.first, r.second, r.difference, r.low, r.high,
+                   r.per, r.per_low, r.per_high, r.refused)
+
+
+def comparisons_of(ensemble, against):
+    """[(first, second)]: each case with its like in another folder, or the first of the folder with each other one."""
+    if against is None:
+        pairs = [(ensemble.cases[0], other) for other in ensemble.cases[1:]]
+        return [pair for pair in pairs if set(pair[0].seeds) & set(pair[1].seeds)]
+    if len(ensemble.cases) == len(against.cases) == 1:
+        return [(ensemble.cases[0], against.cases[0])]
+    others = {case.name: case for case in against.cases}
+    pairs = [(case, others[case.name]) for case in ensemble.cases if case.name in others]
+    if not pairs:
+        raise UsageError(f"--against {against.folder}: no case has the name of one in {ensemble.folder}")
+    return pairs
+
+
+def left_out_text(ensemble):
+    if not ensemble.left_out:
+        return ""
+    return "Left out: " + ", ".join(f"{number} runs ({words})" for words, number in sorted(ensemble.left_out.items())) + ".\n"
+
+
+def deaths_line(case):
+    """How many die, in a line."""
+    counts, size = case.counts(case.people["dead"]), np.bincount(case.people["run"])
+    share = share_of(counts.tolist(), size.tolist())
+    why = f" No interval: {refusal_words(share)}." if share.low is None else ""
+    interval = "" if share.low is None else f" ({percent(share.low)} to {percent(share.high)})"
+    return (f"{len(case.runs)} runs with {share.people} people in all: {percent(share.mean)} %{interval} die, {counts.min()} to "
+            f"{counts.max()} of {size.mean():g} a run.{why}\n")
+
+
+def case_section(case, bys, width, pictures):
+    figures = "".join(f"![{words}]({name})\n\n" for name, words in pictures)
+    return section(case.name, deaths_line(case), *(class_table(case, by) for by in bys),
+                   section("Are there enough runs?", stop_text(case, width), level=3),
+                   section("Many at once", fn_text(case), level=3), figures)
+
+
+def _dead_words(case):
+    """The fates that are deaths here."""
+    return [fate for fate in DEATHS if (case.people["fate"] == fate).any()]
+
+
+def parse(arguments):
+    parser = Parser("table", __doc__, EPILOG)
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of an ensemble")
+    parser.add_argument("--by", type=some_of(tuple(BY)), default=["all", "group"], metavar="A,B",
+                        help="how to tell people apart: all, group, age, skill, start (squares of 20 m) [all,group]")
+    parser.add_argument("--against", type=Path, metavar="DIR2", help="a second ensemble, of the same seeds: what it changes")
+    parser.add_argument("--width", type=above_0, default=0.1, metavar="W",
+                        help="interval for which to tell how many runs it needs [0.1]")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of table.csv, table.md and figures [DIR]")
+    parser.add_argument("--no-figures", action="store_true", help="tables only")
+    options = parser.parse_args(arguments)
+    options.by = ["all", *(by for by in options.by if by != "all")]
+    options.out = options.out or options.folder
+    return options
+
+
+def main(arguments):
+    """tools/wade table."""
+    options = parse(arguments)
+    ensemble = read_ensemble(options.folder)
+    against = read_ensemble(options.against) if options.against else None
+    comparisons = comparisons_of(ensemble, against)
+    pictures = {}
+    if not options.no_figures:
+        from wade.statistics.figures import draw_curves  # needs matplotlib
+
+        for number, case in enumerate(ensemble.cases, 1):
+            name = "curves.png" if len(ensemble.cases) == 1 else f"curves_{number}.png"
+            draw_curves(case, options.out / name)
+            pictures[case.name] = [(name, f"When it happens: {case.name}")]
+    text = document(
+        f"# Who survives\n\n{HOW}\n\n{left_out_text(ensemble)}",
+        *(case_section(case, options.by, options.width, pictures.get(case.name, ())) for case in ensemble.cases),
+        section("What the second changes", *(comparison_text(*pair, options.by) for pair in comparisons)))
+    try:
+        write_csv(options.out / "table.csv", COLUMNS,
+                  [row for case in ensemble.cases for row in rows_of(case, options.by, options.width)])
+        if comparisons:
+            write_csv(options.out / "compared.csv", COMPARED,
+                      [row for pair in comparisons for row in compared_rows(*pair, options.by)])
+        write_whole(options.out / "table.md", text)
+    except OSError as error:
+        raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error
+    say(text)
+    say(f"{options.out / 'table.csv'}, {options.out / 'table.md'}")
+    return 0
