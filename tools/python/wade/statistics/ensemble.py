@@ -12,6 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from wade import UsageError
+from wade.ensembles.folder import EnsembleFolder, has_all_agents
+from wade.ensembles.plan import read_plan
+from wade.reports.tables import read_csv
 
 # How people are at the end: what each state of agents.csv counts as. A state that is not here counts as itself.
 FATES = {
@@ -73,31 +76,24 @@ class Ensemble:
     left_out: Counter
 
 
-def settings_of(text):
-    return json.loads(text) if text.strip() else {}
-
-
 def planned(folder):
-    """[(run folder, scene, settings, seed)] of plan.csv, but for runs that runs.csv knows as stale; None without a plan."""
-    plan = folder / "plan.csv"
-    if not plan.exists():
+    """[(run folder, scene, settings, seed, why it does not count)] of an ensemble's plan; None without one."""
+    ensemble = EnsembleFolder(folder)
+    if not ensemble.plan.exists():
         return None
-    with open(plan, newline="", encoding="utf-8") as file:
-        try:
-            return [(folder / "runs" / f"{int(row['index']):05d}", row["scene"], settings_of(row["settings"]),
-                     int(row["seed"]) if row["seed"] else None) for row in csv.DictReader(file)]
-        except (KeyError, TypeError, ValueError) as error:
-            raise UsageError(f"{plan}: not a plan; allowed are lines of index,scene,seed,settings ({error})") from error
+    stale = {row["index"] for row in read_csv(ensemble.table) if row["status"] == "stale"} if ensemble.table.exists() else ()
+    return [(ensemble.run(run.index), run.scene, run.settings, run.seed, "stale" if str(run.index) in stale else "")
+            for run in read_plan(ensemble.plan)]
 
 
 def found(folder):
     """The same of run folders anywhere in a folder without a plan; runs of the same scene are one case."""
     folders = sorted(file.parent for file in folder.glob("**/outcome.json"))
-    return [(run, None, {}, None) for run in folders]
+    return [(run, None, {}, None, "") for run in folders]
 
 
-def read_outcome(folder):
-    """(outcome or None, why it does not count)."""
+def read_outcome(folder, seed=None):
+    """(outcome or None, why it does not count) of a run; seed: that of the plan."""
     try:
         outcome = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
     except OSError:
@@ -106,6 +102,10 @@ def read_outcome(folder):
         return None, "outcome.json cut off"
     if outcome.get("status") != "completed":
         return None, str(outcome.get("status"))
+    if seed not in (None, outcome["seed"]):
+        return None, "of another seed"
+    if not has_all_agents(folder, outcome):
+        return None, "agents.csv cut off"
     return outcome, ""
 
 
@@ -147,14 +147,14 @@ def read_ensemble(folder):
         raise UsageError(f"{folder}: there is no such folder")
     listed = planned(folder)
     cases, columns, left_out, seen = {}, {}, Counter(), set()
-    for run_folder, scene, settings, seed in found(folder) if listed is None else listed:
-        outcome, why_not = read_outcome(run_folder)
+    for run_folder, scene, settings, seed, why_not in found(folder) if listed is None else listed:
+        outcome, why_not = (None, why_not) if why_not else read_outcome(run_folder, seed)
         if why_not:
             left_out[why_not] += 1
             continue
         name = outcome["scene"] if scene is None else "/".join(Path(scene.removesuffix(".json")).parts[-2:])
         key = (name, json.dumps(settings, sort_keys=True))
-        seed = outcome["seed"] if seed is None else seed
+        seed = outcome["seed"]
         if (key, seed) in seen:
             left_out["twice the same seed"] += 1
             continue

@@ -13,12 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from wade import UsageError
+from wade.ensembles.plan import scene_name
 from wade.many import seed_range
 from wade.reports.files import say, write_whole
 from wade.reports.options import patterns_of, whole
 from wade.reports.tables import document, markdown, number, section, write_csv
 from wade.run.processes import resolved
-from wade.scenes import find_scene, short_names
+from wade.scenes import find_scene
 from wade.statistics.ensemble import planned, read_outcome
 from wade.statistics.indices import elementary_effects, sobol_indices, sobol_points, trajectories
 from wade.terminal import Parser
@@ -118,16 +119,14 @@ def points_of(options, inputs):
 
 def write_plan(options):
     """plan.csv and design.json of a scene."""
-    name = options.target
-    file = find_scene(name)
+    file = find_scene(options.target)
     scene = resolved(file)
     inputs = read_inputs(options.inputs, scene, options.only)
     silent = why_silent(inputs, scene) if options.inputs == DEFAULT_INPUTS else {}
     inputs = [one for one in inputs if one.name not in silent]
     points = points_of(options, len(inputs))
     seeds = list(options.seeds)
-    own = {short: path for short, path in short_names().items() if path == file}
-    written = next(iter(own), str(Path(file).resolve()))
+    written = scene_name(file)
     rows = []
     for place, point in enumerate(points):
         settings = {pointer: value for one, unit in zip(inputs, point) for pointer, value in one.settings(unit).items()}
@@ -154,8 +153,8 @@ def results_of(folder, design, result):
     if rows is None or len(rows) != len(design["points"]) * len(design["seeds"]):
         raise UsageError(f"{folder / PLAN} is not that of {folder / DESIGN}")
     values = []
-    for run, _, _, _ in rows:
-        outcome, _ = read_outcome(run)
+    for run, _, _, seed, why_not in rows:
+        outcome, _ = (None, why_not) if why_not else read_outcome(run, seed)
         values.append(np.nan if outcome is None else RESULTS[result](outcome))
     return np.array(values).reshape(-1, len(design["seeds"])).mean(axis=1), int(np.isnan(values).sum())
 
@@ -253,7 +252,7 @@ def parse(arguments):
     parser.add_argument("--sobol", type=whole(8, 65536), metavar="N",
                         help="in place of Morris: N points, a power of two; N (inputs + 2) runs")
     parser.add_argument("--repeat", action="store_true", help="N more runs with other seeds, which tell what is chance")
-    parser.add_argument("--seeds", type=seed_range, default=range(1, 2), metavar="A-B", help="of each point [1]")
+    parser.add_argument("--seeds", type=seed_range, default=[1], metavar="A-B", help="of each point [1]")
     parser.add_argument("--design-seed", type=whole(0), default=1, metavar="N", help="of the points [1]")
     parser.add_argument("--result", choices=tuple(RESULTS), default="died", help="what of a run is looked at [died]")
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the plan [runs/sensitivity-<time>/]")

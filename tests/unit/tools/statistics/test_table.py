@@ -1,0 +1,156 @@
+"""What is read of an ensemble's folder, and the table of runs that are made up."""
+
+import contextlib
+import csv
+import io
+import json
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from wade import UsageError
+from wade.reports.tables import read_csv
+from wade.statistics import sensitivity, table, victims
+from wade.statistics.ensemble import classes, read_ensemble
+from wade.statistics.indices import trajectories
+
+HEAD = ("id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,mean_dv_m2_s,state,"
+        "height_m,mean_tau,worst_state,age,skill,start_x_m,start_z_m,off_feet_s")
+SCENE = {"crowd": {"response": "measured", "groups": [{"name": "walkers"}]},
+         "channel": {"flow": "open", "x_min_m": 0, "x_max_m": 100, "z_min_m": 10, "z_max_m": 40, "velocity_m_s": 1.0, "depth_m": 1.0,
+                     "velocity_history": [], "water_blocks": []},
+         "world": {"length_m": 100, "width_m": 50, "ends": "open"}, "obstacles": []}
+
+
+def write_run(folder, seed, arrive, drown, people=20, status="completed"):
+    """A run in which the first arrive, the next drown at (30, 25) and the others walk."""
+    folder.mkdir(parents=True)
+    states = ["arrived"] * arrive + ["drowned"] * drown + ["walking"] * (people - arrive - drown)
+    outcome = {"arrived": "arrived", "drowned": "dead", "walking": "active"}
+    lines = [f"{k},walkers,{outcome[state]},{50 + k if state != 'walking' else 100},30,25,0.2,65,9,1,1,1,1,{state},1.7,0.2,walking,"
+             f"{20 if k % 2 else 70},normal,{10 * k},5,{40 if state == 'drowned' else ''}" for k, state in enumerate(states)]
+    (folder / "agents.csv").write_text("\n".join([HEAD, *lines]) + "\n")
+    (folder / "outcome.json").write_text(json.dumps({
+        "scene": "made_up", "seed": seed, "status": status, "agents": people, "arrived": arrive, "dead": drown,
+        "sim_time_s": 100.0, "states": {"walking": people - arrive - drown, "arrived": arrive, "drowned": drown},
+        "beyond_measured": {"people": 2, "time_s": 8.5}, "warnings": [], "fluid": {"model": "shallow_water"}}))
+    (folder / "manifest.json").write_text(json.dumps({"resolved_scene": {**SCENE, "seed": seed, "name": "made_up"}, "seed": seed,
+                                                      "git_hash": "abc", "version": "1"}))
+
+
+def write_plan(folder, lines):
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / "plan.csv", "w", newline="") as file:
+        csv.writer(file).writerows([("index", "scene", "seed", "settings"), *lines])
+
+
+def ensemble_in(folder, seeds=range(1, 25), drowned=lambda seed: 1 + seed % 4):
+    write_plan(folder, [(seed, "river/s08", seed, "{}") for seed in seeds])
+    for seed in seeds:
+        write_run(folder / "runs" / f"{seed:05d}", seed, 10 + seed % 3, drowned(seed))
+
+
+def quietly(command, *arguments):
+    """What a command prints."""
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        code = command(list(map(str, arguments)))
+    return code, said.getvalue()
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory(prefix="wade-test-")
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+
+    def test_only_complete_runs_count_and_none_twice(self):
+        write_plan(self.folder, [(k, "river/s08", min(k, 5), "{}") for k in range(1, 8)])
+        for k in range(1, 7):
+            write_run(self.folder / "runs" / f"{k:05d}", min(k, 5), 10, 1, status="interrupted" if k == 2 else "completed")
+        with open(self.folder / "runs/00003/agents.csv", "r+") as file:
+            file.truncate(500)
+        (self.folder / "runs.csv").write_text("index,status\n4,stale\n")
+        found = read_ensemble(self.folder)
+        self.assertEqual(found.cases[0].seeds, [1, 5])
+        self.assertEqual(found.left_out, {"interrupted": 1, "agents.csv cut off": 1, "stale": 1, "twice the same seed": 1,
+                                          "not run": 1})
+
+    def test_settings_make_cases_and_folders_without_a_plan_are_read(self):
+        write_plan(self.folder / "a", [(1, "river/s08", 1, '{"/channel/depth_m": 1}'), (2, "river/s08", 1, '{"/channel/depth_m": 2}')])
+        for k in (1, 2):
+            write_run(self.folder / "a/runs" / f"{k:05d}", 1, 10, 1)
+            write_run(self.folder / "b" / f"seed{k}", k, 10, 1)
+        self.assertEqual([case.name for case in read_ensemble(self.folder / "a").cases],
+                         ["river/s08, depth_m 1", "river/s08, depth_m 2"])
+        self.assertEqual(read_ensemble(self.folder / "b").cases[0].seeds, [1, 2])
+        with self.assertRaisesRegex(UsageError, "no complete run"):
+            (self.folder / "empty").mkdir()
+            read_ensemble(self.folder / "empty")
+
+    def test_classes_tell_people_apart(self):
+        ensemble_in(self.folder, range(1, 3))
+        case = read_ensemble(self.folder).cases[0]
+        self.assertEqual([(name, int(who.sum())) for name, who in classes(case, "age")], [("15 to 64", 20), ("65 and over", 20)])
+        self.assertEqual([name for name, _ in classes(case, "start")][:2], ["x 0, z 0", "x 20, z 0"])
+
+    def test_the_table_has_shares_intervals_and_reasons(self):
+        ensemble_in(self.folder)
+        code, said = quietly(table.main, self.folder, "--by", "age", "--no-figures")
+        self.assertEqual(code, 0)
+        rows = {(row["by"], row["class"], row["fate"]): row for row in read_csv(self.folder / "table.csv")}
+        of_all = rows["all", "all", "drowned"]
+        self.assertEqual((of_all["runs"], of_all["people"], of_all["number"]), ("24", "480", "60"))
+        self.assertTrue(float(of_all["low"]) < 0.125 < float(of_all["high"]))
+        self.assertEqual(rows["all", "all", "holding"]["low"], "")
+        self.assertIn("none of 24 runs", rows["all", "all", "holding"]["why_no_interval"])
+        self.assertEqual(rows["age", "65 and over", "arrived"]["people"], "240")
+        self.assertIn("24 runs with 480 people in all: 12.5 %", said)
+
+    def test_pairs_of_two_folders(self):
+        ensemble_in(self.folder / "a")
+        ensemble_in(self.folder / "b", range(3, 25), lambda seed: seed % 4)
+        quietly(table.main, self.folder / "a", "--against", self.folder / "b", "--out", self.folder, "--no-figures")
+        rows = {row["fate"]: row for row in read_csv(self.folder / "compared.csv") if row["by"] == "all"}
+        self.assertEqual(rows["alive"]["pairs"], "22")
+        self.assertAlmostEqual(float(rows["alive"]["difference"]), 0.05)
+        self.assertAlmostEqual(float(rows["alive"]["people_for_one_more"]), 20)
+        with self.assertRaisesRegex(UsageError, "no seed in common"):
+            ensemble_in(self.folder / "c", range(90, 92))
+            quietly(table.main, self.folder / "a", "--against", self.folder / "c", "--no-figures", "--out", self.folder)
+
+    def test_the_search_begins_where_they_drowned(self):
+        ensemble_in(self.folder)
+        code, said = quietly(victims.main, self.folder)
+        self.assertEqual(code, 0)
+        self.assertEqual(read_csv(self.folder / "victims.csv")[0]["x_m"], "30")
+        self.assertIn("60 dead, 0 missing", said)
+        self.assertTrue((self.folder / "victims.png").exists())
+        _, said = quietly(victims.main, self.folder, "--drift-s", "15", "--out", self.folder / "d")
+        self.assertEqual(read_csv(self.folder / "d/victims.csv")[0]["x_m"], "10", "15 s downstream at 1 m/s")
+
+
+class Sensitivity(unittest.TestCase):
+    def test_runs_that_are_there_are_told_and_missing_ones_are_counted(self):
+        with tempfile.TemporaryDirectory(prefix="wade-test-") as name:
+            folder = Path(name)
+            ways = trajectories(2, 6, 1)
+            points = ways.reshape(-1, 2)
+            write_plan(folder, [(k + 1, "river/s08", 1, "{}") for k in range(len(points))])
+            inputs = [{"name": name, "set": ["/x"], "min": 0, "max": 1, "range": "0 to 1", "source": "here"} for name in "ab"]
+            (folder / "design.json").write_text(json.dumps({"kind": "morris", "count": 6, "scene": "river/s08", "seeds": [1],
+                                                            "repeated": False, "inputs": inputs, "left_out": {},
+                                                            "points": points.tolist()}))
+            for k, point in enumerate(points[:-1]):
+                write_run(folder / "runs" / f"{k + 1:05d}", 1, 10, round(9 * point[0]))
+            self.assertEqual(quietly(sensitivity.main, folder)[0], 1)
+            write_run(folder / "runs" / f"{len(points):05d}", 1, 10, round(9 * points[-1][0]))
+            self.assertEqual(quietly(sensitivity.main, folder)[0], 0)
+            rows = {row["input"]: float(row["mu_star"]) for row in read_csv(folder / "sensitivity.csv")}
+            np.testing.assert_allclose((rows["a"], rows["b"]), (9 / 20, 0), atol=1e-9)
+
+
+if __name__ == "__main__":
+    unittest.main()
