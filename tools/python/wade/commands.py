@@ -55,6 +55,7 @@ COMMANDS = {
     "Say what came out": (
         Command("table", "who arrives, stands, is carried, drowns, with honest intervals", "wade.statistics.table",
                 pictures=True),
+        Command("report", "a page for who decides: numbers, maps, what was assumed", "wade.statistics.page", pictures=True),
         Command("victims", "where to search: map of the last places over all runs", "wade.statistics.victims", pictures=True),
         Command("sensitivity", "which inputs decide who survives: Morris, then Sobol", "wade.statistics.sensitivity",
                 ("crowd_client",)),

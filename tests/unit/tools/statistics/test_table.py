@@ -4,6 +4,7 @@ import contextlib
 import csv
 import io
 import json
+import re
 import tempfile
 import unittest
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 
 from wade import UsageError
 from wade.reports.tables import read_csv
-from wade.statistics import sensitivity, table, victims
+from wade.statistics import page, sensitivity, table, victims
 from wade.statistics.ensemble import classes, read_ensemble
 from wade.statistics.indices import trajectories
 
@@ -130,6 +131,18 @@ class Folder(unittest.TestCase):
         self.assertTrue((self.folder / "victims.png").exists())
         _, said = quietly(victims.main, self.folder, "--drift-s", "15", "--out", self.folder / "d")
         self.assertEqual(read_csv(self.folder / "d/victims.csv")[0]["x_m"], "10", "15 s downstream at 1 m/s")
+
+
+    def test_the_page_holds_its_pictures_and_says_what_is_beyond(self):
+        ensemble_in(self.folder / "a")
+        ensemble_in(self.folder / "b", drowned=lambda seed: seed % 4)
+        quietly(page.main, self.folder / "a", "--against", self.folder / "b", "--title", "A <b> town")
+        text = (self.folder / "a/report.html").read_text()
+        self.assertIn("A &lt;b&gt; town", text)
+        self.assertEqual(re.findall(r'(?:src|href)="(?!data:image/png;base64,)[^"]*"', text), [], "nothing from elsewhere")
+        self.assertEqual(text.count("data:image/png"), 2)
+        for words in ("<b>12.5 of 100</b>die", "10 % of the people (48 of 480)", "about 55 arrive in safety", "20 ("):
+            self.assertIn(words, text)
 
 
 class Sensitivity(unittest.TestCase):

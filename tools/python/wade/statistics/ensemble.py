@@ -25,11 +25,11 @@ FATES = {
     "drowned": "drowned", "dead": "swept away",
 }
 ALWAYS = ("arrived", "on their feet", "holding", "carried", "drowned")  # columns of each table; others only if they occur
-DEATHS = ("drowned", "swept away")
+MISSING = ("carried", "holding")  # to be looked for, though not dead
 AGE_CLASSES = ((15, "under 15"), (65, "15 to 64"), (200, "65 and over"))  # those of the United Nations' tables
 SQUARE_M = 20  # side of a place where people start
-PEOPLE = ("group", "outcome", "time_s", "x_m", "z_m", "state")
-OLDER = ("age", "skill", "start_x_m", "start_z_m", "off_feet_s")  # agents.csv has had these for a shorter time
+PEOPLE = ("group", "outcome", "time_s", "x_m", "z_m", "state", "max_depth_m")
+OLDER = ("age", "skill", "worst_state", "start_x_m", "start_z_m", "off_feet_s")  # agents.csv has had these for a shorter time
 
 
 @dataclass
@@ -132,11 +132,12 @@ def numbers(texts):
 
 def arrays(columns):
     """Columns as arrays, with `fate` and `dead`."""
-    people = {name: numbers(columns[name]) for name in ("time_s", "x_m", "z_m", "age", "start_x_m", "start_z_m", "off_feet_s")}
+    people = {name: numbers(columns[name]) for name in ("time_s", "x_m", "z_m", "max_depth_m", "age", "start_x_m", "start_z_m", "off_feet_s")}
     people |= {name: np.array(columns[name], dtype=object) for name in ("group", "skill", "outcome", "state")}
     people["run"] = np.array(columns["run"], dtype=int)
     people["fate"] = np.array([FATES.get(state, state) for state in columns["state"]], dtype=object)
     people["dead"] = people["outcome"] == "dead"
+    people["skill"][np.array(columns["worst_state"]) == ""] = ""  # who has a given tau has no use for it
     return people
 
 
@@ -200,6 +201,11 @@ def classes(case, by):
 
 def _number_first(name):
     return [float(word) for word in name.replace(",", "").split() if word.lstrip("-").isdigit()]
+
+
+def has_feet(case):
+    """Whether somebody lost the feet, which only people can who answer the water by their bodies."""
+    return bool((~np.isnan(case.people["off_feet_s"])).any())
 
 
 def fates_of(case):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from wade.reports.plots import COLOURS, panels, save
+from wade.statistics.ensemble import has_feet
 from wade.statistics.times import Lives, fn_curve, incidences, staying
 
 MOST_POINTS = 2000  # of a drawn curve
@@ -32,11 +33,6 @@ def draw_curve(axes, curve, end, label, index):
         axes.fill_between(times, held(curve.low), held(curve.high), step="post", color=COLOURS[index], alpha=0.18, linewidth=0)
 
 
-def has_feet(case):
-    """Whether people answer the water by their bodies, so that they can lose their feet without dying."""
-    return bool((~np.isnan(case.people["off_feet_s"])).any())
-
-
 def draw_curves(case, file):
     """curves.png: cumulative incidences, who is still on the feet, FN curve; each with n."""
     end = max(run.outcome["sim_time_s"] for run in case.runs)
@@ -57,6 +53,7 @@ def draw_curves(case, file):
         axes[1].set(title="On their feet (Aalen-Johansen, Kaplan-Meier)", xlabel="time, s", ylim=(-2, 102))
         axes[1].legend(fontsize=7.5)
     draw_fn(axes[-1], case)
+    figure.subplots_adjust(wspace=0.28)
     band = "band: 95 %, runs resampled" if ends[1].low is not None else "no bands: fewer than 10 runs"
     figure.text(0.5, -0.03, f"{case.name}: {len(case.runs)} runs, {len(case.people['run'])} people; {band}", ha="center", fontsize=8)
     save(figure, file)

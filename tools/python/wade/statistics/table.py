@@ -12,7 +12,7 @@ from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0, some_of
 from wade.reports.tables import document, markdown, section, write_csv
-from wade.statistics.ensemble import BY, DEATHS, classes, fates_of, read_ensemble
+from wade.statistics.ensemble import BY, classes, fates_of, read_ensemble
 from wade.statistics.shares import FIRST_LOOK, compared, runs_needed, share_of, share_of_runs
 from wade.statistics.times import fn_curve
 from wade.terminal import Parser
@@ -221,11 +221,6 @@ def case_section(case, bys, width, pictures):
     return section(case.name, deaths_line(case), *(class_table(case, by) for by in bys),
                    section("Are there enough runs?", stop_text(case, width), level=3),
                    section("Many at once", fn_text(case), level=3), figures)
-
-
-def _dead_words(case):
-    """The fates that are deaths here."""
-    return [fate for fate in DEATHS if (case.people["fate"] == fate).any()]
 
 
 def parse(arguments):

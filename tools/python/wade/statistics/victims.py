@@ -13,13 +13,12 @@ from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0
 from wade.reports.tables import document, markdown, read_csv, section, write_csv
-from wade.statistics.ensemble import read_ensemble
+from wade.statistics.ensemble import MISSING, read_ensemble
 from wade.statistics.last_places import SQUARE_M, density_of, drift, search_order, start_drift
 from wade.statistics.table import percent
 from wade.terminal import Parser
 
 HELD = (0.5, 0.9)
-MISSING = ("carried", "holding")
 CELL_M = 2.0        # of the stream that people felt
 FAR_M = 5.0         # from such a cell nothing is known of the water
 STEP_S = 0.5

@@ -1,0 +1,348 @@
+"""A page for who decides: what was run, who survives and how sure that is, where to search, what was assumed.
+
+Reads what `tools/wade many` wrote, or any folder with run folders in it; writes one HTML file with its pictures inside, which
+can be sent, printed, read in any browser. It explains its words; nothing in it needs this program.
+"""
+
+import base64
+import html
+import re
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from wade import UsageError
+from wade.reports.files import say, write_whole
+from wade.reports.tables import listed
+from wade.statistics.ensemble import MISSING, classes, fates_of, has_feet, read_ensemble
+from wade.statistics.last_places import SQUARE_M, density_of, search_order
+from wade.statistics.shares import share_of, share_of_runs
+from wade.statistics.table import comparisons_of, compare, percent, refusal_words, stop_text
+from wade.terminal import Parser
+
+COLOURS = {"arrived": "#009e73", "on their feet": "#56b4e9", "holding": "#e69f00", "carried": "#d55e00", "drowned": "#16161a",
+           "swept away": "#5a5a60"}
+OTHERS = ("#cc79a7", "#332288", "#999933")  # of fates that only some scenes have
+WORDS = {
+    "arrived": "reached the place to which they were going",
+    "on their feet": "still stand or walk when the simulated time ends",
+    "holding": "lie in the water and hold on to a rope, a line or another person",
+    "carried": "have lost their feet and are carried by the water when the simulated time ends",
+    "drowned": "were under water for longer than their air lasted",
+    "swept away": "were carried over the downstream end, where the simulation loses sight of them; counted as dead",
+}
+BY = {"group": "By group", "age": "By age", "skill": "By how well they brace themselves against the water"}
+ENOUGH = 20  # runs
+STYLE = """
+body{font:16px/1.5 system-ui,sans-serif;color:#2a2a2e;max-width:60rem;margin:2rem auto;padding:0 1rem}
+h1{font-size:1.7rem;line-height:1.2;margin-bottom:.3rem}h2{font-size:1.2rem;margin-top:2.2rem;border-bottom:1px solid #d8d8dc}
+h3{font-size:1rem;margin:1.4rem 0 .3rem}.small{font-size:.85rem;color:#5a5a60}img{max-width:100%}
+.tiles{display:flex;flex-wrap:wrap;gap:.8rem;margin:1rem 0}.tile{flex:1 1 11rem;border:1px solid #d8d8dc;border-radius:.4rem;padding:.7rem}
+.tile b{display:block;font-size:1.6rem;line-height:1.2}table{border-collapse:collapse;font-size:.9rem;margin:.6rem 0}
+td,th{padding:.25rem .6rem;border-bottom:1px solid #e4e4e8;text-align:right;vertical-align:top}td:first-child,th:first-child{text-align:left}
+td.l,th.l{text-align:left}.bar{display:flex;height:1.3rem;width:100%;min-width:14rem}.bar i{display:block;height:100%}
+.key{display:inline-block;width:.8rem;height:.8rem;margin:0 .3rem 0 .8rem;vertical-align:-.1rem}.warn{background:#fdf3e1;padding:.6rem 1rem;
+border-left:4px solid #e69f00}@media print{h2{break-after:avoid}img,table{break-inside:avoid}}
+"""
+
+
+def text(words):
+    return html.escape(str(words))
+
+
+def picture(file, words):
+    """An image with its bytes inside."""
+    data = base64.b64encode(file.read_bytes()).decode()
+    return f'<figure style="margin:0"><img alt="{text(words)}" src="data:image/png;base64,{data}"></figure>'
+
+
+def table(head, rows, left=(0,)):
+    """An HTML table; cells are HTML."""
+
+    def row(cells, tag):
+        return "<tr>" + "".join(f'<{tag}{" class=l" if k in left else ""}>{cell}</{tag}>' for k, cell in enumerate(cells)) + "</tr>"
+
+    return f"<table>{row(head, 'th')}{''.join(row(cells, 'td') for cells in rows)}</table>"
+
+
+def colour_of(fate, fates):
+    others = [one for one in fates if one not in COLOURS]
+    return COLOURS.get(fate) or OTHERS[others.index(fate) % len(OTHERS)]
+
+
+def in_hundred(share):
+    """"16.6 of 100 (14.6 to 18.9)", or why there is no interval."""
+    if share.people == 0:
+        return "nobody"
+    if share.low is None:
+        return f"{percent(share.mean)} of 100"
+    return f"{percent(share.mean)} of 100 ({percent(share.low)} to {percent(share.high)})"
+
+
+def share_where(case, chosen, here=None):
+    here = np.ones(len(chosen), bool) if here is None else here
+    return share_of(case.counts(here & chosen).tolist(), case.counts(here).tolist())
+
+
+def is_missing(case):
+    return np.isin(case.people["fate"].astype(str), MISSING)
+
+
+def tiles(case):
+    """The three numbers that matter."""
+    people, size = case.people, np.bincount(case.people["run"])
+    dead = case.counts(people["dead"])
+    cells = []
+    for words, chosen in (("arrive in safety", people["outcome"] == "arrived"), ("die", people["dead"]),
+                          ("are carried or hold on when the time ends", is_missing(case))):
+        share = share_where(case, chosen)
+        note = "" if share.low is not None else f'<br><span class="small">No range: {text(refusal_words(share))}.</span>'
+        head, _, more = in_hundred(share).partition(" (")
+        cells.append(f'<div class="tile"><b>{head}</b>{words}{f"<br>likely {text(more[:-1])}" if more else ""}{note}</div>')
+    low, high = share_of_runs(int((dead > 0).sum()), len(dead))
+    cells.append(f'<div class="tile"><b>{dead.min()} to {dead.max()}</b>dead of {size.max()} people, from run to run<br>'
+                 f'<span class="small">{int((dead > 0).sum())} of {len(dead)} runs have any (likely {percent(low)} to '
+                 f"{percent(high)} % of all floods like this)</span></div>")
+    return f'<div class="tiles">{"".join(cells)}</div>'
+
+
+def first_words(case):
+    """The answer in two sentences."""
+    people = case.people
+    ways = {"arrive in safety": people["outcome"] == "arrived", "die": people["dead"],
+            "are carried by the water or hold on to something when the time ends": is_missing(case)}
+    ways["are still on their way then"] = ~np.logical_or.reduce(list(ways.values()))
+    shares = {words: 100 * share_where(case, chosen).mean for words, chosen in ways.items()}
+    told = [f"{'none' if share == 0 else 'less than 1' if share < 1 else f'about {share:.0f}'} {words}" for words, share in shares.items()
+            if share > 0 or words in ("arrive in safety", "die")]
+    end = max(run.outcome["sim_time_s"] for run in case.runs)
+    return (f"<p>Of 100 people {listed(told)}, after {end:.0f} seconds at most. This is the mean of {len(case.runs)} simulated runs that differ only by "
+            "chance: in who the people are and in which way each of them steps.</p>")
+
+
+def bars(case):
+    """Stacked bars of who ended how, by classes, with their numbers."""
+    fates, parts = fates_of(case), []
+    seen = [fate for fate in fates if (case.people["fate"] == fate).any()]
+    key = "".join(f'<span class="key" style="background:{colour_of(fate, fates)}"></span>{text(fate)}' for fate in seen)
+    for by, title in BY.items():
+        kinds = classes(case, by)
+        if len(kinds) < 2:
+            continue
+        rows = []
+        for name, here in kinds:
+            strip = "".join(f'<i style="width:{100 * share_where(case, case.people["fate"] == fate, here).mean:.2f}%;background:'
+                            f'{colour_of(fate, fates)}"></i>' for fate in seen)
+            numbers = [in_hundred(share_where(case, chosen, here))
+                       for chosen in (case.people["outcome"] == "arrived", case.people["dead"])]
+            rows.append([text(name), f'<div class="bar">{strip}</div>', *numbers, int(here.sum())])
+        parts.append(f"<h3>{title}</h3>" + table(["", "how they end", "arrive", "die", "people, all runs"], rows, (0, 1)))
+    if not parts:
+        rows = [[text(fate), in_hundred(share_where(case, case.people["fate"] == fate))] for fate in seen]
+        return table(["", "share"], rows)
+    return f'<p class="small">{key}</p>' + "".join(parts)
+
+
+def glossary(case):
+    rows = [[text(fate), text(WORDS.get(fate, "a state of the program's own")) + "."] for fate in fates_of(case)
+            if (case.people["fate"] == fate).any()]
+    return table(["word", "they ..."], rows, (0, 1))
+
+
+def spread(value, unit=""):
+    """A number or a range of the scene in words."""
+    if isinstance(value, dict):
+        return f"{value['min']:g} to {value['max']:g}{unit}"
+    return f"{value:g}{unit}" if isinstance(value, (int, float)) else str(value)
+
+
+def of_groups(scene, key, unit=""):
+    """What the groups have for a key, each once."""
+    crowd = scene["crowd"]
+    values = [group.get(key, crowd.get(key)) for group in crowd.get("groups", [])]
+    return ", ".join(dict.fromkeys(spread(value, unit) for value in values if value is not None)) or "-"
+
+
+def assumed(case):
+    """What was put in, as a table."""
+    manifest = case.manifest()
+    scene, run = manifest["resolved_scene"], case.runs[0]
+    world, crowd = scene["world"], scene["crowd"]
+    rows = [["place", f"{world['length_m']:g} x {world['width_m']:g} m, {len(scene.get('obstacles') or [])} obstacles"]]
+    channel = scene.get("channel")
+    if scene.get("place"):
+        houses = len(scene["place"].get("houses") or [])
+        rows.append(["ground", f"a map, with {houses} houses; water from the sources of the scene"])
+    elif channel:
+        depth = f"{channel['depth_m']:g} m deep, " if "depth_m" in channel else ""
+        rows.append(["water", f"{depth}{channel['velocity_m_s']:g} m/s asked for"])
+    fluid = run.outcome.get("fluid") or {}
+    met = case.people.get("max_depth_m")
+    if met is not None and np.isfinite(met).any():
+        rows.append(["water that people met", f"up to {np.nanmax(met):.1f} m deep"])
+    rows.append(["how the water is computed", fluid.get("model", "-")])
+    by_body = crowd.get("response") == "measured"
+    rows.append(["how people answer the water", "by their bodies, as measured in flumes" if by_body else
+                 "by a given endurance tau of the paper, 0 not moved to 1 carried; it is not measured"])
+    rows += [["people", f"{run.outcome['agents']} a run, {len(crowd['groups'])} groups"],
+             ["age, height, mass", "; ".join((of_groups(scene, "age", " years"), of_groups(scene, "height_m", " m"),
+                                              of_groups(scene, "mass_kg", " kg")))],
+             ["walking speed on dry ground", of_groups(scene, "desired_speed_m_s", " m/s")]]
+    if by_body:
+        rows += [["bracing", of_groups(scene, "skill")], ["walking in water", str(crowd.get("walking_in_water", "-"))]]
+    end = max(one.outcome["sim_time_s"] for one in case.runs)
+    rows += [["simulated time", f"up to {end:.0f} s"], ["runs", f"{len(case.runs)}, seeds {min(case.seeds)} to {max(case.seeds)}"],
+             ["program", f"Wade {manifest.get('version', '')}, commit {manifest.get('git_hash', '-')}"]]
+    return table(["", ""], [[text(name), text(value)] for name, value in rows], (0, 1))
+
+
+def beyond(case):
+    """What lies outside of what was measured, as a list."""
+    outcomes, people = [run.outcome for run in case.runs], len(case.people["run"])
+    lines = []
+    counted = [outcome["beyond_measured"] for outcome in outcomes if outcome.get("beyond_measured")]
+    if counted:
+        number, time = sum(one["people"] for one in counted), sum(one["time_s"] for one in counted)
+        lines.append(
+            f"{100 * number / people:.0f} % of the people ({number} of {people}) strained against water shallower than 0.2 m or deeper "
+            f"than 1.2 m while on their feet, for {f'{time / number:.1f} s' if time > 0.1 * number else 'less than 0.1 s'} each on average. People were measured between these depths; "
+            "beyond them the same equations are continued.")
+    else:
+        lines.append("People answer the water by a given endurance, which is a number of a paper and no measurement.")
+    warnings = {}
+    for outcome in outcomes:
+        for kind, warning in {re.sub(r"[\d.]+", "0", warning): warning for warning in outcome.get("warnings", [])}.items():
+            warnings.setdefault(kind, []).append(warning)
+    lines += [f"The program warned in {len(of_kind)} of {len(outcomes)} runs, for example: {of_kind[0]}" for of_kind in warnings.values()]
+    lines += [
+        "Chance is in who the people are and how they walk. That the flood itself could be other than assumed is not in the ranges "
+        "on this page; a sensitivity study tells that.",
+        "Children are computed as small adults. Panic, debris, vehicles, clothes and help from outside are not in it unless the scene "
+        "has them.",
+        "Drowning is a time without air, 60 s unless the water's temperature is given; injuries and cold afterwards are not counted."]
+    return "<ul>" + "".join(f"<li>{text(line)}</li>" for line in lines) + "</ul>"
+
+
+def stays_in_words(case):
+    if len(case.runs) < ENOUGH:
+        return (f'<p class="warn">There are only {len(case.runs)} runs. Ranges need 10 at least, and a decision should rest on '
+                f"{ENOUGH} or more.</p>")
+    lines = [line[2:] for line in stop_text(case, 0.1).splitlines() if "more runs" in line]
+    return f'<p class="warn">For ranges at most 10 of 100 wide: {text("; ".join(lines))}.</p>' if lines else ""
+
+
+def draw_all(case, folder):
+    """The pictures of a case, {name: file or None}."""
+    from wade.pictures.figure import draw as draw_run
+    from wade.pictures.run_files import RunError
+    from wade.statistics.figures import draw_curves
+    from wade.statistics.victims import draw as draw_map
+    from wade.statistics.victims import sought
+
+    files = {"curves": folder / "curves.png", "run": None, "search": None}
+    draw_curves(case, files["curves"])
+    with_paths = next((run for run in case.runs if (run.folder / "trajectories.sqlite").exists()), None)
+    if with_paths:
+        try:
+            draw_run(with_paths.folder, None, folder / "run.png", 1200)
+            files["run"] = folder / "run.png", with_paths.seed
+        except (RunError, OSError, KeyError):
+            pass
+    scene = case.manifest()["resolved_scene"]
+    x, z, _, _, over = sought(case, scene)
+    if len(x):
+        density = density_of(x, z, scene["world"]["length_m"], scene["world"]["width_m"])
+        draw_map(scene, density, x, z, f"{len(x)} people of {len(case.runs)} runs", folder / "search.png")
+        files["search"] = folder / "search.png", [density.area(held) for held in (0.5, 0.9)], over, search_order(density)
+    return files
+
+
+def case_html(case, level_title, changes):
+    """All of a case; changes: what a second one changes, as HTML."""
+    with tempfile.TemporaryDirectory(prefix="wade-report-") as name:
+        files = draw_all(case, Path(name))
+        parts = [f"<h2>{text(level_title)}</h2>" if level_title else "", first_words(case), tiles(case), stays_in_words(case)]
+        parts += ["<h2>What the change brings</h2>", changes] if changes else []
+        if files["run"]:
+            parts += ["<h2>One of the runs</h2>", picture(files["run"][0], "map of one run"),
+                      f'<p class="small">Seen from above, the run with seed {files["run"][1]}. The water flows to the left unless the '
+                      "map shows otherwise. The other runs look alike but not the same.</p>"]
+        parts += ["<h2>Who</h2>", bars(case), "<h2>When</h2>", picture(files["curves"], "curves over time"),
+                  '<p class="small">Left: how many have arrived and died by each time.'
+                  + (" Middle: how many have been taken off their feet, and have arrived without that; green, of those still under way, "
+                     "who has never been." if has_feet(case) else "")
+                  + " Right: in how many of the runs a number N of people or more die. Shaded, and bars: the range in which the true value lies with 95 %, at each point by itself."
+                  "</p>"]
+        if files["search"]:
+            file, areas, over, rows = files["search"]
+            squares = table(["", "x, m", "z, m", "expected there", "so far"], [
+                [k, f"{x:g} to {x + SQUARE_M:g}", f"{z:g} to {z + SQUARE_M:g}", f"{percent(share)} of 100", f"{percent(so_far)} of 100"]
+                for k, (x, z, share, so_far, _) in enumerate(rows[:5], 1)], ())
+            lost = f" {over} people, of all runs, went over the downstream end and are not on it." if over else ""
+            parts += ["<h2>Where to search</h2>", picture(file, "map of last places"),
+                      f"<p>Half of those who are dead or missing are expected within {areas[0]:,.0f} m², nine of ten within "
+                      f"{areas[1]:,.0f} m² (the inner and the outer line).{lost} Search first, in this order:</p>", squares]
+        parts += ["<h2>What was assumed</h2>", assumed(case), "<h2>What lies outside of what is known</h2>", beyond(case),
+                  "<h2>What the words mean</h2>", glossary(case)]
+    return "".join(parts)
+
+
+def comparison_html(first, second):
+    """What the second changes, of all people."""
+    rows = []
+    for _, fate, result in compare(first, second, "all"):
+        if fate not in ("alive", "arrived", "carried", "drowned", "swept away") or result.first == result.second == 0:
+            continue
+        interval = "no range: " + result.refused if result.low is None else f"{100 * result.low:+.1f} to {100 * result.high:+.1f}"
+        per = "" if result.per_low is None else f"{result.per:.3g} ({result.per_low:.3g} to {result.per_high:.3g})"
+        rows.append([text(fate), f"{percent(result.first)} of 100", f"{percent(result.second)} of 100",
+                     f"{100 * result.difference:+.1f}", text(interval), per if fate in ("alive", "arrived") else ""])
+    return (f"<p>First: {text(first.name)}, {text(first.runs[0].folder.parent)}. Second: {text(second.name)}, "
+            f"{text(second.runs[0].folder.parent)}. Both with the same people, seed by seed.</p>"
+            + table(["", "first", "second", "change, of 100", "likely", "people needed for one more"], rows)
+            + '<p class="small">People needed for one more: so many people have to be warned, or protected, so that one more of them '
+            "ends so. It is left out where the change may be nothing.</p>")
+
+
+def page(ensemble, comparisons, title):
+    """The page."""
+    several = len(ensemble.cases) > 1
+    changes = "".join(comparison_html(*pair) for pair in comparisons)
+    left = "; ".join(f"{number} {words}" for words, number in ensemble.left_out.items())
+    warn = f'<p class="warn">Runs that are not counted: {text(left)}.</p>' if left else ""
+    runs = sum(len(case.runs) for case in ensemble.cases)
+    body = "".join(case_html(case, case.name if several else "", changes if case is ensemble.cases[0] else "")
+                   for case in ensemble.cases)
+    how = ("<p>Each run is a simulation of the whole flood with all people. <b>Likely</b> ranges hold the true mean of this model with "
+           "95 %; they come from the differences between runs, since the people of one run share its water. No range is given where it "
+           "would not hold. Numbers are of the model: how near it is to people and floods is the matter of the sections on what was "
+           "assumed and what is not known.</p>")
+    return (f'<!doctype html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+            f"<title>{text(title)}</title><style>{STYLE}</style></head><body><h1>{text(title)}</h1>"
+            f'<p class="small">{runs} simulated runs</p>{warn}{body}'
+            f"<h2>How to read the numbers</h2>{how}</body></html>\n")
+
+
+def parse(arguments):
+    parser = Parser("report", __doc__, "Exit code: 0, or 2 for bad usage or a folder without complete runs.")
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of an ensemble")
+    parser.add_argument("--against", type=Path, metavar="DIR2", help="a second ensemble, of the same seeds: what it changes")
+    parser.add_argument("--title", metavar="TEXT", help="of the page [Who survives: the scene]")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="the page [DIR/report.html]")
+    return parser.parse_args(arguments)
+
+
+def main(arguments):
+    """tools/wade report."""
+    options = parse(arguments)
+    ensemble = read_ensemble(options.folder)
+    against = read_ensemble(options.against) if options.against else None
+    title = options.title or f"Who survives: {', '.join(dict.fromkeys(case.scene for case in ensemble.cases))}"
+    out = options.out or options.folder / "report.html"
+    try:
+        write_whole(out, page(ensemble, comparisons_of(ensemble, against), title))
+    except OSError as error:
+        raise UsageError(f"--out: cannot write {out}: {error.strerror}") from error
+    say(out)
+    return 0
