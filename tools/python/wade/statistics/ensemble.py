@@ -28,7 +28,8 @@ ALWAYS = ("arrived", "on their feet", "holding", "carried", "drowned")  # column
 MISSING = ("carried", "holding")  # to be looked for, though not dead
 AGE_CLASSES = ((15, "under 15"), (65, "15 to 64"), (200, "65 and over"))  # those of the United Nations' tables
 SQUARE_M = 20  # side of a place where people start
-PEOPLE = ("group", "outcome", "time_s", "x_m", "z_m", "state", "max_depth_m")
+NUMBERS = ("time_s", "x_m", "z_m", "max_depth_m", "age", "start_x_m", "start_z_m", "off_feet_s")  # of agents.csv
+TEXTS = ("group", "outcome", "state", "skill", "worst_state")
 OLDER = ("age", "skill", "worst_state", "start_x_m", "start_z_m", "off_feet_s")  # agents.csv has had these for a shorter time
 
 
@@ -109,35 +110,23 @@ def read_outcome(folder, seed=None):
     return outcome, ""
 
 
-def read_people(file, run, columns):
-    """Adds the rows of an agents.csv to lists by column."""
+def read_people(file, words):
+    """The columns of an agents.csv as arrays, with `fate` and `dead`; words: each text once, for the memory's sake."""
     with open(file, newline="", encoding="utf-8") as text:
         rows = csv.reader(text)
         head = next(rows, [])
-        missing = [name for name in PEOPLE if name not in head]
-        if missing:
-            raise UsageError(f"{file}: no column {missing[0]}")
-        places = [(name, head.index(name) if name in head else None) for name in (*PEOPLE, *OLDER)]
-        count = 0
-        for row in rows:
-            count += 1
-            for name, place in places:
-                columns[name].append("" if place is None else row[place])
-    columns["run"] += [run] * count
-
-
-def numbers(texts):
-    return np.array([float(text) if text else np.nan for text in texts])
-
-
-def arrays(columns):
-    """Columns as arrays, with `fate` and `dead`."""
-    people = {name: numbers(columns[name]) for name in ("time_s", "x_m", "z_m", "max_depth_m", "age", "start_x_m", "start_z_m", "off_feet_s")}
-    people |= {name: np.array(columns[name], dtype=object) for name in ("group", "skill", "outcome", "state")}
-    people["run"] = np.array(columns["run"], dtype=int)
-    people["fate"] = np.array([FATES.get(state, state) for state in columns["state"]], dtype=object)
+        columns = {**dict.fromkeys(head, ()), **dict(zip(head, zip(*rows)))}
+    missing = [name for name in (*NUMBERS, *TEXTS) if name not in (*columns, *OLDER)]
+    if missing:
+        raise UsageError(f"{file}: no column {missing[0]}")
+    count = len(columns["state"])
+    nothing = ("",) * count
+    people = {name: np.array([float(one) if one else np.nan for one in columns.get(name, nothing)]) for name in NUMBERS}
+    for name in TEXTS:
+        people[name] = np.array([words.setdefault(one, one) for one in columns.get(name, nothing)], dtype=object)
+    people["fate"] = np.array([FATES.get(state, state) for state in people["state"]], dtype=object)
     people["dead"] = people["outcome"] == "dead"
-    people["skill"][np.array(columns["worst_state"]) == ""] = ""  # who has a given tau has no use for it
+    people["skill"][people["worst_state"] == ""] = ""  # who has a given tau has no use for it
     return people
 
 
@@ -147,7 +136,7 @@ def read_ensemble(folder):
     if not folder.is_dir():
         raise UsageError(f"{folder}: there is no such folder")
     listed = planned(folder)
-    cases, columns, left_out, seen = {}, {}, Counter(), set()
+    cases, people, left_out, seen, words = {}, {}, Counter(), set(), {}
     for run_folder, scene, settings, seed, why_not in found(folder) if listed is None else listed:
         outcome, why_not = (None, why_not) if why_not else read_outcome(run_folder, seed)
         if why_not:
@@ -161,14 +150,15 @@ def read_ensemble(folder):
             continue
         seen.add((key, seed))
         case = cases.setdefault(key, Case(name, settings))
-        of_case = columns.setdefault(key, {name: [] for name in (*PEOPLE, *OLDER, "run")})
-        read_people(run_folder / "agents.csv", len(case.runs), of_case)
+        of_run = read_people(run_folder / "agents.csv", words)
+        people.setdefault(key, []).append({**of_run, "run": np.full(len(of_run["dead"]), len(case.runs))})
         case.runs.append(Run(run_folder, seed, outcome))
     if not cases:
         why = ", ".join(f"{number} {words}" for words, number in left_out.items())
         raise UsageError(f"{folder}: no complete run in it{f' ({why})' if why else ''}")
     for key, case in cases.items():
-        case.people = arrays(columns[key])
+        parts = people.pop(key)
+        case.people = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return Ensemble(folder, list(cases.values()), left_out)
 
 

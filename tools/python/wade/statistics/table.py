@@ -24,6 +24,7 @@ COMPARED = ("first,second,by,class,fate,pairs,people,share_first,share_second,di
 HOW = """Intervals are of 95 %, over runs and never over people: Wilson's, with the design effect of the runs and Student's t of their
 number. The people of a run share its water, so that a thousand people in one run are one case. Why a cell has no interval stands below
 the table; the share of runs is exact (Clopper and Pearson)."""
+MOST_CASES = 12  # with a section and a figure each; more stand in one table
 EPILOG = """Exit code: 0, or 2 for bad usage or a folder without complete runs."""
 
 
@@ -223,6 +224,17 @@ def case_section(case, bys, width, pictures):
                    section("Many at once", fn_text(case), level=3), figures)
 
 
+def cases_table(cases):
+    """A line a case, of plans with many settings."""
+    fates, notes = list(dict.fromkeys(fate for case in cases for fate in fates_of(case))), Notes()
+    lines = []
+    for case in cases:
+        of_fate = shares_of(case, "all")[0][1]
+        cells = [in_words(of_fate[fate][2], notes) if fate in of_fate else "-" for fate in fates]
+        lines.append([case.name, len(case.runs), len(case.people["run"]), *cells])
+    return section("All cases", markdown(["", "runs", "people", *fates], lines), notes.text())
+
+
 def parse(arguments):
     parser = Parser("table", __doc__, EPILOG)
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of an ensemble")
@@ -246,7 +258,8 @@ def main(arguments):
     against = read_ensemble(options.against) if options.against else None
     comparisons = comparisons_of(ensemble, against)
     pictures = {}
-    if not options.no_figures:
+    apart = len(ensemble.cases) <= MOST_CASES
+    if apart and not options.no_figures:
         from wade.statistics.figures import draw_curves  # needs matplotlib
 
         for number, case in enumerate(ensemble.cases, 1):
@@ -255,8 +268,9 @@ def main(arguments):
             pictures[case.name] = [(name, f"When it happens: {case.name}")]
     text = document(
         f"# Who survives\n\n{HOW}\n\n{left_out_text(ensemble)}",
-        *(case_section(case, options.by, options.width, pictures.get(case.name, ())) for case in ensemble.cases),
-        section("What the second changes", *(comparison_text(*pair, options.by) for pair in comparisons)))
+        *(case_section(case, options.by, options.width, pictures.get(case.name, ())) for case in ensemble.cases if apart),
+        "" if apart else cases_table(ensemble.cases),
+        section("What the second changes", *(comparison_text(*pair, options.by) for pair in comparisons if apart)))
     try:
         write_csv(options.out / "table.csv", COLUMNS,
                   [row for case in ensemble.cases for row in rows_of(case, options.by, options.width)])
