@@ -5,6 +5,7 @@ Each is skipped where it is not installed; tools/test.sh --all installs them.
 
 import contextlib
 import os
+import shlex
 import shutil
 import signal
 import socket
@@ -16,6 +17,7 @@ from pathlib import Path
 from ensemble_test import EnsembleTest
 from harness import ENDLESS, PROGRAMS, SMALL, alive, children_of, command_of, wait_until
 
+from wade.ensembles.one import worker_command
 from wade.paths import module_command
 
 PLAN = (SMALL, "--seeds", "1-6", "--share", "2", "--reproducible", "--resume")
@@ -168,6 +170,18 @@ class Slurm(EnsembleTest):
 
         self.assertEqual(self.disturbed(lose), self.undisturbed(*PLAN, *LONG))
 
+    def test_a_command_that_is_killed_leaves_its_job_which_is_waited_for(self):
+        many = self.many("--engine", "slurm", *PLAN, *LONG)
+        wait_until(lambda: len(self.nodes.tasks()) == 2 or not many.running(), "two tasks to run")
+        many.send(signal.SIGKILL)
+        many.wait()
+        self.assert_ends(self.many("--engine", "slurm", *PLAN, *LONG), 2, "is not over", "scancel")
+        wait_until(lambda: not self.nodes.tasks("PENDING,RUNNING,COMPLETING"), "the job to end")
+        made = self.run_of(1).folder.stat().st_ino
+        self.assert_ended_well(self.many("--engine", "slurm", *PLAN, *LONG))
+        self.assertEqual(self.run_of(1).folder.stat().st_ino, made)
+        self.assertEqual(self.table(), self.undisturbed(*PLAN, *LONG))
+
     def test_an_interrupt_ends_the_job_and_the_ensemble_goes_on(self):
         many = self.many("--engine", "slurm", *PLAN, "--", *ENDLESS)
         wait_until(lambda: len(self.nodes.tasks()) == 2 or not many.running(), "two tasks to run")
@@ -185,7 +199,7 @@ class Parallel(EnsembleTest):
 
     def test_by_hand_its_own_resume_runs_nothing_twice(self):
         self.assert_ended_well(self.many(*PLAN, "--prepare"))
-        worker = " ".join(map(str, (*module_command("wade.ensembles.one"), self.folder / "many" / "plan.csv", "{}")))
+        worker = shlex.join(map(str, (*worker_command(), self.folder / "many" / "plan.csv"))) + " {}"
         command = ("parallel", "--will-cite", "-j2", "--joblog", self.folder / "log", "--resume", worker, ":::")
         self.assert_ended_well(self.script(*command, "1", "3"))
         self.assert_ended_well(self.script(*command, "1", "3", "5"))

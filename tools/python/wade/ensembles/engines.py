@@ -9,8 +9,8 @@ import sys
 import time
 
 from wade import UsageError
-from wade.ensembles.one import carry_out, read_unit
-from wade.paths import BUILD, module_command
+from wade.ensembles.one import carry_out, read_unit, worker_command
+from wade.paths import BUILD
 from wade.run.processes import end_with_parent
 
 LARGEST_ARRAY = 1000  # Slurm's MaxArraySize less one
@@ -104,9 +104,11 @@ def run_engine(command, signals, times):
 def parallel(ensemble, indices, options, signals, _tell):
     """GNU parallel."""
     needs("parallel", "parallel")
-    worker = shlex.join([*map(str, module_command("wade.ensembles.one")), str(ensemble.plan)])
+    # Several indices for each start of a worker, which takes 50 ms, yet enough of them that all slots end about at once.
+    at_once = max(1, min(10, len(indices) // (8 * options.jobs)))
+    worker = shlex.join([*worker_command(), str(ensemble.plan)])
     # Asked once to end it starts no more, asked twice it ends what runs, which gets time to end well.
-    run_engine(["parallel", "--will-cite", "--jobs", options.jobs, "--joblog", ensemble.path / "parallel.log",
+    run_engine(["parallel", "--will-cite", "--jobs", options.jobs, "-n", at_once, "--joblog", ensemble.path / "parallel.log",
                 "--termseq", "TERM,10000,KILL,25", *options.engine_options, "-a", written_list(ensemble, indices),
                 worker + " {}"], signals, 2)
 
@@ -116,7 +118,7 @@ def mpirun(ensemble, indices, options, signals, _tell):
     needs("mpirun", "openmpi-bin")
     ranks = min(options.jobs, len(indices))
     # Ranks get time to end well before they are killed.
-    run_engine(["mpirun", "-np", ranks, "--mca", "odls_base_sigkill_timeout", "30", *options.engine_options, *module_command("wade.ensembles.one"), ensemble.plan,
+    run_engine(["mpirun", "-np", ranks, "--mca", "odls_base_sigkill_timeout", "30", *options.engine_options, *worker_command(), ensemble.plan,
                 "--of", written_list(ensemble, indices), "--share", "mpi"], signals, 1)
 
 
@@ -143,8 +145,7 @@ def slurm(ensemble, indices, options, signals, tell):
     words = {"build": BUILD, "plan": ensemble.plan, "list": written_list(ensemble, indices)}
     quoted = {name: shlex.quote(str(word)) for name, word in words.items()}
     script = ensemble.path / "slurm.sh"
-    script.write_text(JOB.format(**quoted, tasks=tasks, worker=shlex.join(map(str, module_command("wade.ensembles.one")))),
-                      encoding="utf-8")
+    script.write_text(JOB.format(**quoted, tasks=tasks, worker=shlex.join(worker_command())), encoding="utf-8")
     at_once = f"%{options.jobs}" if options.jobs_given else ""
     answer = subprocess.run(["sbatch", "--parsable", "--job-name=wade-many", "--requeue", "--open-mode=append",
                              f"--output={logs}/%A_%a.log", f"--array=0-{tasks - 1}{at_once}", *options.engine_options,

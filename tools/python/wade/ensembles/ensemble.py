@@ -2,6 +2,7 @@
 
 import contextlib
 import fcntl
+import hashlib
 import json
 import os
 import resource
@@ -21,6 +22,21 @@ from wade.scenes import find_scene
 
 FILES_OF_PROGRAM, FILES_OF_CROWD = 48, 4  # that are open with pictures: crowd_client --crowds
 PATIENCE_WITH_LOCK_S = 20  # workers of a command that was killed need some time to end
+
+
+def strings_of(value):
+    """All texts in a JSON value."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, (dict, list)):
+        for part in value.values() if isinstance(value, dict) else value:
+            yield from strings_of(part)
+
+
+def inputs_of(scenes):
+    """{file: digest of its content} of the files that resolved scenes name, which they do with absolute paths."""
+    files = {text for scene in scenes for text in strings_of(scene) if text.startswith("/") and Path(text).is_file()}
+    return {file: hashlib.sha256(Path(file).read_bytes()).hexdigest()[:16] for file in sorted(files)}
 
 
 class Ensemble:
@@ -45,6 +61,7 @@ class Ensemble:
         self.split_options()
         self.scenes = resolve_all(self.plan, self.files, self.theirs["crowd_client"])
         self.give_seeds()
+        self.inputs = inputs_of([resolved for resolved, _ in self.scenes.values() if resolved])
 
     def planned(self):
         """The plan, and the folder at which paths in it start."""
@@ -88,6 +105,9 @@ class Ensemble:
         if self.common != self.kept["options"]:
             raise UsageError(f"--resume: options of every run are {shlex.join(self.common)}, they were "
                              f"{shlex.join(self.kept['options'])}; allowed: the same, none, or another --out")
+        for file, content in self.kept["files"].items():
+            if self.inputs.get(file, content) != content:
+                raise UsageError(f"--resume: {file}, which scenes name, has changed since; allowed: the same file, or another --out")
         old = {run.index: (run.scene, run.seed, run.settings) for run in read_plan(self.folder.plan)}
         for run in self.plan:
             if run.index in old and old.pop(run.index) != (run.scene, run.seed, run.settings):
@@ -100,7 +120,7 @@ class Ensemble:
     def write(self):
         write_whole(self.folder.plan, plan_text(self.plan))
         write_whole(self.folder.settings, json.dumps({"ensemble": self.identity, "options": self.common,
-                                                      "pictures": self.pictures}, indent=1))
+                                                      "pictures": self.pictures, "files": self.inputs}, indent=1))
 
     def is_complete(self, run):
         expected = self.fingerprint_of(run)

@@ -14,7 +14,7 @@ from pathlib import Path
 from wade import UsageError
 from wade.ensembles.folder import (FAILURE, EnsembleFolder, is_accident, is_complete, message_of, name_of, publish,
                                    read_json, remove_left_overs, remove_tree, status_of, worker_name)
-from wade.paths import BUILD, module_command
+from wade.paths import BUILD, ROOT, module_command
 from wade.run.processes import Pair, meaning
 
 CONFIGURATION = 2  # exit code
@@ -34,6 +34,15 @@ started again. For engines that hand out indices; tools/wade many --prepare name
   --share K/N    the lines K, K + N, ... of LIST, counted from 0; with mpirun: --share mpi, K and N
                  are rank and size
 Exit code: 0 if all runs are complete, else that of the first that failed, as in tools/wade run."""
+
+
+START = "import sys; sys.path.insert(0, {package!r}); from wade.ensembles.one import main; sys.exit(main(sys.argv[1:]))"
+
+
+def worker_command():
+    """Words that start main() in a process of its own, with as little around it as there can be: engines do so for each run."""
+    cache = ROOT / "build" / "pycache"
+    return [sys.executable, "-S", "-E", "-X", f"pycache_prefix={cache}", "-c", START.format(package=str(ROOT / "tools" / "python"))]
 
 
 class Unit:
@@ -226,17 +235,26 @@ def indices_of(words):
     return [int(index) for index in indices], mpi
 
 
-def main(arguments):
-    """tools/wade run-one."""
-    if not arguments or "-h" in arguments or "--help" in arguments:
-        print(HELP)
-        return 0 if arguments else 2
-    ensemble = EnsembleFolder(Path(arguments[0]).parent)
+def carry_out_all(plan, words):
+    """Does all indices that are named; the exit code."""
+    ensemble = EnsembleFolder(Path(plan).parent)
     code = 0
-    indices, mpi = indices_of(arguments[1:])
+    indices, mpi = indices_of(words)
     for index in indices:
         one = carry_out(read_unit(ensemble, index))
         if one in (130, 143):
             return one
         code = code or one
     return 0 if mpi else code
+
+
+def main(arguments):
+    """tools/wade run-one."""
+    if not arguments or "-h" in arguments or "--help" in arguments:
+        print(HELP)
+        return 0 if arguments else 2
+    try:
+        return carry_out_all(arguments[0], arguments[1:])
+    except UsageError as error:
+        print(f"wade run-one: {error}", file=sys.stderr)
+        return 2

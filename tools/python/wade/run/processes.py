@@ -24,9 +24,12 @@ CONSUMERS_AT, CONSUMERS, CONSUMER_BYTES = 3 * 4096, 16, 4096
 CONSUMER_STATE_AT, CONSUMER_PID_AT, JOINED = 0, 80, 1
 
 
+LIBC = ctypes.CDLL(None)  # once, not in each child
+
+
 def end_with_parent():
     """Runs in the child: it gets SIGTERM when this process dies, so that no orphan keeps simulating."""
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+    LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 class Pair:
