@@ -146,6 +146,17 @@ class Folder(unittest.TestCase):
 
 
 class Sensitivity(unittest.TestCase):
+    def test_inputs_of_the_list_are_those_that_the_scene_has(self):
+        scene = {**SCENE, "place": {"sources": [{"discharge_m3_s": 2.0}, {"discharge_m3_s": 10.0}, {"hydrograph_csv": "a"}]}}
+        inputs = {one.name: one for one in sensitivity.read_inputs(sensitivity.DEFAULT_INPUTS, scene)}
+        self.assertEqual(inputs["discharge of the sources"].settings(1),
+                         {"/place/sources/0/discharge_m3_s": 2.5, "/place/sources/1/discharge_m3_s": 12.5})
+        self.assertNotIn("friction of a place for water", inputs)
+        self.assertEqual(inputs["speed of the water"].settings(0), {"/channel/velocity_m_s": 0.75})
+        self.assertEqual(sorted(inputs["mass of a person"].settings(0.5)), ["/crowd/groups/0/mass_kg", "/crowd/mass_kg"])
+        for entry in json.loads(sensitivity.DEFAULT_INPUTS.read_text()):
+            self.assertTrue(entry["source"], entry["name"])
+
     def test_runs_that_are_there_are_told_and_missing_ones_are_counted(self):
         with tempfile.TemporaryDirectory(prefix="wade-test-") as name:
             folder = Path(name)

@@ -16,13 +16,14 @@ from wade.ensembles.folder import EnsembleFolder, has_all_agents
 from wade.ensembles.plan import read_plan
 from wade.reports.tables import read_csv
 
+SWEPT_AWAY = "swept away"  # over the fall, or out with the water
 # How people are at the end: what each state of agents.csv counts as. A state that is not here counts as itself.
 FATES = {
     "arrived": "arrived",
     "walking": "on their feet", "standing": "on their feet", "effort": "on their feet", "sliding": "on their feet",
     "holding": "holding",
     "toppled": "carried", "afloat": "carried", "carried": "carried", "recovering": "carried",
-    "drowned": "drowned", "dead": "swept away",
+    "drowned": "drowned", "dead": SWEPT_AWAY,
 }
 ALWAYS = ("arrived", "on their feet", "holding", "carried", "drowned")  # columns of each table; others only if they occur
 MISSING = ("carried", "holding")  # to be looked for, though not dead

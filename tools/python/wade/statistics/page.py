@@ -15,14 +15,14 @@ import numpy as np
 from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.tables import listed
-from wade.statistics.ensemble import MISSING, classes, fates_of, has_feet, read_ensemble
+from wade.statistics.ensemble import MISSING, SWEPT_AWAY, classes, fates_of, has_feet, read_ensemble
 from wade.statistics.last_places import SQUARE_M, density_of, search_order
 from wade.statistics.shares import share_of, share_of_runs
 from wade.statistics.table import comparisons_of, compare, percent, refusal_words, stop_text
 from wade.terminal import Parser
 
 COLOURS = {"arrived": "#009e73", "on their feet": "#56b4e9", "holding": "#e69f00", "carried": "#d55e00", "drowned": "#16161a",
-           "swept away": "#5a5a60"}
+           SWEPT_AWAY: "#5a5a60"}
 OTHERS = ("#cc79a7", "#332288", "#999933")  # of fates that only some scenes have
 WORDS = {
     "arrived": "reached the place to which they were going",
@@ -30,7 +30,7 @@ WORDS = {
     "holding": "lie in the water and hold on to a rope, a line or another person",
     "carried": "have lost their feet and are carried by the water when the simulated time ends",
     "drowned": "were under water for longer than their air lasted",
-    "swept away": "were carried over the downstream end, where the simulation loses sight of them; counted as dead",
+    SWEPT_AWAY: "were carried over the downstream end, where the simulation loses sight of them; counted as dead",
 }
 BY = {"group": "By group", "age": "By age", "skill": "By how well they brace themselves against the water"}
 ENOUGH = 20  # runs
@@ -250,7 +250,7 @@ def draw_all(case, folder):
         except (RunError, OSError, KeyError):
             pass
     scene = case.manifest()["resolved_scene"]
-    x, z, _, _, over = sought(case, scene)
+    x, z, _, _, over = sought(case)
     if len(x):
         density = density_of(x, z, scene["world"]["length_m"], scene["world"]["width_m"])
         draw_map(scene, density, x, z, f"{len(x)} people of {len(case.runs)} runs", folder / "search.png")
@@ -292,7 +292,7 @@ def comparison_html(first, second):
     """What the second changes, of all people."""
     rows = []
     for _, fate, result in compare(first, second, "all"):
-        if fate not in ("alive", "arrived", "carried", "drowned", "swept away") or result.first == result.second == 0:
+        if fate not in ("alive", "arrived", "carried", "drowned", SWEPT_AWAY) or result.first == result.second == 0:
             continue
         interval = "no range: " + result.refused if result.low is None else f"{100 * result.low:+.1f} to {100 * result.high:+.1f}"
         per = "" if result.per_low is None else f"{result.per:.3g} ({result.per_low:.3g} to {result.per_high:.3g})"

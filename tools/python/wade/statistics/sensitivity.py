@@ -41,18 +41,20 @@ class Input:
 
     def __init__(self, entry, scene):
         self.name, self.entry = entry["name"], entry
-        self.pointers = [one for pointer in entry["set"] for one in spread(pointer, scene)]
-        self.own = value_of(scene, entry["set"][0]) if entry.get("times_own") else None
+        pointers = [one for pointer in entry["set"] for one in spread(pointer, scene)]
+        self.factors = {pointer: value_of(scene, pointer) if entry.get("times_own") else 1 for pointer in pointers}
+        self.factors = {pointer: own for pointer, own in self.factors.items() if isinstance(own, (int, float))}
 
     def settings(self, unit):
         """{pointer: value} at a place of the unit interval."""
         value = self.entry["min"] + unit * (self.entry["max"] - self.entry["min"])
-        return dict.fromkeys(self.pointers, round(value * (1 if self.own is None else self.own), 9))
+        return {pointer: round(value * factor, 9) for pointer, factor in self.factors.items()}
 
     def in_words(self):
-        factor = 1 if self.own is None else self.own
-        unit = self.entry.get("unit", "")
-        return f"{self.entry['min'] * factor:.4g} to {self.entry['max'] * factor:.4g} {unit}".rstrip()
+        if len(set(self.factors.values())) > 1:
+            return f"{self.entry['min']:g} to {self.entry['max']:g} times each"
+        factor = next(iter(self.factors.values()))
+        return f"{self.entry['min'] * factor:.4g} to {self.entry['max'] * factor:.4g} {self.entry.get('unit', '')}".rstrip()
 
 
 def value_of(scene, pointer):
@@ -60,7 +62,7 @@ def value_of(scene, pointer):
     at = scene
     for part in pointer.strip("/").split("/"):
         at = at[int(part)] if isinstance(at, list) else at.get(part) if isinstance(at, dict) else None
-    return at
+    return at if isinstance(at, (int, float, list, dict)) else None
 
 
 def spread(pointer, scene):
@@ -83,13 +85,16 @@ def read_inputs(file, scene, only=()):
             raise UsageError(f"--inputs {file}: /{place} has no {missing[0]}; needed are {', '.join(NEEDED)}")
         if not entry["min"] < entry["max"]:
             raise UsageError(f"--inputs {file}: /{place} min {entry['min']}, max {entry['max']}; allowed: min below max")
-        if entry.get("times_own") and not isinstance(value_of(scene, entry["set"][0]), (int, float)):
-            raise UsageError(f"--inputs {file}: /{place} times_own, but the scene has no number at {entry['set'][0]}")
-    names = [entry["name"] for entry in entries]
+    inputs = [Input(entry, scene) for entry in entries]
+    for place, one in enumerate(inputs):
+        if not one.factors and file != DEFAULT_INPUTS:
+            raise UsageError(f"--inputs {file}: /{place}: the scene has nothing at {', '.join(one.entry['set'])}")
+    inputs = [one for one in inputs if one.factors]
+    names = [one.name for one in inputs]
     unknown = [name for name in only if name not in names]
     if unknown:
         raise UsageError(f'--only {unknown[0]}: no such input; allowed: {", ".join(names)}')
-    return [Input(entry, scene) for entry in entries if entry["name"] in only or not only]
+    return [one for one in inputs if one.name in only or not only]
 
 
 def why_silent(inputs, scene):
@@ -98,7 +103,7 @@ def why_silent(inputs, scene):
     crowd = scene["crowd"]
     by_body = crowd.get("response") == "measured"
     for one in inputs:
-        last = one.pointers[0].rpartition("/")[2]
+        last = one.entry["set"][0].rpartition("/")[2]
         if last in ("ground_friction", "bracing_arm", "height_m", "age", "water_temperature_c") and not by_body:
             silent[one.name] = "people have the response `paper`"
         elif last == "age" and crowd.get("walking_in_water") != "bernardini":

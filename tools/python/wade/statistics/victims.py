@@ -13,7 +13,7 @@ from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0
 from wade.reports.tables import document, markdown, read_csv, section, write_csv
-from wade.statistics.ensemble import MISSING, read_ensemble
+from wade.statistics.ensemble import MISSING, SWEPT_AWAY, read_ensemble
 from wade.statistics.last_places import SQUARE_M, density_of, drift, search_order, start_drift
 from wade.statistics.table import percent
 from wade.terminal import Parser
@@ -22,7 +22,6 @@ HELD = (0.5, 0.9)
 CELL_M = 2.0        # of the stream that people felt
 FAR_M = 5.0         # from such a cell nothing is known of the water
 STEP_S = 0.5
-AT_THE_EDGE_M = 0.5  # of an open end: who dies there went over the fall
 EPILOG = "Exit code: 0, or 2 for bad usage or a folder without complete runs."
 
 
@@ -79,8 +78,8 @@ def _filled(values, known):
 
 def straight_stream(scene):
     """water(x, z) of a straight channel that flows at v_F, towards x = 0; None of other water."""
-    channel = scene["channel"]
-    if channel["flow"] == "closed" or scene.get("obstacles"):
+    channel = scene.get("channel")
+    if scene.get("place") or not channel or channel["flow"] == "closed" or scene.get("obstacles"):
         return None
     history = channel.get("velocity_history") or []
     speed = history[-1]["velocity_m_s"] if history else channel["velocity_m_s"]
@@ -93,14 +92,13 @@ def straight_stream(scene):
     return water
 
 
-def sought(case, scene):
-    """Who is to be looked for: (x, z, run, is dead), and how many went over the fall, where nothing is known of them."""
+def sought(case):
+    """Who is to be looked for: (x, z, run, is dead), and how many the water carried off the map, where nothing is known of them."""
     people = case.people
     who = people["dead"] | np.isin(people["fate"].astype(str), MISSING)
-    open_end = scene["channel"]["flow"] != "closed" and scene["world"]["ends"] != "periodic"
-    over = who & open_end & (people["x_m"] < AT_THE_EDGE_M)
-    here = who & ~over
-    return people["x_m"][here], people["z_m"][here], people["run"][here], people["dead"][here], int(over.sum())
+    away = people["fate"].astype(str) == SWEPT_AWAY
+    here = who & ~away
+    return people["x_m"][here], people["z_m"][here], people["run"][here], people["dead"][here], int(away.sum())
 
 
 def drifted(case, scene, x, z, duration):
@@ -152,8 +150,8 @@ def table_of(rows):
 def look(case, options, file):
     """(section, lines of victims.csv) of a case; "" where nobody is to be looked for."""
     scene = case.manifest()["resolved_scene"]
-    x, z, run, dead, over = sought(case, scene)
-    lost = f" {over} went over the fall at x = 0 and are not on the map." if over else ""
+    x, z, run, dead, over = sought(case)
+    lost = f" {over} were carried off the map." if over else ""
     if len(x) == 0:
         return section(case.name, f"Nobody is to be looked for on this map in {len(case.runs)} runs.{lost}"), []
     words = (f"{len(case.runs)} runs, {len(x)} people in {len(set(run.tolist()))} of them: {int(dead.sum())} dead, "
