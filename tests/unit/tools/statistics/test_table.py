@@ -109,6 +109,10 @@ class Folder(unittest.TestCase):
         self.assertIn("none of 24 runs", rows["all", "all", "holding"]["why_no_interval"])
         self.assertEqual(rows["age", "65 and over", "arrived"]["people"], "240")
         self.assertIn("24 runs with 480 people in all: 12.5 %", said)
+        curves = {(row["curve"], row["time_s"]): row for row in read_csv(self.folder / "curves.csv")}
+        last = max((key for key in curves if key[0] == "died"), key=lambda key: float(key[1]))
+        self.assertAlmostEqual(float(curves[last]["share"]), 0.125)
+        self.assertTrue(float(curves[last]["low"]) < 0.125 < float(curves[last]["high"]))
 
     def test_pairs_of_two_folders(self):
         ensemble_in(self.folder / "a")

@@ -19,6 +19,7 @@ from wade.statistics.ensemble import MISSING, SWEPT_AWAY, classes, fates_of, has
 from wade.statistics.last_places import SQUARE_M, density_of, search_order
 from wade.statistics.shares import share_of, share_of_runs
 from wade.statistics.table import comparisons_of, compare, percent, refusal_words, stop_text
+from wade.statistics.times import curves_of
 from wade.terminal import Parser
 
 COLOURS = {"arrived": "#009e73", "on their feet": "#56b4e9", "holding": "#e69f00", "carried": "#d55e00", "drowned": "#16161a",
@@ -241,7 +242,7 @@ def draw_all(case, folder):
     from wade.statistics.victims import sought
 
     files = {"curves": folder / "curves.png", "run": None, "search": None}
-    draw_curves(case, files["curves"])
+    draw_curves(case, curves_of(case), files["curves"])
     with_paths = next((run for run in case.runs if (run.folder / "trajectories.sqlite").exists()), None)
     if with_paths:
         try:

@@ -14,7 +14,7 @@ from wade.reports.options import above_0, some_of
 from wade.reports.tables import document, markdown, section, write_csv
 from wade.statistics.ensemble import BY, classes, fates_of, read_ensemble
 from wade.statistics.shares import FIRST_LOOK, compared, runs_needed, share_of, share_of_runs
-from wade.statistics.times import fn_curve
+from wade.statistics.times import curves_of, fn_curve
 from wade.terminal import Parser
 
 COLUMNS = ("case,by,class,fate,runs,people,number,share,low,high,why_no_interval,runs_with_any,runs_with_any_low,"
@@ -24,6 +24,7 @@ COMPARED = ("first,second,by,class,fate,pairs,people,share_first,share_second,di
 HOW = """Intervals are of 95 %, over runs and never over people: Wilson's, with the design effect of the runs and Student's t of their
 number. The people of a run share its water, so that a thousand people in one run are one case. Why a cell has no interval stands below
 the table; the share of runs is exact (Clopper and Pearson)."""
+CURVES = ("case", "curve", "time_s", "share", "low", "high", "runs", "people")
 MOST_CASES = 12  # with a section and a figure each; more stand in one table
 EPILOG = """Exit code: 0, or 2 for bad usage or a folder without complete runs."""
 
@@ -201,6 +202,15 @@ def comparisons_of(ensemble, against):
     return pairs
 
 
+def curve_rows(curves):
+    """The lines of curves.csv, at most 500 a curve."""
+    for case, of_case in curves.items():
+        for name, curve in of_case.items():
+            for k in np.unique(np.linspace(0, len(curve.times) - 1, 500).round().astype(int)):
+                low, high = (None if end is None else float(end[k]) for end in (curve.low, curve.high))
+                yield case, name, float(curve.times[k]), float(curve.share[k]), low, high, curve.runs, curve.people
+
+
 def left_out_text(ensemble):
     if not ensemble.left_out:
         return ""
@@ -259,12 +269,13 @@ def main(arguments):
     comparisons = comparisons_of(ensemble, against)
     pictures = {}
     apart = len(ensemble.cases) <= MOST_CASES
+    curves = {case.name: curves_of(case) for case in ensemble.cases if apart}
     if apart and not options.no_figures:
         from wade.statistics.figures import draw_curves  # needs matplotlib
 
         for number, case in enumerate(ensemble.cases, 1):
             name = "curves.png" if len(ensemble.cases) == 1 else f"curves_{number}.png"
-            draw_curves(case, options.out / name)
+            draw_curves(case, curves[case.name], options.out / name)
             pictures[case.name] = [(name, f"When it happens: {case.name}")]
     text = document(
         f"# Who survives\n\n{HOW}\n\n{left_out_text(ensemble)}",
@@ -274,6 +285,7 @@ def main(arguments):
     try:
         write_csv(options.out / "table.csv", COLUMNS,
                   [row for case in ensemble.cases for row in rows_of(case, options.by, options.width)])
+        write_csv(options.out / "curves.csv", CURVES, curve_rows(curves))
         if comparisons:
             write_csv(options.out / "compared.csv", COMPARED,
                       [row for pair in comparisons for row in compared_rows(*pair, options.by)])

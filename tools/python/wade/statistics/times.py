@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wade.statistics.ensemble import has_feet
 from wade.statistics.shares import FEWEST_RUNS, RESAMPLES, SEED, expanded_level, share_of_runs
 
 AT_A_TIME = 50  # resamples, for the memory's sake
@@ -108,6 +109,33 @@ def incidences(lives, causes):
     every = sum(events.values(), np.zeros_like(at_risk))
     nothing = np.zeros_like(at_risk)
     return {cause: curve_of(lives, times, incidence, (events.get(cause, nothing), every, at_risk)) for cause in causes}
+
+
+ARRIVED, DIED, LOST_FEET = 1, 2, 3
+
+
+def lives_of(case, with_feet=False):
+    """Lives that end with arrival, death and, with_feet, also where the feet are first lost."""
+    people = case.people
+    time = people["time_s"]
+    cause = np.where(people["outcome"] == "arrived", ARRIVED, np.where(people["dead"], DIED, 0))
+    if with_feet:
+        lost = ~np.isnan(people["off_feet_s"])
+        time, cause = np.where(lost, people["off_feet_s"], time), np.where(lost, LOST_FEET, cause)
+    return Lives(people["run"], time, cause)
+
+
+def curves_of(case):
+    """{name: Curve} of a case; those of the feet where somebody lost them."""
+    ends = incidences(lives_of(case), (ARRIVED, DIED))
+    curves = {"arrived": ends[ARRIVED], "died": ends[DIED]}
+    if has_feet(case):
+        lives = lives_of(case, with_feet=True)
+        first = incidences(lives, (ARRIVED, LOST_FEET))
+        fallen = Lives(lives.run, lives.time, (lives.cause >= DIED).astype(int))
+        curves |= {"lost their feet": first[LOST_FEET], "arrived without": first[ARRIVED],
+                   "on their feet, of who is under way": staying(fallen)}
+    return curves
 
 
 def fn_curve(deaths):
