@@ -157,7 +157,7 @@ class Sensitivity(unittest.TestCase):
                          {"/place/sources/0/discharge_m3_s": 2.5, "/place/sources/1/discharge_m3_s": 12.5})
         self.assertNotIn("friction of a place for water", inputs)
         self.assertEqual(inputs["speed of the water"].settings(0), {"/channel/velocity_m_s": 0.75})
-        self.assertEqual(sorted(inputs["mass of a person"].settings(0.5)), ["/crowd/groups/0/mass_kg", "/crowd/mass_kg"])
+        self.assertEqual(sorted(inputs["mass of a person"].settings(0.5)), ["/crowd/groups/0/mass_kg"])
         for entry in json.loads(sensitivity.DEFAULT_INPUTS.read_text()):
             self.assertTrue(entry["source"], entry["name"])
 
