@@ -51,6 +51,7 @@ class EnsembleTest(Launcher):
         while killed < kills:
             victims = children_of(many.process.pid)
             if not many.running():
+                self.assertIn(many.wait(), (0, 1, -signal.SIGKILL), many.messages())
                 many = self.many(*command)
             elif victims:
                 victim = many.process.pid if chance.random() < 0.05 else chance.choice(victims)

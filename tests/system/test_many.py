@@ -11,6 +11,7 @@ import unittest
 from ensemble_test import EnsembleTest
 from harness import PROGRAMS, ROOT, SMALL, wait_until
 
+from wade.ensembles.folder import fingerprint, is_complete, publish, status_of
 from wade.ensembles.plan import split_values, varied
 from wade.ensembles.waters import water_of
 from wade.paths import CONFIGS
@@ -65,7 +66,7 @@ class Many(EnsembleTest):
         shutil.copy(SMALL, self.folder / "mine.json")
         plan = self.folder / "plan.csv"
         plan.write_text('# two runs\nindex,scene,seed,settings\n7,mine.json,3,"{""/crowd/tau"": 0.5}"\n9,mine.json,,\n')
-        many = self.many(plan, "--", *SHORT)
+        many = self.many(plan, "--", *SHORT, "--threads=1", "--attach-timeout-s", "60")
         self.assert_ended_well(many)
         self.assertEqual([(row["index"], row["seed"], row["/crowd/tau"]) for row in self.rows()],
                          [("7", "3", "0.5"), ("9", "5", "")])
@@ -161,6 +162,27 @@ class Many(EnsembleTest):
         subprocess.run(["mount", "-o", "remount,size=4m", disk], check=True)
         self.assert_ended_well(self.many(*plan, "--resume", "--", *SHORT, out="disk/many"))
         self.assertEqual(self.table("disk/many"), self.undisturbed(*plan, "--", *SHORT))
+
+    def test_of_two_workers_that_do_one_run_the_first_counts(self):
+        def made(name, status="completed", agents=2):
+            folder = self.folder / name
+            folder.mkdir()
+            (folder / "outcome.json").write_text(json.dumps({"status": status, "agents": 2}))
+            (folder / "manifest.json").write_text(json.dumps({"seed": 3, "resolved_scene": {"seed": 3, "a": 1}}))
+            (folder / "agents.csv").write_text("id\n" + "0\n" * agents)
+            return folder
+
+        expected, place, numbers = fingerprint({"a": 1}), self.folder / "00001", {}
+        for name, arguments, stays in (("failed", ("peer_dead",), "failed"), ("cut_off", ("completed", 1), "cut_off"),
+                                       ("first", (), "first"), ("second", (), "first"), ("late", ("failed",), "first")):
+            folder = made(name, *arguments)
+            numbers[name] = folder.stat().st_ino
+            publish(folder, place, expected, 3)
+            self.assertEqual(place.stat().st_ino, numbers[stays], name)
+            self.assertFalse(folder.exists())
+        self.assertTrue(is_complete(place, expected, 3))
+        self.assertEqual(status_of(place, expected, 4), "stale")
+        self.assertEqual([folder.name for folder in self.folder.iterdir() if folder.is_dir()], ["00001"])
 
     def test_values_that_vary(self):
         self.assertEqual(split_values('1,[2,3],{"a":[4,5]},"x,y",z'), ["1", "[2,3]", '{"a":[4,5]}', '"x,y"', "z"])

@@ -20,7 +20,7 @@ from wade.run.processes import Pair, meaning
 CONFIGURATION = 2  # exit code
 NO_PICTURES = ("--no-trajectories", "--water-every-s", "0")
 # Many crowds take long to set up, and a machine that does many runs is busy.
-PATIENCE = ("--attach-timeout-s", "300", "--step-timeout-s", "300")
+PATIENCE_S = "300"
 
 HELP = """\
 Usage: tools/wade run-one PLAN INDEX ...
@@ -67,9 +67,10 @@ class Unit:
 
     def options(self, words):
         """Options of a program: those of all runs, and what is not said there."""
-        threads = os.environ.get("SLURM_CPUS_PER_TASK") or self.threads
-        more = [] if "--threads" in words else ["--threads", str(threads)]
-        return [*more, *PATIENCE, *words]
+        threads = os.environ.get("SLURM_CPUS_PER_TASK") or str(self.threads)
+        more = {"--threads": threads, "--attach-timeout-s": PATIENCE_S, "--step-timeout-s": PATIENCE_S}
+        given = {word.partition("=")[0] for word in words}
+        return [*(part for name, value in more.items() if name not in given for part in (name, value)), *words]
 
 
 def start_pair(pair, unit, runs, home, session):
