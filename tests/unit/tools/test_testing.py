@@ -28,9 +28,11 @@ class Choice(unittest.TestCase):
 
     def test_the_exit_code_is_that_of_ctest_after_everything_is_built(self):
         with mock.patch.object(testing, "install") as install, mock.patch.object(testing, "bring_up_to_date") as build, \
+                mock.patch.object(testing, "install_modules"), \
                 mock.patch.object(testing.os, "execvp", return_value=8) as ctest, mock.patch.dict(testing.os.environ):
             self.assertEqual(testing.main(["--all"]), 8)
-        install.assert_called_once_with("build", "pictures", "tests")
+        self.assertEqual([call.args for call in install.call_args_list],
+                         [("build", "pictures", "tests"), ("viewer",), ("engines",)])
         build.assert_called_once_with((), with_tests=True)
         ctest.assert_called_once_with("ctest", ["ctest", *COMMON])
 

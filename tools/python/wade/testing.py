@@ -15,7 +15,7 @@ Usage: tools/wade test [--all] [options of ctest]
 Installs missing packages, builds the release preset with its tests, and runs the quick set, which
 leaves out the tests with the label `long`. Its exit code is that of ctest.
 
-  --all  all tests; installs the browser that tests the viewer and the engines of tools/wade many, too
+  --all  all tests; installs a browser for the viewer, engines for tools/wade many, too
 Other options go to ctest, for example -R unit -V. Where they choose tests (-R, -L, -LE, -I,
 --rerun-failed), long ones are not left out. As most tests wait for other processes, two run at once
 for each processor; CTEST_PARALLEL_LEVEL is another number."""

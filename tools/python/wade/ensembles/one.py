@@ -224,16 +224,21 @@ def own_share(lines, text):
 
 def indices_of(words):
     """The indices of a command line, and whether they are a rank's, whose end would end the others."""
-    if "--of" not in words:
+    if words and "--of" not in words:
         indices, mpi = words, False
     elif len(words) == 4 and words[0] == "--of" and words[2] == "--share":
         indices, mpi = own_share(Path(words[1]).read_text(encoding="utf-8").split(), words[3]), words[3] == "mpi"
     else:
-        raise UsageError("run-one: allowed behind PLAN: INDEX ..., or --of LIST --share K/N")
+        raise UsageError("behind PLAN is allowed: INDEX ..., or --of LIST --share K/N")
     for index in indices:
         if not index.isdigit():
-            raise UsageError(f'run-one: "{index}" is not allowed; allowed: an index, a whole number')
+            raise UsageError(f'"{index}" is not allowed; allowed: an index, a whole number')
     return [int(index) for index in indices], mpi
+
+
+def programs_for(_arguments):
+    """None is built: tools/wade many has done so, and all workers take the same."""
+    return ()
 
 
 def carry_out_all(plan, words):
@@ -257,5 +262,5 @@ def main(arguments):
     try:
         return carry_out_all(arguments[0], arguments[1:])
     except UsageError as error:
-        print(f"wade run-one: {error}", file=sys.stderr)
+        print(f"wade run-one: {error}\n(tools/wade run-one --help tells more)", file=sys.stderr)
         return 2
