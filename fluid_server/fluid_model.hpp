@@ -2,6 +2,7 @@
 // What the server asks of a model of the water, a few calls a frame. All the rest of the server is the same for each.
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -86,6 +87,9 @@ class FluidModel {
         throw ConfigurationError(source + ": /fluid/model is " + std::string(name()) +
                                  "; allowed: dfsph, the only model that has a state");
     }
+
+    // Writes files of its own into the folder of the run at its end, however it ends. Throws std::runtime_error.
+    virtual void write_results(const std::filesystem::path& folder) const { static_cast<void>(folder); }
 
     // What a user should know at the end and no diagnostic says; empty if there is nothing.
     [[nodiscard]] virtual std::string remarks() const { return {}; }

@@ -334,13 +334,13 @@ RasterFile read_geotiff(std::string_view bytes, const std::string& name) {
     return TiffReader(bytes, name).read();
 }
 
-void write_geotiff(const std::filesystem::path& file, const Raster& raster, int epsg) {
+void write_geotiff(const std::filesystem::path& file, const MapImage& image, int epsg) {
     prepare_libtiff();
     const auto fail = [&] { throw std::runtime_error(file.string() + " cannot be written: " + last_complaint); };
     OpenTiff tiff(TIFFOpen(file.c_str(), "w"), TIFFClose);
     if (!tiff) fail();
     TIFF* const out = tiff.get();
-    const auto width = static_cast<std::uint32_t>(raster.columns), height = static_cast<std::uint32_t>(raster.rows);
+    const auto width = static_cast<std::uint32_t>(image.columns), height = static_cast<std::uint32_t>(image.rows);
     constexpr std::uint32_t rows_of_strip = 64;
     TIFFSetField(out, TIFFTAG_IMAGEWIDTH, width);
     TIFFSetField(out, TIFFTAG_IMAGELENGTH, height);
@@ -352,8 +352,8 @@ void write_geotiff(const std::filesystem::path& file, const Raster& raster, int 
     TIFFSetField(out, TIFFTAG_ROWSPERSTRIP, rows_of_strip);
     TIFFSetField(out, TIFFTAG_COMPRESSION,
                  TIFFIsCODECConfigured(COMPRESSION_ADOBE_DEFLATE) ? COMPRESSION_ADOBE_DEFLATE : COMPRESSION_NONE);
-    const std::array<double, 3> scale{raster.cell, raster.cell, 0};
-    const std::array<double, 6> tie{0, 0, 0, raster.x, raster.z + raster.cell * static_cast<double>(raster.rows), 0};
+    const std::array<double, 3> scale{image.dx, image.dz, 0};
+    const std::array<double, 6> tie{0, 0, 0, image.x, image.z + image.dz * static_cast<double>(image.rows), 0};
     TIFFSetField(out, tag_scale, static_cast<int>(scale.size()), scale.data());
     TIFFSetField(out, tag_tie_point, static_cast<int>(tie.size()), tie.data());
     std::vector<std::uint16_t> keys{
@@ -364,10 +364,9 @@ void write_geotiff(const std::filesystem::path& file, const Raster& raster, int 
     }
     TIFFSetField(out, tag_keys, static_cast<int>(keys.size()), keys.data());
     TIFFSetField(out, tag_no_data, "nan");
-    std::vector<float> row(raster.columns);
+    std::vector<float> row(image.columns);
     for (std::uint32_t from_top = 0; from_top < height; ++from_top) {
-        const std::size_t r = raster.rows - 1 - from_top;
-        for (std::size_t c = 0; c < raster.columns; ++c) row[c] = static_cast<float>(raster.at(c, r));
+        std::copy_n(image.values.data() + (image.rows - 1 - from_top) * image.columns, image.columns, row.begin());
         if (TIFFWriteScanline(out, row.data(), from_top, 0) < 0) fail();
     }
     if (!TIFFFlush(out)) fail();

@@ -158,12 +158,21 @@ void serve(const ProgramStart& start, FluidModel& model, Console& console) {
     };
     console.line("session '" + options.session + "', scene '" + scene.name + "', " + std::to_string(threads.now()) +
                  " threads; " + waits_for(consumers));
+    const auto write_results = [&] {
+        try {
+            if (options.out && summary.frames > 0) model.write_results(*options.out);
+        } catch (const std::exception& error) {
+            console.warning(error.what());
+        }
+    };
     try {
         run_server(run, summary);
     } catch (const std::exception&) {
+        write_results();
         console.line(summary_text(run, summary, wall()));
         end_badly(start, model, summary.frames > 0, console);
     }
+    write_results();
     console.line(summary_text(run, summary, wall()));
     const std::string& save = options.word("--save-state");
     if (!save.empty()) console.line(save_state(model, start.loaded, save));

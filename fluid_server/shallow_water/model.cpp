@@ -58,7 +58,30 @@ shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval)
     note_water(world_, driving / frame_time, outflow_, d);
     people_.pushes.clear();
     note_people(people_, d);
+    add_to_maps();
     return d;
+}
+
+void ShallowWaterModel::begin_maps() {
+    if (!world_.scene.place) return;
+    const Grid& grid = world_.grid;
+    maps_.emplace(MapGrid{grid.x.lo, grid.z.lo, grid.dx, grid.dz, grid.nx, grid.nz});
+    if (world_.bed.obstacle.empty()) return;
+    for (std::size_t k = 0; k < grid.cells(); ++k)
+        maps_->wall[k] = world_.bed.obstacle[grid.row(static_cast<std::ptrdiff_t>(k / grid.nx)) + k % grid.nx] > 0;
+}
+
+void ShallowWaterModel::add_to_maps() {
+    if (!maps_) return;
+    for (std::size_t k = 0; k < world_.grid.nz; ++k) {
+        const std::size_t c = world_.grid.row(static_cast<std::ptrdiff_t>(k));
+        const Primitive& now = world_.primitive;
+        add_row(*maps_, k, world_.time, world_.water.h.data() + c, now.u.data() + c, now.v.data() + c);
+    }
+}
+
+void ShallowWaterModel::write_results(const std::filesystem::path& folder) const {
+    if (maps_) write_maps(*maps_, *world_.scene.place, folder);
 }
 
 std::string ShallowWaterModel::remarks() const {

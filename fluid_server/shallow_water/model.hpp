@@ -1,8 +1,11 @@
 #pragma once
 // The shallow-water equations as a model of the server.
 
+#include <optional>
+
 #include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
+#include "fluid_server/maps/flood_maps.hpp"
 #include "fluid_server/shallow_water/column_particles.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 
@@ -10,7 +13,7 @@ namespace wade::fluid::shallow_water {
 
 class ShallowWaterModel final : public FluidModel {
  public:
-    explicit ShallowWaterModel(const Scene& scene) : world_(scene), particles_(world_) {}
+    explicit ShallowWaterModel(const Scene& scene) : world_(scene), particles_(world_) { begin_maps(); }
 
     [[nodiscard]] static Estimate estimate(const Scene& scene);
 
@@ -20,14 +23,19 @@ class ShallowWaterModel final : public FluidModel {
     shm::Diagnostics advance_frame(const FrameInterval& interval) override;
     std::uint32_t write_frame(const shm::FrameFields& slot) const override { return particles_.write(world_, slot); }
     [[nodiscard]] std::string remarks() const override;
+    void write_results(const std::filesystem::path& folder) const override;
 
     [[nodiscard]] const ShallowWater& world() const { return world_; }
 
  private:
+    void begin_maps();
+    void add_to_maps();
+
     ShallowWater world_;
     ColumnParticles particles_;
     PeopleInWater people_;
-    double outflow_ = 0;  // m^3 since t = 0
+    std::optional<FloodMaps> maps_;  // of a place
+    double outflow_ = 0;             // m^3 since t = 0
     double cell_steps_ = 0;
 };
 

@@ -1,0 +1,47 @@
+#pragma once
+// What each cell of a place met since t = 0.
+//
+// Depth h and speed v count from 0.01 m of water on: thinner films, whose speeds mean nothing to people, are dry [A]. Each map
+// is the largest of its own value at the ends of frames, not made of the other maps:
+//
+//   max_depth_m h    max_speed_m_s v    max_dv_m2_s h v    arrival_s the first time with water
+//   viseu 0 to 4, arr_h 0 to 6, defra the rating: see configs/numbers/hazard.hpp
+//
+// Walls and ground without height have no value, nor has arrival_s where no water came.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "configs/scene/scene.hpp"
+
+namespace wade::fluid {
+
+struct MapGrid {
+    double x = 0, z = 0;    // of the lower left corner from the scene's origin, m
+    double dx = 1, dz = 1;  // m
+    std::size_t columns = 0, rows = 0;
+};
+
+struct FloodMaps {
+    explicit FloodMaps(const MapGrid& its_grid);
+
+    MapGrid grid;
+    std::vector<float> depth, speed, depth_speed, arrival, rating;  // by row from the south, then column
+    std::vector<std::uint8_t> hazard;                               // H1 to H6
+    std::vector<bool> wall;
+};
+
+// Adds the water of a row at a time, s: depth, m, and velocity, m/s, of its cells.
+void add_row(FloodMaps& maps, std::size_t row, double time, const double* h, const double* u, const double* v);
+
+// Writes the maps into `folder`/maps, in the place's coordinate system. Throws std::runtime_error.
+void write_maps(const FloodMaps& maps, const Place& place, const std::filesystem::path& folder);
+
+inline constexpr double wet_depth = 0.01;  // m
+
+// Memory of a cell, bytes.
+inline constexpr double bytes_of_map_cell = 5 * sizeof(float) + 2;
+
+}  // namespace wade::fluid
