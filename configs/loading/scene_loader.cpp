@@ -58,14 +58,19 @@ void note_if_unused(const std::string& key, const nlohmann::json& crowd, const s
                   " has no effect, as every group sets its own; set /crowd/groups/0/" + key + " instead.");
 }
 
-// A place stands for the channel and what is in it.
-void note_if_beside_place(const nlohmann::json& document, const std::string& source, Problems& problems) {
-    for (const char* const key : {"channel", "obstacles"}) {
-        if (!document.contains(key) || document[key].empty()) continue;
-        problems.note(source + ": /" + key +
-                      ": a place stands instead of the channel and its obstacles; allowed: none beside " +
-                      "/place, also in the scenes that it extends. Houses are /place/houses.");
-    }
+// A place stands for the channel and what is in it. A scene that was printed holds the channel that its place makes, a closed
+// one; of any other nothing more needs to be said.
+void note_beside_place(const std::string& key, const std::string& source, Problems& problems) {
+    problems.note(source + ": /" + key +
+                  ": a place stands instead of the channel and its obstacles; allowed: none beside /place, also in the "
+                  "scenes that it extends. Houses are /place/houses.");
+}
+void drop_channel_beside_place(nlohmann::json& document, const std::string& source, Problems& problems) {
+    if (!document.contains("place") || !document.contains("channel")) return;
+    const nlohmann::json& channel = document["channel"];
+    if (channel.contains("flow") && channel["flow"] == "closed") return;
+    note_beside_place("channel", source, problems);
+    document.erase("channel");
 }
 
 SetByScene set_by(const nlohmann::json& document) {
@@ -73,6 +78,15 @@ SetByScene set_by(const nlohmann::json& document) {
         return document.contains(object) && document[object].contains(key);
     };
     return {sets("world", "length_m"), sets("world", "width_m"), sets("fluid", "model")};
+}
+
+void place_instead_of_channel(const nlohmann::json& document, Scene& scene, const std::string& source,
+                              Problems& problems) {
+    const std::string as_written = written_scene(scene)["channel"].dump();
+    read_place(scene, set_by(document), source, problems);
+    if (!scene.obstacles.empty()) note_beside_place("obstacles", source, problems);
+    if (document.contains("channel") && written_scene(scene)["channel"].dump() != as_written)
+        note_beside_place("channel", source, problems);
 }
 
 // A name for folders and titles that is as near to the file's as its characters allow: "my scene.json" is "my_scene". A
@@ -118,10 +132,10 @@ LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& 
 
     LoadedScene loaded;
     loaded.scene.name = name_from(file);
+    drop_channel_beside_place(document, source, problems);
     read_scene(document, loaded.scene, {source, problems});
-    if (loaded.scene.place_keys) note_if_beside_place(document, source, problems);
     problems.throw_if_any();
-    read_place(loaded.scene, set_by(document), source, problems);
+    if (loaded.scene.place_keys) place_instead_of_channel(document, loaded.scene, source, problems);
     problems.throw_if_any();
     choose_kernel(loaded.scene);
     check_scene(loaded.scene, source);

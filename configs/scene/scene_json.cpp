@@ -127,8 +127,6 @@ class Writer : public Fields {
         if (!value.is_null()) (*here_)[std::string(key.name)] = std::move(value);
     }
     void visit_object(const Key& key, const std::function<void()>& inside) override {
-        const std::string unless(key.presence.unless);
-        if (!unless.empty() && here_->contains(unless)) return;  // which was read in its place
         enter((*here_)[std::string(key.name)] = json::object(), inside);
     }
     void visit_optional(const Key& key, const OptionalMember& member) override {

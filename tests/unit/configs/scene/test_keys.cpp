@@ -47,7 +47,7 @@ const json everything = json::parse(R"({
     "events": [{"frame": 3, "agent": 1, "tau": 0.5}, {"time_s": 3, "group": "sets", "tau": 0.6}]
 })");
 
-// The same with a place, in whose presence a channel is neither needed nor written.
+// The same with a place.
 const json everything_on_a_place = [] {
     json document = everything;
     document["place"] = json::parse(R"({
