@@ -123,9 +123,10 @@ void find_waves(std::size_t n, const FluxConstants& constants, Faces& faces) {
 
 // F = (s_r F_l - s_l F_r + s_l s_r (U_r - U_l)) / (s_r - s_l), in a form that is F_l to the bit if F_l = F_r, lets
 // no mass through a mirror, and gives mirrored states the mirrored flux.
-inline void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, std::size_t n, double gravity,
-                           const Faces& faces, FluxRow flux) {
-    const V zero = all(0.0), half = all(0.5), half_g = all(0.5 * gravity);
+template <bool films_rest>
+void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, std::size_t n,
+                    const FluxConstants& constants, const Faces& faces, FluxRow flux) {
+    const V zero = all(0.0), half = all(0.5), half_g = all(0.5 * constants.gravity), dry = all(constants.dry);
     for (std::size_t i = 0; i < n; i += lanes) {
         const V h_l = load(&faces.h_l[i]), h_r = load(&faces.h_r[i]);
         const V u_l = load(&faces.u_l[i]), u_r = load(&faces.u_r[i]);
@@ -133,14 +134,21 @@ inline void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upp
         const V q_l = h_l * u_l, q_r = h_r * u_r;
         const V pressure_l = half_g * h_l * h_l, pressure_r = half_g * h_r * h_r;
         const V f_l = q_l * u_l + pressure_l, f_r = q_r * u_r + pressure_r;
-        const V mass = half * (q_l + q_r) + lean * (q_l - q_r) + spread * (h_r - h_l);
+        V mass = half * (q_l + q_r) + lean * (q_l - q_r) + spread * (h_r - h_l);
         const V momentum = half * (f_l + f_r) + lean * (f_l - f_r) + spread * (q_r - q_l);
+        V into_lower = momentum - pressure_l, into_upper = momentum - pressure_r;
+        if constexpr (films_rest) {
+            const auto wet = hn::Or(load(lower.h + i) > dry, load(upper.h + i) > dry);
+            mass = hn::IfThenElseZero(wet, mass);
+            into_lower = hn::IfThenElseZero(wet, into_lower);
+            into_upper = hn::IfThenElseZero(wet, into_upper);
+        }
         const V along_l = load(lower.along + i) + load(lower_rise.along + i);
         const V along_r = load(upper.along + i) - load(upper_rise.along + i);
         store(mass, flux.mass + i);
         store(mass * hn::IfThenElse(mass > zero, along_l, along_r), flux.along + i);
-        store(momentum - pressure_l, flux.into_lower + i);
-        store(momentum - pressure_r, flux.into_upper + i);
+        store(into_lower, flux.into_lower + i);
+        store(into_upper, flux.into_upper + i);
     }
 }
 
@@ -160,8 +168,9 @@ inline void find_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_
         } else {
             find_waves<true>(m, constants, faces);
         }
-        combine_fluxes(l, dl, r, dr, m, constants.gravity, faces,
-                       {flux.mass + i, flux.along + i, flux.into_lower + i, flux.into_upper + i});
+        const auto combine = constants.films_rest ? combine_fluxes<true> : combine_fluxes<false>;
+        combine(l, dl, r, dr, m, constants, faces,
+                {flux.mass + i, flux.along + i, flux.into_lower + i, flux.into_upper + i});
     }
 }
 

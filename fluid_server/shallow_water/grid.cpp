@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "configs/scene/intervals.hpp"
+#include "fluid_server/shallow_water/place_ground.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -70,6 +71,14 @@ Grid make_grid(const Scene& scene) {
 
 Bed make_bed(const Scene& scene, const Grid& grid) {
     Bed bed;
+    if (scene.place) {
+        bed.ground = ground_heights(scene.place->ground, grid);
+        bed.n_squared = squares_of_manning(scene.place->roughness, grid);
+        bed.height = bed.ground;
+        std::replace_if(bed.height.begin(), bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
+        bed.level = std::all_of(bed.height.begin(), bed.height.end(), [](double b) { return b == 0; });
+        return bed;
+    }
     bed.height.assign(grid.stored(), 0);
     if (!scene.obstacles.empty()) bed.obstacle.assign(grid.stored(), 0);
     for_each_cell(grid, [&](std::size_t c, const Interval& x, const Interval& z) {
@@ -86,6 +95,7 @@ Bed make_bed(const Scene& scene, const Grid& grid) {
 
 Water initial_water(const Scene& scene, const Grid& grid, const Bed& bed) {
     Water water(grid);
+    if (scene.place) return water;  // its bed is not known before its walls: see set_openings()
     const Channel& channel = scene.channel;
     const bool river = channel.flow != Flow::closed && channel.initial_river == InitialRiver::filled;
     for_each_cell(grid, [&](std::size_t c, const Interval& x, const Interval& z) {

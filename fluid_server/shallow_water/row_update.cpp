@@ -1,6 +1,8 @@
 #include "fluid_server/shallow_water/row_update.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE
@@ -22,11 +24,13 @@ HWY_INLINE F friction_of_depth(F h) {
     return y2 * y2;
 }
 
-// 1 / (1 + dt k) of n cells.
-void find_slowing(Cells cells, std::size_t n, double drag_factor, double* slowed) {
+// 1 / (1 + dt k) of n cells. n_squared: factors of each cell, only read by_cell.
+template <bool by_cell>
+void find_slowing(Cells cells, std::size_t n, double drag_factor, const double* n_squared, double* slowed) {
     const V one = all(1.0), drag = all(drag_factor);
     const auto put = [&](std::size_t i, V friction) {
         const V u = load(cells.normal + i), v = load(cells.along + i);
+        if constexpr (by_cell) friction = friction * load(n_squared + i);
         store(one / (one + drag * hn::Sqrt(u * u + v * v) * friction), slowed + i);
     };
     for (std::size_t i = 0; i < n; i += float_lanes) {
@@ -56,6 +60,14 @@ struct Workspace {
     }
 };
 
+// From place i of a row on.
+inline CellRow part(const CellRow& row, std::size_t i) {
+    return {row.h + i, row.eta + i, row.normal + i, row.along + i};
+}
+inline FluxRow part(const FluxRow& row, std::size_t i) {
+    return {row.mass + i, row.along + i, row.into_lower + i, row.into_upper + i};
+}
+
 // Cells from place c on, with u or v as the velocity normal to the faces.
 inline Cells along_x(const Primitive& p, std::size_t c) {
     return {p.h.data() + c, p.surface().data() + c, p.u.data() + c, p.v.data() + c};
@@ -72,9 +84,62 @@ struct RowTo {
     double *depth, *eta, *u, *v;  // eta null: on a level bed
 };
 
+// What passes the open shares of n faces.
+void narrow_fluxes(const double* open, std::size_t n, const FluxRow& flux) {
+    for (std::size_t i = 0; i < n; i += lanes) {
+        const V a = first(n - i, load(open + i), all(1.0));
+        for (double* const value : {flux.mass, flux.along, flux.into_lower, flux.into_upper}) {
+            store(a * load(value + i), value + i);
+        }
+    }
+}
+
+// Half of what the surface rises from one cell to the next on the side away from a wall, if it rises on from there.
+double rise_on_one_side(const double* values, std::ptrdiff_t step) {
+    const double near = values[step] - values[0], far = values[2 * step] - values[step];
+    return near * far > 0 ? std::copysign(0.5 * std::min(std::abs(near), std::abs(far)), near) : 0;
+}
+
+// Rises of the cells with a wall on one side, of row k within [begin, end). cells: by column; step: to the next one along the
+// rises' direction.
+void mend_rises(const EntriesByRow<OneSided>& slopes, std::size_t k, std::size_t begin, std::size_t end, const Cells& cells,
+                std::ptrdiff_t step, double dry, const CellRow& rise) {
+    for (std::size_t n = slopes.begin[k]; n < slopes.begin[k + 1]; ++n) {
+        const std::size_t i = slopes.entries[n].column;
+        if (i < begin || i >= end) continue;
+        const std::ptrdiff_t away = slopes.entries[n].away * step;
+        const double* const h = cells.h + i;
+        const bool wet = away != 0 && h[0] > dry && h[away] > dry && h[2 * away] > dry;
+        const auto along = [&](const double* values) {
+            return wet ? (slopes.entries[n].away > 0 ? 1 : -1) * rise_on_one_side(values + i, away) : 0.0;
+        };
+        rise.eta[i] = along(cells.eta);
+        if (rise.h != rise.eta) rise.h[i] = along(cells.h);
+        rise.h[i] = std::clamp(rise.h[i], -h[0], h[0]);
+        rise.normal[i] = along(cells.normal);
+        rise.along[i] = along(cells.along);
+    }
+}
+
+// Adds what the walls push to the momentum fluxes of their cells: see openings.hpp.
+void push_of_walls(const EntriesByRow<WallCell>& walls, std::size_t k, std::size_t begin, std::size_t end, const Cells& cells,
+                   double gravity, double* into_x, double* into_z) {
+    for (std::size_t n = walls.begin[k]; n < walls.begin[k + 1]; ++n) {
+        const WallCell& wall = walls.entries[n];
+        const std::size_t i = wall.column;
+        if (i < begin || i >= end) continue;
+        const double h = cells.h[i], length = std::hypot(wall.x, wall.z);
+        const double u = (cells.normal[i] * wall.x + cells.along[i] * wall.z) / length, c = std::sqrt(gravity * h);
+        const double push = std::max(h * u * (u + std::max(c + 0.5 * u, c - u)), -0.5 * gravity * h * h);
+        into_x[i] += wall.x * push;
+        into_z[i] += wall.z * push;
+    }
+}
+
 // Returns the smallest depth. What is taken by value is the function's own, so that no store changes its pointers.
-template <bool friction>
-double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const double* slowed, const double* rise_x,
+template <bool friction, bool walls>
+double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const double* slowed, const double* per_share,
+               const double* rise_x,
                const double* rise_z, FluxRow x, FluxRow below, FluxRow above, RowOf from, RowOf base, const double* bed,
                RowTo to) {
     const V per_x = all(terms.dt / dx), per_z = all(terms.dt / dz), push = all(terms.dt * terms.acceleration);
@@ -84,13 +149,24 @@ double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const doub
     V least = zero;
     for (std::size_t i = 0; i < n; i += lanes) {
         const V h = load(from.h + i), weight = twice_g * h;  // times a rise, which is half of the change over the cell
-        V new_h = h - per_x * (load(x.mass + i + 1) - load(x.mass + i)) -
-                  per_z * (load(above.mass + i) - load(below.mass + i));
-        V qx = load(from.qx + i) -
-               per_x * (load(x.into_lower + i + 1) - load(x.into_upper + i) + weight * load(rise_x + i)) -
-               per_z * (load(above.along + i) - load(below.along + i)) + push * h;
-        V qz = load(from.qz + i) - per_x * (load(x.along + i + 1) - load(x.along + i)) -
-               per_z * (load(above.into_lower + i) - load(below.into_upper + i) + weight * load(rise_z + i));
+        V new_h, qx, qz;
+        if constexpr (walls) {
+            const V open = load(per_share + i), of_x = open * per_x, of_z = open * per_z;
+            new_h = h - of_x * (load(x.mass + i + 1) - load(x.mass + i)) -
+                    of_z * (load(above.mass + i) - load(below.mass + i));
+            qx = load(from.qx + i) - of_x * (load(x.into_lower + i + 1) - load(x.into_upper + i)) -
+                 per_x * weight * load(rise_x + i) - of_z * (load(above.along + i) - load(below.along + i)) + push * h;
+            qz = load(from.qz + i) - of_x * (load(x.along + i + 1) - load(x.along + i)) -
+                 of_z * (load(above.into_lower + i) - load(below.into_upper + i)) - per_z * weight * load(rise_z + i);
+        } else {
+            new_h = h - per_x * (load(x.mass + i + 1) - load(x.mass + i)) -
+                    per_z * (load(above.mass + i) - load(below.mass + i));
+            qx = load(from.qx + i) -
+                 per_x * (load(x.into_lower + i + 1) - load(x.into_upper + i) + weight * load(rise_x + i)) -
+                 per_z * (load(above.along + i) - load(below.along + i)) + push * h;
+            qz = load(from.qz + i) - per_x * (load(x.along + i + 1) - load(x.along + i)) -
+                 per_z * (load(above.into_lower + i) - load(below.into_upper + i) + weight * load(rise_z + i));
+        }
         if constexpr (friction) {
             qx = qx * load(slowed + i);
             qz = qz * load(slowed + i);
@@ -116,65 +192,145 @@ double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const doub
     return hn::GetLane(hn::MinOfLanes(doubles, least));
 }
 
-void UpdateBand(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
-                RowMemory& buffer, const BandTo& to) {
+// What the members of groups in row k get, for the group to take: see step_groups().
+void note_members(Openings& openings, std::size_t k, std::size_t begin, std::size_t end, StageTerms terms, const Grid& grid,
+                  const double* rise_x, const double* rise_z, const FluxRow& x, const FluxRow& below, const FluxRow& above,
+                  const RowOf& from, std::size_t row) {
+    const double per_x = terms.dt / grid.dx, per_z = terms.dt / grid.dz;
+    for (std::size_t n = openings.members.begin[k]; n < openings.members.begin[k + 1]; ++n) {
+        const std::size_t i = openings.members.entries[n].column;
+        if (i < begin || i >= end) continue;
+        const double weight = 2 * terms.constants.gravity * from.h[i] * openings.share[row + i];
+        MemberChange& change = openings.changes[openings.members.entries[n].number];
+        change.h = -per_x * (x.mass[i + 1] - x.mass[i]) - per_z * (above.mass[i] - below.mass[i]);
+        change.qx = -per_x * (x.into_lower[i + 1] - x.into_upper[i] + weight * rise_x[i]) -
+                    per_z * (above.along[i] - below.along[i]);
+        change.qz = -per_x * (x.along[i + 1] - x.along[i]) -
+                    per_z * (above.into_lower[i] - below.into_upper[i] + weight * rise_z[i]);
+        change.from_qx = from.qx[i], change.from_qz = from.qz[i];
+    }
+}
+
+// One Euler step of a band: row by row, with what was found for the row below kept for the next one.
+struct BandUpdate {
+    ShallowWater& world;
+    const BandFrom& from;
+    const StageTerms& terms;
+    const BandTo& to;
+    Workspace work;
     const Grid& grid = world.grid;
     const Primitive& p = from.primitive;
-    const auto row_from = [](const RowMemory& h, const RowMemory& qx, const RowMemory& qz, std::size_t c) {
-        return RowOf{h.data() + c, qx.data() + c, qz.data() + c};
-    };
-    const auto row_to = [&](std::size_t c) {
-        Primitive& q = to.primitive;
-        return RowTo{to.h == nullptr ? nullptr : to.h->data() + c, to.qx.data() + c, to.qz.data() + c, q.h.data() + c,
-                     q.eta.empty() ? nullptr : q.eta.data() + c,   q.u.data() + c,   q.v.data() + c};
-    };
-    const std::size_t n = grid.nx;
-    Workspace work(buffer, n, world.bed.level);
-    const auto row_of = [&](std::size_t k, std::ptrdiff_t offset) {
-        return grid.row(static_cast<std::ptrdiff_t>(k) + offset);
-    };
-    const auto rises_of_row = [&](std::size_t c, const CellRow& rise) {
-        find_rises(across(p, c - grid.stride), across(p, c), across(p, c + grid.stride), n, rise);
-    };
-    const auto fluxes_above_row = [&](std::size_t c, const FluxRow& flux) {
-        find_fluxes(across(p, c), work.rise_z[0], across(p, c + grid.stride), work.rise_z[1],
-                    world.walls_z.from(c + grid.stride, grid), n, terms.constants, flux);
-    };
-    if (begin == end) return;
-    rises_of_row(row_of(begin, -1), work.rise_z[0]);
-    rises_of_row(row_of(begin, 0), work.rise_z[1]);
-    fluxes_above_row(row_of(begin, -1), work.flux_z[0]);
-    for (std::size_t k = begin; k < end; ++k) {
-        const std::size_t c = row_of(k, 0);
-        std::swap(work.rise_z[0], work.rise_z[1]);
-        rises_of_row(c + grid.stride, work.rise_z[1]);
-        fluxes_above_row(c, work.flux_z[1]);
+    const Lines& active = world.lines.active;
+    Openings& openings = world.openings;
+    bool walls = openings.any();
 
-        find_rises(along_x(p, c - 2), along_x(p, c - 1), along_x(p, c), n + 2, work.rise_x);
-        find_fluxes(along_x(p, c - 1), work.rise_x, along_x(p, c), Cells(work.rise_x).from(1),
-                    world.walls_x.from(c, grid), n + 1, terms.constants, work.flux_x);
-        if (world.scene.channel.flow == Flow::emitter) {
-            set_inflow(work.flux_x, n, terms.discharge, world.scene.channel.depth, p.h[c + n - 1], p.u[c + n - 1],
-                       terms.constants.gravity);
+    [[nodiscard]] std::size_t place(std::ptrdiff_t k) const { return grid.row(k); }
+
+    // Rises across of row k, needed by the faces on both sides of it.
+    void rises_of_row(std::ptrdiff_t k, const CellRow& rise) const {
+        const std::size_t row = place(k);
+        active.for_each_span_near(k, -1, 1, [&](std::size_t i, std::size_t n) {
+            const std::size_t c = row + i;
+            find_rises(across(p, c - grid.stride), across(p, c), across(p, c + grid.stride), n, part(rise, i));
+            if (!walls || k < 0 || static_cast<std::size_t>(k) >= grid.nz) return;
+            mend_rises(openings.slopes_z, static_cast<std::size_t>(k), i, i + n, across(p, row),
+                       static_cast<std::ptrdiff_t>(grid.stride), terms.constants.dry, rise);
+        });
+    }
+    // Fluxes across from row k to the next one.
+    void fluxes_above_row(std::ptrdiff_t k, const FluxRow& flux) const {
+        const std::size_t row = place(k);
+        active.for_each_span_near(k, 0, 1, [&](std::size_t i, std::size_t n) {
+            const std::size_t c = row + i, up = c + grid.stride;
+            find_fluxes(across(p, c), Cells(work.rise_z[0]).from(i), across(p, up), Cells(work.rise_z[1]).from(i),
+                        world.walls_z.from(up, grid), n, terms.constants, part(flux, i));
+            if (walls && openings.narrowed_z[up / grid.stride] != 0) {
+                narrow_fluxes(openings.face_z.data() + up, n, part(flux, i));
+            }
+        });
+    }
+    // Rises and fluxes along x of cells i to i + n of row k.
+    void fluxes_along(std::size_t k, std::size_t i, std::size_t n) const {
+        const std::size_t row = place(static_cast<std::ptrdiff_t>(k)), c = row + i;
+        find_rises(along_x(p, c - 2), along_x(p, c - 1), along_x(p, c), n + 2, part(work.rise_x, i));
+        if (walls) {
+            mend_rises(openings.slopes_x, k, i > 0 ? i - 1 : 0, i + n + 1, along_x(p, row), 1, terms.constants.dry,
+                       part(work.rise_x, 1));
         }
-        const bool friction = terms.manning_n > 0;
-        double* const slowed = work.rise_x.normal;  // which is no longer needed
+        find_fluxes(along_x(p, c - 1), Cells(work.rise_x).from(i), along_x(p, c), Cells(work.rise_x).from(i + 1),
+                    world.walls_x.from(c, grid), n + 1, terms.constants, part(work.flux_x, i));
+        if (walls && openings.narrowed_x[c / grid.stride] != 0) {
+            narrow_fluxes(openings.face_x.data() + c, n + 1, part(work.flux_x, i));
+        }
+    }
+    // The smallest depth of cells i to i + n of row k.
+    double mix(std::size_t k, std::size_t i, std::size_t n) {
+        const std::size_t row = place(static_cast<std::ptrdiff_t>(k)), c = row + i;
+        const bool by_cell = !world.bed.n_squared.empty(), friction = terms.manning_n > 0 || by_cell;
+        double* const slowed = work.rise_x.normal + i;  // which is no longer needed
         if (friction) {
-            const double drag = terms.dt * terms.constants.gravity * terms.manning_n * terms.manning_n;
-            find_slowing(along_x(p, c), n, drag, slowed);
+            const double drag =
+                terms.dt * terms.constants.gravity * (by_cell ? 1 : terms.manning_n * terms.manning_n);
+            const auto slow = by_cell ? find_slowing<true> : find_slowing<false>;
+            slow(along_x(p, c), n, drag, by_cell ? world.bed.n_squared.data() + c : nullptr, slowed);
         }
-        const auto mix = friction ? mix_row<true> : mix_row<false>;
-        world.row_least[k] =
-            mix(terms, grid.dx, grid.dz, n, slowed, work.rise_x.eta + 1, work.rise_z[0].eta, work.flux_x,
-                work.flux_z[0], work.flux_z[1], row_from(p.h, from.qx, from.qz, c),
-                row_from(world.primitive.h, world.water.qx, world.water.qz, c), world.bed.height.data() + c, row_to(c));
-        world.row_inflow[k] = work.flux_x.mass[n];
+        const RowOf from_row{p.h.data() + c, from.qx.data() + c, from.qz.data() + c};
+        const RowOf base{world.primitive.h.data() + c, world.water.qx.data() + c, world.water.qz.data() + c};
+        Primitive& q = to.primitive;
+        const RowTo to_row{to.h == nullptr ? nullptr : to.h->data() + c, to.qx.data() + c, to.qz.data() + c, q.h.data() + c,
+                           q.eta.empty() ? nullptr : q.eta.data() + c,   q.u.data() + c,   q.v.data() + c};
+        if (walls) {
+            push_of_walls(openings.walls, k, i, i + n, along_x(p, row), terms.constants.gravity,
+                          work.flux_x.into_lower + 1, work.flux_z[1].into_lower);
+            note_members(openings, k, i, i + n, terms, grid, work.rise_x.eta + 1, work.rise_z[0].eta, work.flux_x,
+                         work.flux_z[0], work.flux_z[1],
+                         {p.h.data() + row, from.qx.data() + row, from.qz.data() + row}, row);
+        }
+        const auto mix = walls ? (friction ? mix_row<true, true> : mix_row<false, true>)
+                               : (friction ? mix_row<true, false> : mix_row<false, false>);
+        return mix(terms, grid.dx, grid.dz, n, slowed, walls ? openings.per_share.data() + c : nullptr,
+                   work.rise_x.eta + 1 + i, work.rise_z[0].eta + i, part(work.flux_x, i), part(work.flux_z[0], i),
+                   part(work.flux_z[1], i), from_row, base, world.bed.height.data() + c, to_row);
+    }
+    void note_flow(std::size_t k) {
+        const std::size_t c = place(static_cast<std::ptrdiff_t>(k));
+        world.row_inflow[k] = work.flux_x.mass[grid.nx];
         world.row_outflow[k] = work.flux_x.mass[0];
         for (WatchedFace& watched : world.watched) {
             const double mass = work.flux_x.mass[watched.face];
             watched.row_mass[k] = mass;
             watched.row_momentum[k] = mass * p.u[mass > 0 ? c + watched.face - 1 : c + watched.face];
         }
+    }
+};
+
+void UpdateBand(ShallowWater& world, const BandFrom& from, const StageTerms& terms, std::size_t begin, std::size_t end,
+                RowMemory& buffer, const BandTo& to) {
+    if (begin == end) return;
+    const Grid& grid = world.grid;
+    BandUpdate band{world, from, terms, to, Workspace(buffer, grid.nx, world.bed.level)};
+    Workspace& work = band.work;
+    const auto first_row = static_cast<std::ptrdiff_t>(begin), end_row = static_cast<std::ptrdiff_t>(end);
+    band.rises_of_row(first_row - 1, work.rise_z[0]);
+    band.rises_of_row(first_row, work.rise_z[1]);
+    band.fluxes_above_row(first_row - 1, work.flux_z[0]);
+    for (std::ptrdiff_t row = first_row; row < end_row; ++row) {
+        const auto k = static_cast<std::size_t>(row);
+        std::swap(work.rise_z[0], work.rise_z[1]);
+        band.rises_of_row(row + 1, work.rise_z[1]);
+        band.fluxes_above_row(row, work.flux_z[1]);
+        double least = 0;
+        world.lines.active.for_each_span(k, [&](std::size_t i, std::size_t n) {
+            band.fluxes_along(k, i, n);
+            if (world.scene.channel.flow == Flow::emitter) {
+                const std::size_t last = grid.row(row) + grid.nx - 1;
+                set_inflow(work.flux_x, grid.nx, terms.discharge, world.scene.channel.depth, from.primitive.h[last],
+                           from.primitive.u[last], terms.constants.gravity);
+            }
+            least = std::min(least, band.mix(k, i, n));
+        });
+        world.row_least[k] = least;
+        if (!world.place) band.note_flow(k);
         std::swap(work.flux_z[0], work.flux_z[1]);
     }
 }

@@ -43,24 +43,87 @@ double sum(const std::vector<double>& values) {
     return total;
 }
 
-// One Euler step, mixed with the world's `water`: see update_band().
-void euler_step(ShallowWater& world, const BandFrom& from, double share, double dt, double discharge,
-                const BandTo& to) {
-    const StageTerms terms{world.constants, world.acceleration, world.scene.channel.manning_n, share, dt, discharge};
+// The same Euler step of a group of cells, from what its members got: U' = (s U + dt sum of s L) / (s (1 + dt k)).
+void step_group(ShallowWater& world, const Group& group, const BandFrom& from, const StageTerms& terms, const BandTo& to,
+                double& least) {
+    const Openings& openings = world.openings;
+    const std::size_t c = openings.members_of_groups[group.first];
+    const MemberChange& one = openings.changes[group.first];
+    double h = from.primitive.h[c], qx = one.from_qx, qz = one.from_qz, n_squared = 0;
+    for (std::size_t m = group.first; m < group.last; ++m) {
+        const std::size_t member = openings.members_of_groups[m];
+        h += openings.changes[m].h / group.share;
+        qx += openings.changes[m].qx / group.share;
+        qz += openings.changes[m].qz / group.share;
+        n_squared += openings.share[member] / group.share *
+                     (world.bed.n_squared.empty() ? terms.manning_n * terms.manning_n : world.bed.n_squared[member]);
+    }
+    const double film = std::max(from.primitive.h[c], 1e-3), speed = std::hypot(from.primitive.u[c], from.primitive.v[c]);
+    const double slowed =
+        1 / (1 + terms.dt * terms.constants.gravity * n_squared * speed / (film * std::cbrt(film)));
+    h = (1 - terms.share) * world.water.h[c] + terms.share * h;
+    least = std::min(least, h);
+    h = std::max(h, 0.0);
+    const bool wet = h > terms.constants.dry;
+    qx = wet ? (1 - terms.share) * world.water.qx[c] + terms.share * qx * slowed : 0;
+    qz = wet ? (1 - terms.share) * world.water.qz[c] + terms.share * qz * slowed : 0;
+    for (std::size_t m = group.first; m < group.last; ++m) {
+        const std::size_t member = openings.members_of_groups[m];
+        if (to.h != nullptr) (*to.h)[member] = h;
+        to.qx[member] = qx, to.qz[member] = qz;
+        to.primitive.h[member] = h;
+        if (!to.primitive.eta.empty()) to.primitive.eta[member] = h + world.bed.height[member];
+        to.primitive.u[member] = wet ? qx / h : 0;
+        to.primitive.v[member] = wet ? qz / h : 0;
+    }
+}
+
+// The cells of outlets keep over both stages the state that they were given. Returns the volume that the first stage brought
+// them, of which the step takes half, m^3.
+double hold_outlets(const ShallowWater& world, const BandTo& to) {
+    double volume = 0;
+    for (const PlaceOutlet& outlet : world.place->outlets) {
+        for (const OutletCell& cell : outlet.cells) {
+            const std::size_t c = cell.cell;
+            volume += (to.primitive.h[c] - world.primitive.h[c]) * world.openings.share_of(c) * world.grid.cell_area();
+            to.qx[c] = world.water.qx[c], to.qz[c] = world.water.qz[c];
+            to.primitive.h[c] = world.primitive.h[c];
+            if (!to.primitive.eta.empty()) to.primitive.eta[c] = world.primitive.eta[c];
+            to.primitive.u[c] = world.primitive.u[c], to.primitive.v[c] = world.primitive.v[c];
+        }
+    }
+    return volume;
+}
+
+// One Euler step, mixed with the world's `water`: see update_band(). Returns what hold_outlets() does of the first stage.
+double euler_step(ShallowWater& world, const BandFrom& from, double share, double dt, double discharge,
+                  const BandTo& to) {
+    const double n = world.place ? world.scene.place->roughness.n : world.scene.channel.manning_n;
+    const StageTerms terms{world.constants, world.acceleration, n, share, dt, discharge};
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
         update_band(world, from, terms, begin, end, buffer, to);
     });
+    for (const std::size_t g : world.openings.active_groups) {
+        step_group(world, world.openings.groups[g], from, terms, to, world.row_least[0]);
+    }
+    const double held = world.place && to.h == nullptr ? hold_outlets(world, to) : 0;
     fill_ghosts(to.primitive, world.grid, world.scene.channel, world.constants.gravity);
+    return held;
 }
 
 double time_step(ShallowWater& world, double remaining) {
     const Grid& grid = world.grid;
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
-            const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
-            world.row_fastest[k] = fastest_of_row(
-                {world.primitive.h.data() + c, nullptr, world.primitive.u.data() + c, world.primitive.v.data() + c},
-                grid.nx, world.constants.gravity, 1 / grid.dx, 1 / grid.dz);
+            double fastest = 0;
+            world.lines.active.for_each_span(k, [&](std::size_t first, std::size_t n) {
+                const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k)) + first;
+                const double of_span = fastest_of_row(
+                    {world.primitive.h.data() + c, nullptr, world.primitive.u.data() + c, world.primitive.v.data() + c},
+                    n, world.constants.gravity, 1 / grid.dx, 1 / grid.dz);
+                fastest = of_span <= fastest ? fastest : of_span;  // NaN, too
+            });
+            world.row_fastest[k] = fastest;
         }
     });
     double rate = 0;
@@ -75,7 +138,8 @@ double time_step(ShallowWater& world, double remaining) {
         const double v = largest_velocity(channel, world.time, world.time + remaining);
         rate = std::max(rate, (v + std::sqrt(world.constants.gravity * channel.depth)) / grid.dx);
     }
-    const double longest = rate > 0 ? world.scene.fluid.cfl / rate : remaining;
+    double longest = rate > 0 ? world.scene.fluid.cfl / rate : remaining;
+    if (world.place) longest = longest_with_inflow(world, std::min(longest, remaining));
     return remaining / std::ceil(std::max(1.0, remaining / longest));
 }
 
@@ -91,6 +155,7 @@ bool heun_step(ShallowWater& world, StepReport& report) {
     const double discharge =
         channel.flow == Flow::emitter ? channel.depth * mean_velocity(channel, world.time, world.time + report.dt) : 0;
     const auto note_flow = [&] {
+        if (world.place) return;
         report.inflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_inflow);
         report.outflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_outflow);
         for (WatchedFace& watched : world.watched) {
@@ -100,9 +165,10 @@ bool heun_step(ShallowWater& world, StepReport& report) {
     };
     for (WatchedFace& watched : world.watched) watched.step_volume = watched.step_momentum = 0;
     Water &water = world.water, &stage = world.stage;
-    euler_step(world, {water.qx, water.qz, world.primitive}, 1, report.dt, discharge,
-               {nullptr, stage.qx, stage.qz, world.stage_primitive});
+    const double held = 0.5 * euler_step(world, {water.qx, water.qz, world.primitive}, 1, report.dt, discharge,
+                                         {nullptr, stage.qx, stage.qz, world.stage_primitive});
     note_flow();
+    (held > 0 ? report.outflow : report.inflow) += std::abs(held);
     const bool positive = stayed_positive(world);
     euler_step(world, {stage.qx, stage.qz, world.stage_primitive}, 0.5, report.dt, discharge,
                {&stage.h, stage.qx, stage.qz, world.primitive});
@@ -113,7 +179,7 @@ bool heun_step(ShallowWater& world, StepReport& report) {
 // The longest step of report.dt after which all depths are positive, each one tried half of the one before.
 void advance(ShallowWater& world, StepReport& report) {
     for (int halved = 0; !heun_step(world, report) && halved < most_halvings; ++halved) {
-        update_primitive(world);
+        update_active(world);
         report.dt *= 0.5;
         report.inflow = report.outflow = 0;
     }
@@ -158,11 +224,24 @@ void drive(ShallowWater& world, std::optional<double> driven_by, StepReport& rep
     update_primitive(world);
 }
 
+// What came and went over the step, and where the water is now.
+void change_place(ShallowWater& world, StepReport& report) {
+    const Passed passed = exchange(world, report.dt);
+    report.inflow += passed.inflow, report.outflow += passed.outflow;
+    if (passed.rained) world.lines.active = Lines(world.grid, true);
+    update_active(world);
+    find_active(world);
+}
+
 }  // namespace
 
 StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, std::optional<double> driven_by) {
     StepReport report;
     StepStages stage(report.stages);
+    if (world.place) {
+        open_gates(world, world.time);
+        remaining = until_gate_opens(*world.place, world.time, remaining);
+    }
     stage(Stage::time_step, [&] { report.dt = time_step(world, remaining); });
     stage(Stage::heun, [&] { advance(world, report); });
     stage(Stage::flow, [&] { book_flow(world); });
@@ -170,9 +249,10 @@ StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, st
     if (people != nullptr && people->push()) {
         stage(Stage::people, [&] {
             push_cells(world, *people, report.dt / people->frame_time);
-            if (!driven) update_primitive(world);
+            if (!driven && !world.place) update_active(world);
         });
     }
+    if (world.place) stage(Stage::place, [&] { change_place(world, report); });
     if (driven) stage(Stage::drive, [&] { drive(world, driven_by, report); });
     world.time += report.dt;
     return report;

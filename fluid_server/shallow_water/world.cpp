@@ -1,8 +1,13 @@
 #include "fluid_server/shallow_water/world.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "fluid_server/particles/filling.hpp"
+#include "fluid_server/shallow_water/place_ground.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -10,6 +15,8 @@ namespace {
 
 // A cell is dry below this share of the deepest water: a film without velocity.
 constexpr double dry_share = 1e-5;
+// On a place, below this share of a cell's size [A].
+constexpr double dry_share_of_cell = 1e-4;
 
 // `step`: from a cell to the one above the face.
 Walls find_walls(const Grid& grid, const RowMemory& obstacle, std::size_t step) {
@@ -40,6 +47,104 @@ void find_primitive(const double* h, const double* qx, const double* qz, const d
     }
 }
 
+// The primitive state of active cells, without ghosts.
+void find_primitives(ShallowWater& world) {
+    const Water& water = world.water;
+    Primitive& p = world.primitive;
+    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t row = world.grid.row(static_cast<std::ptrdiff_t>(k));
+            world.lines.active.for_each_span(k, [&](std::size_t first, std::size_t n) {
+                const std::size_t c = row + first;
+                double* const eta = p.eta.empty() ? p.h.data() : p.eta.data();
+                find_primitive(water.h.data() + c, water.qx.data() + c, water.qz.data() + c,
+                               world.bed.height.data() + c, n, world.constants.dry,
+                               {p.h.data() + c, eta + c, p.u.data() + c, p.v.data() + c});
+            });
+        }
+    });
+}
+
+// What a step reads of cells that it does not work on is the same in all of its memory.
+void copy_to_stage(ShallowWater& world, std::size_t c, std::size_t n) {
+    const auto copy = [&](const RowMemory& from, RowMemory& to) {
+        if (!from.empty()) std::copy_n(from.data() + c, n, to.data() + c);
+    };
+    copy(world.water.h, world.stage.h);
+    copy(world.water.qx, world.stage.qx);
+    copy(world.water.qz, world.stage.qz);
+    copy(world.primitive.h, world.stage_primitive.h);
+    copy(world.primitive.eta, world.stage_primitive.eta);
+    copy(world.primitive.u, world.stage_primitive.u);
+    copy(world.primitive.v, world.stage_primitive.v);
+}
+
+// Bands of rows with equally much to do in each.
+void balance_bands(ShallowWater& world) {
+    const Lines& active = world.lines.active;
+    std::vector<std::size_t> sum(world.grid.nz + 1, 0);
+    for (std::size_t k = 0; k < world.grid.nz; ++k) {
+        std::size_t n = 0;
+        for (std::size_t w = 0; w < active.words(); ++w) {
+            n += static_cast<std::size_t>(std::popcount(active.row(static_cast<std::ptrdiff_t>(k))[w]));
+        }
+        sum[k + 1] = sum[k] + n;
+    }
+    const auto threads = static_cast<std::size_t>(world.grid.cells() >= serial_below ? omp_get_max_threads() : 1);
+    world.bands.assign(threads + 1, 0);
+    for (std::size_t t = 1; t < threads; ++t) {
+        const auto row = std::lower_bound(sum.begin(), sum.end(), t * sum.back() / threads);
+        world.bands[t] = static_cast<std::size_t>(row - sum.begin());
+    }
+    world.bands[threads] = world.grid.nz;
+}
+
+// Groups with a cell in an active line.
+void find_active_groups(ShallowWater& world) {
+    Openings& openings = world.openings;
+    std::vector<std::size_t>& groups = openings.active_groups;
+    groups.clear();
+    for (std::size_t k = 0; k < world.grid.nz; ++k) {
+        world.lines.active.for_each_span(k, [&](std::size_t first, std::size_t n) {
+            const auto begin = openings.members.entries.begin();
+            const auto end = begin + static_cast<std::ptrdiff_t>(openings.members.begin[k + 1]);
+            auto member = std::lower_bound(begin + static_cast<std::ptrdiff_t>(openings.members.begin[k]), end, first,
+                                           [](const Member& m, std::size_t i) { return m.column < i; });
+            for (; member != end && member->column < first + n; ++member) {
+                groups.push_back(openings.group_of_member[member->number]);
+            }
+        });
+    }
+    std::sort(groups.begin(), groups.end());
+    groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
+}
+
+// Marks the lines of all cells of the active groups, and those of cells up to `reach` away along x.
+void mark_groups(ShallowWater& world, Lines& lines, std::size_t reach) {
+    const Openings& openings = world.openings;
+    for (const std::size_t g : openings.active_groups) {
+        for (std::size_t m = openings.groups[g].first; m < openings.groups[g].last; ++m) {
+            const std::size_t c = openings.members_of_groups[m];
+            const std::size_t i = c % world.grid.stride - line_values, k = c / world.grid.stride - Grid::ghosts;
+            lines.set(k, i < reach ? 0 : i - reach);
+            lines.set(k, std::min(i + reach, world.grid.nx - 1));
+        }
+    }
+}
+
+void mark_always(ShallowWater& world) {
+    world.lines.always = Lines(world.grid, false);
+    const auto mark = [&](std::size_t c) {
+        world.lines.always.set(c / world.grid.stride - Grid::ghosts, c % world.grid.stride - line_values);
+    };
+    for (const PlaceSource& source : world.place->sources) {
+        for (const SourceCell& cell : source.cells) mark(cell.cell);
+    }
+    for (const PlaceOutlet& outlet : world.place->outlets) {
+        for (const OutletCell& cell : outlet.cells) mark(cell.cell);
+    }
+}
+
 }  // namespace
 
 ShallowWater::ShallowWater(const Scene& its_scene)
@@ -62,7 +167,29 @@ ShallowWater::ShallowWater(const Scene& its_scene)
     constants.gravity = scene.world.gravity * std::cos(tilt);
     constants.dry = dry_share * deepest_water(scene);
     acceleration = -scene.world.gravity * std::sin(tilt);
+    lines.active = Lines(grid, true);
+    if (scene.place) {
+        constants.dry = dry_share_of_cell * std::min(grid.dx, grid.dz);
+        constants.films_rest = true;
+        set_openings(*this, 0);
+        fill_place(*scene.place, grid, bed.height, openings.share, water.h);
+        place = make_place_water(*scene.place, grid, openings);
+        lines.wet = lines.before = Lines(grid, false);
+        mark_always(*this);
+        exchange(*this, 0);
+    }
     update_primitive(*this);
+}
+
+void set_openings(ShallowWater& world, double time) {
+    std::vector<MapLine> closed;
+    for (const Gate& gate : world.scene.place->gates) {
+        if (gate.opens_at > time) closed.push_back(gate.line);
+    }
+    world.openings = find_openings(world.grid, world.scene.place->houses, world.bed.ground, closed);
+    world.bed.height = world.bed.ground;
+    std::replace_if(world.bed.height.begin(), world.bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
+    level_groups(world.openings, world.bed.height);
 }
 
 void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces) {
@@ -75,19 +202,51 @@ void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces) {
     }
 }
 
-void update_primitive(ShallowWater& world) {
-    const Water& water = world.water;
+void update_active(ShallowWater& world) {
+    for (RowMemory* q : {&world.water.h, &world.water.qx, &world.water.qz}) level_active_groups(world.openings, *q);
+    find_primitives(world);
+    fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity);
+}
+
+void find_active(ShallowWater& world) {
+    WetLines& lines = world.lines;
+    const Grid& grid = world.grid;
+    std::swap(lines.active, lines.before);
+    if (lines.active.words() != lines.before.words()) lines.active = Lines(grid, false);
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
-            const std::size_t c = world.grid.row(static_cast<std::ptrdiff_t>(k));
-            Primitive& p = world.primitive;
-            double* const eta = p.eta.empty() ? p.h.data() : p.eta.data();
-            find_primitive(water.h.data() + c, water.qx.data() + c, water.qz.data() + c, world.bed.height.data() + c,
-                           world.grid.nx, world.constants.dry,
-                           {p.h.data() + c, eta + c, p.u.data() + c, p.v.data() + c});
+            const double* const h = world.water.h.data() + grid.row(static_cast<std::ptrdiff_t>(k));
+            mark_wet(h, k, world.constants.dry, lines.before, lines.wet);
         }
     });
-    fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity);
+    const auto by_rows = [&](auto&& body) {
+        for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
+            for (std::size_t k = begin; k < end; ++k) body(k);
+        });
+    };
+    by_rows([&](std::size_t k) { mark_active(static_cast<std::ptrdiff_t>(k), lines); });
+    if (!world.openings.groups.empty()) {
+        // A group that is wetted at one place is wet at all of them, and so may the groups beside it be.
+        find_active_groups(world);
+        mark_groups(world, lines.wet, 2);
+        by_rows([&](std::size_t k) { mark_active(static_cast<std::ptrdiff_t>(k), lines); });
+        find_active_groups(world);
+        mark_groups(world, lines.active, 0);
+    }
+    by_rows([&](std::size_t k) {
+        const std::size_t row = grid.row(static_cast<std::ptrdiff_t>(k));
+        lines.before.for_each_span_less(
+            k, lines.active, [&](std::size_t first, std::size_t n) { copy_to_stage(world, row + first, n); });
+    });
+    balance_bands(world);
+}
+
+void update_primitive(ShallowWater& world) {
+    world.lines.active = Lines(world.grid, true);
+    world.openings.active_groups.resize(world.openings.groups.size());
+    std::iota(world.openings.active_groups.begin(), world.openings.active_groups.end(), std::size_t{0});
+    update_active(world);
+    if (world.place) find_active(world);
 }
 
 }  // namespace wade::fluid::shallow_water

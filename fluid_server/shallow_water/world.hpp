@@ -5,11 +5,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "fluid_server/shallow_water/boundary.hpp"
 #include "fluid_server/shallow_water/face_flux.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
+#include "fluid_server/shallow_water/openings.hpp"
+#include "fluid_server/shallow_water/place_water.hpp"
+#include "fluid_server/shallow_water/wet_lines.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -44,6 +48,9 @@ struct ShallowWater {
     double time = 0;      // s
     FluxConstants constants;
     double acceleration = 0;  // a, m/s^2
+    WetLines lines;           // the cells that are worked on
+    Openings openings;        // between the walls of a place
+    std::optional<PlaceWater> place;
 
     // Of the step at hand; kept for their memory.
     Water stage;
@@ -54,6 +61,7 @@ struct ShallowWater {
     std::vector<double> row_volume, row_momentum;  // by row: sums of h and of h u
     std::vector<double> row_inflow, row_outflow;   // by row: mass flux at x.hi and x.lo, m^2/s
     std::vector<RowMemory> buffers;                // by thread
+    std::vector<std::size_t> bands;                // of a place: first row by thread and the end; empty: equally many rows
     std::vector<WatchedFace> watched;              // see watch_faces(); usually none
 };
 
@@ -66,6 +74,15 @@ void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces);
 
 // To be called after a change of `water`.
 void update_primitive(ShallowWater& world);
+
+// The same where only active cells changed.
+void update_active(ShallowWater& world);
+
+// Of a place: the cells to be worked on from now on, from the water in those that are now.
+void find_active(ShallowWater& world);
+
+// Walls of a place as they are at a time, s, and the bed between them.
+void set_openings(ShallowWater& world, double time);
 
 template <typename Depth, typename VelocityX, typename VelocityZ>
 void set_water(ShallowWater& world, Depth&& depth, VelocityX&& u, VelocityZ&& v) {
@@ -96,7 +113,11 @@ void for_each_band(ShallowWater& world, Body&& body) {
     {
         const auto threads = static_cast<std::size_t>(parallel ? omp_get_num_threads() : 1);
         const auto thread = static_cast<std::size_t>(parallel ? omp_get_thread_num() : 0);
-        body(thread * grid.nz / threads, (thread + 1) * grid.nz / threads, world.buffers[thread]);
+        if (world.bands.size() == threads + 1) {
+            body(world.bands[thread], world.bands[thread + 1], world.buffers[thread]);
+        } else {
+            body(thread * grid.nz / threads, (thread + 1) * grid.nz / threads, world.buffers[thread]);
+        }
     }
 }
 

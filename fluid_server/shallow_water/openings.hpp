@@ -1,0 +1,98 @@
+#pragma once
+// Walls at any angle: how much of a cell is open to water, and how much of its faces.
+//
+//      +-------------+     A wall cuts cells. Of a cell the share s is open, of its faces the shares a; what passes a face is
+//      |        . '  |     a times its flux, and the cell's water changes by the sum of it over s. The wall pushes with the
+//      |   s .'      a     pressure that a mirror image of the water would have,
+//      |   .'  wall  |
+//      | .'          |         g h^2/2 + dp,   dp = h u_n (u_n + S),   S = max(c + u_n/2, c - u_n),
+//      +------a------+
+//                          u_n the velocity towards the wall: the flux of Harten, Lax and van Leer between mirrored states.
+//
+// The wall's length times its normal is what the open faces lack to a closed line, W = sum of (a_lower - a_upper) over the
+// directions, so that water at rest stays so to the last bit, and water that runs along a straight wall is not braked.
+// (Cut cells: LeVeque, Finite Volume Methods for Hyperbolic Problems 2002, section 23.10.)
+//
+// A cell so small that water could leave it within a time step is stepped together with a neighbour as one cell: a group.
+// Its members have one bed and one state. A cell that a wall thinner than it splits keeps its larger part. [A] Water does
+// not rise above walls: their height is not asked for.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "configs/scene/place.hpp"
+#include "fluid_server/shallow_water/grid.hpp"
+#include "fluid_server/shallow_water/row_memory.hpp"
+
+namespace wade::fluid::shallow_water {
+
+// A cell beside a wall; what the wall pushes, per dp: the wall's length times its outward normal over the cell's sides.
+struct WallCell {
+    std::uint32_t column = 0;
+    double x = 0, z = 0;
+};
+
+// A cell with a wall below it (+1) or above it (-1) along one direction: its slope is that of the side away from the wall,
+// or 0 between two walls (0).
+struct OneSided {
+    std::uint32_t column = 0;
+    std::int8_t away = 0;
+};
+
+// What its row hands to a member of a group.
+struct MemberChange {
+    double h = 0, qx = 0, qz = 0;  // what comes in through its faces, in whole cells
+    double from_qx = 0, from_qz = 0;
+};
+
+// Entries by row: those of row k are [begin[k], begin[k + 1]).
+template <typename Entry>
+struct EntriesByRow {
+    std::vector<Entry> entries;
+    std::vector<std::size_t> begin;
+
+    [[nodiscard]] bool any(std::size_t k) const { return begin[k] < begin[k + 1]; }
+};
+
+struct Member {
+    std::uint32_t column = 0;
+    std::size_t number = 0;  // in Openings::members_of_groups and Openings::changes
+};
+
+// Cells, as places in the grid's memory, that are stepped as one.
+struct Group {
+    std::size_t first = 0, last = 0;  // in Openings::members_of_groups
+    double share = 0;                 // open, of whole cells
+};
+
+struct Openings {
+    RowMemory share;            // s by cell; empty: all is open, and so is all below
+    RowMemory per_share;        // 1 / s; 0 of cells that are closed, or in a group
+    RowMemory face_x, face_z;   // a of the face below each cell
+    std::vector<std::uint8_t> narrowed_x, narrowed_z;  // by row, ghosts included: whether any of them is below 1
+    EntriesByRow<WallCell> walls;
+    EntriesByRow<OneSided> slopes_x, slopes_z;
+    EntriesByRow<Member> members;
+    std::vector<Group> groups;
+    std::vector<std::size_t> members_of_groups;  // places of cells
+    std::vector<MemberChange> changes;           // by members_of_groups
+    std::vector<std::size_t> group_of_member;    // by members_of_groups
+    std::vector<std::size_t> active_groups;      // those that a step works on, see find_active()
+
+    [[nodiscard]] bool any() const { return !share.empty(); }
+    [[nodiscard]] double share_of(std::size_t c) const { return share.empty() ? 1 : share[c]; }
+};
+
+// ground: closed where it is NaN, by place in the grid's memory. gates: lines that are closed.
+Openings find_openings(const Grid& grid, const std::vector<House>& houses, const RowMemory& ground,
+                       const std::vector<MapLine>& gates);
+
+// The mean of the values of a group's members, by their open shares.
+double mean_of(const Openings& openings, const Group& group, const RowMemory& values);
+
+// Gives the members of each group, or of each active one, their mean.
+void level_groups(const Openings& openings, RowMemory& values);
+void level_active_groups(const Openings& openings, RowMemory& values);
+
+}  // namespace wade::fluid::shallow_water

@@ -1,0 +1,43 @@
+#pragma once
+// The ground of a place and the water on it at t = 0, by cell of a grid.
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "configs/scene/place.hpp"
+#include "fluid_server/shallow_water/grid.hpp"
+
+namespace wade::fluid::shallow_water {
+
+// A surface through points: Delaunay's triangulation, straight within each triangle.
+class Triangles {
+ public:
+    // points: x, y, z, m; y is the height. Bowyer (1981) and Watson (1981): point by point, which is quadratic in their number
+    // at worst.
+    explicit Triangles(const std::vector<std::array<double, 3>>& points);
+
+    // Outside of the triangles the height of the nearest point; NaN without points.
+    [[nodiscard]] double height_at(const MapPoint& p) const;
+
+ private:
+    using Corners = std::array<std::size_t, 3>;
+    [[nodiscard]] bool in_circle(const Corners& t, const MapPoint& p) const;
+
+    std::vector<MapPoint> place_;  // three corners that hold all, then the points
+    std::vector<double> height_;
+    std::vector<Corners> triangles_;  // turned alike
+};
+
+// Height of the ground by cell, m: of a raster the mean over its cells that lie in the cell, or, where these are not smaller,
+// straight between their centres; NaN where it says nothing. Of a plane, or of points, that at the centre of the cell.
+RowMemory ground_heights(const Ground& ground, const Grid& grid);
+
+// Square of Manning's n by cell, s^2/m^(2/3); of a raster or of zones. Empty: n is the same everywhere.
+RowMemory squares_of_manning(const Roughness& roughness, const Grid& grid);
+
+// Depths at t = 0, m: up to the highest level whose polygon covers the cell, less where it covers only a part, or that of the
+// raster, if it is more. open: share of each cell that is no house; empty: all is open.
+void fill_place(const Place& place, const Grid& grid, const RowMemory& ground, const RowMemory& open, RowMemory& depth);
+
+}  // namespace wade::fluid::shallow_water

@@ -1,0 +1,254 @@
+#include "fluid_server/shallow_water/place_water.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "configs/errors/exit_code.hpp"
+#include "fluid_server/shallow_water/map_cover.hpp"
+#include "fluid_server/shallow_water/world.hpp"
+
+namespace wade::fluid::shallow_water {
+
+namespace {
+
+constexpr double following_time = 100;            // of u_m and eta_m, s [A]
+constexpr double gate_slack = 1e-9;               // times are sums of steps, s
+constexpr double metres_per_second = 1 / 3.6e6;  // of rain, a mm/h
+
+struct Area {
+    std::vector<std::size_t> cells;  // k * nx + i
+    std::vector<double> share;       // of each cell
+};
+
+Area area_of(const Grid& grid, const MapPolygon& polygon, const MapLine& line) {
+    Area area;
+    if (polygon.rings.empty()) {
+        area.cells = cells_on(grid, line);
+        area.share.assign(area.cells.size(), 1);
+        return area;
+    }
+    const std::vector<double> covered = cover_of_cells(grid, {&polygon});
+    for (std::size_t n = 0; n < covered.size(); ++n) {
+        if (covered[n] <= 0) continue;
+        area.cells.push_back(n);
+        area.share.push_back(covered[n]);
+    }
+    return area;
+}
+
+std::size_t memory_place(const Grid& grid, std::size_t number) {
+    return grid.row(static_cast<std::ptrdiff_t>(number / grid.nx)) + number % grid.nx;
+}
+
+PlaceSource make_source(const Source& source, const Grid& grid, const Openings& openings) {
+    PlaceSource result{source.discharge, {}};
+    const Area area = area_of(grid, source.polygon, source.line);
+    double open = 0;
+    for (std::size_t n = 0; n < area.cells.size(); ++n) {
+        const std::size_t c = memory_place(grid, area.cells[n]);
+        if (openings.share_of(c) <= 0) continue;
+        open += area.share[n] * openings.share_of(c) * grid.cell_area();
+        result.cells.push_back({c, area.share[n]});
+    }
+    if (result.cells.empty()) {
+        throw ConfigurationError("the source \"" + source.name +
+                                 "\" lies on no open ground: it is inside houses or beyond the ground; move it.");
+    }
+    for (SourceCell& cell : result.cells) cell.per_volume /= open;
+    return result;
+}
+
+PlaceOutlet make_outlet(const Outlet& outlet, const Grid& grid, const Openings& openings) {
+    PlaceOutlet result{outlet.kind, outlet.stage, value_at(outlet.stage, 0), {}};
+    const Area area = area_of(grid, outlet.polygon, outlet.line);
+    std::vector<std::size_t> cells;
+    for (std::size_t n = 0; n < area.cells.size(); ++n) {
+        const std::size_t c = memory_place(grid, area.cells[n]);
+        if (openings.share_of(c) > 0 && area.share[n] >= 0.5) cells.push_back(c);
+    }
+    std::sort(cells.begin(), cells.end());
+    for (const Group& group : openings.groups) {  // one state: all of them or none
+        const auto first = openings.members_of_groups.begin() + static_cast<std::ptrdiff_t>(group.first);
+        const auto last = openings.members_of_groups.begin() + static_cast<std::ptrdiff_t>(group.last);
+        if (std::any_of(first, last, [&](std::size_t c) { return std::binary_search(cells.begin(), cells.end(), c); })) {
+            cells.insert(cells.end(), first, last);
+            std::sort(cells.begin(), cells.end());
+        }
+    }
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    if (cells.empty()) {
+        throw ConfigurationError("the outlet \"" + outlet.name +
+                                 "\" lies on no open ground: it is inside houses or beyond the ground; move it.");
+    }
+    const auto is_outlet = [&](std::size_t c) { return std::binary_search(cells.begin(), cells.end(), c); };
+    for (const std::size_t c : cells) {
+        OutletCell cell;
+        cell.cell = c;
+        const std::size_t i = c % grid.stride - line_values, k = c / grid.stride - Grid::ghosts;
+        const auto look = [&](bool exists, std::size_t other, std::size_t face, bool along_x, double sign) {
+            if (!exists || is_outlet(other)) return;
+            if (openings.any() && (along_x ? openings.face_x : openings.face_z)[face] <= 0) return;
+            cell.inside[cell.count++] = other;
+            (along_x ? cell.normal_x : cell.normal_z) += sign;
+        };
+        look(i > 0, c - 1, c, true, -1);
+        look(i + 1 < grid.nx, c + 1, c + 1, true, 1);
+        look(k > 0, c - grid.stride, c, false, -1);
+        look(k + 1 < grid.nz, c + grid.stride, c + grid.stride, false, 1);
+        const double length = std::hypot(cell.normal_x, cell.normal_z);
+        if (length > 0) cell.normal_x /= length, cell.normal_z /= length;
+        result.cells.push_back(cell);
+    }
+    return result;
+}
+
+struct State {
+    double h = 0, qx = 0, qz = 0;
+};
+
+// Depth and discharge in the cell of an outlet whose surface stands at `stage`.
+State outlet_state(const ShallowWater& world, const PlaceOutlet& outlet, OutletCell& cell, double stage, double dt) {
+    const double g = world.constants.gravity, bed = world.bed.height[cell.cell];
+    const double d = stage - bed;
+    if (!(d > 0)) return {};
+    const double c0 = std::sqrt(g * d), c_mean = std::sqrt(g * std::max(0.0, outlet.mean_stage - bed));
+    double u = 0, along = 0, c_inside = 0, h_inside = 0;
+    for (std::size_t n = 0; n < cell.count; ++n) {
+        const std::size_t c = cell.inside[n];
+        const double h = world.water.h[c];
+        const bool wet = h > world.constants.dry;
+        const double ux = wet ? world.water.qx[c] / h : 0, uz = wet ? world.water.qz[c] / h : 0;
+        u += ux * cell.normal_x + uz * cell.normal_z;
+        along += uz * cell.normal_x - ux * cell.normal_z;
+        c_inside += wet ? std::sqrt(g * std::max(0.0, h + world.bed.height[c] - bed)) : c0;
+        h_inside += h;
+    }
+    if (cell.count == 0) return {d, 0, 0};
+    const auto n = static_cast<double>(cell.count);
+    u /= n, along /= n, c_inside /= n, h_inside /= n;
+    double h = h_inside, u_here = u;  // all that is there runs out
+    if (u + c_inside > 0) {
+        const double from_outside = cell.mean_velocity + 2 * (c0 - c_mean);
+        u_here = 0.5 * (from_outside + u) + (c0 - c_inside);
+        const double faster = 0.25 * (from_outside - u) + 0.5 * (c_inside - c0);  // c - c0
+        h = std::max(0.0, d + faster * (2 * c0 + faster) / g);
+        u_here = std::min(u_here, std::sqrt(g * h));
+    }
+    cell.mean_velocity += (u_here - cell.mean_velocity) * -std::expm1(-dt / following_time);
+    if (u_here > 0) along = 0;
+    return {h, h * (u_here * cell.normal_x - along * cell.normal_z), h * (u_here * cell.normal_z + along * cell.normal_x)};
+}
+
+}  // namespace
+
+double value_at(const Series& series, double time) {
+    if (series.empty()) return 0;
+    if (time <= series.front().time) return series.front().value;
+    for (std::size_t n = 1; n < series.size(); ++n) {
+        const SeriesPoint &a = series[n - 1], &b = series[n];
+        if (time <= b.time) return a.value + (b.value - a.value) * (time - a.time) / (b.time - a.time);
+    }
+    return series.back().value;
+}
+
+double integral_of(const Series& series, double begin, double end) {
+    double sum = 0, last = begin, value = value_at(series, begin);
+    const auto up_to = [&](double time, double next) {
+        sum += 0.5 * (value + next) * (time - last);
+        last = time, value = next;
+    };
+    const auto first = std::upper_bound(series.begin(), series.end(), begin,
+                                        [](double time, const SeriesPoint& p) { return time < p.time; });
+    for (auto p = first; p != series.end() && p->time < end; ++p) up_to(p->time, p->value);
+    up_to(end, value_at(series, end));
+    return sum;
+}
+
+PlaceWater make_place_water(const Place& place, const Grid& grid, const Openings& openings) {
+    PlaceWater result;
+    for (const Source& source : place.sources) result.sources.push_back(make_source(source, grid, openings));
+    result.rain = place.rain;
+    for (SeriesPoint& p : result.rain) p.value *= metres_per_second;
+    for (const Outlet& outlet : place.outlets) result.outlets.push_back(make_outlet(outlet, grid, openings));
+    for (const Gate& gate : place.gates) result.openings_of_gates.push_back(gate.opens_at);
+    std::sort(result.openings_of_gates.begin(), result.openings_of_gates.end());
+    return result;
+}
+
+double until_gate_opens(const PlaceWater& place, double time, double remaining) {
+    for (const double opens : place.openings_of_gates) {
+        if (opens > time + gate_slack) return std::min(remaining, opens - time);
+    }
+    return remaining;
+}
+
+double longest_with_inflow(const ShallowWater& world, double longest) {
+    const auto largest = [&](const Series& series) {
+        double most = std::max(value_at(series, world.time), value_at(series, world.time + longest));
+        for (const SeriesPoint& p : series) {
+            if (p.time > world.time && p.time < world.time + longest) most = std::max(most, p.value);
+        }
+        return most;
+    };
+    double rate = largest(world.place->rain);  // m/s
+    for (const PlaceSource& source : world.place->sources) {
+        double per_volume = 0;
+        for (const SourceCell& cell : source.cells) per_volume = std::max(per_volume, cell.per_volume);
+        rate = std::max(rate, per_volume * largest(source.discharge));
+    }
+    if (!(rate > 0)) return longest;
+    const double way = world.scene.fluid.cfl * std::min(world.grid.dx, world.grid.dz);
+    return std::min(longest, std::cbrt(way * way / (world.constants.gravity * rate)));
+}
+
+Passed exchange(ShallowWater& world, double dt) {
+    Passed passed;
+    PlaceWater& place = *world.place;
+    const double begin = world.time, end = world.time + dt, area = world.grid.cell_area();
+    for (const PlaceSource& source : place.sources) {
+        const double volume = integral_of(source.discharge, begin, end);
+        if (volume == 0) continue;
+        for (const SourceCell& cell : source.cells) world.water.h[cell.cell] += volume * cell.per_volume;
+        passed.inflow += volume;
+    }
+    if (const double depth = integral_of(place.rain, begin, end); depth > 0) {
+        passed.rained = true;
+        for (std::size_t k = 0; k < world.grid.nz; ++k) {
+            const std::size_t row = world.grid.row(static_cast<std::ptrdiff_t>(k));
+            double shares = 0;
+            for (std::size_t c = row; c < row + world.grid.nx; ++c) {
+                const double share = world.openings.share_of(c);
+                if (share <= 0) continue;
+                world.water.h[c] += depth;
+                shares += share;
+            }
+            passed.inflow += depth * shares * area;
+        }
+    }
+    for (PlaceOutlet& outlet : place.outlets) {
+        const double stage = value_at(outlet.stage, end);
+        for (OutletCell& cell : outlet.cells) {
+            State state;
+            if (outlet.kind == OutletKind::stage) state = outlet_state(world, outlet, cell, stage, dt);
+            const double volume = (state.h - world.water.h[cell.cell]) * world.openings.share_of(cell.cell) * area;
+            (volume > 0 ? passed.inflow : passed.outflow) += std::abs(volume);
+            world.water.h[cell.cell] = state.h;
+            world.water.qx[cell.cell] = state.qx;
+            world.water.qz[cell.cell] = state.qz;
+        }
+        outlet.mean_stage += (stage - outlet.mean_stage) * -std::expm1(-dt / following_time);
+    }
+    return passed;
+}
+
+void open_gates(ShallowWater& world, double time) {
+    std::vector<double>& times = world.place->openings_of_gates;
+    if (times.empty() || times.front() > time + gate_slack) return;
+    std::erase_if(times, [&](double opens) { return opens <= time + gate_slack; });
+    set_openings(world, time + gate_slack);
+    update_primitive(world);
+}
+
+}  // namespace wade::fluid::shallow_water

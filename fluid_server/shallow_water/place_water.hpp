@@ -1,0 +1,82 @@
+#pragma once
+// What comes to a place and leaves it: sources, rain, outlets, gates that open.
+//
+// A source adds its volume to its cells, by their area, without momentum; rain adds depth. Over a free outlet water leaves as
+// over a fall: its cells are emptied after each step, so that they are always dry ground for the water beside them.
+//
+// In the cells of an outlet with a stage eta(t) stand depth and velocity that follow from the two waves there, along the
+// normal into the place: what comes from outside is a simple wave of that stage, what comes from inside leaves,
+//
+//   u + 2 c = u_m + 2 c(eta) + 2 (c(eta) - c(eta_m)),   u - 2 c that of the cells inside,   c(eta) = sqrt(g (eta - b)),
+//
+// u_m and eta_m the means of u and eta that follow them within 100 s [A]. So the surface stands at eta when nothing comes back
+// to it, or slowly changes, whatever the current, and a wave from inside that is shorter than that passes out.
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "configs/scene/place.hpp"
+#include "fluid_server/shallow_water/grid.hpp"
+#include "fluid_server/shallow_water/openings.hpp"
+
+namespace wade::fluid::shallow_water {
+
+struct ShallowWater;
+
+// The value of a series at a time, and its integral from one time to another.
+double value_at(const Series& series, double time);
+double integral_of(const Series& series, double begin, double end);
+
+struct SourceCell {
+    std::size_t cell = 0;      // place in the grid's memory
+    double per_volume = 0;     // depth that a volume of the source adds, 1/m^2
+};
+struct PlaceSource {
+    Series discharge;
+    std::vector<SourceCell> cells;
+};
+
+struct OutletCell {
+    std::size_t cell = 0;
+    double normal_x = 0, normal_z = 0;      // into the place; both 0: no cell of the place lies beside it
+    std::array<std::size_t, 4> inside{};    // the cells of the place beside it
+    std::size_t count = 0;                  // of these
+    double mean_velocity = 0;               // u_m, m/s
+};
+struct PlaceOutlet {
+    OutletKind kind = OutletKind::free;
+    Series stage;
+    double mean_stage = 0;  // eta_m, m
+    std::vector<OutletCell> cells;
+};
+
+struct PlaceWater {
+    std::vector<PlaceSource> sources;
+    Series rain;  // m/s
+    std::vector<PlaceOutlet> outlets;
+    std::vector<double> openings_of_gates;  // times at which gates open that are still to come, ascending, s
+};
+
+// Throws ConfigurationError if a source or an outlet has no cell on open ground.
+PlaceWater make_place_water(const Place& place, const Grid& grid, const Openings& openings);
+
+// The time, at most `remaining`, until a gate opens.
+double until_gate_opens(const PlaceWater& place, double time, double remaining);
+
+// The longest step, at most `longest`, s, at whose end the wave of what came in on dry ground meanwhile, of depth h, has not
+// run further than a part `cfl` of a cell: dt sqrt(g h) <= cfl dx.
+double longest_with_inflow(const ShallowWater& world, double longest);
+
+struct Passed {
+    double inflow = 0, outflow = 0;  // m^3
+    bool rained = false;
+};
+
+// Sources, rain and outlets over the step that ends at world.time + dt; changes `water` alone.
+Passed exchange(ShallowWater& world, double dt);
+
+// Opens the gates whose time has come.
+void open_gates(ShallowWater& world, double time);
+
+}  // namespace wade::fluid::shallow_water
