@@ -1,6 +1,7 @@
 #include "configs/scene/scene_capacity.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "configs/scene/particle_volume.hpp"
 
@@ -23,7 +24,28 @@ double support_radius_of(const Fluid& fluid) {
     return support_in_spacings_of(fluid) * fluid.particle_spacing;
 }
 
+namespace {
+
+// Of a place, as far as levels tell: those of its water and its outlets above the lowest ground of its raster, at least 1 m.
+double deepest_water(const Place& place) {
+    double lowest = std::numeric_limits<double>::infinity(), depth = 1;
+    if (place.ground.raster) {
+        for (const double y : place.ground.raster->values) lowest = y < lowest ? y : lowest;
+    } else {
+        lowest = place.ground.level;
+        for (const auto& point : place.ground.points) lowest = std::min(lowest, point[1]);
+    }
+    for (const StandingWater& water : place.water) depth = std::max(depth, water.level - lowest);
+    for (const Outlet& outlet : place.outlets) {
+        for (const SeriesPoint& point : outlet.stage) depth = std::max(depth, point.value - lowest);
+    }
+    return depth;
+}
+
+}  // namespace
+
 double deepest_water(const Scene& scene) {
+    if (scene.place) return deepest_water(*scene.place);
     const Channel& channel = scene.channel;
     const bool by_blocks = channel.flow == Flow::closed || !channel.water_blocks.empty();
     double depth = by_blocks ? 0 : channel.depth;

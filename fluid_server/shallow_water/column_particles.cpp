@@ -25,6 +25,14 @@ std::uint32_t generator_of(std::uint32_t n) {
     return 1;
 }
 
+std::size_t room_for(const ShallowWater& world) {
+    const std::size_t cells = world.grid.cells();
+    if (!world.place) return static_cast<std::size_t>(std::max(world.scene.fluid.max_particles, 0)) + cells;
+    if (!world.openings.any()) return cells;
+    const auto closed = std::count(world.openings.share.begin(), world.openings.share.end(), 0.0);
+    return cells - static_cast<std::size_t>(closed);
+}
+
 // The largest float below v, so that a place at the end of the channel is in it.
 float inside(double v, const Interval& extent) {
     const auto place = static_cast<float>(v);
@@ -38,8 +46,7 @@ ColumnParticles::ColumnParticles(const ShallowWater& world)
     : rest_density_(world.scene.fluid.rest_density),
       particle_volume_(particle_volume(world.scene.fluid)),
       start_across_(unit_fraction(mix_bits(world.scene.seed + 2 * splitmix_step))),
-      capacity_(static_cast<std::uint32_t>(static_cast<std::size_t>(std::max(world.scene.fluid.max_particles, 0)) +
-                                           world.grid.cells())),
+      capacity_(static_cast<std::uint32_t>(room_for(world))),
       drift_x_(world.grid.cells(), 0),
       drift_z_(world.grid.cells(), 0),
       particles_(world.grid.cells(), 0),
@@ -57,10 +64,12 @@ void ColumnParticles::drift(const ShallowWater& world, double dt) {
     const Grid& grid = world.grid;
     for (std::size_t k = 0; k < grid.nz; ++k) {
         const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k)), first = k * grid.nx;
-        for (std::size_t i = 0; i < grid.nx; ++i) {
-            drift_x_[first + i] += world.primitive.u[c + i] * (dt / grid.dx);
-            drift_z_[first + i] += world.primitive.v[c + i] * (dt / grid.dz);
-        }
+        world.lines.active.for_each_span(k, [&](std::size_t begin, std::size_t n) {
+            for (std::size_t i = begin; i < begin + n; ++i) {
+                drift_x_[first + i] += world.primitive.u[c + i] * (dt / grid.dx);
+                drift_z_[first + i] += world.primitive.v[c + i] * (dt / grid.dz);
+            }
+        });
     }
 }
 
@@ -88,7 +97,28 @@ void ColumnParticles::count_with(const ShallowWater& world, double volume) {
     film_share_ = shown > 0 ? (all - shown) / shown : 0;
 }
 
+void ColumnParticles::count_wet(const ShallowWater& world) {
+    const Grid& grid = world.grid;
+    std::fill(particles_.begin(), particles_.end(), 0);
+    for (std::size_t k = 0; k < grid.nz; ++k) {
+        const double* const h = world.water.h.data() + grid.row(static_cast<std::ptrdiff_t>(k));
+        std::uint64_t sum = 0;
+        world.lines.active.for_each_span(k, [&](std::size_t begin, std::size_t n) {
+            for (std::size_t i = begin; i < begin + n; ++i) {
+                particles_[k * grid.nx + i] = h[i] > world.constants.dry ? 1 : 0;
+                sum += particles_[k * grid.nx + i];
+            }
+        });
+        row_begin_[k + 1] = row_begin_[k] + sum;
+    }
+}
+
 void ColumnParticles::count(const ShallowWater& world) {
+    if (world.place) {
+        count_wet(world);
+        across_of_.resize(2, 1);
+        return;
+    }
     for (double volume = particle_volume_;; volume *= 1.25) {
         count_with(world, volume);
         if (row_begin_.back() <= capacity_) break;
@@ -115,7 +145,8 @@ void ColumnParticles::write_row(const ShallowWater& world, std::size_t k, const 
         const double h = world.water.h[c + i], bed = world.bed.height[c + i];
         const double share = 1.0 / n;
         // With the films' mass the momentum stays that of the grid.
-        const auto mass = static_cast<float>(rest_density_ * grid.cell_area() * h * share * (1 + film_share_));
+        const double volume = grid.cell_area() * h * share * world.openings.share_of(c + i);
+        const auto mass = static_cast<float>(rest_density_ * volume * (1 + film_share_));
         const auto vx = static_cast<float>(world.primitive.u[c + i] / (1 + film_share_));
         const auto vz = static_cast<float>(world.primitive.v[c + i] / (1 + film_share_));
         const double drift_x = drift_x_[k * grid.nx + i], drift_z = drift_z_[k * grid.nx + i];

@@ -12,6 +12,8 @@
 //    +-----------+   neighbours: numbers whose multiples fill the cell evenly (Roberts 2018, the R sequences). Where the
 //                    stream is uniform the next cell does the same, so that particles drift on from cell to cell.
 //
+// On a place each wet cell is one particle, whatever the spacing, and films are not shown.
+//
 // So the mass in contact with an agent is that of the water column in the mean over time, wherever the agent stands: the
 // stream brings particles past it at all distances.
 
@@ -27,7 +29,7 @@ class ColumnParticles {
  public:
     explicit ColumnParticles(const ShallowWater& world);
 
-    // Room that a frame needs at most: max_particles of the scene and one more a cell.
+    // Room that a frame needs at most: max_particles of the scene and one more a cell; of a place one a cell that is open.
     [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
 
     // Moves the places on by dt, s, at the velocities that the water has.
@@ -47,6 +49,7 @@ class ColumnParticles {
 
  private:
     void count_with(const ShallowWater& world, double volume);
+    void count_wet(const ShallowWater& world);
     void write_row(const ShallowWater& world, std::size_t k, const shm::FrameFields& slot) const;
 
     double rest_density_;

@@ -38,8 +38,8 @@ struct FluxRow {
 };
 
 struct FluxConstants {
-    double gravity = 9.81;  // across the bed, m/s^2
-    double dry = 1e-5;      // depth up to which a cell counts as dry, m
+    double gravity = 9.81;    // across the bed, m/s^2
+    double dry = 1e-5;        // depth up to which a cell counts as dry, m
     bool films_rest = false;  // whether nothing flows between two cells that are dry
 };
 

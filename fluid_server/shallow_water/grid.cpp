@@ -75,7 +75,8 @@ Bed make_bed(const Scene& scene, const Grid& grid) {
         bed.ground = ground_heights(scene.place->ground, grid);
         bed.n_squared = squares_of_manning(scene.place->roughness, grid);
         bed.height = bed.ground;
-        std::replace_if(bed.height.begin(), bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
+        std::replace_if(
+            bed.height.begin(), bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
         bed.level = std::all_of(bed.height.begin(), bed.height.end(), [](double b) { return b == 0; });
         return bed;
     }

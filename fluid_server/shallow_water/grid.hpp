@@ -46,10 +46,10 @@ struct Water {
 
 // What the bed is, one value a cell.
 struct Bed {
-    RowMemory height;    // b, m: the mean of bed_points over the cell, or the top of an obstacle
-    RowMemory obstacle;  // 1 in cells whose centre lies in an obstacle, else 0; empty if there is none
-    bool level = false;  // whether all heights are 0
-    RowMemory ground;    // of a place: height as it is given; b of cells that are stepped as one is their mean
+    RowMemory height;     // b, m: the mean of bed_points over the cell, or the top of an obstacle
+    RowMemory obstacle;   // 1 in cells whose centre lies in an obstacle, else 0; empty if there is none
+    bool level = false;   // whether all heights are 0
+    RowMemory ground;     // of a place: height as it is given; b of cells that are stepped as one is their mean
     RowMemory n_squared;  // of a place: square of Manning's n, s^2/m^(2/3); empty: the same everywhere
 };
 [[nodiscard]] Bed make_bed(const Scene& scene, const Grid& grid);

@@ -3,9 +3,9 @@
 //
 // Scan lines cut the polygons; what lies between the cuts is exact along the line. A face is such a line, a cell the mean of 16.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <array>
 #include <vector>
 
 #include "configs/scene/place.hpp"
@@ -21,10 +21,11 @@ using CoverMask = std::array<std::uint16_t, cover_lines>;
 std::vector<double> cover_of_cells(const Grid& grid, const std::vector<const MapPolygon*>& polygons);
 
 struct Cover {
-    std::vector<double> cell;            // by k * nx + i
-    std::vector<double> face_x, face_z;  // of the face below a cell along x and along z: by k * (nx + 1) + i and k * nx + i
-    std::vector<std::size_t> partly;     // cells that are covered in part, ascending
-    std::vector<CoverMask> mask;         // of these
+    std::vector<double> cell;  // by k * nx + i
+    std::vector<double> face_x,
+        face_z;  // of the face below a cell along x and along z: by k * (nx + 1) + i and k * nx + i
+    std::vector<std::size_t> partly;  // cells that are covered in part, ascending
+    std::vector<CoverMask> mask;      // of these
 };
 Cover cover_of(const Grid& grid, const std::vector<const MapPolygon*>& polygons);
 

@@ -15,10 +15,12 @@ namespace wade::fluid::shallow_water {
 
 // Measured: bytes a cell, and seconds of CPU time a cell and step.
 Estimate ShallowWaterModel::estimate(const Scene& scene) {
-    constexpr double bytes_of_cell = 210, cell_step_cost = 4e-8;
+    const double bytes_of_cell = scene.place ? 290 : 210;
+    constexpr double cell_step_cost = 4e-8;
     const Grid grid = make_grid(scene);
     const auto cells = static_cast<double>(grid.cells());
-    const auto room = static_cast<std::uint64_t>(std::max(scene.fluid.max_particles, 0)) + grid.cells();
+    const auto room =
+        scene.place ? grid.cells() : static_cast<std::uint64_t>(std::max(scene.fluid.max_particles, 0)) + grid.cells();
     Estimate estimate;
     estimate.particles = std::min(particles_expected(scene) + grid.cells(), room);
     estimate.memory = empty_server + bytes_of_cell * cells + memory_of_frames(scene, room);
@@ -49,8 +51,9 @@ shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval)
         ++d.sub_steps;
         d.last_dt_s = report.dt;
         driving += report.driving_acceleration * report.dt;
+        inflow_ += report.inflow;
         outflow_ += report.outflow;
-        cell_steps_ += static_cast<double>(world_.grid.cells());
+        cell_steps_ += static_cast<double>(active_cells(world_));
     }
     const auto elapsed = std::chrono::steady_clock::now() - start;
     particles_.count(world_);
@@ -85,7 +88,15 @@ void ShallowWaterModel::write_results(const std::filesystem::path& folder) const
 }
 
 std::string ShallowWaterModel::remarks() const {
-    char text[120];
+    char text[200];
+    if (world_.place) {
+        std::snprintf(text, sizeof text,
+                      "grid of %zu x %zu cells of %.4g m x %.4g m, %.4g M steps of cells at the water, %.9g m3 came in, "
+                      "%.9g m3 went out",
+                      world_.grid.nx, world_.grid.nz, world_.grid.dx, world_.grid.dz, 1e-6 * cell_steps_, inflow_,
+                      outflow_);
+        return text;
+    }
     std::snprintf(text, sizeof text, "grid of %zu x %zu cells of %.4g m x %.4g m, %.4g M cell-steps", world_.grid.nx,
                   world_.grid.nz, world_.grid.dx, world_.grid.dz, 1e-6 * cell_steps_);
     return text;
@@ -100,11 +111,12 @@ Measures measure(const ShallowWater& world) {
         const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
         for (std::size_t i = c; i < c + grid.nx; ++i) {
             const double h = world.water.h[i], u = world.primitive.u[i], v = world.primitive.v[i];
-            sum.volume += h;
-            squares += h * h;
-            momentum -= world.water.qx[i];
-            sum.kinetic_energy += 0.5 * h * (u * u + v * v);
-            sum.potential_energy += h * (world.bed.height[i] + 0.5 * h);
+            const double open = world.openings.share_of(i);
+            sum.volume += open * h;
+            squares += open * h * h;
+            momentum -= open * world.water.qx[i];
+            sum.kinetic_energy += 0.5 * open * h * (u * u + v * v);
+            sum.potential_energy += open * h * (world.bed.height[i] + 0.5 * h);
         }
     }
     sum.mean_depth = squares / sum.volume;

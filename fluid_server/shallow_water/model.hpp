@@ -34,8 +34,8 @@ class ShallowWaterModel final : public FluidModel {
     ShallowWater world_;
     ColumnParticles particles_;
     PeopleInWater people_;
-    std::optional<FloodMaps> maps_;  // of a place
-    double outflow_ = 0;             // m^3 since t = 0
+    std::optional<FloodMaps> maps_;    // of a place
+    double inflow_ = 0, outflow_ = 0;  // m^3 since t = 0
     double cell_steps_ = 0;
 };
 

@@ -12,8 +12,8 @@ namespace wade::fluid::shallow_water {
 
 namespace {
 
-constexpr double least_opening = 1e-6;  // a face that is open less is closed
-constexpr double least_by_lines = 0.02;   // open shares below this are better told by the faces than by scan lines
+constexpr double least_opening = 1e-6;   // a face that is open less is closed
+constexpr double least_by_lines = 0.02;  // open shares below this are better told by the faces than by scan lines
 
 // A cell is stepped alone if its faces are no larger for its area than those of a whole cell, or a little: the time step
 // has that much room.
@@ -170,7 +170,8 @@ class Groups {
         for (std::size_t cell = 0; cell < of_.size(); ++cell) {
             if (open.share[cell] <= 0 || open.share[cell] >= 1 || !too_small({cell})) continue;
             if (of_[cell] == none) add({cell});
-            while (too_small(cells_[of_[cell]]) && grow(of_[cell])) {}
+            while (too_small(cells_[of_[cell]]) && grow(of_[cell])) {
+            }
         }
     }
     // Groups of several cells, each in ascending order.

@@ -67,9 +67,9 @@ struct Group {
 };
 
 struct Openings {
-    RowMemory share;            // s by cell; empty: all is open, and so is all below
-    RowMemory per_share;        // 1 / s; 0 of cells that are closed, or in a group
-    RowMemory face_x, face_z;   // a of the face below each cell
+    RowMemory share;                                   // s by cell; empty: all is open, and so is all below
+    RowMemory per_share;                               // 1 / s; 0 of cells that are closed, or in a group
+    RowMemory face_x, face_z;                          // a of the face below each cell
     std::vector<std::uint8_t> narrowed_x, narrowed_z;  // by row, ghosts included: whether any of them is below 1
     EntriesByRow<WallCell> walls;
     EntriesByRow<OneSided> slopes_x, slopes_z;

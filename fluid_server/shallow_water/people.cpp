@@ -64,7 +64,7 @@ void add_cells(const ShallowWater& world, const NearCells& near, NearWater& sum)
     for (std::size_t n = 0; n < near.place.size(); ++n) {
         const std::size_t c = near.place[n];
         const double h = world.water.h[c];
-        sum.add(near.weight[n], mass_of_depth * h, world.water.qx[c] / h, world.water.qz[c] / h);
+        sum.add(near.weight[n], mass_of_depth * world.openings.share_of(c) * h, world.water.qx[c] / h, world.water.qz[c] / h);
     }
 }
 
@@ -78,8 +78,9 @@ GroundVector take_from(ShallowWater& world, const NearCells& near, const GroundV
         const double qx = world.water.qx[c], qz = world.water.qz[c];
         world.water.qx[c] -= part * impulse[0];
         world.water.qz[c] -= part * impulse[1];
-        lost[0] += mass_of_depth * (qx - world.water.qx[c]);
-        lost[1] += mass_of_depth * (qz - world.water.qz[c]);
+        const double mass = mass_of_depth * world.openings.share_of(c);
+        lost[0] += mass * (qx - world.water.qx[c]);
+        lost[1] += mass * (qz - world.water.qz[c]);
     }
     return lost;
 }

@@ -104,7 +104,8 @@ Triangles::Triangles(const std::vector<std::array<double, 3>>& points) {
         lo = {std::min(lo.x, p[0]), std::min(lo.z, p[2])};
         hi = {std::max(hi.x, p[0]), std::max(hi.z, p[2])};
     }
-    const double size = 1e4 * std::max({hi.x - lo.x, hi.z - lo.z, 1.0}), x = 0.5 * (lo.x + hi.x), z = 0.5 * (lo.z + hi.z);
+    const double size = 1e4 * std::max({hi.x - lo.x, hi.z - lo.z, 1.0}), x = 0.5 * (lo.x + hi.x),
+                 z = 0.5 * (lo.z + hi.z);
     place_ = {{x - 2 * size, z - size}, {x + 2 * size, z - size}, {x, z + 2 * size}};
     height_ = {0, 0, 0};
     triangles_ = {{0, 1, 2}};
@@ -184,7 +185,8 @@ RowMemory squares_of_manning(const Roughness& roughness, const Grid& grid) {
     return squares;
 }
 
-void fill_place(const Place& place, const Grid& grid, const RowMemory& ground, const RowMemory& open, RowMemory& depth) {
+void fill_place(const Place& place, const Grid& grid, const RowMemory& ground, const RowMemory& open,
+                RowMemory& depth) {
     const auto open_share = [&](std::size_t c) { return open.empty() ? 1 : open[c]; };
     for (const StandingWater& water : place.water) {
         std::vector<double> covered;

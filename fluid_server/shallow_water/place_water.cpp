@@ -13,8 +13,8 @@ namespace wade::fluid::shallow_water {
 
 namespace {
 
-constexpr double following_time = 100;            // of u_m and eta_m, s [A]
-constexpr double gate_slack = 1e-9;               // times are sums of steps, s
+constexpr double following_time = 100;           // of u_m and eta_m, s [A]
+constexpr double gate_slack = 1e-9;              // times are sums of steps, s
 constexpr double metres_per_second = 1 / 3.6e6;  // of rain, a mm/h
 
 struct Area {
@@ -72,7 +72,8 @@ PlaceOutlet make_outlet(const Outlet& outlet, const Grid& grid, const Openings& 
     for (const Group& group : openings.groups) {  // one state: all of them or none
         const auto first = openings.members_of_groups.begin() + static_cast<std::ptrdiff_t>(group.first);
         const auto last = openings.members_of_groups.begin() + static_cast<std::ptrdiff_t>(group.last);
-        if (std::any_of(first, last, [&](std::size_t c) { return std::binary_search(cells.begin(), cells.end(), c); })) {
+        if (std::any_of(first, last,
+                        [&](std::size_t c) { return std::binary_search(cells.begin(), cells.end(), c); })) {
             cells.insert(cells.end(), first, last);
             std::sort(cells.begin(), cells.end());
         }
@@ -138,7 +139,8 @@ State outlet_state(const ShallowWater& world, const PlaceOutlet& outlet, OutletC
     }
     cell.mean_velocity += (u_here - cell.mean_velocity) * -std::expm1(-dt / following_time);
     if (u_here > 0) along = 0;
-    return {h, h * (u_here * cell.normal_x - along * cell.normal_z), h * (u_here * cell.normal_z + along * cell.normal_x)};
+    return {h, h * (u_here * cell.normal_x - along * cell.normal_z),
+            h * (u_here * cell.normal_z + along * cell.normal_x)};
 }
 
 }  // namespace

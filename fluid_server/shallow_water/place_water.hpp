@@ -29,8 +29,8 @@ double value_at(const Series& series, double time);
 double integral_of(const Series& series, double begin, double end);
 
 struct SourceCell {
-    std::size_t cell = 0;      // place in the grid's memory
-    double per_volume = 0;     // depth that a volume of the source adds, 1/m^2
+    std::size_t cell = 0;   // place in the grid's memory
+    double per_volume = 0;  // depth that a volume of the source adds, 1/m^2
 };
 struct PlaceSource {
     Series discharge;
@@ -39,10 +39,10 @@ struct PlaceSource {
 
 struct OutletCell {
     std::size_t cell = 0;
-    double normal_x = 0, normal_z = 0;      // into the place; both 0: no cell of the place lies beside it
-    std::array<std::size_t, 4> inside{};    // the cells of the place beside it
-    std::size_t count = 0;                  // of these
-    double mean_velocity = 0;               // u_m, m/s
+    double normal_x = 0, normal_z = 0;    // into the place; both 0: no cell of the place lies beside it
+    std::array<std::size_t, 4> inside{};  // the cells of the place beside it
+    std::size_t count = 0;                // of these
+    double mean_velocity = 0;             // u_m, m/s
 };
 struct PlaceOutlet {
     OutletKind kind = OutletKind::free;

@@ -102,8 +102,8 @@ double rise_on_one_side(const double* values, std::ptrdiff_t step) {
 
 // Rises of the cells with a wall on one side, of row k within [begin, end). cells: by column; step: to the next one along the
 // rises' direction.
-void mend_rises(const EntriesByRow<OneSided>& slopes, std::size_t k, std::size_t begin, std::size_t end, const Cells& cells,
-                std::ptrdiff_t step, double dry, const CellRow& rise) {
+void mend_rises(const EntriesByRow<OneSided>& slopes, std::size_t k, std::size_t begin, std::size_t end,
+                const Cells& cells, std::ptrdiff_t step, double dry, const CellRow& rise) {
     for (std::size_t n = slopes.begin[k]; n < slopes.begin[k + 1]; ++n) {
         const std::size_t i = slopes.entries[n].column;
         if (i < begin || i >= end) continue;
@@ -122,8 +122,8 @@ void mend_rises(const EntriesByRow<OneSided>& slopes, std::size_t k, std::size_t
 }
 
 // Adds what the walls push to the momentum fluxes of their cells: see openings.hpp.
-void push_of_walls(const EntriesByRow<WallCell>& walls, std::size_t k, std::size_t begin, std::size_t end, const Cells& cells,
-                   double gravity, double* into_x, double* into_z) {
+void push_of_walls(const EntriesByRow<WallCell>& walls, std::size_t k, std::size_t begin, std::size_t end,
+                   const Cells& cells, double gravity, double* into_x, double* into_z) {
     for (std::size_t n = walls.begin[k]; n < walls.begin[k + 1]; ++n) {
         const WallCell& wall = walls.entries[n];
         const std::size_t i = wall.column;
@@ -139,9 +139,8 @@ void push_of_walls(const EntriesByRow<WallCell>& walls, std::size_t k, std::size
 // Returns the smallest depth. What is taken by value is the function's own, so that no store changes its pointers.
 template <bool friction, bool walls>
 double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const double* slowed, const double* per_share,
-               const double* rise_x,
-               const double* rise_z, FluxRow x, FluxRow below, FluxRow above, RowOf from, RowOf base, const double* bed,
-               RowTo to) {
+               const double* rise_x, const double* rise_z, FluxRow x, FluxRow below, FluxRow above, RowOf from,
+               RowOf base, const double* bed, RowTo to) {
     const V per_x = all(terms.dt / dx), per_z = all(terms.dt / dz), push = all(terms.dt * terms.acceleration);
     const V share = all(terms.share), kept = all(1 - terms.share), dry = all(terms.constants.dry);
     const V twice_g = all(2 * terms.constants.gravity);
@@ -193,9 +192,9 @@ double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const doub
 }
 
 // What the members of groups in row k get, for the group to take: see step_groups().
-void note_members(Openings& openings, std::size_t k, std::size_t begin, std::size_t end, StageTerms terms, const Grid& grid,
-                  const double* rise_x, const double* rise_z, const FluxRow& x, const FluxRow& below, const FluxRow& above,
-                  const RowOf& from, std::size_t row) {
+void note_members(Openings& openings, std::size_t k, std::size_t begin, std::size_t end, StageTerms terms,
+                  const Grid& grid, const double* rise_x, const double* rise_z, const FluxRow& x, const FluxRow& below,
+                  const FluxRow& above, const RowOf& from, std::size_t row) {
     const double per_x = terms.dt / grid.dx, per_z = terms.dt / grid.dz;
     for (std::size_t n = openings.members.begin[k]; n < openings.members.begin[k + 1]; ++n) {
         const std::size_t i = openings.members.entries[n].column;
@@ -269,22 +268,22 @@ struct BandUpdate {
         const bool by_cell = !world.bed.n_squared.empty(), friction = terms.manning_n > 0 || by_cell;
         double* const slowed = work.rise_x.normal + i;  // which is no longer needed
         if (friction) {
-            const double drag =
-                terms.dt * terms.constants.gravity * (by_cell ? 1 : terms.manning_n * terms.manning_n);
+            const double drag = terms.dt * terms.constants.gravity * (by_cell ? 1 : terms.manning_n * terms.manning_n);
             const auto slow = by_cell ? find_slowing<true> : find_slowing<false>;
             slow(along_x(p, c), n, drag, by_cell ? world.bed.n_squared.data() + c : nullptr, slowed);
         }
         const RowOf from_row{p.h.data() + c, from.qx.data() + c, from.qz.data() + c};
         const RowOf base{world.primitive.h.data() + c, world.water.qx.data() + c, world.water.qz.data() + c};
         Primitive& q = to.primitive;
-        const RowTo to_row{to.h == nullptr ? nullptr : to.h->data() + c, to.qx.data() + c, to.qz.data() + c, q.h.data() + c,
-                           q.eta.empty() ? nullptr : q.eta.data() + c,   q.u.data() + c,   q.v.data() + c};
+        const RowTo to_row{
+            to.h == nullptr ? nullptr : to.h->data() + c, to.qx.data() + c, to.qz.data() + c, q.h.data() + c,
+            q.eta.empty() ? nullptr : q.eta.data() + c,   q.u.data() + c,   q.v.data() + c};
         if (walls) {
             push_of_walls(openings.walls, k, i, i + n, along_x(p, row), terms.constants.gravity,
                           work.flux_x.into_lower + 1, work.flux_z[1].into_lower);
             note_members(openings, k, i, i + n, terms, grid, work.rise_x.eta + 1, work.rise_z[0].eta, work.flux_x,
-                         work.flux_z[0], work.flux_z[1],
-                         {p.h.data() + row, from.qx.data() + row, from.qz.data() + row}, row);
+                         work.flux_z[0], work.flux_z[1], {p.h.data() + row, from.qx.data() + row, from.qz.data() + row},
+                         row);
         }
         const auto mix = walls ? (friction ? mix_row<true, true> : mix_row<false, true>)
                                : (friction ? mix_row<true, false> : mix_row<false, false>);

@@ -44,8 +44,8 @@ double sum(const std::vector<double>& values) {
 }
 
 // The same Euler step of a group of cells, from what its members got: U' = (s U + dt sum of s L) / (s (1 + dt k)).
-void step_group(ShallowWater& world, const Group& group, const BandFrom& from, const StageTerms& terms, const BandTo& to,
-                double& least) {
+void step_group(ShallowWater& world, const Group& group, const BandFrom& from, const StageTerms& terms,
+                const BandTo& to, double& least) {
     const Openings& openings = world.openings;
     const std::size_t c = openings.members_of_groups[group.first];
     const MemberChange& one = openings.changes[group.first];
@@ -58,9 +58,9 @@ void step_group(ShallowWater& world, const Group& group, const BandFrom& from, c
         n_squared += openings.share[member] / group.share *
                      (world.bed.n_squared.empty() ? terms.manning_n * terms.manning_n : world.bed.n_squared[member]);
     }
-    const double film = std::max(from.primitive.h[c], 1e-3), speed = std::hypot(from.primitive.u[c], from.primitive.v[c]);
-    const double slowed =
-        1 / (1 + terms.dt * terms.constants.gravity * n_squared * speed / (film * std::cbrt(film)));
+    const double film = std::max(from.primitive.h[c], 1e-3),
+                 speed = std::hypot(from.primitive.u[c], from.primitive.v[c]);
+    const double slowed = 1 / (1 + terms.dt * terms.constants.gravity * n_squared * speed / (film * std::cbrt(film)));
     h = (1 - terms.share) * world.water.h[c] + terms.share * h;
     least = std::min(least, h);
     h = std::max(h, 0.0);

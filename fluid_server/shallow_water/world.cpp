@@ -188,7 +188,8 @@ void set_openings(ShallowWater& world, double time) {
     }
     world.openings = find_openings(world.grid, world.scene.place->houses, world.bed.ground, closed);
     world.bed.height = world.bed.ground;
-    std::replace_if(world.bed.height.begin(), world.bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
+    std::replace_if(
+        world.bed.height.begin(), world.bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
     level_groups(world.openings, world.bed.height);
 }
 
@@ -239,6 +240,15 @@ void find_active(ShallowWater& world) {
             k, lines.active, [&](std::size_t first, std::size_t n) { copy_to_stage(world, row + first, n); });
     });
     balance_bands(world);
+}
+
+std::size_t active_cells(const ShallowWater& world) {
+    if (!world.place) return world.grid.cells();
+    std::size_t cells = 0;
+    for (std::size_t k = 0; k < world.grid.nz; ++k) {
+        world.lines.active.for_each_span(k, [&](std::size_t, std::size_t n) { cells += n; });
+    }
+    return cells;
 }
 
 void update_primitive(ShallowWater& world) {

@@ -61,8 +61,8 @@ struct ShallowWater {
     std::vector<double> row_volume, row_momentum;  // by row: sums of h and of h u
     std::vector<double> row_inflow, row_outflow;   // by row: mass flux at x.hi and x.lo, m^2/s
     std::vector<RowMemory> buffers;                // by thread
-    std::vector<std::size_t> bands;                // of a place: first row by thread and the end; empty: equally many rows
-    std::vector<WatchedFace> watched;              // see watch_faces(); usually none
+    std::vector<std::size_t> bands;    // of a place: first row by thread and the end; empty: equally many rows
+    std::vector<WatchedFace> watched;  // see watch_faces(); usually none
 };
 
 // Sets depth and velocity of each cell from functions of its centre: f(x, z), m and m/s.
@@ -80,6 +80,9 @@ void update_active(ShallowWater& world);
 
 // Of a place: the cells to be worked on from now on, from the water in those that are now.
 void find_active(ShallowWater& world);
+
+// How many cells a step works on.
+std::size_t active_cells(const ShallowWater& world);
 
 // Walls of a place as they are at a time, s, and the bed between them.
 void set_openings(ShallowWater& world, double time);

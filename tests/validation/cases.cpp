@@ -71,6 +71,13 @@ const std::vector<Case>& all_cases() {
         crowd_exits_case(),
         crowd_cabins_case(),
         crowd_step_rates_case(),
+        place_bowl_case(),
+        place_lake_case(),
+        place_street_case(),
+        place_long_channels_case(),
+        place_hydrograph_case(),
+        place_merewether_case(),
+        place_seaside_case(),
     };
     return cases;
 }

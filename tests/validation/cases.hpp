@@ -71,5 +71,12 @@ Case crowd_corner_case();
 Case crowd_exits_case();
 Case crowd_cabins_case();
 Case crowd_step_rates_case();
+Case place_bowl_case();
+Case place_lake_case();
+Case place_street_case();
+Case place_long_channels_case();
+Case place_hydrograph_case();
+Case place_merewether_case();
+Case place_seaside_case();
 
 }  // namespace wade::validation

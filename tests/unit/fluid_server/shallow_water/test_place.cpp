@@ -1,67 +1,25 @@
 // Water on a place: walls at any angle, wet and dry ground, what comes and goes.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numbers>
 
 #include "fluid_server/shallow_water/map_cover.hpp"
 #include "fluid_server/shallow_water/place_ground.hpp"
+#include "tests/validation/place_scenes.hpp"
 #include "waters.hpp"
 
 namespace wade::fluid::shallow_water {
 
+using validation::empty_place;
+using validation::raster_of;
+using validation::street;
+using validation::Turn;
+
 namespace {
-
-// A map turned about a point.
-struct Turn {
-    double x = 0, z = 0, cosine = 1, sine = 0;
-    Turn(double about_x, double about_z, double degrees)
-        : x(about_x),
-          z(about_z),
-          cosine(std::cos(degrees * std::numbers::pi / 180)),
-          sine(std::sin(degrees * std::numbers::pi / 180)) {}
-    [[nodiscard]] MapPoint operator()(double a, double b) const {
-        return {x + cosine * a - sine * b, z + sine * a + cosine * b};
-    }
-    [[nodiscard]] MapPolygon box(double a_lo, double a_hi, double b_lo, double b_hi) const {
-        const Turn& t = *this;
-        return {{{t(a_lo, b_lo), t(a_hi, b_lo), t(a_hi, b_hi), t(a_lo, b_hi)}}};
-    }
-    // Along and across the turned axes.
-    [[nodiscard]] MapPoint back(double at_x, double at_z) const {
-        return {cosine * (at_x - x) + sine * (at_z - z), -sine * (at_x - x) + cosine * (at_z - z)};
-    }
-};
-
-Scene empty_place(double length, double width, double cell) {
-    Scene scene = basin(length, width, cell);
-    scene.fluid.cfl = 0.45;
-    scene.place.emplace();
-    scene.place->roughness.n = 0;
-    return scene;
-}
-
-House house(MapPolygon polygon) {
-    House result;
-    result.polygon = std::move(polygon);
-    return result;
-}
-
-Raster raster_of(double length, double width, double cell, double (*height)(double x, double z)) {
-    Raster raster;
-    raster.cell = cell;
-    raster.columns = static_cast<std::size_t>(std::lround(length / cell));
-    raster.rows = static_cast<std::size_t>(std::lround(width / cell));
-    for (std::size_t row = 0; row < raster.rows; ++row) {
-        for (std::size_t column = 0; column < raster.columns; ++column) {
-            raster.values.push_back(height((static_cast<double>(column) + 0.5) * cell, (static_cast<double>(row) + 0.5) * cell));
-        }
-    }
-    return raster;
-}
 
 double open_volume(const ShallowWater& world) {
     double sum = 0;
-    for_each_cell(world.grid, [&](double, double, std::size_t c) { sum += world.water.h[c] * world.openings.share_of(c); });
+    for_each_cell(world.grid,
+                  [&](double, double, std::size_t c) { sum += world.water.h[c] * world.openings.share_of(c); });
     return sum * world.grid.cell_area();
 }
 
@@ -79,28 +37,19 @@ double shallowest(const ShallowWater& world) {
     return least;
 }
 
-// A street 30 m long and 5 m wide at an angle, with walls at its ends, and water 1 m deep in its first half.
-Scene street(double degrees, double cell) {
-    Scene scene = empty_place(40, 40, cell);
-    const Turn turn(20, 20, degrees);
-    scene.place->houses = {house(turn.box(-17, 17, 2.5, 6)), house(turn.box(-17, 17, -6, -2.5)),
-                           house(turn.box(-17, -15, -3, 3)), house(turn.box(15, 17, -3, 3))};
-    scene.place->water = {{turn.box(-16, 0, -3, 3), 1}};
-    return scene;
-}
-
 }  // namespace
 
 TEST_CASE("polygons cover cells and faces by their area", "[place]") {
     const Grid grid = make_grid(empty_place(8, 4, 1));
     // A square of 2 x 2 on its corner, centred at (4, 2), and a hole in it.
-    const MapPolygon diamond{{{{4, 0.5}, {5.5, 2}, {4, 3.5}, {2.5, 2}}, {{3.9, 1.9}, {4.1, 1.9}, {4.1, 2.1}, {3.9, 2.1}}}};
+    const MapPolygon diamond{
+        {{{4, 0.5}, {5.5, 2}, {4, 3.5}, {2.5, 2}}, {{3.9, 1.9}, {4.1, 1.9}, {4.1, 2.1}, {3.9, 2.1}}}};
     const Cover cover = cover_of(grid, {&diamond});
     double area = 0;
     for (const double share : cover.cell) area += share;
-    CHECK(std::abs(area - (2 * 1.5 * 1.5 - 0.04)) < 0.02);             // 16 lines a cell
+    CHECK(std::abs(area - (2 * 1.5 * 1.5 - 0.04)) < 0.02);                // 16 lines a cell
     CHECK(std::abs(cover.face_x[1 * 9 + 4] - (0.5 + 0.5 - 0.1)) < 1e-6);  // x = 4, z from 1 to 2
-    CHECK(std::abs(cover.face_z[2 * 8 + 2] - 0.5) < 1e-6);             // z = 2, x from 2 to 3
+    CHECK(std::abs(cover.face_z[2 * 8 + 2] - 0.5) < 1e-6);                // z = 2, x from 2 to 3
     CHECK(cover.face_z[2 * 8 + 6] == 0);
     // Two houses that share a wall cover it once.
     const MapPolygon left = Turn(0, 0, 0).box(1, 2.5, 1, 2), right = Turn(0, 0, 0).box(2.5, 4, 1, 2);
@@ -110,12 +59,13 @@ TEST_CASE("polygons cover cells and faces by their area", "[place]") {
     CHECK(cells_on(grid, {{0.5, 0.5}, {2.5, 2.5}}).front() == 0);
 }
 
-TEST_CASE("ground is straight between the centres of a raster, its mean in larger cells, and through points", "[place]") {
+TEST_CASE("ground is straight between the centres of a raster, its mean in larger cells, and through points",
+          "[place]") {
     const Grid grid = make_grid(empty_place(8, 4, 1));
     const auto plane = [](double x, double z) { return 0.1 * x + 0.2 * z; };
     Ground ground;
     for (const double cell : {0.25, 1.0, 2.0}) {
-        ground.raster = std::make_shared<Raster>(raster_of(8, 4, cell, plane));
+        ground.raster = raster_of(8, 4, cell, plane);
         const RowMemory height = ground_heights(ground, grid);
         for_each_cell(grid, [&](double x, double z, std::size_t c) {
             if (x < 1 || x > 7 || z < 1 || z > 3) return;  // constant in the outer half of the raster's cells
@@ -129,12 +79,8 @@ TEST_CASE("ground is straight between the centres of a raster, its mean in large
 }
 
 TEST_CASE("a lake with houses at an angle stays at rest", "[place]") {
-    Scene scene = empty_place(40, 40, 0.5);
-    const Turn turn(20, 20, 17);
-    scene.place->houses = {house(turn.box(-6, 3, -4, 5)), house(turn.box(5, 9, -9, -3.3)), house(turn.box(3.2, 8, 1, 1.3))};
     SECTION("over level ground to the last bit") {
-        scene.place->water = {{{}, 1}};
-        ShallowWater world(scene);
+        ShallowWater world(validation::lake(17, false));
         REQUIRE_FALSE(world.openings.groups.empty());
         const RowMemory before = world.water.h;
         run_until(world, 5);
@@ -142,10 +88,7 @@ TEST_CASE("a lake with houses at an angle stays at rest", "[place]") {
         CHECK((world.water.h == before));
     }
     SECTION("over hills with a shore to rounding") {
-        scene.place->ground.raster = std::make_shared<Raster>(
-            raster_of(40, 40, 1, [](double x, double z) { return 0.8 * std::sin(0.3 * x) * std::cos(0.2 * z) + 0.02 * x; }));
-        scene.place->water = {{{}, 0.7}};
-        ShallowWater world(scene);
+        ShallowWater world(validation::lake(17, true));
         run_until(world, 5);
         CHECK(fastest(world) < 1e-12);  // m/s; rounding of a surface 1 m high
     }
@@ -191,7 +134,8 @@ TEST_CASE("water that slides along a slanted wall is not braked", "[place]") {
     // A ring of streets would need curves; here a long straight one, in which the middle does not yet know of the ends.
     Scene scene = empty_place(60, 60, 0.5);
     const Turn turn(30, 30, 30);
-    scene.place->houses = {house(turn.box(-40, 40, 2.5, 12)), house(turn.box(-40, 40, -12, -2.5))};
+    scene.place->houses = {validation::house_of(turn.box(-40, 40, 2.5, 12)),
+                           validation::house_of(turn.box(-40, 40, -12, -2.5))};
     scene.place->water = {{{}, 1}};
     ShallowWater world(scene);
     for_each_cell(world.grid, [&](double, double, std::size_t c) {
@@ -217,7 +161,7 @@ TEST_CASE("what comes in by hydrograph, rain and stage is what stands there and 
     place.ground.slope_x = -0.1, place.ground.level = 4;
     place.roughness.n = 0.03;
     place.roughness.zones = {{turn.box(-4, 4, -4, 4), 0.1}};
-    place.houses = {house(turn.box(-3, 3, -2, 2))};
+    place.houses = {validation::house_of(turn.box(-3, 3, -2, 2))};
     place.sources = {{"hill", turn.box(-13, -10, -2, 2), {}, {{0, 0}, {5, 3}, {10, 1}}}};
     place.rain = {{0, 0}, {2, 3000}, {4, 0}};
     place.outlets = {{"sea", OutletKind::free, {}, {{30, 2}, {30, 18}}, {}}};
@@ -230,7 +174,7 @@ TEST_CASE("what comes in by hydrograph, rain and stage is what stands there and 
     }
     CHECK(out > 0.1);
     const double rain = 6.0 / 3600 * (30 * 20 - 24), source = 7.5 + 10 + 20;  // m^3
-    CHECK(std::abs(in - rain - source) < 0.01 * rain);  // the house's area by 16 lines a cell
+    CHECK(std::abs(in - rain - source) < 0.01 * rain);                        // the house's area by 16 lines a cell
     CHECK(std::abs(open_volume(world) + out - in) < 1e-9 * in);
 }
 
