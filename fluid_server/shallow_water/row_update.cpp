@@ -268,7 +268,8 @@ struct BandUpdate {
         const bool by_cell = !world.bed.n_squared.empty(), friction = terms.manning_n > 0 || by_cell;
         double* const slowed = work.rise_x.normal + i;  // which is no longer needed
         if (friction) {
-            const double drag = terms.dt * terms.constants.gravity * (by_cell ? 1 : terms.manning_n * terms.manning_n);
+            const double n_of_all = by_cell ? 1 : terms.manning_n;
+            const double drag = terms.dt * terms.constants.gravity * n_of_all * n_of_all;
             const auto slow = by_cell ? find_slowing<true> : find_slowing<false>;
             slow(along_x(p, c), n, drag, by_cell ? world.bed.n_squared.data() + c : nullptr, slowed);
         }
