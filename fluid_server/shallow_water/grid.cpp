@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "configs/scene/intervals.hpp"
-#include "fluid_server/shallow_water/place_ground.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -71,15 +70,6 @@ Grid make_grid(const Scene& scene) {
 
 Bed make_bed(const Scene& scene, const Grid& grid) {
     Bed bed;
-    if (scene.place) {
-        bed.ground = ground_heights(scene.place->ground, grid);
-        bed.n_squared = squares_of_manning(scene.place->roughness, grid);
-        bed.height = bed.ground;
-        std::replace_if(
-            bed.height.begin(), bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
-        bed.level = std::all_of(bed.height.begin(), bed.height.end(), [](double b) { return b == 0; });
-        return bed;
-    }
     bed.height.assign(grid.stored(), 0);
     if (!scene.obstacles.empty()) bed.obstacle.assign(grid.stored(), 0);
     for_each_cell(grid, [&](std::size_t c, const Interval& x, const Interval& z) {

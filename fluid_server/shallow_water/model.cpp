@@ -90,11 +90,11 @@ void ShallowWaterModel::write_results(const std::filesystem::path& folder) const
 std::string ShallowWaterModel::remarks() const {
     char text[200];
     if (world_.place) {
-        std::snprintf(text, sizeof text,
-                      "grid of %zu x %zu cells of %.4g m x %.4g m, %.4g M steps of cells at the water, %.9g m3 came in, "
-                      "%.9g m3 went out",
-                      world_.grid.nx, world_.grid.nz, world_.grid.dx, world_.grid.dz, 1e-6 * cell_steps_, inflow_,
-                      outflow_);
+        std::snprintf(
+            text, sizeof text,
+            "grid of %zu x %zu cells of %.4g m x %.4g m, %.4g M steps of cells at the water, %.9g m3 came in, "
+            "%.9g m3 went out",
+            world_.grid.nx, world_.grid.nz, world_.grid.dx, world_.grid.dz, 1e-6 * cell_steps_, inflow_, outflow_);
         return text;
     }
     std::snprintf(text, sizeof text, "grid of %zu x %zu cells of %.4g m x %.4g m, %.4g M cell-steps", world_.grid.nx,

@@ -64,7 +64,8 @@ void add_cells(const ShallowWater& world, const NearCells& near, NearWater& sum)
     for (std::size_t n = 0; n < near.place.size(); ++n) {
         const std::size_t c = near.place[n];
         const double h = world.water.h[c];
-        sum.add(near.weight[n], mass_of_depth * world.openings.share_of(c) * h, world.water.qx[c] / h, world.water.qz[c] / h);
+        sum.add(near.weight[n], mass_of_depth * world.openings.share_of(c) * h, world.water.qx[c] / h,
+                world.water.qz[c] / h);
     }
 }
 

@@ -139,7 +139,11 @@ double time_step(ShallowWater& world, double remaining) {
         rate = std::max(rate, (v + std::sqrt(world.constants.gravity * channel.depth)) / grid.dx);
     }
     double longest = rate > 0 ? world.scene.fluid.cfl / rate : remaining;
-    if (world.place) longest = longest_with_inflow(world, std::min(longest, remaining));
+    if (world.place) {
+        const double way = world.scene.fluid.cfl * std::min(world.grid.dx, world.grid.dz);
+        longest =
+            longest_with_inflow(*world.place, world.time, std::min(longest, remaining), world.constants.gravity, way);
+    }
     return remaining / std::ceil(std::max(1.0, remaining / longest));
 }
 
@@ -239,7 +243,10 @@ StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, st
     StepReport report;
     StepStages stage(report.stages);
     if (world.place) {
-        open_gates(world, world.time);
+        if (gates_open(*world.place, world.time)) {
+            set_openings(world, world.time + gate_slack);
+            update_primitive(world);
+        }
         remaining = until_gate_opens(*world.place, world.time, remaining);
     }
     stage(Stage::time_step, [&] { report.dt = time_step(world, remaining); });

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "fluid_server/particles/filling.hpp"
-#include "fluid_server/shallow_water/place_ground.hpp"
+#include "fluid_server/shallow_water/place/place_ground.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -150,7 +150,7 @@ void mark_always(ShallowWater& world) {
 ShallowWater::ShallowWater(const Scene& its_scene)
     : scene(its_scene),
       grid(make_grid(scene)),
-      bed(make_bed(scene, grid)),
+      bed(scene.place ? place_bed(*scene.place, grid) : make_bed(scene, grid)),
       water(initial_water(scene, grid, bed)),
       primitive(grid, bed),
       stage(grid),
@@ -179,6 +179,12 @@ ShallowWater::ShallowWater(const Scene& its_scene)
         exchange(*this, 0);
     }
     update_primitive(*this);
+}
+
+Passed exchange(ShallowWater& world, double dt) {
+    const PlaceCells cells{world.grid,         world.bed, world.openings, world.water, world.constants.gravity,
+                           world.constants.dry};
+    return exchange(*world.place, cells, world.time, dt);
 }
 
 void set_openings(ShallowWater& world, double time) {

@@ -11,9 +11,9 @@
 #include "fluid_server/shallow_water/boundary.hpp"
 #include "fluid_server/shallow_water/face_flux.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
-#include "fluid_server/shallow_water/openings.hpp"
-#include "fluid_server/shallow_water/place_water.hpp"
-#include "fluid_server/shallow_water/wet_lines.hpp"
+#include "fluid_server/shallow_water/place/openings.hpp"
+#include "fluid_server/shallow_water/place/place_water.hpp"
+#include "fluid_server/shallow_water/place/wet_lines.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -86,6 +86,9 @@ std::size_t active_cells(const ShallowWater& world);
 
 // Walls of a place as they are at a time, s, and the bed between them.
 void set_openings(ShallowWater& world, double time);
+
+// What a place's sources, rain and outlets change over dt, s; of `water` alone.
+Passed exchange(ShallowWater& world, double dt);
 
 template <typename Depth, typename VelocityX, typename VelocityZ>
 void set_water(ShallowWater& world, Depth&& depth, VelocityX&& u, VelocityZ&& v) {

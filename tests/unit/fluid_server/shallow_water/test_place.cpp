@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "fluid_server/shallow_water/map_cover.hpp"
-#include "fluid_server/shallow_water/place_ground.hpp"
+#include "fluid_server/shallow_water/place/map_cover.hpp"
+#include "fluid_server/shallow_water/place/place_ground.hpp"
 #include "tests/validation/place_scenes.hpp"
 #include "waters.hpp"
 

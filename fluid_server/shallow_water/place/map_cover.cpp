@@ -1,4 +1,4 @@
-#include "fluid_server/shallow_water/map_cover.hpp"
+#include "fluid_server/shallow_water/place/map_cover.hpp"
 
 #include <algorithm>
 #include <cmath>

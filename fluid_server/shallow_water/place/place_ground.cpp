@@ -1,11 +1,11 @@
-#include "fluid_server/shallow_water/place_ground.hpp"
+#include "fluid_server/shallow_water/place/place_ground.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "fluid_server/shallow_water/map_cover.hpp"
+#include "fluid_server/shallow_water/place/map_cover.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -183,6 +183,17 @@ RowMemory squares_of_manning(const Roughness& roughness, const Grid& grid) {
         });
     }
     return squares;
+}
+
+Bed place_bed(const Place& place, const Grid& grid) {
+    Bed bed;
+    bed.ground = ground_heights(place.ground, grid);
+    bed.n_squared = squares_of_manning(place.roughness, grid);
+    bed.height = bed.ground;
+    std::replace_if(
+        bed.height.begin(), bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
+    bed.level = std::all_of(bed.height.begin(), bed.height.end(), [](double b) { return b == 0; });
+    return bed;
 }
 
 void fill_place(const Place& place, const Grid& grid, const RowMemory& ground, const RowMemory& open,

@@ -36,6 +36,9 @@ RowMemory ground_heights(const Ground& ground, const Grid& grid);
 // Square of Manning's n by cell, s^2/m^(2/3); of a raster or of zones. Empty: n is the same everywhere.
 RowMemory squares_of_manning(const Roughness& roughness, const Grid& grid);
 
+// Height where the ground says something, else 0, and friction.
+Bed place_bed(const Place& place, const Grid& grid);
+
 // Depths at t = 0, m: up to the highest level whose polygon covers the cell, less where it covers only a part, or that of the
 // raster, if it is more. open: share of each cell that is no house; empty: all is open.
 void fill_place(const Place& place, const Grid& grid, const RowMemory& ground, const RowMemory& open, RowMemory& depth);

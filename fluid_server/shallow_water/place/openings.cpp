@@ -1,4 +1,4 @@
-#include "fluid_server/shallow_water/openings.hpp"
+#include "fluid_server/shallow_water/place/openings.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "fluid_server/shallow_water/map_cover.hpp"
+#include "fluid_server/shallow_water/place/map_cover.hpp"
 
 namespace wade::fluid::shallow_water {
 

@@ -18,11 +18,9 @@
 
 #include "configs/scene/place.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
-#include "fluid_server/shallow_water/openings.hpp"
+#include "fluid_server/shallow_water/place/openings.hpp"
 
 namespace wade::fluid::shallow_water {
-
-struct ShallowWater;
 
 // The value of a series at a time, and its integral from one time to another.
 double value_at(const Series& series, double time);
@@ -65,18 +63,30 @@ PlaceWater make_place_water(const Place& place, const Grid& grid, const Openings
 double until_gate_opens(const PlaceWater& place, double time, double remaining);
 
 // The longest step, at most `longest`, s, at whose end the wave of what came in on dry ground meanwhile, of depth h, has not
-// run further than a part `cfl` of a cell: dt sqrt(g h) <= cfl dx.
-double longest_with_inflow(const ShallowWater& world, double longest);
+// run further than `way`, m: dt sqrt(g h) <= way.
+double longest_with_inflow(const PlaceWater& place, double time, double longest, double gravity, double way);
 
 struct Passed {
     double inflow = 0, outflow = 0;  // m^3
     bool rained = false;
 };
 
-// Sources, rain and outlets over the step that ends at world.time + dt; changes `water` alone.
-Passed exchange(ShallowWater& world, double dt);
+// The water that a place changes, and what lies under it.
+struct PlaceCells {
+    const Grid& grid;
+    const Bed& bed;
+    const Openings& openings;
+    Water& water;
+    double gravity, dry;
+};
 
-// Opens the gates whose time has come.
-void open_gates(ShallowWater& world, double time);
+// Sources, rain and outlets over the step from a time, s, on.
+Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double dt);
+
+// Forgets the gates whose time has come, and says whether there were any.
+bool gates_open(PlaceWater& place, double time);
+
+// Times are sums of steps, s.
+inline constexpr double gate_slack = 1e-9;
 
 }  // namespace wade::fluid::shallow_water

@@ -1,4 +1,4 @@
-#include "fluid_server/shallow_water/place_water.hpp"
+#include "fluid_server/shallow_water/place/place_water.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,15 +6,13 @@
 #include <string>
 
 #include "configs/errors/exit_code.hpp"
-#include "fluid_server/shallow_water/map_cover.hpp"
-#include "fluid_server/shallow_water/world.hpp"
+#include "fluid_server/shallow_water/place/map_cover.hpp"
 
 namespace wade::fluid::shallow_water {
 
 namespace {
 
 constexpr double following_time = 100;           // of u_m and eta_m, s [A]
-constexpr double gate_slack = 1e-9;              // times are sums of steps, s
 constexpr double metres_per_second = 1 / 3.6e6;  // of rain, a mm/h
 
 struct Area {
@@ -110,20 +108,20 @@ struct State {
 };
 
 // Depth and discharge in the cell of an outlet whose surface stands at `stage`.
-State outlet_state(const ShallowWater& world, const PlaceOutlet& outlet, OutletCell& cell, double stage, double dt) {
-    const double g = world.constants.gravity, bed = world.bed.height[cell.cell];
+State outlet_state(const PlaceCells& cells, const PlaceOutlet& outlet, OutletCell& cell, double stage, double dt) {
+    const double g = cells.gravity, bed = cells.bed.height[cell.cell];
     const double d = stage - bed;
     if (!(d > 0)) return {};
     const double c0 = std::sqrt(g * d), c_mean = std::sqrt(g * std::max(0.0, outlet.mean_stage - bed));
     double u = 0, along = 0, c_inside = 0, h_inside = 0;
     for (std::size_t n = 0; n < cell.count; ++n) {
         const std::size_t c = cell.inside[n];
-        const double h = world.water.h[c];
-        const bool wet = h > world.constants.dry;
-        const double ux = wet ? world.water.qx[c] / h : 0, uz = wet ? world.water.qz[c] / h : 0;
+        const double h = cells.water.h[c];
+        const bool wet = h > cells.dry;
+        const double ux = wet ? cells.water.qx[c] / h : 0, uz = wet ? cells.water.qz[c] / h : 0;
         u += ux * cell.normal_x + uz * cell.normal_z;
         along += uz * cell.normal_x - ux * cell.normal_z;
-        c_inside += wet ? std::sqrt(g * std::max(0.0, h + world.bed.height[c] - bed)) : c0;
+        c_inside += wet ? std::sqrt(g * std::max(0.0, h + cells.bed.height[c] - bed)) : c0;
         h_inside += h;
     }
     if (cell.count == 0) return {d, 0, 0};
@@ -186,44 +184,42 @@ double until_gate_opens(const PlaceWater& place, double time, double remaining) 
     return remaining;
 }
 
-double longest_with_inflow(const ShallowWater& world, double longest) {
+double longest_with_inflow(const PlaceWater& place, double time, double longest, double gravity, double way) {
     const auto largest = [&](const Series& series) {
-        double most = std::max(value_at(series, world.time), value_at(series, world.time + longest));
+        double most = std::max(value_at(series, time), value_at(series, time + longest));
         for (const SeriesPoint& p : series) {
-            if (p.time > world.time && p.time < world.time + longest) most = std::max(most, p.value);
+            if (p.time > time && p.time < time + longest) most = std::max(most, p.value);
         }
         return most;
     };
-    double rate = largest(world.place->rain);  // m/s
-    for (const PlaceSource& source : world.place->sources) {
+    double rate = largest(place.rain);  // m/s
+    for (const PlaceSource& source : place.sources) {
         double per_volume = 0;
         for (const SourceCell& cell : source.cells) per_volume = std::max(per_volume, cell.per_volume);
         rate = std::max(rate, per_volume * largest(source.discharge));
     }
     if (!(rate > 0)) return longest;
-    const double way = world.scene.fluid.cfl * std::min(world.grid.dx, world.grid.dz);
-    return std::min(longest, std::cbrt(way * way / (world.constants.gravity * rate)));
+    return std::min(longest, std::cbrt(way * way / (gravity * rate)));
 }
 
-Passed exchange(ShallowWater& world, double dt) {
+Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double dt) {
     Passed passed;
-    PlaceWater& place = *world.place;
-    const double begin = world.time, end = world.time + dt, area = world.grid.cell_area();
+    const double begin = time, end = time + dt, area = cells.grid.cell_area();
     for (const PlaceSource& source : place.sources) {
         const double volume = integral_of(source.discharge, begin, end);
         if (volume == 0) continue;
-        for (const SourceCell& cell : source.cells) world.water.h[cell.cell] += volume * cell.per_volume;
+        for (const SourceCell& cell : source.cells) cells.water.h[cell.cell] += volume * cell.per_volume;
         passed.inflow += volume;
     }
     if (const double depth = integral_of(place.rain, begin, end); depth > 0) {
         passed.rained = true;
-        for (std::size_t k = 0; k < world.grid.nz; ++k) {
-            const std::size_t row = world.grid.row(static_cast<std::ptrdiff_t>(k));
+        for (std::size_t k = 0; k < cells.grid.nz; ++k) {
+            const std::size_t row = cells.grid.row(static_cast<std::ptrdiff_t>(k));
             double shares = 0;
-            for (std::size_t c = row; c < row + world.grid.nx; ++c) {
-                const double share = world.openings.share_of(c);
+            for (std::size_t c = row; c < row + cells.grid.nx; ++c) {
+                const double share = cells.openings.share_of(c);
                 if (share <= 0) continue;
-                world.water.h[c] += depth;
+                cells.water.h[c] += depth;
                 shares += share;
             }
             passed.inflow += depth * shares * area;
@@ -233,24 +229,22 @@ Passed exchange(ShallowWater& world, double dt) {
         const double stage = value_at(outlet.stage, end);
         for (OutletCell& cell : outlet.cells) {
             State state;
-            if (outlet.kind == OutletKind::stage) state = outlet_state(world, outlet, cell, stage, dt);
-            const double volume = (state.h - world.water.h[cell.cell]) * world.openings.share_of(cell.cell) * area;
+            if (outlet.kind == OutletKind::stage) state = outlet_state(cells, outlet, cell, stage, dt);
+            const double volume = (state.h - cells.water.h[cell.cell]) * cells.openings.share_of(cell.cell) * area;
             (volume > 0 ? passed.inflow : passed.outflow) += std::abs(volume);
-            world.water.h[cell.cell] = state.h;
-            world.water.qx[cell.cell] = state.qx;
-            world.water.qz[cell.cell] = state.qz;
+            cells.water.h[cell.cell] = state.h;
+            cells.water.qx[cell.cell] = state.qx;
+            cells.water.qz[cell.cell] = state.qz;
         }
         outlet.mean_stage += (stage - outlet.mean_stage) * -std::expm1(-dt / following_time);
     }
     return passed;
 }
 
-void open_gates(ShallowWater& world, double time) {
-    std::vector<double>& times = world.place->openings_of_gates;
-    if (times.empty() || times.front() > time + gate_slack) return;
-    std::erase_if(times, [&](double opens) { return opens <= time + gate_slack; });
-    set_openings(world, time + gate_slack);
-    update_primitive(world);
+bool gates_open(PlaceWater& place, double time) {
+    const auto opened =
+        std::erase_if(place.openings_of_gates, [&](double opens) { return opens <= time + gate_slack; });
+    return opened > 0;
 }
 
 }  // namespace wade::fluid::shallow_water
