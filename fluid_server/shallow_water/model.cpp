@@ -69,9 +69,10 @@ void ShallowWaterModel::begin_maps() {
     if (!world_.scene.place) return;
     const Grid& grid = world_.grid;
     maps_.emplace(MapGrid{grid.x.lo, grid.z.lo, grid.dx, grid.dz, grid.nx, grid.nz});
-    if (world_.bed.obstacle.empty()) return;
-    for (std::size_t k = 0; k < grid.cells(); ++k)
-        maps_->wall[k] = world_.bed.obstacle[grid.row(static_cast<std::ptrdiff_t>(k / grid.nx)) + k % grid.nx] > 0;
+    for (std::size_t k = 0; k < grid.cells(); ++k) {
+        const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k / grid.nx)) + k % grid.nx;
+        maps_->wall[k] = world_.openings.share_of(c) < 0.5;
+    }
 }
 
 void ShallowWaterModel::add_to_maps() {
