@@ -76,8 +76,9 @@ double depth_on_wave(double q, double h, double u, double g) {
 
 }  // namespace
 
-void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity) {
+void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity, const Lines& active) {
     for (std::size_t k = 0; k < grid.nz; ++k) {
+        if (!active.at_ends(k)) continue;
         const std::size_t row = grid.row(static_cast<std::ptrdiff_t>(k)), last = row + grid.nx - 1;
         const auto copy = [&](std::ptrdiff_t to, std::ptrdiff_t from) {
             copy_cell(state, row + static_cast<std::size_t>(to), row + static_cast<std::size_t>(from));

@@ -15,6 +15,7 @@
 
 #include "fluid_server/shallow_water/face_flux.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
+#include "fluid_server/shallow_water/place/wet_lines.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -31,8 +32,8 @@ struct Primitive {
     [[nodiscard]] const RowMemory& surface() const { return eta.empty() ? h : eta; }
 };
 
-// Fills the ghost cells.
-void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity);
+// Fills the ghost cells, those beside lines that are active.
+void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity, const Lines& active);
 
 // Depth at the inflow, m. discharge: per width, >= 0, m^2/s; nozzle_depth: of the opening, m; h, u: in the cell before it,
 // u > 0 downstream.

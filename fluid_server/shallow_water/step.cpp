@@ -103,11 +103,16 @@ double euler_step(ShallowWater& world, const BandFrom& from, double share, doubl
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
         update_band(world, from, terms, begin, end, buffer, to);
     });
-    for (const std::size_t g : world.openings.active_groups) {
-        step_group(world, world.openings.groups[g], from, terms, to, world.row_least[0]);
+    const auto groups = static_cast<std::ptrdiff_t>(world.openings.active_groups.size());
+    double least = 0;
+#pragma omp parallel for schedule(static) reduction(min : least) if (groups >= 512)
+    for (std::ptrdiff_t number = 0; number < groups; ++number) {
+        const Group& group = world.openings.groups[world.openings.active_groups[static_cast<std::size_t>(number)]];
+        step_group(world, group, from, terms, to, least);
     }
+    world.row_least[0] = std::min(world.row_least[0], least);
     const double held = world.place && to.h == nullptr ? hold_outlets(world, to) : 0;
-    fill_ghosts(to.primitive, world.grid, world.scene.channel, world.constants.gravity);
+    fill_ghosts(to.primitive, world.grid, world.scene.channel, world.constants.gravity, world.lines.active);
     return held;
 }
 

@@ -212,7 +212,7 @@ void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces) {
 void update_active(ShallowWater& world) {
     for (RowMemory* q : {&world.water.h, &world.water.qx, &world.water.qz}) level_active_groups(world.openings, *q);
     find_primitives(world);
-    fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity);
+    fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity, world.lines.active);
 }
 
 void find_active(ShallowWater& world) {

@@ -46,6 +46,14 @@ class Lines {
         row(static_cast<std::ptrdiff_t>(k))[line / per_word] |= std::uint64_t{1} << (line % per_word);
     }
 
+    // Whether the first or one of the last two lines of a row is among them.
+    [[nodiscard]] bool at_ends(std::size_t k) const {
+        const std::uint64_t* const bits = row(static_cast<std::ptrdiff_t>(k));
+        const std::size_t last = (cells_ - 1) / line_values, before = last > 0 ? last - 1 : 0;
+        const auto has = [&](std::size_t line) { return (bits[line / per_word] >> (line % per_word) & 1U) != 0; };
+        return has(0) || has(last) || has(before);
+    }
+
     // Calls body(first cell, number of cells) for each run of lines in row k.
     template <typename Body>
     void for_each_span(std::size_t k, Body&& body) const {
