@@ -10,13 +10,25 @@
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/markers/placed_boxes.hpp"
 #include "crowd_client/markers/placed_houses.hpp"
+#include "crowd_client/residents.hpp"
 
 namespace wade::crowd {
 namespace {
 
 // Random numbers of the agents, apart from those of the markers: a stream for each agent, a counter for each purpose.
 // The starts take the counters from `start` on, two a trial.
-enum Draw : std::uint64_t { draw_tau, draw_mass, draw_sex, draw_height, draw_age, draw_friction, draw_start = 16 };
+enum Draw : std::uint64_t {
+    draw_tau,
+    draw_mass,
+    draw_sex,
+    draw_height,
+    draw_age,
+    draw_friction,
+    draw_leaves,
+    draw_stays,
+    draw_goes_up,
+    draw_start = 16
+};
 
 double random_of(const Scene& scene, std::size_t id, std::uint64_t draw) {
     constexpr std::uint64_t agents_streams = std::uint64_t{1} << 40;
@@ -111,6 +123,88 @@ void check_start(const World& world, std::size_t group, int member, const Vector
     throw ConfigurationError(message.str());
 }
 
+// Where the shelter is that is nearest as the crow flies; the place itself if there is none.
+Vector2d nearest_shelter(const Scene& scene, const Vector2d& place) {
+    Vector2d nearest = place;
+    double least = never;
+    for (const PlaceShelter& shelter : scene.place->shelters) {
+        Vector2d middle = Vector2d::Zero();
+        const MapLine& ring = shelter.polygon.rings.at(0);
+        for (const MapPoint& p : ring) middle += Vector2d(p.x, p.z) / static_cast<double>(ring.size());
+        if ((middle - place).squaredNorm() >= least) continue;
+        least = (middle - place).squaredNorm();
+        nearest = middle;
+    }
+    return nearest;
+}
+
+// line: tau in time of the group.
+void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d& place, const PersonRow& person,
+               const TauLine& line) {
+    const AgentGroup& group = scene.crowd.groups[g];
+    const std::size_t id = agents.size();
+    agents.position.push_back(place);
+    const bool to_shelters = scene.place && group.goals == GoalRule::shelters;
+    agents.goal.push_back(to_shelters ? nearest_shelter(scene, place) : Vector2d(group.goal_x, group.goal_z));
+    agents.desired_speed.push_back(group.desired_speed);
+    agents.mass.push_back(person.mass.value_or(group.mass.at(random_of(scene, id, draw_mass))));
+    agents.tau.push_back(group.tau ? group.tau->at(random_of(scene, id, draw_tau)) : 0);
+    add_tau_line(agents, id, person, line);
+    const bool by_body = scene.crowd.response == ResponseKind::measured && !group.tau;
+    add_person(agents.people, group, person, by_body,
+               {random_of(scene, id, draw_sex), random_of(scene, id, draw_height), random_of(scene, id, draw_age),
+                random_of(scene, id, draw_friction)});
+    agents.group.push_back(static_cast<std::uint32_t>(g));
+    agents.outcome.push_back(Outcome::active);
+    if (!scene.place) return;
+    agents.leaves.push_back(0);
+    agents.goes_up.push_back(0);
+}
+
+// When somebody in a house leaves it, and whereto.
+void let_live_indoors(Agents& agents, const Scene& scene, std::size_t id, const Lodger& lodger) {
+    const Leaving& leaving = scene.crowd.groups[agents.group[id]].leaving;
+    agents.outcome[id] = Outcome::indoors;
+    if (lodger.row != nullptr && lodger.row->leaves_at) {
+        agents.leaves[id] = *lodger.row->leaves_at;
+    } else {
+        const bool stays = random_of(scene, id, draw_stays) < leaving.stay_share;
+        agents.leaves[id] = stays ? never : leaving_time(leaving, random_of(scene, id, draw_leaves));
+    }
+    const House& house = scene.place->houses[static_cast<std::size_t>(lodger.house)];
+    const bool wants_up = random_of(scene, id, draw_goes_up) < leaving.upper_floor_share;
+    agents.goes_up[id] = wants_up && !std::isnan(house.upper_floor) ? 1 : 0;
+}
+
+void add_on_grid(Agents& agents, const Scene& scene, std::size_t g, const TauLine& line) {
+    const AgentGroup& group = scene.crowd.groups[g];
+    for (int k = 0; k < group.count; ++k) {
+        const int column = k % group.columns;
+        const int row = k / group.columns;
+        const Vector2d place(group.start_x + column * group.pitch_x, group.start_z + row * group.pitch_z);
+        check_start(scene.world, g, k, place);
+        add_agent(agents, scene, g, place, person_of_table(scene.crowd, group, k, agents.size()), line);
+    }
+}
+
+// Those who start in houses, and those of the table who are outdoors.
+void add_lodgers(Agents& agents, const Scene& scene, std::size_t g, const TauLine& line) {
+    const PlacedHouses houses = houses_of(scene);
+    Doors doors(scene, houses, scene.crowd.body_radius + 1e-3);
+    int member = 0;
+    for (const Lodger& lodger : lodgers_of(scene, houses, g)) {
+        const std::size_t id = agents.size();
+        const Vector2d place = lodger.house >= 0 ? doors.place_before(lodger) : Vector2d(lodger.row->x, lodger.row->z);
+        check_start(scene.world, g, member, place);
+        const PersonRow person = lodger.row != nullptr
+                                     ? lodger.row->person
+                                     : person_of_table(scene.crowd, scene.crowd.groups[g], member, id);
+        add_agent(agents, scene, g, place, person, line);
+        if (lodger.house >= 0) let_live_indoors(agents, scene, id, lodger);
+        ++member;
+    }
+}
+
 }  // namespace
 
 std::string_view outcome_name(Outcome outcome) {
@@ -119,6 +213,12 @@ std::string_view outcome_name(Outcome outcome) {
             return "arrived";
         case Outcome::dead:
             return "dead";
+        case Outcome::sheltered:
+            return "sheltered";
+        case Outcome::indoors:
+            return "indoors";
+        case Outcome::upper_floor:
+            return "upper_floor";
         case Outcome::active:
             break;
     }
@@ -131,24 +231,10 @@ Agents make_agents(const Scene& scene) {
         const AgentGroup& group = scene.crowd.groups[g];
         TauLine line;
         if (!group.tau_history.empty()) line.points = std::make_shared<const std::vector<TauPoint>>(group.tau_history);
-        for (int k = 0; k < group.count; ++k) {
-            const int column = k % group.columns;
-            const int row = k / group.columns;
-            const Vector2d place(group.start_x + column * group.pitch_x, group.start_z + row * group.pitch_z);
-            check_start(scene.world, g, k, place);
-            const std::size_t id = agents.position.size();
-            agents.position.push_back(place);
-            agents.goal.push_back({group.goal_x, group.goal_z});
-            agents.desired_speed.push_back(group.desired_speed);
-            const PersonRow person = person_of_table(scene.crowd, group, k, id);
-            agents.mass.push_back(person.mass.value_or(group.mass.at(random_of(scene, id, draw_mass))));
-            agents.tau.push_back(group.tau ? group.tau->at(random_of(scene, id, draw_tau)) : 0);
-            add_tau_line(agents, id, person, line);
-            const bool by_body = scene.crowd.response == ResponseKind::measured && !group.tau;
-            add_person(agents.people, group, person, by_body,
-                       {random_of(scene, id, draw_sex), random_of(scene, id, draw_height),
-                        random_of(scene, id, draw_age), random_of(scene, id, draw_friction)});
-            agents.group.push_back(static_cast<std::uint32_t>(g));
+        if (scene.place && group.starts == StartRule::houses) {
+            add_lodgers(agents, scene, g, line);
+        } else {
+            add_on_grid(agents, scene, g, line);
         }
     }
     start_wear(agents.people, scene.crowd);
@@ -159,7 +245,6 @@ Agents make_agents(const Scene& scene) {
     agents.laps.assign(n, 0);
     agents.velocity.assign(n, Vector2d::Zero());
     agents.momentary.assign(n, Vector2d::Zero());
-    agents.outcome.assign(n, Outcome::active);
     agents.start = agents.position;
     agents.end_step.assign(n, 0);
     agents.lost_feet_step.assign(n, 0);

@@ -13,9 +13,16 @@
 
 namespace wade::crowd {
 
-enum class Outcome : std::uint8_t { active, arrived, dead };
+enum class Outcome : std::uint8_t {
+    active,
+    arrived,
+    dead,
+    sheltered,
+    indoors,     // in a house; may come out
+    upper_floor  // of a house; for good
+};
 
-// "active", "arrived" or "dead", as written to agents.csv.
+// "active", "arrived" and so on, as written to agents.csv.
 [[nodiscard]] std::string_view outcome_name(Outcome outcome);
 
 // The least of a body's radius that turned shoulders leave (bodies/bodies.hpp).
@@ -73,6 +80,9 @@ struct Agents {
     std::vector<Vector2d> stay;                            // near which it has been since `stay_step` (standing.hpp), m
     std::vector<std::uint64_t> stay_step, stay_wet_steps;  // the step, and wet_steps then
     std::vector<bool> standing;
+
+    std::vector<double> leaves;  // when it leaves its house, s; 0 outdoors, infinite: never; empty without a place
+    std::vector<std::uint8_t> goes_up;  // then, to the upper floor; empty without a place
 
     std::vector<TauLine> tau_lines;  // of those whose tau changes in time
 

@@ -21,8 +21,22 @@
 #include "crowd_client/water/water_bins.hpp"
 #include "crowd_client/ways/navigation.hpp"
 #include "crowd_client/ways/obstacles.hpp"
+#include "crowd_client/ways/place_ways.hpp"
 
 namespace wade::crowd {
+
+// Those in houses (departures.hpp).
+struct Departure {
+    std::uint64_t step = 0;  // before which it leaves
+    std::uint32_t id = 0;
+};
+struct Indoors {
+    std::vector<Departure> due;          // by step, then id
+    std::size_t next = 0;                // of those
+    std::vector<std::uint32_t> at_door;  // whose time has come, until there is room before their door
+    std::size_t inside = 0, upstairs = 0;
+    std::uint64_t let_out_before = 0;  // the step for which this was done
+};
 
 struct CrowdWorld {
     Scene scene;
@@ -32,9 +46,11 @@ struct CrowdWorld {
     double part_time = 0;     // length of the part of a step at hand, s
 
     Agents agents;
-    std::vector<std::uint32_t> active;  // ids of the agents that are neither arrived nor dead, ascending
+    std::vector<std::uint32_t> active;  // ids of the agents that are outdoors on their way, ascending
     std::size_t arrived = 0;
     std::size_t dead = 0;
+    std::size_t sheltered = 0;
+    Indoors indoors;
     std::uint64_t last_arrival_step = 0;  // 0 = nobody has arrived
     std::size_t events_applied = 0;       // of scene.events, which make_crowd sorts by frame
     std::vector<std::string> warnings;    // sentences for the user, in the order in which they came up
@@ -82,9 +98,11 @@ struct CrowdWorld {
     return crowd.bodies.rule != BodyRule::none;
 }
 
-// Whether people get further in a step than the water round where they stood reaches, or look at water farther away.
+// Whether people get further in a step than the water round where they stood reaches, or look at water farther away, as who looks for
+// ways in a place does.
 [[nodiscard]] inline bool needs_all_water(const CrowdWorld& crowd) {
-    return crowd.clock.parts > 1 || !crowd.rescues.rescuers.empty();
+    return crowd.clock.parts > 1 || !crowd.rescues.rescuers.empty() ||
+           are_place_ways_due(crowd.navigation, crowd.steps + 1);
 }
 
 // How many threads walk the crowd. One that is small takes less time than threads to wake up.

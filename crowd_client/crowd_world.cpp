@@ -7,6 +7,7 @@
 #include "configs/scene/scene_frames.hpp"
 #include "configs/scene/time_lines.hpp"
 #include "crowd_client/crowd_motion.hpp"
+#include "crowd_client/departures.hpp"
 #include "crowd_client/hands.hpp"
 #include "crowd_client/rescue.hpp"
 #include "crowd_client/standing.hpp"
@@ -144,6 +145,10 @@ void go_straight(CrowdWorld& crowd) {
 
 void solve_fields(const Step& step) {
     CrowdWorld& crowd = step.crowd;
+    if (crowd.navigation.place) {
+        if (!are_place_ways_due(crowd.navigation, step.number)) return;
+        return update_place_ways(crowd.navigation, crowd.scene, step.water, crowd.threads);
+    }
     if (!is_due(crowd.navigation, step.number)) return;
     go_straight(crowd);
     update_navigation(crowd.navigation, crowd.scene, crowd.active, crowd.positions, crowd.goal_offsets, crowd.threads);
@@ -160,7 +165,10 @@ void send(const Step& step) {
 void find_ways(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     go_straight(crowd);
-    if (finds_ways(crowd.navigation)) {
+    if (crowd.navigation.place) {
+        steer_in_place(crowd.navigation, crowd.agents, crowd.active, crowd.positions, crowd.goal_offsets,
+                       step.decision.number, threads_for(crowd));
+    } else if (finds_ways(crowd.navigation)) {
         steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, step.decision.number,
               threads_for(crowd));
     }
@@ -199,9 +207,10 @@ void choose_walking_velocities(const Step& step) {
             crowd.agents.body.intended[id] =
                 wished_velocity(crowd.bodies, crowd.agents, id, k, crowd.motion, marker_area, rule, step.decision);
         }
-        const Vector2d wish = has_bodies(crowd) ? crowd.agents.body.intended[id]
-                                                : walking_velocity(crowd.motion.vector[k],
-                                                                   crowd.agents.desired_speed[id], rule, crowd.dt);
+        Vector2d wish = has_bodies(crowd)
+                            ? crowd.agents.body.intended[id]
+                            : walking_velocity(crowd.motion.vector[k], crowd.agents.desired_speed[id], rule, crowd.dt);
+        wish *= share_on_ground(crowd.navigation, id, crowd.positions[k], wish);
         crowd.walking[k] = keep_in_world(crowd.scene.world, crowd.positions[k], wish, crowd.part_time);
     }
     if (!crowd.links.empty()) walk_in_files(crowd);
@@ -266,6 +275,7 @@ Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
     const bool may_drown = crowd.scene.crowd.response == ResponseKind::measured;
     if (p.x() < 0 || (may_drown && crowd.agents.people.condition[id].state == PersonState::drowned))
         return Outcome::dead;
+    if (goes_to_shelters(crowd, id)) return Outcome::active;
     const double reach = crowd.scene.crowd.goal_radius;
     const Vector2d rest = goal_offset(crowd.agents, id, crowd.scene.world.period());
     return rest.squaredNorm() <= reach * reach && !is_on_duty(crowd, id) ? Outcome::arrived : Outcome::active;
@@ -275,13 +285,14 @@ void judge_outcomes(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     bool all_go_on = true;
     for (const std::uint32_t id : crowd.active) {
-        const Outcome outcome = judge(crowd, id);
+        Outcome outcome = judge(crowd, id);
+        if (outcome == Outcome::active && goes_to_shelters(crowd, id)) outcome = come_to_shelter(crowd, id);
         crowd.agents.outcome[id] = outcome;
         if (outcome == Outcome::active) continue;
         all_go_on = false;
         crowd.agents.end_step[id] = step.number;
         crowd.agents.end_before[id] = (crowd.clock.parts - 1 - step.part) * crowd.part_time;
-        ++(outcome == Outcome::arrived ? crowd.arrived : crowd.dead);
+        ++(outcome == Outcome::arrived ? crowd.arrived : outcome == Outcome::dead ? crowd.dead : crowd.sheltered);
         if (outcome == Outcome::arrived) crowd.last_arrival_step = step.number;
     }
     if (all_go_on) return;
@@ -354,6 +365,7 @@ void advance(CrowdWorld& crowd, const WaterBins& water) {
 }  // namespace
 
 void step(CrowdWorld& crowd, const WaterView& water) {
+    let_out(crowd);
     freeze_positions(crowd);
     timed(crowd.times.get(), 0, [&] {
         if (needs_all_water(crowd)) return bin_all_water(crowd.water, water);
@@ -363,6 +375,7 @@ void step(CrowdWorld& crowd, const WaterView& water) {
 }
 
 void step_through(CrowdWorld& crowd, const WaterBins& water) {
+    let_out(crowd);
     advance(crowd, water);
 }
 

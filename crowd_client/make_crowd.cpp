@@ -1,12 +1,13 @@
 // A crowd before its first step.
 
 #include <algorithm>
-#include <numeric>
 #include <sstream>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/residents.hpp"
 #include "crowd_client/crowd_world.hpp"
+#include "crowd_client/departures.hpp"
 #include "crowd_client/hands.hpp"
 #include "crowd_client/rescue.hpp"
 #include "crowd_client/responses/registry.hpp"
@@ -48,6 +49,19 @@ void move_out_of_faces(Agents& agents, const Walls& walls) {
     }
 }
 
+// Those in houses have room once they come out.
+void make_room_outdoors(CrowdWorld& crowd) {
+    const double radius = crowd.scene.crowd.body_radius;
+    if (crowd.indoors.inside == 0) return make_room_for_bodies(crowd.agents, crowd.walls, radius);
+    Agents outdoors;
+    for (const std::uint32_t id : crowd.active) {
+        outdoors.position.push_back(crowd.agents.position[id]);
+        outdoors.group.push_back(crowd.agents.group[id]);
+    }
+    make_room_for_bodies(outdoors, crowd.walls, radius);
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) crowd.agents.position[crowd.active[k]] = outdoors.position[k];
+}
+
 void feel_and_push(const Scene& scene, CrowdWorld& crowd) {
     const bool has_poses = scene.crowd.pose_rate > 0;
     if (scene.crowd.response == ResponseKind::measured || scene.coupling.two_way || has_poses) {
@@ -58,16 +72,20 @@ void feel_and_push(const Scene& scene, CrowdWorld& crowd) {
 
 }  // namespace
 
-CrowdWorld make_crowd(const Scene& scene) {
-    check_coupling(scene);
+CrowdWorld make_crowd(const Scene& given) {
+    check_coupling(given);
     CrowdWorld crowd;
-    crowd.scene = scene;
+    crowd.scene = given;
+    const Scene& scene = crowd.scene;
+    count_lodgers(crowd.scene);
     crowd.dt = 1 / scene.crowd.step_rate;
     std::stable_sort(crowd.scene.events.begin(), crowd.scene.events.end(),
                      [](const TauEvent& a, const TauEvent& b) { return a.frame < b.frame; });
     crowd.agents = make_agents(scene);
-    crowd.active.resize(crowd.agents.size());
-    std::iota(crowd.active.begin(), crowd.active.end(), 0U);
+    for (std::uint32_t id = 0; id < crowd.agents.size(); ++id) {
+        if (crowd.agents.outcome[id] == Outcome::active) crowd.active.push_back(id);
+    }
+    crowd.indoors = indoors_of(crowd.agents, crowd.dt);
     crowd.walls = make_walls(scene);
     move_out_of_faces(crowd.agents, crowd.walls);
     if (scene.crowd.bodies != BodyRule::none) {
@@ -75,7 +93,7 @@ CrowdWorld make_crowd(const Scene& scene) {
         crowd.bodies.style = body_style(scene.crowd.bodies);
         crowd.bodies.radius = scene.crowd.body_radius;
         crowd.bodies.seed = scene.seed;
-        make_room_for_bodies(crowd.agents, crowd.walls, scene.crowd.body_radius);
+        make_room_outdoors(crowd);
         begin_bodies(crowd.agents, scene.crowd.body_radius);
         crowd.clock = body_clock(crowd.dt);
     }

@@ -76,6 +76,7 @@ bool is_near_others(const CrowdWorld& crowd, std::size_t k) {
 }
 
 Hold hold_of(const CrowdWorld& crowd, std::size_t k) {
+    if (is_waiting(crowd.navigation, crowd.active[k])) return Hold::water;
     if (!is_firm(crowd.agents.people.condition[crowd.active[k]].state)) return Hold::footing;
     const bool owns_none = !has_bodies(crowd) && crowd.motion.owned[k] == 0;
     if (owns_none || has_too_few_markers(crowd.scene.crowd)) return Hold::markers;
@@ -88,7 +89,7 @@ Hold hold_of(const CrowdWorld& crowd, std::size_t k) {
 }
 
 // What is before them, and the key that helps.
-std::string words_of(Hold hold, const Crowd& settings) {
+std::string words_of(Hold hold, const Crowd& settings, bool in_place) {
     switch (hold) {
         case Hold::footing:
             return "the water keeps them from walking, see their states; look at its depth and speed, and at skill, "
@@ -102,6 +103,10 @@ std::string words_of(Hold hold, const Crowd& settings) {
                        : "an obstacle is before them and no way that they fit through leads round it; look at "
                          "/obstacles, the goals and /crowd/body_radius_m";
         case Hold::water:
+            if (in_place) {
+                return "they wait at the edge of water that is too deep or fast for them, or have no way; look at "
+                       "/place/shelters and /crowd/navigation/enters_up_to_m";
+            }
             return "the water holds them; look at /crowd/tau and the speed of the water";
         case Hold::people:
             if (settings.markers == MarkerRule::fixed || settings.bodies == BodyRule::none) {
@@ -128,7 +133,8 @@ void warn(CrowdWorld& crowd, Hold hold, const std::vector<std::uint32_t>& ids, s
              << std::round(10 * p.y()) / 10 << ") m";
     }
     if (ids.size() > shown) text << " and others";
-    text << "; " << words_of(hold, crowd.scene.crowd) << " (said once; outcome.json counts who stands)";
+    text << "; " << words_of(hold, crowd.scene.crowd, crowd.navigation.place.has_value())
+         << " (said once; outcome.json counts who stands)";
     crowd.warnings.push_back(text.str());
 }
 
@@ -165,6 +171,11 @@ std::vector<std::string_view> state_names(const Scene& scene) {
     std::vector<std::string_view> names{"walking", "standing", "arrived", "dead"};
     if (scene.crowd.response == ResponseKind::measured) {
         names.insert(names.end(), person_states.begin() + 1, person_states.end());
+    }
+    if (scene.place) {
+        for (const Outcome outcome : {Outcome::sheltered, Outcome::indoors, Outcome::upper_floor}) {
+            names.push_back(outcome_name(outcome));
+        }
     }
     return names;
 }

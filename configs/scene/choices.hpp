@@ -112,6 +112,26 @@ struct Words<WalkingLaw> {
         {{"relative", WalkingLaw::relative}, {"bernardini", WalkingLaw::bernardini}}};
 };
 template <>
+struct Words<StartRule> {
+    static constexpr std::array<Named<StartRule>, 2> all{{{"grid", StartRule::grid}, {"houses", StartRule::houses}}};
+};
+template <>
+struct Words<GoalRule> {
+    static constexpr std::array<Named<GoalRule>, 2> all{{{"point", GoalRule::point}, {"shelters", GoalRule::shelters}}};
+};
+template <>
+struct Words<LeavingRule> {
+    static constexpr std::array<Named<LeavingRule>, 5> all{{{"at_once", LeavingRule::at_once},
+                                                            {"normal", LeavingRule::normal},
+                                                            {"weibull", LeavingRule::weibull},
+                                                            {"table", LeavingRule::table},
+                                                            {"never", LeavingRule::never}}};
+};
+template <>
+struct Words<SlopeRule> {
+    static constexpr std::array<Named<SlopeRule>, 2> all{{{"level", SlopeRule::level}, {"tobler", SlopeRule::tobler}}};
+};
+template <>
 struct Words<SexRule> {
     static constexpr std::array<Named<SexRule>, 3> all{
         {{"any", SexRule::any}, {"female", SexRule::female}, {"male", SexRule::male}}};

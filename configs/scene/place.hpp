@@ -122,7 +122,10 @@ struct PlaceShelter {
     MapPolygon polygon;
     int capacity = 0;  // people; 0: any number
     std::string label{};
+    bool is_exit = false;  // who gets there has left the place
 };
+
+struct Resident;  // somebody of a table (scene.hpp)
 
 struct Place {
     int epsg = 0;                       // of the coordinate system; 0: none is given
@@ -138,6 +141,8 @@ struct Place {
     std::string water_file;            // raster of depths at t = 0, m
     std::shared_ptr<const Raster> water_depth;
     std::vector<PlaceShelter> shelters;
+    std::string residents_file;  // as the scene names it; empty: none
+    std::shared_ptr<const std::vector<Resident>> residents;
 };
 
 // Whether a point lies in a polygon; on an edge it may be either.

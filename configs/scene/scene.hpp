@@ -257,8 +257,40 @@ struct PersonRow {
     std::vector<TauPoint> tau_history;
 };
 
+// Somebody of a place's table of residents.
+struct Resident {
+    std::string id;                   // as the table has it
+    double x = 0, z = 0;              // m; in a house: indoors
+    std::string group;                // empty: the first that starts in houses
+    std::optional<double> leaves_at;  // s; none: as its group says
+    PersonRow person;
+};
+
+enum class StartRule { grid, houses };    // a start grid, or the houses of the place and its table of residents
+enum class GoalRule { point, shelters };  // one place, or the shelters of the place, whichever is reached first
+
+// When people leave their houses.
+enum class LeavingRule { at_once, normal, weibull, table, never };
+struct LeavingPoint {
+    double time = 0;   // s
+    double share = 1;  // of them that have left by then
+};
+struct Leaving {
+    LeavingRule rule = LeavingRule::at_once;
+    double after = 0;             // s; nobody leaves before
+    double mean = 0, sd = 0;      // of `normal`, after that, s
+    double scale = 0, shape = 2;  // of `weibull`, after that; scale in s
+    std::vector<LeavingPoint> table;
+    double stay_share = 0;         // of them who never leave
+    double upper_floor_share = 0;  // of the others who go to the upper floor at their time, where the house has one
+};
+
 struct AgentGroup {
     std::string name;
+    StartRule starts = StartRule::grid;
+    GoalRule goals = GoalRule::point;
+    bool warned = true;         // knows where the water is, however far away
+    Leaving leaving;            // with StartRule::houses
     int columns = 1, rows = 1;  // start grid, columns along x, rows along z
     int count = 1;              // agents placed, column by column is row-major: id = row * columns + column
     double start_x = 0, start_z = 0, pitch_x = 1, pitch_z = 1;
@@ -298,12 +330,18 @@ struct PathSettings {
     double rate = 4;  // frames in a second, at most; no more than steps
 };
 
+enum class SlopeRule { level, tobler };  // whether slopes change how fast people walk
+
 // How agents find the way to their goal.
 struct NavigationSettings {
     NavigationRule rule = NavigationRule::automatic;
     double cell = 0.5;    // of the fields, m
     double crowding = 0;  // weight of people in the way
-    double every = 1;     // time after which fields with crowding are solved again, s; 0: never
+    double every = 1;     // time after which fields with crowding, or in a place, are solved again, s; 0: never
+    SlopeRule slope = SlopeRule::level;
+    double sight = 20;                   // how far who is not warned sees water, m
+    std::optional<double> enters_up_to;  // deepest water that people walk into, m; none: by their stability alone
+    std::optional<double> safe_above;    // height of ground that is as good as a shelter, m; none: no ground is
 };
 
 enum class EvasionRule { off, flee, evasion };  // from where the water is, or will be

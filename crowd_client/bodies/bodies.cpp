@@ -104,6 +104,7 @@ void begin_bodies(Agents& agents, double radius) {
     for (std::size_t id = 0; id < n; ++id) {
         const Vector2d& p = agents.position[id];
         body.draw[id] = mix_bits(mix_bits(std::bit_cast<std::uint64_t>(p.x())) + std::bit_cast<std::uint64_t>(p.y()));
+        if (agents.outcome[id] == Outcome::indoors) body.draw[id] = mix_bits(body.draw[id] + id);  // many at one door
     }
 }
 

@@ -6,6 +6,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/program/peer_support.hpp"
 #include "configs/scene/scene_frames.hpp"
+#include "crowd_client/departures.hpp"
 #include "crowd_client/results/output_file.hpp"
 
 namespace wade::crowd {
@@ -50,7 +51,7 @@ std::optional<MomentumBalance> momentum_balance(const shm::Diagnostics& d, const
 }
 
 bool run_is_over(const CrowdWorld& crowd) {
-    const bool nobody_left = crowd.agents.size() > 0 && crowd.active.empty();
+    const bool nobody_left = crowd.agents.size() > 0 && crowd.active.empty() && !may_come_out(crowd);
     return crowd.steps >= steps_of(crowd.scene) || (nobody_left && crowd.scene.stop_when_no_agent_is_active);
 }
 

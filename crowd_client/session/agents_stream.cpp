@@ -30,6 +30,9 @@ shm::StreamInfo agents_info(const CrowdWorld& crowd, const shm::StreamInfo& wate
 float state_of(Outcome outcome) {
     switch (outcome) {
         case Outcome::arrived:
+        case Outcome::sheltered:
+        case Outcome::indoors:
+        case Outcome::upper_floor:
             return shm::agent_arrived;
         case Outcome::dead:
             return shm::agent_dead;

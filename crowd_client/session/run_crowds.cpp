@@ -10,6 +10,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/program/peer_support.hpp"
+#include "crowd_client/departures.hpp"
 #include "crowd_client/session/frame_time.hpp"
 #include "crowd_client/water/plausibility.hpp"
 
@@ -130,7 +131,8 @@ class Journey {
         bool far = false;
         positions_.clear();
         for (const std::size_t k : walking_) {
-            const CrowdWorld& crowd = crowds_[k].crowd;
+            CrowdWorld& crowd = crowds_[k].crowd;
+            let_out(crowd);
             const std::uint64_t due = steps_due_at(crowd.scene, source_.info(), frame.tick);
             most_steps = std::max(most_steps, due - std::min(due, crowd.steps));
             far = far || needs_all_water(crowd);

@@ -10,6 +10,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/markers/ground_grid.hpp"
+#include "crowd_client/ways/place_ways.hpp"
 #include "crowd_client/ways/way_fields.hpp"
 
 namespace wade::crowd {
@@ -72,19 +73,6 @@ void solve(Navigation& navigation, std::span<const Vector2d> positions, int thre
     for (std::size_t i = 0; i < navigation.fields.size(); ++i) {
         WayField& field = navigation.fields[i];
         march(field.travel, field.memory, navigation.grid, navigation.slowness, field.starts);
-    }
-}
-
-// Exact times on the nodes round the goal that it sees.
-void start_at_goal(const Navigation& navigation, WayField& field) {
-    const TravelGrid& grid = navigation.grid;
-    for (int row = 0; row < grid.rows; ++row) {
-        for (int column = 0; column < grid.columns; ++column) {
-            const Vector2d node = grid.place(column, row), way = node - field.goal;
-            const double length = std::sqrt(way.squaredNorm());
-            if (length > navigation.start_radius || !in_sight(navigation.sight, field.goal, node)) continue;
-            field.starts.emplace_back(grid.node(column, row), length);
-        }
     }
 }
 
@@ -165,27 +153,13 @@ void place_boxes_of_way(Navigation& navigation, const Scene& scene) {
     navigation.sight.boxes = place_boxes(std::move(boxes), cell);
 }
 
-// The grid is laid out.
-void close_boxes(Navigation& navigation, const Scene& scene) {
-    for (const Obstacle& box : navigation.sight.boxes.all) {
-        close_box(navigation.grid, grown(box, navigation.sight.clearance));
-    }
-    close_houses(navigation.grid, navigation.sight.houses, navigation.sight.clearance);
-    // From the cell of a place within the clearance to the nodes outside it, and one on.
-    const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
-    const double narrowest = std::min(navigation.grid.dx, navigation.grid.dz);
-    constexpr int most_reach = 31;
-    navigation.reach = std::min(most_reach, 1 + static_cast<int>(std::ceil(navigation.sight.clearance / narrowest)));
-    navigation.start_radius = std::max(scene.crowd.goal_radius, 2 * widest);
-}
-
 void lay_out_grid(Navigation& navigation, const Scene& scene, double cell) {
     const double period = navigation.period;
     const double lap_cell = period > 0 ? period / std::ceil(period / cell - 1e-9) : cell;
     navigation.grid =
         period > 0 ? travel_grid({-lap_of_goals * period, 0}, {laps_laid_out * period, scene.world.width}, lap_cell)
                    : travel_grid({0, 0}, {scene.world.length, scene.world.width}, cell);
-    close_boxes(navigation, scene);
+    finish_grid(navigation, scene);
 }
 
 void name_goals(Navigation& navigation, const Agents& agents) {
@@ -292,12 +266,38 @@ Vector2d look_for_way(const Navigation& navigation, std::uint32_t id, const Vect
 
 }  // namespace
 
+void start_at_goal(const Navigation& navigation, WayField& field) {
+    const TravelGrid& grid = navigation.grid;
+    for (int row = 0; row < grid.rows; ++row) {
+        for (int column = 0; column < grid.columns; ++column) {
+            const Vector2d node = grid.place(column, row), way = node - field.goal;
+            const double length = std::sqrt(way.squaredNorm());
+            if (length > navigation.start_radius || !in_sight(navigation.sight, field.goal, node)) continue;
+            field.starts.emplace_back(grid.node(column, row), length);
+        }
+    }
+}
+
+void finish_grid(Navigation& navigation, const Scene& scene) {
+    for (const Obstacle& box : navigation.sight.boxes.all) {
+        close_box(navigation.grid, grown(box, navigation.sight.clearance));
+    }
+    close_houses(navigation.grid, navigation.sight.houses, navigation.sight.clearance);
+    // From the cell of a place within the clearance to the nodes outside it, and one on.
+    const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
+    const double narrowest = std::min(navigation.grid.dx, navigation.grid.dz);
+    constexpr int most_reach = 31;
+    navigation.reach = std::min(most_reach, 1 + static_cast<int>(std::ceil(navigation.sight.clearance / narrowest)));
+    navigation.start_radius = std::max(scene.crowd.goal_radius, 2 * widest);
+}
+
 double least_clearance(const Scene& scene) {
     const bool turns = scene.crowd.bodies != BodyRule::none;
     return (turns ? turned_share : 1) * scene.crowd.body_radius;
 }
 
 Navigation make_navigation(const Scene& scene, const Agents& agents) {
+    if (scene.place) return make_place_ways(scene, agents);
     constexpr double time_between_looks = 1;   // whether fields are needed, s
     constexpr double time_between_ways = 0.1;  // s; bodies decide as often by themselves
     const NavigationSettings& settings = scene.crowd.navigation;
@@ -336,6 +336,7 @@ Navigation make_navigation(const Scene& scene, const Agents& agents) {
 }
 
 std::string people_without_way(const Navigation& navigation, const Scene& scene, const Agents& agents) {
+    if (scene.place) return people_cut_off(navigation, scene, agents);
     if (scene.crowd.navigation.rule != NavigationRule::straight) return first_without_way(navigation, scene, agents);
     constexpr double worth_a_look = 5e6;  // nodes; some seconds
     const auto goals = static_cast<double>(scene.crowd.groups.size());
@@ -383,7 +384,7 @@ Navigation ways_within(const Scene& scene, const Walls& walls, const Interval& x
     const double largest = scene.crowd.navigation.cell;
     const double cell = std::min(largest, std::max(smallest, narrowest_gap(navigation.sight, largest)));
     navigation.grid = travel_grid({x.lo, z.lo}, {x.length(), z.length()}, cell);
-    close_boxes(navigation, scene);
+    finish_grid(navigation, scene);
     WayField& field = navigation.fields.emplace_back();
     field.goal = goal;
     start_at_goal(navigation, field);

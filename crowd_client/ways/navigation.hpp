@@ -69,6 +69,12 @@ void update_navigation(Navigation& navigation, const Scene& scene, std::span<con
 void steer(Navigation& navigation, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
            std::span<Vector2d> goal_offsets, std::uint64_t decision, int threads);
 
+// Closes what stands on a grid that is laid out, and finds the reach and the radius round goals.
+void finish_grid(Navigation& navigation, const Scene& scene);
+
+// Exact times on the nodes round the goal that it sees.
+void start_at_goal(const Navigation& navigation, WayField& field);
+
 // The ways from everywhere in a rectangle to one goal in it, round what reaches into it: one field, of no agent.
 [[nodiscard]] Navigation ways_within(const Scene& scene, const Walls& walls, const Interval& x, const Interval& z,
                                      const Vector2d& goal);

@@ -140,9 +140,9 @@ std::optional<Vector2d> way_from(const Navigation& navigation, const WayField& f
         at.x() = p.x() + std::round((to_image - image_rest) / period) * period;
     }
     const Cell cell = cell_of(grid, at);
-    const bool may_go_straight =
-        navigation.crowding == 0 || rest.squaredNorm() < navigation.start_radius * navigation.start_radius;
-    if (may_go_straight && goal_is_in_sight(navigation, field, cell, p, rest)) return rest;
+    const bool may_go_straight = (navigation.crowding == 0 && !navigation.by_fields_alone) ||
+                                 rest.squaredNorm() < navigation.start_radius * navigation.start_radius;
+    if (field.has_point && may_go_straight && goal_is_in_sight(navigation, field, cell, p, rest)) return rest;
     const bool closed = (grid.closed[grid.node(cell.column, cell.row)] & TravelGrid::cell_closed) != 0;
     if (!closed) {
         if (const auto way = down_the_gradient(grid, field, cell)) return way;

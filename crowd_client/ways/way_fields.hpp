@@ -1,11 +1,14 @@
 #pragma once
 // Fields of the travel time to goals (navigation.hpp), and the direction in which they fall.
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "crowd_client/markers/ground_cells.hpp"
+#include "crowd_client/people/people.hpp"
 #include "crowd_client/ways/sight.hpp"
 #include "crowd_client/ways/travel_time.hpp"
 
@@ -14,6 +17,7 @@ namespace wade::crowd {
 // The way to one goal.
 struct WayField {
     Vector2d goal = Vector2d::Zero();  // in a periodic world its image with x in [0, period), m
+    bool has_point = true;             // else it leads to shelters, and `goal` is none
     std::vector<std::pair<std::uint32_t, double>> starts;
     std::vector<double> travel;  // L by node, m; empty until it is solved
     std::vector<View> views;     // by cell, numbered like the node at its lower corner; empty in a periodic world
@@ -23,11 +27,59 @@ struct WayField {
     [[nodiscard]] bool is_solved() const { return !travel.empty(); }
 };
 
+// Those of a group, in a place (place_ways.hpp). Field 2 g of group g knows the water, field 2 g + 1 does not.
+struct GroupWays {
+    bool to_shelters = false;
+    bool has_unwarned = false;
+    People person;                   // one, the mean of them
+    double mass = 0;                 // its, kg
+    double men = 0;                  // share of them
+    std::vector<double> slowness;    // by node, in the water as last seen; empty before
+    std::vector<std::uint8_t> shut;  // by cell of the water, where the group does not go; empty before
+};
+
+// What ways in a place need beyond the fields.
+struct PlaceWays {
+    GroundCells cells;                // of the water
+    std::vector<double> free;         // of each, the part that no house stands on
+    std::vector<float> depth, speed;  // by cell, m, m/s
+    bool is_wet = false;              // whether there is any water
+
+    Ground ground;
+    double ground_step = 1;  // over which slopes are taken, m
+    SlopeRule slope = SlopeRule::level;
+    double sight = 20;                               // m
+    std::optional<double> enters_up_to, safe_above;  // m
+    std::vector<double> dry;                         // slowness by node without water; empty: 1 everywhere
+
+    PlacedHouses shelters;
+    std::vector<std::size_t> capacity, taken;  // by shelter; of `taken` the last is high ground
+    bool is_stale = false;                     // a shelter has become full
+    std::vector<std::vector<std::pair<std::uint32_t, double>>> starts;  // by shelter, nodes round it
+    std::vector<std::pair<std::uint32_t, double>> high_ground;
+
+    std::vector<GroupWays> groups;
+    std::vector<std::uint8_t> knows;  // by agent, where the water is
+
+    [[nodiscard]] bool is_full(std::size_t shelter) const {
+        return capacity[shelter] > 0 && taken[shelter] >= capacity[shelter];
+    }
+    // The cell of the water of a place; beyond the last the nearest.
+    [[nodiscard]] std::size_t cell_at(const Vector2d& p) const {
+        const auto line = [](double at, double step, std::size_t count) {
+            return static_cast<std::size_t>(std::clamp(at / step, 0.0, static_cast<double>(count - 1)));
+        };
+        return line(p.y() - cells.z0, cells.step_z, cells.rows) * cells.columns +
+               line(p.x() - cells.x0, cells.step_x, cells.columns);
+    }
+};
+
 // The ways to all goals.
 struct Navigation {
     double crowding = 0;
     std::uint64_t looks_between = 1;  // decisions from one look for the way to the next
     std::uint64_t steps_between = 0;  // two solutions, or looks whether fields are needed; 0: solved once
+    bool by_fields_alone = false;     // goals in sight are no short cut, but next to them
     bool only_where_needed = false;   // solved once somebody does not see its goal
     std::size_t solved = 0;           // fields
     double period = 0;                // World::period()
@@ -41,7 +93,8 @@ struct Navigation {
     std::vector<double> density;   // people per m2, by node of one lap
     std::vector<WayField> fields;
     std::vector<std::uint32_t> field_of;  // by agent
-    std::vector<Vector2d> way;            // by agent, as last seen, m; zero: straight
+    std::vector<Vector2d> way;            // by agent, as last seen, m; zero: straight, in a place: it waits
+    std::optional<PlaceWays> place;
 };
 
 // Whether nothing stands in the way from p along `way`, m.

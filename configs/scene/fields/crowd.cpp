@@ -33,9 +33,22 @@ void fields(NavigationSettings& navigation, Fields& f) {
              "How much people in the way count: agents expect to walk at the speed of Weidmann's curve for so many "
              "times the density of people there, and choose ways round crowds, also where the goal is in sight. 0: not "
              "at all. 1: as measured crowds are slowed.");
-    f.number("every_s", navigation.every, "s", from(0).to(1e6),
-             "Time after which the fields are solved again for where people are; 0: once, for where they start. Unused "
-             "with crowding 0, as obstacles do not move.");
+    f.number(
+        "every_s", navigation.every, "s", from(0).to(1e6),
+        "Time after which the fields are solved again for where people are, and in a place for the water; 0: once, "
+        "for the start. Elsewhere unused with crowding 0, as obstacles do not move.");
+    f.choice(
+        "slope", navigation.slope,
+        "In a place. level: slopes change no speed. tobler: people walk at exp(-3.5 |S + 0.05|) / exp(-0.175) times "
+        "their speed, S the rise of the ground along their way (Tobler 1993).");
+    f.number(
+        "sight_m", navigation.sight, "m", from(0).to(1000),
+        "In a place: how far ahead on its way somebody who is not warned sees water, as long as no house hides it.");
+    f.number("enters_up_to_m", navigation.enters_up_to, "m", from(0).to(10),
+             "In a place: the deepest water that people walk into, 0.61 in LifeSim.",
+             otherwise("by their stability alone"));
+    f.number("safe_above_m", navigation.safe_above, "m", from(-1000).to(10000),
+             "In a place: height above which ground is as good as a shelter.", otherwise("no ground is"));
 }
 
 void fields(RagdollRule& ragdoll, Fields& f) {
@@ -109,6 +122,15 @@ void fields(BodySettings& body, Fields& f, const BodySettings* of_crowd) {
            unless_set(&BodySettings::can_swim));
 }
 
+// The two coordinates of a point that some groups have; a sentence if one is missing.
+std::optional<std::string> take_point(const std::optional<double>& x, const std::optional<double>& z, bool needs_none,
+                                      double& to_x, double& to_z) {
+    to_x = x.value_or(0);
+    to_z = z.value_or(0);
+    if (needs_none || (x && z)) return std::nullopt;
+    return std::string("the required key \"") + (x ? "z_m" : "x_m") + "\" is missing";
+}
+
 // A table of people, as lists of a scene or from a file.
 void table_of_people(std::vector<PersonRow>& people, Fields& f) {
     const Presence as_group = otherwise("that of the group");
@@ -133,6 +155,27 @@ void table_of_people(std::vector<PersonRow>& people, Fields& f) {
 
 }  // namespace
 
+void fields(LeavingPoint& point, Fields& f) {
+    f.number("time_s", point.time, "s", from(0).to(1e6), "Time.", required);
+    f.number("share", point.share, "", from(0).to(1), "Share of them that has left by then.", required);
+}
+
+void fields(Leaving& leaving, Fields& f) {
+    f.choice("rule", leaving.rule,
+             "at_once: at after_s. normal: mean_s and sd_s later, at after_s at the earliest. weibull: 1 - exp(-(t / "
+             "scale_s)^shape) of them within t after after_s. table: by shares in time. never: all stay.");
+    f.number("after_s", leaving.after, "s", from(0).to(1e6), "Nobody leaves before. Unused by table.");
+    f.number("mean_s", leaving.mean, "s", from(0).to(1e6), "Mean of normal.");
+    f.number("sd_s", leaving.sd, "s", from(0).to(1e6), "Standard deviation of normal.");
+    f.number("scale_s", leaving.scale, "s", from(0).to(1e6), "Scale of weibull, by which 63 % have left.");
+    f.number("shape", leaving.shape, "", from(0.1).to(20), "Shape of weibull; 2 is Rayleigh's curve.");
+    f.list("table", leaving.table,
+           "Points of table in order of time: straight between them, and those beyond the last share stay.");
+    f.number("stay_share", leaving.stay_share, "", from(0).to(1), "Of those who name no time, how many stay for good.");
+    f.number("upper_floor_share", leaving.upper_floor_share, "", from(0).to(1),
+             "Of all, how many go to the upper floor at their time, if their house has one, and stay there.");
+}
+
 void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
     f.text("name", group.name, short_name,
            "Name in events and logs, one of its own for each group: letters, digits, '_', '-' and '.'.", required);
@@ -143,8 +186,15 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
     f.object(
         "start",
         [&] {
-            f.number("x_m", group.start_x, "m", from(0).to(1e5), "x of the first column.", required);
-            f.number("z_m", group.start_z, "m", from(0).to(1e5), "z of the first row.", required);
+            f.choice("from", group.starts,
+                     "grid: on the start grid. houses: those who live in the houses of the place, and those of its "
+                     "residents_csv who name this group; the first such group has those who name none. They start "
+                     "indoors, or where the table says.");
+            std::optional<double> x = group.start_x, z = group.start_z;
+            f.number("x_m", x, "m", from(0).to(1e5), "x of the first column.", otherwise("with from houses: unused"));
+            f.number("z_m", z, "m", from(0).to(1e5), "z of the first row.", otherwise("with from houses: unused"));
+            f.once_read(
+                [&] { return take_point(x, z, group.starts == StartRule::houses, group.start_x, group.start_z); });
             f.number("pitch_x_m", group.pitch_x, "m", from(0).to(10000), "Distance of the columns.");
             f.number("pitch_z_m", group.pitch_z, "m", from(0).to(10000), "Distance of the rows.");
             f.number("jitter_m", group.start_jitter, "m", from(0).to(1000),
@@ -152,15 +202,27 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
                      "along z; at the edges of the world the deviation is mirrored inwards. A start in an obstacle or "
                      "within 1 mm of another one is drawn again; the pitch may then be 0.");
         },
-        "The start grid.", required);
+        "Where they start.", required);
+    f.object("leaves", group.leaving,
+             "With start/from houses: when those who are indoors come out of their door. A table's leaves_at stands "
+             "over it.");
+    f.flag("warned", group.warned,
+           "In a place: whether they know where the water is however far away it is, or only once they see it before "
+           "them.");
     f.object(
         "goal",
         [&] {
-            f.number("x_m", group.goal_x, "m", from(-100000).to(1e5),
+            f.choice("to", group.goals,
+                     "point: to one place. shelters: to whichever shelter of the place with room, or high ground "
+                     "(/crowd/navigation/safe_above_m), takes the least time.");
+            std::optional<double> x = group.goal_x, z = group.goal_z;
+            f.number("x_m", x, "m", from(-100000).to(1e5),
                      "x of the goal, in the world. Where world.ends is periodic it may lie beyond either end: the "
                      "agent walks that far, lap by lap, so that a goal far away is a direction.",
-                     required);
-            f.number("z_m", group.goal_z, "m", from(0).to(1e5), "z of the goal.", required);
+                     otherwise("with to shelters: unused"));
+            f.number("z_m", z, "m", from(0).to(1e5), "z of the goal.", otherwise("with to shelters: unused"));
+            f.once_read(
+                [&] { return take_point(x, z, group.goals == GoalRule::shelters, group.goal_x, group.goal_z); });
         },
         "Where the group wants to go.", required);
     f.number("desired_speed_m_s", group.desired_speed, "m/s", from(0).to(10),

@@ -38,6 +38,8 @@ void fields(SteeringBody& body, Fields& f);
 // The crowd takes a step for each frame unless it says otherwise; a group takes over the crowd's values.
 void fields(Crowd& crowd, Fields& f, double frame_rate);
 void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd);
+void fields(LeavingPoint& point, Fields& f);
+void fields(Leaving& leaving, Fields& f);
 void fields(Rope& rope, Fields& f);
 void fields(EvasionSettings& evasion, Fields& f);
 void fields(NavigationSettings& navigation, Fields& f);

@@ -115,6 +115,11 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     json["arrived"] = crowd.arrived;
     json["dead"] = crowd.dead;
     json["active"] = crowd.active.size();
+    if (crowd.scene.place) {
+        json["sheltered"] = crowd.sheltered;
+        json["indoors"] = crowd.indoors.inside;
+        json["upper_floor"] = crowd.indoors.upstairs;
+    }
     json["standing"] = count_standing(crowd);
     json["states"] = states_json(crowd);
     if (crowd.scene.crowd.response == ResponseKind::measured)
@@ -148,7 +153,9 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     if (danger != nullptr) csv += std::string(",danger_level,") + exposure_columns;
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
-        const bool active = agents.outcome[id] == Outcome::active;
+        const Outcome outcome = agents.outcome[id];
+        const bool active =
+            outcome == Outcome::active || outcome == Outcome::indoors || outcome == Outcome::upper_floor;
         csv += std::to_string(id) + ',' + csv_field(crowd.scene.crowd.groups[agents.group[id]].name) + ',';
         csv += outcome_name(agents.outcome[id]);
         const double time =

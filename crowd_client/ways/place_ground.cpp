@@ -1,0 +1,131 @@
+// How fast people walk on the ground of a place: slopes and water.
+
+#include <algorithm>
+#include <cmath>
+
+#include "configs/scene/map_heights.hpp"
+#include "crowd_client/ways/place_ways.hpp"
+
+namespace wade::crowd {
+namespace {
+
+constexpr double safe_demand = 0.8;   // D up to which a group enters water
+constexpr double shut_factor = 1000;  // of the slowness where it does not
+constexpr double wet = 0.01;          // m; less is no water
+
+Vector2d gradient_of(const PlaceWays& place, const Vector2d& p) {
+    const double half = 0.5 * place.ground_step;
+    const auto height = [&](double x, double z) { return ground_height(place.ground, {x, z}); };
+    return Vector2d(height(p.x() + half, p.y()) - height(p.x() - half, p.y()),
+                    height(p.x(), p.y() + half) - height(p.x(), p.y() - half)) /
+           (2 * half);
+}
+
+// r of the header, or 0 of a cell that the group does not enter.
+double share_of_speed(const GroupWays& group, const PlaceWays& place, std::size_t cell, const WaterProperties& water) {
+    const auto depth = static_cast<double>(place.depth[cell]), speed = static_cast<double>(place.speed[cell]);
+    if (!(depth > 0)) return 1;
+    if (place.enters_up_to && depth > *place.enters_up_to) return 0;
+    const FeltStep felt{depth, Vector2d(speed, 0)};
+    if (!(demand_at(group.person, 0, group.mass, Vector2d::Zero(), water, felt) < safe_demand)) return 0;
+    return group.men * walking_speed_ratio(Sex::male, depth, speed, water.gravity) +
+           (1 - group.men) * walking_speed_ratio(Sex::female, depth, speed, water.gravity);
+}
+
+}  // namespace
+
+double tobler(double rise) {
+    return std::exp(-3.5 * std::abs(rise + 0.05)) / std::exp(-0.175);
+}
+
+void find_dry_slowness(Navigation& navigation) {
+    PlaceWays& place = *navigation.place;
+    if (place.slope == SlopeRule::level) return;
+    const TravelGrid& grid = navigation.grid;
+    place.dry.resize(grid.closed.size());
+    for (int row = 0; row < grid.rows; ++row) {
+        for (int column = 0; column < grid.columns; ++column) {
+            const double rise = gradient_of(place, grid.place(column, row)).norm();
+            place.dry[grid.node(column, row)] = 2 / (tobler(rise) + tobler(-rise));
+        }
+    }
+}
+
+// The part of each cell that no house stands on, by 8 x 8 places in those that a side may cut.
+void find_free_ground(Navigation& navigation) {
+    PlaceWays& place = *navigation.place;
+    const GroundCells& cells = place.cells;
+    place.free.assign(cells.cells(), 1.0);
+    constexpr int across = 8;
+    for (std::size_t c = 0; c < cells.cells(); ++c) {
+        const double x = cells.x0 + static_cast<double>(c % cells.columns) * cells.step_x;
+        const double z = cells.z0 + static_cast<double>(c / cells.columns) * cells.step_z;
+        if (!any_near(navigation.sight.houses.grounds, {x, x + cells.step_x}, {z, z + cells.step_z},
+                      [](const Obstacle&) { return true; })) {
+            continue;
+        }
+        int inside = 0;
+        for (int i = 0; i < across * across; ++i) {
+            const Vector2d p(x + (i % across + 0.5) / across * cells.step_x,
+                             z + (i / across + 0.5) / across * cells.step_z);
+            if (is_in_a_house(navigation.sight.houses, p)) ++inside;
+        }
+        place.free[c] = 1 - static_cast<double>(inside) / (across * across);
+    }
+}
+
+// Depth and velocity by cell; whether there is any water.
+bool find_water(PlaceWays& place, const WaterBins& water, double rest_density) {
+    const std::size_t cells = place.cells.cells();
+    std::vector<Contact> sums(cells);
+    for (std::size_t k = 0; k < water.x.size(); ++k) {
+        const std::size_t c = place.cells.cell_of(water.x[k], water.z[k]);
+        if (c == cells) continue;
+        const WaterParticle p = water.particle(k);
+        sums[c].mass += p.mass;
+        sums[c].momentum += p.mass * p.velocity;
+    }
+    constexpr double least_free = 0.0625;  // of a cell; the little water in less counts as if it filled that
+    const double of_cell = rest_density * place.cells.step_x * place.cells.step_z;
+    bool any = false;
+    place.depth.assign(cells, 0.0F);
+    place.speed.assign(cells, 0.0F);
+    for (std::size_t c = 0; c < cells; ++c) {
+        const double depth = sums[c].mass / (of_cell * std::max(place.free[c], least_free));
+        if (!(depth > wet)) continue;
+        any = true;
+        place.depth[c] = static_cast<float>(depth);
+        place.speed[c] = static_cast<float>(sums[c].momentum.norm() / sums[c].mass);
+    }
+    return any;
+}
+
+void find_wet_slowness(const Navigation& navigation, GroupWays& group, const WaterProperties& water) {
+    const PlaceWays& place = *navigation.place;
+    const TravelGrid& grid = navigation.grid;
+    std::vector<float> factor(place.cells.cells());
+    group.shut.assign(place.cells.cells(), 0);
+    for (std::size_t c = 0; c < factor.size(); ++c) {
+        const double share = share_of_speed(group, place, c, water);
+        group.shut[c] = share > 0 ? 0 : 1;
+        factor[c] = static_cast<float>(share > 0 ? 1 / share : shut_factor);
+    }
+    group.slowness.resize(grid.closed.size());
+    for (int row = 0; row < grid.rows; ++row) {
+        for (int column = 0; column < grid.columns; ++column) {
+            const std::uint32_t node = grid.node(column, row);
+            const double dry = place.dry.empty() ? 1 : place.dry[node];
+            const auto in_cell = static_cast<double>(factor[place.cell_at(grid.place(column, row))]);
+            group.slowness[node] = dry * in_cell;
+        }
+    }
+}
+
+double share_on_ground(const Navigation& navigation, std::uint32_t id, const Vector2d& p, const Vector2d& way) {
+    if (!navigation.place) return 1;
+    if (is_waiting(navigation, id)) return 0;
+    if (navigation.place->slope == SlopeRule::level) return 1;
+    return tobler(gradient_of(*navigation.place, p).dot(unit_or(way, Vector2d::Zero())));
+}
+
+}  // namespace wade::crowd
