@@ -52,7 +52,7 @@ Doors::Doors(const Scene& scene, const PlacedHouses& houses, double room)
 const std::vector<Vector2d>& Doors::doors_of(std::size_t house) {
     std::vector<Vector2d>& places = known_[house];
     if (!places.empty()) return places;
-    constexpr double on_a_wall = 0.5;  // m; how far a door may be off
+    constexpr double on_a_wall = 1;  // m; how far a door may be off
     const double away = room_ + 1e-3;
     const std::span sides =
         std::span(houses_.sides)

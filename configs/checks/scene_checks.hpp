@@ -38,6 +38,10 @@ void check_shallow_water(const Scene& scene, const std::string& source);
 void check_mixed(const Scene& scene, const std::string& source);
 void check_steering(const Scene& scene, const std::string& source);
 
+// Parts of the crowd: events that name what exists; houses, shelters and residents of a place.
+void check_events(const Scene& scene, const std::string& source, Problems& problems);
+void check_residents(const Scene& scene, const std::string& source, Problems& problems);
+
 // A sentence for each gap between obstacles, or between one and a wall, that is so narrow that particles choke in it, the narrowest
 // first; of more than five the last sentence tells how many. None if the water does not consist of particles.
 [[nodiscard]] std::vector<std::string> narrow_gaps(const Scene& scene);

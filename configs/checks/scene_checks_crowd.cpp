@@ -61,7 +61,7 @@ double goal_in_world(const Scene& scene, double x) {
 
 void check_count(const AgentGroup& group, const std::string& source, const std::string& pointer) {
     const std::int64_t places = std::int64_t{group.columns} * group.rows;
-    if (group.count <= places) return;
+    if (group.count <= places || group.starts == StartRule::houses) return;
     refuse(source, pointer,
            std::to_string(group.count) + " agents do not fit on the start grid of " + std::to_string(group.columns) +
                " columns and " + std::to_string(group.rows) + " rows; allowed: <= " + std::to_string(places) + ".");
@@ -78,6 +78,7 @@ void check_groups(const Scene& scene, const std::string& source, Problems& probl
                    "\"" + group.name + "\" is the name of an earlier group; allowed: any other.");
         });
         problems.attempt([&] { check_count(group, source, pointer + "/count"); });
+        if (group.goals == GoalRule::shelters) continue;
         problems.attempt([&] {
             check_place(goal_in_world(scene, group.goal_x), group.goal_z, scene,
                         "the goal of group \"" + group.name + "\"", source, pointer + "/goal");
@@ -329,34 +330,13 @@ void check_sampling(const Coupling& coupling, const std::string& source) {
                "\"continuous\".");
 }
 
-void check_event(const Scene& scene, std::size_t i, std::size_t agents, const std::string& source) {
-    const TauEvent& event = scene.events[i];
-    const std::string pointer = "/events/" + std::to_string(i);
-    if (event.agent && event.group) {
-        refuse(source, pointer, "an event names an agent or a group, not both.");
-    }
-    if (event.agent && static_cast<std::size_t>(*event.agent) >= agents) {
-        refuse(source, pointer + "/agent",
-               "there is no agent " + std::to_string(*event.agent) + "; allowed: " +
-                   (agents == 0 ? "none, as the scene has no agents." : "0 to " + std::to_string(agents - 1) + "."));
-    }
-    if (!event.group) return;
-    std::string known;
-    for (const AgentGroup& group : scene.crowd.groups) {
-        if (group.name == *event.group) return;
-        known += (known.empty() ? "\"" : ", \"") + group.name + "\"";
-    }
-    refuse(source, pointer + "/group",
-           "there is no group \"" + *event.group +
-               "\"; allowed: " + (known.empty() ? "none, as the scene has no groups." : known + "."));
-}
-
 }  // namespace
 
 std::vector<StartPlace> start_places(const Crowd& crowd) {
     std::vector<StartPlace> places;
     for (std::size_t g = 0; g < crowd.groups.size(); ++g) {
         const AgentGroup& group = crowd.groups[g];
+        if (group.starts == StartRule::houses) continue;
         for (int k = 0; k < group.count; ++k) {
             const int column = k % group.columns, row = k / group.columns;
             places.push_back({group.start_x + column * group.pitch_x, group.start_z + row * group.pitch_z, g});
@@ -386,9 +366,8 @@ void check_crowd(const Scene& scene, const std::string& source, Problems& proble
     }
     problems.attempt([&] { check_keys_of_measured(scene.crowd, source); });
     problems.attempt([&] { check_sampling(scene.coupling, source); });
-    for (std::size_t i = 0; i < scene.events.size(); ++i) {
-        problems.attempt([&] { check_event(scene, i, places.size(), source); });
-    }
+    check_events(scene, source, problems);
+    check_residents(scene, source, problems);
 }
 
 }  // namespace wade

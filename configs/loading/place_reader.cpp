@@ -7,7 +7,9 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/geojson.hpp"
 #include "configs/files/raster_file.hpp"
+#include "configs/files/residents_csv.hpp"
 #include "configs/files/series_csv.hpp"
+#include "configs/scene/residents.hpp"
 
 namespace wade {
 
@@ -45,6 +47,9 @@ class PlaceReader {
             place_.water_depth = raster("/water_depth_file", *keys_.water_depth);
         });
         each("/shelters", keys_.shelters, [&](const auto& key, const auto& pointer) { read_shelters(key, pointer); });
+        take("/residents_csv", [&] {
+            if (keys_.residents) read_residents_of_table(*keys_.residents);
+        });
         return std::move(place_);
     }
 
@@ -295,11 +300,20 @@ class PlaceReader {
             place_.water.push_back({std::move(shape.polygon), property(shape, "level_m", key.level, -1000, 10000)});
     }
 
+    void read_residents_of_table(const std::string& name) {
+        std::vector<Resident> residents = read_residents(name);
+        for (Resident& one : residents) {
+            one.x -= place_.origin_x;
+            one.z -= place_.origin_z;
+        }
+        place_.residents = std::make_shared<const std::vector<Resident>>(std::move(residents));
+    }
+
     void read_shelters(const ShelterKeys& key, const std::string& pointer) {
         for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false)) {
             const auto capacity = static_cast<int>(property(shape, "capacity", key.capacity, 0, 1e7));
             place_.shelters.push_back(
-                {name_of_shape(shape, key.name), std::move(shape.polygon), capacity, shape.label});
+                {name_of_shape(shape, key.name), std::move(shape.polygon), capacity, shape.label, key.is_exit});
         }
     }
 
@@ -319,6 +333,7 @@ void read_place(Scene& scene, const SetByScene& set, const std::string& source, 
         if (!set.width) scene.world.width = raster->z + static_cast<double>(raster->rows) * raster->cell;
     }
     if (!set.model) scene.fluid.model = ModelKind::shallow_water;
+    count_lodgers(scene);
     scene.channel = {};
     scene.channel.flow = Flow::closed;
     scene.channel.x = {0, scene.world.length};

@@ -141,8 +141,7 @@ struct Place {
     std::string water_file;            // raster of depths at t = 0, m
     std::shared_ptr<const Raster> water_depth;
     std::vector<PlaceShelter> shelters;
-    std::string residents_file;  // as the scene names it; empty: none
-    std::shared_ptr<const std::vector<Resident>> residents;
+    std::shared_ptr<const std::vector<Resident>> residents;  // of the table; none: there is none
 };
 
 // Whether a point lies in a polygon; on an edge it may be either.

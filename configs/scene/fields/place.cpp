@@ -114,6 +114,7 @@ void fields(ShelterKeys& shelter, Fields& f) {
     f.path("file", shelter.file, "GeoJSON with polygons; their properties name and capacity stand over the keys here.");
     polygon_field(f, shelter.polygon, corners);
     f.whole("capacity", shelter.capacity, "", from(0).to(10000000), "People that it has room for; 0: any number.");
+    f.flag("exit", shelter.is_exit, "Whether who gets there has left the place, and counts as arrived.");
 }
 
 void fields(PlaceKeys& place, Fields& f) {
@@ -135,6 +136,9 @@ void fields(PlaceKeys& place, Fields& f) {
     f.list("water", place.water, "Water that stands at a level at t = 0.");
     f.path("water_depth_file", place.water_depth, "Raster of the water's depth at t = 0.");
     f.list("shelters", place.shelters, "Where people are safe.");
+    f.path("residents_csv", place.residents,
+           "Table of people: x and y in the place's coordinate system and any of id, age, sex, height, mass, skill, "
+           "group and leaves_at. Who stands in a house starts indoors.");
 }
 
 }  // namespace wade

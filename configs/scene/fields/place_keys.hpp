@@ -79,6 +79,7 @@ struct ShelterKeys {
     std::optional<std::string> file;  // polygons
     MapLine polygon;
     int capacity = 0;
+    bool is_exit = false;
 };
 
 struct PlaceKeys {
@@ -94,6 +95,7 @@ struct PlaceKeys {
     std::vector<WaterKeys> water;
     std::optional<std::string> water_depth;  // a raster
     std::vector<ShelterKeys> shelters;
+    std::optional<std::string> residents;  // a table
 };
 
 }  // namespace wade

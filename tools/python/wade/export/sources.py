@@ -13,7 +13,7 @@ from wade.terminal import say_error
 
 # Numbers of the states in files that hold numbers only; the first three are those of the agents stream.
 STATES = ("walking", "arrived", "dead", "standing", "effort", "sliding", "toppled", "afloat", "carried", "recovering",
-          "holding", "drowned")
+          "holding", "drowned", "sheltered", "indoors", "upper_floor")
 CODES = {word: code for code, word in enumerate(STATES)}
 ROW = ("id", "x", "z", "heading", "state", "y", "lean_x", "lean_z")  # of a person in a frame
 BLOCK = 16  # frames of paths that are asked for at once

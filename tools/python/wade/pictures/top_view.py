@@ -275,7 +275,9 @@ def people_at(agents, paths, end_time, whole_run):
     ends = {"arrived": [], "dead": [], "active": []}
     lines = {agent: points[:, 1:] for agent, points in paths.items()}
     for row in agents:
-        agent, outcome = int(row["id"]), row["outcome"]
+        agent, outcome = int(row["id"]), "arrived" if row["outcome"] == "sheltered" else row["outcome"]
+        if outcome in ("indoors", "upper_floor"):  # walls hide them
+            continue
         point = np.array([float(row["x_m"]), float(row["z_m"])])
         if outcome != "active" and (whole_run or float(row["time_s"]) <= end_time + 1e-9):
             ends[outcome].append(point)

@@ -1,0 +1,178 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "configs/errors/exit_code.hpp"
+#include "crowd_client/crowd_world.hpp"
+#include "crowd_client/ways/place_ways.hpp"
+#include "made_up_water.hpp"
+
+namespace wade::crowd::place_ways_test {
+
+using namespace wade::crowd::testing;
+
+MapPolygon square(double x, double z, double half) {
+    return {{{{x - half, z - half}, {x + half, z - half}, {x + half, z + half}, {x - half, z + half}}}};
+}
+
+PlaceShelter shelter(const std::string& name, double x, double z, int capacity) {
+    return {name, square(x, z, 3), capacity};
+}
+
+// 60 x 40 m with a house in the middle, one shelter to the left, one to the right.
+Scene two_shelters(int room_left) {
+    Scene scene = dry_scene(60, 40);
+    scene.place.emplace();
+    scene.place->houses.emplace_back().polygon = square(30, 20, 8);
+    scene.place->shelters = {shelter("left", 6, 20, room_left), shelter("right", 54, 20, 0)};
+    scene.crowd.navigation.every = 1;
+    AgentGroup group = row_of_people(8, {10, 35}, 1, {0, 0});
+    group.name = "people";
+    group.goals = GoalRule::shelters;
+    scene.crowd.groups = {group};
+    return scene;
+}
+
+void walk(CrowdWorld& crowd, double seconds, const WaterView& water = {}) {
+    for (int k = 0; k < static_cast<int>(seconds / crowd.dt) && !crowd.active.empty(); ++k) step(crowd, water);
+}
+
+// Particles of 0.5 m over a rectangle.
+MadeUpWater pond(double x_lo, double x_hi, double z_lo, double z_hi, double depth, double speed) {
+    return uniform_water(x_lo, x_hi, z_lo, z_hi, depth, 0.25, speed, 0);
+}
+
+TEST_CASE("Tobler's speed is 1 on level ground, largest 5 % downhill, and halves on 0.15 uphill") {
+    CHECK(tobler(0) == 1);
+    CHECK(tobler(-0.05) == Approx(std::exp(0.175)));
+    CHECK(tobler(0.15) == Approx(std::exp(-3.5 * 0.15)));
+}
+
+TEST_CASE("People come to the nearer shelter, and on to the next once it is full") {
+    CrowdWorld crowd = make_crowd(two_shelters(0));
+    walk(crowd, 40);
+    CHECK(crowd.sheltered == 8);
+    CHECK(crowd.navigation.place->taken == std::vector<std::size_t>{8, 0, 0});
+
+    CrowdWorld full = make_crowd(two_shelters(3));
+    walk(full, 20);
+    CHECK(full.navigation.place->taken[0] == 3);
+    walk(full, 100);
+    CHECK(full.navigation.place->taken == std::vector<std::size_t>{3, 5, 0});
+    CHECK(full.active.empty());
+    for (std::size_t id = 0; id < 8; ++id) CHECK(full.agents.outcome[id] == Outcome::sheltered);
+}
+
+TEST_CASE("Water that nobody may stand in closes a way, and is gone round once it is there") {
+    Scene scene = two_shelters(0);
+    scene.place->houses[0].polygon = {{{{20, 14}, {40, 14}, {40, 26}, {20, 26}}}};
+    scene.place->shelters = {shelter("right", 54, 10, 0)};
+    scene.crowd.groups[0] = row_of_people(1, {10, 12}, 1, {0, 0});
+    scene.crowd.groups[0].goals = GoalRule::shelters;
+    scene.crowd.response = ResponseKind::measured;
+    scene.crowd.groups[0].tau.reset();
+    const auto highest = [&](const MadeUpWater& water) {
+        CrowdWorld crowd = make_crowd(scene);
+        double z = 0;
+        for (int k = 0; k < 900 && !crowd.active.empty(); ++k) {
+            step(crowd, water.view());
+            z = std::max(z, crowd.agents.position[0].y());
+        }
+        CHECK(crowd.sheltered == 1);
+        return z;
+    };
+    const MadeUpWater none;
+    CHECK(highest(none) < 14);
+    // 0.8 m at 1.5 m/s is far beyond D = 1 for everybody; below the house, so that the way is above it.
+    CHECK(highest(pond(20, 40, 0, 14, 0.8, 1.5)) > 26);
+    // 0.1 m of still water is walked through.
+    CHECK(highest(pond(20, 40, 0, 14, 0.1, 0)) < 14);
+    // But who does not enter more than 0.05 m goes round it.
+    scene.crowd.navigation.enters_up_to = 0.05;
+    CHECK(highest(pond(20, 40, 0, 14, 0.1, 0)) > 26);
+}
+
+TEST_CASE("Who is cut off waits at the water's edge, and who is caught in it comes out") {
+    Scene scene = two_shelters(0);
+    scene.place->houses.clear();
+    scene.place->shelters = {shelter("right", 54, 20, 0)};
+    scene.crowd.navigation.enters_up_to = 0.3;
+    scene.crowd.groups[0] = row_of_people(1, {10, 20}, 1, {0, 0});
+    scene.crowd.groups[0].goals = GoalRule::shelters;
+    const MadeUpWater water = pond(30, 40, 0, 40, 0.5, 0);
+    CrowdWorld crowd = make_crowd(scene);
+    walk(crowd, 40, water.view());
+    CHECK(crowd.agents.position[0].x() > 26);
+    CHECK(crowd.agents.position[0].x() < 30);
+    CHECK(is_waiting(crowd.navigation, 0));
+
+    scene.crowd.groups[0].start_x = 36;
+    CrowdWorld caught = make_crowd(scene);
+    walk(caught, 60, water.view());
+    CHECK(caught.sheltered == 1);
+}
+
+TEST_CASE("Who is not warned walks on until it sees the water, and then goes round") {
+    Scene scene = two_shelters(0);
+    scene.place->houses[0].polygon = {{{{20, 14}, {40, 14}, {40, 26}, {20, 26}}}};
+    scene.place->shelters = {shelter("right", 54, 10, 0)};
+    scene.crowd.groups[0] = row_of_people(1, {10, 12}, 1, {0, 0});
+    scene.crowd.groups[0].goals = GoalRule::shelters;
+    scene.crowd.navigation.enters_up_to = 0.1;
+    scene.crowd.navigation.sight = 4;
+    const MadeUpWater water = pond(30, 40, 0, 14, 0.5, 0);
+    const auto farthest_below = [&](bool warned) {
+        scene.crowd.groups[0].warned = warned;
+        CrowdWorld crowd = make_crowd(scene);
+        double x = 0;
+        for (int k = 0; k < 900 && !crowd.active.empty(); ++k) {
+            step(crowd, water.view());
+            if (crowd.agents.position[0].y() < 14) x = std::max(x, std::min(29.0, crowd.agents.position[0].x()));
+        }
+        CHECK(crowd.sheltered == 1);
+        return x;
+    };
+    CHECK(farthest_below(true) < 20);
+    CHECK(farthest_below(false) > 24);  // within 4 m of the water and a cell of 2 m
+}
+
+TEST_CASE("High ground is a shelter, and slopes slow people down as Tobler says") {
+    Scene scene = two_shelters(0);
+    scene.place->houses.clear();
+    scene.place->shelters.clear();
+    scene.place->ground.slope_x = 0.1;
+    scene.crowd.navigation.safe_above = 5;
+    scene.crowd.navigation.slope = SlopeRule::tobler;
+    scene.crowd.groups[0] = row_of_people(1, {10, 20}, 1, {0, 0});
+    scene.crowd.groups[0].goals = GoalRule::shelters;
+    CrowdWorld crowd = make_crowd(scene);
+    walk(crowd, 20);
+    // 0.99 of 1.3 m/s by the rule pi, times exp(-0.35); markers turn it aside by some per cent.
+    const double walked = crowd.agents.position[0].x() - 10;
+    CHECK(walked == Approx(20 * 0.99 * 1.3 * std::exp(-0.35)).epsilon(0.05));
+    walk(crowd, 60);
+    CHECK(crowd.sheltered == 1);
+    CHECK(crowd.agents.position[0].x() >= 50);
+}
+
+TEST_CASE("Whom no way leads to a shelter is named") {
+    Scene scene = two_shelters(0);
+    scene.place->shelters = {shelter("inside", 30, 20, 0)};
+    scene.place->houses[0].polygon = {{{{20, 10}, {40, 10}, {40, 30}, {20, 30}},
+                                       {{21, 11}, {39, 11}, {39, 29}, {21, 29}}}};
+    scene.crowd.navigation.rule = NavigationRule::travel_time;
+    CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("agent 0 of group \"people\" starts at (10, 35) m without a way "
+                                                         "to any shelter, as do 7 more"));
+}
+
+TEST_CASE("A run in a place has the same bits for any number of threads") {
+    const auto run = [](int threads) {
+        CrowdWorld crowd = make_crowd(two_shelters(3));
+        crowd.threads = threads;
+        const MadeUpWater water = pond(10, 30, 0, 10, 0.4, 0.5);
+        walk(crowd, 30, water.view());
+        return crowd.agents.position;
+    };
+    CHECK(run(1) == run(3));
+}
+
+}  // namespace wade::crowd::place_ways_test
