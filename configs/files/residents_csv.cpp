@@ -37,7 +37,8 @@ class ResidentTable {
             ++line_;
             if (!trimmed_cell(line).empty() && line.front() != '#') take(line);
         }
-        if (people_.empty()) fail("there are no people; allowed: a line of names, x and y among them, then a line each.");
+        if (people_.empty())
+            fail("there are no people; allowed: a line of names, x and y among them, then a line each.");
         return std::move(people_);
     }
 

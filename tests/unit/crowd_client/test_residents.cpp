@@ -133,7 +133,8 @@ TEST_CASE("A door into a wall is refused by its house") {
     scene.place->houses[0].name = "mill";
     scene.place->houses[0].doors = {{20, 15}};
     scene.place->houses.emplace_back().polygon = box(20.1, 25, 10, 20);
-    CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("/place/houses/0 (\"mill\"): the door at (20, 15) m opens into"));
+    CHECK_THROWS_WITH(make_crowd(scene),
+                      Catch::Contains("/place/houses/0 (\"mill\"): the door at (20, 15) m opens into"));
     scene.place->houses[0].doors = {{15, 15}};
     CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("is 5 m from the walls"));
 }

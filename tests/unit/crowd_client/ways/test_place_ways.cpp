@@ -157,11 +157,12 @@ TEST_CASE("High ground is a shelter, and slopes slow people down as Tobler says"
 TEST_CASE("Whom no way leads to a shelter is named") {
     Scene scene = two_shelters(0);
     scene.place->shelters = {shelter("inside", 30, 20, 0)};
-    scene.place->houses[0].polygon = {{{{20, 10}, {40, 10}, {40, 30}, {20, 30}},
-                                       {{21, 11}, {39, 11}, {39, 29}, {21, 29}}}};
+    scene.place->houses[0].polygon = {
+        {{{20, 10}, {40, 10}, {40, 30}, {20, 30}}, {{21, 11}, {39, 11}, {39, 29}, {21, 29}}}};
     scene.crowd.navigation.rule = NavigationRule::travel_time;
-    CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("agent 0 of group \"people\" starts at (10, 35) m without a way "
-                                                         "to any shelter, as do 7 more"));
+    CHECK_THROWS_WITH(make_crowd(scene),
+                      Catch::Contains("agent 0 of group \"people\" starts at (10, 35) m without a way "
+                                      "to any shelter, as do 7 more"));
 }
 
 TEST_CASE("A run in a place has the same bits for any number of threads") {
