@@ -112,6 +112,10 @@ struct Words<WalkingLaw> {
         {{"relative", WalkingLaw::relative}, {"bernardini", WalkingLaw::bernardini}}};
 };
 template <>
+struct Words<Publish> {
+    static constexpr std::array<Named<Publish>, 2> all{{{"all", Publish::all}, {"near_agents", Publish::near_agents}}};
+};
+template <>
 struct Words<StartRule> {
     static constexpr std::array<Named<StartRule>, 2> all{{{"grid", StartRule::grid}, {"houses", StartRule::houses}}};
 };

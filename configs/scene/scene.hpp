@@ -200,6 +200,8 @@ struct PressureSolve {
     int max_iterations = 0;
 };
 
+enum class Publish { all, near_agents };  // which columns of shallow water a frame holds
+
 struct Fluid {
     ModelKind model = ModelKind::dfsph;
     double max_impulse_error = 0;  // of `automatic`, relative; else 0
@@ -213,6 +215,7 @@ struct Fluid {
     double rest_density = 1000;
     double kinematic_viscosity = 0.01;
     int max_particles = 100000;
+    Publish publish = Publish::all;
     double cfl = 0.5;  // time step <= cfl * d / (largest speed + sqrt(g * depth))
     PressureSolve density_solve{5e-4, 2, 100};
     PressureSolve divergence_solve{1e-3, 1, 100};  // max_iterations = 0 switches it off

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "configs/scene/map_heights.hpp"
 #include "crowd_client/standing.hpp"
 
 namespace wade::crowd {
@@ -70,6 +71,7 @@ void add_row(std::string& rows, const CrowdWorld& crowd, std::uint32_t id, std::
         add_number(rows, v);
     }
     add_hands(rows, hands, id);
+    if (crowd.scene.place) add_number(rows, ground_height(crowd.scene.place->ground, {place.x(), place.y()}));
     rows += '\n';
 }
 
@@ -127,10 +129,11 @@ void RagdollFile::write(std::uint64_t frame, std::span<const Ragdoll> ragdolls, 
     if (!rows_.empty()) file_.append(rows_);
 }
 
-PoseFile::PoseFile(const std::filesystem::path& file) : file_(file) {
+PoseFile::PoseFile(const std::filesystem::path& file, bool in_a_place) : file_(file) {
     file_.append(
-        "frame,time_s,id,x_m,z_m,state,posture,heading_rad,speed_m_s,gait_phase,step_length_m,hip_height_m,"
-        "lean_x_rad,lean_z_rad,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s,holds\n");
+        std::string("frame,time_s,id,x_m,z_m,state,posture,heading_rad,speed_m_s,gait_phase,step_length_m,hip_height_m,"
+                    "lean_x_rad,lean_z_rad,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s,holds") +
+        (in_a_place ? ",ground_m\n" : "\n"));
 }
 
 void PoseFile::write(std::uint64_t frame, const CrowdWorld& crowd, std::uint64_t after) {

@@ -51,7 +51,8 @@ class Ragdolls final : public OutputWriter {
 // which takes 87 bytes a row instead of some 200.
 class PoseFile {
  public:
-    explicit PoseFile(const std::filesystem::path& file);  // empties it; throws OutputError
+    // Empties it; in a place its rows end with the height of the ground. Throws OutputError.
+    PoseFile(const std::filesystem::path& file, bool in_a_place);
 
     // Appends the frame of the crowd as it is, with who has ended in a step after `after`. Throws OutputError.
     void write(std::uint64_t frame, const CrowdWorld& crowd, std::uint64_t after);
@@ -64,7 +65,7 @@ class PoseFile {
 class Poses final : public OutputWriter {
  public:
     explicit Poses(const OutputPlace& place)
-        : file_(place.folder / "poses.csv"),
+        : file_(place.folder / "poses.csv", place.crowd.scene.place.has_value()),
           steps_per_frame_(steps_per_frame_at(place.crowd.scene, place.crowd.scene.crowd.pose_rate)) {
         write(place.crowd);
     }

@@ -103,3 +103,27 @@ TEST_CASE("people who start in a wall or without ground are refused, and so are 
         Contains(
             "/fluid/model: \"dfsph\" knows no ground but a channel's bed; allowed beside /place: \"shallow_water\""));
 }
+
+TEST_CASE("people of a place without houses, shelters or a group are refused with the keys that help") {
+    const auto crowd = [](const std::string& group) {
+        return R"(, "crowd": {"groups": [{"name": "a", )" + group + "}]}";
+    };
+    const std::string in_houses = R"("start": {"from": "houses"}, "goal": {"to": "shelters"})";
+    const std::string shelter = R"(, "shelters": [{"polygon": [[12, 2], [14, 2], [14, 4]]}])";
+    const std::string lived_in =
+        R"("houses": [{"name": "hut", "polygon": [[2, 2], [8, 2], [8, 8], [2, 8]], "residents": 3}])";
+    CHECK(load_or_refusal(lived_in + shelter, grid(), crowd(in_houses)).empty());
+    CHECK_THAT(load_or_refusal(lived_in, grid(), crowd(in_houses)),
+               Contains("/crowd/groups/0/goal/to: \"shelters\": the place has none"));
+    CHECK_THAT(load_or_refusal(hut + shelter, grid(), crowd(in_houses)),
+               Contains("/crowd/groups/0/start/from: nobody lives in houses of group \"a\""));
+    CHECK_THAT(load_or_refusal(lived_in + shelter), Contains("the place has residents, and no group starts in houses"));
+    CHECK_THAT(load_or_refusal(hut, grid(), crowd(R"("start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 4, "z_m": 4})")),
+               Contains("/crowd/groups/0/goal: the goal of group \"a\"") && Contains("is in the house"));
+    CHECK_THAT(load_or_refusal(hut, grid(), crowd(R"("start": {"x_m": 1}, "goal": {"x_m": 1, "z_m": 1})")),
+               Contains("/crowd/groups/0/start: the required key \"z_m\" is missing"));
+    CHECK_THAT(load_or_refusal(lived_in + shelter, grid(),
+                               crowd(in_houses + R"(, "leaves": {"rule": "table", "table": [{"time_s": 5, "share": 0.5},
+                                                                                    {"time_s": 4, "share": 0.6}]})")),
+               Contains("/crowd/groups/0/leaves/table/1: time 4 s, share 0.6 go back"));
+}

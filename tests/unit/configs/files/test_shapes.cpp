@@ -4,6 +4,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/geojson.hpp"
+#include "configs/files/residents_csv.hpp"
 #include "configs/files/series_csv.hpp"
 #include "configs/numbers/splitmix.hpp"
 
@@ -97,6 +98,35 @@ TEST_CASE("what is wrong with a series is named with its line and a remedy") {
     CHECK_THAT(refusal_of_series(head + "0\n"), Contains("1 values; allowed: 2"));
     CHECK_THAT(refusal_of_series("t,q\n0,1\n"), Contains("its columns are not time_s and discharge_m3_s"));
     CHECK_THAT(refusal_of_series(head), Contains("there are no rows"));
+}
+
+TEST_CASE("residents are read by the names of their columns, and what is wrong is named with its line") {
+    const auto people = wade::parse_residents(
+        "# "
+        "who\r\nid,y,x,age,sex,height,mass,skill,group,leaves_at\r\na,2,1,40,male,1.8,80,good,walkers,12.5\r\nb,4,3,,,,"
+        ",,,\r\n",
+        "p.csv");
+    REQUIRE(people.size() == 2);
+    const wade::Resident& one = people[0];
+    CHECK((one.id == "a" && one.x == 1 && one.z == 2 && one.group == "walkers" && one.leaves_at == 12.5));
+    CHECK((one.person.age == 40. && one.person.height == 1.8 && one.person.mass == 80.));
+    CHECK((one.person.sex == wade::SexRule::male && one.person.skill == wade::Skill::good));
+    CHECK((people[1].group.empty() && !people[1].person.height && !people[1].leaves_at));
+    const auto refused = [](const std::string& text) {
+        try {
+            (void)wade::parse_residents(text, "p.csv");
+        } catch (const wade::ConfigurationError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    CHECK_THAT(refused("id,x\n"), Contains("p.csv: line 1: there is no column y"));
+    CHECK_THAT(refused("x,y,name\n"), Contains("there is no column \"name\"; allowed: id, x, y"));
+    CHECK_THAT(refused("x,y\n1\n"), Contains("line 2: 1 values; allowed: 2"));
+    CHECK_THAT(refused("x,y,age\n1,2,two\n"), Contains("age is \"two\"; allowed: a number from 3 to 110"));
+    CHECK_THAT(refused("x,y,sex\n1,2,f\n"), Contains("sex is \"f\"; allowed: any, female, male"));
+    CHECK_THAT(refused("id,x,y\na,1,2\na,1,2\n"), Contains("line 3: id \"a\" stands twice"));
+    CHECK_THAT(refused("x,y\n"), Contains("there are no people"));
 }
 
 TEST_CASE("damaged shapes and series are read or refused, never a crash") {

@@ -32,6 +32,7 @@ const json everything = json::parse(R"({
     "crowd": {"tau": 0.1, "mass_kg": 70, "desired_speed_m_s": 1, "step_rate_hz": 30,
               "height_m": 1.8, "sex": "male", "age": 40, "skill": "good", "ground_friction": 0.6, "can_swim": true,
               "bracing_arm": 0.1, "water_temperature_c": 8,
+              "navigation": {"enters_up_to_m": 0.5, "safe_above_m": 3},
               "people": [{"height_m": 1.8, "mass_kg": 80, "sex": "male", "age": 40, "skill": "good", "ground_friction": 0.6,
                           "bracing_arm": 0.1, "can_swim": true, "tau_history": [{"time_s": 1, "tau": 0.1}]}],
               "ropes": [{"from": {"x_m": 1, "z_m": 1}, "to": {"x_m": 2, "z_m": 2}, "free_length_m": 3}],
@@ -40,6 +41,7 @@ const json everything = json::parse(R"({
                           "columns": 3, "rows": 3, "count": 5, "tau": 0.2, "mass_kg": 60, "desired_speed_m_s": 2,
                           "height_m": 1.6, "sex": "female", "age": 20, "skill": "poor", "ground_friction": 0.5, "bracing_arm": 0.2,
                           "can_swim": false, "tau_history": [{"time_s": 2, "tau": 0.3}],
+                          "leaves": {"table": [{"time_s": 1, "share": 0.5}]},
                           "people": [{"height_m": 1.8, "mass_kg": 80, "sex": "male", "age": 40, "skill": "good",
                                       "ground_friction": 0.6, "bracing_arm": 0.1, "can_swim": true,
                                       "tau_history": [{"time_s": 3, "tau": 0.4}]}]}]},
@@ -51,7 +53,7 @@ const json everything = json::parse(R"({
 const json everything_on_a_place = [] {
     json document = everything;
     document["place"] = json::parse(R"({
-        "epsg": 32756, "origin_easting_m": 300000, "origin_northing_m": 6000000,
+        "residents_csv": "people.csv", "epsg": 32756, "origin_easting_m": 300000, "origin_northing_m": 6000000,
         "ground": {"file": "ground.asc", "points": [[0, 1, 0], [9, 1, 0], [0, 1, 9]]},
         "houses": [{"name": "mill", "file": "houses.geojson", "polygon": [[1, 1], [2, 1], [2, 2]], "doors": [[1, 1.5]],
                     "upper_floor_m": 3}],
