@@ -112,7 +112,7 @@ void check_lodgers(const Scene& scene, const std::string& source, Problems& prob
     std::int64_t in_houses = 0;
     for (const House& house : place.houses) in_houses += house.residents;
     const bool has_group = first_group_in_houses(scene.crowd) < scene.crowd.groups.size();
-    if (!has_group && (in_houses > 0 || place.residents)) {
+    if (!has_group && ((in_houses > 0 && !scene.crowd.groups.empty()) || place.residents)) {
         problems.attempt([&] {
             refuse(source, "/crowd/groups",
                    "the place has residents, and no group starts in houses; allowed: a group with start/from "

@@ -156,7 +156,7 @@ void table_of_people(std::vector<PersonRow>& people, Fields& f) {
 }  // namespace
 
 void fields(LeavingPoint& point, Fields& f) {
-    f.number("time_s", point.time, "s", from(0).to(1e6), "Time.", required);
+    f.number("time_s", point.time, "s", from(0).to(1e6), "Time of the point.", required);
     f.number("share", point.share, "", from(0).to(1), "Share of them that has left by then.", required);
 }
 

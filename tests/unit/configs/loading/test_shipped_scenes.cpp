@@ -46,10 +46,11 @@ TEST_CASE("every shipped scene loads, and its canonical text loads again to the 
     }
 }
 
-TEST_CASE("every shipped scene states its Froude number") {
+TEST_CASE("every shipped scene with a channel states its Froude number") {
     for (const auto& file : shipped_scenes()) {
         INFO(file);
-        CHECK_THAT(wade::load_scene(file).scene.description, Catch::Matchers::Contains("Froude number"));
+        const Scene scene = wade::load_scene(file).scene;
+        if (!scene.place) CHECK_THAT(scene.description, Catch::Matchers::Contains("Froude number"));
     }
 }
 

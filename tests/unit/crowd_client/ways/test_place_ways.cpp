@@ -126,7 +126,8 @@ TEST_CASE("Who is not warned walks on until it sees the water, and then goes rou
         double x = 0;
         for (int k = 0; k < 900 && !crowd.active.empty(); ++k) {
             step(crowd, water.view());
-            if (crowd.agents.position[0].y() < 14) x = std::max(x, std::min(29.0, crowd.agents.position[0].x()));
+            const Vector2d& p = crowd.agents.position[0];
+            if (p.y() < 14 && p.x() < 30) x = std::max(x, p.x());
         }
         CHECK(crowd.sheltered == 1);
         return x;
@@ -144,12 +145,16 @@ TEST_CASE("High ground is a shelter, and slopes slow people down as Tobler says"
     scene.crowd.navigation.slope = SlopeRule::tobler;
     scene.crowd.groups[0] = row_of_people(1, {10, 20}, 1, {0, 0});
     scene.crowd.groups[0].goals = GoalRule::shelters;
+    const auto walked = [&](SlopeRule rule) {
+        scene.crowd.navigation.slope = rule;
+        CrowdWorld crowd = make_crowd(scene);
+        walk(crowd, 20);
+        return crowd.agents.position[0].x() - 10;
+    };
+    // Markers lie otherwise on either way, which makes some per cent.
+    CHECK(walked(SlopeRule::tobler) / walked(SlopeRule::level) == Approx(std::exp(-0.35)).epsilon(0.04));
     CrowdWorld crowd = make_crowd(scene);
-    walk(crowd, 20);
-    // 0.99 of 1.3 m/s by the rule pi, times exp(-0.35); markers turn it aside by some per cent.
-    const double walked = crowd.agents.position[0].x() - 10;
-    CHECK(walked == Approx(20 * 0.99 * 1.3 * std::exp(-0.35)).epsilon(0.05));
-    walk(crowd, 60);
+    walk(crowd, 80);
     CHECK(crowd.sheltered == 1);
     CHECK(crowd.agents.position[0].x() >= 50);
 }
