@@ -134,7 +134,11 @@ bool is_over_a_box(const Feeling& feeling, double x, double z) {
 
 Feeling make_feeling(const Scene& scene) {
     Feeling feeling;
-    feeling.spread = std::max(least_spread, spread_in_spacings * scene.fluid.particle_spacing);
+    // On a place each cell of the water is a particle.
+    const double spacing = scene.place
+                               ? std::min(scene.fluid.shallow_water.cell_size, largest_spread / spread_in_spacings)
+                               : scene.fluid.particle_spacing;
+    feeling.spread = std::max(least_spread, spread_in_spacings * spacing);
     if (feeling.spread > largest_spread) {
         std::ostringstream message;
         message << "/fluid/particle_spacing_m: people feel the water within 1.5 spacings, and " << feeling.spread

@@ -1,7 +1,8 @@
 #pragma once
 // The water that a person feels: means over a cone round it, of the whole column.
 //
-//   w(r) = max(0, 1 - r / R),  R = max(0.5 m, 1.5 d)     r: distance in the ground plane, m; d: spacing of the particles
+//   w(r) = max(0, 1 - r / R),  R = max(0.5 m, 1.5 d)     r: distance in the ground plane, m; d: spacing of the particles,
+//                                                     on a place that of the cells, with R up to 2 m
 //   S     = sum w_i m_i                   kg
 //   theta = sum w_i^2 m_i / S             0.5 in even water; F / S * theta is how fast a force F slows U
 //   U     = sum w_i m_i v_i / S           m/s

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/map_heights.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -109,6 +110,25 @@ std::string guess(const Box& found, const Box& expected) {
     return "";
 }
 
+// Heights at which a place may have water: from its lowest ground to 100 m above its highest [A].
+Interval heights_of(const Ground& ground, const World& world) {
+    std::vector<double> heights;
+    if (ground.raster) {
+        heights = ground.raster->values;
+    } else {
+        for (const double x : {0.0, world.length}) {
+            for (const double z : {0.0, world.width}) heights.push_back(ground_height(ground, {x, z}));
+        }
+        for (const auto& point : ground.points) heights.push_back(point[1]);
+    }
+    constexpr double deepest = 100;
+    Interval range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (const double height : heights) {
+        if (!std::isnan(height)) range = {std::min(range.lo, height), std::max(range.hi, height)};
+    }
+    return {range.lo, range.hi + deepest};
+}
+
 bool starts_with_water(const Scene& scene) {
     const Channel& channel = scene.channel;
     const bool fed = channel.flow == Flow::emitter && (channel.velocity > 0 || !channel.velocity_history.empty());
@@ -119,6 +139,7 @@ bool starts_with_water(const Scene& scene) {
 
 Box water_box(const Scene& scene) {
     const Channel& channel = scene.channel;
+    if (scene.place) return {{channel.x, heights_of(scene.place->ground, scene.world), channel.z}};
     double bed_lo = 0, bed_hi = 0;
     for (const BedPoint& point : channel.bed_points) {
         bed_lo = std::min(bed_lo, point.y);

@@ -3,7 +3,7 @@
 import json
 import unittest
 
-from harness import CLIENT, SystemTest
+from harness import CLIENT, ROOT, SystemTest
 
 
 def closed_scene(model, bodies, moved_m=0, mirrored=False):
@@ -65,6 +65,34 @@ class ClosedChannels(SystemTest):
                 # The water reached those who started 0.3 m away and pressed them against the wall.
                 reached = moved_m + 10 - ends[1] if mirrored else ends[0] - moved_m
                 self.assertLess(reached, 0.05)
+
+
+class Hamlet(SystemTest):
+    """The shipped hamlet: people leave their houses for two shelters while the river rises."""
+
+    scene = ROOT / "configs" / "places" / "hamlet.json"
+
+    def test_everybody_is_somewhere_and_nobody_went_through_a_wall(self):
+        run = self.pair("--until-s", "60", scene=self.scene)
+        outcome = run.outcome()
+        states = outcome["states"]
+        self.assertEqual(sum(states.values()), 100)
+        ends = ("arrived", "dead", "active", "sheltered", "indoors", "upper_floor")
+        self.assertEqual(sum(outcome[end] for end in ends), 100)
+        self.assertGreater(outcome["sheltered"], 10)
+        self.assertGreater(outcome["indoors"], 5)
+        self.assertGreater(outcome["upper_floor"], 0)
+        houses = [h["polygon"] for h in json.loads(run.bytes_of("manifest.json"))["resolved_scene"]["place"]["houses"]]
+        for x, z in run.query("SELECT pos_x, pos_y FROM trajectory_data"):
+            self.assertFalse(any(is_inside(house, x, z) for house in houses), (x, z))
+
+
+def is_inside(ring, x, z):
+    inside = False
+    for (ax, az), (bx, bz) in zip(ring, ring[1:] + ring[:1]):
+        if (az > z) != (bz > z) and x < ax + (bx - ax) * (z - az) / (bz - az):
+            inside = not inside
+    return inside
 
 
 class Standing(SystemTest):

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -36,9 +37,9 @@ void walk(CrowdWorld& crowd, double seconds, const WaterView& water = {}) {
     for (int k = 0; k < static_cast<int>(seconds / crowd.dt) && !crowd.active.empty(); ++k) step(crowd, water);
 }
 
-// Particles of 0.5 m over a rectangle.
+// Particles of 0.25 m, or one layer of smaller ones, over a rectangle.
 MadeUpWater pond(double x_lo, double x_hi, double z_lo, double z_hi, double depth, double speed) {
-    return uniform_water(x_lo, x_hi, z_lo, z_hi, depth, 0.25, speed, 0);
+    return uniform_water(x_lo, x_hi, z_lo, z_hi, depth, std::min(depth, 0.25), speed, 0);
 }
 
 TEST_CASE("Tobler's speed is 1 on level ground, largest 5 % downhill, and halves on 0.15 uphill") {
