@@ -9,4 +9,22 @@ namespace wade::crowd {
 // leave of it.
 void move_agents(CrowdWorld& crowd);
 
+// People who leave their houses, or go to the upper floor, when their time has come (markers/residents.hpp), and who come to a shelter;
+// departures.cpp.
+
+// Of the people before their first step, with steps of dt, s.
+[[nodiscard]] Indoors indoors_of(const Agents& agents, double dt);
+
+// Lets out those whose time has come before the next step, as far as there is room before their doors, in the order in which they came to
+// them. Costs nothing but for them, and looks at who is outside only while somebody waits. Asked again before the same step it does nothing.
+void let_out(CrowdWorld& crowd);
+
+// Whether somebody in a house may still come out.
+[[nodiscard]] bool may_come_out(const CrowdWorld& crowd);
+
+[[nodiscard]] bool goes_to_shelters(const CrowdWorld& crowd, std::uint32_t id);
+
+// Takes somebody in who is on its feet at a shelter that has room, and says what has become of it.
+[[nodiscard]] Outcome come_to_shelter(CrowdWorld& crowd, std::uint32_t id);
+
 }  // namespace wade::crowd

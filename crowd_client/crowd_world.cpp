@@ -7,7 +7,6 @@
 #include "configs/scene/scene_frames.hpp"
 #include "configs/scene/time_lines.hpp"
 #include "crowd_client/crowd_motion.hpp"
-#include "crowd_client/departures.hpp"
 #include "crowd_client/hands.hpp"
 #include "crowd_client/rescue.hpp"
 #include "crowd_client/standing.hpp"

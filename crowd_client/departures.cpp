@@ -1,8 +1,8 @@
-#include "crowd_client/departures.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+
+#include "crowd_client/crowd_motion.hpp"
 
 namespace wade::crowd {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/choices.hpp"
-#include "configs/scene/residents.hpp"
+#include "configs/scene/fields/residents.hpp"
+#include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/crowd_world.hpp"
-#include "crowd_client/departures.hpp"
 #include "crowd_client/hands.hpp"
 #include "crowd_client/rescue.hpp"
 #include "crowd_client/responses/registry.hpp"
@@ -98,7 +98,7 @@ CrowdWorld make_crowd(const Scene& given) {
         crowd.clock = body_clock(crowd.dt);
     }
     crowd.agents.stay = crowd.agents.position;
-    crowd.navigation = make_navigation(scene, crowd.agents);
+    crowd.navigation = scene.place ? make_place_ways(scene, crowd.agents) : make_navigation(scene, crowd.agents);
     crowd.warnings = start_warnings(scene, crowd.agents, crowd.navigation);
     crowd.markers = crowd.agents.size() == 0 ? Markers{} : place_markers(scene);
     crowd.markers.grid = GroundGrid::over(scene.world);

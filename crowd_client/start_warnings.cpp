@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "configs/errors/exit_code.hpp"
+#include "crowd_client/ways/place_ways.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -42,7 +43,8 @@ int least_markers_per_cell(const Crowd& crowd) {
 std::vector<std::string> start_warnings(const Scene& scene, const Agents& agents, const Navigation& navigation) {
     std::vector<std::string> warnings;
     if (agents.size() > 0 && has_too_few_markers(scene.crowd)) warnings.push_back(warning_of_markers(scene.crowd));
-    const std::string no_way = people_without_way(navigation, scene, agents);
+    const std::string no_way =
+        scene.place ? people_cut_off(navigation, scene, agents) : people_without_way(navigation, scene, agents);
     if (no_way.empty()) return warnings;
     const bool may_stand = scene.crowd.navigation.rule == NavigationRule::straight;
     if (scene.crowd.bodies != BodyRule::none && !may_stand) throw ConfigurationError(no_way);

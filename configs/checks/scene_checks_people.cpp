@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "configs/checks/scene_checks.hpp"
-#include "configs/scene/residents.hpp"
+#include "configs/scene/fields/residents.hpp"
 
 namespace wade {
 

@@ -9,7 +9,7 @@
 #include "configs/files/raster_file.hpp"
 #include "configs/files/residents_csv.hpp"
 #include "configs/files/series_csv.hpp"
-#include "configs/scene/residents.hpp"
+#include "configs/scene/fields/residents.hpp"
 
 namespace wade {
 

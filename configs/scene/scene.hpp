@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "configs/numbers/normal.hpp"
+#include "configs/scene/fields/people.hpp"
 #include "configs/scene/fields/place_keys.hpp"
 #include "configs/scene/place.hpp"
 
@@ -76,12 +77,6 @@ struct NoSlip {
 struct VelocityPoint {
     double time = 0;
     double velocity = 0;
-};
-
-// A point of somebody's tau in time.
-struct TauPoint {
-    double time = 0;
-    double tau = 0;
 };
 
 // The channel that confines the water: bed y = 0 unless bed_points raise it, banks at z.lo and z.hi.
@@ -228,86 +223,6 @@ enum class NavigationRule {
     automatic,  // travel_time for the goals of whom an obstacle stands in the way
     straight,
     travel_time
-};
-
-enum class SexRule {
-    any,  // each of its own, half and half
-    female,
-    male
-};
-enum class Skill { braced, good, normal, unaware, poor };  // in standing against water, see people_in_water.md
-
-// The bodies of people, as water sees them; the mass is AgentGroup::mass.
-struct BodySettings {
-    Spread height = 1.7;
-    SexRule sex = SexRule::any;
-    Spread age = 30;  // years
-    Skill skill = Skill::normal;
-    std::optional<Spread> ground_friction;  // of the feet; else that of the skill
-    std::optional<double> bracing_arm;      // lambda; else that of the skill
-    bool can_swim = false;
-};
-
-enum class HandInHand { none, along_x, along_z };  // who hold one another: neighbours on the start grid
-enum class Hold { hands, arms };                   // hands pull, arms across backs push, too
-
-// A person of a table; what is not set is as its group says.
-struct PersonRow {
-    std::optional<double> height, mass, age, ground_friction, bracing_arm;
-    std::optional<SexRule> sex;
-    std::optional<Skill> skill;
-    std::optional<bool> can_swim;
-    std::vector<TauPoint> tau_history;
-};
-
-// Somebody of a place's table of residents.
-struct Resident {
-    std::string id;                   // as the table has it
-    double x = 0, z = 0;              // m; in a house: indoors
-    std::string group;                // empty: the first that starts in houses
-    std::optional<double> leaves_at;  // s; none: as its group says
-    PersonRow person;
-};
-
-enum class StartRule { grid, houses };    // a start grid, or the houses of the place and its table of residents
-enum class GoalRule { point, shelters };  // one place, or the shelters of the place, whichever is reached first
-
-// When people leave their houses.
-enum class LeavingRule { at_once, normal, weibull, table, never };
-struct LeavingPoint {
-    double time = 0;   // s
-    double share = 1;  // of them that have left by then
-};
-struct Leaving {
-    LeavingRule rule = LeavingRule::at_once;
-    double after = 0;             // s; nobody leaves before
-    double mean = 0, sd = 0;      // of `normal`, after that, s
-    double scale = 0, shape = 2;  // of `weibull`, after that; scale in s
-    std::vector<LeavingPoint> table;
-    double stay_share = 0;         // of them who never leave
-    double upper_floor_share = 0;  // of the others who go to the upper floor at their time, where the house has one
-};
-
-struct AgentGroup {
-    std::string name;
-    StartRule starts = StartRule::grid;
-    GoalRule goals = GoalRule::point;
-    bool warned = true;         // knows where the water is, however far away
-    Leaving leaving;            // with StartRule::houses
-    int columns = 1, rows = 1;  // start grid, columns along x, rows along z
-    int count = 1;              // agents placed, column by column is row-major: id = row * columns + column
-    double start_x = 0, start_z = 0, pitch_x = 1, pitch_z = 1;
-    double goal_x = 0, goal_z = 0;  // in a periodic world x counts on, lap by lap
-    double desired_speed = 1.3;
-    double start_jitter = 0;  // largest distance of a start from its place on the grid, along x and along z
-    Spread mass = 65;
-    std::optional<Spread> tau = 0;      // endurance in [0, 1]: 0 is not moved by the water; none: their bodies tell
-    std::vector<TauPoint> tau_history;  // in time; empty: `tau` throughout
-    BodySettings body;
-    HandInHand hand_in_hand = HandInHand::none;
-    Hold hold = Hold::hands;
-    bool rescuer = false;           // goes to whom the water carries, and throws a line
-    std::vector<PersonRow> people;  // the agents are these in turn
 };
 
 // A rope that people hold on to: between two places, or fixed at one, its free end down the stream.

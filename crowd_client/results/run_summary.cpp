@@ -6,7 +6,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/program/peer_support.hpp"
 #include "configs/scene/scene_frames.hpp"
-#include "crowd_client/departures.hpp"
+#include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/results/output_file.hpp"
 
 namespace wade::crowd {

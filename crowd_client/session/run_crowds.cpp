@@ -10,7 +10,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/program/peer_support.hpp"
-#include "crowd_client/departures.hpp"
+#include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/session/frame_time.hpp"
 #include "crowd_client/water/plausibility.hpp"
 

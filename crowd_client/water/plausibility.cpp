@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
-#include "configs/scene/map_heights.hpp"
+#include "configs/scene/place.hpp"
 
 namespace wade::crowd {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/markers/ground_grid.hpp"
-#include "crowd_client/ways/place_ways.hpp"
 #include "crowd_client/ways/way_fields.hpp"
 
 namespace wade::crowd {
@@ -297,7 +296,6 @@ double least_clearance(const Scene& scene) {
 }
 
 Navigation make_navigation(const Scene& scene, const Agents& agents) {
-    if (scene.place) return make_place_ways(scene, agents);
     constexpr double time_between_looks = 1;   // whether fields are needed, s
     constexpr double time_between_ways = 0.1;  // s; bodies decide as often by themselves
     const NavigationSettings& settings = scene.crowd.navigation;
@@ -336,7 +334,6 @@ Navigation make_navigation(const Scene& scene, const Agents& agents) {
 }
 
 std::string people_without_way(const Navigation& navigation, const Scene& scene, const Agents& agents) {
-    if (scene.place) return people_cut_off(navigation, scene, agents);
     if (scene.crowd.navigation.rule != NavigationRule::straight) return first_without_way(navigation, scene, agents);
     constexpr double worth_a_look = 5e6;  // nodes; some seconds
     const auto goals = static_cast<double>(scene.crowd.groups.size());

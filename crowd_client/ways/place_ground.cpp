@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "configs/scene/map_heights.hpp"
+#include "configs/scene/place.hpp"
 #include "crowd_client/ways/place_ways.hpp"
 
 namespace wade::crowd {

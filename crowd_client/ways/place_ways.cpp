@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
-#include "configs/scene/map_heights.hpp"
+#include "configs/scene/place.hpp"
 #include "crowd_client/ways/navigation.hpp"
 
 namespace wade::crowd {

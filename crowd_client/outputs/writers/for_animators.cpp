@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "configs/scene/map_heights.hpp"
+#include "configs/scene/place.hpp"
 #include "crowd_client/standing.hpp"
 
 namespace wade::crowd {

@@ -1,4 +1,4 @@
-#include "crowd_client/residents.hpp"
+#include "crowd_client/markers/residents.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/numbers/normal.hpp"
-#include "configs/scene/map_heights.hpp"
-#include "configs/scene/residents.hpp"
+#include "configs/scene/fields/residents.hpp"
+#include "configs/scene/place.hpp"
 
 namespace wade::crowd {
 namespace {
