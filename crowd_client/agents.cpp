@@ -10,7 +10,6 @@
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/markers/placed_boxes.hpp"
 #include "crowd_client/markers/placed_houses.hpp"
-#include "crowd_client/markers/residents.hpp"
 
 namespace wade::crowd {
 namespace {

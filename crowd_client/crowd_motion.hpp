@@ -9,7 +9,7 @@ namespace wade::crowd {
 // leave of it.
 void move_agents(CrowdWorld& crowd);
 
-// People who leave their houses, or go to the upper floor, when their time has come (markers/residents.hpp), and who come to a shelter;
+// People who leave their houses, or go to the upper floor, when their time has come (markers/placed_houses.hpp), and who come to a shelter;
 // departures.cpp.
 
 // Of the people before their first step, with steps of dt, s.

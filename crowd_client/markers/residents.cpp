@@ -1,4 +1,4 @@
-#include "crowd_client/markers/residents.hpp"
+#include "crowd_client/markers/placed_houses.hpp"
 
 #include <algorithm>
 #include <cmath>

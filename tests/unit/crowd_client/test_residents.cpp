@@ -5,7 +5,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/crowd_world.hpp"
-#include "crowd_client/markers/residents.hpp"
+#include "crowd_client/markers/placed_houses.hpp"
 #include "crowd_client/results/run_summary.hpp"
 #include "made_up_water.hpp"
 
