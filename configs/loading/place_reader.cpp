@@ -328,6 +328,10 @@ class PlaceReader {
 void read_place(Scene& scene, const SetByScene& set, const std::string& source, Problems& problems) {
     if (!scene.place_keys) return;
     scene.place = PlaceReader(*scene.place_keys, source, problems).read();
+    // What its files say is printed, too.
+    scene.place_keys->epsg = scene.place->epsg;
+    scene.place_keys->origin_x = scene.place->origin_x;
+    scene.place_keys->origin_z = scene.place->origin_z;
     if (const Raster* const raster = scene.place->ground.raster.get()) {
         if (!set.length) scene.world.length = raster->x + static_cast<double>(raster->columns) * raster->cell;
         if (!set.width) scene.world.width = raster->z + static_cast<double>(raster->rows) * raster->cell;

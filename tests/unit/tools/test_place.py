@@ -51,14 +51,14 @@ class Maps(unittest.TestCase):
         self.assertEqual([place_maps.round_length(x) for x in (0.7, 9.9, 49.9, 50, 1234)], [0.5, 5, 20, 50, 1000])
 
     def test_a_house_with_a_hole_is_drawn_by_its_outer_ring(self):
-        from wade.pictures import place_maps
+        from wade.pictures import top_view
 
         square, hole = [[0, 0], [9, 0], [9, 9], [0, 0]], [[1, 1], [2, 1], [2, 2], [1, 1]]
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "houses.geojson"
             file.write_text(json.dumps({"type": "MultiPolygon", "coordinates": [[square, hole], [square]]}))
-            scene = {"place": {"houses": [{"polygon": [[1, 2], [3, 4], [5, 6]]}, {"file": str(file)}]}}
-            houses = place_maps.houses_of(scene, [5, 0])
+            scene = {"place": {"origin_easting_m": 5, "houses": [{"polygon": [[1, 2], [3, 4], [5, 6]]}, {"file": str(file)}]}}
+            houses = top_view.houses_of(scene)
         self.assertEqual([len(house) for house in houses], [3, 4, 4])
         self.assertEqual(houses[1][1].tolist(), [4, 0])
 

@@ -102,7 +102,9 @@ TEST_CASE("paths are relative to the file that names them, also in a scene that 
     const wade::LoadedScene again = wade::load_scene(printed);
     CHECK(again.scene.hash == loaded.scene.hash);
     CHECK(again.canonical_json == loaded.canonical_json);
-    CHECK(json::parse(loaded.canonical_json)["channel"]["x_max_m"] == 20);
+    const json resolved = json::parse(loaded.canonical_json);
+    CHECK(resolved["channel"]["x_max_m"] == 20);
+    CHECK((resolved["place"]["epsg"] == 32756 && resolved["place"]["origin_easting_m"] == 500100));
 }
 
 TEST_CASE("the hash of a scene knows the contents of its files, not where they lie") {

@@ -5,13 +5,12 @@ The maps: largest depth, speed and depth times speed, time of arrival of the wat
 classes H1 to H6 of Australian Rainfall and Runoff, and the hazard rating of Defra.
 """
 
-import json
 import math
 import pathlib
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 from PIL import Image
@@ -50,35 +49,6 @@ def read_map(path):
             return np.asarray(image, dtype=float)[::-1], scale[0], scale[1]
     except (OSError, KeyError) as error:
         raise run_files.RunError(f"cannot read '{path}': {error}") from error
-
-
-def rings_of(geometry):
-    """Outer rings of a GeoJSON polygon."""
-    polygons = geometry["coordinates"] if geometry["type"] == "MultiPolygon" else [geometry["coordinates"]]
-    return [np.array([point[:2] for point in polygon[0]]) for polygon in polygons]
-
-
-def houses_of(scene, origin):
-    """Ground plans of the houses of a scene, in its metres; files that are gone are left out."""
-    houses = []
-    for house in scene.get("place", {}).get("houses", []):
-        if house.get("polygon"):
-            houses.append(np.array(house["polygon"]))
-        if not house.get("file") or not pathlib.Path(house["file"]).exists():
-            continue
-        document = json.loads(pathlib.Path(house["file"]).read_text(encoding="utf-8"))
-        for feature in document.get("features", [document]):
-            geometry = feature.get("geometry", feature) or {}
-            if geometry.get("type") in ("Polygon", "MultiPolygon"):
-                houses += [ring - origin for ring in rings_of(geometry)]
-    return houses
-
-
-def origin_of(path):
-    """Easting and northing of the lower left corner of a map, which is that of its scene."""
-    with Image.open(path) as image:
-        tie, scale = image.tag_v2[33922], image.tag_v2[33550]
-        return np.array([tie[3], tie[4] - scale[1] * image.size[1]])
 
 
 def round_length(longest):
@@ -144,8 +114,7 @@ def draw(run, name, output):
     handles = draw_classes(axes, extent, values, classes) if classes else []
     if not classes:
         draw_values(figure, axes, extent, name, values, unit)
-    axes.add_collection(PolyCollection(houses_of(scene, origin_of(path)), facecolors="#8d8d93", edgecolors=top_view.INK,
-                                       linewidths=0.5, zorder=5))
+    top_view.draw_obstacles(axes, scene)
     paths = run_files.read_paths(run / "trajectories.sqlite") if (run / "trajectories.sqlite").exists() else {}
     ways = [top_view.thinned(points[:, 1:3]) for points in paths.values()]
     for colour, line_width in (("white", 1.5), ("#3a3a40", 0.7)):

@@ -1,10 +1,12 @@
 """The layers of the top view of a run: ground, water, stream, obstacles, paths, goals."""
 
+import json
 import math
+import pathlib
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Circle, Rectangle
 from matplotlib.patheffects import withStroke
@@ -206,11 +208,35 @@ def draw_flow(axes, scene, cells):
                                       "alpha": 0.85, "linewidth": 1.3})
 
 
+def rings_of(geometry):
+    """Outer rings of a GeoJSON polygon."""
+    polygons = geometry["coordinates"] if geometry["type"] == "MultiPolygon" else [geometry["coordinates"]]
+    return [np.array([point[:2] for point in polygon[0]]) for polygon in polygons]
+
+
+def houses_of(scene):
+    """Ground plans of the houses of a scene, in its metres; files that are gone are left out."""
+    place, houses = scene.get("place", {}), []
+    origin = [place.get("origin_easting_m", 0), place.get("origin_northing_m", 0)]
+    for house in place.get("houses", []):
+        if house.get("polygon"):
+            houses.append(np.array(house["polygon"]))
+        if not house.get("file") or not pathlib.Path(house["file"]).exists():
+            continue
+        document = json.loads(pathlib.Path(house["file"]).read_text(encoding="utf-8"))
+        for feature in document.get("features", [document]):
+            geometry = feature.get("geometry", feature) or {}
+            if geometry.get("type") in ("Polygon", "MultiPolygon"):
+                houses += [ring - origin for ring in rings_of(geometry)]
+    return houses
+
+
 def draw_obstacles(axes, scene):
     for box in scene.get("obstacles", []):
         axes.add_patch(Rectangle((box["x_min_m"], box["z_min_m"]), box["x_max_m"] - box["x_min_m"],
                                  box["z_max_m"] - box["z_min_m"], facecolor="#8d8d93", edgecolor=INK, linewidth=0.9,
                                  hatch="////", zorder=5))
+    axes.add_collection(PolyCollection(houses_of(scene), facecolors="#8d8d93", edgecolors=INK, linewidths=0.5, zorder=5))
 
 
 def far_goals(scene):
