@@ -1,8 +1,8 @@
-"""Draws the maps of a place that a run leaves in RUN_DIR/maps: each GeoTIFF as a picture with a scale, an arrow to the north,
-the houses, and the people's paths.
+"""Draws the maps of a place that a run leaves in RUN_DIR/maps: each GeoTIFF as a picture with a scale, an arrow to the
+north, the houses, and the people's paths.
 
-The maps: largest depth, speed and depth times speed, time of arrival of the water, and three scales of danger: Viseu (2006), the
-classes H1 to H6 of Australian Rainfall and Runoff, and the hazard rating of Defra.
+The maps: largest depth, speed and depth times speed, time of arrival of the water, and three scales of danger: Viseu
+(2006), the classes H1 to H6 of Australian Rainfall and Runoff, and the hazard rating of Defra.
 """
 
 import math
@@ -31,8 +31,8 @@ MAPS = {
     "viseu": ("danger after Viseu (2006), by depth times speed", "", (
         (1, DANGER[0], "low, < 0.5 m²/s"), (2, DANGER[1], "moderate, < 0.75 m²/s"), (3, DANGER[2], "high, < 1 m²/s"),
         (4, DANGER[3], "very high, ≥ 1 m²/s"))),
-    "arr_h": ("hazard class of Australian Rainfall and Runoff", "", (
-        (1, "#d9f0d3", "H1 safe"), (2, "#fff7bc", "H2 small vehicles"), (3, "#fec44f", "H3 children, vehicles"),
+    "arr_h": ("hazard class of Australian Rainfall and Runoff, unsafe for", "", (
+        (1, "#d9f0d3", "H1 nobody"), (2, "#fff7bc", "H2 small vehicles"), (3, "#fec44f", "H3 children, vehicles"),
         (4, "#fe9929", "H4 all people"), (5, "#d95f0e", "H5 weak buildings"), (6, "#7f2704", "H6 all buildings"))),
     "defra": ("hazard rating of Defra in towns", "", (
         (0.001, DANGER[0], "low, < 0.75"), (0.75, DANGER[1], "danger for some, < 1.25"),
@@ -93,7 +93,8 @@ def draw_values(figure, axes, extent, name, values, unit):
     mesh = axes.imshow(np.ma.masked_where(~there, values), cmap=cmap, vmin=0, vmax=top or 1, extent=extent, origin="lower",
                        interpolation="nearest", zorder=3)
     wide, high = figure.get_size_inches()
-    room = axes.get_subplotspec().get_position(figure)
+    axes.apply_aspect()
+    room = axes.get_position()
     bar = figure.colorbar(mesh, extend="max", cax=figure.add_axes(
         (room.x1 + 0.1 / wide, room.y0, 0.12 / wide, min(room.height, 4.0 / high))))
     bar.set_label(unit, fontsize=8, color=top_view.INK)
