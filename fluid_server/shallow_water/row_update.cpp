@@ -128,8 +128,9 @@ void push_of_walls(const EntriesByRow<WallCell>& walls, std::size_t k, std::size
         const WallCell& wall = walls.entries[n];
         const std::size_t i = wall.column;
         if (i < begin || i >= end) continue;
-        const double h = cells.h[i], length = std::hypot(wall.x, wall.z);
-        const double u = (cells.normal[i] * wall.x + cells.along[i] * wall.z) / length, c = std::sqrt(gravity * h);
+        const double h = cells.h[i], u = (cells.normal[i] * wall.x + cells.along[i] * wall.z) / wall.length;
+        if (u == 0) continue;
+        const double c = std::sqrt(gravity * h);
         const double push = std::max(h * u * (u + std::max(c + 0.5 * u, c - u)), -0.5 * gravity * h * h);
         into_x[i] += wall.x * push;
         into_z[i] += wall.z * push;

@@ -49,18 +49,23 @@ void step_group(ShallowWater& world, const Group& group, const BandFrom& from, c
     const Openings& openings = world.openings;
     const std::size_t c = openings.members_of_groups[group.first];
     const MemberChange& one = openings.changes[group.first];
-    double h = from.primitive.h[c], qx = one.from_qx, qz = one.from_qz, n_squared = 0;
+    MemberChange sum;
+    double n_squared = 0;
     for (std::size_t m = group.first; m < group.last; ++m) {
+        const MemberChange& change = openings.changes[m];
+        sum.h += change.h, sum.qx += change.qx, sum.qz += change.qz;
+        if (world.bed.n_squared.empty()) continue;
         const std::size_t member = openings.members_of_groups[m];
-        h += openings.changes[m].h / group.share;
-        qx += openings.changes[m].qx / group.share;
-        qz += openings.changes[m].qz / group.share;
-        n_squared += openings.share[member] / group.share *
-                     (world.bed.n_squared.empty() ? terms.manning_n * terms.manning_n : world.bed.n_squared[member]);
+        n_squared += openings.share[member] * world.bed.n_squared[member];
     }
-    const double film = std::max(from.primitive.h[c], 1e-3),
-                 speed = std::hypot(from.primitive.u[c], from.primitive.v[c]);
-    const double slowed = 1 / (1 + terms.dt * terms.constants.gravity * n_squared * speed / (film * std::cbrt(film)));
+    n_squared = world.bed.n_squared.empty() ? terms.manning_n * terms.manning_n : n_squared / group.share;
+    double h = from.primitive.h[c] + sum.h / group.share;
+    double qx = one.from_qx + sum.qx / group.share, qz = one.from_qz + sum.qz / group.share;
+    double slowed = 1;
+    if (const double u = from.primitive.u[c], v = from.primitive.v[c]; n_squared > 0 && (u != 0 || v != 0)) {
+        const double film = std::max(from.primitive.h[c], 1e-3), speed = std::sqrt(u * u + v * v);
+        slowed = 1 / (1 + terms.dt * terms.constants.gravity * n_squared * speed / (film * std::cbrt(film)));
+    }
     h = (1 - terms.share) * world.water.h[c] + terms.share * h;
     least = std::min(least, h);
     h = std::max(h, 0.0);

@@ -75,34 +75,54 @@ CoverMask joined_to_first(const CoverMask& open) {
     return part;
 }
 
-// Points on a side of the cell.
-std::array<int, 4> points_on_sides(const CoverMask& mask) {
-    std::array<int, 4> n{};
-    for (const std::uint16_t line : mask) {
-        n[x_lower] += line & 1;
-        n[x_upper] += line >> (cover_lines - 1);
+// Points on a side of the cell, a bit each.
+unsigned points_on(const CoverMask& mask, std::size_t side) {
+    if (side == z_lower) return mask.front();
+    if (side == z_upper) return mask.back();
+    unsigned points = 0;
+    for (std::size_t s = 0; s < cover_lines; ++s) {
+        const unsigned bit = side == x_lower ? mask[s] & 1U : unsigned{mask[s]} >> (cover_lines - 1);
+        points |= bit << s;
     }
-    n[z_lower] = __builtin_popcount(mask.front());
-    n[z_upper] = __builtin_popcount(mask.back());
-    return n;
+    return points;
 }
 
-// Of a cell that walls split only the largest part stays open.
-void keep_largest_part(OpenGrid& grid, std::size_t cell, const CoverMask& covered) {
-    CoverMask open{};
-    for (std::size_t s = 0; s < cover_lines; ++s) open[s] = static_cast<std::uint16_t>(~covered[s]);
+CoverMask largest_part(const CoverMask& open) {
     CoverMask rest = open, largest{};
     for (int left = count_bits(open); left > count_bits(largest); left = count_bits(rest)) {
         const CoverMask part = joined_to_first(rest);
         if (count_bits(part) > count_bits(largest)) largest = part;
         for (std::size_t s = 0; s < cover_lines; ++s) rest[s] = static_cast<std::uint16_t>(rest[s] & ~part[s]);
     }
-    const int all = count_bits(open), kept = count_bits(largest);
-    if (kept == all) return;
-    grid.share[cell] *= static_cast<double>(kept) / all;
-    const std::array<int, 4> had = points_on_sides(open), has = points_on_sides(largest);
-    for (std::size_t side = 0; side < 4; ++side) {
-        if (had[side] > 0) grid.face(cell, static_cast<Side>(side)) *= static_cast<double>(has[side]) / had[side];
+    return largest;
+}
+
+// Of cells that walls split only the largest part stays open, and of their faces what is open to the parts on both sides, so
+// that no water passes from one side of a thin wall to the other.
+void keep_largest_parts(OpenGrid& grid, const Cover& cover) {
+    std::vector<CoverMask> open(cover.mask.size()), kept(cover.mask.size());
+    for (std::size_t n = 0; n < open.size(); ++n) {
+        for (std::size_t s = 0; s < cover_lines; ++s) open[n][s] = static_cast<std::uint16_t>(~cover.mask[n][s]);
+        kept[n] = largest_part(open[n]);
+        const int all = count_bits(open[n]);
+        if (all > 0) grid.share[cover.partly[n]] *= static_cast<double>(count_bits(kept[n])) / all;
+    }
+    for (std::size_t n = 0; n < open.size(); ++n) {
+        for (std::size_t side = 0; side < 4; ++side) {
+            const std::size_t cell = cover.partly[n], other = grid.beyond(cell, side), opposite = side ^ 1U;
+            const auto found = std::lower_bound(cover.partly.begin(), cover.partly.end(), other);
+            const bool partly = other != cell && found != cover.partly.end() && *found == other;
+            if (partly && other > cell) continue;  // the other one's turn
+            unsigned had = points_on(open[n], side), has = points_on(kept[n], side);
+            if (partly) {
+                const auto m = static_cast<std::size_t>(found - cover.partly.begin());
+                had &= points_on(open[m], opposite), has &= points_on(kept[m], opposite);
+            }
+            if (had != has) {
+                grid.face(cell, static_cast<Side>(side)) *=
+                    static_cast<double>(__builtin_popcount(has)) / __builtin_popcount(had);
+            }
+        }
     }
 }
 
@@ -142,7 +162,7 @@ OpenGrid open_grid(const Grid& grid, const std::vector<House>& houses, const Row
     for (std::vector<double>* shares : {&open.share, &open.face_x, &open.face_z}) {
         for (double& s : *shares) s = 1 - s;
     }
-    for (std::size_t n = 0; n < cover.partly.size(); ++n) keep_largest_part(open, cover.partly[n], cover.mask[n]);
+    keep_largest_parts(open, cover);
     for (const MapLine& gate : gates) close_faces(open, grid, gate);
     for (std::vector<double>* shares : {&open.face_x, &open.face_z}) {
         for (double& s : *shares) s = s < least_opening ? 0 : s;
@@ -252,7 +272,7 @@ EntriesByRow<WallCell> wall_cells(const OpenGrid& open) {
             if (open.share[k * open.nx + i] <= 0) continue;
             const Sides4 a = open.faces(k * open.nx + i);
             const double x = a[x_lower] - a[x_upper], z = a[z_lower] - a[z_upper];
-            if (x != 0 || z != 0) entries.push_back({static_cast<std::uint32_t>(i), x, z});
+            if (x != 0 || z != 0) entries.push_back({static_cast<std::uint32_t>(i), x, z, std::hypot(x, z)});
         }
     });
 }

@@ -30,7 +30,7 @@ namespace wade::fluid::shallow_water {
 // A cell beside a wall; what the wall pushes, per dp: the wall's length times its outward normal over the cell's sides.
 struct WallCell {
     std::uint32_t column = 0;
-    double x = 0, z = 0;
+    double x = 0, z = 0, length = 0;
 };
 
 // A cell with a wall below it (+1) or above it (-1) along one direction: its slope is that of the side away from the wall,
