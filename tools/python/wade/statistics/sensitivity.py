@@ -27,11 +27,12 @@ from wade.terminal import Parser
 DEFAULT_INPUTS = Path(__file__).with_name("inputs.json")
 DESIGN, PLAN = "design.json", "plan.csv"
 NEEDED = ("name", "set", "min", "max", "source")
+OFF_FEET = ("toppled", "afloat", "carried", "holding", "recovering", "drowned")
+# What of a run is looked at: the share of people, in words, and from outcome.json.
 RESULTS = {
-    "died": lambda o: o["dead"] / o["agents"],
-    "arrived": lambda o: o["arrived"] / o["agents"],
-    "off their feet": lambda o: sum(o["states"].get(s, 0) for s in ("toppled", "afloat", "carried", "holding", "recovering",
-                                                                     "drowned")) / o["agents"],
+    "died": ("who die", lambda o: o["dead"] / o["agents"]),
+    "arrived": ("who arrive", lambda o: o["arrived"] / o["agents"]),
+    "off_feet": ("who are off their feet at the end", lambda o: sum(o["states"].get(s, 0) for s in OFF_FEET) / o["agents"]),
 }
 EPILOG = """Exit code: 0; 1 runs are missing; 2 bad usage."""
 
@@ -160,7 +161,7 @@ def results_of(folder, design, result):
     values = []
     for run, _, _, seed, why_not in rows:
         outcome, _ = (None, why_not) if why_not else read_outcome(run, seed)
-        values.append(np.nan if outcome is None else RESULTS[result](outcome))
+        values.append(np.nan if outcome is None else RESULTS[result][1](outcome))
     return np.array(values).reshape(-1, len(design["seeds"])).mean(axis=1), int(np.isnan(values).sum())
 
 
@@ -189,7 +190,7 @@ def draw(kind, rows, result, file):
     """Bars with intervals, the largest on top."""
     from wade.reports.plots import COLOURS, panels, save
 
-    rows = sorted(rows, key=lambda row: row[5] if kind == "sobol" else row[2])
+    rows, words = sorted(rows, key=lambda row: row[5] if kind == "sobol" else row[2]), RESULTS[result][0]
     figure, (axes,) = panels(1, (6.4, 1.2 + 0.42 * len(rows)))
     at = np.arange(len(rows))
     parts = (("S, alone", 2, -0.18), ("S_T, with others", 5, 0.18)) if kind == "sobol" else (("mu*", 2, 0.0),)
@@ -198,8 +199,8 @@ def draw(kind, rows, result, file):
         axes.barh(at + shift, values, 0.34, color=COLOURS[colour], label=label)
         axes.errorbar(values, at + shift, xerr=np.clip([values - low, high - values], 0, None), fmt="none", ecolor="#2a2a2e",
                       capsize=2, linewidth=0.9)
-    axes.set(yticks=at, yticklabels=[row[0] for row in rows], xlabel=f"share of the variance of who {result}" if kind == "sobol"
-             else f"mean change of the share who {result}, over the whole range")
+    axes.set(yticks=at, yticklabels=[row[0] for row in rows], xlabel=f"share of the variance of the share {words}" if kind == "sobol"
+             else f"mean change of the share {words}, over the whole range")
     axes.legend(loc="lower right")
     save(figure, file)
 
@@ -208,8 +209,8 @@ def page(design, result, rows, found):
     """sensitivity.md."""
     kind = design["kind"]
     runs = len(design["points"]) * len(design["seeds"])
-    head = (f"# What matters: {design['scene']}\n\nResult: the share of people who {result}. {runs} runs, seeds "
-            f"{design['seeds'][0]} to {design['seeds'][-1]} in each point.\n")
+    head = (f"# What matters: {design['scene']}\n\nResult: the share of people {RESULTS[result][0]}. {runs} runs, "
+            f"{len(design['seeds'])} seed{'s' if len(design['seeds']) > 1 else ''} in each point.\n")
     key = 5 if kind == "sobol" else 2
     ordered = sorted(rows, key=lambda row: -row[key])
     table = markdown(HEADS[kind], [[*row[:2], *(number(value, 3) for value in row[2:])] for row in ordered])
