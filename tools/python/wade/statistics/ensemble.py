@@ -23,9 +23,12 @@ FATES = {
     "walking": "on their feet", "standing": "on their feet", "effort": "on their feet", "sliding": "on their feet",
     "holding": "holding",
     "toppled": "carried", "afloat": "carried", "carried": "carried", "recovering": "carried",
+    "indoors": "indoors", "upper_floor": "upstairs",
     "drowned": "drowned", "dead": SWEPT_AWAY,
 }
 ALWAYS = ("arrived", "on their feet", "holding", "carried", "drowned")  # columns of each table; others only if they occur
+SAFE = ("arrived", "sheltered")  # outcomes
+INDOORS = ("indoors", "upper_floor")
 MISSING = ("carried", "holding")  # to be looked for, though not dead
 AGE_CLASSES = ((15, "under 15"), (65, "15 to 64"), (200, "65 and over"))  # those of the United Nations' tables
 SQUARE_M = 20  # side of a place where people start
@@ -54,7 +57,8 @@ class Case:
 
     @property
     def name(self):
-        values = ", ".join(f"{key.rpartition('/')[2]} {json.dumps(value).strip(chr(34))}" for key, value in self.settings.items())
+        values = ", ".join(f"{key.rpartition('/')[2]} {value if isinstance(value, str) else json.dumps(value)}"
+                           for key, value in self.settings.items())
         return f"{self.scene}, {values}" if values else self.scene
 
     @property
@@ -112,7 +116,7 @@ def read_outcome(folder, seed=None):
 
 
 def read_people(file, words):
-    """The columns of an agents.csv as arrays, with `fate` and `dead`; words: each text once, for the memory's sake."""
+    """The columns of an agents.csv as arrays, with `fate`, `dead`, `safe`, `indoors`; words: each text, once."""
     with open(file, newline="", encoding="utf-8") as text:
         rows = csv.reader(text)
         head = next(rows, [])
@@ -126,7 +130,8 @@ def read_people(file, words):
     for name in TEXTS:
         people[name] = np.array([words.setdefault(one, one) for one in columns.get(name, nothing)], dtype=object)
     people["fate"] = np.array([FATES.get(state, state) for state in people["state"]], dtype=object)
-    people["dead"] = people["outcome"] == "dead"
+    people["dead"], people["safe"] = people["outcome"] == "dead", np.isin(people["outcome"].astype(str), SAFE)
+    people["indoors"] = np.isin(people["outcome"].astype(str), INDOORS)
     people["skill"][people["worst_state"] == ""] = ""  # who has a given tau has no use for it
     return people
 

@@ -37,7 +37,8 @@ def draw_curves(case, curves, file):
     draw_fn(axes[-1], case)
     figure.subplots_adjust(wspace=0.28)
     band = "no bands: fewer than 10 runs" if curves["died"].low is None else "band: 95 %, runs resampled"
-    figure.text(0.5, -0.03, f"{case.name}: {len(case.runs)} runs, {len(case.people['run'])} people; {band}", ha="center", fontsize=8)
+    words = f"{case.name}: {len(case.runs)} runs, {len(case.people['run'])} people; {band}"
+    figure.text(0.5, -0.03, words, ha="center", fontsize=8)
     save(figure, file)
 
 

@@ -22,10 +22,13 @@ from wade.statistics.table import comparisons_of, compare, percent, refusal_word
 from wade.statistics.times import curves_of
 from wade.terminal import Parser
 
-COLOURS = {"arrived": "#009e73", "on their feet": "#56b4e9", "holding": "#e69f00", "carried": "#d55e00", "drowned": "#16161a",
-           SWEPT_AWAY: "#5a5a60"}
-OTHERS = ("#cc79a7", "#332288", "#999933")  # of fates that only some scenes have
+COLOURS = {"arrived": "#009e73", "sheltered": "#117733", "indoors": "#cc79a7", "upstairs": "#aa4499",
+           "on their feet": "#56b4e9", "holding": "#e69f00", "carried": "#d55e00", "drowned": "#16161a", SWEPT_AWAY: "#5a5a60"}
+OTHERS = ("#332288", "#999933", "#882255")  # of fates that only some scenes have
 WORDS = {
+    "sheltered": "reached a shelter that had room",
+    "indoors": "are still in their houses; whether these hold is not computed",
+    "upstairs": "went to the upper floor of their houses; whether these hold is not computed",
     "arrived": "reached the place to which they were going",
     "on their feet": "still stand or walk when the simulated time ends",
     "holding": "lie in the water and hold on to a rope, a line or another person",
@@ -37,14 +40,22 @@ BY = {"group": "By group", "age": "By age", "skill": "By how well they brace the
 ENOUGH = 20  # runs
 STYLE = """
 body{font:16px/1.5 system-ui,sans-serif;color:#2a2a2e;max-width:60rem;margin:2rem auto;padding:0 1rem}
-h1{font-size:1.7rem;line-height:1.2;margin-bottom:.3rem}h2{font-size:1.2rem;margin-top:2.2rem;border-bottom:1px solid #d8d8dc}
-h3{font-size:1rem;margin:1.4rem 0 .3rem}.small{font-size:.85rem;color:#5a5a60}img{max-width:100%}
-.tiles{display:flex;flex-wrap:wrap;gap:.8rem;margin:1rem 0}.tile{flex:1 1 11rem;border:1px solid #d8d8dc;border-radius:.4rem;padding:.7rem}
-.tile b{display:block;font-size:1.6rem;line-height:1.2}table{border-collapse:collapse;font-size:.9rem;margin:.6rem 0}
-td,th{padding:.25rem .6rem;border-bottom:1px solid #e4e4e8;text-align:right;vertical-align:top}td:first-child,th:first-child{text-align:left}
-td.l,th.l{text-align:left}.bar{display:flex;height:1.3rem;width:100%;min-width:14rem}.bar i{display:block;height:100%}
-.key{display:inline-block;width:.8rem;height:.8rem;margin:0 .3rem 0 .8rem;vertical-align:-.1rem}.warn{background:#fdf3e1;padding:.6rem 1rem;
-border-left:4px solid #e69f00}@media print{h2{break-after:avoid}img,table{break-inside:avoid}}
+h1{font-size:1.7rem;line-height:1.2;margin-bottom:.3rem}
+h2{font-size:1.2rem;margin-top:2.2rem;border-bottom:1px solid #d8d8dc}
+h3{font-size:1rem;margin:1.4rem 0 .3rem}
+.small{font-size:.85rem;color:#5a5a60}
+img{max-width:100%}
+.tiles{display:flex;flex-wrap:wrap;gap:.8rem;margin:1rem 0}
+.tile{flex:1 1 11rem;border:1px solid #d8d8dc;border-radius:.4rem;padding:.7rem}
+.tile b{display:block;font-size:1.6rem;line-height:1.2}
+table{border-collapse:collapse;font-size:.9rem;margin:.6rem 0}
+td,th{padding:.25rem .6rem;border-bottom:1px solid #e4e4e8;text-align:right;vertical-align:top}
+td:first-child,th:first-child,td.l,th.l{text-align:left}
+.bar{display:flex;height:1.3rem;width:100%;min-width:14rem}
+.bar i{display:block;height:100%}
+.key{display:inline-block;width:.8rem;height:.8rem;margin:0 .3rem 0 .8rem;vertical-align:-.1rem}
+.warn{background:#fdf3e1;padding:.6rem 1rem;border-left:4px solid #e69f00}
+@media print{h2{break-after:avoid}img,table{break-inside:avoid}}
 """
 
 
@@ -62,7 +73,8 @@ def table(head, rows, left=(0,)):
     """An HTML table; cells are HTML."""
 
     def row(cells, tag):
-        return "<tr>" + "".join(f'<{tag}{" class=l" if k in left else ""}>{cell}</{tag}>' for k, cell in enumerate(cells)) + "</tr>"
+        marked = (f'<{tag}{" class=l" if k in left else ""}>{cell}</{tag}>' for k, cell in enumerate(cells))
+        return f"<tr>{''.join(marked)}</tr>"
 
     return f"<table>{row(head, 'th')}{''.join(row(cells, 'td') for cells in rows)}</table>"
 
@@ -95,7 +107,7 @@ def tiles(case):
     people, size = case.people, np.bincount(case.people["run"])
     dead = case.counts(people["dead"])
     cells = []
-    for words, chosen in (("arrive in safety", people["outcome"] == "arrived"), ("die", people["dead"]),
+    for words, chosen in (("arrive in safety", people["safe"]), ("die", people["dead"]),
                           ("are carried or hold on when the time ends", is_missing(case))):
         share = share_where(case, chosen)
         note = "" if share.low is not None else f'<br><span class="small">No range: {text(refusal_words(share))}.</span>'
@@ -108,18 +120,22 @@ def tiles(case):
     return f'<div class="tiles">{"".join(cells)}</div>'
 
 
+def about(share):
+    """So many of 100 in words."""
+    return "none" if share == 0 else "less than 1" if share < 1 else f"about {share:.0f}"
+
+
 def first_words(case):
     """The answer in two sentences."""
     people = case.people
-    ways = {"arrive in safety": people["outcome"] == "arrived", "die": people["dead"],
+    ways = {"arrive in safety": people["safe"], "die": people["dead"], "have stayed in their houses": people["indoors"],
             "are carried by the water or hold on to something when the time ends": is_missing(case)}
     ways["are still on their way then"] = ~np.logical_or.reduce(list(ways.values()))
     shares = {words: 100 * share_where(case, chosen).mean for words, chosen in ways.items()}
-    told = [f"{'none' if share == 0 else 'less than 1' if share < 1 else f'about {share:.0f}'} {words}" for words, share in shares.items()
-            if share > 0 or words in ("arrive in safety", "die")]
+    told = [f"{about(share)} {words}" for words, share in shares.items() if share > 0 or words in ("arrive in safety", "die")]
     end = max(run.outcome["sim_time_s"] for run in case.runs)
-    return (f"<p>Of 100 people {listed(told)}, after {end:.0f} seconds at most. This is the mean of {len(case.runs)} simulated runs that differ only by "
-            "chance: in who the people are and in which way each of them steps.</p>")
+    return (f"<p>Of 100 people {listed(told)}, after {end:.0f} seconds at most. This is the mean of {len(case.runs)} simulated "
+            "runs that differ only by chance: in who the people are and in which way each of them steps.</p>")
 
 
 def bars(case):
@@ -133,10 +149,11 @@ def bars(case):
             continue
         rows = []
         for name, here in kinds:
-            strip = "".join(f'<i style="width:{100 * share_where(case, case.people["fate"] == fate, here).mean:.2f}%;background:'
-                            f'{colour_of(fate, fates)}"></i>' for fate in seen)
+            widths = {fate: 100 * share_where(case, case.people["fate"] == fate, here).mean for fate in seen}
+            strip = "".join(f'<i style="width:{width:.2f}%;background:{colour_of(fate, fates)}"></i>'
+                            for fate, width in widths.items())
             numbers = [in_hundred(share_where(case, chosen, here))
-                       for chosen in (case.people["outcome"] == "arrived", case.people["dead"])]
+                       for chosen in (case.people["safe"], case.people["dead"])]
             rows.append([text(name), f'<div class="bar">{strip}</div>', *numbers, int(here.sum())])
         parts.append(f"<h3>{title}</h3>" + table(["", "how they end", "arrive", "die", "people, all runs"], rows, (0, 1)))
     if not parts:
@@ -193,7 +210,8 @@ def assumed(case):
     if by_body:
         rows += [["bracing", of_groups(scene, "skill")], ["walking in water", str(crowd.get("walking_in_water", "-"))]]
     end = max(one.outcome["sim_time_s"] for one in case.runs)
-    rows += [["simulated time", f"up to {end:.0f} s"], ["runs", f"{len(case.runs)}, seeds {min(case.seeds)} to {max(case.seeds)}"],
+    rows += [["simulated time", f"up to {end:.0f} s"],
+             ["runs", f"{len(case.runs)}, seeds {min(case.seeds)} to {max(case.seeds)}"],
              ["program", f"Wade {manifest.get('version', '')}, commit {manifest.get('git_hash', '-')}"]]
     return table(["", ""], [[text(name), text(value)] for name, value in rows], (0, 1))
 
@@ -205,9 +223,10 @@ def beyond(case):
     counted = [outcome["beyond_measured"] for outcome in outcomes if outcome.get("beyond_measured")]
     if counted:
         number, time = sum(one["people"] for one in counted), sum(one["time_s"] for one in counted)
+        long = f"{time / number:.1f} s" if time > 0.1 * number else "less than 0.1 s"
         lines.append(
-            f"{100 * number / people:.0f} % of the people ({number} of {people}) strained against water shallower than 0.2 m or deeper "
-            f"than 1.2 m while on their feet, for {f'{time / number:.1f} s' if time > 0.1 * number else 'less than 0.1 s'} each on average. People were measured between these depths; "
+            f"{100 * number / people:.0f} % of the people ({number} of {people}) strained against water shallower than 0.2 m or "
+            f"deeper than 1.2 m while on their feet, for {long} each on average. People were measured between these depths; "
             "beyond them the same equations are continued.")
     else:
         lines.append("People answer the water by a given endurance, which is a number of a paper and no measurement.")
@@ -215,13 +234,15 @@ def beyond(case):
     for outcome in outcomes:
         for kind, warning in {re.sub(r"[\d.]+", "0", warning): warning for warning in outcome.get("warnings", [])}.items():
             warnings.setdefault(kind, []).append(warning)
-    lines += [f"The program warned in {len(of_kind)} of {len(outcomes)} runs, for example: {of_kind[0]}" for of_kind in warnings.values()]
+    lines += [f"The program warned in {len(of_kind)} of {len(outcomes)} runs, for example: {of_kind[0]}"
+              for of_kind in warnings.values()]
     lines += [
-        "Chance is in who the people are and how they walk. That the flood itself could be other than assumed is not in the ranges "
-        "on this page; a sensitivity study tells that.",
-        "Children are computed as small adults. Panic, debris, vehicles, clothes and help from outside are not in it unless the scene "
-        "has them.",
-        "Drowning is a time without air, 60 s unless the water's temperature is given; injuries and cold afterwards are not counted."]
+        "Chance is in who the people are and how they walk. That the flood itself could be other than assumed is not in the "
+        "ranges on this page; a sensitivity study tells that.",
+        "Children are computed as small adults. Panic, debris, vehicles, clothes and help from outside are not in it unless the "
+        "scene has them.",
+        "Drowning is a time without air, 60 s unless the water's temperature is given; injuries and cold afterwards are not "
+        "counted."]
     return "<ul>" + "".join(f"<li>{text(line)}</li>" for line in lines) + "</ul>"
 
 
@@ -267,18 +288,19 @@ def case_html(case, level_title, changes):
         parts += ["<h2>What the change brings</h2>", changes] if changes else []
         if files["run"]:
             parts += ["<h2>One of the runs</h2>", picture(files["run"][0], "map of one run"),
-                      f'<p class="small">Seen from above, the run with seed {files["run"][1]}. The water flows to the left unless the '
-                      "map shows otherwise. The other runs look alike but not the same.</p>"]
+                      f'<p class="small">Seen from above, the run with seed {files["run"][1]}. The water flows to the left unless '
+                      "the map shows otherwise. The other runs look alike but not the same.</p>"]
         parts += ["<h2>Who</h2>", bars(case), "<h2>When</h2>", picture(files["curves"], "curves over time"),
                   '<p class="small">Left: how many have arrived and died by each time.'
-                  + (" Middle: how many have been taken off their feet, and have arrived without that; green, of those still under way, "
-                     "who has never been." if has_feet(case) else "")
-                  + " Right: in how many of the runs a number N of people or more die. Shaded, and bars: the range in which the true value lies with 95 %, at each point by itself."
-                  "</p>"]
+                  + (" Middle: how many have been taken off their feet, and have arrived without that; green, of those still "
+                     "under way, who has never been." if has_feet(case) else "")
+                  + " Right: in how many of the runs a number N of people or more die. Shaded, and bars: the range in which the "
+                  "true value lies with 95 %, at each point by itself.</p>"]
         if files["search"]:
             file, areas, over, rows = files["search"]
             squares = table(["", "x, m", "z, m", "expected there", "so far"], [
-                [k, f"{x:g} to {x + SQUARE_M:g}", f"{z:g} to {z + SQUARE_M:g}", f"{percent(share)} of 100", f"{percent(so_far)} of 100"]
+                [k, f"{x:g} to {x + SQUARE_M:g}", f"{z:g} to {z + SQUARE_M:g}", f"{percent(share)} of 100",
+                 f"{percent(so_far)} of 100"]
                 for k, (x, z, share, so_far, _) in enumerate(rows[:5], 1)], ())
             lost = f" {over} people, of all runs, went over the downstream end and are not on it." if over else ""
             parts += ["<h2>Where to search</h2>", picture(file, "map of last places"),
@@ -295,15 +317,17 @@ def comparison_html(first, second):
     for _, fate, result in compare(first, second, "all"):
         if fate not in ("alive", "arrived", "carried", "drowned", SWEPT_AWAY) or result.first == result.second == 0:
             continue
-        interval = "no range: " + result.refused if result.low is None else f"{100 * result.low:+.1f} to {100 * result.high:+.1f}"
+        interval = f"no range: {result.refused}"
+        if result.low is not None:
+            interval = f"{100 * result.low:+.1f} to {100 * result.high:+.1f}"
         per = "" if result.per_low is None else f"{result.per:.3g} ({result.per_low:.3g} to {result.per_high:.3g})"
         rows.append([text(fate), f"{percent(result.first)} of 100", f"{percent(result.second)} of 100",
                      f"{100 * result.difference:+.1f}", text(interval), per if fate in ("alive", "arrived") else ""])
     return (f"<p>First: {text(first.name)}, {text(first.runs[0].folder.parent)}. Second: {text(second.name)}, "
             f"{text(second.runs[0].folder.parent)}. Both with the same people, seed by seed.</p>"
             + table(["", "first", "second", "change, of 100", "likely", "people needed for one more"], rows)
-            + '<p class="small">People needed for one more: so many people have to be warned, or protected, so that one more of them '
-            "ends so. It is left out where the change may be nothing.</p>")
+            + '<p class="small">People needed for one more: so many people have to be warned, or protected, so that one more of '
+            "them ends so. It is left out where the change may be nothing.</p>")
 
 
 def page(ensemble, comparisons, title):
@@ -315,10 +339,10 @@ def page(ensemble, comparisons, title):
     runs = sum(len(case.runs) for case in ensemble.cases)
     body = "".join(case_html(case, case.name if several else "", changes if case is ensemble.cases[0] else "")
                    for case in ensemble.cases)
-    how = ("<p>Each run is a simulation of the whole flood with all people. <b>Likely</b> ranges hold the true mean of this model with "
-           "95 %; they come from the differences between runs, since the people of one run share its water. No range is given where it "
-           "would not hold. Numbers are of the model: how near it is to people and floods is the matter of the sections on what was "
-           "assumed and what is not known.</p>")
+    how = ("<p>Each run is a simulation of the whole flood with all people. <b>Likely</b> ranges hold the true mean of this "
+           "model with 95 %; they come from the differences between runs, since the people of one run share its water. No range "
+           "is given where it would not hold. Numbers are of the model: how near it is to people and floods is the matter of "
+           "the sections on what was assumed and what is not known.</p>")
     return (f'<!doctype html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
             f"<title>{text(title)}</title><style>{STYLE}</style></head><body><h1>{text(title)}</h1>"
             f'<p class="small">{runs} simulated runs</p>{warn}{body}'

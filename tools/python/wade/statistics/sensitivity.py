@@ -3,8 +3,9 @@
 With a SCENE it writes DIR/plan.csv and DIR/design.json; `tools/wade many DIR/plan.csv --out DIR` runs it; with that DIR it
 writes sensitivity.csv, sensitivity.md and sensitivity.png. First --morris over all inputs, then --sobol over those that matter.
 
-Inputs are a JSON list: name, set (pointers; * stands for each group), min, max, source, unit, and
-times_own for a factor on the scene's own value. All points have the same seeds, so that chance is common to them.
+Inputs are a JSON list: name, set (pointers; * stands for each group), min, max, source, unit, times_own
+for a factor on the scene's own value, and needs, a pointer without which it does not apply. All points
+have the same seeds, so that chance is common to them.
 """
 
 import json
@@ -20,7 +21,7 @@ from wade.reports.options import patterns_of, whole
 from wade.reports.tables import document, markdown, number, section, write_csv
 from wade.run.processes import resolved
 from wade.scenes import find_scene
-from wade.statistics.ensemble import planned, read_outcome
+from wade.statistics.ensemble import SAFE, planned, read_outcome
 from wade.statistics.indices import elementary_effects, sobol_indices, sobol_points, trajectories
 from wade.terminal import Parser
 
@@ -31,7 +32,7 @@ OFF_FEET = ("toppled", "afloat", "carried", "holding", "recovering", "drowned")
 # What of a run is looked at: the share of people, in words, and from outcome.json.
 RESULTS = {
     "died": ("who die", lambda o: o["dead"] / o["agents"]),
-    "arrived": ("who arrive", lambda o: o["arrived"] / o["agents"]),
+    "arrived": ("who arrive, or find shelter", lambda o: sum(o["states"].get(s, 0) for s in SAFE) / o["agents"]),
     "off_feet": ("who are off their feet at the end", lambda o: sum(o["states"].get(s, 0) for s in OFF_FEET) / o["agents"]),
 }
 EPILOG = """Exit code: 0; 1 runs are missing; 2 bad usage."""
@@ -44,6 +45,7 @@ class Input:
         self.name, self.entry = entry["name"], entry
         pointers = [one for pointer in entry["set"] for one in spread(pointer, scene)]
         self.factors = {pointer: value_of(scene, pointer) if entry.get("times_own") else 1 for pointer in pointers}
+        self.factors = {} if value_of(scene, entry.get("needs", "/crowd")) is None else self.factors
         self.factors = {pointer: own for pointer, own in self.factors.items() if isinstance(own, (int, float))}
 
     def settings(self, unit):
@@ -199,8 +201,8 @@ def draw(kind, rows, result, file):
         axes.barh(at + shift, values, 0.34, color=COLOURS[colour], label=label)
         axes.errorbar(values, at + shift, xerr=np.clip([values - low, high - values], 0, None), fmt="none", ecolor="#2a2a2e",
                       capsize=2, linewidth=0.9)
-    axes.set(yticks=at, yticklabels=[row[0] for row in rows], xlabel=f"share of the variance of the share {words}" if kind == "sobol"
-             else f"mean change of the share {words}, over the whole range")
+    what = "share of the variance" if kind == "sobol" else "mean change over the whole range"
+    axes.set(yticks=at, yticklabels=[row[0] for row in rows], xlabel=f"{what} of the share {words}")
     axes.legend(loc="lower right")
     save(figure, file)
 
@@ -214,11 +216,11 @@ def page(design, result, rows, found):
     key = 5 if kind == "sobol" else 2
     ordered = sorted(rows, key=lambda row: -row[key])
     table = markdown(HEADS[kind], [[*row[:2], *(number(value, 3) for value in row[2:])] for row in ordered])
-    how = (f"Morris, {design['count']} ways: mu* is the mean change of the result over the whole range of an input, sigma how much "
-           "that depends on the others. Intervals of 95 %, ways resampled. Whose interval begins near 0 may be left as it is.\n"
-           if kind == "morris" else
-           f"Sobol, N = {design['count']}: S is the share of the variance that an input makes alone, S_T with all others. Intervals "
-           "of 95 %, points resampled.\n")
+    how = (f"Morris, {design['count']} ways: mu* is the mean change of the result over the whole range of an input, sigma how "
+           "much that depends on the others. Intervals of 95 %, ways resampled. Whose interval begins near 0 may be left as it "
+           "is.\n" if kind == "morris" else
+           f"Sobol, N = {design['count']}: S is the share of the variance that an input makes alone, S_T with all others. "
+           "Intervals of 95 %, points resampled.\n")
     if found is not None and found.noise == found.noise:
         how += f"Runs of the same inputs with other seeds make {100 * found.noise:.1f} % of the variance.\n"
     sources = markdown(("input", "range", "source"), [[one["name"], one["range"], one["source"]] for one in design["inputs"]])

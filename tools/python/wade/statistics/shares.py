@@ -14,7 +14,7 @@ import numpy as np
 LEVEL = 0.95
 FEWEST_RUNS = 10      # with fewer, t-Wilson covers 77 to 92 % where people of a run are alike
 FEWEST_WITH_ANY = 5   # runs in which somebody has it, and runs in which somebody has it not
-FEWEST_EFFECTIVE = 12  # people whose fates are independent, of the rarer outcome: with fewer, over 7 % would be given a wrong one
+FEWEST_EFFECTIVE = 12  # independent people of the rarer outcome: with fewer, over 7 % of ensembles would get a wrong one
 RESAMPLES = 1000      # moves the ends of an interval by about 4 % of its width
 SEED = 20201016
 

@@ -21,9 +21,9 @@ COLUMNS = ("case,by,class,fate,runs,people,number,share,low,high,why_no_interval
            "runs_with_any_high,runs_needed").split(",")
 COMPARED = ("first,second,by,class,fate,pairs,people,share_first,share_second,difference,low,high,people_for_one_more,"
             "people_low,people_high,why_no_interval").split(",")
-HOW = """Intervals are of 95 %, over runs and never over people: Wilson's, with the design effect of the runs and Student's t of their
-number. The people of a run share its water, so that a thousand people in one run are one case. Why a cell has no interval stands below
-the table; the share of runs is exact (Clopper and Pearson)."""
+HOW = """Intervals are of 95 %, over runs and never over people: Wilson's, with the design effect of the runs and Student's t of
+their number. The people of a run share its water, so that a thousand people in one run are one case. Why a cell has no interval
+stands below the table; the share of runs is exact (Clopper and Pearson)."""
 CURVES = ("case", "curve", "time_s", "share", "low", "high", "runs", "people")
 MOST_CASES = 12  # with a section and a figure each; more stand in one table
 EPILOG = """Exit code: 0, or 2 for bad usage or a folder without complete runs."""
@@ -31,8 +31,9 @@ EPILOG = """Exit code: 0, or 2 for bad usage or a folder without complete runs."
 
 def percent(value):
     """A share as "8.3", of few more digits near 0 and 100."""
-    return f"{100 * value:.1f}" if 0.001 <= value <= 0.999 or value in (0, 1) else f"{100 * value:.2g}" if value < 0.5 else \
-        f"{100 * value:.2f}"
+    if 0.001 <= value <= 0.999 or value in (0, 1):
+        return f"{100 * value:.1f}"
+    return f"{100 * value:.2g}" if value < 0.5 else f"{100 * value:.2f}"
 
 
 def in_words(share, notes):
@@ -174,9 +175,10 @@ def comparison_text(first, second, bys):
                 per += f" ({result.per_low:.3g} to {result.per_high:.3g})"
             lines.append([name, fate, result.pairs, result.people, f"{percent(result.first)} %", f"{percent(result.second)} %",
                           f"{100 * result.difference:+.1f}", interval, per, result.refused or ""])
-    text = (f"First: {first.name} ({first.runs[0].folder.parent}). Second: {second.name} ({second.runs[0].folder.parent}). Runs of "
-            "the same seed are pairs; t interval of the differences, in points of per cent. *People for one more*: the number "
-            "needed to warn (or to treat otherwise) so that one more ends so, 1 over the difference.\n")
+    folders = [case.runs[0].folder.parent for case in (first, second)]
+    text = (f"First: {first.name} ({folders[0]}). Second: {second.name} ({folders[1]}). Runs of the same seed are pairs; t "
+            "interval of the differences, in points of per cent. *People for one more*: the number needed to "
+            "warn (or to treat otherwise) so that one more ends so, 1 over the difference.\n")
     return text + "\n" + markdown(["", "", "pairs", "people", "first", "second", "difference", "95 %", "people for one more",
                                    "why no interval"], lines)
 

@@ -115,10 +115,10 @@ ARRIVED, DIED, LOST_FEET = 1, 2, 3
 
 
 def lives_of(case, with_feet=False):
-    """Lives that end with arrival, death and, with_feet, also where the feet are first lost."""
+    """Lives that end with arrival, also at a shelter, death and, with_feet, also where the feet are first lost."""
     people = case.people
     time = people["time_s"]
-    cause = np.where(people["outcome"] == "arrived", ARRIVED, np.where(people["dead"], DIED, 0))
+    cause = np.where(people["safe"], ARRIVED, np.where(people["dead"], DIED, 0))
     if with_feet:
         lost = ~np.isnan(people["off_feet_s"])
         time, cause = np.where(lost, people["off_feet_s"], time), np.where(lost, LOST_FEET, cause)

@@ -93,7 +93,7 @@ def straight_stream(scene):
 
 
 def sought(case):
-    """Who is to be looked for: (x, z, run, is dead), and how many the water carried off the map, where nothing is known of them."""
+    """Who is to be looked for: (x, z, run, is dead), and how many the water carried off the map."""
     people = case.people
     who = people["dead"] | np.isin(people["fate"].astype(str), MISSING)
     away = people["fate"].astype(str) == SWEPT_AWAY
@@ -192,8 +192,8 @@ def main(arguments):
         text, rows = look(case, options, options.out / name)
         sections.append(text)
         lines += [(case.name, place, *row) for place, row in enumerate(rows, 1)]
-    head = ("# Where to search\n\nKernel density of the last places, bandwidth 5 m, over all runs. x runs upstream, z across. The "
-            "share counts people of all runs together; each run has a weight by how many it loses.")
+    head = ("# Where to search\n\nKernel density of the last places, bandwidth 5 m, over all runs. x runs upstream, z across. "
+            "The share counts people of all runs together; each run has a weight by how many it loses.")
     text = document(head, *sections)
     write_csv(options.out / "victims.csv", ("case", "place", "x_m", "z_m", "share", "share_so_far", "area_so_far_m2"), lines)
     write_whole(options.out / "victims.md", text)
