@@ -4,8 +4,8 @@ With a SCENE it writes DIR/plan.csv and DIR/design.json; `tools/wade many DIR/pl
 writes sensitivity.csv, sensitivity.md and sensitivity.png. First --morris over all inputs, then --sobol over those that matter.
 
 Inputs are a JSON list: name, set (pointers; * stands for each group), min, max, source, unit, times_own
-for a factor on the scene's own value, and needs, a pointer without which it does not apply. All points
-have the same seeds, so that chance is common to them.
+for a factor on the scene's own value; needs and unless are pointers with which alone, or with which not,
+it applies. All points have the same seeds, so that chance is common to them.
 """
 
 import json
@@ -45,8 +45,8 @@ class Input:
         self.name, self.entry = entry["name"], entry
         pointers = [one for pointer in entry["set"] for one in spread(pointer, scene)]
         self.factors = {pointer: value_of(scene, pointer) if entry.get("times_own") else 1 for pointer in pointers}
-        self.factors = {} if value_of(scene, entry.get("needs", "/crowd")) is None else self.factors
-        self.factors = {pointer: own for pointer, own in self.factors.items() if isinstance(own, (int, float))}
+        fits = value_of(scene, entry.get("needs", "/crowd")) and not ("unless" in entry and value_of(scene, entry["unless"]))
+        self.factors = {pointer: own for pointer, own in self.factors.items() if fits and isinstance(own, (int, float)) and own}
 
     def settings(self, unit):
         """{pointer: value} at a place of the unit interval."""
