@@ -155,7 +155,7 @@ def bars(case):
             numbers = [in_hundred(share_where(case, chosen, here))
                        for chosen in (case.people["safe"], case.people["dead"])]
             rows.append([text(name), f'<div class="bar">{strip}</div>', *numbers, int(here.sum())])
-        parts.append(f"<h3>{title}</h3>" + table(["", "how they end", "arrive", "die", "people, all runs"], rows, (0, 1)))
+        parts.append(f"<h3>{title}</h3>" + table(["", "how they end", "arrive in safety", "die", "people, all runs"], rows, (0, 1)))
     if not parts:
         rows = [[text(fate), in_hundred(share_where(case, case.people["fate"] == fate))] for fate in seen]
         return table(["", "share"], rows)
