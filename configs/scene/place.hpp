@@ -167,13 +167,15 @@ struct Place {
     const double column = std::min(std::floor(x), std::max(0.0, columns - 2));
     const double row = std::min(std::floor(z), std::max(0.0, rows - 2));
     double sum = 0, weights = 0;
-    for (int corner = 0; corner < 4; ++corner) {
-        const double i = std::min(column + corner % 2, columns - 1), k = std::min(row + corner / 2, rows - 1);
-        const double weight = std::max(0.0, 1 - std::abs(x - i)) * std::max(0.0, 1 - std::abs(z - k));
-        const double value = raster.at(static_cast<std::size_t>(i), static_cast<std::size_t>(k));
-        if (std::isnan(value) || !(weight > 0)) continue;
-        sum += weight * value;
-        weights += weight;
+    for (const int up : {0, 1}) {
+        for (const int right : {0, 1}) {
+            const double i = std::min(column + right, columns - 1), k = std::min(row + up, rows - 1);
+            const double weight = std::max(0.0, 1 - std::abs(x - i)) * std::max(0.0, 1 - std::abs(z - k));
+            const double value = raster.at(static_cast<std::size_t>(i), static_cast<std::size_t>(k));
+            if (std::isnan(value) || !(weight > 0)) continue;
+            sum += weight * value;
+            weights += weight;
+        }
     }
     return weights > 0 ? sum / weights : 0;
 }
