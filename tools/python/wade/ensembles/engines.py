@@ -79,11 +79,20 @@ def needs(program, package):
         raise UsageError(f"--engine: {program} is not here; it comes with Debian's package {package}")
 
 
-def written_list(ensemble, indices):
-    """The file that an engine hands out, an index a line."""
+def written_list(ensemble, lines):
+    """The file that an engine hands out, an index or several a line."""
     file = ensemble.path / "indices.txt"
-    file.write_text("".join(f"{index}\n" for index in indices), encoding="utf-8")
+    file.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
     return file
+
+
+def guided(indices, jobs):
+    """Lines of several indices at first and of one at the end, so that all jobs end about at once."""
+    left = list(indices)
+    while left:
+        count = max(1, min(10, len(left) // (4 * jobs)))
+        yield " ".join(map(str, left[:count]))
+        del left[:count]
 
 
 def run_engine(command, signals, times):
@@ -102,15 +111,13 @@ def run_engine(command, signals, times):
 
 
 def parallel(ensemble, indices, options, signals, _tell):
-    """GNU parallel."""
+    """GNU parallel. To start a worker takes 50 ms, which several runs share."""
     needs("parallel", "parallel")
-    # Several indices for each start of a worker, which takes 50 ms, yet enough of them that all slots end about at once.
-    at_once = max(1, min(10, len(indices) // (8 * options.jobs)))
     worker = shlex.join([*worker_command(), str(ensemble.plan)])
     # Asked once to end it starts no more, asked twice it ends what runs, which gets time to end well.
-    run_engine(["parallel", "--will-cite", "--jobs", options.jobs, "-n", at_once, "--joblog", ensemble.path / "parallel.log",
-                "--termseq", "TERM,10000,KILL,25", *options.engine_options, "-a", written_list(ensemble, indices),
-                worker + " {}"], signals, 2)
+    run_engine(["parallel", "--will-cite", "--jobs", options.jobs, "--joblog", ensemble.path / "parallel.log",
+                "--termseq", "TERM,10000,KILL,25", *options.engine_options, "-a",
+                written_list(ensemble, guided(indices, options.jobs)), worker + " {}"], signals, 2)
 
 
 def mpirun(ensemble, indices, options, signals, _tell):

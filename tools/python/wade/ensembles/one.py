@@ -225,7 +225,7 @@ def own_share(lines, text):
 def indices_of(words):
     """The indices of a command line, and whether they are a rank's, whose end would end the others."""
     if words and "--of" not in words:
-        indices, mpi = words, False
+        indices, mpi = " ".join(words).split(), False
     elif len(words) == 4 and words[0] == "--of" and words[2] == "--share":
         indices, mpi = own_share(Path(words[1]).read_text(encoding="utf-8").split(), words[3]), words[3] == "mpi"
     else:
