@@ -124,8 +124,8 @@ def mpirun(ensemble, indices, options, signals, _tell):
     """Ranks, each of which takes its share of the list."""
     needs("mpirun", "openmpi-bin")
     ranks = min(options.jobs, len(indices))
-    # Ranks get time to end well before they are killed.
-    run_engine(["mpirun", "-np", ranks, "--mca", "odls_base_sigkill_timeout", "30", *options.engine_options, *worker_command(), ensemble.plan,
+    # Ranks get time to end well before they are killed; mpirun waits for all of it.
+    run_engine(["mpirun", "-np", ranks, "--mca", "odls_base_sigkill_timeout", "5", *options.engine_options, *worker_command(), ensemble.plan,
                 "--of", written_list(ensemble, indices), "--share", "mpi"], signals, 1)
 
 
