@@ -130,8 +130,9 @@ void keep_largest_parts(OpenGrid& grid, const Cover& cover) {
 void close_faces(OpenGrid& open, const Grid& grid, const MapLine& line) {
     const auto parts = [&](std::size_t cell, std::size_t other) {
         const auto centre = [&](std::size_t c) {
-            return MapPoint{grid.x.lo + (static_cast<double>(c % open.nx) + 0.5) * grid.dx,
-                            grid.z.lo + (static_cast<double>(c / open.nx) + 0.5) * grid.dz};
+            const std::size_t column = c % open.nx, row = c / open.nx;
+            return MapPoint{grid.x.lo + (static_cast<double>(column) + 0.5) * grid.dx,
+                            grid.z.lo + (static_cast<double>(row) + 0.5) * grid.dz};
         };
         const MapPoint p = centre(cell), q = centre(other);
         for (std::size_t n = 1; n < line.size(); ++n) {
@@ -156,6 +157,7 @@ void close_faces(OpenGrid& open, const Grid& grid, const MapLine& line) {
 OpenGrid open_grid(const Grid& grid, const std::vector<House>& houses, const RowMemory& ground,
                    const std::vector<MapLine>& gates) {
     std::vector<const MapPolygon*> polygons;
+    polygons.reserve(houses.size());
     for (const House& house : houses) polygons.push_back(&house.polygon);
     const Cover cover = cover_of(grid, polygons);
     OpenGrid open{grid.nx, grid.nz, cover.cell, cover.face_x, cover.face_z};
