@@ -154,6 +154,14 @@ void check_residents(const Scene& scene, const std::string& source, Problems& pr
         if (scene.place) problems.attempt([&] { check_goal_outside(scene, group, source, pointer); });
     }
     if (scene.place) check_lodgers(scene, source, problems);
+    problems.attempt([&] {
+        if (scene.fluid.publish == Publish::all) return;
+        if (!scene.place || scene.coupling.agents_stream == AgentsStream::off) {
+            refuse(source, "/fluid/publish",
+                   "\"near_agents\" asks where they are, on a place; allowed: \"all\", or /place and "
+                   "/coupling/agents_stream \"serial\" or \"parallel\".");
+        }
+    });
 }
 
 }  // namespace wade

@@ -25,8 +25,17 @@ std::uint32_t generator_of(std::uint32_t n) {
     return 1;
 }
 
+constexpr double square = 10;  // m; water that somebody feels in the next frames is nearer
+
 std::size_t room_for(const ShallowWater& world) {
-    const std::size_t cells = world.grid.cells();
+    std::size_t cells = world.grid.cells();
+    if (world.scene.fluid.publish == Publish::near_agents) {
+        double agents = 0;
+        for (const AgentGroup& group : world.scene.crowd.groups) agents += group.count;
+        const double near = (std::ceil(3 * square / world.grid.dx) + 1) * (std::ceil(3 * square / world.grid.dz) + 1);
+        if (agents * near < static_cast<double>(cells))
+            return std::max<std::size_t>(1, static_cast<std::size_t>(agents * near));
+    }
     if (!world.place) return static_cast<std::size_t>(std::max(world.scene.fluid.max_particles, 0)) + cells;
     if (!world.openings.any()) return cells;
     const auto closed = std::count(world.openings.share.begin(), world.openings.share.end(), 0.0);
@@ -51,6 +60,11 @@ ColumnParticles::ColumnParticles(const ShallowWater& world)
       drift_z_(world.grid.cells(), 0),
       particles_(world.grid.cells(), 0),
       row_begin_(world.grid.nz + 1, 0) {
+    all_ = world.scene.fluid.publish == Publish::all;
+    if (!all_) {
+        squares_x_ = static_cast<std::size_t>(std::ceil(world.grid.x.hi / square)) + 1;
+        shown_.assign(squares_x_ * (static_cast<std::size_t>(std::ceil(world.grid.z.hi / square)) + 1), 0);
+    }
     const double first = unit_fraction(mix_bits(world.scene.seed + splitmix_step));
     for (std::size_t k = 0; k < world.grid.nz; ++k) {
         const double start = first + static_cast<double>(k) * next_row_along;
@@ -97,15 +111,38 @@ void ColumnParticles::count_with(const ShallowWater& world, double volume) {
     film_share_ = shown > 0 ? (all - shown) / shown : 0;
 }
 
+void ColumnParticles::show_near(const AgentsView& agents) {
+    if (all_) return;
+    std::fill(shown_.begin(), shown_.end(), 0);
+    const std::size_t rows = shown_.size() / squares_x_;
+    const auto line = [](double place, std::size_t count) {
+        return static_cast<std::size_t>(std::clamp(place / square, 0.0, static_cast<double>(count - 1)));
+    };
+    for (std::size_t a = 0; a < agents.px.size(); ++a) {
+        if (agents.state[a] != static_cast<float>(shm::agent_walking)) continue;
+        const std::size_t x = line(static_cast<double>(agents.px[a]), squares_x_);
+        const std::size_t z = line(static_cast<double>(agents.pz[a]), rows);
+        for (std::size_t r = z - std::min<std::size_t>(z, 1); r <= std::min(z + 1, rows - 1); ++r) {
+            for (std::size_t c = x - std::min<std::size_t>(x, 1); c <= std::min(x + 1, squares_x_ - 1); ++c) {
+                shown_[r * squares_x_ + c] = 1;
+            }
+        }
+    }
+}
+
 void ColumnParticles::count_wet(const ShallowWater& world) {
     const Grid& grid = world.grid;
+    const double per_square = grid.dx / square;
     std::fill(particles_.begin(), particles_.end(), 0);
     for (std::size_t k = 0; k < grid.nz; ++k) {
         const double* const h = world.water.h.data() + grid.row(static_cast<std::ptrdiff_t>(k));
         std::uint64_t sum = 0;
+        const std::size_t row = static_cast<std::size_t>(static_cast<double>(k) * grid.dz / square) * squares_x_;
         world.lines.active.for_each_span(k, [&](std::size_t begin, std::size_t n) {
             for (std::size_t i = begin; i < begin + n; ++i) {
-                particles_[k * grid.nx + i] = h[i] > world.constants.dry ? 1 : 0;
+                const bool seen =
+                    all_ || shown_[row + static_cast<std::size_t>(static_cast<double>(i) * per_square)] != 0;
+                particles_[k * grid.nx + i] = seen && h[i] > world.constants.dry ? 1 : 0;
                 sum += particles_[k * grid.nx + i];
             }
         });

@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fluid_server/fluid_model.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 #include "shm_protocol/stream.hpp"
 
@@ -37,6 +38,10 @@ class ColumnParticles {
 
     // Counts the particles of each cell; where they would be more than the capacity, larger and fewer ones are made.
     void count(const ShallowWater& world);
+
+    // With /fluid/publish near_agents: shows from the next count on the columns of squares of 10 m in which somebody is outdoors, and
+    // of the eight round each.
+    void show_near(const AgentsView& agents);
 
     // Leaves out the cells of these numbers along x, [begin, end), from the next count on.
     void leave_out(std::size_t begin, std::size_t end) {
@@ -61,7 +66,10 @@ class ColumnParticles {
     std::vector<std::uint64_t> row_begin_;   // of its particles in the frame, and their number behind the last
     std::vector<std::uint32_t> across_of_;   // a, by n
     std::size_t hidden_begin_ = 0, hidden_end_ = 0;
-    double film_share_ = 0;  // mass of all water over that of the cells with particles, less 1
+    bool all_ = true;                  // columns are shown
+    std::size_t squares_x_ = 0;        // along x
+    std::vector<std::uint8_t> shown_;  // squares
+    double film_share_ = 0;            // mass of all water over that of the cells with particles, less 1
 };
 
 }  // namespace wade::fluid::shallow_water

@@ -19,7 +19,10 @@ class ShallowWaterModel final : public FluidModel {
 
     [[nodiscard]] std::string_view name() const override { return "shallow_water"; }
     [[nodiscard]] std::uint32_t capacity() const override { return particles_.capacity(); }
-    void take_agents(const AgentsView& agents) override { take_pushes(agents, people_); }
+    void take_agents(const AgentsView& agents) override {
+        take_pushes(agents, people_);
+        particles_.show_near(agents);
+    }
     shm::Diagnostics advance_frame(const FrameInterval& interval) override;
     std::uint32_t write_frame(const shm::FrameFields& slot) const override { return particles_.write(world_, slot); }
     [[nodiscard]] std::string remarks() const override;

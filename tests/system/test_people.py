@@ -1,6 +1,7 @@
 """What becomes of people between walls and water."""
 
 import json
+import re
 import unittest
 
 from harness import CLIENT, ROOT, SystemTest
@@ -73,7 +74,7 @@ class Hamlet(SystemTest):
     scene = ROOT / "configs" / "places" / "hamlet.json"
 
     def test_everybody_is_somewhere_and_nobody_went_through_a_wall(self):
-        run = self.pair("--until-s", "60", scene=self.scene)
+        run = self.pair("--until-s", "90", scene=self.scene)
         outcome = run.outcome()
         states = outcome["states"]
         self.assertEqual(sum(states.values()), 100)
@@ -85,6 +86,26 @@ class Hamlet(SystemTest):
         houses = [h["polygon"] for h in json.loads(run.bytes_of("manifest.json"))["resolved_scene"]["place"]["houses"]]
         for x, z in run.query("SELECT pos_x, pos_y FROM trajectory_data"):
             self.assertFalse(any(is_inside(house, x, z) for house in houses), (x, z))
+
+    def test_columns_near_people_are_all_that_they_feel(self):
+        """Who walks straight through the river's bank gets the same water whether all of it is sent or what is near."""
+        group = {"name": "straight", "columns": 3, "start": {"x_m": 60, "z_m": 30, "pitch_x_m": 20},
+                 "goal": {"x_m": 100, "z_m": 70}}
+        lives = {"name": "lives", "start": {"from": "houses"}, "goal": {"x_m": 100, "z_m": 72}}
+        paths = []
+        for publish in ("all", "near_agents"):
+            scene = json.loads(re.sub(r"^//.*$", "", self.scene.read_text(encoding="utf-8"), flags=re.M))
+            scene["coupling"] = {"agents_stream": "serial"}
+            scene["crowd"]["navigation"] = {"rule": "straight"}
+            scene["crowd"]["groups"] = [group, lives]
+            del scene["place"]["residents_csv"]
+            scene["fluid"]["publish"] = publish
+            file = self.folder / f"{publish}.json"
+            file.write_text(json.dumps(scene))
+            run = self.pair("--until-s", "12", scene=file)
+            paths.append(run.rows())
+            self.assertGreater(max(float(agent["max_depth_m"]) for agent in run.agents()), 0.1)
+        self.assertEqual(paths[0], paths[1])
 
 
 def is_inside(ring, x, z):

@@ -72,6 +72,11 @@ void fields(Fluid& fluid, Fields& f) {
              "The shallow-water model. It needs open water (no lid, no planes without slip) that stands on the bed, "
              "and takes no notice of kernel, viscosity_m2_s and the two solves; its particles have about the mass of "
              "the other models'. Unused by the other models.");
+    f.choice(
+        "publish", fluid.publish,
+        "On a place, which columns of water a frame holds. all: each wet cell. near_agents: those within 10 m and more "
+        "of somebody outdoors, as /coupling/agents_stream says where they are; ways then know no other water, and maps "
+        "of the crowd have no other.");
     f.object("mixed", fluid.mixed,
              "The mixed model: a window over the whole width of the channel in which the water is particles (dfsph), "
              "and shallow water elsewhere, on the grid of /fluid/shallow_water. The window spans people in the channel "
