@@ -1,4 +1,4 @@
-#include "crowd_client/markers/placed_houses.hpp"
+#include "configs/scene/fields/residents.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/numbers/normal.hpp"
-#include "configs/scene/fields/residents.hpp"
 #include "configs/scene/place.hpp"
+#include "crowd_client/markers/placed_houses.hpp"
 
 namespace wade::crowd {
 namespace {
