@@ -58,7 +58,7 @@ class Maps(unittest.TestCase):
             file = Path(folder) / "houses.geojson"
             file.write_text(json.dumps({"type": "MultiPolygon", "coordinates": [[square, hole], [square]]}))
             scene = {"place": {"origin_easting_m": 5, "houses": [{"polygon": [[1, 2], [3, 4], [5, 6]]}, {"file": str(file)}]}}
-            houses = top_view.houses_of(scene)
+            houses = top_view.polygons_of(scene, "houses")
         self.assertEqual([len(house) for house in houses], [3, 4, 4])
         self.assertEqual(houses[1][1].tolist(), [4, 0])
 

@@ -41,8 +41,7 @@ def add_legend(figure, ends, scene, cut_off="", of_film=False):
             name = "last seen" if cut_off and outcome == "active" else outcome
             label = name if of_film else f"{name} ({len(ends[outcome])})"
             handles.append(Line2D([], [], linestyle="none", label=label, **style))
-    goals = {(g["goal"]["x_m"], g["goal"]["z_m"]) for g in scene["crowd"]["groups"]}
-    far = set(far_goals(scene))
+    goals, far = top_view.goals_of(scene), set(far_goals(scene))
     for marker, size, label, of in ((">", 9, "goal, laps away", far), ("*", 11, "goal", goals - far)):
         if of:
             fill = STAR if not colours or STAR in {top_view.goal_colour(scene, goal) for goal in of} else "white"
@@ -50,6 +49,8 @@ def add_legend(figure, ends, scene, cut_off="", of_film=False):
                                   markeredgecolor=INK, markeredgewidth=0.6, label=label))
     if scene.get("obstacles"):
         handles.append(Patch(facecolor="#8d8d93", edgecolor=INK, hatch="////", label="obstacle"))
+    if scene.get("place", {}).get("shelters"):
+        handles.append(Patch(facecolor=STAR, edgecolor=INK, alpha=0.7, label="shelter"))
     names = group_names(scene["crowd"]["groups"], rows) if colours else []
     groups = [Line2D([], [], color=colour, linewidth=2.2, linestyle=top_view.dash_of_group(i), label=name)
               for i, (colour, name) in enumerate(zip(colours or [], names))]

@@ -118,8 +118,10 @@ def draw(run, name, output):
     top_view.draw_obstacles(axes, scene)
     paths = run_files.read_paths(run / "trajectories.sqlite") if (run / "trajectories.sqlite").exists() else {}
     ways = [top_view.thinned(points[:, 1:3]) for points in paths.values()]
+    fine = 1 if len(ways) <= 100 else 0.4  # the water must be seen below the paths of many
     for colour, line_width in (("white", 1.5), ("#3a3a40", 0.7)):
-        axes.add_collection(LineCollection(ways, colors=colour, linewidths=line_width, zorder=6))
+        axes.add_collection(LineCollection(ways, colors=colour, linewidths=fine * line_width, zorder=6))
+    top_view.draw_goals(axes, scene)
     draw_scale(axes, length, width)
     epsg = scene.get("place", {}).get("epsg")
     draw_title(figure, f"{plain(scene['name'])}: {title}", "cells of {:.4g} m{}".format(dx, f", EPSG:{epsg}" if epsg else ""))

@@ -137,7 +137,8 @@ def job(options):
               for box in scene.get("obstacles", [])]
     if stones:
         add("obstacles", *boxes(stones), STONE)
-    goals = {(group["goal"]["x_m"], group["goal"]["z_m"]) for group in scene["crowd"]["groups"]}
+    goals = {(group["goal"]["x_m"], group["goal"]["z_m"]) for group in scene["crowd"]["groups"]
+             if group["goal"].get("to") != "shelters"}
     poles = [(gx - 0.08, gz - 0.08, 0, gx + 0.08, gz + 0.08, 4) for gx, gz in goals if 0 <= gx <= world["length_m"]]
     if poles:
         add("goals", *boxes(poles), GOAL)

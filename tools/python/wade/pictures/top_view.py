@@ -214,21 +214,21 @@ def rings_of(geometry):
     return [np.array([point[:2] for point in polygon[0]]) for polygon in polygons]
 
 
-def houses_of(scene):
-    """Ground plans of the houses of a scene, in its metres; files that are gone are left out."""
-    place, houses = scene.get("place", {}), []
+def polygons_of(scene, kind):
+    """Ground plans of the `houses` or `shelters` of a scene, in its metres; files that are gone are left out."""
+    place, polygons = scene.get("place", {}), []
     origin = [place.get("origin_easting_m", 0), place.get("origin_northing_m", 0)]
-    for house in place.get("houses", []):
-        if house.get("polygon"):
-            houses.append(np.array(house["polygon"]))
-        if not house.get("file") or not pathlib.Path(house["file"]).exists():
+    for one in place.get(kind, []):
+        if one.get("polygon"):
+            polygons.append(np.array(one["polygon"]))
+        if not one.get("file") or not pathlib.Path(one["file"]).exists():
             continue
-        document = json.loads(pathlib.Path(house["file"]).read_text(encoding="utf-8"))
+        document = json.loads(pathlib.Path(one["file"]).read_text(encoding="utf-8"))
         for feature in document.get("features", [document]):
             geometry = feature.get("geometry", feature) or {}
             if geometry.get("type") in ("Polygon", "MultiPolygon"):
-                houses += [ring - origin for ring in rings_of(geometry)]
-    return houses
+                polygons += [ring - origin for ring in rings_of(geometry)]
+    return polygons
 
 
 def draw_obstacles(axes, scene):
@@ -236,13 +236,17 @@ def draw_obstacles(axes, scene):
         axes.add_patch(Rectangle((box["x_min_m"], box["z_min_m"]), box["x_max_m"] - box["x_min_m"],
                                  box["z_max_m"] - box["z_min_m"], facecolor="#8d8d93", edgecolor=INK, linewidth=0.9,
                                  hatch="////", zorder=5))
-    axes.add_collection(PolyCollection(houses_of(scene), facecolors="#8d8d93", edgecolors=INK, linewidths=0.5, zorder=5))
+    axes.add_collection(PolyCollection(polygons_of(scene, "houses"), facecolors="#8d8d93", edgecolors=INK, linewidths=0.5, zorder=5))
+
+
+def goals_of(scene):
+    """Places that groups walk to; those who walk to shelters have none."""
+    return {(g["goal"]["x_m"], g["goal"]["z_m"]) for g in scene["crowd"]["groups"] if g["goal"].get("to") != "shelters"}
 
 
 def far_goals(scene):
     """Goals that lie laps away in a periodic world, and so are a direction to walk in."""
-    goals = {(g["goal"]["x_m"], g["goal"]["z_m"]) for g in scene["crowd"]["groups"]}
-    return sorted(goal for goal in goals if period_of(scene) and not 0 <= goal[0] <= period_of(scene))
+    return sorted(goal for goal in goals_of(scene) if period_of(scene) and not 0 <= goal[0] <= period_of(scene))
 
 
 def group_colours(scene):
@@ -287,7 +291,9 @@ def draw_goals(axes, scene, by_group=True):
     for x, z in far_goals(scene):
         axes.plot(length if x > length else 0, z, marker=">" if x > length else "<", markersize=13,
                   markerfacecolor=goal_colour(scene, (x, z)) if by_group else STAR, **style)
-    for goal in sorted({(g["goal"]["x_m"], g["goal"]["z_m"]) for g in crowd["groups"]} - set(far_goals(scene))):
+    axes.add_collection(PolyCollection(polygons_of(scene, "shelters"), facecolors=STAR, edgecolors=INK, linewidths=0.8,
+                                       alpha=0.7, zorder=4))
+    for goal in sorted(goals_of(scene) - set(far_goals(scene))):
         # Cut off at the edge of the world, where nobody walks and the picture has its title.
         reach = axes.add_patch(Circle(goal, crowd["goal_radius_m"], fill=False, edgecolor="#9a7400", linewidth=0.9,
                                       linestyle=(0, (3, 2)), zorder=7))

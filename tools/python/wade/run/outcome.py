@@ -50,7 +50,8 @@ def summary(folder):
         return []
     last = outcome["last_arrival_s"]
     arrival = f", the last after {last:.1f} s" if last is not None else ""
-    lines = [f"{outcome['scene']}: {outcome['status']}; {outcome['arrived']} of {outcome['agents']} arrived{arrival}; "
+    place = f", {outcome['sheltered']} sheltered, {outcome['indoors'] + outcome['upper_floor']} indoors" if "sheltered" in outcome else ""
+    lines = [f"{outcome['scene']}: {outcome['status']}; {outcome['arrived']} of {outcome['agents']} arrived{arrival}{place}; "
              f"{outcome['dead']} dead, {outcome['active']} active"]
     wall, memory = outcome["wall_time_s"], outcome["fluid"].get("resident_bytes")
     if wall:
