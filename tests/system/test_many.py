@@ -7,10 +7,12 @@ import signal
 import subprocess
 import sys
 import unittest
+from unittest import mock
 
 from ensemble_test import EnsembleTest
 from harness import PROGRAMS, ROOT, SMALL, wait_until
 
+from wade.ensembles import waters
 from wade.ensembles.folder import fingerprint, is_complete, publish, status_of
 from wade.ensembles.plan import split_values, varied
 from wade.ensembles.waters import water_of
@@ -183,6 +185,20 @@ class Many(EnsembleTest):
         self.assertTrue(is_complete(place, expected, 3))
         self.assertEqual(status_of(place, expected, 4), "stale")
         self.assertEqual([folder.name for folder in self.folder.iterdir() if folder.is_dir()], ["00001"])
+
+    def test_a_program_that_is_killed_as_it_reads_a_scene_is_asked_again(self):
+        program = self.folder / "crowd_client"
+        for kills, answer in ((2, ({"seed": 1}, None)), (10**6, (None, "exit code -9"))):
+            (self.folder / "kills").write_text("")
+            program.write_text(f"""#!/bin/bash
+cd {self.folder}; echo >> kills
+[ $(wc -l < kills) -gt {kills} ] || kill -KILL $$
+echo '{{"seed": 1}}'
+""")
+            program.chmod(0o755)
+            with mock.patch.object(waters, "BUILD", self.folder):
+                self.assertEqual(waters.resolve("scene.json", []), answer)
+        self.assertEqual(len((self.folder / "kills").read_text()), waters.MOST_KILLS)
 
     def test_values_that_vary(self):
         self.assertEqual(split_values('1,[2,3],{"a":[4,5]},"x,y",z'), ["1", "[2,3]", '{"a":[4,5]}', '"x,y"', "z"])

@@ -1,6 +1,7 @@
 """Which runs of a plan share a water: those whose scenes differ in the crowd alone, where no seed and no person changes it."""
 
 import json
+import signal
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
 
@@ -12,6 +13,7 @@ OWN_OF_CROWD = ("/seed", "/name", "/description", "/events", "/crowd", "/couplin
 # Models whose water is the same for each seed. The others draw where their particles lie, or waves, from it; `auto` may
 # choose one of them, and chooses by where people walk.
 SEEDLESS = ("dfsph",)
+MOST_KILLS = 20  # of the program that reads a scene, one after the other; more are no accident
 
 
 def water_of(resolved, seed):
@@ -28,8 +30,11 @@ def is_own_of_crowd(pointer):
 
 
 def resolve(file, words):
-    """(the resolved scene, None) or (None, why the program refuses it)."""
-    answer = subprocess.run([BUILD / "crowd_client", file, *words, "--print-config"], capture_output=True, text=True)
+    """(the resolved scene, None) or (None, why the program refuses it). A kill says nothing of the scene: it is asked again."""
+    for _ in range(MOST_KILLS):
+        answer = subprocess.run([BUILD / "crowd_client", file, *words, "--print-config"], capture_output=True, text=True)
+        if answer.returncode != -signal.SIGKILL:
+            break
     if answer.returncode == 0:
         return json.loads(answer.stdout), None
     return None, message_of(answer.stderr) or f"exit code {answer.returncode}"

@@ -24,6 +24,9 @@ from wade.terminal import Parser
 
 COLOURS = {"arrived": "#009e73", "sheltered": "#117733", "indoors": "#cc79a7", "upstairs": "#aa4499",
            "on their feet": "#56b4e9", "holding": "#e69f00", "carried": "#d55e00", "drowned": "#16161a", SWEPT_AWAY: "#5a5a60"}
+# Where the water of a place comes from, by the keys of a scene.
+WATER_OF_A_PLACE = {"water": "stands there at the start", "water_depth_file": "lies there at the start",
+                    "gates": "waits behind gates until they open", "sources": "flows in", "rain": "falls as rain"}
 OTHERS = ("#332288", "#999933", "#882255")  # of fates that only some scenes have
 WORDS = {
     "sheltered": "reached a shelter that had room",
@@ -190,8 +193,10 @@ def assumed(case):
     rows = [["place", f"{world['length_m']:g} x {world['width_m']:g} m, {len(scene.get('obstacles') or [])} obstacles"]]
     channel = scene.get("channel")
     if scene.get("place"):
-        houses = len(scene["place"].get("houses") or [])
-        rows.append(["ground", f"a map, with {houses} houses; water from the sources of the scene"])
+        from wade.pictures.top_view import polygons_of
+        rows.append(["ground", f"a map, with {len(polygons_of(scene, 'houses'))} houses"])
+        came = [words for key, words in WATER_OF_A_PLACE.items() if scene["place"].get(key)]
+        rows.append(["water", ", ".join(came) or "none"])
     elif channel:
         depth = f"{channel['depth_m']:g} m deep, " if "depth_m" in channel else ""
         rows.append(["water", f"{depth}{channel['velocity_m_s']:g} m/s asked for"])
