@@ -46,13 +46,18 @@ class AgentsTaker {
     // Throws what the thread met, if anything.
     void check() const;
 
+    // Throws the refusal of people who push, if they came: the cause of whatever else ends the replay.
+    void check_refusal() const;
+
     // Waits for the end of the stream. Errors: as check().
     void finish();
 
  private:
     void take_all(const std::string& session, const shm::Waiting& waiting);
 
-    std::atomic<bool> stop_{false}, failed_{false};
+    void fail(std::exception_ptr error);
+
+    std::atomic<bool> stop_{false}, failed_{false}, refused_{false};
     std::exception_ptr error_;
     std::thread thread_;
 };
@@ -70,6 +75,16 @@ AgentsTaker::~AgentsTaker() {
 
 void AgentsTaker::check() const {
     if (failed_) std::rethrow_exception(error_);
+}
+
+void AgentsTaker::check_refusal() const {
+    if (refused_) check();
+}
+
+void AgentsTaker::fail(std::exception_ptr error) {
+    if (failed_) return;
+    error_ = std::move(error);
+    failed_ = true;
 }
 
 void AgentsTaker::finish() {
@@ -92,13 +107,15 @@ void AgentsTaker::take_all(const std::string& session, const shm::Waiting& waiti
         if (subscriber->info().impulses) {
             const std::string why =
                 "A recording cannot answer people who push the water: a run with /coupling/two_way has no replay.";
+            // Known here before the crowd hears of it, whose end would otherwise be taken for the cause.
+            fail(std::make_exception_ptr(shm::Error(shm::Failure::protocol_violation, why)));
+            refused_ = true;
             subscriber->abort(static_cast<int>(shm::Failure::protocol_violation), why);
-            throw shm::Error(shm::Failure::protocol_violation, why);
+            return;
         }
         while (subscriber->acquire()) subscriber->release();
     } catch (...) {
-        error_ = std::current_exception();
-        failed_ = true;
+        fail(std::current_exception());
     }
 }
 
@@ -197,6 +214,16 @@ std::uint64_t play(Recording& r, shm::Publisher& publisher, AgentsTaker& agents)
     return 0;
 }
 
+// As play(), and where people push, their refusal is what ends it, whichever stream tells of the end first.
+std::uint64_t play_or_refuse(Recording& r, shm::Publisher& publisher, AgentsTaker& agents) {
+    try {
+        return play(r, publisher, agents);
+    } catch (const shm::Error&) {
+        agents.check_refusal();
+        throw;
+    }
+}
+
 int replay(Options& o, Recording& r, Console& console) {
     connect(o.waiting, console);
     if (!r.frames().empty() && r.frames().front().descriptor.frame != 1)
@@ -212,7 +239,7 @@ int replay(Options& o, Recording& r, Console& console) {
     try {
         AgentsTaker agents(o.take_agents, o.session, o.waiting);
         if (o.consumers > 0) publisher.wait_for_consumers(static_cast<int>(o.consumers));
-        const std::uint64_t left_at = play(r, publisher, agents);
+        const std::uint64_t left_at = play_or_refuse(r, publisher, agents);
         publisher.close();
         agents.finish();
         std::string summary =
