@@ -1,5 +1,7 @@
 """tools/wade many on this machine: plans, shared waters, failures, kills, a full disk, and that it goes on."""
 
+import contextlib
+import io
 import json
 import os
 import shutil
@@ -16,6 +18,7 @@ from wade.ensembles import waters
 from wade.ensembles.folder import fingerprint, is_complete, publish, status_of
 from wade.ensembles.plan import split_values, varied
 from wade.ensembles.waters import water_of
+from wade.many import say_all
 from wade.paths import CONFIGS
 
 SHORT = ["--until-s", "1"]
@@ -203,6 +206,22 @@ echo '{{"seed": 1}}'
     def test_values_that_vary(self):
         self.assertEqual(split_values('1,[2,3],{"a":[4,5]},"x,y",z'), ["1", "[2,3]", '{"a":[4,5]}', '"x,y"', "z"])
         self.assertEqual(varied("/crowd/tau=0.2,paper"), ("/crowd/tau", [0.2, "paper"]))
+
+    def test_the_table_of_places_says_who_is_sheltered_or_indoors(self):
+        row = {"scene": "place/village.json", "status": "completed", "agents": 9, "arrived": 4, "dead": 1, "active": 0}
+        place = {"sheltered": 2, "indoors": 1, "upper_floor": 1}
+
+        def printed(rows):
+            with contextlib.redirect_stdout(io.StringIO()) as told:
+                say_all([{**one, "seed": k} for k, one in enumerate(rows)], [])
+            return told.getvalue().splitlines()
+
+        self.assertNotIn("sheltered", printed([row])[0])
+        for count in (2, 50):  # a line a run, and the means of a scene
+            head, *_, last = printed([row, *[{**row, **place}] * count])
+            words = dict(zip(head.split(), last.split()))
+            self.assertEqual([float(words[key]) for key in ("arrived", "sheltered", "indoors", "upper_floor", "dead")],
+                             [4, 2, 1, 1, 1])
 
     def test_a_scene_that_is_not_there_stops_all_before_they_start(self):
         self.assert_ends(self.many(SMALL, "s055"), 2, 'no scene "s055"', "s05")

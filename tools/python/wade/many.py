@@ -17,7 +17,7 @@ from wade import UsageError
 from wade.ensembles.engines import ENGINES, Signals, still_queued
 from wade.ensembles.ensemble import Ensemble, locked
 from wade.ensembles.folder import fingerprint, read_json, remove_left_overs
-from wade.ensembles.gather import columns_of, gathered
+from wade.ensembles.gather import columns_of, gathered, said_of_places
 from wade.ensembles.plan import is_plan, seeds_of, varied
 from wade.reports.files import complain
 from wade.reports.options import whole
@@ -182,20 +182,23 @@ def shown(value):
 def say_all(rows, pointers):
     """The table on the terminal: a line a run, or of many runs a line a scene and settings; then who failed."""
     rows = [{**row, "scene": short(row["scene"])} for row in rows]
+    place = said_of_places(rows)
     if len(rows) <= MOST_ROWS:
-        columns = [*TABLE[:2], *pointers, *TABLE[2:]]
+        columns = [*TABLE[:2], *pointers, *TABLE[2:4], *place, *TABLE[4:]]
         print(plain(columns, [[shown(row.get(key)) for key in columns] for row in rows]))
     else:
         kinds = {}
         for row in rows:
             kinds.setdefault((row["scene"], *(shown(row.get(key)) for key in pointers)), []).append(row)
-        lines = []
+        lines, counts = [], ("agents", "arrived", *place, "dead", "active")
         for kind, own in kinds.items():
             complete = [row for row in own if row["status"] == "completed"]
-            means = [sum(row[key] for row in complete) / len(complete) if complete else None
-                     for key in ("agents", "arrived", "dead", "active")]
+            means = []
+            for key in counts:
+                told = [row[key] for row in complete if key in row]
+                means.append(sum(told) / len(told) if told else None)
             lines.append([*kind, len(own), len(complete), *map(shown, means)])
-        print(plain(["scene", *pointers, "runs", "completed", "agents", "arrived", "dead", "active"], lines))
+        print(plain(["scene", *pointers, "runs", "completed", *counts], lines))
     failures = [row for row in rows if row["status"] != "completed"]
     for row in failures[:MOST_FAILURES]:
         complain(f"{row['index']}: {row['scene']} seed {row['seed']}: {row['status']}: {row['reason']}")

@@ -15,6 +15,7 @@ LEVEL = 0.95
 FEWEST_RUNS = 10      # with fewer, t-Wilson covers 77 to 92 % where people of a run are alike
 FEWEST_WITH_ANY = 5   # runs in which somebody has it, and runs in which somebody has it not
 FEWEST_EFFECTIVE = 12  # independent people of the rarer outcome: with fewer, over 7 % of ensembles would get a wrong one
+RAREST_GIVEN = 0.02   # coverage is kept wherever this share of ensembles gets an interval; see level_of()
 RESAMPLES = 1000      # moves the ends of an interval by about 4 % of its width
 SEED = 20201016
 
@@ -52,14 +53,13 @@ def t_tail(t, degrees):
 
 
 def between(low, high, too_low):
-    """Where too_low(x) turns false, by halving 100 times."""
-    for _ in range(100):
-        middle = (low + high) / 2
+    """Where too_low(x) turns false, by halving down to rounding."""
+    while low < (middle := (low + high) / 2) < high:
         low, high = (middle, high) if too_low(middle) else (low, middle)
-    return (low + high) / 2
+    return middle
 
 
-@functools.cache
+@functools.lru_cache(maxsize=4096)
 def t_quantile(degrees, level=LEVEL):
     """t with P(|T| <= t) = level, T of Student's distribution; beyond 200 degrees by the series in 1 / degrees (26.7.5)."""
     if degrees <= 200:
@@ -117,6 +117,27 @@ def why_not(counts, people, effect):
     return ""
 
 
+def level_of(effective, runs):
+    """Level at which an interval must be computed so that 95 % of those hold that are given.
+
+    effective: independent cases of the rarer outcome, at least FEWEST_EFFECTIVE, as the runs make them out to be. What just
+    passes that rule is often an odd ensemble of few cases. If each truth is rejected with the probability 0.05 times that with
+    which it gets an interval at all, 0.05 of those given are wrong, whatever the truth (the conditional level of Weinstein,
+    Fithian and Benjamini, 2013). That probability is taken for the fewest cases that these runs may stand for, RAREST_GIVEN
+    below: log(effective) is normal, with the variance of a design effect from chi-square of runs less 1, and of so many cases.
+    """
+    deviation = math.sqrt(2 / (runs - 1) + 1 / effective)
+    normal = statistics.NormalDist()
+    passes = normal.cdf(math.log(effective / FEWEST_EFFECTIVE) / deviation + normal.inv_cdf(RAREST_GIVEN))
+    return 1 - (1 - LEVEL) * math.floor(passes * 200) / 200  # in steps, so that few quantiles are computed
+
+
+def interval(share, people, runs):
+    """t-Wilson of a share of so many independent people, at the level that the rules of refusal ask for."""
+    effective = people * min(share, 1 - share)
+    return wilson(share * people, people, t_quantile(runs - 1, level_of(effective, runs)))
+
+
 def share_of(counts, people):
     """The share of people to whom something happened, t-Wilson with the design effect of runs. counts, people: a run each."""
     total = sum(people)
@@ -124,7 +145,7 @@ def share_of(counts, people):
         return Share(len(counts), 0, math.nan, None, None, 0, 0, "nobody")
     effect = design_effect(counts, people)
     refused = why_not(counts, people, effect)
-    low, high = (None, None) if refused else wilson(sum(counts) / effect, total / effect, t_quantile(len(counts) - 1))
+    low, high = (None, None) if refused else interval(sum(counts) / total, total / effect, len(counts))
     some = sum(count > 0 for count in counts), sum(count < size for count, size in zip(counts, people))
     return Share(len(counts), total, sum(counts) / total, low, high, *some, refused)
 
@@ -187,8 +208,7 @@ def runs_needed(counts, people, width=MAX_WIDTH):
         return None
 
     def width_of(n):
-        size = total / runs * n / effect
-        low, high = wilson(share * size, size, t_quantile(n - 1))
+        low, high = interval(share, total / runs * n / effect, n)
         return high - low
 
     if width_of(runs) <= width:
@@ -243,6 +263,8 @@ class Comparison:
 def compared(first, second, people):
     """Paired t over runs of the difference of shares; counts of the same seeds, people a run.
 
+    None where the share of both together would get no interval: differences of rare outcomes are as skewed as these.
+
     The number needed to warn (treat; Cook and Sackett 1995) is 1 over the difference, and has no interval where that of the
     difference holds 0: it would go through infinity.
     """
@@ -260,9 +282,13 @@ def compared(first, second, people):
         refused = f"fewer than {FEWEST_RUNS} pairs"
     elif unlike < FEWEST_WITH_ANY:
         refused = f"unlike in {unlike} of {count} pairs only, {FEWEST_WITH_ANY} needed"
+    both, sizes = [a + b for a, b in zip(first, second)], [2 * n for n in people]
+    effect, share = design_effect(both, sizes), sum(both) / sum(sizes)
+    refused = refused or why_not(both, sizes, effect)
     if refused:
         return Comparison(count, total, *means, mean, None, None, per, None, None, refused)
-    half = t_quantile(count - 1) * statistics.stdev(differences) / math.sqrt(count)
+    level = level_of(sum(sizes) / effect * min(share, 1 - share), count)
+    half = t_quantile(count - 1, level) * statistics.stdev(differences) / math.sqrt(count)
     low, high = mean - half, mean + half
     if low <= 0 <= high:
         return Comparison(count, total, *means, mean, low, high, per, None, None, "difference may be 0")
