@@ -141,6 +141,7 @@ void mark_always(ShallowWater& world) {
         for (const SourceCell& cell : source.cells) mark(cell.cell);
     }
     for (const PlaceOutlet& outlet : world.place->outlets) {
+        if (outlet.kind == OutletKind::free) continue;  // dry where no water is beside it
         for (const OutletCell& cell : outlet.cells) mark(cell.cell);
     }
 }

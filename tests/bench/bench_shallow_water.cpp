@@ -102,10 +102,75 @@ void bench(const Size& size, const Kind& kind, const Options& options, std::vect
     }
 }
 
+// Streets of a town in a flood that has filled them, and the same ground without its houses. Here a cell-step is one wet cell
+// over one time step: what is done for dry cells, walls and what comes and goes is its cost.
+struct PlaceKind {
+    const char* name;
+    bool houses;
+};
+constexpr PlaceKind place_kinds[] = {{"shallow_water/place_houses", true}, {"shallow_water/place_open", false}};
+constexpr double filled_after = 240;  // s of the flood
+
+std::size_t wet_cells(const swe::ShallowWater& world) {
+    std::size_t wet = 0;
+    for (std::size_t k = 0; k < world.grid.nz; ++k) {
+        const std::size_t c = world.grid.row(static_cast<std::ptrdiff_t>(k));
+        for (std::size_t i = c; i < c + world.grid.nx; ++i) {
+            wet += world.water.h[i] > world.constants.dry && world.openings.share_of(i) > 0 ? 1U : 0U;
+        }
+    }
+    return wet;
+}
+
+void bench_place(const PlaceKind& kind, const Options& options, std::vector<Result>& results) {
+    Scene scene = bench::scene_of("../places/merewether/merewether.json");
+    if (!kind.houses) scene.place->houses.clear();
+    swe::ShallowWater world(scene);
+    const double begin = options.quick ? filled_after / 4 : filled_after;
+    while (world.time < begin) swe::step(world, begin - world.time);
+    std::map<int, std::vector<double>> rates, cpu_rates;
+    std::map<int, swe::StepStages::Seconds> stages;  // s, by number of threads
+    std::map<int, double> taken;                     // wet cells times steps
+    std::size_t wet = wet_cells(world);
+    for (int round = 0; round < (options.quick ? 3 : 9); ++round) {
+        for (const int threads : options.thread_counts()) {
+            omp_set_num_threads(threads);
+            swe::step(world, 1);  // shares the rows among the threads anew
+            const int steps = options.quick ? 50 : 300;
+            const Times start = Times::now();
+            for (int k = 0; k < steps; ++k) {
+                const swe::StepReport step = swe::step(world, 1);
+                for (std::size_t s = 0; s < step.stages.size(); ++s) stages[threads][s] += step.stages[s];
+            }
+            const Times times = Times::now().since(start);
+            wet = wet_cells(world);
+            const double cell_steps = static_cast<double>(wet) * steps;
+            taken[threads] += cell_steps;
+            rates[threads].push_back(cell_steps / times.wall);
+            cpu_rates[threads].push_back(cell_steps / times.cpu);
+        }
+    }
+    for (const int threads : options.thread_counts()) {
+        Result result = result_of(kind.name, wet, threads, rates[threads], "cell_steps_per_s");
+        result.extra = {
+            {"cell_steps_per_cpu_s", quantile(cpu_rates[threads], 0.5)},
+            {"cells", static_cast<double>(world.grid.cells())},
+            {"worked_per_wet_cell", static_cast<double>(swe::active_cells(world)) / static_cast<double>(wet)}};
+        for (std::size_t s = 0; s < swe::stage_names.size(); ++s)
+            result.extra.emplace_back(std::string(swe::stage_names[s]) + "_ns_per_cell_step",
+                                      1e9 * stages[threads][s] / taken[threads]);
+        print(result);
+        results.push_back(std::move(result));
+    }
+}
+
 void run(const Options& options, std::vector<Result>& results) {
     for (const Kind& kind : kinds) {
         if (!options.wanted(kind.name)) continue;
         for (const Size& size : sizes) bench(size, kind, options, results);
+    }
+    for (const PlaceKind& kind : place_kinds) {
+        if (options.wanted(kind.name)) bench_place(kind, options, results);
     }
 }
 
