@@ -22,7 +22,7 @@ from unittest import mock
 
 import numpy as np
 import recording_file
-from harness import CLIENT, PROGRAMS, ROOT, SERVER, SMALL, SystemTest
+from harness import BASIN, CLIENT, PROGRAMS, ROOT, SERVER, SMALL, SystemTest
 
 from wade import cli
 
@@ -262,6 +262,67 @@ class Readers(ExportTest):
             np.testing.assert_allclose(found, places[:, [0, 2, 1]], rtol=1e-5, atol=1e-6)  # tinyusdz prints six digits
         for name in ("positions", "orientations", "velocities", "ids", "protoIndices", "primvars:state"):
             self.assertIn(f" {name}.timeSamples", people)
+
+
+class Maps(ExportTest):
+    def flooded(self):
+        """A run in a small place and its recording."""
+        scene, run, file = self.folder / "basin.json", self.folder / "flood", self.folder / "flood.wrec"
+        scene.write_text(json.dumps(BASIN))
+        server = self.start(SERVER, scene, "--session", self.session, "--consumers", "2", "--out", run)
+        recorder = self.start(PROGRAMS / "shm_record", self.session, file, "--compression", "0")
+        client = self.start(CLIENT, scene, "--session", self.session, "--out", run, "--water-every-s", "1")
+        self.assert_ended_well(server, client, recorder)
+        return run, file
+
+    def bands_of(self, file):
+        """What gdalinfo says of a file, and its values as GDAL's own raw format has them, the southern row first."""
+        raw = self.folder / "raw"
+        told = subprocess.run(["gdalinfo", "-json", file], capture_output=True, text=True, check=True)
+        subprocess.run(["gdal_translate", "-q", "-of", "ENVI", file, raw], check=True)
+        info = json.loads(told.stdout)
+        columns, rows = info["size"]
+        return info, np.fromfile(raw, "<f4").reshape(len(info["bands"]), rows, columns)[:, ::-1].astype(float)
+
+    @unittest.skipUnless(shutil.which("gdal_translate"), "needs gdal-bin (tools/install_dependencies.sh readers)")
+    def test_gdal_finds_the_water_of_each_time_where_it_lies(self):
+        run, file = self.flooded()
+        said = self.export(run, "--water", file, "--to", "geotiff")
+        self.assertIn("water: 40 frames", said)
+        frames = [self.bands_of(tif) for tif in sorted(self.out.glob("water_*.tif"))[7::8]]
+        info, (depth, speed, product, hazard) = frames[-1]
+        self.assertEqual(info["geoTransform"], [500000, 1, 0, 5300016, 0, -1])
+        self.assertIn('ID["EPSG",32632]', info["coordinateSystem"]["wkt"])
+        self.assertEqual([band["description"] for band in info["bands"]], ["depth_m", "speed_m_s", "dv_m2_s", "arr_h"])
+        self.assertEqual(float(info["metadata"][""]["time_s"]), 4)
+        # 24 m over (0.5 - 0.08 z) m, z from 0 to 6.25 m: 37.5 m3 less the house's 12 m x 0.22 m, and 6 m3/s over 4 s.
+        self.assertAlmostEqual(np.nansum(depth) / (37.5 - 12 * 0.22 + 24), 1, 2)
+        self.assertTrue(np.isnan(depth[2:5, 8:12]).all() and np.isfinite(np.delete(depth, range(8, 12), axis=1)).all())
+        np.testing.assert_allclose(product, depth * speed, rtol=1e-6)
+        self.assertGreater(np.nanmax(speed), 0.1)
+        self.assertEqual(set(np.unique(hazard[np.isfinite(hazard)])) - {0, 1, 2, 3, 4}, set())
+
+        # The maps, which the server wrote, hold no less than any frame; where water rose all the time they are the last one.
+        _, (largest,) = self.bands_of(self.out / "max_depth_m.tif")
+        for _, (depth, *_) in frames:
+            self.assertLess(np.nanmax(depth - largest), 0.002)  # thin water is dealt to what is shown
+        self.assertLess(np.nanmedian(np.abs(depth - largest)[depth > 0.05]), 0.02)
+        self.assertEqual((self.out / "arrival_s.tif").read_bytes(), (run / "maps" / "arrival_s.tif").read_bytes())
+
+        # Without a recording there are depths only.
+        said = self.export(run, "--to", "geotiff", "--from-s", 2, "--interval-s", 2, "--region", "2,9,0,4")
+        self.assertIn("depth: 2 frames", said)
+        info, (part,) = self.bands_of(self.out / "water_000040.tif")
+        self.assertEqual((info["geoTransform"], part.shape), ([500002, 1, 0, 5300004, 0, -1], (4, 7)))
+        np.testing.assert_allclose(part, depth[:4, 2:9], atol=0.002)
+
+    @unittest.skipUnless(shutil.which("gdal_translate"), "needs gdal-bin (tools/install_dependencies.sh readers)")
+    def test_a_channel_has_no_coordinate_system_but_a_place_in_its_own_metres(self):
+        self.export(RUN, "--water", RECORDING, "--to", "geotiff", "--every", FRAMES - 1)
+        info, (depth, *_) = self.bands_of(max(self.out.glob("water_*.tif")))
+        self.assertEqual((info["geoTransform"], depth.shape), ([0, 0.5, 0, 8, 0, -0.5], (8, 40)))
+        self.assertAlmostEqual(depth.sum() * 0.25, 80, 2)
+        self.assert_refused_here("export", RECORDING, "--to", "geotiff", "--out", self.out, texts=["needs the run folder"])
 
 
 class Walking(ExportTest):

@@ -17,7 +17,7 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-from harness import ENDLESS, PROGRAMS, SystemTest, wait_until
+from harness import BASIN, ENDLESS, PROGRAMS, SERVER as WATER, SystemTest, wait_until
 
 from wade import view
 
@@ -191,6 +191,44 @@ class Folders(ViewTest):
         self.assertEqual(head[4], status["people"]["last"])
         self.assertLess(head[4], run.outcome()["sim_time_s"] * 0.9)
         self.assertLess(client.get(get="depths", t=1e6)[0][4], run.outcome()["sim_time_s"] * 0.9)
+
+    def test_a_place_is_described_with_its_ground_and_frames_go_by_their_numbers(self):
+        folder, scene = self.folder / "run", self.folder / "basin.json"
+        folder.mkdir()
+        scene.write_text(json.dumps(BASIN))
+        printed = subprocess.run([WATER, scene, "--print-config"], capture_output=True, check=True)
+        (folder / "manifest.json").write_text(json.dumps({"resolved_scene": json.loads(printed.stdout)}))
+        # Nobody was outdoors before frame 4 and in frame 6.
+        rows = [f"{frame},{frame / 2},7,3,{frame},{state},upright" + 10 * ",0" + ",,-0.1"
+                for frame, state in ((4, "walking"), (5, "walking"), (7, "sheltered"))]
+        head = "frame,time_s,id,x_m,z_m,state,posture,heading_rad,speed_m_s,gait_phase,step_length_m,hip_height_m"
+        (folder / "poses.csv").write_text("\n".join([head, *rows, ""]))
+        program = self.view("--run", folder)
+        description = json.loads(self.fetch(program, "/run.json"))
+        place = description["place"]
+        self.assertEqual([house["rings"] for house in place["houses"]], [[[[8, 2], [12, 2], [12, 5], [8, 5]]]])
+        self.assertEqual((place["houses"][0]["height"], len(place["sources"]), place["highest_water"]), (6, 1, 0))
+        client = self.connect(program)
+        head, (heights,) = client.get(get="ground")
+        columns, step = head[7], head[10]
+        self.assertEqual((columns, head[2]), (65, 65 * 44))
+        for k in (0, 64, 65 * 20 + 3):
+            self.assertAlmostEqual(heights[k], -0.5 + 0.08 * step * (k // columns), delta=1e-6)
+        status = client.status(lambda s: s["people"]["frames"] > 0)["people"]
+        self.assertEqual((status["frames"], status["last"], status["rate"]), (8, 3.5, 2))
+        for frame, words in ((0, []), (4, ["walking"]), (6, []), (7, ["sheltered"])):
+            head, arrays = client.get(get="people", after=frame)
+            self.assertEqual(head[4], frame / 2)
+            self.assertEqual([description["states"][int(state)] for state in arrays[3]], words)
+
+    def test_a_place_whose_files_are_gone_is_told(self):
+        folder = self.folder / "run"
+        folder.mkdir()
+        (folder / "outcome.json").write_text("{}")
+        place = BASIN["place"] | {"ground": {"file": str(self.folder / "gone.asc")}}
+        (folder / "manifest.json").write_text(json.dumps({"resolved_scene": BASIN | {"place": place}}))
+        described = json.loads(self.fetch(self.view("--run", folder), "/run.json"))
+        self.assertIn("gone.asc", described["place"]["problem"])
 
     def test_only_paths_show_people_upright(self):
         run = self.pair()

@@ -119,6 +119,7 @@ void FrameTable::take_row(std::string_view row, std::uint64_t at) {
     if (frame != last_frame_) {
         starts_.push_back(at);
         times_.push_back(time);
+        numbers_.push_back(static_cast<std::size_t>(std::max(0LL, frame)));
         last_frame_ = frame;
     }
     if (!header_.starts_with("frame,time_s,id,x_m,z_m,state")) return;
@@ -139,6 +140,16 @@ std::size_t FrameTable::at(double time_s) const {
 std::string FrameTable::rows_of(std::size_t frame) const {
     const std::uint64_t end = frame + 1 < starts_.size() ? starts_[frame + 1] : read_;
     return part_of(path_, starts_[frame], end - starts_[frame]);
+}
+
+double FrameTable::rate_hz() const {
+    return times_.empty() || !(times_.back() > 0) ? 1 : static_cast<double>(numbers_.back()) / times_.back();
+}
+
+std::string FrameTable::rows_of_number(std::size_t number) const {
+    const auto found = std::lower_bound(numbers_.begin(), numbers_.end(), number);
+    const bool is_there = found != numbers_.end() && *found == number;
+    return is_there ? rows_of(static_cast<std::size_t>(found - numbers_.begin())) : "";
 }
 
 RunFolder::RunFolder(std::filesystem::path folder, bool may_be_empty)
@@ -197,11 +208,11 @@ void RunFolder::look_at_water() {
 }
 
 std::size_t RunFolder::people_frames() const {
-    return has_poses() ? poses_.frames() : paths_per_s_ > 0 ? path_frames_ : 0;
+    return has_poses() ? poses_.last_number() + 1 : paths_per_s_ > 0 ? path_frames_ : 0;
 }
 
 double RunFolder::people_time(std::size_t frame) const {
-    return has_poses() ? poses_.time_of(frame) : static_cast<double>(frame) / paths_per_s_;
+    return static_cast<double>(frame) / (has_poses() ? poses_.rate_hz() : paths_per_s_);
 }
 
 Message RunFolder::people(std::size_t frame) const {
@@ -210,7 +221,7 @@ Message RunFolder::people(std::size_t frame) const {
     constexpr std::size_t fields = std::size(people_fields);
     std::vector<std::array<float, fields>> rows;
     if (has_poses()) {
-        const std::string text = poses_.rows_of(frame);
+        const std::string text = poses_.rows_of_number(frame);
         std::string_view rest = text;
         while (!rest.empty()) {
             const std::size_t end = rest.find('\n');

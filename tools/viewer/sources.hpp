@@ -1,6 +1,7 @@
 #pragma once
 // Where water and people of the page come from: a session that runs, as one more free-running reader (water.cpp), a recording
-// (water.cpp), or a run folder, while the run goes on, at its end, or after it was killed (run_folder.cpp).
+// (water.cpp), or a run folder, while the run goes on, at its end, or after it was killed (run_folder.cpp). And the place that
+// it happens in (place.cpp).
 
 #include <atomic>
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "configs/scene/scene.hpp"
 #include "tools/shm/recording.hpp"
 #include "tools/viewer/web_server.hpp"
 
@@ -77,9 +79,9 @@ class RecordedWater {
 };
 
 // Words that messages of people give as their place in these lists.
-inline constexpr std::string_view state_words[] = {"walking", "standing",   "arrived", "dead",
-                                                   "effort",  "sliding",    "toppled", "afloat",
-                                                   "carried", "recovering", "holding", "drowned"};
+inline constexpr std::string_view state_words[] = {"walking", "standing", "arrived",   "dead",    "effort",
+                                                   "sliding", "toppled",  "afloat",    "carried", "recovering",
+                                                   "holding", "drowned",  "sheltered", "indoors", "upper_floor"};
 inline constexpr std::string_view posture_words[] = {"upright", "falling",  "lying",     "floating", "swimming",
                                                      "sitting", "kneeling", "squatting", "rising"};
 // The arrays of a message of people, in their order; `holds` is the first id that somebody holds, -1: nobody.
@@ -104,12 +106,16 @@ class FrameTable {
     bool read_on();
 
     [[nodiscard]] std::size_t frames() const { return starts_.size(); }
-    [[nodiscard]] double time_of(std::size_t frame) const { return times_[frame]; }
+    // The number of the last frame, and how many there are a second; numbers without rows are left out in the table.
+    [[nodiscard]] std::size_t last_number() const { return numbers_.empty() ? 0 : numbers_.back(); }
+    [[nodiscard]] double rate_hz() const;
     // The frame of the table at a time, the last that is not later. There must be one.
     [[nodiscard]] std::size_t at(double time_s) const;
     [[nodiscard]] const std::string& header() const { return header_; }
     // The whole rows of a frame that are there by now.
     [[nodiscard]] std::string rows_of(std::size_t frame) const;
+    // The same by its number; empty where nobody has a row.
+    [[nodiscard]] std::string rows_of_number(std::size_t number) const;
     [[nodiscard]] const std::vector<StateChange>& changes() const { return changes_; }
 
  private:
@@ -121,10 +127,17 @@ class FrameTable {
     std::uint64_t read_ = 0;  // bytes, up to the end of a row
     std::vector<std::uint64_t> starts_;
     std::vector<double> times_;
+    std::vector<std::size_t> numbers_;
     long long last_frame_ = -1;
     std::unordered_map<std::uint32_t, std::uint32_t> states_;
     std::vector<StateChange> changes_;
 };
+
+// What stands in a place: outlines of houses, shelters, gates, sources and outlets, m, as JSON.
+[[nodiscard]] std::string place_json(const Place& place);
+
+// The ground of a place at points of a square grid whose first one is the scene's origin; NaN outside.
+[[nodiscard]] Message ground_of(const Scene& scene);
 
 class RunFolder {
  public:

@@ -19,6 +19,7 @@
 #include <string>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/loading/scene_loader.hpp"
 #include "configs/program/program.hpp"
 #include "configs/program/run_control.hpp"
 #include "tools/shm/tool_arguments.hpp"
@@ -131,7 +132,8 @@ class Show {
         if (!asked.is_object() || !asked.contains("get") || !asked["get"].is_string()) return std::nullopt;
         Question question;
         question.kind = asked["get"];
-        const std::array kinds{"live", "walkers", "water", "depths", "people", "paths", "terms", "command", "changes"};
+        const std::array kinds{"live",  "walkers", "water",   "depths",  "people",
+                               "paths", "terms",   "command", "changes", "ground"};
         if (std::find(kinds.begin(), kinds.end(), question.kind) == kinds.end()) return std::nullopt;
         const auto number = [&](const char* name, double otherwise) {
             const double value =
@@ -157,6 +159,7 @@ class Show {
             const std::string problem = pass_on(q.command, options_.commands);
             return answer_with(json{{"command", q.command}, {"problem", problem}});
         }
+        if (q.kind == "ground") return ground_ ? answer_with(ground_) : std::nullopt;
         if (!folder_) return std::nullopt;
         if (q.kind == "depths") return answer_with(folder_->depths(q.time));
         if (q.kind == "people") return answer_with(folder_->people(static_cast<std::size_t>(std::max(0.0, q.after))));
@@ -222,7 +225,7 @@ class Show {
     }
 
     // What stays as it is, and the small files as they are now.
-    [[nodiscard]] json description() const {
+    [[nodiscard]] json description() {
         json d{
             {"states", list_of(state_words)}, {"postures", list_of(posture_words)}, {"fields", list_of(people_fields)}};
         d["commands"] = !options_.commands.empty();
@@ -234,7 +237,26 @@ class Show {
         if (folder_)
             for (const char* name : {"manifest.json", "outcome.json", "agents.csv"})
                 d["files"][name] = folder_->text_of(name);
+        if (place_.is_null()) read_place(d);
+        if (!place_.is_null()) d["place"] = place_;
         return d;
+    }
+
+    // The place of the scene, from the files that it names, which may be gone by now: then the page says so.
+    void read_place(const json& d) {
+        const json scene = json::parse(d.value("scene", std::string()), nullptr, false);
+        const json manifest =
+            json::parse(d.contains("files") ? d["files"].value("manifest.json", std::string()) : "", nullptr, false);
+        const json& known = scene.is_object() ? scene : manifest.is_object() ? manifest["resolved_scene"] : scene;
+        if (!known.is_object() || !known.contains("place")) return;
+        try {
+            const Scene read = load_scene_text(text_of(known), "manifest.json").scene;
+            if (!read.place) return;
+            place_ = json::parse(place_json(*read.place));
+            ground_ = ground_of(read);
+        } catch (const std::exception& error) {
+            place_ = json{{"problem", error.what()}};
+        }
     }
 
     Options options_;
@@ -242,6 +264,8 @@ class Show {
     std::optional<RunFolder> folder_;
     std::optional<RecordedWater> recorded_;
     std::optional<LiveStream> live_, walkers_;
+    json place_;
+    Message ground_;
     bool has_more_ = true;
     unsigned ticks_ = 0;
 };

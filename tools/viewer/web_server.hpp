@@ -19,11 +19,12 @@ namespace wade::view {
 //
 //   MessageHead, then `fields` arrays of `count` float32 each, one after another
 enum MessageKind : std::uint32_t {
-    kind_water = 1,   // x y z vx vy vz, volume
-    kind_people = 2,  // see people_fields of run_folder.hpp
-    kind_depths = 3,  // depth of the water, row by row
-    kind_paths = 4,   // id, time, x, z
-    kind_walkers = 5  // id, x, z, vx, vz, height, state: of a stream of agents
+    kind_water = 1,    // x y z vx vy vz, volume
+    kind_people = 2,   // see people_fields of run_folder.hpp
+    kind_depths = 3,   // depth of the water, row by row
+    kind_paths = 4,    // id, time, x, z
+    kind_walkers = 5,  // id, x, z, vx, vz, height, state: of a stream of agents
+    kind_ground = 6    // height of the ground at points, row by row; a cell is their distance
 };
 
 struct MessageHead {

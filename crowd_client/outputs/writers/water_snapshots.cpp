@@ -23,10 +23,13 @@ void put(std::string& bytes, T value) {
     bytes.append(raw, sizeof(T));
 }
 
-// Half a metre shows single particles of the paper's scenes; at most about a million cells a snapshot.
+// Half a metre shows single particles of the paper's scenes, in a place the water's own cells show its columns; at most about a
+// million cells a snapshot.
 double cell_size(const Scene& scene) {
     const double area = scene.channel.x.length() * scene.channel.z.length();
-    return std::max({0.5, scene.fluid.particle_spacing, std::sqrt(area / 1e6)});
+    const double of_water =
+        scene.place ? scene.fluid.shallow_water.cell_size : std::max(0.5, scene.fluid.particle_spacing);
+    return std::max(of_water, std::sqrt(area / 1e6));
 }
 
 GroundCells grid_over(const Scene& scene) {
@@ -41,7 +44,11 @@ GroundCells grid_over(const Scene& scene) {
 }  // namespace
 
 WaterSnapshots::WaterSnapshots(const std::filesystem::path& file, const Scene& scene)
-    : file_(file), grid_(grid_over(scene)), rest_density_(scene.fluid.rest_density), mass_(grid_.cells()) {
+    : file_(file),
+      grid_(grid_over(scene)),
+      rest_density_(scene.fluid.rest_density),
+      has_columns_(scene.place.has_value()),
+      mass_(grid_.cells()) {
     std::string header = "WADEWAT1";
     put(header, static_cast<std::uint32_t>(grid_.columns));
     put(header, static_cast<std::uint32_t>(grid_.rows));
@@ -58,9 +65,15 @@ void WaterSnapshots::write(std::uint64_t step, double time, const WaterView& wat
     Footprints footprints(grid_, rest_density_);
     for (std::size_t i = 0; i < water.size(); ++i) {
         const double mass = static_cast<double>(water.mass[i]);
+        // A column of a place is as wide as its cell, whatever its volume.
         footprints.deal(water.origin_x + water.scale_x * static_cast<double>(water.px[i]),
                         water.origin_z + water.scale_z * static_cast<double>(water.pz[i]), mass,
-                        [&](std::size_t cell, double share, std::size_t) { mass_[cell] += share * mass; });
+                        [&](std::size_t cell, double share, std::size_t own) {
+                            if (!has_columns_)
+                                mass_[cell] += share * mass;
+                            else if (cell == own)
+                                mass_[cell] += mass;
+                        });
     }
     record_.clear();
     put(record_, step);

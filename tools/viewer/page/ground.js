@@ -12,7 +12,7 @@ export const GROUP_COLOURS = ['#e69f00', '#cc79a7', '#f0e442', '#d55e00', '#009e
 
 export const place = (x, y, z) => new THREE.Vector3(x, y, -z);
 
-function noise(width, height, seed, paint) {
+export function noise(width, height, seed, paint) {
   const canvas = document.createElement('canvas');
   canvas.width = width;
   canvas.height = height;
@@ -46,7 +46,7 @@ function noise(width, height, seed, paint) {
   return texture;
 }
 
-const mixed = (a, b, t) => a.map((v, k) => v + (b[k] - v) * Math.min(1, Math.max(0, t)));
+export const mixed = (a, b, t) => a.map((v, k) => v + (b[k] - v) * Math.min(1, Math.max(0, t)));
 
 function flat(x0, x1, z0, z1, y, material, repeat) {
   const geometry = new THREE.PlaneGeometry(x1 - x0, z1 - z0);
@@ -111,7 +111,7 @@ export function starShape(outer, inner) {
   return shape;
 }
 
-function goal(x, z, radius, colour) {
+export function goal(x, z, radius, colour) {
   const group = new THREE.Group();
   const form = new THREE.ExtrudeGeometry(starShape(1.15, 0.5), { depth: 0.3, bevelSize: 0.06, bevelThickness: 0.06 });
   form.translate(0, 0, -0.15);
@@ -140,6 +140,7 @@ export const hasFall = (scene) => scene.channel.flow !== 'closed' && scene.world
 export function goalsOf(scene) {
   const found = new Map();
   scene.crowd.groups.forEach((group, k) => {
+    if (group.goal.to === 'shelters') return;
     const key = `${group.goal.x_m} ${group.goal.z_m}`;
     const one = found.get(key) ?? { x: group.goal.x_m, z: group.goal.z_m, groups: [] };
     one.groups.push(k);
@@ -238,11 +239,31 @@ function words(text) {
   return new THREE.CanvasTexture(canvas);
 }
 
-/** Sky, fog, sun and ambient light of the day or the night; returns what was taken of LIGHTS. */
-export function lightUp(stage, sky, sun, ambient, dark) {
+/** A text that faces the eye and is `high` metres high. */
+export function textSprite(text, colour, high) {
+  const canvas = document.createElement('canvas'), c = canvas.getContext('2d'), font = '600 44px system-ui, sans-serif';
+  c.font = font;
+  canvas.width = Math.ceil(c.measureText(text).width) + 36;
+  canvas.height = 64;
+  c.font = font;
+  c.fillStyle = 'rgba(255,255,255,0.86)';
+  c.roundRect(0, 0, canvas.width, 64, 14);
+  c.fill();
+  c.fillStyle = colour;
+  c.fillText(text, 18, 47);
+  const map = new THREE.CanvasTexture(canvas);
+  map.colorSpace = THREE.SRGBColorSpace;
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map, transparent: true, depthWrite: false, fog: false }));
+  sprite.scale.set((high * canvas.width) / 64, high, 1);
+  sprite.renderOrder = 7;
+  return sprite;
+}
+
+/** Sky, fog, sun and ambient light of the day or the night, for a world of this size, m; returns what was taken of LIGHTS. */
+export function lightUp(stage, sky, sun, ambient, dark, size) {
   const l = LIGHTS[dark ? 'dark' : 'light'];
   for (const name of ['low', 'high', 'below']) sky.material.uniforms[name].value.set(l[name]);
-  stage.fog = new THREE.Fog(l.low, 160, 620);
+  stage.fog = new THREE.Fog(l.low, Math.max(160, size), Math.max(620, 5 * size));
   sun.intensity = l.sun;
   sun.color.set(l.sunColour);
   ambient.intensity = l.ambient;
@@ -261,11 +282,11 @@ export function castShadows(sun, centre, reach, half) {
   sun.castShadow = true;
 }
 
-/** Sets a camera over the world, as the paper's pictures are seen from; share: of the window's width in its height. */
-export function lookDown(camera, [length, width], share) {
+/** Sets a camera over the world up to `high`, as the paper's pictures are seen from; share: of the window's width in its height. */
+export function lookDown(camera, [length, width, high = 0], share) {
   const half = Math.max(0.54 * width + 4, (0.53 * length) / share);
   Object.assign(camera, { left: -half * share, right: half * share, top: half, bottom: -half });
-  camera.position.copy(place(length / 2, 300, width / 2));
+  camera.position.copy(place(length / 2, high + 300, width / 2));
   camera.up.set(0, 0, -1); // z points up the page
   camera.lookAt(place(length / 2, 0, width / 2));
   camera.updateProjectionMatrix();

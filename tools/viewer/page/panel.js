@@ -8,7 +8,8 @@ import { scaleColours } from './water.js';
 export const SYMBOLS = {
   walking: null, standing: ['square', '#bbbbbb'], effort: ['bars', '#f0e442'], sliding: ['chevron', '#e69f00'], toppled: ['triangle', '#d55e00'],
   afloat: ['drop', '#56b4e9'], carried: ['waves', '#0072b2'], recovering: ['plus', '#ffffff'], holding: ['ring', '#cc79a7'],
-  drowned: ['cross', '#16161a'], dead: ['cross', '#16161a'], arrived: ['tick', '#009e73'],
+  drowned: ['cross', '#16161a'], dead: ['cross', '#16161a'], arrived: ['tick', '#009e73'], sheltered: ['house', '#009e73'],
+  indoors: ['house', '#bbbbbb'], upper_floor: ['house', '#56b4e9'],
 };
 export const LYING = ['waves', '#0072b2']; // of who walks by his state and lies by his posture: tumbled by the water
 const CELL = 64;
@@ -39,16 +40,17 @@ export function drawSymbol(c, shape, colour, size) {
   if (shape === 'plus') line([0, -15], [0, 15]), line([-15, 0], [15, 0]);
   if (shape === 'ring') c.arc(0, 0, 13, 0, 2 * Math.PI);
   if (shape === 'cross') line([-13, -13], [13, 13]), line([-13, 13], [13, -13]);
+  if (shape === 'house') line([-15, 15], [-15, -2], [0, -16], [15, -2], [15, 15], [-15, 15]), c.fill();
   if (shape === 'tick') line([-15, 1], [-4, 13], [15, -12]);
   c.stroke();
   c.restore();
 }
 
 const TRACE_VERTEX = `
-  attribute vec2 corner; attribute vec4 ends; attribute vec4 more; // ta, tb, colour r g packed
+  attribute vec2 corner, high; attribute vec4 ends, more; // ta, tb, colour r g packed
   uniform vec2 screen; uniform float width, now, lift, past; uniform vec3 colours[9]; varying vec4 tint;
   void main() {
-    vec4 a = projectionMatrix * viewMatrix * vec4(ends.x, lift, -ends.y, 1.), b = projectionMatrix * viewMatrix * vec4(ends.z, lift, -ends.w, 1.);
+    vec4 a = projectionMatrix * viewMatrix * vec4(ends.x, high.x + lift, -ends.y, 1.), b = projectionMatrix * viewMatrix * vec4(ends.z, high.y + lift, -ends.w, 1.);
     tint = vec4(colours[int(more.z)], more.w > .5 ? 1. : .85);
     if (more.x > now || a.w < .1 || b.w < .1) { gl_Position = vec4(2., 2., 2., 1.); return; }
     float reach = clamp((now - more.x) / max(1e-4, more.y - more.x), 0., 1.);
@@ -61,7 +63,9 @@ const TRACE_VERTEX = `
   }`;
 
 export class Traces {
-  constructor(parent, colours) {
+  /** heightAt: of the ground, m. */
+  constructor(parent, colours, heightAt) {
+    this.heightAt = heightAt;
     const g = new THREE.InstancedBufferGeometry();
     g.setAttribute('corner', new THREE.Float32BufferAttribute([0, -1, 1, -1, 0, 1, 1, 1], 2));
     g.setIndex([0, 1, 2, 2, 1, 3]);
@@ -84,7 +88,7 @@ export class Traces {
     for (let k = 0; k < message.count; ++k) {
       const before = this.last.get(id[k]);
       if (before && t[k] <= before[0]) continue;
-      if (before && !(period && Math.abs(x[k] - before[1]) > period / 2)) this.segments.push([before[1], before[2], x[k], z[k], before[0], t[k], colourOf(id[k]), id[k]]);
+      if (before && !(period && Math.abs(x[k] - before[1]) > period / 2)) this.segments.push([before[1], before[2], x[k], z[k], before[0], t[k], colourOf(id[k]), id[k], this.heightAt(before[1], before[2]), this.heightAt(x[k], z[k])]);
       this.last.set(id[k], [t[k], x[k], z[k]]);
       this.until = Math.max(this.until, t[k]);
     }
@@ -93,14 +97,16 @@ export class Traces {
 
   rebuild(selected = this.selected) {
     this.selected = selected;
-    const n = this.segments.length, ends = new Float32Array(4 * n), more = new Float32Array(4 * n);
+    const n = this.segments.length, ends = new Float32Array(4 * n), more = new Float32Array(4 * n), high = new Float32Array(2 * n);
     this.segments.forEach((s, k) => {
       ends.set([s[0], s[1], s[2], s[3]], 4 * k);
       more.set([s[4], s[5], s[6], s[7] === selected ? 1 : 0], 4 * k);
+      high.set([s[8], s[9]], 2 * k);
     });
     const g = this.mesh.geometry;
     g.setAttribute('ends', new THREE.InstancedBufferAttribute(ends, 4));
     g.setAttribute('more', new THREE.InstancedBufferAttribute(more, 4));
+    g.setAttribute('high', new THREE.InstancedBufferAttribute(high, 2));
     g.instanceCount = n;
   }
 }
@@ -169,7 +175,7 @@ export function cycle(id) {
   $(id).dispatchEvent(new Event('change'));
 }
 const number = (v, digits = 2) => (Number.isFinite(v) ? v.toFixed(digits).replace('-', '\u2212') : '\u2013');
-const TELLING = ['arrived', 'dead', 'drowned', 'toppled', 'carried', 'afloat']; // changes that the time line marks
+const TELLING = ['arrived', 'sheltered', 'dead', 'drowned', 'toppled', 'carried', 'afloat']; // changes that the time line marks
 
 export function symbolCanvas(state) {
   const canvas = document.createElement('canvas');
@@ -214,7 +220,7 @@ export function showLegend(legend, mode) {
 
 /** Marks on the time line: who arrived, fell, was carried or died, and each change of tau. */
 export function showEvents(changes, taus, end) {
-  const colours = { arrived: '#009e73', dead: '#16161a', drowned: '#16161a', toppled: '#d55e00', carried: '#0072b2', afloat: '#56b4e9' };
+  const colours = { arrived: '#009e73', sheltered: '#009e73', dead: '#16161a', drowned: '#16161a', toppled: '#d55e00', carried: '#0072b2', afloat: '#56b4e9' };
   const marks = new Map();
   for (const [time, , state] of changes) {
     if (!TELLING.includes(state)) continue;
@@ -302,14 +308,14 @@ export function fillHelp() {
     const term = document.createElement('dt'), text = document.createElement('dd'), canvas = symbolCanvas(state);
     canvas.style.cssText = 'width:18px;height:18px';
     term.append(canvas);
-    text.textContent = { dead: 'dead, drowned', tumbled: 'tumbled by the water (poses.csv)' }[state] ?? state;
+    text.textContent = { dead: 'dead, drowned', tumbled: 'tumbled by the water (poses.csv)', upper_floor: 'on an upper floor' }[state] ?? state;
     list.append(term, text);
   }
 }
 
 // Questions and answers over the one WebSocket; tools/viewer/README.md has the table of a binary answer.
 
-export const KINDS = { 1: 'water', 2: 'people', 3: 'depths', 4: 'paths', 5: 'walkers' };
+export const KINDS = { 1: 'water', 2: 'people', 3: 'depths', 4: 'paths', 5: 'walkers', 6: 'ground' };
 const HEAD_BYTES = 56;
 
 /** A binary message: its head, and `arrays` that look into the bytes as they came. */
@@ -345,7 +351,9 @@ export class Stream {
       setTimeout(() => this.open(), 1000);
     };
     this.socket.onmessage = (event) => {
-      this.handlers.came();
+      // The server tells its state twice a second, mostly the same.
+      if (event.data !== this.told) this.handlers.came();
+      if (typeof event.data === 'string' && event.data.startsWith('{"status"')) this.told = event.data;
       this.take(event.data);
     };
   }

@@ -152,7 +152,8 @@ const ANGLES = 13;
 const WILD = { effort: [0.75, 0.75, 0.22], sliding: [1.25, 1.15, -0.12] }; // arms out, trunk
 
 export class People {
-  constructor(parent, heights, groups) {
+  constructor(parent, heights, groups, groundAt) {
+    this.groundAt = groundAt; // of x, z, m
     this.parent = parent;
     this.heights = heights; // of id, m
     this.groups = groups; // of id, place in the scene's list
@@ -230,7 +231,7 @@ export class People {
     const drop = LEG * height * (1 - Math.cos(swing * Math.cos(2 * Math.PI * phase)));
     const x = value(1) + plant * (lean > 1e-4 ? (lx / lean) * Math.sin(lean) * hip : 0);
     const z = -value(2) + plant * (lean > 1e-4 ? (lz / lean) * Math.sin(lean) * hip : 0);
-    const y = hip * (plant ? Math.cos(lean) : 1) - drop + (afloat ? 0.035 * Math.sin(2.2 * now.clock + 1.7 * id) : 0);
+    const y = this.groundAt(value(1), value(2)) + hip * (plant ? Math.cos(lean) : 1) - drop + (afloat ? 0.035 * Math.sin(2.2 * now.clock + 1.7 * id) : 0);
     // Who lies turns onto the back or the front, which the file leaves open: by id, two of three on the back.
     m.lies = (posture === 'lying' ? 1 : 0) + ((m.lies ?? (posture === 'lying' ? 1 : 0)) - (posture === 'lying' ? 1 : 0)) * now.keep;
     const along = lean > 0.05 ? Math.atan2(-lz, lx) + (id % 3 ? Math.PI : 0) : value(5);

@@ -1,12 +1,12 @@
 // The run as the page knows it, and what it says of a time: who is where in which state, how the run itself stands.
 
-import { rowOf } from './panel.js';
+import { $, rowOf } from './panel.js';
 
 export const wanted = new URLSearchParams(location.hash.slice(1));
 
 export const show = {
   run: null, scene: null, status: null, world: null, water: null, people: null, traces: null, symbols: null, ring: null,
-  time: +(wanted.get('t') ?? 0), playing: wanted.get('play') !== '0', speed: 1, live: false, step: 0, last: 0, selected: -1, agents: new Map(), changes: [], taus: [],
+  time: +(wanted.get('t') ?? 0), playing: wanted.get('play') !== '0', speed: 1, live: false, step: 0, last: 0, selected: -1, ground: null, agents: new Map(), changes: [], taus: [],
   terms: null, follows: false, tracesOn: true, symbolsOn: true, dark: false, drawn: 0, sought: wanted.has('t'), shownTime: -1,
 };
 
@@ -19,6 +19,12 @@ export function readAgents(table) {
     if (agent) show.agents.set(agent.id, agent);
   }
 }
+
+/** Whether the page waits for the ground of the run's place before it draws anything. */
+export const lacksGround = () => Boolean(show.run?.place?.houses && !show.ground);
+
+/** Height of the ground, m. */
+export const groundAt = (x, z) => show.ground?.at(x, z) ?? 0;
 
 export function groupOf(id) {
   let end = 0;
@@ -66,9 +72,11 @@ export function countStates() {
   for (const p of show.people.shown) seen.add(p.id), add(stateShown(p));
   // Who has ended is in one more frame; from then on the file says no more of it.
   const ended = new Map();
-  for (const [time, id, state] of show.changes) if (time <= show.time + 1e-6 && (state === 'arrived' || state === 'dead')) ended.set(id, state);
+  for (const [time, id, state] of show.changes) if (time <= show.time + 1e-6 && ['arrived', 'dead', 'sheltered', 'upper_floor'].includes(state)) ended.set(id, state);
   for (const end of endedBy(show.time)) ended.set(end.id, end.state);
   for (const [id, state] of ended) if (!seen.has(id)) add(state);
+  const rest_of_all = all - Object.values(counts).reduce((a, b) => a + b, 0);
+  if (show.ground && rest_of_all > 0) counts.indoors = (counts.indoors ?? 0) + rest_of_all; // not yet on their way
   counts.total = all;
   const { total, ...rest } = counts;
   show.counts = rest;
@@ -82,4 +90,39 @@ export function stateOfPage() {
   if (s?.live && isLive()) return s.live.state;
   if (s?.outcome === 'running' && s?.live) return s.live.state;
   return s ? 'ended' : 'waiting';
+}
+
+export function start() {
+  show.live = isLive() && !show.sought;
+  if (!show.sought && !show.live) show.time = 0;
+}
+
+export function seek(time) {
+  show.live = false;
+  show.time = Math.min(Math.max(0, time), lastTime());
+}
+
+export function advance(wall) {
+  const s = show.status, people = s?.people;
+  if (!s) return;
+  if (show.live && !isLive()) show.live = false;
+  if (show.live) {
+    if (people?.frames) { // glide towards the newest frame; once nobody is on its way only the water goes on
+      const water = show.water?.time ?? 0, gap = (water > people.last + 5 ? water : people.last) - show.time;
+      show.time += gap > 3 || gap < 0 ? gap : gap * Math.min(1, 2.5 * wall);
+    }
+  } else if (show.playing) {
+    show.time += wall * show.speed;
+    if (show.time >= lastTime()) {
+      show.time = lastTime();
+      if (!isLive()) setPlaying(false);
+    }
+  }
+}
+
+export function setPlaying(on) {
+  if (on && !show.live && show.time >= lastTime() - 1e-3 && !isLive()) show.time = 0;
+  show.playing = on;
+  $('play').textContent = on ? 'pause' : 'play';
+  $('play').setAttribute('aria-pressed', on);
 }

@@ -5,7 +5,8 @@ import { OrbitControls } from 'three/orbit';
 import { GROUP_COLOURS, castShadows, lightUp, lookDown, makeGround, makeSky, place } from './ground.js';
 import { $, Stream, Symbols, Traces, cycle, fillHelp, makeRing, rowOf, showCounts, showEvents, showLegend, showPerson, showState } from './panel.js';
 import { People } from './people.js';
-import { asPeople, countStates, endedBy, frameAt, frames, groupOf, heightOf, isLive, lastTime, readAgents, show, stateOfPage, stateShown, takeTaus, wanted } from './run.js';
+import { Ground, makePlace } from './place.js';
+import { advance, asPeople, countStates, endedBy, frameAt, frames, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, seek, setPlaying, show, start, stateOfPage, stateShown, takeTaus, wanted } from './run.js';
 import { Water, boundsOf } from './water.js';
 
 const renderer = new THREE.WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
@@ -31,7 +32,7 @@ let walkers = null, stream = null, runRevision = '', awake = 9; // pictures to d
 // ---------------------------------------------------------------- what the server has
 
 const handlers = {
-  came: () => (awake = Math.max(awake, 2)),
+  came: () => (awake = Math.max(awake, 2)), // something else than before
   opened: () => load(),
   closed: () => (show.lost = true),
   status: (status) => {
@@ -44,12 +45,17 @@ const handlers = {
     if (first) start();
     takeTaus(status.events ?? '');
   },
+  ground: (message) => {
+    show.ground = new Ground(message);
+    build();
+  },
   water: (message) => {
     makeWater(message);
     show.water.take(message);
+    newLegend();
     if (show.live && !show.status?.people?.frames) show.time = message.time;
   },
-  depths: (message) => show.water?.takeDepths(message),
+  depths: (message) => (show.water?.takeDepths(message), newLegend()),
   people: (message) => {
     frames.set(message.frame, message);
     if (frames.size > 90) frames.delete(frames.keys().next().value);
@@ -83,9 +89,10 @@ async function load() {
 function build() {
   $('name').textContent = show.scene?.name ? `${show.scene.name}` : show.run.name;
   document.title = `${show.scene?.name ?? show.run.name} \u2013 Wade`;
+  if (lacksGround()) return void stream.ask('ground');
   if (show.world || !show.scene) return theme(show.dark);
   const scene = show.scene;
-  show.world = makeGround(scene);
+  show.world = show.ground ? makePlace(scene, show.run.place, show.ground) : makeGround(scene);
   stage.add(show.world);
   makeWater(null);
   makePeople();
@@ -104,7 +111,7 @@ function makeWater(message) {
   if (show.water) return;
   const bounds = show.scene ? null : boundsOf(message);
   if (bounds) frameCamera(bounds.x_max_m, bounds.z_max_m);
-  show.water = new Water(stage, show.scene, bounds);
+  show.water = new Water(stage, show.scene, bounds, show.ground);
   theme(show.dark);
   setWater();
 }
@@ -112,12 +119,12 @@ function makeWater(message) {
 function makePeople() {
   if (show.people) return;
   show.groups = show.scene?.crowd.groups.length ?? 1;
-  show.people = new People(stage, heightOf, (id) => (show.groups > 1 ? groupOf(id) : -1));
-  show.traces = new Traces(stage, ['#d7261e', ...GROUP_COLOURS]);
+  show.people = new People(stage, heightOf, (id) => (show.groups > 1 ? groupOf(id) : -1), groundAt);
+  show.traces = new Traces(stage, ['#d7261e', ...GROUP_COLOURS], groundAt);
 }
 
 function frameCamera(length, width) {
-  const centre = place(0.52 * length, 0, 0.47 * width), reach = Math.max(0.62 * length, 1.1 * width);
+  const centre = place(0.52 * length, groundAt(0.52 * length, 0.47 * width), 0.47 * width), reach = Math.max(0.62 * length, 1.1 * width);
   free.position.copy(centre).add(new THREE.Vector3(-0.42 * reach, 0.42 * reach, 0.72 * reach));
   controls.target.copy(centre);
   const eye = wanted.get('eye')?.split(',').map(Number); // x, y, z of the eye, then of what it looks at
@@ -125,7 +132,12 @@ function frameCamera(length, width) {
     free.position.copy(place(...eye.slice(0, 3)));
     controls.target.copy(place(...eye.slice(3)));
   }
-  show.extent = [length, width];
+  show.extent = [length, width, show.ground?.high ?? 0];
+  const size = Math.max(length, width);
+  free.near = Math.min(1, Math.max(0.1, 0.002 * size));
+  free.far = Math.max(2000, 8 * size);
+  sky.position.copy(centre);
+  sky.scale.setScalar(Math.max(1, size / 250));
   castShadows(sun, centre, reach, 0.62 * Math.hypot(length, width));
   resize();
 }
@@ -133,7 +145,7 @@ function frameCamera(length, width) {
 function theme(dark) {
   show.dark = dark;
   document.documentElement.classList.toggle('dark', dark);
-  const l = lightUp(stage, sky, sun, ambient, dark);
+  const l = lightUp(stage, sky, sun, ambient, dark, Math.max(...(show.extent ?? [0]).slice(0, 2)));
   show.water?.light(l.high, l.low, dark ? 0.55 : 1, l.sunColour);
 }
 
@@ -158,50 +170,23 @@ function setWater() {
   if (!show.water) return;
   show.water.as($('form').value);
   show.water.setMode($('mode').value === 'clear' && $('form').value === 'points' ? 'depth' : $('mode').value);
-  showLegend(show.water.legend(), show.water.mode);
+  newLegend();
 }
 
-// ---------------------------------------------------------------- time
-
-function start() {
-  show.live = isLive() && !show.sought;
-  if (!show.sought && !show.live) show.time = 0;
+function newLegend() {
+  const legend = show.water?.legend(), key = legend && `${legend.name} ${legend.full} ${show.water.mode}`;
+  if (!legend || key === show.legend) return;
+  show.legend = key;
+  showLegend(legend, show.water.mode);
 }
 
-function seek(time) {
-  show.live = false;
-  show.time = Math.min(Math.max(0, time), lastTime());
-}
-
-function advance(wall) {
-  const s = show.status, people = s?.people;
-  if (!s) return;
-  if (show.live && !isLive()) show.live = false;
-  if (show.live) {
-    if (people?.frames) { // glide towards the newest frame; once nobody is on its way only the water goes on
-      const water = show.water?.time ?? 0, gap = (water > people.last + 5 ? water : people.last) - show.time;
-      show.time += gap > 3 || gap < 0 ? gap : gap * Math.min(1, 2.5 * wall);
-    }
-  } else if (show.playing) {
-    show.time += wall * show.speed;
-    if (show.time >= lastTime()) {
-      show.time = lastTime();
-      if (!isLive()) setPlaying(false);
-    }
-  }
-}
-
-function setPlaying(on) {
-  if (on && !show.live && show.time >= lastTime() - 1e-3 && !isLive()) show.time = 0;
-  show.playing = on;
-  $('play').textContent = on ? 'pause' : 'play';
-  $('play').setAttribute('aria-pressed', on);
-}
+// ---------------------------------------------------------------- questions
 
 // Asks for what this time needs and is not there.
 function askForAll() {
   const s = show.status;
-  if (!s || show.lost) return;
+  if (!s || show.lost || !show.run) return;
+  if (lacksGround()) return void stream.ask('ground');
   if (show.live && s.live) stream.ask('live', { after: show.water?.message?.frame ?? -1 });
   else if (s.recorded && show.time <= s.recorded.last + 0.5) askAt('water');
   else if (s.depths?.frames) askAt('depths');
@@ -246,15 +231,16 @@ function drawPeople(step, clock) {
   showCounts(counts);
   show.symbols.points.visible = show.symbolsOn;
   const marks = show.people.shown.map((p) => ({ x: p.x, y: p.y + (p.posture === 'upright' ? 0.62 * p.height : 0.75), z: p.z, state: stateShown(p) }));
-  for (const end of endedBy(show.time)) if (!show.people.shown.some((p) => p.id === end.id)) marks.push({ x: end.x, y: 0.3, z: end.z, state: end.state });
+  for (const end of endedBy(show.time)) if (!show.people.shown.some((p) => p.id === end.id)) marks.push({ x: end.x, y: groundAt(end.x, end.z) + 0.3, z: end.z, state: end.state });
   show.symbols.show(marks);
 }
 
 function showTexts() {
   const s = show.status, end = lastTime(), w = show.water;
   const waterOf = w?.time !== undefined ? `water of ${w.time.toFixed(1)} s${w.message ? `, ${(w.message.count * w.message.stride).toLocaleString('en')} particles${w.message.stride > 1 ? `, every ${w.message.stride}th shown` : ''}` : ', depths only'}` : 'no water yet';
-  const bare = s?.people?.frames && !s.people.poses ? '; paths only, for poses run with --view' : '';
-  const cut = s?.recorded && !s.recorded.whole ? '; the recording was cut off' : '';
+  const bare = s?.people?.frames > 1 && !s.people.poses ? '; paths only, for poses run with --view' : '';
+  const gone = show.run?.place?.problem ? `; the place cannot be shown: ${show.run.place.problem}` : '';
+  const cut = `${s?.recorded && !s.recorded.whole ? '; the recording was cut off' : ''}${gone}`;
   showState(stateOfPage(), s?.outcome && s.outcome !== 'running' ? s.outcome : '', `${waterOf}${bare}${cut}${s?.live?.problem ? `; ${s.live.problem}` : ''}`);
   $('clock').textContent = `${show.time.toFixed(1)} / ${end.toFixed(1)} s`;
   const bar = $('time');
@@ -278,9 +264,9 @@ function tick(now) {
   const person = show.people?.shown.find((p) => p.id === show.selected);
   show.ring.visible = Boolean(person);
   if (person) {
-    show.ring.position.copy(place(person.x, Math.max(0.08, show.water?.grid.at(person.x, person.z) ?? 0), person.z));
+    show.ring.position.copy(place(person.x, groundAt(person.x, person.z) + Math.max(0.08, show.water?.grid.at(person.x, person.z) ?? 0), person.z));
     if (show.follows) {
-      const to = place(person.x, 1, person.z), move = to.clone().sub(controls.target).multiplyScalar(Math.min(1, 4 * wall + (show.drawn < 5 ? 1 : 0)));
+      const to = place(person.x, groundAt(person.x, person.z) + 1, person.z), move = to.clone().sub(controls.target).multiplyScalar(Math.min(1, 4 * wall + (show.drawn < 5 ? 1 : 0)));
       controls.target.add(move);
       free.position.add(move);
     }
@@ -289,8 +275,14 @@ function tick(now) {
   if (show.drawn % 10 === 0 || awake > 0) showTexts();
   // A picture that would be the one before is not drawn.
   if (--awake <= 0 && !show.live && !show.playing && show.time === before) return;
-  for (const star of show.world?.userData.stars ?? []) star.rotation.y = now / 1800;
-  show.water?.animate(isLive() || show.playing ? now / 1000 : show.time, innerHeight * renderer.getPixelRatio() * 0.5);
+  paint(now);
+}
+
+function paint(now) {
+  show.world?.userData.at?.(show.time);
+  const clock = isLive() || show.playing ? now / 1000 : show.time; // a time that was sought always looks the same
+  for (const star of show.world?.userData.stars ?? []) star.rotation.y = clock / 1.8;
+  show.water?.animate(clock, innerHeight * renderer.getPixelRatio() * 0.5);
   if (show.traces) {
     show.traces.uniforms.now.value = show.time;
     show.traces.uniforms.screen.value.set(innerWidth / 2, innerHeight / 2);
@@ -299,6 +291,26 @@ function tick(now) {
   }
   renderer.render(stage, camera);
   ++show.drawn;
+}
+
+/** Draws a time as soon as all that it needs is there, and from then on nothing else; as the address of a PNG. */
+async function picture(time) {
+  renderer.setAnimationLoop(null);
+  setPlaying(false);
+  while (!show.status) await new Promise((done) => setTimeout(done, 20));
+  seek(time);
+  const asked = ['water', 'depths', 'people', 'ground', 'changes', ...(lastTime() > 0 && show.status.people?.frames > 1 ? ['paths'] : [])];
+  for (let calm = 0; calm < 3 || !wade.ready(); calm = asked.some((kind) => stream.waits.has(kind)) ? 0 : calm + 1) {
+    askForAll();
+    drawPeople(-1, time);
+    await new Promise((done) => setTimeout(done, 5));
+  }
+  drawPeople(show.shownTime < 0 ? -1 : time - show.shownTime, time);
+  show.shownTime = time;
+  controls.update();
+  showTexts();
+  paint(0);
+  return renderer.domElement.toDataURL();
 }
 
 // ---------------------------------------------------------------- hands
@@ -384,9 +396,10 @@ on('run-step', 'click', () => stream.command('step'));
 window.wade = {
   show, select, look, theme, setPlaying, stream: () => stream,
   seek: (time) => (seek(time), (awake = 6)),
+  picture,
   counts: () => show.counts ?? {},
   placeOf: (id) => seenAt(show.people.shown.find((p) => p.id === id)),
-  ready: () => Boolean(show.people?.count && show.water?.time !== undefined),
+  ready: () => Boolean((show.people?.count || show.status?.people?.frames === 0 || show.ground) && show.water?.time !== undefined),
   at: () => ({ time: show.time, people: show.people?.count ?? 0, water: show.water?.time, particles: show.water?.message?.count ?? 0 }),
   cost: () => ({ calls: renderer.info.render.calls, triangles: renderer.info.render.triangles, bytes: (show.water?.bytes ?? 0) + (show.people?.bytes ?? 0), received: stream.bytes, drawn: show.drawn }),
 };

@@ -2,6 +2,7 @@
 
 import * as THREE from 'three';
 import { hasFall } from './ground.js';
+import { Grid } from './place.js';
 
 // Cividis and a blue scale: both rise in lightness all the way, for the colour-blind and for print.
 const SCALES = {
@@ -113,102 +114,17 @@ const POINT_FRAGMENT = `
     #include <colorspace_fragment>
   }`;
 
-/** A grid over the channel: depth, momentum and what the surface needs of them. */
-class Grid {
-  constructor(x0, x1, z0, z1, cell) {
-    Object.assign(this, { x0, z0, cell });
-    this.nx = Math.max(2, Math.round((x1 - x0) / cell));
-    this.nz = Math.max(2, Math.round((z1 - z0) / cell));
-    const n = this.nx * this.nz;
-    for (const name of ['depth', 'vx', 'vz', 'old', 'part']) this[name] = new Float32Array(n);
-    this.parts = new Map();
-  }
-
-  /** Each particle's volume, dealt over a cone; walls keep it in, so that depth does not fall off beside them. */
-  splat(arrays, count, reach) {
-    const [x, , z, vx, , vz, volume] = arrays, { nx, nz, cell, depth, vx: mx, vz: mz } = this;
-    depth.fill(0);
-    mx.fill(0);
-    mz.fill(0);
-    const r = Math.max(1, Math.min(4, reach / cell)), wide = Math.ceil(r);
-    const weight = new Float32Array((2 * wide + 1) ** 2), inside = (k, n) => (k < 0 ? -1 - k : k >= n ? 2 * n - 1 - k : k);
-    for (let i = 0; i < count; ++i) {
-      const gx = (x[i] - this.x0) / cell - 0.5, gz = (z[i] - this.z0) / cell - 0.5;
-      const ci = Math.round(gx), cj = Math.round(gz);
-      if (ci < -1 || cj < -1 || ci > nx || cj > nz) continue;
-      let sum = 0, k = 0;
-      for (let b = -wide; b <= wide; ++b) {
-        for (let a = -wide; a <= wide; ++a, ++k) {
-          const d = 1 - ((ci + a - gx) ** 2 + (cj + b - gz) ** 2) / ((r + 0.7) ** 2);
-          weight[k] = d > 0 ? d * d : 0;
-          sum += weight[k];
-        }
-      }
-      k = 0;
-      const share = volume[i] / (sum * cell * cell);
-      for (let b = -wide; b <= wide; ++b) {
-        const row = nx * inside(cj + b, nz);
-        for (let a = -wide; a <= wide; ++a, ++k) {
-          if (weight[k] === 0) continue;
-          const at = row + inside(ci + a, nx), d = share * weight[k];
-          depth[at] += d;
-          mx[at] += d * vx[i];
-          mz[at] += d * vz[i];
-        }
-      }
-    }
-    for (let c = 0; c < depth.length; ++c) if (depth[c] > 0) (mx[c] /= depth[c]), (mz[c] /= depth[c]);
-  }
-
-  /** Depths of another grid, which know no velocity: that of the scene's stream stands for it, drawn only as ripples. */
-  resample(message, stream) {
-    const { nx, nz, cell, depth } = this, from = message.arrays[0], rows = message.count / message.columns;
-    for (let j = 0; j < nz; ++j) {
-      for (let i = 0; i < nx; ++i) {
-        const gx = (this.x0 + (i + 0.5) * cell - message.x0) / message.cell - 0.5;
-        const gz = (this.z0 + (j + 0.5) * cell - message.z0) / message.cell - 0.5;
-        const a = Math.max(0, Math.min(message.columns - 2, Math.floor(gx))), b = Math.max(0, Math.min(rows - 2, Math.floor(gz)));
-        const s = Math.min(1, Math.max(0, gx - a)), t = Math.min(1, Math.max(0, gz - b)), at = b * message.columns + a;
-        const low = from[at] + s * (from[at + 1] - from[at]);
-        const high = from[at + message.columns] + s * (from[at + message.columns + 1] - from[at + message.columns]);
-        depth[j * nx + i] = low + t * (high - low);
-      }
-    }
-    this.vx.fill(-stream);
-    this.vz.fill(0);
-  }
-
-  /** Evens out single particles: `times` passes of a small kernel; volume stays. */
-  smooth(times) {
-    const { nx, nz } = this;
-    for (; times > 0; --times) {
-      for (const field of [this.depth]) {
-        this.part.set(field);
-        for (let j = 0; j < nz; ++j) {
-          const up = nx * Math.max(0, j - 1), down = nx * Math.min(nz - 1, j + 1), row = nx * j;
-          for (let i = 0; i < nx; ++i) {
-            const l = Math.max(0, i - 1), r = Math.min(nx - 1, i + 1), p = this.part;
-            field[row + i] = 0.5 * p[row + i] + 0.125 * (p[row + l] + p[row + r] + p[up + i] + p[down + i]);
-          }
-        }
-      }
-    }
-  }
-
-  at(x, z) {
-    const i = Math.floor((x - this.x0) / this.cell), j = Math.floor((z - this.z0) / this.cell);
-    return i < 0 || j < 0 || i >= this.nx || j >= this.nz ? 0 : this.depth[j * this.nx + i];
-  }
-}
-
 export class Water {
-  constructor(parent, scene, bounds) {
+  /** ground: of a place, else null. */
+  constructor(parent, scene, bounds, ground) {
     this.scene = scene;
-    this.spacing = scene?.fluid?.particle_spacing_m ?? bounds?.spacing ?? 0.5;
+    this.ground = ground;
+    this.most = { depth: 0, speed: 0 }; // of a place, of what was shown so far
+    this.spacing = (ground ? scene.fluid.shallow_water.cell_size_m : scene?.fluid?.particle_spacing_m) ?? bounds?.spacing ?? 0.5;
     const c = scene?.channel ?? bounds;
     const area = (c.x_max_m - c.x_min_m) * (c.z_max_m - c.z_min_m);
-    const cell = Math.max(0.72 * this.spacing, Math.sqrt(area / 40000), 0.02);
-    this.grid = new Grid(c.x_min_m, c.x_max_m, c.z_min_m, c.z_max_m, cell);
+    const cell = ground ? Math.max(this.spacing, Math.sqrt(area / 90000)) : Math.max(0.72 * this.spacing, Math.sqrt(area / 40000), 0.02);
+    this.grid = new Grid(c.x_min_m, c.x_max_m, c.z_min_m, c.z_max_m, cell, ground ? (x, z) => ground.at(x, z) : undefined);
     this.fall = scene && hasFall(scene);
     this.gravity = scene?.world?.gravity_m_s2 ?? 9.81;
     this.stream = scene?.channel?.velocity_m_s ?? 0;
@@ -283,8 +199,13 @@ export class Water {
   take(message) {
     this.message = message;
     const grid = this.grid;
-    grid.splat(message.arrays, message.count, 1.35 * this.spacing * Math.cbrt(message.stride));
-    grid.smooth(3);
+    const [x, , z, vx, , vz, volume] = message.arrays;
+    if (this.ground && message.stride === 1) {
+      grid.fill(message.count, (k) => [x[k], z[k], volume[k], vx[k], vz[k]]);
+    } else {
+      grid.splat(message.arrays, message.count, 1.35 * this.spacing * Math.cbrt(message.stride));
+      grid.smooth(3);
+    }
     this.time = message.time;
     this.refresh();
   }
@@ -292,8 +213,13 @@ export class Water {
   /** Depths of a snapshot; there are no particles then. */
   takeDepths(message) {
     this.message = null;
-    this.grid.resample(message, this.stream);
-    this.grid.smooth(4);
+    const { columns, cell, x0, z0 } = message, depth = message.arrays[0];
+    if (this.ground && cell <= 1.01 * this.grid.cell) {
+      this.grid.fill(message.count, (k) => [x0 + cell * ((k % columns) + 0.5), z0 + cell * (Math.floor(k / columns) + 0.5), depth[k] * cell * cell, 0, 0]);
+    } else {
+      this.grid.resample(message, this.stream);
+      this.grid.smooth(4);
+    }
     this.time = message.time;
     this.refresh();
   }
@@ -305,12 +231,25 @@ export class Water {
 
   /** What the legend says: the name, the unit, and the value of the last colour. */
   legend() {
+    if (this.ground) {
+      const fast = this.mode === 'speed';
+      return { name: fast ? 'speed of the water' : 'depth of the water', unit: fast ? 'm/s' : 'm', full: roundUp(Math.max(fast ? this.most.speed : this.most.depth, 0.1)) };
+    }
     const named = (this.scene?.channel?.water_blocks ?? []).map((b) => b.depth_m).concat(this.scene?.channel?.flow !== 'closed' ? [this.scene?.channel?.depth_m ?? 1] : []);
     const depth = roundUp(1.5 * Math.max(...named.filter(Number.isFinite), 0.1)), speed = roundUp(2 * Math.max(this.stream, 0.5));
     return this.mode === 'speed' ? { name: 'speed of the water', unit: 'm/s', full: speed } : { name: 'depth of the water', unit: 'm', full: depth };
   }
 
+  /** The scale of a place grows with what 95 of 100 wet cells have had so far. */
+  grow() {
+    const { depth, vx, vz } = this.grid, wet = Array.from(depth.keys()).filter((c) => depth[c] > 0.01);
+    const usual = (values) => values.sort((a, b) => a - b)[Math.floor(0.95 * values.length)] ?? 0;
+    this.most.depth = Math.max(this.most.depth, usual(wet.map((c) => depth[c])));
+    this.most.speed = Math.max(this.most.speed, usual(wet.map((c) => Math.hypot(vx[c], vz[c]))));
+  }
+
   refresh() {
+    if (this.ground) this.grow();
     this.uniforms.mode.value = { clear: 0, depth: 1, speed: 2 }[this.mode];
     this.uniforms.full.value = this.legend().full;
     this.bytes = 0;
@@ -345,7 +284,8 @@ export class Water {
   }
 
   refreshSurface() {
-    const { nx, nz, x0, z0, cell, depth, vx, vz } = this.grid, extra = this.columns - nx, g = this.gravity;
+    const { nx, nz, x0, z0, cell, depth, vx, vz, bed, part: level } = this.grid, extra = this.columns - nx, g = this.gravity;
+    this.levels(level);
     const { position, state, stream } = this.surface.geometry.attributes;
     const p = position.array, s = state.array, w = stream.array;
     const set = (k, x, y, z, d, sx, sz, foam, u, v, side) => {
@@ -359,10 +299,11 @@ export class Water {
       const up = nx * Math.max(0, j - 1), down = nx * Math.min(nz - 1, j + 1), row = nx * j, z = edgeZ(j);
       for (let i = 0; i < nx; ++i) {
         const l = Math.max(0, i - 1), r = Math.min(nx - 1, i + 1), c = row + i, d = depth[c];
-        const sx = (depth[row + r] - depth[row + l]) / (cell * (r - l)), sz = (depth[down + i] - depth[up + i]) / (2 * cell);
+        const sx = (level[row + r] - level[row + l]) / (cell * (r - l)), sz = (level[down + i] - level[up + i]) / (2 * cell);
         const steep = Math.hypot(sx, sz), fast = Math.hypot(vx[c], vz[c]) / Math.sqrt(g * Math.max(d, 0.05));
-        const foam = Math.min(0.85, Math.max(0, 1.1 * (steep - 0.22)) + Math.min(0.25, Math.max(0, 0.12 * (fast - 1))) + Math.max(0, 0.45 - 4 * d));
-        set(j * this.columns + extra + i, edgeX(i), d, z, d, sx, sz, foam, vx[c], vz[c], 0);
+        const thin = this.ground ? 0 : Math.max(0, 0.45 - 4 * d), slow = this.ground ? 0.5 : 0.22;
+        const foam = Math.min(0.85, Math.max(0, 1.1 * (steep - slow)) + Math.min(0.25, Math.max(0, 0.12 * (fast - 1))) + thin);
+        set(j * this.columns + extra + i, edgeX(i), level[c], z, d, sx, sz, foam, vx[c], vz[c], 0);
       }
       for (let k = 1; k <= extra; ++k) { // over the edge: a jet that falls freely
         const t = k * FALL_STEP_S * Math.sqrt(9.81 / Math.max(g, 0.2)) * (g < 5 ? 0.45 : 1), d = depth[row], u = Math.max(0.6, -vx[row]);
@@ -371,7 +312,7 @@ export class Water {
     }
     let at = this.columns * nz;
     const face = (c, x, z) => {
-      for (const y of [depth[c], 0]) set(at++, x, y, z, depth[c], 0, 0, 0, vx[c], vz[c], 1);
+      for (const y of [bed[c] + depth[c], bed[c]]) set(at++, x, y, z, depth[c], 0, 0, 0, vx[c], vz[c], 1);
     };
     for (let i = 0; i < nx; ++i) face(i, edgeX(i), z0);
     for (let i = 0; i < nx; ++i) face((nz - 1) * nx + i, edgeX(i), z0 + cell * nz);
@@ -380,6 +321,24 @@ export class Water {
       attribute.needsUpdate = true;
       this.bytes += attribute.array.byteLength;
     }
+  }
+
+  /** Heights of the surface. Where it is dry beside water in a place the sheet goes on level below the ground, which hides its end. */
+  levels(level) {
+    const { nx, nz, depth, bed } = this.grid;
+    for (let c = 0; c < depth.length; ++c) level[c] = bed[c] + depth[c];
+    if (!this.ground) return;
+    for (let j = 0; j < nz; ++j)
+      for (let i = 0; i < nx; ++i) {
+        const c = j * nx + i;
+        if (depth[c] > 0.01) continue;
+        let sum = 0, n = 0;
+        for (let b = Math.max(0, j - 1); b <= Math.min(nz - 1, j + 1); ++b)
+          for (let a = Math.max(0, i - 1); a <= Math.min(nx - 1, i + 1); ++a)
+            if (depth[b * nx + a] > 0.01) (sum += bed[b * nx + a] + depth[b * nx + a]), ++n;
+        level[c] = n ? Math.min(bed[c] - 0.02, sum / n) : bed[c] - 0.1;
+        if (n) depth[c] = 0.0125 * (depth[c] >= 0); // so that its part in the wet cells' triangles is drawn
+      }
   }
 
   animate(seconds, scale) {

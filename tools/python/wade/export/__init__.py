@@ -3,8 +3,10 @@
 One frame at a time, so that a run of any length fits into memory. Axes: vtk, ply, usd and pedpy have x upstream, y
 across, z up, right-handed; gltf x, y up, -z; csv keeps Wade's own (docs/engines.md).
 
-vtk: a .vtp a frame and a .pvd, for ParaView; of a run without --water also the depths of its snapshots, .vti. ply: a binary .ply a frame, with velocities. usd: one .usda with time
-samples. gltf: figures that walk, of people. csv: one table. pedpy: PedPy's text, of people.
+vtk: a .vtp a frame and a .pvd, for ParaView; of a run without --water also the depths of its snapshots, .vti. ply: a
+binary .ply a frame, with velocities. usd: one .usda with time samples. gltf: figures that walk, of people. csv: one table.
+geotiff: depth, speed, depth times speed and hazard class of a run's water, a file a frame, and the maps of a place. pedpy:
+PedPy's text, of people.
 """
 
 import argparse
@@ -22,7 +24,7 @@ def formats():
             "csv": (tables.Csv, True), "pedpy": (tables.PedPy, False)}
 
 
-WORDS = ("vtk", "ply", "usd", "gltf", "csv", "pedpy")
+WORDS = ("vtk", "ply", "usd", "gltf", "csv", "geotiff", "pedpy")
 
 
 def region(text):
@@ -107,6 +109,31 @@ def export_depths(options, thinning):
         print(f"depth: {Depths(options.out, grid, records).write(thinning)} frames")
 
 
+def export_geotiff(options, thinning):
+    """The water of a run folder on its cells: of --water, else the depths of its snapshots; and the maps of a place."""
+    from wade.export import sources, tables
+    from wade.pictures.run_files import RunError, water_snapshots
+
+    if not options.source.is_dir():
+        raise UsageError("--to geotiff needs the run folder, which knows where the water lies: tools/wade export RUN --water "
+                         f"{options.source}")
+    maps = options.source / "maps"
+    maps = maps if (maps / "max_depth_m.tif").exists() else None
+    try:
+        writer = tables.GeoTiff(options.out, sources.scene_of(options.source), maps, options.region)
+        thinning.region = None  # whole cells, which the writer chooses
+        if options.water:
+            print(f"water: {export(sources.of_recording(options.water), writer, thinning)} frames")
+        else:
+            grid, records = water_snapshots(options.source / "water.bin")
+            chosen = thinning.chosen(map(tables.Snapshot, records)) if records is not None else []
+            print(f"depth: {sum(writer.add_snapshot(one, grid) is None for one in chosen)} frames")
+    except RunError as error:
+        raise UsageError(str(error)) from error
+    if maps:
+        print(f"maps: {', '.join(tables.copy_maps(maps, options.out))}")
+
+
 def main(arguments):
     """tools/wade export."""
     made = parser()
@@ -120,9 +147,11 @@ def main(arguments):
     from wade.export.sources import Thinning
 
     thinning = Thinning(options.every, options.interval_s, options.from_s, options.until_s, options.region)
-    streams = streams_of(options)
+    streams = streams_of(options) if options.to != "geotiff" else []
     try:
         options.out.mkdir(parents=True, exist_ok=True)
+        if options.to == "geotiff":
+            export_geotiff(options, thinning)
         for stream in streams:
             count = export(stream, formats()[options.to][0](options.out, stream), thinning)
             print(f"{stream.name}: {count} frames")

@@ -1,9 +1,12 @@
-"""Writers of particles and people, frame by frame: VTK for ParaView, PLY for Blender, CSV, and PedPy's text."""
+"""Writers of particles and people, frame by frame: VTK for ParaView, PLY for Blender, GeoTIFF, CSV, and PedPy's text."""
 
 import csv
+import shutil
+import zlib
 
 import numpy as np
 
+from wade import UsageError
 from wade.export.sources import STATES
 
 STATE_WORDS = ", ".join(f"{code} {word}" for code, word in enumerate(STATES))
@@ -127,6 +130,132 @@ class Ply:
 
     def finish(self):
         pass
+
+
+# Upper bounds of H1 to H5 of Australian Rainfall and Runoff (2019, book 6, table 6.7.4): depth times speed, depth, speed.
+HAZARD_CLASSES = ((0.3, 0.3, 2), (0.6, 0.5, 2), (0.6, 1.2, 2), (1, 2, 2), (4, 4, 4))
+WET_M = 0.01  # less is dry, as for the maps of a place
+BANDS = ("depth_m", "speed_m_s", "dv_m2_s", "arr_h")
+
+
+def hazard_class(depth, speed):
+    """1 to 6 for H1 to H6, 0 where it is dry."""
+    found = np.where(depth > 0, 1 + len(HAZARD_CLASSES), 0)
+    for number, (most_dv, most_depth, most_speed) in reversed(list(enumerate(HAZARD_CLASSES, 1))):
+        found[(depth > 0) & (depth * speed <= most_dv) & (depth <= most_depth) & (speed <= most_speed)] = number
+    return found.astype("f4")
+
+
+def write_geotiff(path, bands, corner, cell, epsg, time_s):
+    """TIFF 6.0 with the tags of GeoTIFF 1.1: {name: rows of values, the southern one first}; NaN is "no data".
+
+    corner: easting and northing of the lower left one, m; cell: its size along both; epsg: 0 if there is no number.
+    """
+    names, count = list(bands), len(bands)
+    rows, columns = bands[names[0]].shape
+    strips = [zlib.compress(np.ascontiguousarray(bands[name][::-1], "<f4").tobytes()) for name in names]
+    keys = [1, 1, 0, 2, 1024, 0, 1, 1 if epsg else 32767, 1025, 0, 1, 1]  # model: projected; a cell is an area
+    if epsg:
+        keys = [1, 1, 0, 4, *keys[4:], 3072, 0, 1, epsg, 3076, 0, 1, 9001]
+    told = "".join(f'<Item name="DESCRIPTION" sample="{k}" role="description">{name}</Item>' for k, name in enumerate(names))
+    short, long, double, text = "<u2", "<u4", "<f8", "S"
+    tags = {256: (long, [columns]), 257: (long, [rows]), 258: (short, [32] * count), 259: (short, [8]), 262: (short, [1]),
+            273: (long, [0] * count), 277: (short, [count]), 278: (long, [rows]), 279: (long, [len(s) for s in strips]),
+            284: (short, [2]), 338: (short, [0] * (count - 1)), 339: (short, [3] * count),
+            33550: (double, [cell[0], cell[1], 0]), 33922: (double, [0, 0, 0, corner[0], corner[1] + rows * cell[1], 0]),
+            34735: (short, keys), 42113: (text, b"nan\0"),
+            42112: (text, f'<GDALMetadata><Item name="time_s">{time_s:.9g}</Item>{told}</GDALMetadata>\0'.encode())}
+    tags = {tag: value for tag, value in sorted(tags.items()) if len(value[1])}
+    after = 8 + 2 + 12 * len(tags) + 4  # where values lie that are too long for their entry
+    sizes = {tag: len(value) if kind == text else np.dtype(kind).itemsize * len(value) for tag, (kind, value) in tags.items()}
+    first = after + sum(size + size % 2 for size in sizes.values() if size > 4)
+    tags[273] = (long, [first + sum(map(len, strips[:k])) for k in range(count)])
+    entries, values = b"", b""
+    for tag, (kind, value) in tags.items():
+        data = value if kind == text else np.array(value, kind).tobytes()
+        number = {short: 3, long: 4, double: 12, text: 2}[kind]
+        entries += np.array([tag, number], "<u2").tobytes() + np.uint32(len(value)).tobytes()
+        entries += data.ljust(4, b"\0") if len(data) <= 4 else np.uint32(after + len(values)).tobytes()
+        values += (data + bytes(len(data) % 2)) if len(data) > 4 else b""
+    with open(path, "wb") as out:
+        out.write(b"II*\0" + np.uint32(8).tobytes() + np.uint16(len(tags)).tobytes() + entries + bytes(4) + values)
+        out.writelines(strips)
+
+
+class GeoTiff:
+    """water_NNNNNN.tif a frame: depth, speed, depth times speed and hazard class in the cells of the water, and the maps of a
+    place; in its coordinate system, if it has one, else in the scene's own metres.
+
+    What particles or columns a cell holds gives its depth and, by their momentum, its speed.
+    """
+
+    def __init__(self, folder, scene, maps, region):
+        self.folder, channel, fluid = folder, scene["channel"], scene["fluid"]
+        place = scene.get("place", {})
+        self.density, self.epsg = fluid["rest_density_kg_m3"], int(place.get("epsg", 0))
+        size = fluid["shallow_water"]["cell_size_m"] if place else max(0.5, fluid["particle_spacing_m"])
+        self.edges = []  # of cells, along z and x
+        for axis in "zx":
+            low, high = channel[f"{axis}_min_m"], channel[f"{axis}_max_m"]
+            self.edges.append(np.linspace(low, high, max(1, round((high - low) / size)) + 1))
+        self.origin = np.array([place.get("origin_easting_m", 0), place.get("origin_northing_m", 0)], float)
+        self.walls = None
+        if maps:
+            from wade.pictures.place_maps import read_map
+
+            largest, _, _ = read_map(maps / "max_depth_m.tif")
+            self.edges = [np.linspace(edges[0], edges[-1], n + 1) for edges, n in zip(self.edges, largest.shape)]
+            self.walls = np.isnan(largest)
+        self.kept = [slice(0, len(edges) - 1) for edges in self.edges]
+        if region:
+            for axis, (low, high) in enumerate((region[2:], region[:2])):
+                edges = self.edges[axis]
+                inside = np.flatnonzero((edges[:-1] < high) & (edges[1:] > low))
+                if not len(inside):
+                    raise UsageError(f"--region: no cell of the water, {self.edges[1][0]:g},{self.edges[1][-1]:g},"
+                                     f"{self.edges[0][0]:g},{self.edges[0][-1]:g} m, lies in it")
+                self.kept[axis] = slice(inside[0], inside[-1] + 1)
+
+    def write(self, number, time_s, bands):
+        dz, dx = (edges[1] - edges[0] for edges in self.edges)
+        corner = self.origin + [self.edges[1][self.kept[1].start], self.edges[0][self.kept[0].start]]
+        shown = {name: (band if self.walls is None else np.where(self.walls, np.nan, band))[tuple(self.kept)]
+                 for name, band in bands.items()}
+        write_geotiff(self.folder / f"water_{number:06d}.tif", shown, corner, (dx, dz), self.epsg, time_s)
+
+    def add(self, points):
+        def summed(values):
+            return np.histogram2d(points["z"], points["x"], self.edges, weights=values)[0]
+
+        mass = summed(points["mass"])
+        area = (self.edges[0][1] - self.edges[0][0]) * (self.edges[1][1] - self.edges[1][0])
+        depth = mass / (self.density * area)
+        depth[depth < WET_M] = 0
+        per_mass = np.divide(1, mass, out=np.zeros_like(mass), where=depth > 0)
+        speed = per_mass * np.hypot(summed(points["mass"] * points["vx"]), summed(points["mass"] * points["vz"]))
+        self.write(points.number, points.time_s, dict(zip(BANDS, (depth, speed, depth * speed, hazard_class(depth, speed)))))
+
+    def add_snapshot(self, snapshot, grid):
+        """Of water.bin, which knows depths only: what of each of its cells lies in a cell of the water."""
+        x0, z0, cell = grid
+        depth = snapshot.depth
+        for axis, low in ((0, z0), (1, x0)):
+            own = low + cell * np.arange(depth.shape[axis] + 1)
+            edges = self.edges[axis]
+            shared = np.minimum(own[1:], edges[1:, None]) - np.maximum(own[:-1], edges[:-1, None])
+            depth = np.moveaxis(np.tensordot(np.maximum(0, shared) / (edges[1] - edges[0]), depth, (1, axis)), 0, axis)
+        self.write(snapshot.number, snapshot.time_s, {"depth_m": np.where(depth < WET_M, 0, depth)})
+
+    def finish(self):
+        pass
+
+
+def copy_maps(maps, folder):
+    """The maps of a place, which are GeoTIFF already; their names."""
+    files = sorted(maps.glob("*.tif"))
+    for file in files:
+        shutil.copyfile(file, folder / file.name)
+    return [file.stem for file in files]
 
 
 class Csv:

@@ -1,9 +1,11 @@
-"""Writes a run as a film (MP4), seen from above: the water, the people on their way, their paths, and how they ended.
+"""Writes a run as a film (.mp4, .webp or .gif), seen from above: the water, the people on their way, their paths, and how
+they ended. With --camera viewer, --eye or --look it is as the page of tools/wade view shows it, which a .png holds, too.
 
 Reads manifest.json, agents.csv, the paths and water.bin of a run folder; --water takes the water of a recording instead,
-which knows it between the snapshots of water.bin, too. Needs ffmpeg.
+which knows it between the snapshots of water.bin, too. Needs ffmpeg; the viewer's camera chromium and npm.
 """
 
+import json
 import os
 import pathlib
 import shutil
@@ -13,17 +15,26 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from wade import UsageError
+from wade import UsageError, view
+from wade.building import bring_up_to_date
 from wade.export.recording import AGENTS, Recording
 from wade.export.sources import CODES, Thinning, of_run, scene_of
 from wade.pictures import top_view
 from wade.pictures.figure import add_legend, rows_of_groups
+from wade.pictures.render import triple
 from wade.pictures.run_files import RunError, water_snapshots
 from wade.pictures.texts import GREY, draw_title, plain, title_of
+from wade.run.processes import end_with_parent
 from wade.terminal import Parser, say_error
 
 LONGEST_S = 30.0  # of a film whose speed was not given
 WIDTHS = (320, 7680)
+# How ffmpeg is told to write a film, by its ending.
+CODECS = {
+    ".mp4": ("-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
+    ".webp": ("-c:v", "libwebp_anim", "-quality", "60", "-compression_level", "6", "-loop", "0"),
+    ".gif": ("-vf", "split[a][b];[a]palettegen=max_colors=128[p];[b][p]paletteuse=dither=bayer", "-loop", "0"),
+}
 KINDS = {"arrived": [CODES["arrived"]], "dead": [CODES["dead"], CODES["drowned"]]}
 
 
@@ -179,6 +190,9 @@ class Film:
 def times_of(run, thinning, speed, rate):
     """The times of the frames, s: at the speed, or at one at which the film is not too long; and that speed."""
     ends = [frame.time_s for frame in thinning.chosen(of_run(run).frames())]
+    if len(ends) < 2 and water_snapshots(run / "water.bin")[1] is not None:  # nobody is in it
+        ends = [time_s for time_s in water_snapshots(run / "water.bin")[1]["time"].tolist()
+                if thinning.from_s <= time_s <= thinning.until_s]
     if not ends:
         raise UsageError(f"{run} holds no frame in this time")
     first, last = ends[0], ends[-1]
@@ -186,17 +200,15 @@ def times_of(run, thinning, speed, rate):
     return first + np.arange(int((last - first) * rate / speed + 1e-6) + 1) * speed / rate, speed
 
 
-def write(film, times, rate, output):
-    """Pipes the frames through ffmpeg into a file, which is there whole or not at all."""
+def write(frames, form, rate, output):
+    """Pipes frames through ffmpeg, which is told their form, into a file, which is there whole or not at all."""
     part = output.with_name(f".{output.stem}-{os.getpid()}{output.suffix}")
-    wide, high = film.size
-    command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{wide}x{high}", "-r",
-               f"{rate:g}", "-i", "-", "-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", part]
+    command = ["ffmpeg", "-y", "-loglevel", "error", *form, "-r", f"{rate:g}", "-i", "-", *CODECS[output.suffix.lower()], part]
     try:
         with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as ffmpeg:
             try:
-                for time_s in times:
-                    ffmpeg.stdin.write(film.frame(time_s))
+                for frame in frames:
+                    ffmpeg.stdin.write(frame)
                 ffmpeg.stdin.close()
             except BrokenPipeError:
                 pass  # it says itself why it has ended
@@ -208,37 +220,97 @@ def write(film, times, rate, output):
         part.unlink(missing_ok=True)
 
 
+def seen_pictures(address, times, size, page, panels):
+    """The PNGs of the page at an address at these times, in parts of any length; page: what follows # of its address."""
+    chromium = shutil.which("chromium")
+    if not chromium or not shutil.which("node"):
+        raise UsageError("the viewer's camera needs chromium and node: tools/install_dependencies.sh viewer; without it the "
+                         "film is seen from above")
+    job = {"times": times, "width": size[0], "height": size[1], "hash": page, "bare": not panels, "browser": chromium}
+    modules = view.install_modules(with_tests=True)
+    command = ["node", view.PAGE.parent / "film.mjs", modules, address, json.dumps(job)]
+    with subprocess.Popen([*map(str, command)], stdout=subprocess.PIPE, preexec_fn=end_with_parent) as node:
+        while part := node.stdout.read1(1 << 20):
+            yield part
+    if node.returncode != 0:
+        raise RunError("the page could not be drawn; the messages above say why")
+
+
+def write_seen(address, times, options, output):
+    """The film of the page at an address, or its first picture."""
+    eye = ",".join(f"{value:g}" for value in (*options.eye, *options.look)) if options.eye else ""
+    page = f"dark=0&mode={options.colour}" + (f"&eye={eye}" if eye else "")
+    size = options.width_px, options.height_px or 2 * round(options.width_px * 9 / 32)
+    if output.suffix.lower() == ".png":
+        output.write_bytes(b"".join(seen_pictures(address, times[:1], size, page, options.panels)))
+    else:
+        pictures = seen_pictures(address, times, size, page, options.panels)
+        write(pictures, ("-f", "image2pipe", "-c:v", "png"), options.rate_hz, output)
+
+
+def film_of_page(times, options, output):
+    """Starts the viewer's server for the film and ends it."""
+    bring_up_to_date(("wade_view_server",))
+    server = view.Server("--run", options.run, *(["--recording", options.water] if options.water else []))
+    try:
+        if not server.address:
+            raise RunError("the server of the page did not start; its message is above")
+        write_seen(server.address, times, options, output)
+    finally:
+        server.end()
+
+
 def main(arguments):
     """tools/wade film."""
     parser = Parser("film", __doc__)
     parser.add_argument("run", type=pathlib.Path, metavar="RUN_DIR", help="run folder of crowd_client")
-    parser.add_argument("--out", type=pathlib.Path, metavar="FILE", help="film to write, .mp4 [RUN_DIR/film.mp4]")
+    parser.add_argument("--out", type=pathlib.Path, metavar="FILE", help="film to write: .mp4, .webp, .gif; of the viewer "
+                        "also .png, the first moment [RUN_DIR/film.mp4]")
     parser.add_argument("--water", type=pathlib.Path, metavar="RECORDING", help="recording of the run's water")
     parser.add_argument("--rate-hz", type=float, default=25.0, metavar="F", help="frames a second, 1 to 120 [25]")
     parser.add_argument("--speed", type=float, metavar="X", help="simulated s a second [1, or so that it takes 30 s]")
     parser.add_argument("--width-px", type=int, default=1280, metavar="W", help="width, even, 320 to 7680 pixels [1280]")
     parser.add_argument("--from-s", type=float, default=0.0, metavar="T", help="begin, simulated s [0]")
     parser.add_argument("--until-s", type=float, default=np.inf, metavar="T", help="end, simulated s [that of the run]")
+    parser.add_argument("--camera", choices=("top", "viewer"), default="top", help="as the paper's pictures, or as the page [top]")
+    parser.add_argument("--eye", type=triple, metavar="X,Y,Z", help="place of the viewer's camera, m [that of the page]")
+    parser.add_argument("--look", type=triple, metavar="X,Y,Z", help="place that it looks at, m; with --eye")
+    parser.add_argument("--height-px", type=int, metavar="H", help="height of the viewer's pictures, even [9/16 of the width]")
+    parser.add_argument("--colour", choices=("clear", "depth", "speed"), default="clear", help="of the viewer's water [clear]")
+    parser.add_argument("--panels", action="store_true", help="with the panels of the page")
     options = parser.parse_args(arguments)
     output = options.out or options.run / "film.mp4"
-    if output.suffix.lower() != ".mp4":
-        parser.error(f"--out: {output}, allowed are names that end in .mp4")
+    is_seen = options.camera == "viewer" or options.eye is not None
+    endings = [*CODECS, *([".png"] if is_seen else [])]
+    if output.suffix.lower() not in endings:
+        parser.error(f"--out: {output}, allowed are names that end in {', '.join(endings)}")
+    if (options.eye is None) != (options.look is None):
+        parser.error("--eye and --look are given together")
+    if options.height_px is not None and (not 64 <= options.height_px <= WIDTHS[1] or options.height_px % 2):
+        parser.error(f"--height-px: {options.height_px}, allowed are even numbers from 64 to {WIDTHS[1]}")
     if not 1 <= options.rate_hz <= 120:
         parser.error(f"--rate-hz: {options.rate_hz:g}, allowed is 1 to 120")
     if options.speed is not None and not 0 < options.speed <= 1e6:
         parser.error(f"--speed: {options.speed:g}, allowed is above 0 to 1000000")
     if not WIDTHS[0] <= options.width_px <= WIDTHS[1] or options.width_px % 2:
         parser.error(f"--width-px: {options.width_px}, allowed are even numbers from {WIDTHS[0]} to {WIDTHS[1]}")
-    if not shutil.which("ffmpeg"):
+    if output.suffix.lower() != ".png" and not shutil.which("ffmpeg"):
         raise UsageError("films need ffmpeg, which is not installed; Debian: apt-get install ffmpeg")
     thinning = Thinning(from_s=options.from_s, until_s=options.until_s)
     try:
         times, speed = times_of(options.run, thinning, options.speed, options.rate_hz)
-        film = Film(options.run, options.water, thinning, options.width_px)
-        write(film, times, options.rate_hz, output)
-        plt.close(film.figure)
+        if is_seen:
+            film_of_page([round(time_s, 6) for time_s in times.tolist()], options, output)
+        else:
+            film = Film(options.run, options.water, thinning, options.width_px)
+            form = ("-f", "rawvideo", "-pix_fmt", "rgba", "-s", "{}x{}".format(*film.size))
+            write(map(film.frame, times), form, options.rate_hz, output)
+            plt.close(film.figure)
     except (RunError, OSError) as error:
         say_error(f"wade film: {error}")
         return 1
-    print(f"{len(times)} frames, {speed:.3g} s a second: {output}")
+    if output.suffix.lower() == ".png":
+        print(f"{times[0]:.3g} s: {output}")
+    else:
+        print(f"{len(times)} frames, {speed:.3g} s a second: {output}")
     return 0
