@@ -99,9 +99,11 @@ void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, dou
         }
     }
     const auto copy = [&](std::ptrdiff_t to, std::ptrdiff_t from) {
-        copy_cells(state, grid.row(to), grid.row(from), grid.nx);
+        if (active.any(static_cast<std::size_t>(from))) copy_cells(state, grid.row(to), grid.row(from), grid.nx);
     };
     const auto mirror = [&](std::ptrdiff_t k) {
+        const std::ptrdiff_t from = k < 0 ? -k - 1 : 2 * static_cast<std::ptrdiff_t>(grid.nz) - 1 - k;
+        if (!active.any(static_cast<std::size_t>(from))) return;
         double* const v = state.v.data() + grid.row(k);
         for (std::size_t i = 0; i < grid.nx; ++i) v[i] = -v[i];
     };

@@ -78,8 +78,8 @@ void step_group(ShallowWater& world, const Group& group, const BandFrom& from, c
         to.qx[member] = qx, to.qz[member] = qz;
         to.primitive.h[member] = h;
         if (!to.primitive.eta.empty()) to.primitive.eta[member] = h + world.bed.height[member];
-        to.primitive.u[member] = wet ? qx / h : 0;
-        to.primitive.v[member] = wet ? qz / h : 0;
+        to.primitive.u[member] = wet ? (to.h == nullptr ? qx / h : qx * (1 / h)) : 0;
+        to.primitive.v[member] = wet ? (to.h == nullptr ? qz / h : qz * (1 / h)) : 0;
     }
 }
 
@@ -88,14 +88,14 @@ void step_group(ShallowWater& world, const Group& group, const BandFrom& from, c
 double hold_outlets(const ShallowWater& world, const BandTo& to) {
     double volume = 0;
     for (const PlaceOutlet& outlet : world.place->outlets) {
-        for (const OutletCell& cell : outlet.cells) {
+        for_each_cell_in(world.lines.active, outlet, [&](const OutletCell& cell) {
             const std::size_t c = cell.cell;
             volume += (to.primitive.h[c] - world.primitive.h[c]) * world.openings.share_of(c) * world.grid.cell_area();
             to.qx[c] = world.water.qx[c], to.qz[c] = world.water.qz[c];
             to.primitive.h[c] = world.primitive.h[c];
             if (!to.primitive.eta.empty()) to.primitive.eta[c] = world.primitive.eta[c];
             to.primitive.u[c] = world.primitive.u[c], to.primitive.v[c] = world.primitive.v[c];
-        }
+        });
     }
     return volume;
 }
@@ -239,11 +239,15 @@ void drive(ShallowWater& world, std::optional<double> driven_by, StepReport& rep
 }
 
 // What came and went over the step, and where the water is now.
-void change_place(ShallowWater& world, StepReport& report) {
+void change_place(ShallowWater& world, bool pushed, StepReport& report) {
     const Passed passed = exchange(world, report.dt);
     report.inflow += passed.inflow, report.outflow += passed.outflow;
     if (passed.rained) world.lines.active = Lines(world.grid, true);
-    update_active(world);
+    if (pushed || passed.rained) {
+        update_active(world);
+    } else {
+        update_exchanged(world);
+    }
     find_active(world);
 }
 
@@ -263,13 +267,14 @@ StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, st
     stage(Stage::heun, [&] { advance(world, report); });
     stage(Stage::flow, [&] { book_flow(world); });
     const bool driven = world.scene.channel.flow == Flow::recirculating;
-    if (people != nullptr && people->push()) {
+    const bool pushed = people != nullptr && people->push();
+    if (pushed) {
         stage(Stage::people, [&] {
             push_cells(world, *people, report.dt / people->frame_time);
             if (!driven && !world.place) update_active(world);
         });
     }
-    if (world.place) stage(Stage::place, [&] { change_place(world, report); });
+    if (world.place) stage(Stage::place, [&] { change_place(world, pushed, report); });
     if (driven) stage(Stage::drive, [&] { drive(world, driven_by, report); });
     world.time += report.dt;
     return report;

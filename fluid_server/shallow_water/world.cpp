@@ -47,20 +47,22 @@ void find_primitive(const double* h, const double* qx, const double* qz, const d
     }
 }
 
+// The primitive state of n cells from place c on.
+void find_primitives(ShallowWater& world, std::size_t c, std::size_t n) {
+    Primitive& p = world.primitive;
+    double* const eta = p.eta.empty() ? p.h.data() : p.eta.data();
+    find_primitive(world.water.h.data() + c, world.water.qx.data() + c, world.water.qz.data() + c,
+                   world.bed.height.data() + c, n, world.constants.dry,
+                   {p.h.data() + c, eta + c, p.u.data() + c, p.v.data() + c});
+}
+
 // The primitive state of active cells, without ghosts.
 void find_primitives(ShallowWater& world) {
-    const Water& water = world.water;
-    Primitive& p = world.primitive;
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t row = world.grid.row(static_cast<std::ptrdiff_t>(k));
-            world.lines.active.for_each_span(k, [&](std::size_t first, std::size_t n) {
-                const std::size_t c = row + first;
-                double* const eta = p.eta.empty() ? p.h.data() : p.eta.data();
-                find_primitive(water.h.data() + c, water.qx.data() + c, water.qz.data() + c,
-                               world.bed.height.data() + c, n, world.constants.dry,
-                               {p.h.data() + c, eta + c, p.u.data() + c, p.v.data() + c});
-            });
+            world.lines.active.for_each_span(
+                k, [&](std::size_t first, std::size_t n) { find_primitives(world, row + first, n); });
         }
     });
 }
@@ -99,36 +101,46 @@ void balance_bands(ShallowWater& world) {
     world.bands[threads] = world.grid.nz;
 }
 
-// Groups with a cell in an active line.
-void find_active_groups(ShallowWater& world) {
-    Openings& openings = world.openings;
-    std::vector<std::size_t>& groups = openings.active_groups;
-    groups.clear();
-    for (std::size_t k = 0; k < world.grid.nz; ++k) {
-        world.lines.active.for_each_span(k, [&](std::size_t first, std::size_t n) {
-            const auto begin = openings.members.entries.begin();
-            const auto end = begin + static_cast<std::ptrdiff_t>(openings.members.begin[k + 1]);
-            auto member = std::lower_bound(begin + static_cast<std::ptrdiff_t>(openings.members.begin[k]), end, first,
-                                           [](const Member& m, std::size_t i) { return m.column < i; });
-            for (; member != end && member->column < first + n; ++member) {
-                groups.push_back(openings.group_of_member[member->number]);
-            }
-        });
+// Calls body(row, column) for the members of a group.
+template <typename Body>
+void for_each_member(const ShallowWater& world, const Group& group, Body&& body) {
+    for (std::size_t m = group.first; m < group.last; ++m) {
+        const MemberPlace& place = world.openings.places_of_members[m];
+        body(std::size_t{place.row}, std::size_t{place.column});
     }
-    std::sort(groups.begin(), groups.end());
-    groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
 }
 
-// Marks the lines of all cells of the active groups, and those of cells up to `reach` away along x.
-void mark_groups(ShallowWater& world, Lines& lines, std::size_t reach) {
-    const Openings& openings = world.openings;
-    for (const std::size_t g : openings.active_groups) {
-        for (std::size_t m = openings.groups[g].first; m < openings.groups[g].last; ++m) {
-            const std::size_t c = openings.members_of_groups[m];
-            const std::size_t i = c % world.grid.stride - line_values, k = c / world.grid.stride - Grid::ghosts;
-            lines.set(k, i < reach ? 0 : i - reach);
-            lines.set(k, std::min(i + reach, world.grid.nx - 1));
-        }
+// A dry group beside water is wet everywhere after the first stage, and what is beside it then may be after the second.
+void mark_beside_groups(ShallowWater& world) {
+    const WetMarks& wet = world.lines.wet;
+    for (const Group& group : world.openings.groups) {
+        if (world.water.h[world.openings.members_of_groups[group.first]] > world.constants.dry) continue;
+        bool beside = false;
+        for_each_member(world, group, [&](std::size_t k, std::size_t i) {
+            beside = beside || wet.one.has(k, i) || (k > 0 && wet.own.has(k - 1, i)) ||
+                     (k + 1 < world.grid.nz && wet.own.has(k + 1, i));
+        });
+        if (!beside) continue;
+        for_each_member(world, group, [&](std::size_t k, std::size_t i) {
+            world.lines.active.set(k, i > 0 ? i - 1 : 0);
+            world.lines.active.set(k, std::min(i + 1, world.grid.nx - 1));
+            if (k > 0) world.lines.active.set(k - 1, i);
+            if (k + 1 < world.grid.nz) world.lines.active.set(k + 1, i);
+        });
+    }
+}
+
+// Groups with a cell in an active line, and the lines of all of their cells.
+void find_active_groups(ShallowWater& world) {
+    Openings& openings = world.openings;
+    openings.active_groups.clear();
+    for (std::size_t g = 0; g < openings.groups.size(); ++g) {
+        bool active = false;
+        for_each_member(world, openings.groups[g],
+                        [&](std::size_t k, std::size_t i) { active = active || world.lines.active.has(k, i); });
+        if (!active) continue;
+        openings.active_groups.push_back(g);
+        for_each_member(world, openings.groups[g], [&](std::size_t k, std::size_t i) { world.lines.active.set(k, i); });
     }
 }
 
@@ -175,7 +187,9 @@ ShallowWater::ShallowWater(const Scene& its_scene)
         set_openings(*this, 0);
         fill_place(*scene.place, grid, bed.height, openings.share, water.h);
         place = make_place_water(*scene.place, grid, openings);
-        lines.wet = lines.before = Lines(grid, false);
+        place->groups = groups_of(*place, openings);
+        lines.wet = WetMarks(grid);
+        lines.before = Lines(grid, false);
         mark_always(*this);
         exchange(*this, 0);
     }
@@ -183,8 +197,8 @@ ShallowWater::ShallowWater(const Scene& its_scene)
 }
 
 Passed exchange(ShallowWater& world, double dt) {
-    const PlaceCells cells{world.grid,         world.bed, world.openings, world.water, world.constants.gravity,
-                           world.constants.dry};
+    const PlaceCells cells{world.grid,          world.bed,         world.openings, world.water, world.constants.gravity,
+                           world.constants.dry, world.lines.active};
     return exchange(*world.place, cells, world.time, dt);
 }
 
@@ -198,6 +212,7 @@ void set_openings(ShallowWater& world, double time) {
     std::replace_if(
         world.bed.height.begin(), world.bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
     level_groups(world.openings, world.bed.height);
+    if (world.place) world.place->groups = groups_of(*world.place, world.openings);
 }
 
 void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces) {
@@ -213,6 +228,23 @@ void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces) {
 void update_active(ShallowWater& world) {
     for (RowMemory* q : {&world.water.h, &world.water.qx, &world.water.qz}) level_active_groups(world.openings, *q);
     find_primitives(world);
+    fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity, world.lines.active);
+}
+
+void update_exchanged(ShallowWater& world) {
+    Openings& openings = world.openings;
+    for (const std::size_t g : world.place->groups) {
+        const Group& group = openings.groups[g];
+        for (RowMemory* q : {&world.water.h, &world.water.qx, &world.water.qz}) level_group(openings, group, *q);
+        for (std::size_t m = group.first; m < group.last; ++m) find_primitives(world, openings.members_of_groups[m], 1);
+    }
+    for (const PlaceSource& source : world.place->sources) {
+        for (const SourceCell& cell : source.cells) find_primitives(world, cell.cell, 1);
+    }
+    for (const PlaceOutlet& outlet : world.place->outlets) {
+        for_each_cell_in(world.lines.active, outlet,
+                         [&](const OutletCell& cell) { find_primitives(world, cell.cell, 1); });
+    }
     fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity, world.lines.active);
 }
 
@@ -233,14 +265,8 @@ void find_active(ShallowWater& world) {
         });
     };
     by_rows([&](std::size_t k) { mark_active(static_cast<std::ptrdiff_t>(k), lines); });
-    if (!world.openings.groups.empty()) {
-        // A group that is wetted at one place is wet at all of them, and so may the groups beside it be.
-        find_active_groups(world);
-        mark_groups(world, lines.wet, 2);
-        by_rows([&](std::size_t k) { mark_active(static_cast<std::ptrdiff_t>(k), lines); });
-        find_active_groups(world);
-        mark_groups(world, lines.active, 0);
-    }
+    mark_beside_groups(world);
+    find_active_groups(world);
     by_rows([&](std::size_t k) {
         const std::size_t row = grid.row(static_cast<std::ptrdiff_t>(k));
         lines.before.for_each_span_less(

@@ -75,8 +75,9 @@ void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces);
 // To be called after a change of `water`.
 void update_primitive(ShallowWater& world);
 
-// The same where only active cells changed.
+// The same where only active cells changed, or those of sources and outlets.
 void update_active(ShallowWater& world);
+void update_exchanged(ShallowWater& world);
 
 // Of a place: the cells to be worked on from now on, from the water in those that are now.
 void find_active(ShallowWater& world);

@@ -336,7 +336,8 @@ Openings find_openings(const Grid& grid, const std::vector<House>& houses, const
             const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(cell / open.nx)) + cell % open.nx;
             numbers.emplace_back(cell, result.members_of_groups.size());
             result.members_of_groups.push_back(c);
-            result.group_of_member.push_back(result.groups.size() - 1);
+            result.places_of_members.push_back(
+                {static_cast<std::uint32_t>(cell / open.nx), static_cast<std::uint32_t>(cell % open.nx)});
             result.per_share[c] = 0;
             group.share += open.share[cell];
         }
@@ -362,8 +363,6 @@ double mean_of(const Openings& openings, const Group& group, const RowMemory& va
     return sum / group.share;
 }
 
-namespace {
-
 void level_group(const Openings& openings, const Group& group, RowMemory& values) {
     bool alike = true;  // then rounding must not change them
     for (std::size_t m = group.first + 1; m < group.last; ++m) {
@@ -373,8 +372,6 @@ void level_group(const Openings& openings, const Group& group, RowMemory& values
     const double mean = mean_of(openings, group, values);
     for (std::size_t m = group.first; m < group.last; ++m) values[openings.members_of_groups[m]] = mean;
 }
-
-}  // namespace
 
 void level_groups(const Openings& openings, RowMemory& values) {
     for (const Group& group : openings.groups) level_group(openings, group, values);

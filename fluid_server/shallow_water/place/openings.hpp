@@ -60,6 +60,10 @@ struct Member {
     std::size_t number = 0;  // in Openings::members_of_groups and Openings::changes
 };
 
+struct MemberPlace {
+    std::uint32_t row = 0, column = 0;
+};
+
 // Cells, as places in the grid's memory, that are stepped as one.
 struct Group {
     std::size_t first = 0, last = 0;  // in Openings::members_of_groups
@@ -77,7 +81,7 @@ struct Openings {
     std::vector<Group> groups;
     std::vector<std::size_t> members_of_groups;  // places of cells
     std::vector<MemberChange> changes;           // by members_of_groups
-    std::vector<std::size_t> group_of_member;    // by members_of_groups
+    std::vector<MemberPlace> places_of_members;  // by members_of_groups
     std::vector<std::size_t> active_groups;      // those that a step works on, see find_active()
 
     [[nodiscard]] bool any() const { return !share.empty(); }
@@ -91,7 +95,8 @@ Openings find_openings(const Grid& grid, const std::vector<House>& houses, const
 // The mean of the values of a group's members, by their open shares.
 double mean_of(const Openings& openings, const Group& group, const RowMemory& values);
 
-// Gives the members of each group, or of each active one, their mean.
+// Gives the members of a group, of each group, or of each active one, their mean.
+void level_group(const Openings& openings, const Group& group, RowMemory& values);
 void level_groups(const Openings& openings, RowMemory& values);
 void level_active_groups(const Openings& openings, RowMemory& values);
 

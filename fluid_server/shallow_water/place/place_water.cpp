@@ -59,7 +59,7 @@ PlaceSource make_source(const Source& source, const Grid& grid, const Openings& 
 }
 
 PlaceOutlet make_outlet(const Outlet& outlet, const Grid& grid, const Openings& openings) {
-    PlaceOutlet result{outlet.kind, outlet.stage, value_at(outlet.stage, 0), {}};
+    PlaceOutlet result{outlet.kind, outlet.stage, value_at(outlet.stage, 0), {}, {}};
     const Area area = area_of(grid, outlet.polygon, outlet.line);
     std::vector<std::size_t> cells;
     for (std::size_t n = 0; n < area.cells.size(); ++n) {
@@ -98,7 +98,11 @@ PlaceOutlet make_outlet(const Outlet& outlet, const Grid& grid, const Openings& 
         look(k + 1 < grid.nz, c + grid.stride, c + grid.stride, false, 1);
         const double length = std::hypot(cell.normal_x, cell.normal_z);
         if (length > 0) cell.normal_x /= length, cell.normal_z /= length;
+        const bool same_line = !result.lines.empty() && result.lines.back().row == k &&
+                               result.lines.back().column / line_values == i / line_values;
+        if (!same_line) result.lines.push_back({k, i, result.cells.size(), result.cells.size()});
         result.cells.push_back(cell);
+        ++result.lines.back().end;
     }
     return result;
 }
@@ -202,6 +206,26 @@ double longest_with_inflow(const PlaceWater& place, double time, double longest,
     return std::min(longest, std::cbrt(way * way / (gravity * rate)));
 }
 
+std::vector<std::size_t> groups_of(const PlaceWater& place, const Openings& openings) {
+    std::vector<std::size_t> cells, groups;
+    for (const PlaceSource& source : place.sources) {
+        for (const SourceCell& cell : source.cells) cells.push_back(cell.cell);
+    }
+    for (const PlaceOutlet& outlet : place.outlets) {
+        for (const OutletCell& cell : outlet.cells) cells.push_back(cell.cell);
+    }
+    std::sort(cells.begin(), cells.end());
+    for (std::size_t g = 0; g < openings.groups.size(); ++g) {
+        const auto members = openings.members_of_groups.begin();
+        const bool touched =
+            std::any_of(members + static_cast<std::ptrdiff_t>(openings.groups[g].first),
+                        members + static_cast<std::ptrdiff_t>(openings.groups[g].last),
+                        [&](std::size_t c) { return std::binary_search(cells.begin(), cells.end(), c); });
+        if (touched) groups.push_back(g);
+    }
+    return groups;
+}
+
 Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double dt) {
     Passed passed;
     const double begin = time, end = time + dt, area = cells.grid.cell_area();
@@ -227,7 +251,7 @@ Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double 
     }
     for (PlaceOutlet& outlet : place.outlets) {
         const double stage = value_at(outlet.stage, end);
-        for (OutletCell& cell : outlet.cells) {
+        const auto set = [&](OutletCell& cell) {
             State state;
             if (outlet.kind == OutletKind::stage) state = outlet_state(cells, outlet, cell, stage, dt);
             const double volume = (state.h - cells.water.h[cell.cell]) * cells.openings.share_of(cell.cell) * area;
@@ -235,6 +259,11 @@ Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double 
             cells.water.h[cell.cell] = state.h;
             cells.water.qx[cell.cell] = state.qx;
             cells.water.qz[cell.cell] = state.qz;
+        };
+        if (passed.rained) {
+            std::for_each(outlet.cells.begin(), outlet.cells.end(), set);
+        } else {
+            for_each_cell_in(cells.active, outlet, set);
         }
         outlet.mean_stage += (stage - outlet.mean_stage) * -std::expm1(-dt / following_time);
     }

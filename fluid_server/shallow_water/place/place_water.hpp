@@ -19,6 +19,7 @@
 #include "configs/scene/place.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
 #include "fluid_server/shallow_water/place/openings.hpp"
+#include "fluid_server/shallow_water/place/wet_lines.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -42,11 +43,17 @@ struct OutletCell {
     std::size_t count = 0;                // of these
     double mean_velocity = 0;             // u_m, m/s
 };
+// Cells of an outlet in a line of a row, see wet_lines.hpp.
+struct OutletLine {
+    std::size_t row = 0, column = 0;  // of the first one
+    std::size_t begin = 0, end = 0;   // in PlaceOutlet::cells
+};
 struct PlaceOutlet {
     OutletKind kind = OutletKind::free;
     Series stage;
     double mean_stage = 0;  // eta_m, m
     std::vector<OutletCell> cells;
+    std::vector<OutletLine> lines;
 };
 
 struct PlaceWater {
@@ -54,6 +61,7 @@ struct PlaceWater {
     Series rain;  // m/s
     std::vector<PlaceOutlet> outlets;
     std::vector<double> openings_of_gates;  // times at which gates open that are still to come, ascending, s
+    std::vector<std::size_t> groups;        // with a cell of a source or an outlet (openings.hpp)
 };
 
 // Throws ConfigurationError if a source or an outlet has no cell on open ground.
@@ -78,7 +86,20 @@ struct PlaceCells {
     const Openings& openings;
     Water& water;
     double gravity, dry;
+    const Lines& active;  // all others are dry and stay so, unless it rains
 };
+
+// Calls body(cell) for the cells of an outlet in these lines.
+template <typename Outlet, typename Body>
+void for_each_cell_in(const Lines& lines, Outlet& outlet, Body&& body) {
+    for (const OutletLine& line : outlet.lines) {
+        if (!lines.has(line.row, line.column)) continue;
+        for (std::size_t n = line.begin; n < line.end; ++n) body(outlet.cells[n]);
+    }
+}
+
+// The groups that have a cell of a source or an outlet.
+std::vector<std::size_t> groups_of(const PlaceWater& place, const Openings& openings);
 
 // Sources, rain and outlets over the step from a time, s, on.
 Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double dt);

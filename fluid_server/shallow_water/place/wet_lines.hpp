@@ -1,8 +1,8 @@
 #pragma once
 // Where the water is: only cells that are wet, or that a time step may wet, are worked on.
 //
-// A row is cut into lines of 8 cells, one bit each. A line is active if a cell of it, or one within two cells of it along or
-// across, is wet, as each of the two stages of a step wets what is next to water. Between two cells that are dry nothing
+// A row is cut into lines of 8 cells, one bit each. A line is active if a cell of it is wet, or one that is at most two steps
+// from cell to cell away, as each of the two stages of a step wets what is next to water. Between two cells that are dry nothing
 // flows (FluxConstants::films_rest), so that cells beyond the active ones stay as they are. On a channel all lines are active.
 
 #include <algorithm>
@@ -44,6 +44,15 @@ class Lines {
     void set(std::size_t k, std::size_t i) {
         const std::size_t line = i / line_values;
         row(static_cast<std::ptrdiff_t>(k))[line / per_word] |= std::uint64_t{1} << (line % per_word);
+    }
+
+    [[nodiscard]] bool has(std::size_t k, std::size_t i) const {
+        const std::size_t line = i / line_values;
+        return (row(static_cast<std::ptrdiff_t>(k))[line / per_word] >> (line % per_word) & 1U) != 0;
+    }
+    [[nodiscard]] bool any(std::size_t k) const {
+        const std::uint64_t* const bits = row(static_cast<std::ptrdiff_t>(k));
+        return std::any_of(bits, bits + words_, [](std::uint64_t word) { return word != 0; });
     }
 
     // Whether the first or one of the last two lines of a row is among them.
@@ -114,36 +123,64 @@ class Lines {
     std::vector<std::uint64_t> bits_;
 };
 
-struct WetLines {
-    Lines active;
-    Lines always;       // active whether wet or not
-    Lines wet, before;  // memory for find_active()
+// Lines by where their wet cells lie.
+struct WetMarks {
+    Lines own;  // with a wet cell
+    Lines one;  // with one within one cell along the row, in the line or beside it
+    Lines two;  // within two
+
+    WetMarks() = default;
+    explicit WetMarks(const Grid& grid) : own(grid, false), one(grid, false), two(grid, false) {}
+    // Cell i of row k is wet.
+    void set(std::size_t k, std::size_t i) {
+        const std::size_t last = own.cells() - 1;
+        own.set(k, i);
+        for (Lines* lines : {&one, &two}) {
+            const std::size_t reach = lines == &one ? 1 : 2;
+            lines->set(k, i < reach ? 0 : i - reach);
+            lines->set(k, std::min(i + reach, last));
+        }
+    }
 };
 
-// Marks in row k of lines.wet those lines of the spans in `within` that have a wet cell, or one within two cells.
-inline void mark_wet(const double* h, std::size_t k, double dry, const Lines& within, Lines& wet) {
-    std::uint64_t* const bits = wet.row(static_cast<std::ptrdiff_t>(k));
-    std::fill_n(bits, wet.words(), 0);
+struct WetLines {
+    Lines active;
+    Lines always;  // active whether wet or not
+    WetMarks wet;  // memory for find_active(), and
+    Lines before;
+};
+
+// Marks the wet cells of row k that lie in the lines `within`.
+inline void mark_wet(const double* h, std::size_t k, double dry, const Lines& within, WetMarks& wet) {
+    for (Lines* lines : {&wet.own, &wet.one, &wet.two}) {
+        std::fill_n(lines->row(static_cast<std::ptrdiff_t>(k)), lines->words(), 0);
+    }
     within.for_each_span(k, [&](std::size_t first, std::size_t n) {
         for (std::size_t i = first; i < first + n; i += line_values) {
             const std::size_t m = std::min(line_values, first + n - i);
-            unsigned wet_cells = 0;
-            for (std::size_t j = 0; j < m; ++j) wet_cells |= static_cast<unsigned>(h[i + j] > dry) << j;
-            if (wet_cells == 0) continue;
-            wet.set(k, i);
-            if ((wet_cells & 3U) != 0 && i > 0) wet.set(k, i - 1);
-            if (wet_cells >> (line_values - 2) != 0 && i + line_values < within.cells()) wet.set(k, i + line_values);
+            double most = h[i];
+            for (std::size_t j = 1; j < m; ++j) most = h[i + j] > most ? h[i + j] : most;
+            if (!(most > dry)) continue;
+            for (Lines* lines : {&wet.own, &wet.one, &wet.two}) lines->set(k, i);
+            if (i > 0) {
+                if (h[i] > dry) wet.one.set(k, i - 1);
+                if (h[i] > dry || (m > 1 && h[i + 1] > dry)) wet.two.set(k, i - 1);
+            }
+            if (i + line_values < within.cells()) {
+                if (h[i + line_values - 1] > dry) wet.one.set(k, i + line_values);
+                if (h[i + line_values - 1] > dry || h[i + line_values - 2] > dry) wet.two.set(k, i + line_values);
+            }
         }
     });
 }
 
-// Row k of lines.active from lines.wet and lines.always.
+// Row k of lines.active: a stage wets what is beside water, a step of two stages what is two cells away.
 inline void mark_active(std::ptrdiff_t k, WetLines& lines) {
+    const WetMarks& wet = lines.wet;
     std::uint64_t* const to = lines.active.row(k);
-    for (std::size_t w = 0; w < lines.wet.words(); ++w) {
-        std::uint64_t bits = lines.always.row(k)[w];
-        for (std::ptrdiff_t r = -Lines::beyond; r <= Lines::beyond; ++r) bits |= lines.wet.row(k + r)[w];
-        to[w] = bits;
+    for (std::size_t w = 0; w < wet.own.words(); ++w) {
+        to[w] = lines.always.row(k)[w] | wet.two.row(k)[w] | wet.one.row(k - 1)[w] | wet.one.row(k + 1)[w] |
+                wet.own.row(k - 2)[w] | wet.own.row(k + 2)[w];
     }
 }
 
