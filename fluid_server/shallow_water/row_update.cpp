@@ -84,14 +84,17 @@ struct RowTo {
     double *depth, *eta, *u, *v;  // eta null: on a level bed
 };
 
-// What passes the open shares of n faces.
-void narrow_fluxes(const double* open, std::size_t n, const FluxRow& flux) {
-    for (std::size_t i = 0; i < n; i += lanes) {
-        const V a = first(n - i, load(open + i), all(1.0));
-        for (double* const value : {flux.mass, flux.along, flux.into_lower, flux.into_upper}) {
-            store(a * load(value + i), value + i);
+// What passes the open shares of faces `first` to `first` + n of row k.
+void narrow_fluxes(const Lines& narrowed, std::size_t k, std::size_t first, std::size_t n, const double* open,
+                   const FluxRow& flux) {
+    narrowed.for_each_line(k, first, n, [&](std::size_t line) {
+        for (std::size_t i = line; i < line + line_values; i += lanes) {
+            const V a = load(open + i);
+            for (double* const value : {flux.mass, flux.along, flux.into_lower, flux.into_upper}) {
+                store(a * load(value + i), value + i);
+            }
         }
-    }
+    });
 }
 
 // Half of what the surface rises from one cell to the next on the side away from a wall, if it rises on from there.
@@ -244,8 +247,9 @@ struct BandUpdate {
             const std::size_t c = row + i, up = c + grid.stride;
             find_fluxes(across(p, c), Cells(work.rise_z[0]).from(i), across(p, up), Cells(work.rise_z[1]).from(i),
                         world.walls_z.from(up, grid), n, terms.constants, part(flux, i));
-            if (walls && openings.narrowed_z[up / grid.stride] != 0) {
-                narrow_fluxes(openings.face_z.data() + up, n, part(flux, i));
+            if (walls) {
+                narrow_fluxes(openings.narrowed_z, static_cast<std::size_t>(k + 1), i, n,
+                              openings.face_z.data() + row + grid.stride, flux);
             }
         });
     }
@@ -259,9 +263,7 @@ struct BandUpdate {
         }
         find_fluxes(along_x(p, c - 1), Cells(work.rise_x).from(i), along_x(p, c), Cells(work.rise_x).from(i + 1),
                     world.walls_x.from(c, grid), n + 1, terms.constants, part(work.flux_x, i));
-        if (walls && openings.narrowed_x[c / grid.stride] != 0) {
-            narrow_fluxes(openings.face_x.data() + c, n + 1, part(work.flux_x, i));
-        }
+        if (walls) narrow_fluxes(openings.narrowed_x, k, i, n + 1, openings.face_x.data() + row, work.flux_x);
     }
     // The smallest depth of cells i to i + n of row k.
     double mix(std::size_t k, std::size_t i, std::size_t n) {

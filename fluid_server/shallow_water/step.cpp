@@ -72,14 +72,15 @@ void step_group(ShallowWater& world, const Group& group, const BandFrom& from, c
     const bool wet = h > terms.constants.dry;
     qx = wet ? (1 - terms.share) * world.water.qx[c] + terms.share * qx * slowed : 0;
     qz = wet ? (1 - terms.share) * world.water.qz[c] + terms.share * qz * slowed : 0;
+    const double inverse = 1 / (wet ? h : 1.0);
     for (std::size_t m = group.first; m < group.last; ++m) {
         const std::size_t member = openings.members_of_groups[m];
         if (to.h != nullptr) (*to.h)[member] = h;
         to.qx[member] = qx, to.qz[member] = qz;
         to.primitive.h[member] = h;
         if (!to.primitive.eta.empty()) to.primitive.eta[member] = h + world.bed.height[member];
-        to.primitive.u[member] = wet ? (to.h == nullptr ? qx / h : qx * (1 / h)) : 0;
-        to.primitive.v[member] = wet ? (to.h == nullptr ? qz / h : qz * (1 / h)) : 0;
+        to.primitive.u[member] = qx * inverse;
+        to.primitive.v[member] = qz * inverse;
     }
 }
 

@@ -304,21 +304,21 @@ Openings find_openings(const Grid& grid, const std::vector<House>& houses, const
         return std::all_of(v.begin(), v.end(), [](double s) { return s >= 1; });
     };
     if (whole(open.share) && whole(open.face_x) && whole(open.face_z)) return result;
-    const std::size_t rows = grid.stored() / grid.stride;
     result.share.assign(grid.stored(), 1);
     result.per_share.assign(grid.stored(), 1);
     result.face_x.assign(grid.stored(), 1);
     result.face_z.assign(grid.stored(), 1);
-    result.narrowed_x.assign(rows, 0);
-    result.narrowed_z.assign(rows, 0);
+    Grid faces = grid;
+    ++faces.nx, ++faces.nz;
+    result.narrowed_x = result.narrowed_z = Lines(faces, false);
     for (std::size_t k = 0; k <= open.nz; ++k) {
         const std::size_t row = grid.row(static_cast<std::ptrdiff_t>(k));
         for (std::size_t i = 0; i <= open.nx; ++i) {
             const std::size_t c = row + i;
             if (i < open.nx) result.face_z[c] = open.face_z[k * open.nx + i];
             if (k < open.nz) result.face_x[c] = open.face_x[k * (open.nx + 1) + i];
-            if (result.face_z[c] < 1) result.narrowed_z[c / grid.stride] = 1;
-            if (result.face_x[c] < 1) result.narrowed_x[c / grid.stride] = 1;
+            if (result.face_z[c] < 1) result.narrowed_z.set(k, i);
+            if (result.face_x[c] < 1) result.narrowed_x.set(k, i);
             if (i == open.nx || k == open.nz) continue;
             const double s = open.share[k * open.nx + i];
             result.share[c] = s;

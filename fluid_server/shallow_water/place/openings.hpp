@@ -23,6 +23,7 @@
 
 #include "configs/scene/place.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
+#include "fluid_server/shallow_water/place/wet_lines.hpp"
 #include "fluid_server/shallow_water/row_memory.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -71,10 +72,10 @@ struct Group {
 };
 
 struct Openings {
-    RowMemory share;                                   // s by cell; empty: all is open, and so is all below
-    RowMemory per_share;                               // 1 / s; 0 of cells that are closed, or in a group
-    RowMemory face_x, face_z;                          // a of the face below each cell
-    std::vector<std::uint8_t> narrowed_x, narrowed_z;  // by row, ghosts included: whether any of them is below 1
+    RowMemory share;               // s by cell; empty: all is open, and so is all below
+    RowMemory per_share;           // 1 / s; 0 of cells that are closed, or in a group
+    RowMemory face_x, face_z;      // a of the face below each cell
+    Lines narrowed_x, narrowed_z;  // lines with a face that is open less than 1
     EntriesByRow<WallCell> walls;
     EntriesByRow<OneSided> slopes_x, slopes_z;
     EntriesByRow<Member> members;
