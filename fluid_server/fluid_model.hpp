@@ -10,6 +10,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/scene.hpp"
+#include "fluid_server/ranks.hpp"
 #include "shm_protocol/stream.hpp"
 
 namespace wade::fluid {
@@ -62,6 +63,14 @@ class FluidModel {
 
     // The most particles that a frame can hold, at least 1.
     [[nodiscard]] virtual std::uint32_t capacity() const = 0;
+
+    // Before the first frame: the same model in several processes works as one, of which the first has the water of all
+    // after advance_frame() and alone writes frames and results. Throws ConfigurationError where a model or a scene cannot.
+    virtual void spread_over(Ranks& ranks) {
+        static_cast<void>(ranks);
+        throw ConfigurationError("/fluid/model is " + std::string(name()) +
+                                 "; allowed over ranks: shallow_water, the only model that can be spread");
+    }
 
     // The agents that the next frame is computed with, before advance_frame(). A model may ignore them.
     virtual void take_agents(const AgentsView& agents) { static_cast<void>(agents); }

@@ -2,6 +2,8 @@
 
 #include <omp.h>
 
+#include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
@@ -18,6 +20,7 @@
 #include "fluid_server/make_model.hpp"
 #include "fluid_server/model_choice/model_choice.hpp"
 #include "fluid_server/neighbours/sweeps.hpp"
+#include "fluid_server/ranks.hpp"
 #include "fluid_server/server/serve.hpp"
 #include "shm_protocol/error.hpp"
 
@@ -47,10 +50,14 @@ struct Prepared {
 };
 
 // A scene whose model is "auto" becomes the one that is chosen for it. Throws ConfigurationError for all that cannot run,
-// memory that is not there before any is taken.
-Prepared prepare(ProgramStart& start) {
+// memory that is not there before any is taken. ranks: null, or those that the water is spread over.
+Prepared prepare(ProgramStart& start, Ranks* ranks) {
     Prepared prepared;
     const RunOptions& options = start.options;
+    if (ranks != nullptr && model_choice::is_open(start.loaded.scene)) {
+        throw ConfigurationError(options.scene_file.string() +
+                                 ": /fluid/model is auto; allowed over ranks: shallow_water");
+    }
     if (model_choice::is_open(start.loaded.scene)) {
         model_choice::ModelChoice choice = model_choice::choose_model(start.loaded, options.scene_file.string());
         start.loaded = std::move(choice.scene);
@@ -68,13 +75,16 @@ Prepared prepare(ProgramStart& start) {
     for (const std::string& gap : narrow_gaps(scene)) prepared.lines.push_back("warning: " + gap);
     prepared.model = make_fluid_model(scene);
     for (const std::string& line : prepare_states(*prepared.model, options)) prepared.lines.push_back(line);
+    if (ranks == nullptr) return prepared;
+    prepared.model->spread_over(*ranks);
+    prepared.lines.push_back("over " + std::to_string(ranks->count()) + " ranks of MPI");
     return prepared;
 }
 
-void answer(ProgramStart& start) {
+void answer(ProgramStart& start, Ranks* ranks) {
     std::vector<std::string> lines;
     if (start.options.check) {
-        const Prepared prepared = prepare(start);
+        const Prepared prepared = prepare(start, ranks);
         lines = prepared.lines;
         lines.push_back("the water: " + text_of(prepared.estimate));
     }
@@ -83,12 +93,12 @@ void answer(ProgramStart& start) {
 }
 
 // Returns the exit code of what fails before anybody could join; later errors pass through.
-int run(ProgramStart& start, Console& console) {
+int run(ProgramStart& start, Console& console, Ranks* ranks) {
     if (start.options.threads > 0) omp_set_num_threads(start.options.threads);
     Prepared prepared;
     try {
         if (start.options.out) console.copy_to(*start.options.out / "fluid_server.log");
-        prepared = prepare(start);
+        prepared = prepare(start, ranks);
     } catch (const std::exception& error) {
         const int code = exit_code_of<shm::Error>(error);
         console.line(error.what());
@@ -100,22 +110,51 @@ int run(ProgramStart& start, Console& console) {
     return 0;
 }
 
+#ifdef WADE_RANKS
+// What ranks beyond the first do: frame by frame what the first one does, which alone has a session and says what fails.
+void follow(int argc, char** argv, Ranks& ranks) {
+    Prepared prepared;
+    std::array<std::uint64_t, 3> said{};
+    try {
+        ProgramStart start = start_program(description(), argc, argv);
+        if (start.options.threads > 0) omp_set_num_threads(start.options.threads);
+        if (!start.answer || start.options.check) prepared = prepare(start, &ranks);
+        while (ranks.hear(said)) prepared.model->advance_frame({said[0], said[1], said[2]});
+    } catch (const RunError&) {  // as the first rank's
+        while (ranks.hear(said)) {
+        }
+    }
+}
+#endif
+
+int lead(int argc, char** argv, Ranks* ranks) {
+    Console console("fluid_server");
+    try {
+        ProgramStart start = start_program(description(), argc, argv);
+        if (start.answer) {
+            answer(start, ranks);
+            return 0;
+        }
+        catch_signals();
+        return run(start, console, ranks);
+    } catch (const std::exception& error) {
+        console.line(error.what());
+        return exit_code_of<shm::Error>(error);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     let_threads_spin_briefly(argv);
     if (std::getenv("WADE_NARROW_VECTORS") != nullptr) use_widest_vectors(false);
-    Console console("fluid_server");
-    try {
-        ProgramStart start = start_program(description(), argc, argv);
-        if (start.answer) {
-            answer(start);
-            return 0;
-        }
-        catch_signals();
-        return run(start, console);
-    } catch (const std::exception& error) {
-        console.line(error.what());
-        return exit_code_of<shm::Error>(error);
-    }
+#ifdef WADE_RANKS
+    const std::unique_ptr<Ranks> ranks = join_ranks();
+    int code = 0;
+    ranks->first() ? static_cast<void>(code = lead(argc, argv, ranks.get())) : follow(argc, argv, *ranks);
+    ranks->leave(code);
+    return code;
+#else
+    return lead(argc, argv, nullptr);
+#endif
 }

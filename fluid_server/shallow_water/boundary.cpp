@@ -76,8 +76,9 @@ double depth_on_wave(double q, double h, double u, double g) {
 
 }  // namespace
 
-void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity, const Lines& active) {
-    for (std::size_t k = 0; k < grid.nz; ++k) {
+void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity, const Lines& active,
+                 std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
         if (!active.at_ends(k)) continue;
         const std::size_t row = grid.row(static_cast<std::ptrdiff_t>(k)), last = row + grid.nx - 1;
         const auto copy = [&](std::ptrdiff_t to, std::ptrdiff_t from) {

@@ -32,8 +32,9 @@ struct Primitive {
     [[nodiscard]] const RowMemory& surface() const { return eta.empty() ? h : eta; }
 };
 
-// Fills the ghost cells, those beside lines that are active.
-void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity, const Lines& active);
+// Fills the ghost cells, those beside lines that are active; at the ends of rows [begin, end) only.
+void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity, const Lines& active,
+                 std::size_t begin, std::size_t end);
 
 // Depth at the inflow, m. discharge: per width, >= 0, m^2/s; nozzle_depth: of the opening, m; h, u: in the cell before it,
 // u > 0 downstream.

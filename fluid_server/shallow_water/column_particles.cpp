@@ -76,7 +76,7 @@ ColumnParticles::ColumnParticles(const ShallowWater& world)
 
 void ColumnParticles::drift(const ShallowWater& world, double dt) {
     const Grid& grid = world.grid;
-    for (std::size_t k = 0; k < grid.nz; ++k) {
+    for (std::size_t k = world.band.begin; k < world.band.end; ++k) {
         const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k)), first = k * grid.nx;
         world.lines.active.for_each_span(k, [&](std::size_t begin, std::size_t n) {
             for (std::size_t i = begin; i < begin + n; ++i) {

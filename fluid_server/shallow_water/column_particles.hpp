@@ -17,6 +17,7 @@
 // So the mass in contact with an agent is that of the water column in the mean over time, wherever the agent stands: the
 // stream brings particles past it at all distances.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -35,6 +36,11 @@ class ColumnParticles {
 
     // Moves the places on by dt, s, at the velocities that the water has.
     void drift(const ShallowWater& world, double dt);
+
+    // The places, for ranks to hand over.
+    [[nodiscard]] std::array<RowField, 2> places(const Grid& grid) {
+        return {RowField{drift_x_.data(), grid.nx, grid.nx}, {drift_z_.data(), grid.nx, grid.nx}};
+    }
 
     // Counts the particles of each cell; where they would be more than the capacity, larger and fewer ones are made.
     void count(const ShallowWater& world);

@@ -30,7 +30,21 @@ Estimate ShallowWaterModel::estimate(const Scene& scene) {
     return estimate;
 }
 
+void ShallowWaterModel::spread_over(Ranks& ranks) {
+    if (world_.scene.coupling.two_way) {
+        throw ConfigurationError(world_.scene.name +
+                                 ": /coupling/two_way: people do not push water that is spread over "
+                                 "ranks; allowed: false");
+    }
+    spread(world_, ranks);
+}
+
 shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval) {
+    if (Ranks* const ranks = world_.band.ranks; ranks != nullptr && ranks->first()) {
+        ranks->tell(std::array{interval.begin_tick, interval.end_tick, interval.ticks_per_second});
+    }
+    const std::array<RowField, 2> places = particles_.places(world_.grid);
+    rebalance(world_, places);
     const auto start = std::chrono::steady_clock::now();
     const double frame_time = interval.duration();
     people_.frame_time = frame_time;
@@ -55,6 +69,8 @@ shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval)
         outflow_ += report.outflow;
         cell_steps_ += static_cast<double>(active_cells(world_));
     }
+    collect_frame(world_, places);
+    if (!world_.band.counts()) return d;
     const auto elapsed = std::chrono::steady_clock::now() - start;
     particles_.count(world_);
     d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());

@@ -47,7 +47,10 @@ double sum(const std::vector<double>& values) {
 void step_group(ShallowWater& world, const Group& group, const BandFrom& from, const StageTerms& terms,
                 const BandTo& to, double& least) {
     const Openings& openings = world.openings;
-    const std::size_t c = openings.members_of_groups[group.first];
+    // Members have the same state, and one in a row of this process has it for certain.
+    std::size_t own = group.first;
+    while (!world.band.has(openings.places_of_members[own].row)) ++own;
+    const std::size_t c = openings.members_of_groups[own];
     const MemberChange& one = openings.changes[group.first];
     MemberChange sum;
     double n_squared = 0;
@@ -86,19 +89,24 @@ void step_group(ShallowWater& world, const Group& group, const BandFrom& from, c
 
 // The cells of outlets keep over both stages the state that they were given. Returns the volume that the first stage brought
 // them, of which the step takes half, m^3.
-double hold_outlets(const ShallowWater& world, const BandTo& to) {
-    double volume = 0;
+double hold_outlets(ShallowWater& world, const BandTo& to) {
+    std::vector<double>& volumes = world.place->volumes;
+    volumes.clear();
     for (const PlaceOutlet& outlet : world.place->outlets) {
         for_each_cell_in(world.lines.active, outlet, [&](const OutletCell& cell) {
             const std::size_t c = cell.cell;
-            volume += (to.primitive.h[c] - world.primitive.h[c]) * world.openings.share_of(c) * world.grid.cell_area();
+            volumes.push_back(0);
+            if (!world.band.has(c / world.grid.stride - Grid::ghosts)) return;
+            volumes.back() =
+                (to.primitive.h[c] - world.primitive.h[c]) * world.openings.share_of(c) * world.grid.cell_area();
             to.qx[c] = world.water.qx[c], to.qz[c] = world.water.qz[c];
             to.primitive.h[c] = world.primitive.h[c];
             if (!to.primitive.eta.empty()) to.primitive.eta[c] = world.primitive.eta[c];
             to.primitive.u[c] = world.primitive.u[c], to.primitive.v[c] = world.primitive.v[c];
         });
     }
-    return volume;
+    merge(world.band, volumes);
+    return sum(volumes);
 }
 
 // One Euler step, mixed with the world's `water`: see update_band(). Returns what hold_outlets() does of the first stage.
@@ -109,6 +117,7 @@ double euler_step(ShallowWater& world, const BandFrom& from, double share, doubl
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
         update_band(world, from, terms, begin, end, buffer, to);
     });
+    share_changes(world);
     const auto groups = static_cast<std::ptrdiff_t>(world.openings.active_groups.size());
     double least = 0;
 #pragma omp parallel for schedule(static) reduction(min : least) if (groups >= 512)
@@ -116,9 +125,9 @@ double euler_step(ShallowWater& world, const BandFrom& from, double share, doubl
         const Group& group = world.openings.groups[world.openings.active_groups[static_cast<std::size_t>(number)]];
         step_group(world, group, from, terms, to, least);
     }
-    world.row_least[0] = std::min(world.row_least[0], least);
+    world.row_least[world.band.begin] = std::min(world.row_least[world.band.begin], least);
     const double held = world.place && to.h == nullptr ? hold_outlets(world, to) : 0;
-    fill_ghosts(to.primitive, world.grid, world.scene.channel, world.constants.gravity, world.lines.active);
+    fill_borders(world, to.primitive);
     return held;
 }
 
@@ -138,11 +147,13 @@ double time_step(ShallowWater& world, double remaining) {
         }
     });
     double rate = 0;
-    for (const double fastest : world.row_fastest) {
-        if (!(fastest < 1e300)) {
-            throw RunError(ExitCode::numerical_failure, "the shallow water is not finite; lower /fluid/cfl");
-        }
-        rate = std::max(rate, fastest);
+    for (std::size_t k = world.band.begin; k < world.band.end; ++k) {
+        const double fastest = world.row_fastest[k];
+        rate = std::max(rate, fastest < 1e300 ? fastest : 1e300);  // NaN, too
+    }
+    rate = largest(world.band, rate);
+    if (!(rate < 1e300)) {
+        throw RunError(ExitCode::numerical_failure, "the shallow water is not finite; lower /fluid/cfl");
     }
     const Channel& channel = world.scene.channel;
     if (channel.flow == Flow::emitter) {
@@ -160,7 +171,9 @@ double time_step(ShallowWater& world, double remaining) {
 
 bool stayed_positive(const ShallowWater& world) {
     const double rounding = -1e-10 * world.constants.dry;
-    return *std::min_element(world.row_least.begin(), world.row_least.end()) >= rounding;
+    const auto first = world.row_least.begin();
+    return *std::min_element(first + static_cast<std::ptrdiff_t>(world.band.begin),
+                             first + static_cast<std::ptrdiff_t>(world.band.end)) >= rounding;
 }
 
 // Heun's step of report.dt from `water` to `stage`; `primitive` is that of `water` before and that of `stage` after it.
@@ -171,6 +184,8 @@ bool heun_step(ShallowWater& world, StepReport& report) {
         channel.flow == Flow::emitter ? channel.depth * mean_velocity(channel, world.time, world.time + report.dt) : 0;
     const auto note_flow = [&] {
         if (world.place) return;
+        const std::array<RowField, 2> flows{RowField{world.row_inflow.data(), 1, 1}, {world.row_outflow.data(), 1, 1}};
+        gather_rows(world.band, flows, false);
         report.inflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_inflow);
         report.outflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_outflow);
         for (WatchedFace& watched : world.watched) {
@@ -188,7 +203,7 @@ bool heun_step(ShallowWater& world, StepReport& report) {
     euler_step(world, {stage.qx, stage.qz, world.stage_primitive}, 0.5, report.dt, discharge,
                {&stage.h, stage.qx, stage.qz, world.primitive});
     note_flow();
-    return positive && stayed_positive(world);
+    return all_agree(world.band, positive && stayed_positive(world));
 }
 
 // The longest step of report.dt after which all depths are positive, each one tried half of the one before.
@@ -218,6 +233,8 @@ std::optional<double> lack_of_velocity(ShallowWater& world, double time) {
             world.row_momentum[k] = sum_of_row(world.water.qx.data() + c, grid.nx);
         }
     });
+    const std::array<RowField, 2> sums{RowField{world.row_volume.data(), 1, 1}, {world.row_momentum.data(), 1, 1}};
+    gather_rows(world.band, sums, true);
     const double volume = sum(world.row_volume);
     if (volume <= 0) return {};
     return -velocity_at(world.scene.channel, time) - sum(world.row_momentum) / volume;
@@ -259,6 +276,7 @@ StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, st
     StepStages stage(report.stages);
     if (world.place) {
         if (gates_open(*world.place, world.time)) {
+            share_all(world);
             set_openings(world, world.time + gate_slack);
             update_primitive(world);
         }

@@ -84,21 +84,22 @@ void copy_to_stage(ShallowWater& world, std::size_t c, std::size_t n) {
 // Bands of rows with equally much to do in each.
 void balance_bands(ShallowWater& world) {
     const Lines& active = world.lines.active;
-    std::vector<std::size_t> sum(world.grid.nz + 1, 0);
-    for (std::size_t k = 0; k < world.grid.nz; ++k) {
+    const std::size_t first = world.band.begin, rows = world.band.end - first;
+    std::vector<std::size_t> sum(rows + 1, 0);
+    for (std::size_t k = 0; k < rows; ++k) {
         std::size_t n = 0;
         for (std::size_t w = 0; w < active.words(); ++w) {
-            n += static_cast<std::size_t>(std::popcount(active.row(static_cast<std::ptrdiff_t>(k))[w]));
+            n += static_cast<std::size_t>(std::popcount(active.row(static_cast<std::ptrdiff_t>(first + k))[w]));
         }
         sum[k + 1] = sum[k] + n;
     }
     const auto threads = static_cast<std::size_t>(world.grid.cells() >= serial_below ? omp_get_max_threads() : 1);
-    world.bands.assign(threads + 1, 0);
+    world.bands.assign(threads + 1, first);
     for (std::size_t t = 1; t < threads; ++t) {
         const auto row = std::lower_bound(sum.begin(), sum.end(), t * sum.back() / threads);
-        world.bands[t] = static_cast<std::size_t>(row - sum.begin());
+        world.bands[t] = first + static_cast<std::size_t>(row - sum.begin());
     }
-    world.bands[threads] = world.grid.nz;
+    world.bands[threads] = world.band.end;
 }
 
 // Calls body(row, column) for the members of a group.
@@ -110,11 +111,18 @@ void for_each_member(const ShallowWater& world, const Group& group, Body&& body)
     }
 }
 
+// Whether the water in a group, of this rank or of another one, is more than a film.
+bool is_wet(const ShallowWater& world, std::size_t g) {
+    if (world.band.ranks != nullptr) return (world.band.wet_groups[g / 64] >> (g % 64) & 1U) != 0;
+    return world.water.h[world.openings.members_of_groups[world.openings.groups[g].first]] > world.constants.dry;
+}
+
 // A dry group beside water is wet everywhere after the first stage, and what is beside it then may be after the second.
 void mark_beside_groups(ShallowWater& world) {
     const WetMarks& wet = world.lines.wet;
-    for (const Group& group : world.openings.groups) {
-        if (world.water.h[world.openings.members_of_groups[group.first]] > world.constants.dry) continue;
+    for (std::size_t g = 0; g < world.openings.groups.size(); ++g) {
+        const Group& group = world.openings.groups[g];
+        if (is_wet(world, g)) continue;
         bool beside = false;
         for_each_member(world, group, [&](std::size_t k, std::size_t i) {
             beside = beside || wet.one.has(k, i) || (k > 0 && wet.own.has(k - 1, i)) ||
@@ -181,6 +189,7 @@ ShallowWater::ShallowWater(const Scene& its_scene)
     constants.dry = dry_share * deepest_water(scene);
     acceleration = -scene.world.gravity * std::sin(tilt);
     lines.active = Lines(grid, true);
+    band.end = grid.nz;
     if (scene.place) {
         constants.dry = dry_share_of_cell * std::min(grid.dx, grid.dz);
         constants.films_rest = true;
@@ -197,8 +206,9 @@ ShallowWater::ShallowWater(const Scene& its_scene)
 }
 
 Passed exchange(ShallowWater& world, double dt) {
-    const PlaceCells cells{world.grid,          world.bed,         world.openings, world.water, world.constants.gravity,
-                           world.constants.dry, world.lines.active};
+    const PlaceCells cells{
+        world.grid,          world.bed,          world.openings, world.water, world.constants.gravity,
+        world.constants.dry, world.lines.active, &world.band};
     return exchange(*world.place, cells, world.time, dt);
 }
 
@@ -213,6 +223,7 @@ void set_openings(ShallowWater& world, double time) {
         world.bed.height.begin(), world.bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
     level_groups(world.openings, world.bed.height);
     if (world.place) world.place->groups = groups_of(*world.place, world.openings);
+    find_shared(world);
 }
 
 void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces) {
@@ -226,13 +237,15 @@ void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces) {
 }
 
 void update_active(ShallowWater& world) {
+    share_members(world);
     for (RowMemory* q : {&world.water.h, &world.water.qx, &world.water.qz}) level_active_groups(world.openings, *q);
     find_primitives(world);
-    fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity, world.lines.active);
+    fill_borders(world, world.primitive);
 }
 
 void update_exchanged(ShallowWater& world) {
     Openings& openings = world.openings;
+    share_members(world);
     for (const std::size_t g : world.place->groups) {
         const Group& group = openings.groups[g];
         for (RowMemory* q : {&world.water.h, &world.water.qx, &world.water.qz}) level_group(openings, group, *q);
@@ -245,12 +258,13 @@ void update_exchanged(ShallowWater& world) {
         for_each_cell_in(world.lines.active, outlet,
                          [&](const OutletCell& cell) { find_primitives(world, cell.cell, 1); });
     }
-    fill_ghosts(world.primitive, world.grid, world.scene.channel, world.constants.gravity, world.lines.active);
+    fill_borders(world, world.primitive);
 }
 
 void find_active(ShallowWater& world) {
     WetLines& lines = world.lines;
     const Grid& grid = world.grid;
+    note_touched(world);
     std::swap(lines.active, lines.before);
     if (lines.active.words() != lines.before.words()) lines.active = Lines(grid, false);
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
@@ -259,7 +273,11 @@ void find_active(ShallowWater& world) {
             mark_wet(h, k, world.constants.dry, lines.before, lines.wet);
         }
     });
+    share_wet(world);
     const auto by_rows = [&](auto&& body) {
+        // Which lines are active all ranks know of all rows.
+        for (std::size_t k = 0; world.band.ranks != nullptr && k < grid.nz; ++k) body(k);
+        if (world.band.ranks != nullptr) return;
         for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
             for (std::size_t k = begin; k < end; ++k) body(k);
         });
@@ -272,6 +290,8 @@ void find_active(ShallowWater& world) {
         lines.before.for_each_span_less(
             k, lines.active, [&](std::size_t first, std::size_t n) { copy_to_stage(world, row + first, n); });
     });
+    keep_own_groups(world);
+    note_touched(world);
     balance_bands(world);
 }
 

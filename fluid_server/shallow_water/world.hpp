@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "fluid_server/shallow_water/bands.hpp"
 #include "fluid_server/shallow_water/boundary.hpp"
 #include "fluid_server/shallow_water/face_flux.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
@@ -51,6 +53,7 @@ struct ShallowWater {
     WetLines lines;           // the cells that are worked on
     Openings openings;        // between the walls of a place
     std::optional<PlaceWater> place;
+    Band band;  // the rows of this process
 
     // Of the step at hand; kept for their memory.
     Water stage;
@@ -88,6 +91,26 @@ std::size_t active_cells(const ShallowWater& world);
 // Walls of a place as they are at a time, s, and the bed between them.
 void set_openings(ShallowWater& world, double time);
 
+// Ghost cells of the world's rows, and the rows beside them that other ranks have.
+void fill_borders(ShallowWater& world, Primitive& state);
+
+// From now on this process works on its band alone. Throws ConfigurationError for more ranks than the grid has rows for.
+void spread(ShallowWater& world, Ranks& ranks);
+
+// What a step asks of other ranks (bands.hpp); without any these do nothing.
+void share_changes(ShallowWater& world);  // what cells of groups in several bands get
+void share_members(ShallowWater& world);  // their water
+void share_wet(ShallowWater& world);      // lines and groups that are wet
+void keep_own_groups(ShallowWater& world);
+void note_touched(ShallowWater& world);
+void find_shared(ShallowWater& world);                                       // after a change of the openings
+void share_all(ShallowWater& world, std::span<const RowField> others = {});  // all of the water, and other fields
+
+// Before a frame: cuts the bands anew if that is worth while. After it: the first rank gets what it publishes. others: what
+// else belongs to cells.
+void rebalance(ShallowWater& world, std::span<const RowField> others);
+void collect_frame(ShallowWater& world, std::span<const RowField> others);
+
 // What a place's sources, rain and outlets change over dt, s; of `water` alone.
 Passed exchange(ShallowWater& world, double dt);
 
@@ -110,7 +133,7 @@ void set_water(ShallowWater& world, Depth&& depth, VelocityX&& u, VelocityZ&& v)
 // With fewer cells than this the threads would wait for one another longer than they work.
 inline constexpr std::size_t serial_below = 4096;
 
-// Calls body(first row, end row, buffer) for a band of rows in each thread.
+// Calls body(first row, end row, buffer) for a band of rows in each thread, of those that this process has.
 template <typename Body>
 void for_each_band(ShallowWater& world, Body&& body) {
     const Grid& grid = world.grid;
@@ -123,7 +146,8 @@ void for_each_band(ShallowWater& world, Body&& body) {
         if (world.bands.size() == threads + 1) {
             body(world.bands[thread], world.bands[thread + 1], world.buffers[thread]);
         } else {
-            body(thread * grid.nz / threads, (thread + 1) * grid.nz / threads, world.buffers[thread]);
+            const std::size_t first = world.band.begin, rows = world.band.end - first;
+            body(first + thread * rows / threads, first + (thread + 1) * rows / threads, world.buffers[thread]);
         }
     }
 }

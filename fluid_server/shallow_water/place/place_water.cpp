@@ -59,7 +59,7 @@ PlaceSource make_source(const Source& source, const Grid& grid, const Openings& 
 }
 
 PlaceOutlet make_outlet(const Outlet& outlet, const Grid& grid, const Openings& openings) {
-    PlaceOutlet result{outlet.kind, outlet.stage, value_at(outlet.stage, 0), {}, {}};
+    PlaceOutlet result{outlet.kind, outlet.stage, value_at(outlet.stage, 0), {}, {}, {}};
     const Area area = area_of(grid, outlet.polygon, outlet.line);
     std::vector<std::size_t> cells;
     for (std::size_t n = 0; n < area.cells.size(); ++n) {
@@ -229,10 +229,13 @@ std::vector<std::size_t> groups_of(const PlaceWater& place, const Openings& open
 Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double dt) {
     Passed passed;
     const double begin = time, end = time + dt, area = cells.grid.cell_area();
+    const auto own = [&](std::size_t cell) { return cells.band->has(cell / cells.grid.stride - Grid::ghosts); };
     for (const PlaceSource& source : place.sources) {
         const double volume = integral_of(source.discharge, begin, end);
         if (volume == 0) continue;
-        for (const SourceCell& cell : source.cells) cells.water.h[cell.cell] += volume * cell.per_volume;
+        for (const SourceCell& cell : source.cells) {
+            if (own(cell.cell)) cells.water.h[cell.cell] += volume * cell.per_volume;
+        }
         passed.inflow += volume;
     }
     if (const double depth = integral_of(place.rain, begin, end); depth > 0) {
@@ -240,22 +243,27 @@ Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double 
         for (std::size_t k = 0; k < cells.grid.nz; ++k) {
             const std::size_t row = cells.grid.row(static_cast<std::ptrdiff_t>(k));
             double shares = 0;
+            if (!cells.band->has(k) && !cells.band->counts()) continue;
+            const double rained = cells.band->has(k) ? depth : 0;
             for (std::size_t c = row; c < row + cells.grid.nx; ++c) {
                 const double share = cells.openings.share_of(c);
                 if (share <= 0) continue;
-                cells.water.h[c] += depth;
+                cells.water.h[c] += rained;
                 shares += share;
             }
             passed.inflow += depth * shares * area;
         }
     }
+    place.volumes.clear();
     for (PlaceOutlet& outlet : place.outlets) {
         const double stage = value_at(outlet.stage, end);
+        share_cells(*cells.band, cells.grid, cells.water, outlet.beside);
         const auto set = [&](OutletCell& cell) {
             State state;
+            place.volumes.push_back(0);
+            if (!own(cell.cell)) return;
             if (outlet.kind == OutletKind::stage) state = outlet_state(cells, outlet, cell, stage, dt);
-            const double volume = (state.h - cells.water.h[cell.cell]) * cells.openings.share_of(cell.cell) * area;
-            (volume > 0 ? passed.inflow : passed.outflow) += std::abs(volume);
+            place.volumes.back() = (state.h - cells.water.h[cell.cell]) * cells.openings.share_of(cell.cell) * area;
             cells.water.h[cell.cell] = state.h;
             cells.water.qx[cell.cell] = state.qx;
             cells.water.qz[cell.cell] = state.qz;
@@ -267,6 +275,8 @@ Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double 
         }
         outlet.mean_stage += (stage - outlet.mean_stage) * -std::expm1(-dt / following_time);
     }
+    merge(*cells.band, place.volumes);
+    for (const double volume : place.volumes) (volume > 0 ? passed.inflow : passed.outflow) += std::abs(volume);
     return passed;
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "configs/scene/place.hpp"
+#include "fluid_server/shallow_water/bands.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
 #include "fluid_server/shallow_water/place/openings.hpp"
 #include "fluid_server/shallow_water/place/wet_lines.hpp"
@@ -54,6 +55,7 @@ struct PlaceOutlet {
     double mean_stage = 0;  // eta_m, m
     std::vector<OutletCell> cells;
     std::vector<OutletLine> lines;
+    std::vector<std::size_t> beside;  // cells inside that are of another rank than the outlet's cell (bands.hpp)
 };
 
 struct PlaceWater {
@@ -62,6 +64,7 @@ struct PlaceWater {
     std::vector<PlaceOutlet> outlets;
     std::vector<double> openings_of_gates;  // times at which gates open that are still to come, ascending, s
     std::vector<std::size_t> groups;        // with a cell of a source or an outlet (openings.hpp)
+    std::vector<double> volumes;            // of the cells of outlets, memory
 };
 
 // Throws ConfigurationError if a source or an outlet has no cell on open ground.
@@ -87,6 +90,7 @@ struct PlaceCells {
     Water& water;
     double gravity, dry;
     const Lines& active;  // all others are dry and stay so, unless it rains
+    Band* band;           // the rows that are changed
 };
 
 // Calls body(cell) for the cells of an outlet in these lines.
