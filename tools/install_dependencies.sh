@@ -46,6 +46,7 @@ readers   mono-runtime        -                    -
 viewer    chromium            chromium             -
 engines   parallel            parallel             parallel
 engines   openmpi-bin         openmpi              open-mpi
+engines   libopenmpi-dev      openmpi-devel        open-mpi
 engines   slurmctld           slurm-slurmctld      -
 engines   slurmd              slurm-slurmd         -
 engines   slurm-client        slurm                -
@@ -78,8 +79,8 @@ argument build, pictures and tests. A run needs build and pictures, tests and wh
 too. sampling is for points of tools/wade sensitivity. readers are programs of others that read what
 Wade writes: ffmpeg makes films, the others are for tests, which are skipped without them. viewer:
 npm brings the page of tools/wade view its one package, chromium is for its test. engines: what
-tools/wade many can hand runs to, for tests on this machine. On other systems it names the packages,
-which you install yourself:
+tools/wade many can hand runs to, and MPI for water over ranks (tools/wade run --ranks). On other
+systems it names the packages, which you install yourself:
 
 set       Debian, Ubuntu      Fedora               Homebrew
 $(grep . <<<"$packages")

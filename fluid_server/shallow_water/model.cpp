@@ -57,6 +57,7 @@ shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval)
         try {
             report = step(world_, remaining, &people_);
         } catch (const RunError& error) {
+            if (error.code() != ExitCode::numerical_failure) throw;
             throw RunError(error.code(),
                            "the water failed at t = " + short_number(world_.time) + " s: " + error.what());
         }

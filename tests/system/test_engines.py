@@ -1,6 +1,6 @@
 """tools/wade many with the engines that hand out its runs: Slurm with two nodes of this machine, GNU parallel, Open MPI.
 
-Each is skipped where it is not installed; tools/test.sh --all installs them.
+And one water over ranks. Each is skipped where it is not installed; tools/test.sh --all installs them.
 """
 
 import contextlib
@@ -15,10 +15,10 @@ import unittest
 from pathlib import Path
 
 from ensemble_test import EnsembleTest
-from harness import ENDLESS, PROGRAMS, SMALL, alive, children_of, command_of, wait_until
+from harness import ENDLESS, PROGRAMS, SMALL, Launcher, Run, alive, children_of, command_of, wait_until
 
 from wade.ensembles.one import worker_command
-from wade.paths import module_command
+from wade.paths import CONFIGS, module_command
 
 PLAN = (SMALL, "--seeds", "1-6", "--share", "2", "--reproducible", "--resume")
 # Some seconds each, long enough to be disturbed.
@@ -242,6 +242,77 @@ class Mpirun(EnsembleTest):
         wait_until(lambda: programs_below(many) == 4 or not many.running(), "two pairs to run")
         self.assert_ends_with_children(many, signal.SIGTERM, 143)
         self.assert_nothing_left()
+
+
+@unittest.skipUnless(there_is("mpirun") and os.access(PROGRAMS / "fluid_server_ranks", os.X_OK),
+                     "Open MPI is not installed, or was not when this was configured")
+class Ranks(Launcher):
+    """One water over several ranks (tools/wade run --ranks)."""
+
+    def run_over(self, ranks, scene, *options):
+        folder = self.folder / f"run{next(self.run_numbers)}"
+        over = ("--ranks", str(ranks), "--mpirun", LOCAL_MPI) if ranks else ()
+        program = self.script(*module_command("wade.run.pair"), scene, "--no-figure", "--session", self.session, "--out", folder,
+                              *over, *options)
+        program.run = Run(folder)
+        return program
+
+    def bits(self, ranks, scene, *options):
+        program = self.run_over(ranks, scene, *options)
+        self.assert_ended_well(program)
+        return program.run.outcome()["frame_hash"], program.run.bytes_of("agents.csv")
+
+    def test_any_number_of_ranks_and_threads_gives_the_same_bits(self):
+        for scene, until in ((CONFIGS / "models" / "shallow_water_s05.json", "1"), (CONFIGS / "places" / "hamlet.json", "2"),
+                             (CONFIGS / "places" / "village" / "village.json", "2")):
+            alone = self.bits(0, scene, "--until-s", until, "--threads", "1")
+            for ranks, threads in ((1, 1), (2, 1), (2, 2), (3, 1), (4, 1)):
+                with self.subTest(scene=scene.stem, ranks=ranks, threads=threads):
+                    self.assertEqual(self.bits(ranks, scene, "--until-s", until, "--threads", threads), alone)
+
+    def started(self):
+        """A run that goes on, and {rank: process}."""
+        run = self.run_over(3, CONFIGS / "models" / "shallow_water_s05.json", *ENDLESS, "--threads", "1")
+        wait_until(lambda: self.published_frame() > 3 or not run.running(), "the water to flow")
+        self.assertTrue(run.running(), run.messages())
+        ranks = {}
+        for pid in children_of(run.process.pid):
+            if command_of(pid).split("\0")[0].endswith("fluid_server_ranks"):
+                words = Path(f"/proc/{pid}/environ").read_text().split("\0")
+                ranks[next(int(word.partition("=")[2]) for word in words if word.startswith("OMPI_COMM_WORLD_RANK="))] = pid
+        self.assertEqual(sorted(ranks), [0, 1, 2])
+        return run, ranks
+
+    def assert_all_ended(self, run, ranks):
+        wait_until(lambda: not any(map(alive, ranks.values())), "all ranks to end")
+        self.assertEqual(list(Path("/dev/shm").glob(f"{self.session}*")), [])
+
+    def test_a_dead_rank_ends_the_run_and_the_crowd_is_told(self):
+        run, ranks = self.started()
+        os.kill(ranks[2], signal.SIGKILL)
+        self.assert_ends(run, 128 + signal.SIGKILL, f"rank 2 of 3 (process {ranks[2]}) has died")
+        self.assertEqual(run.run.outcome()["status"], "peer_aborted")
+        self.assert_all_ended(run, ranks)
+
+    def test_a_crowd_that_dies_ends_all_ranks(self):
+        run, ranks = self.started()
+        crowd = [pid for pid in children_of(run.process.pid) if command_of(pid).split("\0")[0].endswith("crowd_client")]
+        os.kill(crowd[0], signal.SIGKILL)
+        self.assert_ends(run, 128 + signal.SIGKILL, "died at frame")
+        self.assert_all_ended(run, ranks)
+
+    def test_an_interrupt_ends_all(self):
+        run, ranks = self.started()
+        run.send(signal.SIGTERM)
+        self.assertEqual(run.wait(), 143, run.messages())
+        self.assert_all_ended(run, ranks)
+
+    def test_what_cannot_go_over_ranks_is_refused(self):
+        for scene, options, text in ((SMALL, ("--set", "/fluid/model=dfsph"), "allowed over ranks: shallow_water"),
+                                     (SMALL, ("--set", "/fluid/model=auto"), "allowed over ranks: shallow_water"),
+                                     (SMALL, ("--set", "/fluid/model=shallow_water"), "rows a rank and more")):
+            with self.subTest(options=options):
+                self.assert_ends(self.run_over(40, scene, *options), 2, text)
 
 
 def programs_below(many):

@@ -68,7 +68,8 @@ def cached(name):
         lines = (BUILD / "CMakeCache.txt").read_text(encoding="utf-8").splitlines()
     except OSError:
         return ""
-    return next((line.partition("=")[2] for line in lines if line.startswith(name + ":")), "")
+    value = next((line.partition("=")[2] for line in lines if line.startswith(name + ":")), "")
+    return "" if value.endswith("-NOTFOUND") else value
 
 
 def check_owner():
@@ -93,6 +94,12 @@ def locked():
             print(f"waiting for another build in {BUILD}", file=sys.stderr)
             fcntl.flock(lock, fcntl.LOCK_EX)
         yield
+
+
+def look_again(found):
+    """Configures a build folder once more that was configured when something was not there yet; `found` names it in the cache."""
+    if (BUILD / "build.ninja").exists() and not cached(found) and can_build():
+        subprocess.run(["cmake", "-B", BUILD], cwd=ROOT, stdout=subprocess.DEVNULL)
 
 
 def files_to_compile(targets):

@@ -3,7 +3,7 @@
 import os
 
 from wade import UsageError
-from wade.building import bring_up_to_date, install
+from wade.building import bring_up_to_date, install, look_again
 from wade.paths import BUILD
 from wade.run.arguments import asks_for_help
 from wade.terminal import say_error
@@ -47,7 +47,8 @@ def main(arguments):
     install("build", "pictures", "tests")
     if "--all" in arguments:
         install_browser()
-        install("engines")  # without them their tests are skipped and say so
+        if install("engines"):  # without them their tests are skipped and say so
+            look_again("MPI_CXX_HEADER_DIR")
     bring_up_to_date((), with_tests=True)
     os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(2 * len(os.sched_getaffinity(0))))
     return os.execvp("ctest", ["ctest", *ctest_options(arguments)])

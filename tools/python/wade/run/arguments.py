@@ -23,6 +23,8 @@ starts fluid_server and crowd_client, waits for both, prints the outcome and dra
   --producer COMMAND  another producer in place of fluid_server, as in a shell, for example
                       './my_producer --session {session}'; {session}, {scene} and {consumers} stand
                       for what the run has; without {session}, --session NAME is added at the end
+  --ranks N           shallow water over N ranks of mpirun, the same bits (docs/clusters.md);
+                      --mpirun WORDS are options of it, for example '--hostfile FILE'
   --crowds FILE       many crowds in this water (docs/commands.md): a run folder DIR/<name>/ each,
                       DIR/crowds.csv sums up
   --session NAME      name under which the programs meet [a unique one]
@@ -56,6 +58,8 @@ OWN_VALUES = {
     "--replay": "a recording",
     "--producer": "a command as in a shell",
     "--view-port": "a port, 0 to 65535",
+    "--ranks": "a number of ranks, 1 and more",
+    "--mpirun": "options of mpirun as in a shell",
 }
 OWN_SWITCHES = ("--no-figure", "--view")
 
@@ -108,7 +112,8 @@ def suit_to_latest(theirs):
 def own_value(name, value):
     """The value of an own option, unless it is empty or, for --producer, no command."""
     wrong = not value or name == "--view-port" and not (value.isdigit() and int(value) < 65536)
-    if name == "--producer":
+    wrong = wrong or name == "--ranks" and not (value.isdigit() and int(value) > 0)
+    if name in ("--producer", "--mpirun"):
         try:
             words = shlex.split(value)
             wrong = not words or not words[0]

@@ -8,13 +8,14 @@ import importlib.util
 import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
-from wade.building import PICTURES
+from wade.building import PICTURES, cached, is_built
 from wade import UsageError
 from wade.paths import BUILD, module_command
 from wade.run.arguments import HELP, asks_for_help, is_given, options_of, split_arguments, suit_to_latest, values_of
@@ -25,13 +26,26 @@ from wade.scenes import find_scene
 from wade.terminal import harmless, say_error, tail_of, wrapped
 from wade.view import FIFO, Server, settings_for_view
 
+OVER_RANKS = "fluid_server_ranks"
 ANSWERS = ("--check", "--print-config", "--version")  # one program answers and nothing is run
 SHOWN_OF_LOG = 5  # lines, of a program that failed
 
 
 def programs_for(arguments):
     """The programs of the build folder that a command line needs."""
-    return [*programs_of(arguments)[1], *(["wade_view_server"] if has_view(arguments) else [])]
+    ranks = [check_ranks(arguments)] if is_given(arguments, "--ranks") else []
+    return [*programs_of(arguments)[1], *ranks, *(["wade_view_server"] if has_view(arguments) else [])]
+
+
+def check_ranks(arguments):
+    """The program whose water is spread over ranks. UsageError without Open MPI, or with water of another producer."""
+    for name in ("--replay", "--producer"):
+        if is_given(arguments, name):
+            raise UsageError(f"{name} and --ranks exclude one another; allowed over ranks: the water of fluid_server")
+    if shutil.which("mpirun") is None or not (is_built(OVER_RANKS) or cached("MPI_CXX_HEADER_DIR")):
+        raise UsageError("--ranks: Open MPI was not there when the programs were built; tools/install_dependencies.sh engines "
+                         "installs it, then cmake --preset release")
+    return OVER_RANKS
 
 
 def programs_of(arguments):
@@ -71,6 +85,9 @@ def producer_command(run, folder, session):
     counted = ["--consumers", str(consumers)] if consumers > 1 else []
     if run.producer == "fluid_server":
         server = [BUILD / "fluid_server", run.scene]
+        if "--ranks" in own:
+            mpirun = ["mpirun", "-q", *shlex.split(own.get("--mpirun", "")), "-np", own["--ranks"]]
+            server = [*mpirun, BUILD / OVER_RANKS, run.scene]
         # Its log is our redirection to the same file; after a numerical failure it leaves the water's state there.
         return [*server, *counted, *arguments["fluid_server"], "--session", session, "--out", folder]
     if run.producer == "shm_replay":
@@ -108,6 +125,8 @@ class Run:
         self.producer, names = programs_of(arguments)
         options = {name: options_of(BUILD / name) for name in names}
         scene, self.own, self.arguments = split_arguments(arguments, options)
+        if "--ranks" in self.own:
+            check_ranks(arguments)
         suit_to_latest(self.arguments)
         self.view = has_view(arguments)
         if self.view and is_given(arguments, "--crowds"):
@@ -192,7 +211,8 @@ def start_all(run, pair, folder, session):
                 raise UsageError(f"cannot start {command[0]}: {error.strerror}") from error
         return started[name][0]
 
-    log_name = "fluid_server.log" if run.producer == "fluid_server" else "producer.log"
+    # Over ranks the server writes its log itself, as mpirun, which ends them, drops last words.
+    log_name = "mpirun.log" if "--ranks" in run.own else "fluid_server.log" if run.producer == "fluid_server" else "producer.log"
     producer = start_logged(producer_name, producer_command(run, folder, session), log_name)
     wait_for_own_segment(producer, session)
     if "--record" in run.own:
@@ -212,6 +232,9 @@ def start_all(run, pair, folder, session):
 def tell_failures(started, codes):
     """Shows the ends of the logs of programs that failed; what has no log has said it itself."""
     for (name, (_process, log)), ended in zip(started.items(), codes):
+        own_log = log and log.with_name("fluid_server.log")
+        if log and log.name == "mpirun.log" and own_log.is_file() and own_log.stat().st_size > 0:
+            log = own_log
         if ended and log:
             print(f"wade run: {name} ended with exit code {ended}; the end of its log:", file=sys.stderr)
             print(*("  " + line for line in tail_of(log, SHOWN_OF_LOG)), sep="\n", file=sys.stderr)
