@@ -42,15 +42,15 @@ void find_slowing(Cells cells, std::size_t n, double drag_factor, const double* 
 
 // Rows of a thread's own, carved from one buffer: rises and fluxes.
 struct Workspace {
-    CellRow rise_x{};                 // cells -1 to nx, here from 0
+    CellRow rise_x{};                 // cells -1 to nx
     std::array<CellRow, 2> rise_z{};  // of the row at hand and of the one above
     FluxRow flux_x{};                 // faces 0 to nx
     std::array<FluxRow, 2> flux_z{};  // below and above the row at hand
 
     Workspace(RowMemory& buffer, std::size_t nx, bool level_bed) {
-        const std::size_t length = whole_lines(nx + 2) + line_values;
+        const std::size_t length = line_values + whole_lines(nx + 2) + line_values;
         buffer.resize(24 * length);
-        double* next = buffer.data();
+        double* next = buffer.data() + line_values;
         const auto take = [&] { return std::exchange(next, next + length); };
         for (CellRow* row : {&rise_x, &rise_z[0], &rise_z[1]}) *row = {take(), take(), take(), take()};
         if (level_bed) {  // the surface rises as the depth does
@@ -61,8 +61,11 @@ struct Workspace {
 };
 
 // From place i of a row on.
-inline CellRow part(const CellRow& row, std::size_t i) {
+inline CellRow part(const CellRow& row, std::ptrdiff_t i) {
     return {row.h + i, row.eta + i, row.normal + i, row.along + i};
+}
+inline CellRow part(const CellRow& row, std::size_t i) {
+    return part(row, static_cast<std::ptrdiff_t>(i));
 }
 inline FluxRow part(const FluxRow& row, std::size_t i) {
     return {row.mass + i, row.along + i, row.into_lower + i, row.into_upper + i};
@@ -256,13 +259,28 @@ struct BandUpdate {
     // Rises and fluxes along x of cells i to i + n of row k.
     void fluxes_along(std::size_t k, std::size_t i, std::size_t n) const {
         const std::size_t row = place(static_cast<std::ptrdiff_t>(k)), c = row + i;
-        find_rises(along_x(p, c - 2), along_x(p, c - 1), along_x(p, c), n + 2, part(work.rise_x, i));
+        const auto first = static_cast<std::ptrdiff_t>(i), end = first + static_cast<std::ptrdiff_t>(n);
+        const auto rises = [&](std::ptrdiff_t cell, std::size_t cells) {
+            const std::size_t at = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(row) + cell);
+            find_rises(along_x(p, at - 1), along_x(p, at), along_x(p, at + 1), cells, part(work.rise_x, cell));
+        };
+        rises(first, n);
+        // Nothing passes between dry cells, which those on both sides of a span's ends are (wet_lines.hpp).
+        const bool whole = !terms.constants.films_rest, from_edge = whole || i == 0,
+                   to_edge = whole || i + n == grid.nx;
+        if (from_edge) rises(first - 1, 1);
+        if (to_edge) rises(end, 1);
         if (walls) {
             mend_rises(openings.slopes_x, k, i > 0 ? i - 1 : 0, i + n + 1, along_x(p, row), 1, terms.constants.dry,
-                       part(work.rise_x, 1));
+                       work.rise_x);
         }
-        find_fluxes(along_x(p, c - 1), Cells(work.rise_x).from(i), along_x(p, c), Cells(work.rise_x).from(i + 1),
-                    world.walls_x.from(c, grid), n + 1, terms.constants, part(work.flux_x, i));
+        find_fluxes(along_x(p, c - 1), Cells(part(work.rise_x, first - 1)), along_x(p, c), Cells(part(work.rise_x, i)),
+                    world.walls_x.from(c, grid), to_edge ? n + 1 : n, terms.constants, part(work.flux_x, i));
+        if (!to_edge) {
+            for (double* const value :
+                 {work.flux_x.mass, work.flux_x.along, work.flux_x.into_lower, work.flux_x.into_upper})
+                value[i + n] = 0;
+        }
         if (walls) narrow_fluxes(openings.narrowed_x, k, i, n + 1, openings.face_x.data() + row, work.flux_x);
     }
     // The smallest depth of cells i to i + n of row k.
@@ -285,14 +303,14 @@ struct BandUpdate {
         if (walls) {
             push_of_walls(openings.walls, k, i, i + n, along_x(p, row), terms.constants.gravity,
                           work.flux_x.into_lower + 1, work.flux_z[1].into_lower);
-            note_members(openings, k, i, i + n, terms, grid, work.rise_x.eta + 1, work.rise_z[0].eta, work.flux_x,
+            note_members(openings, k, i, i + n, terms, grid, work.rise_x.eta, work.rise_z[0].eta, work.flux_x,
                          work.flux_z[0], work.flux_z[1], {p.h.data() + row, from.qx.data() + row, from.qz.data() + row},
                          row);
         }
         const auto mix = walls ? (friction ? mix_row<true, true> : mix_row<false, true>)
                                : (friction ? mix_row<true, false> : mix_row<false, false>);
         return mix(terms, grid.dx, grid.dz, n, slowed, walls ? openings.per_share.data() + c : nullptr,
-                   work.rise_x.eta + 1 + i, work.rise_z[0].eta + i, part(work.flux_x, i), part(work.flux_z[0], i),
+                   work.rise_x.eta + i, work.rise_z[0].eta + i, part(work.flux_x, i), part(work.flux_z[0], i),
                    part(work.flux_z[1], i), from_row, base, world.bed.height.data() + c, to_row);
     }
     void note_flow(std::size_t k) {

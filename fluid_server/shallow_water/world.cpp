@@ -102,12 +102,17 @@ void balance_bands(ShallowWater& world) {
     world.bands[threads] = world.band.end;
 }
 
-// Calls body(row, column) for the members of a group.
-template <typename Body>
-void for_each_member(const ShallowWater& world, const Group& group, Body&& body) {
-    for (std::size_t m = group.first; m < group.last; ++m) {
-        const MemberPlace& place = world.openings.places_of_members[m];
-        body(std::size_t{place.row}, std::size_t{place.column});
+// Groups with a cell in an active line, and the lines of all of their cells.
+void find_active_groups(ShallowWater& world) {
+    Openings& openings = world.openings;
+    Lines& active = world.lines.active;
+    openings.active_groups.clear();
+    for (std::size_t g = 0; g < openings.groups.size(); ++g) {
+        const Lines::Place* const begin = openings.lines_of_groups.data() + openings.groups[g].first_line;
+        const Lines::Place* const end = openings.lines_of_groups.data() + openings.groups[g].last_line;
+        if (std::none_of(begin, end, [&](const Lines::Place& line) { return active.has(line); })) continue;
+        openings.active_groups.push_back(g);
+        std::for_each(begin, end, [&](const Lines::Place& line) { active.set(line); });
     }
 }
 
@@ -119,37 +124,29 @@ bool is_wet(const ShallowWater& world, std::size_t g) {
 
 // A dry group beside water is wet everywhere after the first stage, and what is beside it then may be after the second.
 void mark_beside_groups(ShallowWater& world) {
+    const Openings& openings = world.openings;
     const WetMarks& wet = world.lines.wet;
-    for (std::size_t g = 0; g < world.openings.groups.size(); ++g) {
-        const Group& group = world.openings.groups[g];
+    Lines& active = world.lines.active;
+    bool marked = false;
+    for (const std::size_t g : openings.active_groups) {
+        const Group& group = openings.groups[g];
         if (is_wet(world, g)) continue;
-        bool beside = false;
-        for_each_member(world, group, [&](std::size_t k, std::size_t i) {
-            beside = beside || wet.one.has(k, i) || (k > 0 && wet.own.has(k - 1, i)) ||
-                     (k + 1 < world.grid.nz && wet.own.has(k + 1, i));
+        const auto begin = openings.places_of_members.begin() + static_cast<std::ptrdiff_t>(group.first);
+        const auto end = openings.places_of_members.begin() + static_cast<std::ptrdiff_t>(group.last);
+        const bool beside = std::any_of(begin, end, [&](const MemberPlace& m) {
+            return wet.one.has(m.row, m.column) || (m.row > 0 && wet.own.has(m.row - 1, m.column)) ||
+                   (m.row + 1 < world.grid.nz && wet.own.has(m.row + 1, m.column));
         });
         if (!beside) continue;
-        for_each_member(world, group, [&](std::size_t k, std::size_t i) {
-            world.lines.active.set(k, i > 0 ? i - 1 : 0);
-            world.lines.active.set(k, std::min(i + 1, world.grid.nx - 1));
-            if (k > 0) world.lines.active.set(k - 1, i);
-            if (k + 1 < world.grid.nz) world.lines.active.set(k + 1, i);
+        marked = true;
+        std::for_each(begin, end, [&](const MemberPlace& m) {
+            active.set(m.row, m.column > 0 ? m.column - 1 : 0);
+            active.set(m.row, std::min(m.column + std::size_t{1}, world.grid.nx - 1));
+            if (m.row > 0) active.set(m.row - 1, m.column);
+            if (m.row + 1 < world.grid.nz) active.set(m.row + 1, m.column);
         });
     }
-}
-
-// Groups with a cell in an active line, and the lines of all of their cells.
-void find_active_groups(ShallowWater& world) {
-    Openings& openings = world.openings;
-    openings.active_groups.clear();
-    for (std::size_t g = 0; g < openings.groups.size(); ++g) {
-        bool active = false;
-        for_each_member(world, openings.groups[g],
-                        [&](std::size_t k, std::size_t i) { active = active || world.lines.active.has(k, i); });
-        if (!active) continue;
-        openings.active_groups.push_back(g);
-        for_each_member(world, openings.groups[g], [&](std::size_t k, std::size_t i) { world.lines.active.set(k, i); });
-    }
+    if (marked) find_active_groups(world);
 }
 
 void mark_always(ShallowWater& world) {
@@ -283,8 +280,8 @@ void find_active(ShallowWater& world) {
         });
     };
     by_rows([&](std::size_t k) { mark_active(static_cast<std::ptrdiff_t>(k), lines); });
-    mark_beside_groups(world);
     find_active_groups(world);
+    mark_beside_groups(world);
     by_rows([&](std::size_t k) {
         const std::size_t row = grid.row(static_cast<std::ptrdiff_t>(k));
         lines.before.for_each_span_less(

@@ -328,6 +328,7 @@ Openings find_openings(const Grid& grid, const std::vector<House>& houses, const
     result.walls = wall_cells(open);
     result.slopes_x = one_sided(open, x_lower, x_upper);
     result.slopes_z = one_sided(open, z_lower, z_upper);
+    const Lines lines(grid, false);
     std::vector<std::pair<std::size_t, std::size_t>> numbers;  // of cells, and of members
     for (const std::vector<std::size_t>& cells : Groups(open).result()) {
         Group& group = result.groups.emplace_back();
@@ -342,6 +343,16 @@ Openings find_openings(const Grid& grid, const std::vector<House>& houses, const
             group.share += open.share[cell];
         }
         group.last = result.members_of_groups.size();
+        group.first_line = result.lines_of_groups.size();
+        for (std::size_t m = group.first; m < group.last; ++m) {
+            const MemberPlace& member = result.places_of_members[m];
+            const Lines::Place line = lines.place(member.row, member.column);
+            const auto begin = result.lines_of_groups.begin() + static_cast<std::ptrdiff_t>(group.first_line);
+            if (std::find(begin, result.lines_of_groups.end(), line) == result.lines_of_groups.end()) {
+                result.lines_of_groups.push_back(line);
+            }
+        }
+        group.last_line = result.lines_of_groups.size();
     }
     result.changes.resize(numbers.size());
     std::sort(numbers.begin(), numbers.end());

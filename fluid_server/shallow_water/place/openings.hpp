@@ -67,8 +67,9 @@ struct MemberPlace {
 
 // Cells, as places in the grid's memory, that are stepped as one.
 struct Group {
-    std::size_t first = 0, last = 0;  // in Openings::members_of_groups
-    double share = 0;                 // open, of whole cells
+    std::size_t first = 0, last = 0;            // in Openings::members_of_groups
+    std::size_t first_line = 0, last_line = 0;  // in Openings::lines_of_groups
+    double share = 0;                           // open, of whole cells
 };
 
 struct Openings {
@@ -83,6 +84,7 @@ struct Openings {
     std::vector<std::size_t> members_of_groups;  // places of cells
     std::vector<MemberChange> changes;           // by members_of_groups
     std::vector<MemberPlace> places_of_members;  // by members_of_groups
+    std::vector<Lines::Place> lines_of_groups;   // each once in a group
     std::vector<std::size_t> active_groups;      // those that a step works on, see find_active()
 
     [[nodiscard]] bool any() const { return !share.empty(); }

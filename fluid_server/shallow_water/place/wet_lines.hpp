@@ -40,16 +40,21 @@ class Lines {
     [[nodiscard]] std::uint64_t* row(std::ptrdiff_t k) {
         return bits_.data() + static_cast<std::size_t>(k + beyond) * words_;
     }
-    // The line of cell i.
-    void set(std::size_t k, std::size_t i) {
+    // The line of cell i of row k.
+    struct Place {
+        std::size_t word = 0;
+        std::uint64_t bit = 0;
+        friend bool operator==(const Place&, const Place&) = default;
+    };
+    [[nodiscard]] Place place(std::size_t k, std::size_t i) const {
         const std::size_t line = i / line_values;
-        row(static_cast<std::ptrdiff_t>(k))[line / per_word] |= std::uint64_t{1} << (line % per_word);
+        return {(k + static_cast<std::size_t>(beyond)) * words_ + line / per_word,
+                std::uint64_t{1} << (line % per_word)};
     }
-
-    [[nodiscard]] bool has(std::size_t k, std::size_t i) const {
-        const std::size_t line = i / line_values;
-        return (row(static_cast<std::ptrdiff_t>(k))[line / per_word] >> (line % per_word) & 1U) != 0;
-    }
+    void set(const Place& line) { bits_[line.word] |= line.bit; }
+    void set(std::size_t k, std::size_t i) { set(place(k, i)); }
+    [[nodiscard]] bool has(const Place& line) const { return (bits_[line.word] & line.bit) != 0; }
+    [[nodiscard]] bool has(std::size_t k, std::size_t i) const { return has(place(k, i)); }
     [[nodiscard]] bool any(std::size_t k) const {
         const std::uint64_t* const bits = row(static_cast<std::ptrdiff_t>(k));
         return std::any_of(bits, bits + words_, [](std::uint64_t word) { return word != 0; });
