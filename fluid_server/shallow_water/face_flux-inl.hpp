@@ -123,8 +123,9 @@ void find_waves(std::size_t n, const FluxConstants& constants, Faces& faces) {
 
 // F = (s_r F_l - s_l F_r + s_l s_r (U_r - U_l)) / (s_r - s_l), in a form that is F_l to the bit if F_l = F_r, lets
 // no mass through a mirror, and gives mirrored states the mirrored flux.
-template <bool films_rest>
-void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, std::size_t n,
+// open: shares of the faces that let water pass; only read of narrowed ones.
+template <bool films_rest, bool narrowed>
+void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, const double* open, std::size_t n,
                     const FluxConstants& constants, const Faces& faces, FluxRow flux) {
     const V zero = all(0.0), half = all(0.5), half_g = all(0.5 * constants.gravity), dry = all(constants.dry);
     for (std::size_t i = 0; i < n; i += lanes) {
@@ -145,8 +146,14 @@ void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise
         }
         const V along_l = load(lower.along + i) + load(lower_rise.along + i);
         const V along_r = load(upper.along + i) - load(upper_rise.along + i);
+        V along = mass * hn::IfThenElse(mass > zero, along_l, along_r);
+        if constexpr (narrowed) {
+            const V share = load(open + i);
+            mass = share * mass, along = share * along;
+            into_lower = share * into_lower, into_upper = share * into_upper;
+        }
         store(mass, flux.mass + i);
-        store(mass * hn::IfThenElse(mass > zero, along_l, along_r), flux.along + i);
+        store(along, flux.along + i);
         store(into_lower, flux.into_lower + i);
         store(into_upper, flux.into_upper + i);
     }
@@ -155,8 +162,9 @@ void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise
 // Flux through n faces, from `lower` to `upper` cells.
 // wall: null, or by face 1 if the upper cell, -1 if the lower cell, is part of an obstacle and the other is not. Where its
 // top is dry and no lower than the water beside it the face is a wall: the water meets its mirror image.
-inline void find_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, const double* wall, std::size_t n,
-                        const FluxConstants& constants, const FluxRow& flux) {
+// open: null, or by face the share that lets water pass.
+inline void find_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, const double* wall,
+                        const double* open, std::size_t n, const FluxConstants& constants, const FluxRow& flux) {
     Faces faces;
     for (std::size_t i = 0; i < n; i += Faces::count) {
         const std::size_t m = std::min(Faces::count, n - i);
@@ -168,8 +176,10 @@ inline void find_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_
         } else {
             find_waves<true>(m, constants, faces);
         }
-        const auto combine = constants.films_rest ? combine_fluxes<true> : combine_fluxes<false>;
-        combine(l, dl, r, dr, m, constants, faces,
+        const auto combine = open != nullptr        ? combine_fluxes<true, true>  // of places alone, where films rest
+                             : constants.films_rest ? combine_fluxes<true, false>
+                                                    : combine_fluxes<false, false>;
+        combine(l, dl, r, dr, open != nullptr ? open + i : nullptr, m, constants, faces,
                 {flux.mass + i, flux.along + i, flux.into_lower + i, flux.into_upper + i});
     }
 }

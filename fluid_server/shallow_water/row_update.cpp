@@ -87,19 +87,6 @@ struct RowTo {
     double *depth, *eta, *u, *v;  // eta null: on a level bed
 };
 
-// What passes the open shares of faces `first` to `first` + n of row k.
-void narrow_fluxes(const Lines& narrowed, std::size_t k, std::size_t first, std::size_t n, const double* open,
-                   const FluxRow& flux) {
-    narrowed.for_each_line(k, first, n, [&](std::size_t line) {
-        for (std::size_t i = line; i < line + line_values; i += lanes) {
-            const V a = load(open + i);
-            for (double* const value : {flux.mass, flux.along, flux.into_lower, flux.into_upper}) {
-                store(a * load(value + i), value + i);
-            }
-        }
-    });
-}
-
 // Half of what the surface rises from one cell to the next on the side away from a wall, if it rises on from there.
 double rise_on_one_side(const double* values, std::ptrdiff_t step) {
     const double near = values[step] - values[0], far = values[2 * step] - values[step];
@@ -249,11 +236,8 @@ struct BandUpdate {
         active.for_each_span_near(k, 0, 1, [&](std::size_t i, std::size_t n) {
             const std::size_t c = row + i, up = c + grid.stride;
             find_fluxes(across(p, c), Cells(work.rise_z[0]).from(i), across(p, up), Cells(work.rise_z[1]).from(i),
-                        world.walls_z.from(up, grid), n, terms.constants, part(flux, i));
-            if (walls) {
-                narrow_fluxes(openings.narrowed_z, static_cast<std::size_t>(k + 1), i, n,
-                              openings.face_z.data() + row + grid.stride, flux);
-            }
+                        world.walls_z.from(up, grid), openings.narrowed_z.from(openings.face_z, up, grid), n,
+                        terms.constants, part(flux, i));
         });
     }
     // Rises and fluxes along x of cells i to i + n of row k.
@@ -275,13 +259,13 @@ struct BandUpdate {
                        work.rise_x);
         }
         find_fluxes(along_x(p, c - 1), Cells(part(work.rise_x, first - 1)), along_x(p, c), Cells(part(work.rise_x, i)),
-                    world.walls_x.from(c, grid), to_edge ? n + 1 : n, terms.constants, part(work.flux_x, i));
+                    world.walls_x.from(c, grid), openings.narrowed_x.from(openings.face_x, c, grid),
+                    to_edge ? n + 1 : n, terms.constants, part(work.flux_x, i));
         if (!to_edge) {
             for (double* const value :
                  {work.flux_x.mass, work.flux_x.along, work.flux_x.into_lower, work.flux_x.into_upper})
                 value[i + n] = 0;
         }
-        if (walls) narrow_fluxes(openings.narrowed_x, k, i, n + 1, openings.face_x.data() + row, work.flux_x);
     }
     // The smallest depth of cells i to i + n of row k.
     double mix(std::size_t k, std::size_t i, std::size_t n) {

@@ -308,17 +308,16 @@ Openings find_openings(const Grid& grid, const std::vector<House>& houses, const
     result.per_share.assign(grid.stored(), 1);
     result.face_x.assign(grid.stored(), 1);
     result.face_z.assign(grid.stored(), 1);
-    Grid faces = grid;
-    ++faces.nx, ++faces.nz;
-    result.narrowed_x = result.narrowed_z = Lines(faces, false);
+    result.narrowed_x.rows.assign(grid.stored() / grid.stride, 0);
+    result.narrowed_z.rows.assign(grid.stored() / grid.stride, 0);
     for (std::size_t k = 0; k <= open.nz; ++k) {
         const std::size_t row = grid.row(static_cast<std::ptrdiff_t>(k));
         for (std::size_t i = 0; i <= open.nx; ++i) {
             const std::size_t c = row + i;
             if (i < open.nx) result.face_z[c] = open.face_z[k * open.nx + i];
             if (k < open.nz) result.face_x[c] = open.face_x[k * (open.nx + 1) + i];
-            if (result.face_z[c] < 1) result.narrowed_z.set(k, i);
-            if (result.face_x[c] < 1) result.narrowed_x.set(k, i);
+            if (result.face_z[c] < 1) result.narrowed_z.rows[c / grid.stride] = 1;
+            if (result.face_x[c] < 1) result.narrowed_x.rows[c / grid.stride] = 1;
             if (i == open.nx || k == open.nz) continue;
             const double s = open.share[k * open.nx + i];
             result.share[c] = s;

@@ -72,11 +72,21 @@ struct Group {
     double share = 0;                           // open, of whole cells
 };
 
+// Rows of faces, ghosts included, of which some are open less than 1.
+struct NarrowedRows {
+    std::vector<std::uint8_t> rows;
+
+    // The shares of the faces from place c on in a row; null if all of the row are open.
+    [[nodiscard]] const double* from(const RowMemory& shares, std::size_t c, const Grid& grid) const {
+        return rows.empty() || rows[c / grid.stride] == 0 ? nullptr : shares.data() + c;
+    }
+};
+
 struct Openings {
-    RowMemory share;               // s by cell; empty: all is open, and so is all below
-    RowMemory per_share;           // 1 / s; 0 of cells that are closed, or in a group
-    RowMemory face_x, face_z;      // a of the face below each cell
-    Lines narrowed_x, narrowed_z;  // lines with a face that is open less than 1
+    RowMemory share;           // s by cell; empty: all is open, and so is all below
+    RowMemory per_share;       // 1 / s; 0 of cells that are closed, or in a group
+    RowMemory face_x, face_z;  // a of the face below each cell
+    NarrowedRows narrowed_x, narrowed_z;
     EntriesByRow<WallCell> walls;
     EntriesByRow<OneSided> slopes_x, slopes_z;
     EntriesByRow<Member> members;

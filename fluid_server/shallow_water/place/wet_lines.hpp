@@ -74,20 +74,6 @@ class Lines {
         const std::uint64_t* const bits = row(static_cast<std::ptrdiff_t>(k));
         spans([bits](std::size_t w) { return bits[w]; }, body);
     }
-    // Calls body(first cell) for each line of row k that has one of n cells from `first` on, itself the first cell of a line.
-    template <typename Body>
-    void for_each_line(std::size_t k, std::size_t first, std::size_t n, Body&& body) const {
-        const std::uint64_t* const bits = row(static_cast<std::ptrdiff_t>(k));
-        const std::size_t begin = first / line_values, end = (first + n + line_values - 1) / line_values;
-        for (std::size_t w = begin / per_word; w * per_word < end; ++w) {
-            std::uint64_t word = bits[w];
-            if (w == begin / per_word) word &= ~std::uint64_t{0} << (begin % per_word);
-            if (end < (w + 1) * per_word) word &= ~(~std::uint64_t{0} << (end % per_word));
-            for (; word != 0; word &= word - 1) {
-                body((w * per_word + static_cast<std::size_t>(std::countr_zero(word))) * line_values);
-            }
-        }
-    }
     // The runs of lines that are not in `others`.
     template <typename Body>
     void for_each_span_less(std::size_t k, const Lines& others, Body&& body) const {
