@@ -1,5 +1,6 @@
 """The viewer: its server against run folders, sessions, recordings and nonsense, and its page in a browser."""
 
+import argparse
 import base64
 import contextlib
 import csv
@@ -17,7 +18,7 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-from harness import BASIN, ENDLESS, PROGRAMS, SERVER as WATER, SystemTest, wait_until
+from harness import BASIN, CLIENT, ENDLESS, PROGRAMS, SERVER as WATER, SystemTest, wait_until
 
 from wade import view
 
@@ -353,6 +354,9 @@ class Strangers(ViewTest):
         self.assert_refused_here("view", texts=["what to show is missing"])
 
 
+WHOLE = os.environ.get("WADE_VIEW_PAGE") == "all"
+
+
 def missing_for_page():
     """Why the page is not tested, as a sentence; empty if it is."""
     if "WADE_VIEW_PAGE" not in os.environ:
@@ -379,7 +383,7 @@ class Page(ViewTest):
         water = self.server(*KEPT, "--clock", "real_time", "--set", "/stop_when_no_agent_is_active=false", "--until-s", "5000")
         outcome = run.outcome()
         wanted = {"arrived": outcome["arrived"], "dead": outcome["dead"], "end": outcome["sim_time_s"]}
-        pictures = os.environ.get("WADE_VIEW_PICTURES", self.folder)
+        pictures = os.environ.get("WADE_VIEW_PICTURES", "-" if WHOLE else "")
         words = ["node", PAGE_TEST, modules, ended.port, live.port, json.dumps(wanted), pictures]
         test = subprocess.run([*map(str, words)], capture_output=True, text=True, timeout=280)
         for program in (water, crowd):
@@ -387,6 +391,28 @@ class Page(ViewTest):
             program.wait()
         self.assertEqual(test.returncode, 0, test.stdout + test.stderr)
         self.assertIn('"tau":0.9', crowd.run.bytes_of("events.jsonl").decode().replace(" ", ""))
+
+    @unittest.skipUnless(WHOLE and not missing_for_page(), missing_for_page() or "a long test, system_view_page_all")
+    def test_films_by_the_viewers_camera(self):
+        from PIL import Image
+
+        from wade.pictures import film
+
+        three = view.modules_folder() / "node_modules" / "three"
+        run, scene = self.kept_run(), self.folder / "basin.json"
+        scene.write_text(json.dumps(BASIN))
+        place = [f"{word}" for word in (scene, "--session", f"{self.session}-place", "--out", self.folder / "place")]
+        water = self.start(WATER, *place)
+        self.assert_ended_well(water, self.start(CLIENT, *place, "--water-every-s", "1"))
+        options = argparse.Namespace(eye=(2, 2, -6), look=(12, 0, 5), colour="depth", width_px=320, height_px=180, panels=False,
+                                     rate_hz=5)
+        for folder, times in ((run.folder, [1.0, 2.0, 3.0]), (self.folder / "place", [1.0, 2.0, 4.0])):
+            address = f"http://127.0.0.1:{self.view('--run', folder, three=three).port}/"
+            for name in ("film.webp", "still.png"):
+                film.write_seen(address, times, options, self.folder / name)
+            with Image.open(self.folder / "film.webp") as moving, Image.open(self.folder / "still.png") as still:
+                self.assertEqual((moving.n_frames, moving.size, still.size), (3, (320, 180), (320, 180)))
+                self.assertGreater(len(still.convert("RGB").getcolors(320 * 180)), 2000)
 
 
 if __name__ == "__main__":

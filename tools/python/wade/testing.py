@@ -1,6 +1,7 @@
 """tools/wade test: builds programs and tests and runs them with ctest."""
 
 import os
+import shutil
 
 from wade import UsageError
 from wade.building import bring_up_to_date, install, look_again
@@ -49,6 +50,11 @@ def main(arguments):
         install_browser()
         if install("engines"):  # without them their tests are skipped and say so
             look_again("MPI_CXX_HEADER_DIR")
+    elif shutil.which("chromium") and shutil.which("npm"):  # the quick test of the page runs wherever it can
+        try:
+            install_modules(with_tests=True)
+        except UsageError as error:
+            say_error(f"wade test: {error}")
     bring_up_to_date((), with_tests=True)
     os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(2 * len(os.sched_getaffinity(0))))
     return os.execvp("ctest", ["ctest", *ctest_options(arguments)])

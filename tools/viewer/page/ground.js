@@ -10,6 +10,8 @@ export const STAR = 0xffc928;
 // Of groups, where there are several: told apart by the colour-blind, too (Okabe and Ito 2008); then they repeat.
 export const GROUP_COLOURS = ['#e69f00', '#cc79a7', '#f0e442', '#d55e00', '#009e73', '#56b4e9', '#0072b2', '#bbbbbb'];
 
+const SHARP = location.hash.includes('quality=low') ? 1 : 8;
+
 export const place = (x, y, z) => new THREE.Vector3(x, y, -z);
 
 export function noise(width, height, seed, paint) {
@@ -42,7 +44,7 @@ export function noise(width, height, seed, paint) {
   const texture = new THREE.CanvasTexture(canvas);
   texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
   texture.colorSpace = THREE.SRGBColorSpace;
-  texture.anisotropy = 8;
+  texture.anisotropy = SHARP;
   return texture;
 }
 

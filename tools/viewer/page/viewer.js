@@ -9,8 +9,9 @@ import { Ground, makePlace } from './place.js';
 import { advance, asPeople, countStates, endedBy, frameAt, frames, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, seek, setPlaying, show, start, stateOfPage, stateShown, takeTaus, wanted } from './run.js';
 import { Water, boundsOf } from './water.js';
 
-const renderer = new THREE.WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
-renderer.shadowMap.enabled = true;
+const plain = wanted.get('quality') === 'low'; // half the pixels along each side, 10 pictures a second, no shadows, no smooth edges
+const renderer = new THREE.WebGLRenderer({ antialias: !plain, powerPreference: 'high-performance' });
+renderer.shadowMap.enabled = !plain;
 renderer.shadowMap.type = THREE.PCFShadowMap;
 renderer.toneMapping = THREE.NoToneMapping;
 $('view').append(renderer.domElement);
@@ -27,7 +28,7 @@ controls.maxPolarAngle = 0.495 * Math.PI;
 show.symbols = new Symbols(stage);
 show.ring = makeRing(stage);
 
-let walkers = null, stream = null, runRevision = '', awake = 9; // pictures to draw though nothing moves
+let walkers = null, stream = null, runRevision = '', late = 0, painted = 0, awake = 9; // pictures to draw though nothing moves
 
 // ---------------------------------------------------------------- what the server has
 
@@ -151,7 +152,7 @@ function theme(dark) {
 
 function resize() {
   const wide = innerWidth, high = innerHeight;
-  renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+  renderer.setPixelRatio(plain ? 0.5 : Math.min(devicePixelRatio, 2));
   renderer.setSize(wide, high);
   free.aspect = wide / high;
   free.fov = wide < high ? 62 : 46;
@@ -199,7 +200,8 @@ function askForAll() {
     if (show.tracesOn && show.traces && s.people.last > until + (until < 0 ? 0 : 1) && stream.ask('paths', { t: Math.max(0, until) })) show.traces.until = s.people.last;
   }
   if ((s.changes ?? 0) > show.changes.length) stream.ask('changes', { after: show.changes.length });
-  if (show.selected >= 0 && show.drawn % 6 === 0) stream.ask('terms', { id: show.selected, t: show.time });
+  const whose = `${show.selected} ${Math.round(5 * show.time)}`;
+  if (show.selected >= 0 && whose !== show.termsOf && stream.ask('terms', { id: show.selected, t: show.time })) show.termsOf = whose;
 }
 
 function askAt(kind) {
@@ -275,6 +277,8 @@ function tick(now) {
   if (show.drawn % 10 === 0 || awake > 0) showTexts();
   // A picture that would be the one before is not drawn.
   if (--awake <= 0 && !show.live && !show.playing && show.time === before) return;
+  if (plain && now - painted < 100) return;
+  painted = now;
   paint(now);
 }
 
@@ -296,6 +300,7 @@ function paint(now) {
 /** Draws a time as soon as all that it needs is there, and from then on nothing else; as the address of a PNG. */
 async function picture(time) {
   renderer.setAnimationLoop(null);
+  clearInterval(late);
   setPlaying(false);
   while (!show.status) await new Promise((done) => setTimeout(done, 20));
   seek(time);
@@ -332,7 +337,7 @@ function pick(event) {
 
 function select(id) {
   show.selected = id;
-  show.terms = null;
+  show.terms = show.termsOf = null;
   show.traces?.rebuild(id);
   showTexts();
 }
@@ -396,7 +401,7 @@ on('run-step', 'click', () => stream.command('step'));
 window.wade = {
   show, select, look, theme, setPlaying, stream: () => stream,
   seek: (time) => (seek(time), (awake = 6)),
-  picture,
+  picture, paint: () => paint(0),
   counts: () => show.counts ?? {},
   placeOf: (id) => seenAt(show.people.shown.find((p) => p.id === id)),
   ready: () => Boolean((show.people?.count || show.status?.people?.frames === 0 || show.ground) && show.water?.time !== undefined),
@@ -410,3 +415,5 @@ setPlaying(show.playing);
 resize();
 stream = new Stream(handlers);
 renderer.setAnimationLoop(tick);
+// Some browsers hold frames back for seconds where they draw by software; the page answers none the less.
+late = setInterval(() => !document.hidden && performance.now() - show.last > 250 && tick(performance.now()), 100);
