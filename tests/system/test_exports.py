@@ -13,6 +13,7 @@ import json
 import os
 import re
 import shutil
+import sqlite3
 import struct
 import subprocess
 import tempfile
@@ -151,6 +152,14 @@ class Tables(ExportTest):
         self.assertEqual(len(np.unique(rows[:, 0])), len(self.agents))
         self.assertEqual(len({(who, frame) for who, frame in rows[:, :2]}), len(rows))
         self.assertTrue(np.all(rows[:, :2] == np.floor(rows[:, :2])))
+        # There and back: the places of the run's own paths, whose y is z, too, but for the four digits that are written.
+        with contextlib.closing(sqlite3.connect(RUN / "trajectories.sqlite")) as database:
+            rate = float(database.execute("SELECT value FROM metadata WHERE key = 'fps'").fetchone()[0])
+            paths = {(who, round(30 * frame / rate)): place for who, frame, *place in
+                     database.execute("SELECT id, frame, pos_x, pos_y FROM trajectory_data")}
+        compared = [(row[2:4], paths[who, 6 * frame]) for row in rows if (who := int(row[0]), 6 * (frame := int(row[1]))) in paths]
+        self.assertGreater(len(compared), 50)
+        self.assertLess(max(np.abs(np.subtract(*pair)).max() for pair in compared), 6e-5)
         ended = [agent for agent in self.agents if agent["outcome"] != "active"]
         self.assertGreater(len(ended), 0)
         for agent in ended:  # nobody stays in it after the end

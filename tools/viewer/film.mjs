@@ -17,7 +17,7 @@ try {
     console.error(error.message);
     process.exitCode = 1;
   });
-  await page.goto(`${url}#play=0&${options.hash}`);
+  await page.goto(`${url}#still&play=0&${options.hash}`);
   await page.waitForFunction(() => window.wade, null, patient);
   for (const time of options.times) {
     const drawn = await page.evaluate((t) => wade.picture(t), time);

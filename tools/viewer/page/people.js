@@ -168,7 +168,7 @@ export class People {
     if (count <= this.capacity) return;
     this.capacity = Math.ceil(count * 1.2) + 8;
     this.mesh?.removeFromParent();
-    const geometry = bodyGeometry(count <= 600);
+    const geometry = bodyGeometry(count <= 150);
     this.arrays = {};
     for (const name of ['iRoot', 'iTilt', 'iLegs', 'iArms', 'iBody', 'iCloth']) {
       const attribute = new THREE.InstancedBufferAttribute(new Float32Array(4 * this.capacity), 4).setUsage(THREE.DynamicDrawUsage);

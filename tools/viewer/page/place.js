@@ -165,9 +165,15 @@ function wallAlong(points, ground, above, level, material) {
 
 const middle = (points) => [0, 1].map((k) => points.reduce((sum, p) => sum + p[k], 0) / points.length);
 
+// Where a place, metres high, is seen from near, its label takes no more than a twentieth of the picture.
 function label(text, [x, z], ground, high, colour) {
   const sprite = textSprite(text, colour, high);
   sprite.position.copy(place(x, ground.at(x, z) + 2.2 * high, z));
+  sprite.userData.scale = sprite.scale.clone();
+  sprite.onBeforeRender = (renderer, scene, camera) => {
+    const share = camera.isPerspectiveCamera ? Math.min(1, (0.05 * camera.position.distanceTo(sprite.position)) / high) : 1;
+    sprite.scale.copy(sprite.userData.scale).multiplyScalar(share);
+  };
   return sprite;
 }
 

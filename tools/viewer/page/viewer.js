@@ -414,6 +414,6 @@ theme(wanted.has('dark') ? wanted.get('dark') === '1' : matchMedia('(prefers-col
 setPlaying(show.playing);
 resize();
 stream = new Stream(handlers);
-renderer.setAnimationLoop(tick);
+if (!wanted.has('still')) renderer.setAnimationLoop(tick); // else for wade.picture() alone
 // Some browsers hold frames back for seconds where they draw by software; the page answers none the less.
-late = setInterval(() => !document.hidden && performance.now() - show.last > 250 && tick(performance.now()), 100);
+late = setInterval(() => !wanted.has('still') && !document.hidden && performance.now() - show.last > 250 && tick(performance.now()), 100);

@@ -32,7 +32,7 @@ WIDTHS = (320, 7680)
 # How ffmpeg is told to write a film, by its ending.
 CODECS = {
     ".mp4": ("-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
-    ".webp": ("-c:v", "libwebp_anim", "-quality", "60", "-compression_level", "6", "-loop", "0"),
+    ".webp": ("-c:v", "libwebp_anim", "-quality", "75", "-compression_level", "6", "-loop", "0"),
     ".gif": ("-vf", "split[a][b];[a]palettegen=max_colors=128[p];[b][p]paletteuse=dither=bayer", "-loop", "0"),
 }
 KINDS = {"arrived": [CODES["arrived"]], "dead": [CODES["dead"], CODES["drowned"]]}
