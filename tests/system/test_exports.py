@@ -241,6 +241,11 @@ class Readers(ExportTest):
     @needs_npm("tinyusdz")
     def test_tinyusdz_reads_all_samples(self):
         self.export(RUN, "--water", RECORDING, "--to", "usd", "--every", FRAMES - 1)
+        # It follows no reference: in "one" the first person has the mesh itself, for its skeleton to be checked, too.
+        head, person, *_ = (self.out / "figures.usda").read_text().split("        def SkelRoot")
+        figure = re.search(r'def Mesh "figure"\n +\{\n(.*?) {12}\}\n', head, re.DOTALL)[1]
+        person = re.sub(r" +prepend references = .*\n( +\)\n +\{\n)", lambda found: found[1] + figure, person)
+        (self.out / "one.usda").write_text(head[: head.index('        class "Figures"')] + "        def SkelRoot" + person + "}\n")
         # The module asks where it runs, and is told a lie.
         self.node("""
             import fs from 'fs';
@@ -256,12 +261,12 @@ class Readers(ExportTest):
                 return [whole && loader.loadFromBinary(new Uint8Array(fs.readFileSync(folder + '/' + name)), name), text,
                         loader.error()];
             };
-            fs.writeFileSync(folder + '/read.json', JSON.stringify([read('water.usda'), read('people.usda')]));
+            fs.writeFileSync(folder + '/read.json', JSON.stringify(['water', 'people', 'figures', 'one'].map(name => read(name + '.usda'))));
             process.exit(0);""", self.out)
         layers = json.loads((self.out / "read.json").read_text())
         for whole, _, error in layers:
             self.assertEqual((whole, error), (True, ""))
-        water, people = (text for _, text, _ in layers)
+        water, people, figures, _ = (text for _, text, _ in layers)
         samples = re.search(r"point3f\[\] points\.timeSamples = \{(.*?)\}", water, re.DOTALL)[1].strip().splitlines()
         self.assertEqual(len(samples), 2)
         for (time_s, places, _), line in zip(first_and_last(), samples):
@@ -271,6 +276,15 @@ class Readers(ExportTest):
             np.testing.assert_allclose(found, places[:, [0, 2, 1]], rtol=1e-5, atol=1e-6)  # tinyusdz prints six digits
         for name in ("positions", "orientations", "velocities", "ids", "protoIndices", "primvars:state"):
             self.assertIn(f" {name}.timeSamples", people)
+        # A skeleton for everybody, whose way ends where the person does.
+        roots = figures.split("def SkelRoot")[1:]
+        self.assertEqual(len(roots), len(self.agents))
+        for text, agent in zip(roots, self.agents):
+            self.assertIn(f'"person_{agent["id"]}"', text)
+            last = re.findall(r"\d+: \(([^()]*)\)", text[text.index("xformOp:translate.timeSamples"):].split("}")[0])[-1]
+            x, y, _ = map(float, last.split(","))
+            self.assertLess(np.hypot(x - float(agent["x_m"]), y - float(agent["z_m"])), 0.05)  # a step of 1/30 s at 1.4 m/s
+            self.assertEqual(text.count('"trunk/arm_right"'), 2)
 
 
 class Maps(ExportTest):
@@ -369,6 +383,22 @@ class Walking(ExportTest):
             length = np.sqrt(0.24 * float(agent["height_m"]) * way / end)
             # A walk of n steps takes n or n + 1 of them; speeds differ, and the rule is a root: 10 % more is allowed.
             self.assertLess(abs(steps * length / way - 1), 0.1 + 1 / steps)
+
+
+    def test_legs_and_arms_of_skeletons_swing_in_turn(self):
+        self.export(RUN, "--to", "usd")
+        for text, agent in zip((self.out / "figures.usda").read_text().split("def SkelRoot")[1:], self.agents):
+            rows = text.split("rotations.timeSamples = {")[1].split("}")[0]
+            values = np.array(re.findall(r"-?[\d.]+(?:e[-+]?\d+)?", rows), float).reshape(-1, 21)  # a time, five quaternions
+            seconds, turns = values[:, 0] / 30, values[:, 1:].reshape(-1, 5, 4)
+            np.testing.assert_allclose(np.sum(turns**2, axis=2), 1, atol=1e-6)
+            walks = seconds < float(agent["time_s"])
+            left, right = turns[:, 1, 2], turns[:, 2, 2]
+            np.testing.assert_allclose(left, -right, atol=1e-9)
+            np.testing.assert_allclose(turns[:, 3, 2], right, atol=1e-9)  # the left arm goes with the right leg
+            # A step of Inman's rule at 1.3 m/s is 0.73 m of a leg of 0.9 m: 23 degrees to either side, half of them as sine.
+            self.assertTrue(0.1 < np.abs(left[walks]).max() < 0.32, np.abs(left[walks]).max())
+            self.assertTrue(np.all(turns[:, 0, 0] == 1))
 
 
 class Films(ExportTest):

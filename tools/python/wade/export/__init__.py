@@ -4,9 +4,9 @@ One frame at a time, so that a run of any length fits into memory. Axes: vtk, pl
 across, z up, right-handed; gltf x, y up, -z; csv keeps Wade's own (docs/engines.md).
 
 vtk: a .vtp a frame and a .pvd, for ParaView; of a run without --water also the depths of its snapshots, .vti. ply: a
-binary .ply a frame, with velocities. usd: one .usda with time samples. gltf: figures that walk, of people. csv: one table.
-geotiff: depth, speed, depth times speed and hazard class of a run's water, a file a frame, and the maps of a place. pedpy:
-PedPy's text, of people.
+binary .ply a frame, with velocities. usd: .usda with time samples, people as instances and as
+skeletons. gltf: figures that walk, of people. csv: one table. geotiff: depth, speed, depth times speed and hazard class of
+a run's water, a file a frame, and the maps of a place. pedpy: PedPy's text, of people.
 """
 
 import argparse

@@ -5,11 +5,10 @@ import shutil
 
 import numpy as np
 
-from wade.export.sources import CODES, STATES
+from wade.export.sources import CODES, STATES, Spool
 
 FLOAT, SHORT = 5126, 5123  # component types
 VERTICES, INDICES = 34962, 34963  # targets
-CHUNK = 1 << 18  # rows that are in memory at once
 
 RATE = 30  # time codes a second
 HEAD = """#usda 1.0
@@ -129,40 +128,6 @@ class Gait:
     def swing(self, people):
         """The left leg's swing at the last frame, rad, between its keys."""
         return self.amplitude * np.cos(np.pi * self.phase[people["id"]])
-
-
-class Spool:
-    """Rows of people, written as they come and sorted by person at the end, within files."""
-
-    def __init__(self, file, width):
-        self.file, self.kind = file, np.dtype([("who", "<i4"), ("time", "<f4"), ("values", "<f4", (width,))])
-        self.out, self.counts = open(file, "w+b"), np.zeros(0, dtype=int)
-
-    def add(self, ids, times, values):
-        rows = np.empty(len(ids), self.kind)
-        rows["who"], rows["time"], rows["values"] = ids, times, values
-        self.out.write(rows.tobytes())
-        counts = np.bincount(ids, minlength=len(self.counts))
-        counts[: len(self.counts)] += self.counts
-        self.counts = counts
-
-    def by_person(self):
-        """(times, values, first row of each person) as arrays that lie in files."""
-        total = int(self.counts.sum())
-        starts = np.concatenate([[0], np.cumsum(self.counts)])
-        times = np.memmap(f"{self.file}.times", "<f4", "w+", shape=(max(1, total),))
-        values = np.memmap(f"{self.file}.values", "<f4", "w+", shape=(max(1, total), self.kind["values"].shape[0]))
-        cursor = starts[:-1].copy()
-        self.out.seek(0)
-        while len(data := self.out.read(CHUNK * self.kind.itemsize)):
-            rows = np.frombuffer(data, self.kind)
-            rows = rows[np.argsort(rows["who"], kind="stable")]
-            who, first, count = np.unique(rows["who"], return_index=True, return_counts=True)
-            place = np.arange(len(rows)) - np.repeat(first, count) + np.repeat(cursor[who], count)
-            times[place], values[place] = rows["time"], rows["values"]
-            cursor[who] += count
-        self.out.close()
-        return times, values, starts
 
 
 class Gltf:
@@ -294,12 +259,84 @@ def figure_text():
 """
 
 
+BONES = ("trunk", "trunk/leg_left", "trunk/leg_right", "trunk/arm_left", "trunk/arm_right")  # of JOINTS
+BINDS = ' (\n                prepend apiSchemas = ["SkelBindingAPI"]\n            )'
+
+
+def skeleton_texts():
+    """What all skeletons have alike: names of joints, transforms, their part of an animation, the skin of the mesh."""
+    joints = rotated(np.array([joint for _, joint, _ in JOINTS], "f4"))
+    local = joints - joints[:1] * (np.arange(len(joints)) > 0)[:, None]
+    of_vertices = np.concatenate([np.full(len(mesh(part)[0]), k) for k, (part, _, _) in enumerate(JOINTS)])
+
+    def transforms(places):
+        return ", ".join(f"((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), ({numbers(row)}, 1))" for row in places)
+
+    def skin(kind, name, values):
+        return (f"                {kind}[] primvars:skel:{name} = [{numbers(values)}] (\n                    elementSize = 1\n"
+                '                    interpolation = "vertex"\n                )\n')
+
+    names = ", ".join(f'"{name}"' for name in BONES)
+    return (f"                uniform token[] joints = [{names}]\n",
+            f"                uniform matrix4d[] bindTransforms = [{transforms(joints)}]\n"
+            f"                uniform matrix4d[] restTransforms = [{transforms(local)}]\n",
+            f"                float3[] translations = [{numbers(local)}]\n"
+            f"                half3[] scales = [{numbers(np.ones((len(joints), 3)))}]\n",
+            skin("int", "jointIndices", of_vertices) + skin("float", "jointWeights", np.ones(len(of_vertices))))
+
+
+class Skeletons:
+    """figures.usda: a SkelRoot a person, moved as a whole, with a Skeleton whose legs and arms swing, and a skinned Mesh."""
+
+    def __init__(self, folder):
+        self.folder, self.gait, self.rows, self.heights = folder, Gait(), Spool(folder / ".figures.part", 8), {}
+
+    def add(self, people, places, turn):
+        self.gait.keys(people)
+        rows = np.concatenate([places, turn, self.gait.swing(people)[:, None]], axis=1)
+        self.rows.add(people["id"], np.full(len(people), people.time_s * RATE), rows)
+        self.heights.update(zip(people["id"].tolist(), people["height"].tolist()))
+
+    def finish(self, head):
+        (times, values, starts), sides = self.rows.by_person(), np.array([side for _, _, side in JOINTS])
+        joints, transforms, rest, skin = skeleton_texts()
+        with open(self.folder / "figures.usda", "w", encoding="utf-8") as out:
+            out.write(head + figure_text().replace('def Xform "Figures"', 'class "Figures"'))
+            for who, height in sorted(self.heights.items()):
+                rows = slice(starts[who], starts[who + 1])
+
+                def samples(name, texts, rows=rows):
+                    out.write(f"{name}.timeSamples = {{\n")
+                    out.writelines(f"                {code:.9g}: {text},\n" for code, text in zip(times[rows], texts))
+                    out.write("            }\n")
+
+                out.write(f'        def SkelRoot "person_{who}"\n        {{\n            custom int id = {who}\n')
+                samples("            double3 xformOp:translate", map(numbers, values[rows, None, :3]))
+                samples("            quatf xformOp:orient", map(numbers, values[rows, None, 3:7]))
+                out.write(f"            float3 xformOp:scale = ({height:.4g}, {height:.4g}, {height:.4g})\n            uniform token[] "
+                          'xformOpOrder = ["xformOp:translate", "xformOp:orient", "xformOp:scale"]\n')
+                path = f"/wade/person_{who}"
+                out.write(f'            def Skeleton "skeleton"{BINDS}\n            {{\n{joints}{transforms}'
+                          f"                rel skel:animationSource = <{path}/walk>\n            }}\n"
+                          f'            def SkelAnimation "walk"\n            {{\n{joints}{rest}')
+                half = values[rows, 7:] * sides / 2  # about the axis to the right, which is -y
+                turns_of = np.stack([np.cos(half), 0 * half, -np.sin(half), 0 * half], axis=2)
+                samples("                quatf[] rotations", (f"[{numbers(turn)}]" for turn in turns_of))
+                out.write('            }\n            def Mesh "figure" (\n                prepend apiSchemas = ["SkelBindingAPI"]\n'
+                          "                prepend references = </wade/Figures/figure>\n            )\n            {\n"
+                          f"{skin}                rel skel:skeleton = <{path}/skeleton>\n            }}\n        }}\n")
+            out.write("}\n")
+        for part in self.folder.glob(".figures.part*"):
+            part.unlink()
+
+
 class Usd:
-    """One .usda. Each attribute grows in a file of its own, and all are put together at the end."""
+    """One .usda, of people figures.usda, too. Each attribute grows in a file of its own, and all are put together at the end."""
 
     def __init__(self, folder, stream):
         self.folder, self.name, self.radius = folder, stream.name, stream.radius
         self.parts, self.first, self.last = {}, None, 0.0
+        self.skeletons = Skeletons(folder) if stream.name == "people" else None
 
     def sample(self, kind, name, code, array):
         if (kind, name) not in self.parts:
@@ -309,7 +346,7 @@ class Usd:
     def add(self, points):
         code = points.time_s * RATE
         self.first, self.last = code if self.first is None else self.first, code
-        turned = turns(points) if self.name == "people" else None
+        turned, people = turns(points) if self.name == "people" else None, points
         points = points.z_up()
         places, velocities = points.stacked("x", "y", "z"), points.stacked("vx", "vy", "vz")
         if self.name == "water":
@@ -321,6 +358,7 @@ class Usd:
         self.sample("vector3f[]", "velocities", code, velocities)
         x, y, z, w = turned.T  # of axes x, y up, -z
         self.sample("quath[]", "orientations", code, np.stack([w, x, -z, y], axis=1))
+        self.skeletons.add(people, places, np.stack([w, x, -z, y], axis=1))
         self.sample("float3[]", "scales", code, np.repeat(points["height"][:, None], 3, axis=1))
         self.sample("int64[]", "ids", code, points["id"])
         self.sample("int[]", "protoIndices", code, np.zeros(len(points), "i4"))
@@ -329,7 +367,8 @@ class Usd:
     def finish(self):
         kind = "Points" if self.name == "water" else "PointInstancer"
         with open(self.folder / f"{self.name}.usda", "w", encoding="utf-8") as out:
-            out.write(HEAD.format(rate=RATE, first=self.first or 0, last=self.last))
+            head = HEAD.format(rate=RATE, first=self.first or 0, last=self.last)
+            out.write(head)
             out.write(f'    def {kind} "{self.name}"\n    {{\n')
             if self.name == "water":
                 out.write(f"        float[] widths = [{2 * self.radius:.6g}] (\n"
@@ -345,5 +384,7 @@ class Usd:
                 out.write("        }\n")
                 part.close()
             out.write(("" if self.name == "water" else figure_text()) + "    }\n}\n")
+        if self.skeletons and self.first is not None:
+            self.skeletons.finish(head)
         for part in self.folder.glob(f".{self.name}-*.part"):
             part.unlink()

@@ -16,6 +16,7 @@ STATES = ("walking", "arrived", "dead", "standing", "effort", "sliding", "topple
           "holding", "drowned", "sheltered", "indoors", "upper_floor")
 CODES = {word: code for code, word in enumerate(STATES)}
 ROW = ("id", "x", "z", "heading", "state", "y", "lean_x", "lean_z")  # of a person in a frame
+CHUNK = 1 << 18  # rows of a Spool that are in memory at once
 BLOCK = 16  # frames of paths that are asked for at once
 
 
@@ -254,3 +255,37 @@ def of_run(folder):
     """The stream of people of a run folder."""
     people = People(folder)
     return Stream("people", people.rate_hz, people.frames)
+
+
+class Spool:
+    """Rows of people, written as they come and sorted by person at the end, within files."""
+
+    def __init__(self, file, width):
+        self.file, self.kind = file, np.dtype([("who", "<i4"), ("time", "<f4"), ("values", "<f4", (width,))])
+        self.out, self.counts = open(file, "w+b"), np.zeros(0, dtype=int)
+
+    def add(self, ids, times, values):
+        rows = np.empty(len(ids), self.kind)
+        rows["who"], rows["time"], rows["values"] = ids, times, values
+        self.out.write(rows.tobytes())
+        counts = np.bincount(ids, minlength=len(self.counts))
+        counts[: len(self.counts)] += self.counts
+        self.counts = counts
+
+    def by_person(self):
+        """(times, values, first row of each person) as arrays that lie in files."""
+        total = int(self.counts.sum())
+        starts = np.concatenate([[0], np.cumsum(self.counts)])
+        times = np.memmap(f"{self.file}.times", "<f4", "w+", shape=(max(1, total),))
+        values = np.memmap(f"{self.file}.values", "<f4", "w+", shape=(max(1, total), self.kind["values"].shape[0]))
+        cursor = starts[:-1].copy()
+        self.out.seek(0)
+        while len(data := self.out.read(CHUNK * self.kind.itemsize)):
+            rows = np.frombuffer(data, self.kind)
+            rows = rows[np.argsort(rows["who"], kind="stable")]
+            who, first, count = np.unique(rows["who"], return_index=True, return_counts=True)
+            place = np.arange(len(rows)) - np.repeat(first, count) + np.repeat(cursor[who], count)
+            times[place], values[place] = rows["time"], rows["values"]
+            cursor[who] += count
+        self.out.close()
+        return times, values, starts
