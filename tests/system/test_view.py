@@ -163,6 +163,10 @@ class Folders(ViewTest):
         shown = client.get(get="terms", id=2, t=float(row["time_s"]))["terms"]
         self.assertEqual(next(csv.DictReader(io.StringIO(shown))), row)
 
+        course = list(csv.DictReader(io.StringIO(client.get(get="course", id=2)["course"])))
+        own = [r for r in rows if r["id"] == "2"]
+        self.assertEqual(course, own[:: 1 + len({r["time_s"] for r in rows}) // 200])
+
         ends = {int(a["id"]): a["outcome"] for a in run.agents() if a["outcome"] != "active"}
         changes = client.get(get="changes", after=0)["changes"]
         self.assertEqual({i: s for _, i, s in changes if s in ("arrived", "dead")}, ends)
@@ -391,6 +395,15 @@ class Page(ViewTest):
             program.wait()
         self.assertEqual(test.returncode, 0, test.stdout + test.stderr)
         self.assertIn('"tau":0.9', crowd.run.bytes_of("events.jsonl").decode().replace(" ", ""))
+
+    @unittest.skipIf(missing_for_page(), missing_for_page())
+    def test_the_page_is_under_3_mb_with_all_that_it_loads(self):
+        three = view.modules_folder() / "node_modules" / "three"
+        program = self.view("--run", self.kept_run().folder, three=three)
+        names = [path.name for path in view.PAGE.glob("*.js")]
+        paths = ["/", *(f"/{name}" for name in names), *(f"/three/three.{part}.js" for part in ("module", "core")),
+                 "/three/OrbitControls.js"]
+        self.assertLess(sum(len(self.fetch(program, path)) for path in paths), 3e6)
 
     @unittest.skipUnless(WHOLE and not missing_for_page(), missing_for_page() or "a long test, system_view_page_all")
     def test_films_by_the_viewers_camera(self):

@@ -51,6 +51,7 @@ try {
   await page.waitForSelector('#who.open');
   await page.waitForFunction(() => /Eq. 9/.test(document.querySelector('#who').textContent), null, patient);
   assert.match(await page.textContent('#who'), /tau .*0\.20/);
+  await page.waitForFunction(() => /tau to 0.2 ,.*m\/s from/.test(document.querySelector('#who .course')?.ariaLabel), null, patient);
 
   // Keys: one frame on, points and back, help, dark, from above.
   const time = await page.evaluate(() => wade.at().time);

@@ -16,6 +16,7 @@ namespace {
 constexpr std::size_t chunk = std::size_t{8} << 20;
 constexpr double most_points = 300000;
 constexpr std::size_t water_head = 64;
+constexpr std::size_t most_rows_of_course = 200;
 
 // Cuts the next field off a row of a table.
 std::string_view next_field(std::string_view& row) {
@@ -77,6 +78,18 @@ std::string part_of(const std::filesystem::path& path, std::uint64_t from, std::
     std::vector<char> part(bytes);
     file.read(part.data(), static_cast<std::streamsize>(bytes));
     return {part.begin(), part.begin() + file.gcount()};
+}
+
+// The row of a person among rows of a frame; empty if there is none.
+std::string row_of(const std::string& rows, std::uint32_t id) {
+    const std::string mark = std::to_string(id) + ",";
+    for (std::size_t begin = 0, end = 0; (end = rows.find('\n', begin)) != std::string::npos; begin = end + 1) {
+        std::string_view row(rows.data() + begin, end - begin);
+        next_field(row);
+        next_field(row);
+        if (row.starts_with(mark)) return rows.substr(begin, end - begin);
+    }
+    return "";
 }
 
 template <typename T>
@@ -328,15 +341,18 @@ Message RunFolder::depths(double time_s) const {
 
 std::string RunFolder::terms(std::uint32_t id, double time_s) const {
     if (terms_.frames() == 0) return "";
-    const std::string rows = terms_.rows_of(terms_.at(time_s));
-    const std::string mark = std::to_string(id) + ",";
-    for (std::size_t begin = 0, end = 0; (end = rows.find('\n', begin)) != std::string::npos; begin = end + 1) {
-        std::string_view row(rows.data() + begin, end - begin);
-        next_field(row);
-        next_field(row);
-        if (row.starts_with(mark)) return terms_.header() + "\n" + rows.substr(begin, end - begin);
+    const std::string row = row_of(terms_.rows_of(terms_.at(time_s)), id);
+    return row.empty() ? "" : terms_.header() + "\n" + row;
+}
+
+std::string RunFolder::course(std::uint32_t id) const {
+    std::string rows = terms_.header();
+    const std::size_t step = 1 + terms_.frames() / most_rows_of_course;
+    for (std::size_t frame = 0; frame < terms_.frames(); frame += step) {
+        const std::string row = row_of(terms_.rows_of(frame), id);
+        if (!row.empty()) rows += "\n" + row;
     }
-    return "";
+    return rows;
 }
 
 std::string RunFolder::text_of(const std::string& name) const {

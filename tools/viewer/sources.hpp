@@ -160,6 +160,8 @@ class RunFolder {
     [[nodiscard]] double snapshot_time(std::size_t k) const { return snapshot_times_[k]; }
     // The row of terms.csv of a person at a time with the header before it; empty if there is none.
     [[nodiscard]] std::string terms(std::uint32_t id, double time_s) const;
+    // The same of all times, some 200 rows at most.
+    [[nodiscard]] std::string course(std::uint32_t id) const;
     [[nodiscard]] const std::vector<StateChange>& changes() const { return poses_.changes(); }
     // A small text file of the folder, "" if it is not there.
     [[nodiscard]] std::string text_of(const std::string& name) const;

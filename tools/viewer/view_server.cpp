@@ -132,8 +132,8 @@ class Show {
         if (!asked.is_object() || !asked.contains("get") || !asked["get"].is_string()) return std::nullopt;
         Question question;
         question.kind = asked["get"];
-        const std::array kinds{"live",  "walkers", "water",   "depths",  "people",
-                               "paths", "terms",   "command", "changes", "ground"};
+        const std::array kinds{"live",  "walkers", "water",   "depths",  "people", "paths",
+                               "terms", "course",  "command", "changes", "ground"};
         if (std::find(kinds.begin(), kinds.end(), question.kind) == kinds.end()) return std::nullopt;
         const auto number = [&](const char* name, double otherwise) {
             const double value =
@@ -166,6 +166,7 @@ class Show {
         if (q.kind == "paths") return answer_with(folder_->paths(q.time));
         if (q.kind == "terms")
             return answer_with(json{{"terms", folder_->terms(q.id, q.time)}, {"id", q.id}, {"t", q.time}});
+        if (q.kind == "course") return answer_with(json{{"course", folder_->course(q.id)}, {"id", q.id}});
         return answer_with(json{{"changes", changes(static_cast<std::size_t>(std::max(0.0, q.after)))}});
     }
 

@@ -1,5 +1,5 @@
 // What is said and asked about the run: symbols of states and outcomes, traces of the paths, the ring round who is looked at, and the panels:
-// counts and state of the run, legend, time line, the numbers of a person; last the stream of messages.
+// counts and state of the run, legend, time line, the numbers of a person and their course.
 
 import * as THREE from 'three';
 import { scaleColours } from './water.js';
@@ -261,8 +261,44 @@ export function rowOf(text) {
   return row ? Object.fromEntries(head.map((name, k) => [name, row[k] !== '' && Number.isFinite(+row[k]) ? +row[k] : row[k]])) : null;
 }
 
-/** The numbers of a person: as it is, the terms of the equations, how it ended. */
-export function showPerson(person, terms, agent, hint) {
+// Of a person over time: name, unit, colour and dashes (told apart by both), value of a row of terms.csv.
+const COURSES = [
+  ['tau', '', '#d55e00', [], (r) => r.tau], ['h', 'm', '#0072b2', [6, 3], (r) => r.depth_m], ['v', 'm/s', '#009e73', [2, 2], (r) => Math.hypot(r.velocity_x_m_s, r.velocity_z_m_s)],
+  ['S', '', '#cc79a7', [8, 2, 2, 2], (r) => r.slip], ['T', '', '#e69f00', [1, 3], (r) => r.topple],
+];
+
+/** How a person's terms went over the run, each on its own scale, whose top the legend tells; a line at the time that is shown. */
+function courseChart(rows_of, time) {
+  const canvas = document.createElement('canvas'), c = canvas.getContext('2d'), wide = 440, high = 130;
+  Object.assign(canvas, { width: wide, height: high, className: 'course' });
+  canvas.style.width = '100%';
+  const first = rows_of[0].time_s, span = Math.max(1e-6, rows_of[rows_of.length - 1].time_s - first), x = (t) => 4 + ((wide - 8) * (t - first)) / span;
+  const told = [];
+  for (const [name, unit, colour, dashes, of] of COURSES) {
+    const points = rows_of.map((r) => [x(r.time_s), of(r)]).filter(([, v]) => typeof v === 'number' && Number.isFinite(v));
+    const top = points.reduce((most, [, v]) => Math.max(most, v), name.length > 1 || unit ? 0 : 1);
+    if (!points.length || !(top > 0)) continue;
+    c.strokeStyle = colour;
+    c.lineWidth = 2.5;
+    c.setLineDash(dashes);
+    c.beginPath();
+    points.forEach(([at, v], k) => c[k ? 'lineTo' : 'moveTo'](at, high - 6 - (high - 12) * Math.max(0, v / top)));
+    c.stroke();
+    told.push(`<span style="color:${colour}">${dashes.length ? '\u2504' : '\u2500'} ${name}</span> to ${+top.toPrecision(2)} ${unit}`);
+  }
+  c.setLineDash([]);
+  c.strokeStyle = 'rgba(128,128,128,0.9)';
+  c.lineWidth = 1.5;
+  c.strokeRect(x(time), 0, 0.01, high);
+  canvas.setAttribute('role', 'img');
+  canvas.setAttribute('aria-label', `course of ${told.join(', ').replace(/<[^>]*>/g, '')} from ${number(first, 1)} s over ${number(span, 1)} s`);
+  const legend = document.createElement('small');
+  legend.innerHTML = told.join(' \u00b7 ');
+  return [canvas, legend];
+}
+
+/** The numbers of a person: as it is, the terms of the equations, their course up to now, how it ended. */
+export function showPerson(person, terms, agent, hint, course, time) {
   const panel = $('who');
   panel.classList.toggle('open', Boolean(person || agent));
   if (!person && !agent) return;
@@ -293,6 +329,7 @@ export function showPerson(person, terms, agent, hint) {
     if (Number.isFinite(terms.depth_m)) list.push(['h <small>felt depth</small>', number(terms.depth_m), 'm'], ['U <small>felt stream, x z</small>', pair(terms.stream_x_m_s, terms.stream_z_m_s), 'm/s']);
     if (Number.isFinite(terms.slip)) list.push(['S <small>slips at 1</small>', number(terms.slip)], ['T <small>topples at 1</small>', number(terms.topple)]);
     parts.push(rows(list));
+    if (course?.id === id && course.rows.length > 1) parts.push(...courseChart(course.rows, time));
   } else if (hint) {
     const line = document.createElement('small');
     line.textContent = hint;
@@ -310,81 +347,5 @@ export function fillHelp() {
     term.append(canvas);
     text.textContent = { dead: 'dead, drowned', tumbled: 'tumbled by the water (poses.csv)', upper_floor: 'on an upper floor' }[state] ?? state;
     list.append(term, text);
-  }
-}
-
-// Questions and answers over the one WebSocket; tools/viewer/README.md has the table of a binary answer.
-
-export const KINDS = { 1: 'water', 2: 'people', 3: 'depths', 4: 'paths', 5: 'walkers', 6: 'ground' };
-const HEAD_BYTES = 56;
-
-/** A binary message: its head, and `arrays` that look into the bytes as they came. */
-export function decode(buffer) {
-  const head = new DataView(buffer);
-  const count = head.getUint32(8, true), fields = head.getUint32(12, true);
-  const arrays = [];
-  for (let k = 0; k < fields; ++k) arrays.push(new Float32Array(buffer, HEAD_BYTES + 4 * k * count, count));
-  return {
-    kind: KINDS[head.getUint32(4, true)], count, fields, arrays, bytes: buffer.byteLength,
-    time: head.getFloat64(16, true), frame: head.getFloat64(24, true), stride: head.getUint32(32, true),
-    columns: head.getUint32(36, true), x0: head.getFloat32(40, true), z0: head.getFloat32(44, true),
-    cell: head.getFloat32(48, true),
-  };
-}
-
-/** Asks one question of a kind at a time; a new one before the answer replaces the old one. */
-export class Stream {
-  constructor(handlers) {
-    this.handlers = handlers; // by kind of message, and status, text, opened, closed
-    this.waits = new Map(); // kind of question -> when it was asked
-    this.bytes = 0; // received
-    this.open();
-  }
-
-  open() {
-    this.socket = new WebSocket(`ws://${location.host}/stream`);
-    this.socket.binaryType = 'arraybuffer';
-    this.socket.onopen = () => this.handlers.opened();
-    this.socket.onclose = () => {
-      this.waits.clear();
-      this.handlers.closed();
-      setTimeout(() => this.open(), 1000);
-    };
-    this.socket.onmessage = (event) => {
-      // The server tells its state twice a second, mostly the same.
-      if (event.data !== this.told) this.handlers.came();
-      if (typeof event.data === 'string' && event.data.startsWith('{"status"')) this.told = event.data;
-      this.take(event.data);
-    };
-  }
-
-  take(data) {
-    if (typeof data === 'string') {
-      this.bytes += data.length;
-      const answer = JSON.parse(data);
-      if (answer.status) return this.handlers.status(answer.status);
-      for (const kind of ['terms', 'changes', 'command']) if (kind in answer) this.waits.delete(kind);
-      return this.handlers.text(answer);
-    }
-    this.bytes += data.byteLength;
-    const message = decode(data);
-    this.waits.delete(message.kind);
-    if (message.kind === 'water') this.waits.delete('live');
-    this.handlers[message.kind](message);
-  }
-
-  /** False while an answer of this kind is still out. */
-  ask(kind, question = {}) {
-    if (this.socket.readyState !== WebSocket.OPEN) return false;
-    const since = performance.now() - (this.waits.get(kind) ?? -1e9);
-    if (since < 2000) return false;
-    this.waits.set(kind, performance.now());
-    this.socket.send(JSON.stringify({ get: kind, ...question }));
-    return true;
-  }
-
-  command(line) {
-    this.waits.delete('command');
-    return this.ask('command', { line });
   }
 }

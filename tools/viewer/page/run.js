@@ -1,6 +1,7 @@
-// The run as the page knows it, and what it says of a time: who is where in which state, how the run itself stands.
+// The run as the page knows it, and what it says of a time: who is where in which state, how the run itself stands. Last the stream of
+// messages.
 
-import { $, rowOf } from './panel.js';
+import { $, rowOf, showEvents, showPerson, showState } from './panel.js';
 
 export const wanted = new URLSearchParams(location.hash.slice(1));
 
@@ -12,13 +13,19 @@ export const show = {
 
 export const frames = new Map(); // of people, by number
 
-export function readAgents(table) {
+/** The rows of a table as objects. */
+export function rowsOf(table) {
   const [head, ...lines] = table.trim().split('\n');
-  for (const line of lines) {
-    const agent = rowOf(`${head}\n${line}`);
-    if (agent) show.agents.set(agent.id, agent);
-  }
+  return lines.map((line) => rowOf(`${head}\n${line}`)).filter(Boolean);
 }
+
+export const readAgents = (table) => rowsOf(table).forEach((agent) => show.agents.set(agent.id, agent));
+
+export const faster = (way) => {
+  const s = $('speed');
+  s.selectedIndex = Math.min(s.options.length - 1, Math.max(0, s.selectedIndex + way));
+  show.speed = +s.value;
+};
 
 /** Whether the page waits for the ground of the run's place before it draws anything. */
 export const lacksGround = () => Boolean(show.run?.place?.houses && !show.ground);
@@ -125,4 +132,98 @@ export function setPlaying(on) {
   show.playing = on;
   $('play').textContent = on ? 'pause' : 'play';
   $('play').setAttribute('aria-pressed', on);
+}
+
+export function showTexts() {
+  const s = show.status, end = lastTime(), w = show.water;
+  const waterOf = w?.time !== undefined ? `water of ${w.time.toFixed(1)} s${w.message ? `, ${(w.message.count * w.message.stride).toLocaleString('en')} particles${w.message.stride > 1 ? `, every ${w.message.stride}th shown` : ''}` : ', depths only'}` : 'no water yet';
+  const bare = s?.people?.frames > 1 && !s.people.poses ? '; paths only, for poses run with --view' : '';
+  const gone = show.run?.place?.problem ? `; the place cannot be shown: ${show.run.place.problem}` : '';
+  const cut = `${s?.recorded && !s.recorded.whole ? '; the recording was cut off' : ''}${gone}`;
+  showState(stateOfPage(), s?.outcome && s.outcome !== 'running' ? s.outcome : '', `${waterOf}${bare}${cut}${s?.live?.problem ? `; ${s.live.problem}` : ''}`);
+  $('clock').textContent = `${show.time.toFixed(1)} / ${end.toFixed(1)} s`;
+  const bar = $('time');
+  bar.max = Math.max(end, 0.01);
+  if (document.activeElement !== bar || show.playing) bar.value = show.time;
+  $('live').hidden = !isLive();
+  $('live').setAttribute('aria-pressed', show.live);
+  showEvents(show.changes, show.taus, Math.max(end, 0.01));
+  const person = show.people?.shown.find((p) => p.id === show.selected), agent = show.agents.get(show.selected);
+  showPerson(show.selected < 0 ? null : person, show.terms, show.selected < 0 ? null : agent, 'For the terms of Eq. 5 to 9 run with --view or --terms-every-s 0.1.', show.course, show.time);
+}
+
+// Questions and answers over the one WebSocket; tools/viewer/README.md has the table of a binary answer.
+
+export const KINDS = { 1: 'water', 2: 'people', 3: 'depths', 4: 'paths', 5: 'walkers', 6: 'ground' };
+const HEAD_BYTES = 56;
+
+/** A binary message: its head, and `arrays` that look into the bytes as they came. */
+export function decode(buffer) {
+  const head = new DataView(buffer);
+  const count = head.getUint32(8, true), fields = head.getUint32(12, true);
+  const arrays = [];
+  for (let k = 0; k < fields; ++k) arrays.push(new Float32Array(buffer, HEAD_BYTES + 4 * k * count, count));
+  return {
+    kind: KINDS[head.getUint32(4, true)], count, fields, arrays, bytes: buffer.byteLength,
+    time: head.getFloat64(16, true), frame: head.getFloat64(24, true), stride: head.getUint32(32, true),
+    columns: head.getUint32(36, true), x0: head.getFloat32(40, true), z0: head.getFloat32(44, true),
+    cell: head.getFloat32(48, true),
+  };
+}
+
+/** Asks one question of a kind at a time; a new one before the answer replaces the old one. */
+export class Stream {
+  constructor(handlers) {
+    this.handlers = handlers; // by kind of message, and status, text, opened, closed
+    this.waits = new Map(); // kind of question -> when it was asked
+    this.bytes = 0; // received
+    this.open();
+  }
+
+  open() {
+    this.socket = new WebSocket(`ws://${location.host}/stream`);
+    this.socket.binaryType = 'arraybuffer';
+    this.socket.onopen = () => this.handlers.opened();
+    this.socket.onclose = () => {
+      this.waits.clear();
+      this.handlers.closed();
+      setTimeout(() => this.open(), 1000);
+    };
+    this.socket.onmessage = (event) => {
+      // The server tells its state twice a second, mostly the same.
+      if (event.data !== this.told) this.handlers.came();
+      if (typeof event.data === 'string' && event.data.startsWith('{"status"')) this.told = event.data;
+      this.take(event.data);
+    };
+  }
+
+  take(data) {
+    if (typeof data === 'string') {
+      this.bytes += data.length;
+      const answer = JSON.parse(data);
+      if (answer.status) return this.handlers.status(answer.status);
+      for (const kind of ['terms', 'course', 'changes', 'command']) if (kind in answer) this.waits.delete(kind);
+      return this.handlers.text(answer);
+    }
+    this.bytes += data.byteLength;
+    const message = decode(data);
+    this.waits.delete(message.kind);
+    if (message.kind === 'water') this.waits.delete('live');
+    this.handlers[message.kind](message);
+  }
+
+  /** False while an answer of this kind is still out. */
+  ask(kind, question = {}) {
+    if (this.socket.readyState !== WebSocket.OPEN) return false;
+    const since = performance.now() - (this.waits.get(kind) ?? -1e9);
+    if (since < 2000) return false;
+    this.waits.set(kind, performance.now());
+    this.socket.send(JSON.stringify({ get: kind, ...question }));
+    return true;
+  }
+
+  command(line) {
+    this.waits.delete('command');
+    return this.ask('command', { line });
+  }
 }

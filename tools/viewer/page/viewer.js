@@ -3,10 +3,10 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/orbit';
 import { GROUP_COLOURS, castShadows, lightUp, lookDown, makeGround, makeSky, place } from './ground.js';
-import { $, Stream, Symbols, Traces, cycle, fillHelp, makeRing, rowOf, showCounts, showEvents, showLegend, showPerson, showState } from './panel.js';
+import { $, Symbols, Traces, cycle, fillHelp, makeRing, rowOf, showCounts, showLegend } from './panel.js';
 import { People } from './people.js';
 import { Ground, makePlace } from './place.js';
-import { advance, asPeople, countStates, endedBy, frameAt, frames, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, seek, setPlaying, show, start, stateOfPage, stateShown, takeTaus, wanted } from './run.js';
+import { Stream, advance, asPeople, countStates, endedBy, faster, frameAt, frames, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, rowsOf, seek, setPlaying, show, showTexts, start, stateShown, takeTaus, wanted } from './run.js';
 import { Water, boundsOf } from './water.js';
 
 const plain = wanted.get('quality') === 'low'; // half the pixels along each side, 10 pictures a second, no shadows, no smooth edges
@@ -67,6 +67,7 @@ const handlers = {
   },
   text: (answer) => {
     if (answer.terms !== undefined && answer.id === show.selected) show.terms = answer.terms ? rowOf(answer.terms) : null;
+    if (answer.course !== undefined) show.course = { id: answer.id, rows: rowsOf(answer.course) };
     if (answer.changes) show.changes.push(...answer.changes);
     if (answer.command !== undefined) $('said').textContent = answer.problem || `sent: ${answer.command}`;
     if (answer.error) console.warn(answer.error);
@@ -202,6 +203,8 @@ function askForAll() {
   if ((s.changes ?? 0) > show.changes.length) stream.ask('changes', { after: show.changes.length });
   const whose = `${show.selected} ${Math.round(5 * show.time)}`;
   if (show.selected >= 0 && whose !== show.termsOf && stream.ask('terms', { id: show.selected, t: show.time })) show.termsOf = whose;
+  const course = `${show.selected} ${isLive() ? Math.floor(lastTime() / 5) : ''}`; // of a run that goes on each 5 s anew
+  if (show.selected >= 0 && course !== show.courseOf && stream.ask('course', { id: show.selected })) show.courseOf = course;
 }
 
 function askAt(kind) {
@@ -235,24 +238,6 @@ function drawPeople(step, clock) {
   const marks = show.people.shown.map((p) => ({ x: p.x, y: p.y + (p.posture === 'upright' ? 0.62 * p.height : 0.75), z: p.z, state: stateShown(p) }));
   for (const end of endedBy(show.time)) if (!show.people.shown.some((p) => p.id === end.id)) marks.push({ x: end.x, y: groundAt(end.x, end.z) + 0.3, z: end.z, state: end.state });
   show.symbols.show(marks);
-}
-
-function showTexts() {
-  const s = show.status, end = lastTime(), w = show.water;
-  const waterOf = w?.time !== undefined ? `water of ${w.time.toFixed(1)} s${w.message ? `, ${(w.message.count * w.message.stride).toLocaleString('en')} particles${w.message.stride > 1 ? `, every ${w.message.stride}th shown` : ''}` : ', depths only'}` : 'no water yet';
-  const bare = s?.people?.frames > 1 && !s.people.poses ? '; paths only, for poses run with --view' : '';
-  const gone = show.run?.place?.problem ? `; the place cannot be shown: ${show.run.place.problem}` : '';
-  const cut = `${s?.recorded && !s.recorded.whole ? '; the recording was cut off' : ''}${gone}`;
-  showState(stateOfPage(), s?.outcome && s.outcome !== 'running' ? s.outcome : '', `${waterOf}${bare}${cut}${s?.live?.problem ? `; ${s.live.problem}` : ''}`);
-  $('clock').textContent = `${show.time.toFixed(1)} / ${end.toFixed(1)} s`;
-  const bar = $('time');
-  bar.max = Math.max(end, 0.01);
-  if (document.activeElement !== bar || show.playing) bar.value = show.time;
-  $('live').hidden = !isLive();
-  $('live').setAttribute('aria-pressed', show.live);
-  showEvents(show.changes, show.taus, Math.max(end, 0.01));
-  const person = show.people?.shown.find((p) => p.id === show.selected), agent = show.agents.get(show.selected);
-  showPerson(show.selected < 0 ? null : person, show.terms, show.selected < 0 ? null : agent, 'For the terms of Eq. 5 to 9 run with --view or --terms-every-s 0.1.');
 }
 
 function tick(now) {
@@ -358,11 +343,6 @@ const frameStep = (way) => {
   seek((Math.round(show.time * rate) + way) / rate);
 };
 const newest = () => (show.live = isLive());
-const faster = (way) => {
-  const s = $('speed');
-  s.selectedIndex = Math.min(s.options.length - 1, Math.max(0, s.selectedIndex + way));
-  show.speed = +s.value;
-};
 const KEYS = {
   ' ': () => setPlaying(!show.playing), ',': () => frameStep(-1), '.': () => frameStep(1), ArrowLeft: () => frameStep(-1), ArrowRight: () => frameStep(1), '-': () => faster(-1), '+': () => faster(1),
   Home: () => seek(0), End: () => seek(lastTime()), l: newest, w: () => cycle('form'), c: () => cycle('mode'), t: () => look(camera === top ? 'free' : 'top'),
