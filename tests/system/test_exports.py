@@ -345,6 +345,14 @@ class Maps(ExportTest):
         info, (depth, *_) = self.bands_of(max(self.out.glob("water_*.tif")))
         self.assertEqual((info["geoTransform"], depth.shape), ([0, 0.5, 0, 8, 0, -0.5], (8, 40)))
         self.assertAlmostEqual(depth.sum() * 0.25, 80, 2)
+
+    def test_pillow_reads_the_depths_of_the_snapshots(self):
+        from wade.pictures.place_maps import read_map
+
+        self.assertIn("depth: 1 frames", self.export(RUN, "--to", "geotiff", "--from-s", 1, "--until-s", 6))
+        depth, dx, dz = read_map(self.out / "water_000150.tif")
+        self.assertEqual((depth.shape, dx, dz), ((8, 40), 0.5, 0.5))
+        self.assertAlmostEqual(depth.sum() * dx * dz, 80, 1)  # the file rounds to millimetres
         self.assert_refused_here("export", RECORDING, "--to", "geotiff", "--out", self.out, texts=["needs the run folder"])
 
 

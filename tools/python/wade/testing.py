@@ -51,6 +51,7 @@ def main(arguments):
         if install("engines"):  # without them their tests are skipped and say so
             look_again("MPI_CXX_HEADER_DIR")
     elif shutil.which("chromium") and shutil.which("npm"):  # the quick test of the page runs wherever it can
+        os.environ.setdefault("npm_config_fetch_retries", "0")  # without a network it says so at once
         try:
             install_modules(with_tests=True)
         except UsageError as error:

@@ -14,7 +14,10 @@ from wade.run.processes import end_with_parent, resolved
 from wade.terminal import Parser, say_error
 
 PAGE = ROOT / "tools" / "viewer" / "page"
-POSES_HZ, WATER_S, TERMS_S = 10, 0.5, 0.1  # what --view records for the page, unless the user says otherwise
+# What --view records for the page, unless the user says otherwise: poses a second, water and terms every so many seconds. The
+# slower ones are for many people over a long time, so that a table has no more than so many rows.
+POSES_HZ, WATER_S, TERMS_S = (10, 5, 2, 1, 0.5), 0.5, (0.1, 0.2, 0.5, 1, 2)
+MOST_ROWS = 2e6
 FIFO = ".commands"  # in the run folder
 
 
@@ -90,12 +93,15 @@ def settings_for_view(resolved_scene, arguments):
     """Options that a run with --view has beyond those that the user gave: {program: options}."""
     given = " ".join(arguments)
     both, crowd = [], []
+    seconds_of_people = resolved_scene["duration_s"] * sum(group["count"] for group in resolved_scene["crowd"]["groups"])
+    poses_hz, terms_s = next((pair for pair in zip(POSES_HZ, TERMS_S) if pair[0] * seconds_of_people <= MOST_ROWS),
+                             (POSES_HZ[-1], TERMS_S[-1]))
     if resolved_scene["crowd"]["poses"]["rate_hz"] == 0 and "/crowd/poses" not in given:
-        both += ["--set", f"/crowd/poses/rate_hz={POSES_HZ}"]
+        both += ["--set", f"/crowd/poses/rate_hz={poses_hz}"]
     if "--water-every-s" not in given:
         crowd += ["--water-every-s", str(WATER_S)]
     if "--terms-every-s" not in given:
-        crowd += ["--terms-every-s", str(TERMS_S)]
+        crowd += ["--terms-every-s", str(terms_s)]
     return both, crowd
 
 
