@@ -335,26 +335,27 @@ void collect_frame(ShallowWater& world, std::span<const RowField> others) {
     for (RowMemory* field : {&world.water.h, &world.water.qx, &world.primitive.u, &world.primitive.v}) {
         fields.push_back(by_cell(*field, world.grid));
     }
+    // What the first rank has itself need not travel.
     const Lines& lines = band.touched;
-    band.part.clear();
-    for_each_part(lines, fields, band.begin, band.end, [&](const std::uint64_t* words, std::size_t n) {
-        band.part.insert(band.part.end(), words, words + n);
-    });
-    std::vector<int> counts;
+    std::vector<int> counts(band.first_rows.size() - 1, 0);
     std::size_t size = 0;
-    for (std::size_t r = 0; r + 1 < band.first_rows.size(); ++r) {
+    for (std::size_t k = band.first_rows[1]; k < world.grid.nz; ++k) {
         std::size_t count = 0;
-        for (std::size_t k = band.first_rows[r]; k < band.first_rows[r + 1]; ++k) {
-            lines.for_each_span(k, [&](std::size_t, std::size_t n) { count += n * fields.size(); });
-        }
-        counts.push_back(static_cast<int>(count));
+        lines.for_each_span(k, [&](std::size_t, std::size_t n) { count += n * fields.size(); });
+        counts[rank_of(band, k)] += static_cast<int>(count);
         size += count;
+    }
+    band.part.resize(static_cast<std::size_t>(counts[static_cast<std::size_t>(band.ranks->rank())]));
+    if (!band.part.empty()) {
+        std::uint64_t* to = band.part.data();
+        for_each_part(lines, fields, band.begin, band.end,
+                      [&](const std::uint64_t* words, std::size_t n) { to = std::copy_n(words, n, to); });
     }
     band.all.resize(band.ranks->first() ? size : 0);
     band.ranks->gather(band.part, counts, band.all, false);
     if (band.ranks->first()) {
         const std::uint64_t* at = band.all.data();
-        for_each_part(lines, fields, 0, world.grid.nz, [&](std::uint64_t* words, std::size_t n) {
+        for_each_part(lines, fields, band.end, world.grid.nz, [&](std::uint64_t* words, std::size_t n) {
             std::copy_n(at, n, words);
             at += n;
         });
