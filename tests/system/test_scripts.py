@@ -34,6 +34,7 @@ class Scripts(Launcher):
         said = self.output_of(run_sh)
         self.assertIn(f"system_small: completed; {outcome['arrived']} of 6 arrived", said)
         self.assertIn(str(folder / "figure.png"), said)
+        self.assertIn(f"tools/wade view {folder}", said)
 
     def test_run_sh_without_paths_says_that_there_is_no_picture(self):
         run_sh = self.run_sh(SMALL, "--until-s", "1", "--no-trajectories")

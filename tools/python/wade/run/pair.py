@@ -17,7 +17,7 @@ from pathlib import Path
 
 from wade.building import PICTURES, cached, is_built
 from wade import UsageError
-from wade.paths import BUILD, module_command
+from wade.paths import BUILD, INSTALLED, module_command
 from wade.run.arguments import HELP, asks_for_help, is_given, options_of, split_arguments, suit_to_latest, values_of
 from wade.run.folders import new_folder
 from wade.run.outcome import BeforeRun, crowds_summary, has_frames, state_of, summary
@@ -248,6 +248,8 @@ def picture(run, folder, pair):
         print("no picture: --no-trajectories leaves no paths to draw")
     elif draw(folder, pair):
         print(f"picture: {folder / 'figure.png'}")
+        if not (run.view or INSTALLED):
+            print(f"in the browser: tools/wade view {folder}")
     else:
         print("wade run: the picture could not be drawn", file=sys.stderr)
         return False
