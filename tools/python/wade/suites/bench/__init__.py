@@ -5,7 +5,7 @@ within a program mean something. Names: fluid/river, fluid/river_quartic_spline,
 fluid/dam_break, fluid/dam_break_733_steps, fluid/column_at_rest, shallow_water/..., steering/...,
 crowd/..., coupling/contacts, coupling/two_way, coupling/measured, protocol/..., kernels/...,
 machine/..., end_to_end/s05, end_to_end/s05_depth_1, end_to_end/river_s05, end_to_end/fine,
-end_to_end/people_5000, end_to_end/beside_busy_programs, end_to_end/pairs_at_once.
+end_to_end/people_5000, end_to_end/town, end_to_end/beside_busy_programs, end_to_end/pairs_at_once.
 
 --json has {machine, results: [{name, size, threads, median, min, max, unit, ...}]}. --out writes
 bench.json, bench.csv and report.md with its pictures: rates and errors, profile of a step by

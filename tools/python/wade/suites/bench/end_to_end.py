@@ -1,7 +1,9 @@
-"""Whole runs: both programs on a scene of the paper, as tools/run.sh starts them."""
+"""Whole runs: both programs on a scene of the paper, or on a town made for it, as tools/run.sh starts them."""
 
 import json
+import math
 import os
+import random
 import subprocess
 import sys
 import tempfile
@@ -24,6 +26,7 @@ RUNS = (
     ("end_to_end/river_s05", "configs/river/s05.json", 60, 3, ()),
     ("end_to_end/fine", "configs/river/fine.json", 4, 3, ()),
     ("end_to_end/people_5000", "configs/river/agents_5000.json", 16, 3, PEOPLE_5000),
+    ("end_to_end/town", None, 180, 1, ()),  # its scene is written when it is wanted
 )
 SAME_FRAMES = {"end_to_end/s05", "end_to_end/s05_depth_1"}  # how far the water is ahead changes no bit
 QUICK = {"end_to_end/s05": 20}
@@ -31,20 +34,105 @@ QUICK = {"end_to_end/s05": 20}
 # programs beside that never rest). Both by the river of S5, cut to so many simulated seconds.
 SHARED = (("end_to_end/beside_busy_programs", 1, os.cpu_count()), ("end_to_end/pairs_at_once", os.cpu_count(), 0))
 SHARED_SCENE, SHARED_UNTIL, SHARED_ROUNDS = "configs/river/s05.json", 8, 5
+# The town: 1,000,000 cells, 10,000 people in 840 houses below a dam that breaks.
+LENGTH, WIDTH, CELL, GROUND_CELL = 2000, 2000, 2, 10  # m
+DAM = 1750  # its x, m
+LANES = tuple(side * (60 + 45 * lane) for lane in range(12) for side in (-1, 1))  # from the valley's middle, m
+PEOPLE = 10_000
+
+
+def town_middle(x):
+    """z of the valley's middle, m."""
+    return 1000 + 90 * math.sin(x / 260)
+
+
+def town_ground(x, z):
+    """Height of the ground, m: it falls by 0.5 % along the valley, with a floor 700 m wide and slopes beside it."""
+    off = abs(z - town_middle(x))
+    return 100 + 0.005 * x + 0.004 * min(off, 350) + 0.06 * max(0.0, off - 350) - 2.5 * math.exp(-((off / 15) ** 2))
+
+
+def town_house(rng, x, lane):
+    """Corners of a house beside a lane, turned with it."""
+    z = town_middle(x) + lane
+    turn = math.atan2(town_middle(x + 1) - town_middle(x - 1), 2) + rng.uniform(-0.15, 0.15)
+    wide, deep = rng.uniform(5, 9), rng.uniform(4, 6)
+    return [[round(x + a * math.cos(turn) - b * math.sin(turn), 2), round(z + a * math.sin(turn) + b * math.cos(turn), 2)]
+            for a, b in ((-wide, -deep), (wide, -deep), (wide, deep), (-wide, deep))]  # fmt: skip
+
+
+def town_houses():
+    rng = random.Random(840)
+    features = []
+    for lane in LANES:
+        for x in range(450, 1500, 30):
+            corners = town_house(rng, x + rng.uniform(-4, 4), lane)
+            features.append({"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [[*corners, corners[0]]]}})
+    for number, feature in enumerate(features):  # as many in each as in the others, or one more
+        share = PEOPLE * (number + 1) // len(features) - PEOPLE * number // len(features)
+        feature["properties"] = {"name": f"house_{number + 1:03d}", "residents": share}
+    return {"type": "FeatureCollection", "features": features}
+
+
+def town_scene():
+    shelters = [{"name": f"hill_{k + 1}", "polygon": [[x, z], [x + 120, z], [x + 120, z + 60], [x, z + 60]]}
+                for k, (x, z) in enumerate((x, z) for x in (500, 950, 1350) for z in (200, 1740))]  # fmt: skip
+    return {
+        "duration_s": 300,
+        "frame_rate_hz": 10,
+        "place": {
+            "epsg": 0,
+            "ground": {"file": "ground.asc"},
+            "houses": [{"file": "houses.geojson"}],
+            "manning": {"n": 0.035},
+            "water": [{"level_m": 118, "polygon": [[DAM, 0], [LENGTH, 0], [LENGTH, WIDTH], [DAM, WIDTH]]}],
+            "gates": [{"name": "dam", "line": [[DAM, 0], [DAM, WIDTH]], "opens_at_s": 30}],
+            "outlets": [{"name": "down the valley", "line": [[0, 300], [0, 1700]]}],
+            "shelters": shelters,
+        },
+        "fluid": {"model": "shallow_water", "publish": "near_agents", "shallow_water": {"cell_size_m": CELL}},
+        "coupling": {"agents_stream": "parallel"},
+        "crowd": {
+            "response": "measured",
+            "bodies": "human",
+            "markers": "redrawn",
+            "navigation": {"every_s": 5, "cell_m": 2, "slope": "tobler", "enters_up_to_m": 0.61},
+            "groups": [{
+                "name": "residents",
+                "start": {"from": "houses"},
+                "goal": {"to": "shelters"},
+                "leaves": {"rule": "weibull", "after_s": 5, "scale_s": 60, "shape": 1.5},
+            }],
+        },
+    }  # fmt: skip
+
+
+def write_town(folder):
+    """Writes the town's files; returns the path of its scene."""
+    columns, rows = LENGTH // GROUND_CELL, WIDTH // GROUND_CELL
+    lines = [f"ncols {columns}", f"nrows {rows}", "xllcorner 0", "yllcorner 0", f"cellsize {GROUND_CELL}"]
+    for row in reversed(range(rows)):
+        lines.append(" ".join(f"{town_ground((c + 0.5) * GROUND_CELL, (row + 0.5) * GROUND_CELL):.2f}" for c in range(columns)))
+    (folder / "ground.asc").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (folder / "houses.geojson").write_text(json.dumps(town_houses()), encoding="utf-8")
+    path = folder / "scene.json"
+    path.write_text(json.dumps(town_scene(), indent=1), encoding="utf-8")
+    return path
 
 
 def one_run(scene, until, threads, options):
     """outcome.json of a run."""
     with tempfile.TemporaryDirectory(prefix="wade-bench-") as folder:
-        command = [*module_command("wade.run.pair"), ROOT / scene]
-        command += ["--no-figure", "--out", folder, "--threads", str(threads), *options]
+        path = ROOT / scene if scene else write_town(Path(folder))
+        command = [*module_command("wade.run.pair"), path]
+        command += ["--no-figure", "--out", Path(folder) / "run", "--threads", str(threads), *options]
         if until is not None:
             command += ["--until-s", str(until)]
         done = subprocess.run([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                               text=True)
         if done.returncode != 0:
-            raise RuntimeError(f"{scene} ended with exit code {done.returncode}: {done.stderr.strip()}")
-        return json.loads((Path(folder) / "outcome.json").read_text(encoding="utf-8"))
+            raise RuntimeError(f"{path.name} ended with exit code {done.returncode}: {done.stderr.strip()}")
+        return json.loads((Path(folder) / "run" / "outcome.json").read_text(encoding="utf-8"))
 
 
 def result_of(name, threads, outcomes):

@@ -23,6 +23,7 @@ GOALS = (
     ("end_to_end/s05", None, 2, 5, "at least"),
     ("end_to_end/fine", None, 2, 0.4, "at least"),
     ("end_to_end/people_5000", None, 2, 1, "at least"),
+    ("end_to_end/town", None, 2, 1, "at least"),
     ("end_to_end/beside_busy_programs", None, 2, 0.8, "at least"),
     ("end_to_end/pairs_at_once", None, 2, 0.8, "at least"),
     ("coupling/two_way", None, 1, 10, "at most"),
