@@ -3,6 +3,7 @@
 #include <omp.h>
 
 #include <array>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <exception>
@@ -113,6 +114,8 @@ int run(ProgramStart& start, Console& console, Ranks* ranks) {
 #ifdef WADE_RANKS
 // What ranks beyond the first do: frame by frame what the first one does, which alone has a session and says what fails.
 void follow(int argc, char** argv, Ranks& ranks) {
+    // mpirun sends it to all when a rank has died, and kills later: meanwhile the first rank can see which one it was.
+    std::signal(SIGTERM, SIG_IGN);
     Prepared prepared;
     std::array<std::uint64_t, 3> said{};
     try {
