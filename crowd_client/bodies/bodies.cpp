@@ -184,8 +184,12 @@ Vector2d wished_velocity(const Bodies& bodies, Agents& agents, std::uint32_t id,
     }
     if (yields(bodies, body, id, decision)) return -back * unit_or(bodies.turned_goal[k], Vector2d::Zero());
     const Vector2d free = walking_velocity(motion.vector[k], agents.desired_speed[id], rule, decision.time);
-    if (!(bodies.style.spacing_rate > 0)) return free;
-    return free * (1 - body.followed[id] * std::exp(-bodies.style.spacing_rate * motion.owned[k] * marker_area));
+    const BodyStyle& style = bodies.style;
+    if (!(style.spacing_rate > 0)) return free;
+    const double followed = body.followed[id], ground = motion.owned[k] * marker_area;
+    const double room = ground / style.passing_ground, squared = room * room;
+    const double passing = squared * squared * squared * (1 - followed);
+    return free * (1 - followed * std::exp(-style.spacing_rate * ground * (1 + passing)));
 }
 
 }  // namespace wade::crowd

@@ -13,16 +13,16 @@
 //              d = |a - p|; its preference f (Eq. 3) is then multiplied by 1 - delta
 //   goal       turned to the right by alpha b before Eq. 3; while o <= 0.05 to the other side after each 5 s with b > 0.9,
 //              as in a corner
-//   wish       v_B (1 - lambda exp(-gamma A)), v_B of Eq. 4; or, of who yields, 0.3 m/s back along the way: he has s > 2 s,
-//              o < 0.1, and chance wants it, in 30 % of the seconds
+//   wish       v_B (1 - lambda exp(-gamma A (1 + (A / A_0)^6 (1 - lambda)))), v_B of Eq. 4; or, of who yields, 0.3 m/s back along
+//              the way: he has s > 2 s, o < 0.1, and chance wants it, in 30 % of the seconds
 //
-// Motion, in each step and at most h = 0.05 s long, of the wish w = h (velocity that the water leaves of it):
+// Motion, in each step and at most h = 0.06 s long, of the wish w = h (velocity that the water leaves of it):
 //
 //   shoulders  r_i shrinks towards r - (r - 0.72 r) clamp((c - low) / (high - low)), at most by 0.3 m/s; (low, high) is
 //              (0.4, 1), and (0, 0.7) for o > 1/3, linear between. Where it is to grow, it grows by dr, at most 0.15 m/s
 //              and half of each limit
 //   limits     u.n <= sigma g - dr for each neighbour, g = max(0, d_ij - r_i - r_j - slack), n = (p_j - p) / d_ij,
-//              sigma = 1 - 2^(-h / 0.05 s) <= 1/2
+//              sigma = 1 - 2^(-h / 0.05 s), at most 1/2
 //              u.n <= g - dr for each obstacle, g = max(0, d - r_i - slack), and u.n <= g for each edge of the world
 //   step       u: w slid along the limit that it breaks most, twice, then shortened until it keeps all; p += u
 //
@@ -54,14 +54,15 @@
 //
 // Why sigma. People who follow close a gap by halves. Were it half of the gap in a step of any length, the gap that they
 // keep would be 2 v times the step, and the flow through a door would depend on the rate of steps. In h it closes to
-// 2^(-h / 0.05 s) of itself from either side, whatever h.
+// 2^(-h / 0.05 s) of itself from either side, whatever h up to 0.05 s.
 //
 // `fast` has lambda = 0. `human` follows: speed falls with the ground that is free only among people who walk the same
 // way, as in the corridors in which the speed over density is measured; who crosses gets through as with `fast`, and who
-// faces one is passed, not followed.
-// One set of numbers for all scenes. gamma, low, phi and D are fitted: to Weidmann's curve from 0.5 to 3 people/m2 in a corridor,
-// to the flow through openings of 0.8 to 1.6 m, and to the goals that people reach on a crossing plane. The cosine of those who
-// face one and the 0.7 of (low, high) are chosen so that both ways of a corridor are about as fast as one, and with IMO test 8.
+// faces one is passed, not followed. Who has more ground than A_0 is not held up by the few who happen to go his way.
+// One set of numbers for all scenes. gamma, low, phi and D are fitted to Weidmann's curve from 0.5 to 3 people/m2 in a corridor
+// and to the flow through openings of 0.8 to 1.6 m; A_0 and its power to the goals that people reach on a crossing plane, within
+// what the openings leave free. The cosine of those who face one and the 0.7 of (low, high) are chosen so that both ways of a
+// corridor are about as fast as one, and with IMO test 8.
 // 0.72 r of 0.25 m is 0.18 m: a disc between the half depth of a chest, 0.12 to 0.15 m, and a disc of the area of the ellipse
 // of chest and shoulders, 0.19 m.
 

@@ -15,6 +15,7 @@
 namespace wade::crowd {
 namespace {
 
+constexpr double half_life = 0.05;                     // of the gap that one closes to another, s
 constexpr double shrink_rate = 0.3, grow_rate = 0.15;  // m/s, of a radius
 
 // Of an image in a periodic world against its person, along x, m.
@@ -149,7 +150,8 @@ Motions motions_of(double dt, std::span<const Vector2d> wishes) {
     const double time = dt / count;
     double longest = 0;
     for (const Vector2d& w : wishes) longest = std::max(longest, w.squaredNorm());
-    return {count, time, 1 - std::exp2(-time / longest_motion), std::sqrt(longest) / count + grow_rate * time};
+    return {count, time, std::min(0.5, 1 - std::exp2(-time / half_life)),
+            std::sqrt(longest) / count + grow_rate * time};
 }
 
 // What place k wishes in a motion: its way, and its radius, which shrinks at once.

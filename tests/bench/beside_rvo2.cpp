@@ -145,7 +145,7 @@ void show_beside_rvo2(const std::string& program, bool quick, std::vector<Result
         show("RVO2", people, 10, seconds, run_rvo2(program, "", people, 0.1, seconds), results);
         show("RVO2, 5 neighbours", people, 10, seconds, run_rvo2(program, few, people, 0.1, seconds), results);
         show("RVO2, 5 neighbours", people, 4, seconds, run_rvo2(program, few, people, 0.25, seconds), results);
-        for (const double rate : {30.0, 15.0, 10.0, 7.5}) {
+        for (const double rate : {30.0, 15.0, 10.0, 8.5}) {
             show("fast", people, rate, seconds, run_ours(people, BodyRule::fast, rate, seconds), results);
             show("human", people, rate, seconds, run_ours(people, BodyRule::human, rate, seconds), results);
         }

@@ -201,6 +201,16 @@ TEST_CASE("Bodies turn their shoulders where they are pressed, to 0.72 of their 
     CHECK(least >= 0.72 * r - 1e-12);
 }
 
+TEST_CASE("Bodies decide every 0.1 s or a little more often, and with 8.5 to 10 steps a second once a step") {
+    const auto decisions_in_a_second = [](double rate) {
+        const BodyClock clock = body_clock(1 / rate);
+        return rate * clock.parts / static_cast<double>(clock.steps_between);
+    };
+    for (const double rate : {8.5, 9.0, 10.0}) CHECK(decisions_in_a_second(rate) == Approx(rate));
+    for (const double rate : {0.5, 5.0, 30.0, 60.0}) CHECK(decisions_in_a_second(rate) == Approx(10));
+    CHECK(decisions_in_a_second(8.4) == Approx(16.8));
+}
+
 TEST_CASE("People with bodies walk the same way at any rate of steps") {
     const BodyRule rule = GENERATE(BodyRule::fast, BodyRule::human);
     constexpr std::uint64_t seeds =
@@ -222,7 +232,7 @@ TEST_CASE("People with bodies walk the same way at any rate of steps") {
         return sum / people;
     };
     const double usual = mean_time(30);
-    for (const double rate : {0.5, 7.0, 10.0, 60.0}) {
+    for (const double rate : {0.5, 7.0, 8.5, 10.0, 60.0}) {
         CAPTURE(rate);
         CHECK(mean_time(rate) == Approx(usual).epsilon(0.05));
     }
