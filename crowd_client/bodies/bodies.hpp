@@ -59,10 +59,11 @@
 // `fast` has lambda = 0. `human` follows: speed falls with the ground that is free only among people who walk the same
 // way, as in the corridors in which the speed over density is measured; who crosses gets through as with `fast`, and who
 // faces one is passed, not followed. Who has more ground than A_0 is not held up by the few who happen to go his way.
-// One set of numbers for all scenes. gamma, low, phi and D are fitted to Weidmann's curve from 0.5 to 3 people/m2 in a corridor
-// and to the flow through openings of 0.8 to 1.6 m; A_0 and its power to the goals that people reach on a crossing plane, within
-// what the openings leave free. The cosine of those who face one and the 0.7 of (low, high) are chosen so that both ways of a
-// corridor are about as fast as one, and with IMO test 8.
+// One set of numbers for all scenes. gamma, low, phi and D are fitted to two kinds of measurements: Weidmann's curve from 0.5 to
+// 3 people/m2 in a corridor, and the flow through openings of 0.8 to 1.6 m; A_0 and its power, within what these leave free, to
+// the goals that people reach on a crossing plane. The cosine of those who face one and the 0.7 of (low, high) were chosen with
+// two-way flow in view, but decide no test: with -0.7, or with 0.6 to 1, all limits of two-way flow, two-way doors, IMO test 8,
+// blocks, crossings, openings and the corridor hold (with -0.95 both ways together are faster than one).
 // 0.72 r of 0.25 m is 0.18 m: a disc between the half depth of a chest, 0.12 to 0.15 m, and a disc of the area of the ellipse
 // of chest and shoulders, 0.19 m.
 
