@@ -19,7 +19,7 @@ struct BodyStyle {
     double contest_distance = 0.4;  // D, m
     double patience = 0.7;          // T_b, s
     double spacing_rate = 0;        // gamma, 1/m2; 0: nobody follows
-    double passing_ground = 0.65;   // A_0, m2
+    double passing_ground = 0.7;    // A_0, m2
 };
 [[nodiscard]] BodyStyle body_style(BodyRule rule);
 
