@@ -17,8 +17,8 @@ constexpr double contested_time = 0.4;    // s, of kappa
 constexpr double followed_time = 1.0;     // s, of lambda
 constexpr double opposed_time = 0.5;      // s, of o
 constexpr double pressed_time = 1.0;      // s, of c
-constexpr double look_followed = 0.2;     // s, between two looks
-constexpr double look_opposed = 0.4;      // s, between two looks
+constexpr double look_followed = 0.4;     // s, between two looks
+constexpr double look_opposed = 0.5;      // s, between two looks
 constexpr double trapped_patience = 5;    // s; before somebody tries the other side
 constexpr double keep_right_from = 0.05;  // o
 
