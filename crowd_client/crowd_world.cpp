@@ -269,10 +269,24 @@ void look_who_stands(const Step& step) {
     note_standing(step.crowd, step.number);
 }
 
+// Whether the water carries somebody out of a place: into the cells of an outlet or, as these are emptied, those beside it [A].
+bool leaves_with_water(const CrowdWorld& crowd, std::uint32_t id) {
+    if (!crowd.scene.place || crowd.agents.people.by_body[id] == 0) return false;
+    const PersonState state = crowd.agents.people.condition[id].state;
+    if (has_ground(state) || state == PersonState::holding) return false;
+    const Vector2d& p = crowd.agents.position[id];
+    const double reach = 1.5 * crowd.scene.fluid.shallow_water.cell_size;
+    const std::vector<Outlet>& outlets = crowd.scene.place->outlets;
+    return std::any_of(outlets.begin(), outlets.end(), [&](const Outlet& outlet) {
+        return is_at(outlet, {p.x(), p.y()}, reach);
+    });
+}
+
 Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
     const Vector2d& p = crowd.agents.position[id];
     const bool may_drown = crowd.scene.crowd.response == ResponseKind::measured;
-    if (p.x() < 0 || (may_drown && crowd.agents.people.condition[id].state == PersonState::drowned))
+    if (p.x() < 0 || leaves_with_water(crowd, id) ||
+        (may_drown && crowd.agents.people.condition[id].state == PersonState::drowned))
         return Outcome::dead;
     if (goes_to_shelters(crowd, id)) return Outcome::active;
     const double reach = crowd.scene.crowd.goal_radius;

@@ -159,6 +159,18 @@ struct Place {
     return inside;
 }
 
+// Whether a point lies in an outlet, or no further than `reach`, m, from its line.
+[[nodiscard]] inline bool is_at(const Outlet& outlet, const MapPoint& p, double reach) {
+    if (contains(outlet.polygon, p)) return true;
+    for (std::size_t k = 1; k < outlet.line.size(); ++k) {
+        const MapPoint &a = outlet.line[k - 1], &b = outlet.line[k];
+        const double x = b.x - a.x, z = b.z - a.z, square = x * x + z * z;
+        const double along = square > 0 ? std::clamp(((p.x - a.x) * x + (p.z - a.z) * z) / square, 0.0, 1.0) : 0;
+        if (std::hypot(a.x + along * x - p.x, a.z + along * z - p.z) <= reach) return true;
+    }
+    return false;
+}
+
 // Of a raster straight between the centres of its cells, of those that have a value, constant beyond them; 0 where none has.
 [[nodiscard]] inline double height_in(const Raster& raster, const MapPoint& p) {
     const auto columns = static_cast<double>(raster.columns), rows = static_cast<double>(raster.rows);

@@ -160,4 +160,40 @@ TEST_CASE("A hundred thousand residents are made, and who is indoors costs no st
     CHECK(crowd.positions.capacity() < 100);
 }
 
+// Somebody who floats off in 2 m of water, 30 m from the western edge of a place.
+Scene swept(bool with_outlet) {
+    Scene scene = one_house(0);
+    scene.fluid.shallow_water.cell_size = 1;
+    scene.crowd.response = ResponseKind::measured;
+    AgentGroup& group = scene.crowd.groups[0];
+    group.starts = StartRule::grid;
+    group.tau.reset();
+    group.start_x = group.start_z = 30;
+    if (with_outlet) scene.place->outlets = {{"brook", OutletKind::free, {}, {{0, 0}, {0, 40}}, {}}};
+    return scene;
+}
+
+TEST_CASE("Whom the water carries into an outlet is lost, at another edge he is held") {
+    const MadeUpWater water = uniform_water(0, 40, 0, 40, 2, 0.5, -2, 0);
+    for (const bool with_outlet : {true, false}) {
+        CrowdWorld crowd = make_crowd(swept(with_outlet));
+        const int most = 250;  // steps of 0.1 s: 30 m at 2 m/s is 15 s, and nobody's air is out after 25
+        int k = 0;
+        for (; k < most && crowd.agents.outcome[0] == Outcome::active; ++k) step(crowd, water.view());
+        CHECK(!has_ground(crowd.agents.people.condition[0].state));
+        CHECK((crowd.dead == 1) == with_outlet);
+        const double x = crowd.agents.position[0].x();
+        CHECK((with_outlet ? x <= 1.5 && k > 100 : x >= 0 && k == most));
+    }
+}
+
+TEST_CASE("Who stands in an outlet stays") {
+    Scene scene = swept(true);
+    scene.crowd.groups[0].start_x = 1;
+    CrowdWorld crowd = make_crowd(scene);
+    const MadeUpWater water = uniform_water(0, 40, 0, 40, 0.25, 0.25, -0.5, 0);
+    step(crowd, water.view());
+    CHECK(crowd.agents.outcome[0] == Outcome::active);
+}
+
 }  // namespace wade::crowd::residents_test
