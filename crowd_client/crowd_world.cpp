@@ -269,17 +269,15 @@ void look_who_stands(const Step& step) {
     note_standing(step.crowd, step.number);
 }
 
-// Whether the water carries somebody out of a place: into the cells of an outlet or, as these are emptied, those beside it [A].
+// Whether the water carries somebody out: into the cells of an outlet or, as these are emptied, half of those beside it [A].
 bool leaves_with_water(const CrowdWorld& crowd, std::uint32_t id) {
     if (!crowd.scene.place || crowd.agents.people.by_body[id] == 0) return false;
     const PersonState state = crowd.agents.people.condition[id].state;
     if (has_ground(state) || state == PersonState::holding) return false;
-    const Vector2d& p = crowd.agents.position[id];
+    const MapPoint p{crowd.agents.position[id].x(), crowd.agents.position[id].y()};
     const double reach = 1.5 * crowd.scene.fluid.shallow_water.cell_size;
-    const std::vector<Outlet>& outlets = crowd.scene.place->outlets;
-    return std::any_of(outlets.begin(), outlets.end(), [&](const Outlet& outlet) {
-        return is_at(outlet, {p.x(), p.y()}, reach);
-    });
+    const auto holds = [&](const Outlet& outlet) { return is_at(outlet, p, reach); };
+    return std::ranges::any_of(crowd.scene.place->outlets, holds);
 }
 
 Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
