@@ -72,6 +72,21 @@ try {
   assert.ok(wide <= 400, `the page is ${wide} wide at 400`);
   await wantedPicture(page, 'narrow');
 
+  // Three hand in hand: palms of neighbours meet, of each as tall as it is.
+  const apart = await page.evaluate(() => {
+    const { show } = wade, heading = 0.7, c = Math.cos(heading), s = Math.sin(heading), heights = [0, 1, 2].map((id) => show.people.heights(id));
+    const arrays = Array.from({ length: 16 }, (_, f) => [0, 1, 2].map((k) => [k, 5 + 0.6 * k * s, 5 - 0.6 * k * c, 0, 0, heading][f] ?? (f === 9 ? 0.9 : f === 15 ? [1, 2, -1][k] : 0)));
+    show.people.update({ count: 3, arrays, time: 3 }, null, 0, { states: ['standing'], postures: ['upright'], poses: true }, -1, 0);
+    const { iArms, iBody } = show.people.arrays;
+    const palm = (k, right) => {
+      const at = 4 * k + (right ? 1 : 0), arm = 0.385 * heights[k], side = (right ? 1 : -1) * (0.108 * heights[k] + arm * Math.sin(iBody[at]));
+      const ahead = arm * Math.sin(iArms[at]) * Math.cos(iBody[at]);
+      return [arrays[1][k] + ahead * c + side * s, arrays[2][k] + ahead * s - side * c];
+    };
+    return [0, 1].map((k) => Math.hypot(...[0, 1].map((axis) => palm(k, true)[axis] - palm(k + 1, false)[axis])));
+  });
+  assert.ok(apart.every((d) => d < 0.01), `hands that hold are ${apart} m apart`);
+
   if (folder) { // A hundred thousand particles and five thousand figures: what goes to the graphics card a picture.
     const cost = await page.evaluate(() => {
       const n = 100000, m = 5000, { show } = wade, fill = (count, of) => Float32Array.from({ length: count }, (_, k) => of((k * 0.618034) % 1, k));

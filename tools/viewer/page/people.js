@@ -149,7 +149,28 @@ const POSES = {
   rising: [0.9, 0.4, 1.1, 0.8, 0.6, 0.5, 0.5, 0.6, 0.6, 0.5, 0.5, 0.1, 0],
 };
 const ANGLES = 13;
+const ARM = { shoulder: 0.282, side: 0.108, length: 0.385 }; // above the hip, beside the middle, down to the palm; of the height
 const WILD = { effort: [0.75, 0.75, 0.22], sliding: [1.25, 1.15, -0.12] }; // arms out, trunk
+
+/** Who holds whom, both ways, from the one that each row names: places in the frame, by place. */
+function linksOf(frame) {
+  const places = new Map(), links = new Map();
+  for (let k = 0; k < frame.count; ++k) places.set(frame.arrays[0][k], k);
+  const add = (k, other) => (links.get(k) ?? links.set(k, new Set()).get(k)).add(other);
+  for (let k = 0; k < frame.count; ++k) {
+    const held = frame.arrays[15][k] < 0 ? undefined : places.get(frame.arrays[15][k]);
+    if (held !== undefined) add(k, held), add(held, k);
+  }
+  return links;
+}
+
+/** Swing and spread of an arm whose palm is to be where that of somebody is, who stands `ahead` and `beside` (to this arm's side), m. */
+function reach(ahead, beside, height) {
+  const length = ARM.length * height, x = ahead / 2, z = beside / 2 - ARM.side * height;
+  const far = Math.hypot(x, z), shorter = far > 0.98 * length ? (0.98 * length) / far : 1; // the two are too far apart
+  const down = Math.sqrt(length * length - shorter * shorter * far * far);
+  return [Math.atan2(shorter * x, down), Math.asin((shorter * z) / length)];
+}
 
 export class People {
   constructor(parent, heights, groups, groundAt) {
@@ -190,6 +211,8 @@ export class People {
     const jumps = step < 0 || step > 1, keep = jumps ? 0 : Math.exp(-step / 0.16);
     this.count = before.count;
     this.shown.length = 0;
+    this.links = linksOf(before);
+    this.frame = before;
     for (let k = 0; k < before.count; ++k) {
       const id = before.arrays[0][k], other = places.get(id);
       const value = (f) => before.arrays[f][k] + (other === undefined ? 0 : share * (after.arrays[f][other] - before.arrays[f][k]));
@@ -217,7 +240,8 @@ export class People {
       m.walked += speed * now.step;
       phase = length > 0.05 ? m.walked / (2 * length) : 0;
     }
-    const target = this.target(id, state, posture, phase, length, height, now.clock, value(15));
+    const target = this.target(id, state, posture, phase, length, height, now.clock);
+    this.holdHands(target, k, posture, height);
     if (!m.angles || now.keep === 0) m.angles = target.slice();
     const gait = posture === 'upright' ? Math.min(now.keep, 0.35) : now.keep; // legs follow the gait at once
     for (let a = 0; a < ANGLES; ++a) m.angles[a] = target[a] + (m.angles[a] - target[a]) * (a < 6 ? gait : now.keep);
@@ -248,7 +272,7 @@ export class People {
     this.shown.push({ id, x: value(1), z: value(2), y, height, state, posture, speed, heading: value(5) });
   }
 
-  target(id, state, posture, phase, length, height, clock, holds) {
+  target(id, state, posture, phase, length, height, clock) {
     const t = (POSES[posture] ?? POSES.upright).slice(), turn = 2 * Math.PI * phase;
     const swing = Math.asin(Math.min(0.6, length / (2 * LEG * height)));
     if (posture === 'upright') {
@@ -280,12 +304,21 @@ export class People {
       t[0] = 0.25 * Math.sin(9 * clock + id);
       t[1] = -t[0];
     }
-    if (holds >= 0 && posture !== 'lying') {
-      t[4] = 1.1;
-      t[6] = 0.2;
-      t[8] = 0.5;
-    }
     return t;
+  }
+
+  /** Whoever is held on to at the right gets the right hand; arms that hold are straight, and meet halfway. */
+  holdHands(target, k, posture, height) {
+    const held = this.links.get(k);
+    if (!held || posture === 'lying' || posture === 'floating' || posture === 'swimming') return;
+    const [, x, z, , , heading] = this.frame.arrays.map((values) => values[k]), c = Math.cos(heading), s = Math.sin(heading);
+    const others = Array.from(held, (other) => {
+      const dx = this.frame.arrays[1][other] - x, dz = this.frame.arrays[2][other] - z;
+      return { ahead: c * dx + s * dz, right: s * dx - c * dz };
+    }).sort((a, b) => a.right - b.right);
+    const [left, right] = others.length > 1 ? [others[0], others[others.length - 1]] : others[0].right < 0 ? [others[0]] : [undefined, others[0]];
+    if (left) [target[4], target[8]] = reach(left.ahead, -left.right, height), target[6] = 0.05;
+    if (right) [target[5], target[9]] = reach(right.ahead, right.right, height), target[7] = 0.05;
   }
 
   shirt(id) {
