@@ -427,6 +427,32 @@ class Page(ViewTest):
                 self.assertEqual((moving.n_frames, moving.size, still.size), (3, (320, 180), (320, 180)))
                 self.assertGreater(len(still.convert("RGB").getcolors(320 * 180)), 2000)
 
+    @unittest.skipUnless(WHOLE and not missing_for_page(), missing_for_page() or "a long test, system_view_page_all")
+    def test_the_first_picture_of_the_readme_is_this_page(self):
+        """Made as tools/viewer/README.md says; kept in WADE_VIEW_PICTURES, if that is a folder."""
+        from PIL import Image, ImageChops, ImageStat
+
+        from wade.pictures import film
+
+        root = view.PAGE.parents[2]
+        words = [f"{word}" for word in (root / "configs/river/s05.json", "--session", f"{self.session}-readme", "--until-s", "8",
+                                        "--set", "/crowd/response=measured", "--set", "/crowd/poses/rate_hz=10")]
+        water = self.start(WATER, *words)
+        self.assert_ended_well(water, self.start(CLIENT, *words, "--water-every-s", "0.5", "--out", self.folder / "readme"))
+        program = self.view("--run", self.folder / "readme", three=view.modules_folder() / "node_modules" / "three")
+        options = argparse.Namespace(eye=(65, 3.2, 0.5), look=(73, 0.4, 10), colour="clear", width_px=1200, height_px=640,
+                                     panels=True, rate_hz=5)
+        made = Path(os.environ.get("WADE_VIEW_PICTURES", self.folder)) / "river_s05.png"
+        film.write_seen(f"http://127.0.0.1:{program.port}/", [7.5], options, made)
+        with Image.open(made) as drawn:
+            now = drawn.convert("RGB").quantize(256)
+        now.save(made, optimize=True)
+        with Image.open(root / "tools/viewer/river_s05.png") as shown:
+            self.assertEqual(now.size, shown.size)
+            apart = ImageStat.Stat(ImageChops.difference(now.convert("RGB"), shown.convert("RGB"))).mean
+        # Two levels of 255: what another chromium may shade otherwise. The water by its depth is 17 away.
+        self.assertLess(max(apart), 2)
+
 
 if __name__ == "__main__":
     unittest.main()
