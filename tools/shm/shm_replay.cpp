@@ -54,7 +54,6 @@ class AgentsTaker {
 
  private:
     void take_all(const std::string& session, const shm::Waiting& waiting);
-
     void fail(std::exception_ptr error);
 
     std::atomic<bool> stop_{false}, failed_{false}, refused_{false};
@@ -214,10 +213,13 @@ std::uint64_t play(Recording& r, shm::Publisher& publisher, AgentsTaker& agents)
     return 0;
 }
 
-// As play(), and where people push, their refusal is what ends it, whichever stream tells of the end first.
-std::uint64_t play_or_refuse(Recording& r, shm::Publisher& publisher, AgentsTaker& agents) {
+// Waits for the consumers and plays; as play(). Where people push, their refusal ends it, whichever stream tells of the end first.
+std::uint64_t play_to(Recording& r, shm::Publisher& publisher, AgentsTaker& agents, int consumers) {
     try {
-        return play(r, publisher, agents);
+        if (consumers > 0) publisher.wait_for_consumers(consumers);
+        const std::uint64_t left_at = play(r, publisher, agents);
+        publisher.close();
+        return left_at;
     } catch (const shm::Error&) {
         agents.check_refusal();
         throw;
@@ -238,9 +240,7 @@ int replay(Options& o, Recording& r, Console& console) {
                         "): the crowd goes other ways than in the run, and the frame hash is that of the file");
     try {
         AgentsTaker agents(o.take_agents, o.session, o.waiting);
-        if (o.consumers > 0) publisher.wait_for_consumers(static_cast<int>(o.consumers));
-        const std::uint64_t left_at = play_or_refuse(r, publisher, agents);
-        publisher.close();
+        const std::uint64_t left_at = play_to(r, publisher, agents, static_cast<int>(o.consumers));
         agents.finish();
         std::string summary =
             std::to_string(publisher.published_frames()) + " frames played, hash " + hash_text(publisher.frame_hash());
