@@ -8,7 +8,7 @@
 //
 // Decisions every 0.067 s serve people better by 3 % (goals that they reach in a crossing crowd) and cost 1.4 times as much,
 // every 0.118 s worse by 2 % at 0.87 times the cost. A crowd gets through a door in 0.96, 1 and 1.03 times the time that it
-// takes at 30 steps a second; every 0.125 s would be 1.04 (`fast`) and 1.06 (`human`), above the 5 % that rates may differ.
+// takes at 30 steps a second; every 0.125 s it was 1.04 (`fast`) and 1.06 (`human`), above the 5 % that rates may differ.
 
 #include <algorithm>
 #include <cmath>
