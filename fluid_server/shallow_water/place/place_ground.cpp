@@ -80,76 +80,7 @@ double of_cell(const Raster& raster, const Grid& grid, const MapPoint& centre) {
     return finer ? mean_over(raster, centre, grid.dx, grid.dz) : between_centres(raster, centre);
 }
 
-double twice_area(const MapPoint& a, const MapPoint& b, const MapPoint& c) {
-    return (b.x - a.x) * (c.z - a.z) - (b.z - a.z) * (c.x - a.x);
-}
-
 }  // namespace
-
-bool Triangles::in_circle(const Corners& t, const MapPoint& p) const {
-    const auto lift = [&](std::size_t n) {
-        const double x = place_[n].x - p.x, z = place_[n].z - p.z;
-        return std::array<double, 3>{x, z, x * x + z * z};
-    };
-    const auto a = lift(t[0]), b = lift(t[1]), c = lift(t[2]);
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
-               a[2] * (b[0] * c[1] - b[1] * c[0]) >
-           0;
-}
-
-Triangles::Triangles(const std::vector<std::array<double, 3>>& points) {
-    if (points.empty()) return;
-    MapPoint lo{points[0][0], points[0][2]}, hi = lo;
-    for (const auto& p : points) {
-        lo = {std::min(lo.x, p[0]), std::min(lo.z, p[2])};
-        hi = {std::max(hi.x, p[0]), std::max(hi.z, p[2])};
-    }
-    const double size = 1e4 * std::max({hi.x - lo.x, hi.z - lo.z, 1.0}), x = 0.5 * (lo.x + hi.x),
-                 z = 0.5 * (lo.z + hi.z);
-    place_ = {{x - 2 * size, z - size}, {x + 2 * size, z - size}, {x, z + 2 * size}};
-    height_ = {0, 0, 0};
-    triangles_ = {{0, 1, 2}};
-    for (const auto& point : points) {
-        const MapPoint p{point[0], point[2]};
-        std::vector<std::pair<std::size_t, std::size_t>> edges;  // of the triangles that go
-        std::vector<Corners> kept;
-        for (const Corners& t : triangles_) {
-            if (!in_circle(t, p)) {
-                kept.push_back(t);
-                continue;
-            }
-            for (std::size_t n = 0; n < 3; ++n) edges.emplace_back(t[n], t[(n + 1) % 3]);
-        }
-        if (edges.empty()) continue;  // the place of another point
-        const std::size_t number = place_.size();
-        place_.push_back(p);
-        height_.push_back(point[1]);
-        for (const auto& [a, b] : edges) {
-            if (std::find(edges.begin(), edges.end(), std::pair{b, a}) == edges.end()) kept.push_back({a, b, number});
-        }
-        triangles_ = std::move(kept);
-    }
-    std::erase_if(triangles_, [](const Corners& t) { return std::min({t[0], t[1], t[2]}) < 3; });
-}
-
-double Triangles::height_at(const MapPoint& p) const {
-    constexpr double slack = -1e-9;
-    for (const Corners& t : triangles_) {
-        const MapPoint &a = place_[t[0]], &b = place_[t[1]], &c = place_[t[2]];
-        const double all = twice_area(a, b, c);
-        if (all <= 0) continue;
-        const double at_a = twice_area(p, b, c) / all, at_b = twice_area(a, p, c) / all, at_c = 1 - at_a - at_b;
-        if (at_a < slack || at_b < slack || at_c < slack) continue;
-        return at_a * height_[t[0]] + at_b * height_[t[1]] + at_c * height_[t[2]];
-    }
-    double nearest = std::numeric_limits<double>::infinity(), height = std::numeric_limits<double>::quiet_NaN();
-    for (std::size_t n = 3; n < place_.size(); ++n) {
-        const double distance = std::hypot(place_[n].x - p.x, place_[n].z - p.z);
-        if (distance >= nearest) continue;
-        nearest = distance, height = height_[n];
-    }
-    return height;
-}
 
 RowMemory ground_heights(const Ground& ground, const Grid& grid) {
     RowMemory height(grid.stored(), 0);

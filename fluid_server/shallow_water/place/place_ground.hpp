@@ -1,33 +1,13 @@
 #pragma once
 // The ground of a place and the water on it at t = 0, by cell of a grid.
 
-#include <array>
 #include <cstddef>
-#include <vector>
 
 #include "configs/scene/place.hpp"
+#include "fluid_server/particles/place_shape.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
 
 namespace wade::fluid::shallow_water {
-
-// A surface through points: Delaunay's triangulation, straight within each triangle.
-class Triangles {
- public:
-    // points: x, y, z, m; y is the height. Bowyer (1981) and Watson (1981): point by point, which is quadratic in their number
-    // at worst.
-    explicit Triangles(const std::vector<std::array<double, 3>>& points);
-
-    // Outside of the triangles the height of the nearest point; NaN without points.
-    [[nodiscard]] double height_at(const MapPoint& p) const;
-
- private:
-    using Corners = std::array<std::size_t, 3>;
-    [[nodiscard]] bool in_circle(const Corners& t, const MapPoint& p) const;
-
-    std::vector<MapPoint> place_;  // three corners that hold all, then the points
-    std::vector<double> height_;
-    std::vector<Corners> triangles_;  // turned alike
-};
 
 // Height of the ground by cell, m: of a raster the mean over its cells that lie in the cell, or, where these are not smaller,
 // straight between their centres; NaN where it says nothing. Of a plane, or of points, that at the centre of the cell.
