@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "configs/scene/place.hpp"
-#include "fluid_server/particles/place_shape.hpp"
+#include "fluid_server/particles/place/place_shape.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
 
 namespace wade::fluid::shallow_water {

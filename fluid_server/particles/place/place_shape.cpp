@@ -1,4 +1,4 @@
-#include "fluid_server/particles/place_shape.hpp"
+#include "fluid_server/particles/place/place_shape.hpp"
 
 #include <algorithm>
 #include <cmath>
