@@ -44,6 +44,25 @@ double deepest_water(const Place& place) {
 
 }  // namespace
 
+Interval heights_of_ground(const Scene& scene) {
+    const Ground& ground = scene.place->ground;
+    Interval heights{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    const auto take = [&](double y) { heights = {std::min(heights.lo, y), std::max(heights.hi, y)}; };
+    if (ground.raster) {
+        for (const double y : ground.raster->values) {
+            if (!std::isnan(y)) take(y);
+        }
+        return heights;
+    }
+    for (const auto& point : ground.points) take(point[1]);
+    for (const double x : {0.0, scene.world.length}) {
+        for (const double z : {0.0, scene.world.width}) {
+            if (ground.points.empty()) take(ground.level + ground.slope_x * x + ground.slope_z * z);
+        }
+    }
+    return heights;
+}
+
 double deepest_water(const Scene& scene) {
     if (scene.place) return deepest_water(*scene.place);
     const Channel& channel = scene.channel;

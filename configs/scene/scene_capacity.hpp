@@ -16,6 +16,9 @@ namespace wade {
 // The greatest height of water that the scene speaks of, m: sets the scale of wave speeds and of the grid.
 [[nodiscard]] double deepest_water(const Scene& scene);
 
+// From the lowest to the highest ground of a place, m.
+[[nodiscard]] Interval heights_of_ground(const Scene& scene);
+
 // Number of particles that fill the channel: length * width * depth / d^3, rounded.
 [[nodiscard]] std::uint64_t river_particles(const Scene& scene);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <variant>
 
 #include "configs/scene/particle_volume.hpp"
@@ -14,6 +15,7 @@
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/inflow.hpp"
 #include "fluid_server/particles/make_channel_ends.hpp"
+#include "fluid_server/particles/place/place_filling.hpp"
 
 namespace wade::fluid {
 
@@ -54,8 +56,12 @@ FluidWorld::FluidWorld(const Scene& scene, ChannelEnds* ends)
       ends_(ends),
       gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
       gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
-      depth_(scene) {
-    if (ends_ == nullptr) {
+      depth_(scene),
+      lowest_ground_(scene.place ? heights_of_ground(scene).lo : 0) {
+    if (scene.place) {
+        place_.emplace(place_shape(scene), support_radius_, static_cast<float>(scene.fluid.particle_spacing));
+        fill_place(particles_, scene, *place_);
+    } else if (ends_ == nullptr) {
         fill_scene(particles_, scene);
     }
     confined_ = fills_channel(scene, static_cast<double>(particles_.count) * particle_volume(scene.fluid));
@@ -71,6 +77,44 @@ FluidWorld::FluidWorld(const Scene& scene, ChannelEnds* ends)
         kernel_);
     if (scene.channel.manning_n > 0) {
         friction_.emplace(scene, ends_->carry_inflow());
+    }
+    if (place_) relax();
+}
+
+// Lets particles that walls and slopes put too near to one another, or to their own images, go apart: density solves without weight.
+void FluidWorld::relax() {
+    constexpr int solves = 40;
+    const auto d = static_cast<float>(scene_.fluid.particle_spacing);
+    const float farthest = 0.1F * d, from_solids = 0.45F * d;
+    const auto dt = static_cast<float>(0.3 * scene_.fluid.particle_spacing /
+                                       std::sqrt(scene_.world.gravity * deepest_water(scene_)));
+    Particles& p = particles_;
+    const auto put = [&](std::size_t i, Vec3 x) {
+        place_->clamp(x);
+        place_->keep_away(x, from_solids);
+        p.x[i] = x[0], p.y[i] = x[1], p.z[i] = x[2];
+    };
+    for_each_particle(p.count, [&](std::size_t i) { put(i, {p.x[i], p.y[i], p.z[i]}); });
+    for (int n = 0; n < solves && p.count > 0; ++n) {
+        grid_.sort(p, -std::numeric_limits<float>::infinity());
+        find_neighbours();
+        compute_density_and_diagonal(p, kernel_, volume_, false, lists_, fields_);
+        solver_->solve_density(system(), DensitySolve::positions, dt, scene_.fluid.density_solve);
+        for_each_particle(p.count, [&](std::size_t i) {
+            const Vec3 way{dt * dt * fields_.ax[i], dt * dt * fields_.ay[i], dt * dt * fields_.az[i]};
+            const float length = std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+            const float share = length > farthest ? farthest / length : 1;
+            put(i, {p.x[i] + share * way[0], p.y[i] + share * way[1], p.z[i] + share * way[2]});
+        });
+    }
+    std::fill(p.shift_pressure.begin(), p.shift_pressure.end(), 0.0F);
+}
+
+void FluidWorld::find_neighbours() {
+    if (place_) {
+        fluid::find_neighbours(grid_, *place_, particles_, support_radius_, lists_);
+    } else {
+        fluid::find_neighbours(grid_, solids_, particles_, support_radius_, lists_);
     }
 }
 
@@ -116,7 +160,7 @@ StepReport FluidWorld::step(double remaining) {
     // Places are those of the begin of the step until the last stage, and so are lists, densities and gradients.
     stage(Stage::sort, [&] { sort(report.dt); });
     if (pushers_) stage(Stage::people, [&] { push(plan); });
-    stage(Stage::neighbours, [&] { find_neighbours(grid_, solids_, particles_, support_radius_, lists_); });
+    stage(Stage::neighbours, [&] { find_neighbours(); });
     stage(Stage::density, [&] { find_densities(report); });
     stage(Stage::forces, [&] { apply_forces(plan, report); });
     if (plan.split) stage(Stage::divergence_solve, [&] { solve_divergence(plan, report); });
@@ -133,7 +177,7 @@ FluidWorld::Plan FluidWorld::plan_step(double remaining, StepReport& report) {
                               ? 0
                               : largest_velocity(scene_.channel, time_, time_ + remaining);  // within the step
     const double v = std::max({now.fastest, fastest_plane(scene_.channel), inflow});
-    const double depth = depth_.now(particles_, now.highest);
+    const double depth = depth_.now(particles_, now.highest - lowest_ground_);
     solver_->set_layers(depth / scene_.fluid.particle_spacing);
     const double wave = std::sqrt(scene_.world.gravity * deepest_water(scene_));
     check_speed(particles_, v,
@@ -148,6 +192,7 @@ FluidWorld::Plan FluidWorld::plan_step(double remaining, StepReport& report) {
 }
 
 void FluidWorld::sort(double dt) {
+    if (place_) place_->open_gates(time_);
     ends_->begin_step(particles_, time_, dt);
     ends_->take_out(grid_.sort(particles_, ends_->outflow_x()));
 }

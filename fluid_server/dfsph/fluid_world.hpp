@@ -20,6 +20,7 @@
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/particles/channel_ends.hpp"
 #include "fluid_server/particles/particles.hpp"
+#include "fluid_server/particles/place/place_solids.hpp"
 #include "fluid_server/particles/solids.hpp"
 #include "fluid_server/particles/water_depth.hpp"
 #include "fluid_server/stage_clock.hpp"
@@ -97,6 +98,7 @@ class FluidWorld {
 
     [[nodiscard]] double time() const { return time_; }  // s, since the water's t = 0
     [[nodiscard]] const Particles& particles() const { return particles_; }
+    [[nodiscard]] const std::optional<PlaceSolids>& place() const { return place_; }
     [[nodiscard]] const ParticleFields& fields() const { return fields_; }
     [[nodiscard]] const Scene& scene() const { return scene_; }
     [[nodiscard]] float particle_mass() const { return particle_mass_; }  // rho_0 d^3, kg
@@ -143,6 +145,8 @@ class FluidWorld {
     void move(float dt, float shift_time, StepReport& report);
     void touch_solids(float dt, StepReport& report);
     [[nodiscard]] PressureSystem system();
+    void find_neighbours();
+    void relax();                                          // the water of a place at t = 0
     [[nodiscard]] Places places(std::size_t begin) const;  // from a particle on
 
     Scene scene_;
@@ -159,6 +163,7 @@ class FluidWorld {
     GradientCorrection correction_;  // of confined water
     StartVelocities start_;          // of confined water
     Solids solids_;
+    std::optional<PlaceSolids> place_;  // instead of these, on a place
     std::optional<PressureSolver> solver_;
     std::unique_ptr<ChannelEnds> own_ends_;  // none where others stand in for them
     ChannelEnds* ends_;
@@ -166,6 +171,7 @@ class FluidWorld {
     Pushers pushers_;
     double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed
     WaterDepth depth_;
+    double lowest_ground_;      // m, of a place
     double initial_speed_ = 0;  // of the fastest particle, m/s
     std::uint64_t position_clamps_ = 0;
     double time_ = 0;

@@ -9,10 +9,10 @@ double bed_pressure_force(const Particles& p, const NeighbourLists& lists, doubl
     forces.begin(lists.count);
     for_each_block(lists.count, [&](std::size_t, std::size_t, std::size_t b) {
         for_each_pair(lists, b, [&](const ListedPair& pair) {
-            if (pair.view.map.rotation.yy > 0 || p.kind[pair.i] == Kind::inflow) {
+            if (!pair.in_ground() || p.kind[pair.i] == Kind::inflow) {
                 return;
             }
-            const float gy = pair.view.map.rotation(pair.gradient)[1];
+            const float gy = pair.felt()[1];
             forces[b] -= static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * gy) * particle_mass;
         });
     });
@@ -74,7 +74,7 @@ std::uint64_t FluidWorld::list_bytes() const {
     std::uint64_t bytes = 0;
     for (const NeighbourBlock& block : lists_.blocks) {
         const auto add = [&bytes]<typename T>(const std::vector<T>& list) { bytes += list.capacity() * sizeof(T); };
-        add(block.j), add(block.factor), add(block.segments), add(block.views);
+        add(block.j), add(block.factor), add(block.segments), add(block.views), add(block.turned);
         std::visit(add, block.lanes);
     }
     return bytes;

@@ -45,7 +45,11 @@ void FluidWorld::touch_solids(float dt, StepReport& report) {
         for (std::size_t i = begin; i < end; ++i) {
             v.x[i - begin] = p.vx[i], v.y[i - begin] = p.vy[i], v.z[i - begin] = p.vz[i];
         }
-        solids_.apply_contact(places(begin), end - begin, dt, v, on_obstacle);
+        if (place_) {
+            place_->apply_contact(places(begin), end - begin, dt, v);
+        } else {
+            solids_.apply_contact(places(begin), end - begin, dt, v, on_obstacle);
+        }
         double lifted = 0;  // m/s
         for (std::size_t i = begin; i < end; ++i) {
             if (p.kind[i] == Kind::fluid) {
@@ -83,7 +87,9 @@ void FluidWorld::move(float dt, float shift_time, StepReport& report) {
             v.y[i - begin] = p.vy[i] + shift_time * f.ay[i];
             v.z[i - begin] = p.vz[i] + shift_time * f.az[i];
         }
-        if (shift_time > 0) {
+        if (shift_time > 0 && place_) {
+            place_->apply_contact(places(begin), end - begin, dt, v);
+        } else if (shift_time > 0) {
             solids_.apply_contact(places(begin), end - begin, dt, v, [](std::uint32_t, std::size_t, const Vec3&) {});
         }
         Guards guards;
@@ -98,7 +104,7 @@ void FluidWorld::move(float dt, float shift_time, StepReport& report) {
             const float v2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
             guards.longest_squared = std::max(guards.longest_squared, dt * dt * v2);
             guards.not_finite += std::isfinite(x[0] + x[1] + x[2]) ? 0U : 1U;
-            guards.clamps += solids_.clamp(x) ? 1U : 0U;
+            guards.clamps += (place_ ? place_->clamp(x) : solids_.clamp(x)) ? 1U : 0U;
             lists_.x[i] = x[0], lists_.y[i] = x[1], lists_.z[i] = x[2];
         }
         guards_[b] = guards;

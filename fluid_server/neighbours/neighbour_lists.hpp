@@ -17,6 +17,7 @@
 // A list has segments: the first holds neighbours, each further one the neighbours in another view: in a mirror
 // (solids.hpp) or beyond a periodic border. There it is the cluster that moves: its lanes are mapped, x -> R x + shift, and
 // the list names ordinary particles. With x~ the mapped place, V grad W at the image is R g~ where g~ = V grad W(x~_i - x_j).
+// On a place the map of several walls, or of wall and ground, is a matrix Q that is not symmetric; that gradient is Q^T g~.
 
 #include <algorithm>
 #include <array>
@@ -64,15 +65,23 @@ struct NeighbourBlock {
 
         bool operator==(const View&) const = default;
     };
+    // Instead of `map` and `viscous` on a place, whose walls and ground have any angle; water slips along all of them.
+    struct TurnedView {
+        TurnedMap map;
+        bool in_ground = false;  // ground is among what mirrors
+
+        bool operator==(const TurnedView&) const = default;
+    };
     struct Segment {
         std::uint32_t end = 0;   // one past its last entry; the first is the end of the segment before
         std::uint32_t view = 0;  // in `views`
     };
     std::vector<std::uint32_t> first_segment;  // of each cluster, and one past the last
     std::vector<Segment> segments;
-    std::vector<View> views;       // each once
-    std::vector<std::uint32_t> j;  // entries: a particle each
-    LaneMasks lanes;               // of each entry: which lanes are near and see it; from sum_kernel (sweeps.hpp) on
+    std::vector<View> views;         // each once
+    std::vector<TurnedView> turned;  // of the views, on a place; else none
+    std::vector<std::uint32_t> j;    // entries: a particle each
+    LaneMasks lanes;                 // of each entry: which lanes are near and see it; from sum_kernel (sweeps.hpp) on
     // Of each entry's near lanes (dW/dr) / r in NeighbourLists::factor_unit. Until sum_kernel computes these: the shares, of
     // whole_share, of those that see entries in part, one after the other.
     std::vector<std::uint16_t> factor;
@@ -139,9 +148,19 @@ void for_each_segment(const NeighbourBlock& block, std::size_t cluster, Body&& b
 struct ListedPair {
     std::size_t i, j;
     const NeighbourBlock::View& view;
-    float factor;   // V (dW/dr) / r, 1/m^2
-    Vec3 gradient;  // g~_ij, 1/m
+    const NeighbourBlock::TurnedView* turned;  // on a place; else null
+    float factor;                              // V (dW/dr) / r, 1/m^2
+    Vec3 gradient;                             // g~_ij, 1/m
+
+    // Q^T g~_ij, V grad W at the image.
+    [[nodiscard]] Vec3 felt() const { return turned ? turned->map.turn.back(gradient) : view.map.rotation(gradient); }
+    [[nodiscard]] bool in_ground() const { return turned ? turned->in_ground : view.map.rotation.yy <= 0; }
 };
+
+// What turns the views of a block, or null.
+inline const NeighbourBlock::TurnedView* turned_view(const NeighbourBlock& block, const NeighbourBlock::View& view) {
+    return block.turned.empty() ? nullptr : block.turned.data() + (&view - block.views.data());
+}
 
 // Calls body(pair) for each pair of a block's particles i whose kernel is not zero: the slow way through the lists, for
 // diagnostics and tests. Uses the places that NeighbourLists keeps.
@@ -152,6 +171,7 @@ void for_each_pair(const NeighbourLists& lists, std::size_t b, Body&& body) {
         const std::size_t begin = b * block_size + c * lists.cluster_size;
         std::size_t next = block.first_factor[c];
         for_each_segment(block, c, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const NeighbourBlock::TurnedView* const turned = turned_view(block, view);
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
                 const unsigned lanes = lanes_of_entry(block, k);
@@ -162,10 +182,12 @@ void for_each_pair(const NeighbourLists& lists, std::size_t b, Body&& body) {
                     }
                     const float factor = lists.factor_unit * static_cast<float>(block.factor[next++]);
                     if (i < lists.count) {
-                        const Vec3 seen = view.map({lists.x[i], lists.y[i], lists.z[i]});
+                        const Vec3 x{lists.x[i], lists.y[i], lists.z[i]};
+                        const Vec3 seen = turned ? turned->map(x) : view.map(x);
                         body(ListedPair{i,
                                         j,
                                         view,
+                                        turned,
                                         factor,
                                         {factor * (seen[0] - lists.x[j]), factor * (seen[1] - lists.y[j]),
                                          factor * (seen[2] - lists.z[j])}});

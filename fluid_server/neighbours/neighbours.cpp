@@ -3,47 +3,13 @@
 #include <algorithm>
 #include <span>
 
+#include "fluid_server/neighbours/cluster_places.hpp"
 #include "fluid_server/neighbours/sight.hpp"
 #include "fluid_server/neighbours/sweeps.hpp"
 
 namespace wade::fluid {
 
 namespace {
-
-ClusterPlaces places_of(const Particles& p, std::size_t begin, std::size_t end, std::size_t size) {
-    ClusterPlaces places;
-    places.size = size;
-    for (std::size_t l = 0; l < size; ++l) {
-        const std::size_t i = std::min(begin + l, end - 1);
-        places.x[l] = p.x[i], places.y[l] = p.y[i], places.z[l] = p.z[i];
-    }
-    return places;
-}
-
-ClusterPlaces mapped(const ClusterPlaces& places, const RigidMap& map) {
-    ClusterPlaces image;
-    image.size = places.size;
-    for (std::size_t l = 0; l < places.size; ++l) {
-        const Vec3 x = map({places.x[l], places.y[l], places.z[l]});
-        image.x[l] = x[0], image.y[l] = x[1], image.z[l] = x[2];
-    }
-    return image;
-}
-
-Box box_round(const ClusterPlaces& places) {
-    Box box{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
-    const auto grow = [&](std::size_t axis, const std::array<float, largest_cluster>& x) {
-        for (std::size_t l = 0; l < places.size; ++l) {
-            box.lo[axis] = std::min(box.lo[axis], x[l]);
-            box.hi[axis] = std::max(box.hi[axis], x[l]);
-        }
-    };
-    grow(0, places.x), grow(1, places.y), grow(2, places.z);
-    return box;
-}
-
-// More than what rounding moves, as a fraction of the support radius.
-constexpr float for_rounding = 0.001F;
 
 // A box round the images of those places from which a particle nearer than h may be seen in the face of an obstacle; its upper
 // bounds are below its lower ones if there are none. A line that is no longer than h meets the face.
@@ -81,21 +47,6 @@ struct Room {
 Room& room_of_thread() {
     thread_local Room room;
     return room;
-}
-
-// As vector::resize to at least `size`, with less room to spare.
-template <typename T>
-void make_room(std::vector<T>& list, std::size_t size) {
-    if (list.size() >= size) return;
-    if (list.capacity() < size) list.reserve(size + size / 16);
-    list.resize(list.capacity());
-}
-
-// As vector::push_back, with less room to spare.
-template <typename T>
-void add(std::vector<T>& list, const T& one_more) {
-    if (list.size() == list.capacity()) list.reserve(list.size() + list.size() / 16 + 4);
-    list.push_back(one_more);
 }
 
 // Finds the lists of one block.

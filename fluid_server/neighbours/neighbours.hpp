@@ -4,6 +4,7 @@
 #include "fluid_server/neighbours/neighbour_lists.hpp"
 #include "fluid_server/particles/cell_grid.hpp"
 #include "fluid_server/particles/particles.hpp"
+#include "fluid_server/particles/place/place_solids.hpp"
 #include "fluid_server/particles/solids.hpp"
 
 namespace wade::fluid {
@@ -11,6 +12,10 @@ namespace wade::fluid {
 // Finds the lists of sorted particles: all that are nearer than the support radius, i itself among them, and all images.
 // Their factors are still to be computed (sweeps.hpp).
 void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& particles, float support_radius,
+                     NeighbourLists& lists);
+
+// The same on a place (billiard.hpp).
+void find_neighbours(const CellGrid& grid, const PlaceSolids& solids, const Particles& particles, float support_radius,
                      NeighbourLists& lists);
 
 }  // namespace wade::fluid

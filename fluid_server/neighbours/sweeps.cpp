@@ -164,17 +164,23 @@ HWY_NOINLINE ShearSums add_shear(const ConstVectorArrays& u, const std::uint32_t
 }
 
 // sum_j (u_i - (M u_j + shift)) of a segment.
-HWY_INLINE Vec3V finish_shear(const ShearSums& sums, const Vec3V& ui, const ImageVelocity& image) {
+HWY_INLINE Vec3V finish_shear(const ShearSums& sums, const Vec3V& ui, const NeighbourBlock::View& view) {
+    const ImageVelocity& image = view.viscous;
     const Vec3V own{hn::Sub(ui.x, all(image.shift[0])), hn::Sub(ui.y, all(image.shift[1])),
                     hn::Sub(ui.z, all(image.shift[2]))};
     const Vec3V mirrored = apply(image.map, sums.weighted);
     return {hn::MulSub(sums.weights, own.x, mirrored.x), hn::MulSub(sums.weights, own.y, mirrored.y),
             hn::MulSub(sums.weights, own.z, mirrored.z)};
 }
+HWY_INLINE Vec3V finish_shear(const ShearSums& sums, const Vec3V& ui, const NeighbourBlock::TurnedView& view) {
+    const Vec3V mirrored = apply_back(view.map.turn, sums.weighted);
+    return {hn::MulSub(sums.weights, ui.x, mirrored.x), hn::MulSub(sums.weights, ui.y, mirrored.y),
+            hn::MulSub(sums.weights, ui.z, mirrored.z)};
+}
 
-template <bool with_shear, typename AnyKernel>
+template <bool with_shear, typename AnyKernel, typename Views>
 HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel& kernel, float volume,
-                              NeighbourLists& lists, const KernelSums& sums) {
+                              NeighbourLists& lists, const KernelSums& sums, const Views& views) {
     NeighbourBlock& block = lists.blocks[b];
     const V unit = all(lists.factor_unit);
     const std::size_t entries = block.segments.empty() ? 0 : block.segments.back().end;
@@ -191,7 +197,8 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
         V density = hn::Zero(lanes), squares = hn::Zero(lanes);
         Vec3V gradient = zero3(), shear = zero3();
         for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(view.map, x);
+            const typename Views::View& how = views.of(view);
+            const Vec3V seen = seen_from(how, x);
             FactorSums of_segment{zero3(), squares};
             ShearSums shear_of_segment{hn::Zero(lanes), zero3()};
             for (std::size_t k = first; k < last; k += Batch::size) {
@@ -206,9 +213,9 @@ HWY_INLINE void sum_kernel_of(std::size_t b, const Particles& p, const AnyKernel
                 if constexpr (with_shear) shear_of_segment = add_shear(velocities(p), j, n, batch, shear_of_segment);
             }
             squares = of_segment.squares;
-            gradient = plus(gradient, apply(view.map.rotation, of_segment.gradient));
+            gradient = plus(gradient, felt_back(how, of_segment.gradient));
             if constexpr (with_shear) {
-                shear = plus(shear, finish_shear(shear_of_segment, load(velocities(p), i), view.viscous));
+                shear = plus(shear, finish_shear(shear_of_segment, load(velocities(p), i), how));
             }
         });
         hn::StoreU(hn::Mul(all(volume * kernel.value(0)), density), lanes, sums.density + i);
@@ -225,45 +232,56 @@ void SumKernel(std::size_t b, const Particles& p, const Kernel& kernel, float vo
                const KernelSums& sums) {
     std::visit(
         [&](const auto& of_scene) {
-            if (sums.shear.x != nullptr) {
-                sum_kernel_of<true>(b, p, of_scene, volume, lists, sums);
-            } else {
-                sum_kernel_of<false>(b, p, of_scene, volume, lists, sums);
-            }
+            with_views(lists.blocks[b], [&](const auto& views) {
+                if (sums.shear.x != nullptr) {
+                    sum_kernel_of<true>(b, p, of_scene, volume, lists, sums, views);
+                } else {
+                    sum_kernel_of<false>(b, p, of_scene, volume, lists, sums, views);
+                }
+            });
         },
         kernel);
 }
 
-void SumGradients(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
-                  const VectorArrays& sums) {
+template <typename Views>
+HWY_INLINE void sum_gradients_of(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
+                                 const VectorArrays& sums, const Views& views) {
     const NeighbourBlock& block = lists.blocks[b];
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
         Factors factors(block, cluster);
         const Vec3V x = load(places(p), i);
         Vec3V total = zero3();
         for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(view.map, x);
+            const typename Views::View& how = views.of(view);
+            const Vec3V seen = seen_from(how, x);
             Vec3V sum = zero3();
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
                 const V weight = hn::Mul(factors.take(k), all(scalar[j]));
                 sum = add_product(weight, way_from(seen, p, j), sum);
             }
-            total = plus(total, apply(view.map.rotation, sum));
+            total = plus(total, felt_back(how, sum));
         });
         store(times(all(lists.factor_unit), total), sums, i);
     });
 }
 
-void SumDivergence(std::size_t b, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
-                   float* sums) {
+void SumGradients(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
+                  const VectorArrays& sums) {
+    with_views(lists.blocks[b], [&](const auto& views) { sum_gradients_of(b, p, lists, scalar, sums, views); });
+}
+
+template <typename Views>
+HWY_INLINE void sum_divergence_of(std::size_t b, const Particles& p, const NeighbourLists& lists,
+                                  const ConstVectorArrays& u, float* sums, const Views& views) {
     const NeighbourBlock& block = lists.blocks[b];
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
         Factors factors(block, cluster);
         const Vec3V x = load(places(p), i);
         V sum = hn::Zero(lanes);
         for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(view.map, x);
+            const typename Views::View& how = views.of(view);
+            const Vec3V seen = seen_from(how, x);
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
                 const Vec3V uj{all(u.x[j]), all(u.y[j]), all(u.z[j])};
@@ -274,8 +292,15 @@ void SumDivergence(std::size_t b, const Particles& p, const NeighbourLists& list
     });
 }
 
-void SumGradientsAndDivergence(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
-                               const VectorArrays& gradients, const ConstVectorArrays& u, float* divergences) {
+void SumDivergence(std::size_t b, const Particles& p, const NeighbourLists& lists, const ConstVectorArrays& u,
+                   float* sums) {
+    with_views(lists.blocks[b], [&](const auto& views) { sum_divergence_of(b, p, lists, u, sums, views); });
+}
+
+template <typename Views>
+HWY_INLINE void sum_both_of(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
+                            const VectorArrays& gradients, const ConstVectorArrays& u, float* divergences,
+                            const Views& views) {
     const NeighbourBlock& block = lists.blocks[b];
     for_each_vector(p.count, b, [&](std::size_t i, std::size_t cluster) {
         Factors factors(block, cluster);
@@ -283,7 +308,8 @@ void SumGradientsAndDivergence(std::size_t b, const Particles& p, const Neighbou
         Vec3V total = zero3();
         V divergence = hn::Zero(lanes);
         for_each_segment(block, cluster, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
-            const Vec3V seen = apply(view.map, x);
+            const typename Views::View& how = views.of(view);
+            const Vec3V seen = seen_from(how, x);
             Vec3V sum = zero3();
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t j = block.j[k];
@@ -293,11 +319,17 @@ void SumGradientsAndDivergence(std::size_t b, const Particles& p, const Neighbou
                 const Vec3V uj{all(u.x[j]), all(u.y[j]), all(u.z[j])};
                 divergence = hn::MulAdd(factor, dot(uj, way), divergence);
             }
-            total = plus(total, apply(view.map.rotation, sum));
+            total = plus(total, felt_back(how, sum));
         });
         store(times(all(lists.factor_unit), total), gradients, i);
         hn::StoreU(hn::Mul(all(lists.factor_unit), divergence), lanes, divergences + (i - b * block_size));
     });
+}
+
+void SumGradientsAndDivergence(std::size_t b, const Particles& p, const NeighbourLists& lists, const float* scalar,
+                               const VectorArrays& gradients, const ConstVectorArrays& u, float* divergences) {
+    with_views(lists.blocks[b],
+               [&](const auto& views) { sum_both_of(b, p, lists, scalar, gradients, u, divergences, views); });
 }
 
 std::size_t ClusterSize() {

@@ -85,6 +85,22 @@ HWY_INLINE Vec3V apply(const RigidMap& m, const Vec3V& x) {
     const Vec3V r = apply(m.rotation, x);
     return {hn::Add(r.x, all(m.shift[0])), hn::Add(r.y, all(m.shift[1])), hn::Add(r.z, all(m.shift[2]))};
 }
+HWY_INLINE Vec3V apply(const TurnedMap& m, const Vec3V& x) {
+    const std::array<float, 9>& q = m.turn.q;
+    const auto row = [&](std::size_t r) {
+        return hn::MulAdd(all(q[r]), x.x,
+                          hn::MulAdd(all(q[r + 1]), x.y, hn::MulAdd(all(q[r + 2]), x.z, all(m.shift[r / 3]))));
+    };
+    return {row(0), row(3), row(6)};
+}
+// Q^T u
+HWY_INLINE Vec3V apply_back(const TurnMap& m, const Vec3V& u) {
+    const std::array<float, 9>& q = m.q;
+    const auto column = [&](std::size_t c) {
+        return hn::MulAdd(all(q[c]), u.x, hn::MulAdd(all(q[c + 3]), u.y, hn::Mul(all(q[c + 6]), u.z)));
+    };
+    return {column(0), column(1), column(2)};
+}
 HWY_INLINE Vec3V product(const MatrixV& m, const Vec3V& v) {
     return {hn::MulAdd(m.xx, v.x, hn::MulAdd(m.xy, v.y, hn::Mul(m.xz, v.z))),
             hn::MulAdd(m.xy, v.x, hn::MulAdd(m.yy, v.y, hn::Mul(m.yz, v.z))),
@@ -250,6 +266,45 @@ class Factors {
     const LaneMask* masks_;
     const std::uint16_t* next_;
 };
+
+// How the views of a block map what a cluster looks with, and what it feels back: in straight channels,
+struct PlainViews {
+    const NeighbourBlock& block;
+
+    using View = NeighbourBlock::View;
+    HWY_INLINE const View& of(const View& view) const { return view; }
+};
+HWY_INLINE Vec3V seen_from(const NeighbourBlock::View& view, const Vec3V& x) {
+    return apply(view.map, x);
+}
+HWY_INLINE Vec3V felt_back(const NeighbourBlock::View& view, const Vec3V& gradient) {
+    return apply(view.map.rotation, gradient);
+}
+// and on places.
+struct TurnedViews {
+    const NeighbourBlock& block;
+
+    using View = NeighbourBlock::TurnedView;
+    HWY_INLINE const View& of(const NeighbourBlock::View& view) const {
+        return block.turned[static_cast<std::size_t>(&view - block.views.data())];
+    }
+};
+HWY_INLINE Vec3V seen_from(const NeighbourBlock::TurnedView& view, const Vec3V& x) {
+    return apply(view.map, x);
+}
+HWY_INLINE Vec3V felt_back(const NeighbourBlock::TurnedView& view, const Vec3V& gradient) {
+    return apply_back(view.map.turn, gradient);
+}
+
+// Calls body(views) with those of a block.
+template <typename Body>
+HWY_INLINE void with_views(const NeighbourBlock& block, Body&& body) {
+    if (block.turned.empty()) {
+        body(PlainViews{block});
+    } else {
+        body(TurnedViews{block});
+    }
+}
 
 // Calls body(first particle, cluster) for the clusters of a block.
 template <typename Body>

@@ -37,6 +37,46 @@ struct RigidMap {
     }
 };
 
+// A rotation, or one with a reflection, of any axis: Q u, and Q^T u back.
+struct TurnMap {
+    std::array<float, 9> q{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row by row
+
+    bool operator==(const TurnMap&) const = default;
+
+    [[nodiscard]] Vec3 operator()(const Vec3& u) const {
+        return {q[0] * u[0] + q[1] * u[1] + q[2] * u[2], q[3] * u[0] + q[4] * u[1] + q[5] * u[2],
+                q[6] * u[0] + q[7] * u[1] + q[8] * u[2]};
+    }
+    [[nodiscard]] Vec3 back(const Vec3& u) const {
+        return {q[0] * u[0] + q[3] * u[1] + q[6] * u[2], q[1] * u[0] + q[4] * u[1] + q[7] * u[2],
+                q[2] * u[0] + q[5] * u[1] + q[8] * u[2]};
+    }
+};
+
+// What walls and ground at any angle make of places, Q x + shift.
+struct TurnedMap {
+    TurnMap turn;
+    Vec3 shift{};  // m
+
+    bool operator==(const TurnedMap&) const = default;
+
+    [[nodiscard]] Vec3 operator()(const Vec3& x) const {
+        const Vec3 r = turn(x);
+        return {r[0] + shift[0], r[1] + shift[1], r[2] + shift[2]};
+    }
+};
+
+// Across the plane n . x = c first, and then as `after` says.
+inline TurnedMap reflected_first(const TurnedMap& after, const Vec3& n, float c) {
+    const Vec3 qn = after.turn(n);
+    TurnedMap map = after;
+    for (std::size_t row = 0; row < 3; ++row) {
+        for (std::size_t column = 0; column < 3; ++column) map.turn.q[3 * row + column] -= 2 * qn[row] * n[column];
+        map.shift[row] += 2 * c * qn[row];
+    }
+    return map;
+}
+
 // The velocity of an image as viscosity sees it, M u + shift: mirrored at a face along which water slips, and such that
 // the mean of particle and image is the velocity of the face where water sticks (Morris et al. 1997).
 struct ImageVelocity {

@@ -10,16 +10,6 @@ namespace wade::fluid {
 
 namespace {
 
-// A particle stands for a cube of side d; its centre may come as near to a face as this fraction of d. Pressure keeps
-// a filled layer at about d/2, so that contact acts on thin sheets only.
-constexpr float contact_fraction = 0.4F;
-
-// Sight fades over as much on either side of an edge. Measured with a house in a lake at rest, RMS speed of the water and largest
-// compression: sharp 0.050 m/s and 0.21, 0.15 d 0.039 m/s, 0.3 d 0.010 m/s and 0.013. Less than the contact fraction, so that a
-// flat face is seen as a whole.
-constexpr float sight_fraction = 0.3F;
-static_assert(sight_fraction < contact_fraction);
-
 // Obstacles are looked for within so many support radii: an eighth more than the longest line of sight, which is far more than
 // what rounding moves.
 constexpr float search_radii = 1.125F;

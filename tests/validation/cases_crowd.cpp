@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "cases.hpp"
-#include "crowd_corridor.hpp"
+#include "crowd_route.hpp"
 #include "crowd_run.hpp"
 
 namespace wade::validation {

@@ -12,7 +12,7 @@
 #include "dam_break.hpp"
 #include "profiles.hpp"
 #include "run.hpp"
-#include "serre_waves.hpp"
+#include "shallow_water_exact.hpp"
 #include "slice.hpp"
 
 namespace wade::validation {

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "cases.hpp"
-#include "crowd_corridor.hpp"
 #include "crowd_route.hpp"
 #include "crowd_run.hpp"
 

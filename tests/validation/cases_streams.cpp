@@ -7,7 +7,7 @@
 
 #include "cases.hpp"
 #include "crowd_client/markers/counter_random.hpp"
-#include "crowd_corridor.hpp"
+#include "crowd_route.hpp"
 #include "crowd_trips.hpp"
 
 namespace wade::validation {

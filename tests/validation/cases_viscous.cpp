@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "cases.hpp"
-#include "ghia_cavity.hpp"
 #include "run.hpp"
 #include "viscous_exact.hpp"
 #include "viscous_measures.hpp"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "cases.hpp"
-#include "crowd_corridor.hpp"
+#include "crowd_route.hpp"
 #include "crowd_trips.hpp"
 
 namespace wade::validation {

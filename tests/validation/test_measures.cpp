@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "damped_cosine.hpp"
-#include "ghia_cavity.hpp"
 #include "probes.hpp"
 #include "profiles.hpp"
+#include "viscous_exact.hpp"
 #include "viscous_measures.hpp"
 
 using namespace wade;

@@ -11,7 +11,6 @@
 #include <string>
 
 #include "configs/errors/exit_code.hpp"
-#include "serre_waves.hpp"
 #include "shallow_water_exact.hpp"
 #include "spheric2_reference.hpp"
 #include "viscous_exact.hpp"

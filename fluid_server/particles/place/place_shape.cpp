@@ -73,6 +73,7 @@ GroundGrid ground_grid(const Ground& ground, const World& world, double spacing)
 // Whether a free outlet is at each point of a side of the world, from one corner to the other, that is in no house.
 bool is_open(const Place& place, const PlaceShape& shape, const MapPoint& from, const MapPoint& to, double reach) {
     const double length = std::hypot(to.x - from.x, to.z - from.z), steps = std::max(1.0, std::ceil(length / reach));
+    bool any = false;
     for (double s = 0.5; s < steps; ++s) {
         const MapPoint p{from.x + s / steps * (to.x - from.x), from.z + s / steps * (to.z - from.z)};
         if (in_house(shape, p)) continue;
@@ -80,8 +81,9 @@ bool is_open(const Place& place, const PlaceShape& shape, const MapPoint& from, 
             return outlet.kind == OutletKind::free && is_at(outlet, p, reach);
         });
         if (!leaves) return false;
+        any = true;
     }
-    return true;
+    return any;
 }
 
 }  // namespace

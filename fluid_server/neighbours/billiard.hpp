@@ -1,0 +1,108 @@
+#pragma once
+// Who sees whom on a place, past walls at any angle and in them as mirrors.
+//
+// An image is seen if the straight line to it, folded at the walls, is the path of a billiard ball in the water:
+//
+//      j'.     |           The sequence s = (k1 .. kn) are the walls that the path meets, R_k x = x - 2 d_k(x) n_k.
+//         ' .  |k1         The cluster moves, x~ = M x, M = R_kn .. R_k1, so that the list names ordinary particles.
+//             '|. i        The line from x_i to M^-1 x_j meets k1, k2, .. in this order inside of the walls, and nothing
+//             .|'          else. Each direction from a particle has one such path, so that every place round it is filled
+//         . '  |           once, in corners of any angle. Walls at right angles commute: two orders of one image, of which
+//       j      |           it counts whichever path there is.
+//
+// The path back from j is the same one with M^-1, so that forces are opposite: g_ji = -Q g_ij.
+//
+// All of this is in plan, as walls are upright. The ground then mirrors in the plane over which the middle of the path lies, with
+// R_p between the walls that are met before and those after: the ground goes on evenly behind walls. Up to three walls a path.
+//
+// Sight is soft at the edges of walls, where the water turns by more than a half turn (sight.cpp): a path that passes an edge at a
+// distance e in plan, negative if it hits a wall there, counts with the share clamp(1/2 + e / (2 delta), 0, 1); one that is
+// reflected with the e by which it meets the wall within its edge. The two add up to one.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "fluid_server/neighbours/neighbour_lists.hpp"
+#include "fluid_server/neighbours/sight.hpp"
+#include "fluid_server/particles/place/place_solids.hpp"
+
+namespace wade::fluid {
+
+inline constexpr std::size_t longest_path = 3;  // walls
+
+// Walls of the place that may stand in the way of a path near a cluster, and their edges.
+struct Obstruction {
+    static constexpr std::size_t most = 64;  // of either
+    struct Edge {
+        PlanPoint at;
+        std::uint64_t walls = 0;  // that end there, a bit each
+    };
+    std::vector<std::uint32_t> numbers;  // of the walls, among all
+    std::vector<Wall> walls;
+    std::vector<Edge> edges;
+
+    // The bits of a wall, of those that go on from its edges, and of these edges: a path that is reflected there meets none of them.
+    struct Beside {
+        std::uint64_t walls = 0, edges = 0;
+    };
+    [[nodiscard]] Beside beside(std::uint32_t wall, const Wall& at) const;
+};
+
+// A sequence of walls.
+struct WallPath {
+    std::size_t length = 0;
+    std::array<std::uint32_t, longest_path> number{};
+    std::array<Wall, longest_path> wall{};
+    std::array<Obstruction::Beside, longest_path> beside{};
+    TurnedMap map;  // M
+};
+
+// What is asked about the paths from a cluster to the particles near it.
+struct PathQuestion {
+    const WallPath& path;
+    const Obstruction* obstruction = nullptr;  // null: all paths are free
+    bool merges = false;                       // another order of the walls of before: it adds to what has been found
+    std::int32_t middle_key = 0;  // of a path whose middle lies between two of its walls, and one more after each wall
+    const GroundFacets* ground = nullptr;  // whose plane under the middle is asked for, or null
+    float support_radius = 0, delta = 0;   // m
+};
+
+// Keys of what is mirrored where: 16 times the plane's number, and one of
+inline constexpr std::int32_t keys_of_plane = 16;
+inline constexpr std::int32_t middle_first = 0;  // the middle lies before all walls
+inline constexpr std::int32_t middle_last = 1;   // behind all walls
+inline constexpr std::int32_t middle_between = 2;
+
+// For each near particle, lanes as in the lists.
+struct PathsFound {
+    std::vector<float> share;         // of whole_share, whole numbers
+    std::vector<std::int32_t> key;    // if there is ground
+    std::vector<std::uint16_t> seen;  // lanes that see it
+    bool in_part = false;             // some share is neither none nor all
+
+    void make_room(std::size_t near, std::size_t lanes);
+};
+void find_paths(const ClusterPlaces& places, const NearParticlesOfCluster& near, const PathQuestion& question,
+                PathsFound& found);
+
+// A near particle and lanes that see it.
+struct SeenNear {
+    std::uint32_t k = 0;
+    std::uint16_t lanes = 0;
+};
+struct SeenByKey {
+    std::int32_t key = 0;
+    std::vector<SeenNear> seen;
+};
+// Sorts by key what has been found; lists beyond the count returned are room.
+std::size_t sort_by_key(const PathsFound& found, std::size_t near, std::vector<SeenByKey>& lists);
+
+// Appends those that are nearer to the images than the support radius: to the list, the masks and, if `shares` is not null, the shares.
+// plane: on whose upper side the middle must lie, or null. There must be room. Returns the end of the entries.
+std::size_t append_seen(const ClusterPlaces& places, const ClusterPlaces& image, float support_radius,
+                        const GroundPlane* plane, const NearParticlesOfCluster& near, std::span<const SeenNear> seen,
+                        const PathsFound& found, std::size_t entries, NeighbourBlock& block, std::uint16_t** shares);
+
+}  // namespace wade::fluid

@@ -1,0 +1,400 @@
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "fluid_server/neighbours/billiard.hpp"
+#include "fluid_server/neighbours/cluster_places.hpp"
+#include "fluid_server/neighbours/neighbours.hpp"
+
+// For each cluster: the particles near it, once. Then, for each sequence of walls that some path may meet, which of them it sees how
+// much; these make a segment, and one more for each plane of the ground that mirrors some of them. An image is no nearer than what it
+// is an image of, so that the particles near the cluster are enough.
+
+namespace wade::fluid {
+
+namespace {
+
+// Maps of the same image by another order of walls differ by rounding.
+constexpr float same_map = 1e-4F;
+
+bool is_same(const TurnedMap& a, const TurnedMap& b, float length) {
+    for (std::size_t k = 0; k < 9; ++k) {
+        if (std::abs(a.turn.q[k] - b.turn.q[k]) > same_map) return false;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (std::abs(a.shift[k] - b.shift[k]) > same_map * std::max(length, std::abs(a.shift[k]))) return false;
+    }
+    return true;
+}
+
+TurnedMap reflected_first(const TurnedMap& after, const Wall& wall) {
+    return fluid::reflected_first(after, {wall.nx, 0, wall.nz}, wall.nx * wall.a.x + wall.nz * wall.a.z);
+}
+
+// R_p between the walls that are met before and the others.
+TurnedMap with_ground(const WallPath& path, std::size_t before, const GroundPlane& plane) {
+    TurnedMap map;
+    for (std::size_t m = path.length; m > before; --m) map = reflected_first(map, path.wall[m - 1]);
+    map = fluid::reflected_first(map, plane.n, plane.c);
+    for (std::size_t m = before; m > 0; --m) map = reflected_first(map, path.wall[m - 1]);
+    return map;
+}
+
+// How near two walls come, m: one is in front of the other with a part of it, else they see nothing of one another.
+float distance_between(const Wall& a, const Wall& b) {
+    const auto to = [](const Wall& wall, const PlanPoint& p) {
+        const float s = std::clamp(wall.along(p.x, p.z), 0.0F, wall.length);
+        const PlanPoint foot = wall.at(s);
+        return std::hypot(p.x - foot.x, p.z - foot.z);
+    };
+    return std::min({to(a, b.a), to(a, b.end()), to(b, a.a), to(b, a.end())});
+}
+
+// What the particles near a cluster span along a wall and in front of it, m.
+struct Span {
+    float first = Box::inf, last = -Box::inf, nearest = Box::inf;
+};
+
+// A wall near a cluster.
+struct NearWall {
+    std::uint32_t number = 0;
+    Wall wall;
+    Span span;
+    bool is_whole = false;  // none of the paths that it reflects comes near an end, or behind it
+};
+
+struct Room {
+    NearParticlesOfCluster near;
+    std::vector<Run> runs;
+    std::vector<std::uint32_t> candidates, wall_numbers;
+    std::vector<NearWall> walls;
+    Obstruction obstruction;
+    std::vector<WallPath> paths;
+    std::vector<bool> done;
+    PathsFound found;
+    std::vector<SeenNear> all;
+    std::vector<SeenByKey> by_key;
+    std::vector<const WallPath*> orders;
+    std::vector<std::uint16_t> shares;  // of a block
+};
+Room& room_of_thread() {
+    thread_local Room room;
+    return room;
+}
+
+class PlaceSearch {
+ public:
+    PlaceSearch(const CellGrid& grid, const PlaceSolids& solids, const Particles& particles, float support_radius,
+                std::size_t cluster_size, NeighbourBlock& block)
+        : grid_(grid), solids_(solids), p_(particles), h_(support_radius), size_(cluster_size), block_(block) {}
+
+    void find(std::size_t begin, std::size_t end) {
+        block_.segments.clear();
+        block_.views.clear();
+        block_.turned.clear();
+        block_.first_segment[0] = 0;
+        for (std::size_t c = 0; c < block_size / size_; ++c) {
+            const std::size_t first = begin + c * size_;
+            if (first < end) add_cluster(first, std::min(first + size_, end));
+            block_.first_segment[c + 1] = static_cast<std::uint32_t>(block_.segments.size());
+        }
+        make_room_for(0);
+        if (block_.turned.empty()) block_.turned.emplace_back();
+        if (block_.views.empty()) block_.views.emplace_back();
+        if (shares_ > 0) {
+            make_room(block_.factor, shares_ + largest_cluster);  // what is loaded may reach beyond the last
+            std::copy_n(room_.shares.data(), shares_, block_.factor.data());
+        }
+    }
+
+ private:
+    void add_cluster(std::size_t begin, std::size_t end) {
+        places_ = places_of(p_, begin, end, size_);
+        const Box box = box_round(places_);
+        note_near_particles(box);
+        note_near_walls(box);
+        add_paths({}, is_free());
+        find_paths_of_walls();
+        for (std::size_t n = 0; n < room_.paths.size(); ++n) {
+            if (!room_.done[n]) add_paths_like(n);
+        }
+    }
+
+    void note_near_particles(const Box& box) {
+        const float reach = (1 + for_rounding) * h_;
+        const Box round = grown(box, reach);
+        room_.runs.clear();
+        std::size_t most = largest_cluster;
+        grid_.for_each_run(round.lo, round.hi, [&](std::uint32_t first, std::uint32_t last) {
+            room_.runs.push_back({first, last});
+            most += last - first;
+        });
+        make_room(room_.candidates, 2 * most);
+        std::uint32_t* const found = room_.candidates.data();
+        const std::size_t count = find_near_box(box, reach, p_, room_.runs, found);
+        std::uint32_t* const nearer = found + most;
+        const std::size_t kept = find_near_places(places_, reach, p_, {found, count}, nearer);
+        room_.near.assign({nearer, kept}, p_);
+        room_.all.clear();
+        const auto all_lanes = static_cast<std::uint16_t>((1U << size_) - 1);
+        for (std::uint32_t k = 0; k < kept; ++k) room_.all.push_back({k, all_lanes});
+    }
+
+    // Walls near the cluster; and those that may stand in the way: some particle near is behind it.
+    void note_near_walls(const Box& box) {
+        solids_.find_walls(box, room_.wall_numbers);
+        room_.walls.clear();
+        Obstruction& obstruction = room_.obstruction;
+        obstruction.numbers.clear(), obstruction.walls.clear(), obstruction.edges.clear();
+        if (room_.wall_numbers.empty()) return;
+        const NearParticlesOfCluster& near = room_.near;
+        Box round{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
+        for (std::size_t k = 0; k < near.size; ++k) {
+            round.lo[0] = std::min(round.lo[0], near.x[k]), round.hi[0] = std::max(round.hi[0], near.x[k]);
+            round.lo[2] = std::min(round.lo[2], near.z[k]), round.hi[2] = std::max(round.hi[2], near.z[k]);
+        }
+        const float delta = solids_.sight_delta();
+        const Box reach = grown(round, delta);
+        for (const std::uint32_t number : room_.wall_numbers) {
+            const Wall& wall = solids_.walls()[number];
+            Span span;
+            for (std::size_t k = 0; k < near.size; ++k) {
+                const float s = wall.along(near.x[k], near.z[k]);
+                span.first = std::min(span.first, s), span.last = std::max(span.last, s);
+                span.nearest = std::min(span.nearest, wall.distance(near.x[k], near.z[k]));
+            }
+            const float first = wall.edge_before ? delta : 0, last = wall.length - (wall.edge_after ? delta : 0);
+            room_.walls.push_back({number, wall, span, span.nearest >= 0 && span.first >= first && span.last <= last});
+            const auto is_near = [&](const PlanPoint& p) {
+                return p.x >= reach.lo[0] && p.x <= reach.hi[0] && p.z >= reach.lo[2] && p.z <= reach.hi[2];
+            };
+            const bool edge_near = (wall.edge_before && is_near(wall.a)) || (wall.edge_after && is_near(wall.end()));
+            if ((span.nearest < 0 || edge_near) && obstruction.walls.size() < Obstruction::most) {
+                obstruction.numbers.push_back(number);
+                obstruction.walls.push_back(wall);
+                if (wall.edge_before && is_near(wall.a)) add_edge(wall.a, obstruction.walls.size() - 1);
+                if (wall.edge_after && is_near(wall.end())) add_edge(wall.end(), obstruction.walls.size() - 1);
+            }
+        }
+    }
+
+    void add_edge(const PlanPoint& at, std::size_t wall) {
+        constexpr float same_place = 1e-4F;  // m
+        std::vector<Obstruction::Edge>& edges = room_.obstruction.edges;
+        auto edge = std::find_if(edges.begin(), edges.end(), [&](const Obstruction::Edge& e) {
+            return std::hypot(e.at.x - at.x, e.at.z - at.z) < same_place;
+        });
+        if (edge == edges.end()) {
+            if (edges.size() == Obstruction::most) return;
+            edge = edges.insert(edge, {at, 0});
+        }
+        edge->walls |= std::uint64_t{1} << wall;
+    }
+
+    [[nodiscard]] bool is_free() const { return room_.obstruction.walls.empty(); }
+
+    // All sequences of walls by which some image may be near.
+    void find_paths_of_walls() {
+        room_.paths.clear();
+        const std::vector<NearWall>& walls = room_.walls;
+        for (std::size_t a = 0; a < walls.size(); ++a) {
+            WallPath path;
+            if (!go_on(path, walls[a], 0)) continue;
+            for (std::size_t b = 0; b < walls.size(); ++b) {
+                WallPath second = path;
+                if (b == a || !go_on(second, walls[b], distance_between(walls[a].wall, walls[b].wall))) continue;
+                for (std::size_t c = 0; c < walls.size(); ++c) {
+                    if (c == b || (c == a && meet_at_no_less_than_right_angle(walls[a].wall, walls[b]))) continue;
+                    WallPath third = second;
+                    go_on(third, walls[c],
+                          distance_between(walls[a].wall, walls[b].wall) +
+                              distance_between(walls[b].wall, walls[c].wall));
+                }
+            }
+        }
+        room_.done.assign(room_.paths.size(), false);
+    }
+
+    // Whether a path may go on to a wall; notes it with that wall if an image may be near. way: at least that long between walls.
+    bool go_on(WallPath& path, const NearWall& to, float way) {
+        if (way >= h_) return false;
+        if (path.length > 0) {
+            const Wall& last = path.wall[path.length - 1];
+            constexpr float slack = 1e-5F;
+            const auto is_before = [](const Wall& wall, const Wall& other) {
+                const PlanPoint end = other.end();
+                return std::max(wall.distance(other.a.x, other.a.z), wall.distance(end.x, end.z)) > slack;
+            };
+            if (!is_before(last, to.wall) || !is_before(to.wall, last)) return false;
+        }
+        path.number[path.length] = to.number;
+        path.wall[path.length] = to.wall;
+        path.beside[path.length] = room_.obstruction.beside(to.number, to.wall);
+        ++path.length;
+        TurnedMap map;
+        for (std::size_t m = path.length; m > 0; --m) map = reflected_first(map, path.wall[m - 1]);
+        path.map = map;
+        if (comes_near(map)) room_.paths.push_back(path);
+        return true;
+    }
+
+    [[nodiscard]] bool comes_near(const TurnedMap& map) const {
+        const Box image = grown(box_round(mapped(places_, map)), h_);
+        const NearParticlesOfCluster& near = room_.near;
+        for (std::size_t k = 0; k < near.size; ++k) {
+            if (contains(image, {near.x[k], near.y[k], near.z[k]})) return true;
+        }
+        return false;
+    }
+
+    // Two walls of an inner corner of 90 degrees or more: no path meets one of them twice.
+    static bool meet_at_no_less_than_right_angle(const Wall& a, const NearWall& b) {
+        constexpr float right = -1e-4F;
+        const bool meet = a.before == b.number || a.after == b.number;
+        return meet && a.nx * b.wall.nx + a.nz * b.wall.nz >= right;
+    }
+
+    // Paths with the same image as one of them, by other orders of walls.
+    void add_paths_like(std::size_t first) {
+        std::vector<const WallPath*>& orders = room_.orders;
+        orders.clear();
+        bool is_whole = is_free();
+        for (std::size_t n = first; n < room_.paths.size(); ++n) {
+            if (room_.done[n] || !is_same(room_.paths[n].map, room_.paths[first].map, h_)) continue;
+            room_.done[n] = true;
+            orders.push_back(&room_.paths[n]);
+            is_whole = is_whole && walls_are_whole(room_.paths[n]);
+        }
+        const std::size_t length = orders[0]->length;
+        // One wall, or a right corner in both orders, misses nothing.
+        add_paths(orders, is_whole && (length == 1 || (length == 2 && orders.size() == 2)));
+    }
+
+    [[nodiscard]] bool walls_are_whole(const WallPath& path) const {
+        for (std::size_t m = 0; m < path.length; ++m) {
+            const auto at = std::find_if(room_.walls.begin(), room_.walls.end(),
+                                         [&](const NearWall& wall) { return wall.number == path.number[m]; });
+            if (!at->is_whole) return false;
+        }
+        return true;
+    }
+
+    // What is seen by these orders of walls, without any by none, and its mirror images in the ground. is_whole: all of what is near
+    // enough.
+    void add_paths(std::span<const WallPath* const> orders, bool is_whole) {
+        static const WallPath no_walls;
+        const WallPath& path = orders.empty() ? no_walls : *orders[0];
+        const GroundFacets& ground = solids_.ground();
+        const GroundPlane& plane = ground.planes[0];
+        const bool is_level = ground.is_one_plane() && plane.n[1] == 1;
+        const bool needs_key = !ground.is_one_plane() || (!is_level && path.length > 0);
+        PathsFound& found = room_.found;
+        if (!is_whole || needs_key) {
+            found.make_room(room_.near.size, size_);
+            PathQuestion question{path};
+            question.obstruction = is_whole ? nullptr : &room_.obstruction;
+            question.ground = needs_key ? &ground : nullptr;
+            question.support_radius = h_, question.delta = solids_.sight_delta();
+            question.middle_key = middle_between;
+            find_paths(places_, room_.near, question, found);
+            for (std::size_t n = 1; n < orders.size(); ++n) {
+                PathQuestion other{*orders[n]};
+                other.obstruction = question.obstruction, other.ground = question.ground;
+                other.support_radius = h_, other.delta = question.delta;
+                other.merges = true;
+                other.middle_key = middle_between + static_cast<std::int32_t>(n * (longest_path - 1));
+                find_paths(places_, room_.near, other, found);
+            }
+        }
+        add_segment({path.map, false}, nullptr, is_whole, list_of_seen(is_whole));
+        if (!needs_key) {
+            add_segment({with_ground(path, 0, plane), true}, nullptr, is_whole, list_of_seen(is_whole));
+            return;
+        }
+        const std::size_t keys = sort_by_key(found, room_.near.size, room_.by_key);
+        // In an order that does not depend on the size of clusters.
+        std::sort(room_.by_key.begin(), room_.by_key.begin() + static_cast<std::ptrdiff_t>(keys),
+                  [](const SeenByKey& one, const SeenByKey& other) { return one.key < other.key; });
+        for (std::size_t n = 0; n < keys; ++n) {
+            const SeenByKey& list = room_.by_key[n];
+            const GroundPlane& under = ground.planes[static_cast<std::size_t>(list.key / keys_of_plane)];
+            const std::int32_t middle = list.key % keys_of_plane;
+            const WallPath* order = &path;
+            std::size_t before = middle == middle_last ? path.length : 0;
+            if (middle >= middle_between) {
+                const auto between = static_cast<std::size_t>(middle - middle_between);
+                order = orders[between / (longest_path - 1)];
+                before = 1 + between % (longest_path - 1);
+            }
+            add_segment({with_ground(*order, before, under), true}, ground.is_one_plane() ? nullptr : &under, false,
+                        list.seen);
+        }
+    }
+
+    // Of what has been found, or of all that is near.
+    std::span<const SeenNear> list_of_seen(bool is_whole) {
+        if (is_whole) return room_.all;
+        std::vector<SeenByKey>& lists = room_.by_key;
+        if (lists.empty()) lists.emplace_back();
+        std::vector<SeenNear>& seen = lists[0].seen;
+        seen.clear();
+        for (std::uint32_t k = 0; k < room_.near.size; ++k) {
+            if (room_.found.seen[k] != 0) seen.push_back({k, room_.found.seen[k]});
+        }
+        return seen;
+    }
+
+    void add_segment(const NeighbourBlock::TurnedView& turned, const GroundPlane* plane, bool is_whole,
+                     std::span<const SeenNear> seen) {
+        const std::size_t first = entries_;
+        make_room_for(seen.size());
+        NeighbourBlock::View view;
+        view.by_sight = !is_whole;
+        view.in_part = !is_whole && room_.found.in_part;
+        std::uint16_t* to = nullptr;
+        if (view.in_part) {
+            make_room(room_.shares, shares_ + seen.size() * size_ + largest_cluster);
+            to = room_.shares.data() + shares_;
+        }
+        entries_ = append_seen(places_, mapped(places_, turned.map), h_, plane, room_.near, seen, room_.found, entries_,
+                               block_, to == nullptr ? nullptr : &to);
+        if (to != nullptr) shares_ = static_cast<std::size_t>(to - room_.shares.data());
+        if (entries_ > first) add(block_.segments, {static_cast<std::uint32_t>(entries_), number_of(view, turned)});
+    }
+
+    void make_room_for(std::size_t more) {
+        make_room(block_.j, entries_ + more + 1);
+        std::visit([&](auto& masks) { make_room(masks, entries_ + more + 1); }, block_.lanes);
+    }
+
+    // Where a view stands among those of the block.
+    std::uint32_t number_of(const NeighbourBlock::View& view, const NeighbourBlock::TurnedView& turned) {
+        std::size_t n = 0;
+        while (n < block_.turned.size() && !(block_.turned[n] == turned && block_.views[n] == view)) ++n;
+        if (n == block_.turned.size()) add(block_.turned, turned), add(block_.views, view);
+        return static_cast<std::uint32_t>(n);
+    }
+
+    const CellGrid& grid_;
+    const PlaceSolids& solids_;
+    const Particles& p_;
+    float h_;
+    std::size_t size_;  // of a cluster
+    NeighbourBlock& block_;
+    ClusterPlaces places_;
+    Room& room_ = room_of_thread();
+    std::size_t entries_ = 0;
+    std::size_t shares_ = 0;  // of what is seen in part
+};
+
+}  // namespace
+
+void find_neighbours(const CellGrid& grid, const PlaceSolids& solids, const Particles& p, float support_radius,
+                     NeighbourLists& lists) {
+    lists.count = p.count;
+    for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
+        PlaceSearch(grid, solids, p, support_radius, lists.cluster_size, lists.blocks[b]).find(begin, end);
+    });
+}
+
+}  // namespace wade::fluid

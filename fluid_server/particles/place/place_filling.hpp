@@ -1,0 +1,19 @@
+#pragma once
+// The water of a place at t = 0.
+
+#include "configs/scene/scene.hpp"
+#include "fluid_server/particles/particles.hpp"
+#include "fluid_server/particles/place/place_solids.hpp"
+
+namespace wade::fluid {
+
+// Fills the water that a place has at t = 0, up to its levels or as deep as its raster says: columns of particles on the lattice of
+// the world, each on the ground at its middle, as many in all as there is water, to within half a particle. Centres are in the
+// water, however near to a wall: the water is not at rest before it has been relaxed (FluidWorld). Those that stand deeper get the
+// pressure of water at rest. Throws std::length_error if there is no room.
+void fill_place(Particles& particles, const Scene& scene, const PlaceSolids& solids);
+
+// So many particles will that be.
+[[nodiscard]] std::size_t particles_of_place(const Scene& scene, const PlaceSolids& solids);
+
+}  // namespace wade::fluid

@@ -1,0 +1,223 @@
+// Who sees whom past walls at any angle: each place round a particle once, both sides alike.
+
+#include <omp.h>
+
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "fluid_server/dfsph/dfsph.hpp"
+#include "fluid_server/dfsph/fluid_world.hpp"
+#include "fluid_server/neighbours/neighbours.hpp"
+#include "fluid_server/neighbours/sweeps.hpp"
+#include "place_tank.hpp"
+
+using namespace wade;
+using namespace wade::fluid;
+
+namespace wade::fluid::billiard_test {
+
+using test::house_of;
+using test::PlaceTank;
+
+// Lists, densities and gradients of particles on a place.
+struct Seen {
+    Particles particles;
+    NeighbourLists lists;
+    ParticleFields fields;
+
+    // spacing: of the particles, whatever the scene's
+    Seen(const Scene& scene, const PlaceSolids& solids, const Particles& all, double spacing)
+        : particles(all), lists(all.capacity()), fields(all.capacity()) {
+        CellGrid grid(scene, static_cast<float>(support_radius_of(scene.fluid)));
+        grid.sort(particles, -Box::inf);
+        find_neighbours(grid, solids, particles, static_cast<float>(support_radius_of(scene.fluid)), lists);
+        compute_density_and_diagonal(particles, make_kernel(scene.fluid),
+                                     static_cast<float>(spacing * spacing * spacing), false, lists, fields);
+        lists.x = particles.x, lists.y = particles.y, lists.z = particles.z;
+    }
+};
+
+// The densities of a fine lattice, turned so that no wall runs along it, round a corner at a point of the map.
+struct Range {
+    double least = 2, most = 0;
+};
+Range densities_round(const MapPoint& corner, const Scene& scene) {
+    const PlaceSolids solids = test::solids_of(scene);
+    constexpr double fine = 0.02, reach = 0.44, asked_within = 0.2, cosine = 0.9844, sine = 0.1759;
+    Particles p(40000);
+    for (double a = -reach; a < reach; a += fine) {
+        for (double b = -reach; b < reach; b += fine) {
+            const Vec3 x{static_cast<float>(corner.x + cosine * a - sine * b), 0,
+                         static_cast<float>(corner.z + sine * a + cosine * b)};
+            if (std::hypot(a, b) > reach || !solids.is_water(x)) continue;
+            for (double y = fine / 2; y < 0.4; y += fine)
+                p.add({x[0], 1 + static_cast<float>(y), x[2]}, {}, Kind::fluid);
+        }
+    }
+    const Seen seen(scene, solids, p, fine);
+    Range range;
+    for (std::size_t i = 0; i < seen.particles.count; ++i) {
+        const Vec3 x{seen.particles.x[i], seen.particles.y[i], seen.particles.z[i]};
+        Vec3 away = x;
+        solids.keep_away(away, 0.04F);  // no centre comes nearer
+        const double from_corner =
+            std::hypot(static_cast<double>(x[0]) - corner.x, static_cast<double>(x[2]) - corner.z);
+        if (from_corner > asked_within || std::abs(x[1] - 1.2F) > 0.011F || away != x) continue;
+        const auto density = static_cast<double>(seen.fields.density[i]);
+        range = {std::min(range.least, density), std::max(range.most, density)};
+    }
+    return range;
+}
+
+TEST_CASE("in corners of any angle every place round a particle is filled once", "[billiard]") {
+    const double angle = GENERATE(90, 80, 100, 60, 120, 45, 135);
+    const PlaceTank tank{2, 2, 17, angle};
+    const Range range = densities_round(tank.at(-1, -1), test::place_scene(tank, 0, 0.1));
+    // Walls cut cells of 0.02 m, which are full or empty: within 0.2 m that is 4 %, twice with the images. An image too many or too
+    // few in a corner is more than 12 %.
+    CHECK(range.least > 0.92);
+    CHECK(range.most < 1.08);
+}
+
+TEST_CASE("round the edges of houses every place is filled once, to what soft sight leaves", "[billiard]") {
+    const double turned = GENERATE(0, 45);
+    const PlaceTank tank{3, 3, turned};
+    Scene scene = test::place_scene(tank, 0, 0.1);
+    // An L, with edges of 90 degrees and an inner corner.
+    scene.place->houses.push_back(house_of({{tank.at(-0.5, -0.5), tank.at(0.5, -0.5), tank.at(0.5, 0), tank.at(0, 0),
+                                             tank.at(0, 0.5), tank.at(-0.5, 0.5)}}));
+    for (const MapPoint& corner : {tank.at(-0.5, -0.5), tank.at(0.5, 0), tank.at(0, 0)}) {
+        const Range range = densities_round(corner, scene);
+        CHECK(range.least > 0.92);
+        CHECK(range.most < 1.08);
+    }
+}
+
+struct Felt {
+    std::array<float, 3> felt, gradient;
+};
+
+TEST_CASE("forces between particles of a place are opposite, whatever stands between them", "[billiard]") {
+    const double turned = GENERATE(0, 17);
+    const int ground = GENERATE(0, 1, 2);
+    const PlaceTank tank{1.2, 1.2, turned, 80};
+    Scene scene = test::place_scene(tank, 0, 0.1);
+    scene.place->houses.push_back(house_of({{tank.at(-0.3, -0.3), tank.at(0.3, -0.3), tank.at(0.3, 0), tank.at(0, 0),
+                                             tank.at(0, 0.3), tank.at(-0.3, 0.3)}}));
+    if (ground == 1) scene.place->ground.slope_x = 0.2;
+    if (ground == 2) {
+        const auto raster = std::make_shared<Raster>();
+        raster->cell = 0.1, raster->columns = raster->rows = 42;
+        for (int n = 0; n < 42 * 42; ++n)
+            raster->values.push_back(0.15 * std::sin(0.15 * (n % 42)) * std::cos(0.13 * (n / 42)));
+        scene.place->ground.raster = raster;
+    }
+    const PlaceSolids solids = test::solids_of(scene);
+    Particles particles(2000);
+    std::mt19937 numbers(7);
+    std::uniform_real_distribution<float> plan(1.2F, 2.8F), height(0, 0.5F);
+    while (particles.count < 1200) {
+        Vec3 x{plan(numbers), 0, plan(numbers)};
+        if (!solids.is_water(x)) continue;
+        x[1] = solids.ground().at(x[0], x[2]).height(x[0], x[2]) + height(numbers);
+        solids.keep_away(x, 0.04F);
+        if (solids.is_water(x)) particles.add(x, {}, Kind::fluid);
+    }
+    const Seen seen(scene, solids, particles, 0.1);
+    // g_ji = - Q g_ij: what j has in its list is minus what i feels.
+    std::multimap<std::pair<std::size_t, std::size_t>, Felt> pairs;
+    for (std::size_t b = 0; b < block_count(seen.particles.count); ++b) {
+        for_each_pair(seen.lists, b, [&](const ListedPair& pair) {
+            if (pair.i != pair.j) pairs.insert({{pair.i, pair.j}, {pair.felt(), pair.gradient}});
+        });
+    }
+    double all = 0, without_answer = 0;
+    for (const auto& [between, one] : pairs) {
+        const auto [first, last] = pairs.equal_range({between.second, between.first});
+        const double size = std::hypot(std::hypot(static_cast<double>(one.felt[0]), static_cast<double>(one.felt[1])),
+                                       static_cast<double>(one.felt[2]));
+        const bool answered = std::any_of(first, last, [&](const auto& other) {
+            float off = 0;
+            for (std::size_t k = 0; k < 3; ++k) off = std::max(off, std::abs(other.second.gradient[k] + one.felt[k]));
+            return off < 2e-3F + 1e-3F * static_cast<float>(size);
+        });
+        all += size;
+        without_answer += answered ? 0 : size;
+    }
+    REQUIRE(pairs.size() > 50000);
+    // What has none: paths that rounding lets end at an edge on one side only, or under another triangle of the ground.
+    CHECK(without_answer < (ground == 0 ? 1e-4 : 1e-3) * all);
+}
+
+TEST_CASE("a tank of a place sees what the same tank of a channel sees", "[billiard]") {
+    Scene channel = test::tank(1.2, 1.2, 0.6, 0.1);
+    Particles particles(2000);
+    std::mt19937 numbers(3);
+    std::uniform_real_distribution<float> plan(0.05F, 1.15F), height(0.05F, 0.5F);
+    while (particles.count < 900) particles.add({plan(numbers), height(numbers), plan(numbers)}, {}, Kind::fluid);
+    const auto h = static_cast<float>(support_radius_of(channel.fluid));
+    CellGrid grid(channel, h);
+    grid.sort(particles, -Box::inf);
+    NeighbourLists of_channel(particles.capacity());
+    ParticleFields expected(particles.capacity());
+    find_neighbours(grid, Solids(channel), particles, h, of_channel);
+    compute_density_and_diagonal(particles, make_kernel(channel.fluid), 1e-3F, false, of_channel, expected);
+    Scene place = channel;
+    place.world.length = place.world.width = 1.2;
+    place.place = Place{};
+    const Seen seen(place, test::solids_of(place), particles, 0.1);
+    // The grid of a place is higher, which changes the order.
+    for (std::size_t i = 0; i < particles.count; ++i) {
+        const auto at = std::find(seen.particles.x.begin(), seen.particles.x.end(), particles.x[i]);
+        const auto same = static_cast<std::size_t>(at - seen.particles.x.begin());
+        REQUIRE(same < particles.count);
+        CHECK(seen.fields.density[same] == Approx(expected.density[i]).epsilon(1e-4));
+        CHECK(seen.fields.gx[same] == Approx(expected.gx[i]).margin(5e-3));  // of up to 40 / m
+        CHECK(seen.fields.gy[same] == Approx(expected.gy[i]).margin(5e-3));
+        CHECK(seen.fields.gz[same] == Approx(expected.gz[i]).margin(5e-3));
+    }
+}
+
+TEST_CASE("maps of walls turn vectors and their transposed turn them back", "[billiard]") {
+    const float s = std::sqrt(0.5F);
+    const TurnedMap one = reflected_first({}, {s, 0, s}, 1), both = reflected_first(one, {0.6F, 0.8F, 0}, -2);
+    const Vec3 x{0.3F, -1.2F, 2};
+    const Vec3 image = one(x), twice = one(image);
+    CHECK(s * (image[0] + x[0]) / 2 + s * (image[2] + x[2]) / 2 == Approx(1));  // the middle lies in the wall
+    for (std::size_t k = 0; k < 3; ++k) CHECK(twice[k] == Approx(x[k]));
+    const Vec3 there = both.turn(x), back = both.turn.back(there);
+    for (std::size_t k = 0; k < 3; ++k) CHECK(back[k] == Approx(x[k]));
+    const Vec3 in_turn = one(reflected_first({}, {0.6F, 0.8F, 0}, -2)(x)), at_once = both(x);
+    for (std::size_t k = 0; k < 3; ++k) CHECK(at_once[k] == Approx(in_turn[k]));
+}
+
+TEST_CASE("water on a place has the same bits for any threads and vectors", "[billiard]") {
+    const PlaceTank tank{1, 0.8, 17};
+    Scene scene = test::place_scene(tank, 0.4, 0.1);
+    scene.place->houses.push_back(house_of({{tank.at(-0.2, -0.2), tank.at(0.2, -0.1), tank.at(0, 0.2)}}));
+    scene.place->ground.slope_x = 0.05;
+    const auto run = [&](int threads, bool widest) {
+        omp_set_num_threads(threads);
+        use_widest_vectors(widest);
+        FluidWorld world(scene);
+        for (int k = 0; k < 3; ++k) world.step(0.01);
+        omp_set_num_threads(omp_get_num_procs());
+        use_widest_vectors(true);
+        return world.particles();
+    };
+    const Particles one = run(1, true);
+    REQUIRE(one.count > 200);
+    for (const auto& [threads, widest] : {std::pair{2, true}, std::pair{1, false}}) {
+        const Particles other = run(threads, widest);
+        REQUIRE(other.count == one.count);
+        INFO(threads << " threads, widest vectors " << widest);
+        CHECK(std::equal(one.x.begin(), one.x.begin() + static_cast<std::ptrdiff_t>(one.count), other.x.begin()));
+        CHECK(std::equal(one.vy.begin(), one.vy.begin() + static_cast<std::ptrdiff_t>(one.count), other.vy.begin()));
+    }
+}
+
+}  // namespace wade::fluid::billiard_test
