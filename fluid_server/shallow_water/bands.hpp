@@ -12,6 +12,7 @@
 // When the water has moved so that a band has a fifth more to do than the mean, all ranks share all rows and cut them anew.
 // Without ranks nothing of this is done.
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,10 +27,10 @@ struct Band {
     Ranks* ranks = nullptr;          // null: this process has all rows
     std::size_t begin = 0, end = 0;  // rows of this rank
 
-    std::vector<std::size_t> first_rows;    // by rank, and the number of all rows
-    std::vector<std::size_t> shared;        // members of groups that lie in several bands, as in Openings::changes
-    std::vector<std::uint64_t> wet_groups;  // a bit each, known to all ranks
-    Lines touched;                          // lines that were worked on since the last frame
+    std::vector<std::size_t> first_rows;                             // by rank, and the number of all rows
+    std::vector<std::size_t> shared;                                 // cells of groups that lie in several bands
+    std::vector<std::uint64_t> wet_groups;                           // a bit each, known to all ranks
+    Lines touched;                                                   // lines that were worked on since the last frame
     std::vector<double> to_lower, from_lower, to_upper, from_upper;  // memory
     std::vector<std::uint64_t> part, all, words;
 
@@ -49,6 +50,7 @@ double largest(const Band& band, double value);
 bool all_agree(const Band& band, bool yes);
 void merge(Band& band, std::vector<double>& values);  // each is of one rank, elsewhere 0
 void gather_rows(Band& band, std::span<const RowField> fields, bool for_all);
-void share_cells(Band& band, const Grid& grid, Water& water, const std::vector<std::size_t>& cells);
+void share_cells(Band& band, const Grid& grid, const std::array<RowMemory*, 3>& fields,
+                 const std::vector<std::size_t>& cells);
 
 }  // namespace wade::fluid::shallow_water

@@ -20,9 +20,10 @@ namespace wade::fluid::shallow_water::HWY_NAMESPACE {
 
 // Half of the mean of the differences to both neighbours, at most the smaller one, which the limiter allows twice.
 HWY_INLINE V limited_rise(V below, V here, V above) {
-    const V to_lower = here - below, to_upper = above - here;
-    const V least = hn::Min(hn::Min(hn::Abs(to_lower), hn::Abs(to_upper)), all(0.25) * hn::Abs(to_lower + to_upper));
-    return hn::IfThenElseZero(to_lower * to_upper > all(0.0), hn::CopySignToAbs(least, to_lower));
+    const V zero = all(0.0), to_lower = here - below, to_upper = above - here;
+    const V mean = all(0.25) * (to_lower + to_upper);
+    const V up = hn::Min(hn::Min(to_lower, to_upper), mean), down = hn::Max(hn::Max(to_lower, to_upper), mean);
+    return hn::Max(up, zero) + hn::Min(down, zero);
 }
 
 // The rises of n cells whose neighbours below and above are given.

@@ -200,7 +200,10 @@ void find_shared(ShallowWater& world) {
         for (std::size_t m = group.first; m < group.last; ++m) {
             several = several || rank_of_cell(openings.members_of_groups[m]) != rank;
         }
-        for (std::size_t m = group.first; several && m < group.last; ++m) band.shared.push_back(m);
+        if (!several) continue;
+        const auto members = openings.members_of_groups.begin();
+        band.shared.insert(band.shared.end(), members + static_cast<std::ptrdiff_t>(group.first),
+                           members + static_cast<std::ptrdiff_t>(group.last));
     }
     if (!world.place) return;
     for (PlaceOutlet& outlet : world.place->outlets) {
@@ -213,41 +216,23 @@ void find_shared(ShallowWater& world) {
     }
 }
 
-void share_changes(ShallowWater& world) {
-    Band& band = world.band;
-    if (band.shared.empty()) return;
-    std::vector<double> values;
-    for (const std::size_t m : band.shared) {
-        MemberChange change;
-        if (band.has(row_of(world.grid, world.openings.members_of_groups[m]))) change = world.openings.changes[m];
-        values.insert(values.end(), {change.h, change.qx, change.qz, change.from_qx, change.from_qz});
-    }
-    merge(band, values);
-    const double* at = values.data();
-    for (const std::size_t m : band.shared) {
-        world.openings.changes[m] = {at[0], at[1], at[2], at[3], at[4]};
-        at += 5;
-    }
-}
-
-void share_cells(Band& band, const Grid& grid, Water& water, const std::vector<std::size_t>& cells) {
+void share_cells(Band& band, const Grid& grid, const std::array<RowMemory*, 3>& fields,
+                 const std::vector<std::size_t>& cells) {
     if (band.ranks == nullptr || cells.empty()) return;
     std::vector<double> values;
     for (const std::size_t c : cells) {
         const bool own = band.has(row_of(grid, c));
-        for (const RowMemory* field : {&water.h, &water.qx, &water.qz}) values.push_back(own ? (*field)[c] : 0);
+        for (const RowMemory* field : fields) values.push_back(own ? (*field)[c] : 0);
     }
     merge(band, values);
     const double* at = values.data();
     for (const std::size_t c : cells) {
-        for (RowMemory* field : {&water.h, &water.qx, &water.qz}) (*field)[c] = *at++;
+        for (RowMemory* field : fields) (*field)[c] = *at++;
     }
 }
 
-void share_members(ShallowWater& world) {
-    std::vector<std::size_t> cells;
-    for (const std::size_t m : world.band.shared) cells.push_back(world.openings.members_of_groups[m]);
-    share_cells(world.band, world.grid, world.water, cells);
+void share_groups(ShallowWater& world, RowMemory& h, RowMemory& qx, RowMemory& qz) {
+    share_cells(world.band, world.grid, {&h, &qx, &qz}, world.band.shared);
 }
 
 void share_wet(ShallowWater& world) {

@@ -24,19 +24,38 @@ HWY_INLINE F friction_of_depth(F h) {
     return y2 * y2;
 }
 
-// 1 / (1 + dt k) of n cells. n_squared: factors of each cell, only read by_cell.
-template <bool by_cell>
-void find_slowing(Cells cells, std::size_t n, double drag_factor, const double* n_squared, double* slowed) {
+// 1 / (1 + dt k) of n cells.
+void find_slowing(Cells cells, std::size_t n, double drag_factor, double* slowed) {
     const V one = all(1.0), drag = all(drag_factor);
     const auto put = [&](std::size_t i, V friction) {
         const V u = load(cells.normal + i), v = load(cells.along + i);
-        if constexpr (by_cell) friction = friction * load(n_squared + i);
         store(one / (one + drag * hn::Sqrt(u * u + v * v) * friction), slowed + i);
     };
     for (std::size_t i = 0; i < n; i += float_lanes) {
         const F friction = friction_of_depth(narrow(load(cells.h + i), load(cells.h + i + lanes)));
         put(i, widen_lower(friction));
         put(i + lanes, widen_upper(friction));
+    }
+}
+
+// The same on a place: k in single precision, with Newton's method from the exponent's third. n_squared: of each cell, or one
+// of all cells.
+template <bool by_cell>
+void find_slowing_on_place(Cells cells, std::size_t n, double drag_factor, const double* n_squared, double* slowed) {
+    const hn::RebindToSigned<Floats> whole;
+    const V one = all(1.0);
+    const F of_all = all(static_cast<float>(by_cell ? drag_factor : drag_factor * *n_squared));
+    const F third = all(1.0F / 3), four = all(4.0F), film = all(1e-3F);
+    for (std::size_t i = 0; i < n; i += float_lanes) {
+        const F x = hn::Max(load_narrow(cells.h + i), film);
+        F y = hn::BitCast(floats, hn::Set(whole, 0x54a2fa8c) -
+                                      hn::ConvertTo(whole, hn::ConvertTo(floats, hn::BitCast(whole, x)) * third));
+        for (int k = 0; k < 3; ++k) y = y * (four - x * (y * y * y)) * third;
+        const F u = load_narrow(cells.normal + i), v = load_narrow(cells.along + i), y2 = y * y;
+        F slowing = of_all * hn::Sqrt(u * u + v * v) * (y2 * y2);
+        if constexpr (by_cell) slowing = slowing * load_narrow(n_squared + i);
+        store(one / (one + widen_lower(slowing)), slowed + i);
+        store(one / (one + widen_upper(slowing)), slowed + i + lanes);
     }
 }
 
@@ -87,50 +106,55 @@ struct RowTo {
     double *depth, *eta, *u, *v;  // eta null: on a level bed
 };
 
-// Half of what the surface rises from one cell to the next on the side away from a wall, if it rises on from there.
+// Calls body(entry) for the entries of row k within [begin, end); they are in order.
+template <typename Entry, typename Body>
+void for_each_in(const EntriesByRow<Entry>& entries, std::size_t k, std::size_t begin, std::size_t end, Body&& body) {
+    const Entry* entry = entries.entries.data() + entries.begin[k];
+    const Entry* const last = entries.entries.data() + entries.begin[k + 1];
+    while (entry < last && entry->column < begin) ++entry;
+    for (; entry < last && entry->column < end; ++entry) body(*entry);
+}
+
+// Half of what a value rises over the two cells on the side away from a wall, by the smaller difference, if it goes on.
 double rise_on_one_side(const double* values, std::ptrdiff_t step) {
     const double near = values[step] - values[0], far = values[2 * step] - values[step];
-    return near * far > 0 ? std::copysign(0.5 * std::min(std::abs(near), std::abs(far)), near) : 0;
+    const double up = std::max(0.0, std::min(near, far)), down = std::min(0.0, std::max(near, far));
+    return 0.5 * (up + down);
 }
 
 // Rises of the cells with a wall on one side, of row k within [begin, end). cells: by column; step: to the next one along the
 // rises' direction.
 void mend_rises(const EntriesByRow<OneSided>& slopes, std::size_t k, std::size_t begin, std::size_t end,
                 const Cells& cells, std::ptrdiff_t step, double dry, const CellRow& rise) {
-    for (std::size_t n = slopes.begin[k]; n < slopes.begin[k + 1]; ++n) {
-        const std::size_t i = slopes.entries[n].column;
-        if (i < begin || i >= end) continue;
-        const std::ptrdiff_t away = slopes.entries[n].away * step;
+    for_each_in(slopes, k, begin, end, [&](const OneSided& entry) {
+        const std::size_t i = entry.column;
+        const std::ptrdiff_t away = entry.away * step;
         const double* const h = cells.h + i;
-        const bool wet = away != 0 && h[0] > dry && h[away] > dry && h[2 * away] > dry;
-        const auto along = [&](const double* values) {
-            return wet ? (slopes.entries[n].away > 0 ? 1 : -1) * rise_on_one_side(values + i, away) : 0.0;
-        };
-        rise.eta[i] = along(cells.eta);
-        if (rise.h != rise.eta) rise.h[i] = along(cells.h);
+        const bool wet = away != 0 && std::min({h[0], h[away], h[2 * away]}) > dry;
+        const double side = wet ? entry.away : 0.0;
+        rise.eta[i] = side * rise_on_one_side(cells.eta + i, away);
+        if (rise.h != rise.eta) rise.h[i] = side * rise_on_one_side(h, away);
         rise.h[i] = std::clamp(rise.h[i], -h[0], h[0]);
-        rise.normal[i] = along(cells.normal);
-        rise.along[i] = along(cells.along);
-    }
+        rise.normal[i] = side * rise_on_one_side(cells.normal + i, away);
+        rise.along[i] = side * rise_on_one_side(cells.along + i, away);
+    });
 }
 
 // Adds what the walls push to the momentum fluxes of their cells: see openings.hpp.
 void push_of_walls(const EntriesByRow<WallCell>& walls, std::size_t k, std::size_t begin, std::size_t end,
                    const Cells& cells, double gravity, double* into_x, double* into_z) {
-    for (std::size_t n = walls.begin[k]; n < walls.begin[k + 1]; ++n) {
-        const WallCell& wall = walls.entries[n];
+    for_each_in(walls, k, begin, end, [&](const WallCell& wall) {
         const std::size_t i = wall.column;
-        if (i < begin || i >= end) continue;
         const double h = cells.h[i], u = (cells.normal[i] * wall.x + cells.along[i] * wall.z) / wall.length;
-        if (u == 0) continue;
         const double c = std::sqrt(gravity * h);
         const double push = std::max(h * u * (u + std::max(c + 0.5 * u, c - u)), -0.5 * gravity * h * h);
         into_x[i] += wall.x * push;
         into_z[i] += wall.z * push;
-    }
+    });
 }
 
-// Returns the smallest depth. What is taken by value is the function's own, so that no store changes its pointers.
+// Returns the smallest depth; cells in groups may have any, before they get the mean of their group (step.cpp). What is
+// taken by value is the function's own, so that no store changes its pointers.
 template <bool friction, bool walls>
 double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const double* slowed, const double* per_share,
                const double* rise_x, const double* rise_z, FluxRow x, FluxRow below, FluxRow above, RowOf from,
@@ -143,8 +167,10 @@ double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const doub
     for (std::size_t i = 0; i < n; i += lanes) {
         const V h = load(from.h + i), weight = twice_g * h;  // times a rise, which is half of the change over the cell
         V new_h, qx, qz;
+        auto grouped = zero < zero;
         if constexpr (walls) {
-            const V open = load(per_share + i), of_x = open * per_x, of_z = open * per_z;
+            grouped = load(per_share + i) < zero;
+            const V open = hn::Abs(load(per_share + i)), of_x = open * per_x, of_z = open * per_z;
             new_h = h - of_x * (load(x.mass + i + 1) - load(x.mass + i)) -
                     of_z * (load(above.mass + i) - load(below.mass + i));
             qx = load(from.qx + i) - of_x * (load(x.into_lower + i + 1) - load(x.into_upper + i)) -
@@ -167,12 +193,19 @@ double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const doub
         new_h = kept * load(base.h + i) + share * new_h;
         qx = kept * load(base.qx + i) + share * qx;
         qz = kept * load(base.qz + i) + share * qz;
-        least = hn::Min(first(n - i, new_h, zero), least);
         // Rounding may leave a dry cell at -1e-20 m; a film has no velocity.
-        new_h = hn::Max(new_h, zero);
         const auto wet = new_h > dry;
-        qx = hn::IfThenElseZero(wet, qx);
-        qz = hn::IfThenElseZero(wet, qz);
+        if constexpr (walls) {
+            least = hn::Min(first(n - i, hn::IfThenElse(grouped, zero, new_h), zero), least);
+            new_h = hn::IfThenElse(grouped, new_h, hn::Max(new_h, zero));
+            qx = hn::IfThenElseZero(hn::Or(grouped, wet), qx);
+            qz = hn::IfThenElseZero(hn::Or(grouped, wet), qz);
+        } else {
+            least = hn::Min(first(n - i, new_h, zero), least);
+            new_h = hn::Max(new_h, zero);
+            qx = hn::IfThenElseZero(wet, qx);
+            qz = hn::IfThenElseZero(wet, qz);
+        }
         const V inverse = one / hn::IfThenElse(wet, new_h, one);
         if (to.h != nullptr) store(new_h, to.h + i);
         store(qx, to.qx + i);
@@ -183,25 +216,6 @@ double mix_row(StageTerms terms, double dx, double dz, std::size_t n, const doub
         store(qz * inverse, to.v + i);
     }
     return hn::GetLane(hn::MinOfLanes(doubles, least));
-}
-
-// What the members of groups in row k get, for the group to take: see step_groups().
-void note_members(Openings& openings, std::size_t k, std::size_t begin, std::size_t end, StageTerms terms,
-                  const Grid& grid, const double* rise_x, const double* rise_z, const FluxRow& x, const FluxRow& below,
-                  const FluxRow& above, const RowOf& from, std::size_t row) {
-    const double per_x = terms.dt / grid.dx, per_z = terms.dt / grid.dz;
-    for (std::size_t n = openings.members.begin[k]; n < openings.members.begin[k + 1]; ++n) {
-        const std::size_t i = openings.members.entries[n].column;
-        if (i < begin || i >= end) continue;
-        const double weight = 2 * terms.constants.gravity * from.h[i] * openings.share[row + i];
-        MemberChange& change = openings.changes[openings.members.entries[n].number];
-        change.h = -per_x * (x.mass[i + 1] - x.mass[i]) - per_z * (above.mass[i] - below.mass[i]);
-        change.qx = -per_x * (x.into_lower[i + 1] - x.into_upper[i] + weight * rise_x[i]) -
-                    per_z * (above.along[i] - below.along[i]);
-        change.qz = -per_x * (x.along[i + 1] - x.along[i]) -
-                    per_z * (above.into_lower[i] - below.into_upper[i] + weight * rise_z[i]);
-        change.from_qx = from.qx[i], change.from_qz = from.qz[i];
-    }
 }
 
 // One Euler step of a band: row by row, with what was found for the row below kept for the next one.
@@ -222,22 +236,29 @@ struct BandUpdate {
     // Rises across of row k, needed by the faces on both sides of it.
     void rises_of_row(std::ptrdiff_t k, const CellRow& rise) const {
         const std::size_t row = place(k);
-        active.for_each_span_near(k, -1, 1, [&](std::size_t i, std::size_t n) {
+        const bool ghosts = k < 0 || static_cast<std::size_t>(k) >= grid.nz;
+        active.for_each_span_near(k, ghosts ? -1 : 0, ghosts ? 1 : 0, [&](std::size_t i, std::size_t n) {
             const std::size_t c = row + i;
             find_rises(across(p, c - grid.stride), across(p, c), across(p, c + grid.stride), n, part(rise, i));
-            if (!walls || k < 0 || static_cast<std::size_t>(k) >= grid.nz) return;
+            if (!walls || ghosts) return;
             mend_rises(openings.slopes_z, static_cast<std::size_t>(k), i, i + n, across(p, row),
                        static_cast<std::ptrdiff_t>(grid.stride), terms.constants.dry, rise);
         });
     }
-    // Fluxes across from row k to the next one.
+    // Fluxes across from row k to the next one. Beside a line that is worked on, one that is not is dry, and so is it itself.
     void fluxes_above_row(std::ptrdiff_t k, const FluxRow& flux) const {
         const std::size_t row = place(k);
-        active.for_each_span_near(k, 0, 1, [&](std::size_t i, std::size_t n) {
+        const auto find = [&](std::size_t i, std::size_t n) {
             const std::size_t c = row + i, up = c + grid.stride;
             find_fluxes(across(p, c), Cells(work.rise_z[0]).from(i), across(p, up), Cells(work.rise_z[1]).from(i),
                         world.walls_z.from(up, grid), openings.narrowed_z.from(openings.face_z, up, grid), n,
                         terms.constants, part(flux, i));
+        };
+        if (k < 0 || static_cast<std::size_t>(k) + 1 == grid.nz) return active.for_each_span_near(k, 0, 1, find);
+        active.for_each_span_in_both(k, find);
+        active.for_each_span_in_one(k, [&](std::size_t i, std::size_t n) {
+            for (double* const value : {flux.mass, flux.along, flux.into_lower, flux.into_upper})
+                std::fill_n(value + i, n, 0);
         });
     }
     // Rises and fluxes along x of cells i to i + n of row k.
@@ -273,10 +294,14 @@ struct BandUpdate {
         const bool by_cell = !world.bed.n_squared.empty(), friction = terms.manning_n > 0 || by_cell;
         double* const slowed = work.rise_x.normal + i;  // which is no longer needed
         if (friction) {
-            const double n_of_all = by_cell ? 1 : terms.manning_n;
-            const double drag = terms.dt * terms.constants.gravity * n_of_all * n_of_all;
-            const auto slow = by_cell ? find_slowing<true> : find_slowing<false>;
-            slow(along_x(p, c), n, drag, by_cell ? world.bed.n_squared.data() + c : nullptr, slowed);
+            const double drag = terms.dt * terms.constants.gravity, n_squared = terms.manning_n * terms.manning_n;
+            if (by_cell) {
+                find_slowing_on_place<true>(along_x(p, c), n, drag, world.bed.n_squared.data() + c, slowed);
+            } else if (world.place) {
+                find_slowing_on_place<false>(along_x(p, c), n, drag, &n_squared, slowed);
+            } else {
+                find_slowing(along_x(p, c), n, drag * n_squared, slowed);
+            }
         }
         const RowOf from_row{p.h.data() + c, from.qx.data() + c, from.qz.data() + c};
         const RowOf base{world.primitive.h.data() + c, world.water.qx.data() + c, world.water.qz.data() + c};
@@ -287,9 +312,6 @@ struct BandUpdate {
         if (walls) {
             push_of_walls(openings.walls, k, i, i + n, along_x(p, row), terms.constants.gravity,
                           work.flux_x.into_lower + 1, work.flux_z[1].into_lower);
-            note_members(openings, k, i, i + n, terms, grid, work.rise_x.eta, work.rise_z[0].eta, work.flux_x,
-                         work.flux_z[0], work.flux_z[1], {p.h.data() + row, from.qx.data() + row, from.qz.data() + row},
-                         row);
         }
         const auto mix = walls ? (friction ? mix_row<true, true> : mix_row<false, true>)
                                : (friction ? mix_row<true, false> : mix_row<false, false>);

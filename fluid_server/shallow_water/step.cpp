@@ -43,38 +43,23 @@ double sum(const std::vector<double>& values) {
     return total;
 }
 
-// The same Euler step of a group of cells, from what its members got: U' = (s U + dt sum of s L) / (s (1 + dt k)).
-void step_group(ShallowWater& world, const Group& group, const BandFrom& from, const StageTerms& terms,
-                const BandTo& to, double& least) {
+// Gives the members of a group the mean of what each would have alone. It is made of differences, so that nothing changes where
+// all have the same.
+void step_group(ShallowWater& world, const Group& group, const StageTerms& terms, const BandTo& to, double& least) {
     const Openings& openings = world.openings;
-    // Members have the same state, and one in a row of this process has it for certain.
-    std::size_t own = group.first;
-    while (!world.band.has(openings.places_of_members[own].row)) ++own;
-    const std::size_t c = openings.members_of_groups[own];
-    const MemberChange& one = openings.changes[group.first];
-    MemberChange sum;
-    double n_squared = 0;
-    for (std::size_t m = group.first; m < group.last; ++m) {
-        const MemberChange& change = openings.changes[m];
-        sum.h += change.h, sum.qx += change.qx, sum.qz += change.qz;
-        if (world.bed.n_squared.empty()) continue;
-        const std::size_t member = openings.members_of_groups[m];
-        n_squared += openings.share[member] * world.bed.n_squared[member];
-    }
-    n_squared = world.bed.n_squared.empty() ? terms.manning_n * terms.manning_n : n_squared / group.share;
-    double h = from.primitive.h[c] + sum.h / group.share;
-    double qx = one.from_qx + sum.qx / group.share, qz = one.from_qz + sum.qz / group.share;
-    double slowed = 1;
-    if (const double u = from.primitive.u[c], v = from.primitive.v[c]; n_squared > 0 && (u != 0 || v != 0)) {
-        const double film = std::max(from.primitive.h[c], 1e-3), speed = std::sqrt(u * u + v * v);
-        slowed = 1 / (1 + terms.dt * terms.constants.gravity * n_squared * speed / (film * std::cbrt(film)));
-    }
-    h = (1 - terms.share) * world.water.h[c] + terms.share * h;
+    const auto mean = [&](const RowMemory& values) {
+        const double one = values[openings.members_of_groups[group.first]];
+        double more = 0;
+        for (std::size_t m = group.first + 1; m < group.last; ++m) {
+            more += openings.weights[m] * (values[openings.members_of_groups[m]] - one);
+        }
+        return one + more;
+    };
+    double h = mean(to.primitive.h);
     least = std::min(least, h);
     h = std::max(h, 0.0);
     const bool wet = h > terms.constants.dry;
-    qx = wet ? (1 - terms.share) * world.water.qx[c] + terms.share * qx * slowed : 0;
-    qz = wet ? (1 - terms.share) * world.water.qz[c] + terms.share * qz * slowed : 0;
+    const double qx = wet ? mean(to.qx) : 0, qz = wet ? mean(to.qz) : 0;
     const double inverse = 1 / (wet ? h : 1.0);
     for (std::size_t m = group.first; m < group.last; ++m) {
         const std::size_t member = openings.members_of_groups[m];
@@ -117,13 +102,13 @@ double euler_step(ShallowWater& world, const BandFrom& from, double share, doubl
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
         update_band(world, from, terms, begin, end, buffer, to);
     });
-    share_changes(world);
+    share_groups(world, to.primitive.h, to.qx, to.qz);
     const auto groups = static_cast<std::ptrdiff_t>(world.openings.active_groups.size());
     double least = 0;
 #pragma omp parallel for schedule(static) reduction(min : least) if (groups >= 512)
     for (std::ptrdiff_t number = 0; number < groups; ++number) {
         const Group& group = world.openings.groups[world.openings.active_groups[static_cast<std::size_t>(number)]];
-        step_group(world, group, from, terms, to, least);
+        step_group(world, group, terms, to, least);
     }
     world.row_least[world.band.begin] = std::min(world.row_least[world.band.begin], least);
     const double held = world.place && to.h == nullptr ? hold_outlets(world, to) : 0;

@@ -149,6 +149,19 @@ void mark_beside_groups(ShallowWater& world) {
     if (marked) find_active_groups(world);
 }
 
+// Lines with a cell that is not closed.
+Lines open_lines(const Openings& openings, const Grid& grid) {
+    if (!openings.any()) return Lines(grid, true);
+    Lines open(grid, false);
+    for (std::size_t k = 0; k < grid.nz; ++k) {
+        const double* const share = openings.share.data() + grid.row(static_cast<std::ptrdiff_t>(k));
+        for (std::size_t i = 0; i < grid.nx; ++i) {
+            if (share[i] > 0) open.set(k, i);
+        }
+    }
+    return open;
+}
+
 void mark_always(ShallowWater& world) {
     world.lines.always = Lines(world.grid, false);
     const auto mark = [&](std::size_t c) {
@@ -219,6 +232,11 @@ void set_openings(ShallowWater& world, double time) {
     std::replace_if(
         world.bed.height.begin(), world.bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
     level_groups(world.openings, world.bed.height);
+    world.lines.open = open_lines(world.openings, world.grid);
+    if (!world.bed.n_squared.empty()) {
+        world.bed.n_squared = squares_of_manning(world.scene.place->roughness, world.grid);
+        level_groups(world.openings, world.bed.n_squared);
+    }
     if (world.place) world.place->groups = groups_of(*world.place, world.openings);
     find_shared(world);
 }
@@ -234,7 +252,7 @@ void watch_faces(ShallowWater& world, const std::vector<std::size_t>& faces) {
 }
 
 void update_active(ShallowWater& world) {
-    share_members(world);
+    share_groups(world, world.water.h, world.water.qx, world.water.qz);
     for (RowMemory* q : {&world.water.h, &world.water.qx, &world.water.qz}) level_active_groups(world.openings, *q);
     find_primitives(world);
     fill_borders(world, world.primitive);
@@ -242,7 +260,7 @@ void update_active(ShallowWater& world) {
 
 void update_exchanged(ShallowWater& world) {
     Openings& openings = world.openings;
-    share_members(world);
+    share_groups(world, world.water.h, world.water.qx, world.water.qz);
     for (const std::size_t g : world.place->groups) {
         const Group& group = openings.groups[g];
         for (RowMemory* q : {&world.water.h, &world.water.qx, &world.water.qz}) level_group(openings, group, *q);
@@ -266,7 +284,7 @@ void find_active(ShallowWater& world) {
     if (lines.active.words() != lines.before.words()) lines.active = Lines(grid, false);
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
         for (std::size_t k = begin; k < end; ++k) {
-            const double* const h = world.water.h.data() + grid.row(static_cast<std::ptrdiff_t>(k));
+            const double* const h = world.primitive.h.data() + grid.row(static_cast<std::ptrdiff_t>(k));
             mark_wet(h, k, world.constants.dry, lines.before, lines.wet);
         }
     });

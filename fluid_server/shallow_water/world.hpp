@@ -98,9 +98,9 @@ void fill_borders(ShallowWater& world, Primitive& state);
 void spread(ShallowWater& world, Ranks& ranks);
 
 // What a step asks of other ranks (bands.hpp); without any these do nothing.
-void share_changes(ShallowWater& world);  // what cells of groups in several bands get
-void share_members(ShallowWater& world);  // their water
-void share_wet(ShallowWater& world);      // lines and groups that are wet
+// Of cells of groups in several bands.
+void share_groups(ShallowWater& world, RowMemory& h, RowMemory& qx, RowMemory& qz);
+void share_wet(ShallowWater& world);  // lines and groups that are wet
 void keep_own_groups(ShallowWater& world);
 void note_touched(ShallowWater& world);
 void find_shared(ShallowWater& world);                                       // after a change of the openings

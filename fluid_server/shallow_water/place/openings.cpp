@@ -328,20 +328,19 @@ Openings find_openings(const Grid& grid, const std::vector<House>& houses, const
     result.slopes_x = one_sided(open, x_lower, x_upper);
     result.slopes_z = one_sided(open, z_lower, z_upper);
     const Lines lines(grid, false);
-    std::vector<std::pair<std::size_t, std::size_t>> numbers;  // of cells, and of members
     for (const std::vector<std::size_t>& cells : Groups(open).result()) {
         Group& group = result.groups.emplace_back();
         group.first = result.members_of_groups.size();
         for (const std::size_t cell : cells) {
             const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(cell / open.nx)) + cell % open.nx;
-            numbers.emplace_back(cell, result.members_of_groups.size());
             result.members_of_groups.push_back(c);
             result.places_of_members.push_back(
                 {static_cast<std::uint32_t>(cell / open.nx), static_cast<std::uint32_t>(cell % open.nx)});
-            result.per_share[c] = 0;
+            result.per_share[c] = -1 / open.share[cell];
             group.share += open.share[cell];
         }
         group.last = result.members_of_groups.size();
+        for (const std::size_t cell : cells) result.weights.push_back(open.share[cell] / group.share);
         group.first_line = result.lines_of_groups.size();
         for (std::size_t m = group.first; m < group.last; ++m) {
             const MemberPlace& member = result.places_of_members[m];
@@ -353,14 +352,6 @@ Openings find_openings(const Grid& grid, const std::vector<House>& houses, const
         }
         group.last_line = result.lines_of_groups.size();
     }
-    result.changes.resize(numbers.size());
-    std::sort(numbers.begin(), numbers.end());
-    auto next = numbers.begin();
-    result.members = by_row<Member>(open.nz, [&](std::size_t k, std::vector<Member>& entries) {
-        for (; next != numbers.end() && next->first < (k + 1) * open.nx; ++next) {
-            entries.push_back({static_cast<std::uint32_t>(next->first % open.nx), next->second});
-        }
-    });
     return result;
 }
 

@@ -14,7 +14,7 @@
 // (Cut cells: LeVeque, Finite Volume Methods for Hyperbolic Problems 2002, section 23.10.)
 //
 // A cell so small that water could leave it within a time step is stepped together with a neighbour as one cell: a group.
-// Its members have one bed and one state. A cell that a wall thinner than it splits keeps its larger part. [A] Water does
+// Its members have one bed and one state, the mean by their open shares of what each would have alone, however small it is. A cell that a wall thinner than it splits keeps its larger part. [A] Water does
 // not rise above walls: their height is not asked for.
 
 #include <cstddef>
@@ -41,12 +41,6 @@ struct OneSided {
     std::int8_t away = 0;
 };
 
-// What its row hands to a member of a group.
-struct MemberChange {
-    double h = 0, qx = 0, qz = 0;  // what comes in through its faces, in whole cells
-    double from_qx = 0, from_qz = 0;
-};
-
 // Entries by row: those of row k are [begin[k], begin[k + 1]).
 template <typename Entry>
 struct EntriesByRow {
@@ -54,11 +48,6 @@ struct EntriesByRow {
     std::vector<std::size_t> begin;
 
     [[nodiscard]] bool any(std::size_t k) const { return begin[k] < begin[k + 1]; }
-};
-
-struct Member {
-    std::uint32_t column = 0;
-    std::size_t number = 0;  // in Openings::members_of_groups and Openings::changes
 };
 
 struct MemberPlace {
@@ -84,15 +73,14 @@ struct NarrowedRows {
 
 struct Openings {
     RowMemory share;           // s by cell; empty: all is open, and so is all below
-    RowMemory per_share;       // 1 / s; 0 of cells that are closed, or in a group
+    RowMemory per_share;       // 1 / s; 0 of cells that are closed, -1 / s of those in a group
     RowMemory face_x, face_z;  // a of the face below each cell
     NarrowedRows narrowed_x, narrowed_z;
     EntriesByRow<WallCell> walls;
     EntriesByRow<OneSided> slopes_x, slopes_z;
-    EntriesByRow<Member> members;
     std::vector<Group> groups;
     std::vector<std::size_t> members_of_groups;  // places of cells
-    std::vector<MemberChange> changes;           // by members_of_groups
+    std::vector<double> weights;                 // of members in their group, by their open shares
     std::vector<MemberPlace> places_of_members;  // by members_of_groups
     std::vector<Lines::Place> lines_of_groups;   // each once in a group
     std::vector<std::size_t> active_groups;      // those that a step works on, see find_active()

@@ -257,7 +257,7 @@ Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double 
     place.volumes.clear();
     for (PlaceOutlet& outlet : place.outlets) {
         const double stage = value_at(outlet.stage, end);
-        share_cells(*cells.band, cells.grid, cells.water, outlet.beside);
+        share_cells(*cells.band, cells.grid, {&cells.water.h, &cells.water.qx, &cells.water.qz}, outlet.beside);
         const auto set = [&](OutletCell& cell) {
             State state;
             place.volumes.push_back(0);

@@ -80,6 +80,15 @@ class Lines {
         const auto at = static_cast<std::ptrdiff_t>(k);
         spans([&, at](std::size_t w) { return row(at)[w] & ~others.row(at)[w]; }, body);
     }
+    // The runs of lines that are in row k and in the next one, or in one of them alone.
+    template <typename Body>
+    void for_each_span_in_both(std::ptrdiff_t k, Body&& body) const {
+        spans([&](std::size_t w) { return row(k)[w] & row(k + 1)[w]; }, body);
+    }
+    template <typename Body>
+    void for_each_span_in_one(std::ptrdiff_t k, Body&& body) const {
+        spans([&](std::size_t w) { return row(k)[w] ^ row(k + 1)[w]; }, body);
+    }
     // The runs of lines that are in a row from k + `from` to k + `to`.
     template <typename Body>
     void for_each_span_near(std::ptrdiff_t k, std::ptrdiff_t from, std::ptrdiff_t to, Body&& body) const {
@@ -151,6 +160,7 @@ struct WetMarks {
 struct WetLines {
     Lines active;
     Lines always;  // active whether wet or not
+    Lines open;    // no others are
     WetMarks wet;  // memory for find_active(), and
     Lines before;
 };
@@ -163,17 +173,16 @@ inline void mark_wet(const double* h, std::size_t k, double dry, const Lines& wi
     within.for_each_span(k, [&](std::size_t first, std::size_t n) {
         for (std::size_t i = first; i < first + n; i += line_values) {
             const std::size_t m = std::min(line_values, first + n - i);
-            double most = h[i];
-            for (std::size_t j = 1; j < m; ++j) most = h[i + j] > most ? h[i + j] : most;
-            if (!(most > dry)) continue;
+            const auto is_wet = [&](std::size_t j) { return j < m && h[i + j] > dry; };
+            if (!std::any_of(h + i, h + i + m, [&](double depth) { return depth > dry; })) continue;
             for (Lines* lines : {&wet.own, &wet.one, &wet.two}) lines->set(k, i);
             if (i > 0) {
-                if (h[i] > dry) wet.one.set(k, i - 1);
-                if (h[i] > dry || (m > 1 && h[i + 1] > dry)) wet.two.set(k, i - 1);
+                if (is_wet(0)) wet.one.set(k, i - 1);
+                if (is_wet(0) || is_wet(1)) wet.two.set(k, i - 1);
             }
             if (i + line_values < within.cells()) {
-                if (h[i + line_values - 1] > dry) wet.one.set(k, i + line_values);
-                if (h[i + line_values - 1] > dry || h[i + line_values - 2] > dry) wet.two.set(k, i + line_values);
+                if (is_wet(line_values - 1)) wet.one.set(k, i + line_values);
+                if (is_wet(line_values - 1) || is_wet(line_values - 2)) wet.two.set(k, i + line_values);
             }
         }
     });
@@ -184,8 +193,9 @@ inline void mark_active(std::ptrdiff_t k, WetLines& lines) {
     const WetMarks& wet = lines.wet;
     std::uint64_t* const to = lines.active.row(k);
     for (std::size_t w = 0; w < wet.own.words(); ++w) {
-        to[w] = lines.always.row(k)[w] | wet.two.row(k)[w] | wet.one.row(k - 1)[w] | wet.one.row(k + 1)[w] |
-                wet.own.row(k - 2)[w] | wet.own.row(k + 2)[w];
+        to[w] = (lines.always.row(k)[w] | wet.two.row(k)[w] | wet.one.row(k - 1)[w] | wet.one.row(k + 1)[w] |
+                 wet.own.row(k - 2)[w] | wet.own.row(k + 2)[w]) &
+                lines.open.row(k)[w];
     }
 }
 
