@@ -269,13 +269,14 @@ void look_who_stands(const Step& step) {
     note_standing(step.crowd, step.number);
 }
 
-// Whether the water carries somebody out: into the cells of an outlet or, as these are emptied, half of those beside it [A].
+// Whether the water carries somebody out: into an outlet or, as that is emptied, half a cell or spacing beside it [A].
 bool leaves_with_water(const CrowdWorld& crowd, std::uint32_t id) {
     if (!crowd.scene.place || crowd.agents.people.by_body[id] == 0) return false;
     const PersonState state = crowd.agents.people.condition[id].state;
     if (has_ground(state) || state == PersonState::holding) return false;
     const MapPoint p{crowd.agents.position[id].x(), crowd.agents.position[id].y()};
-    const double reach = 1.5 * crowd.scene.fluid.shallow_water.cell_size;
+    const Fluid& f = crowd.scene.fluid;
+    const double reach = 1.5 * (f.model == ModelKind::shallow_water ? f.shallow_water.cell_size : f.particle_spacing);
     const auto holds = [&](const Outlet& outlet) { return is_at(outlet, p, reach); };
     return std::ranges::any_of(crowd.scene.place->outlets, holds);
 }

@@ -129,10 +129,11 @@ class HouseFinder {
 };
 
 void check_model(const Scene& scene, const std::string& source) {
-    if (scene.fluid.model != ModelKind::shallow_water) {
+    const ModelKind model = scene.fluid.model;
+    if (model != ModelKind::shallow_water && model != ModelKind::dfsph) {
         refuse(source, "/fluid/model",
-               quoted(scene.fluid.model) +
-                   " knows no ground but a channel's bed; allowed beside /place: \"shallow_water\".");
+               quoted(model) +
+                   " knows no ground but a channel's bed; allowed beside /place: \"shallow_water\", \"dfsph\".");
     }
     if (scene.world.ends != Ends::open) refuse(source, "/world/ends", "\"periodic\" beside /place; allowed: \"open\".");
 }

@@ -1,6 +1,7 @@
 // Whether the water can be simulated: flow, spacing, capacity, solver limits.
 
 #include <algorithm>
+#include <cmath>
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/scene/choices.hpp"
@@ -210,6 +211,43 @@ void check_capacity(const Scene& scene, const std::string& source) {
     }
 }
 
+[[noreturn]] void refuse_gaps(const std::string& file, const std::string& source) {
+    refuse(source, "/place/ground/file",
+           file +
+               ": some of its cells have no height (no data), and particles need ground all over; allowed with "
+               "/fluid/model \"dfsph\": none without. Remedy: wade place import with --crop or --fill, or the model "
+               "\"shallow_water\", to which they are a wall.");
+}
+
+// On a place: what shallow water can and particles cannot.
+void check_particles_on_place(const Scene& scene, const std::string& source, Problems& problems) {
+    const Place& place = *scene.place;
+    problems.attempt([&] {
+        if (place.rain.empty()) return;
+        refuse(source, "/place/rain",
+               "particles are too large for drops; allowed with /fluid/model \"dfsph\": no rain. Remedy: the model "
+               "\"shallow_water\".");
+    });
+    for (const Outlet& outlet : place.outlets) {
+        problems.attempt([&] {
+            if (outlet.kind != OutletKind::stage) return;
+            refuse(source, outlet.label + "/kind",
+                   "\"stage\": particles only leave; allowed with /fluid/model \"dfsph\": \"free\". Remedy: the model "
+                   "\"shallow_water\".");
+        });
+    }
+    problems.attempt([&] {
+        const Raster* const raster = place.ground.raster.get();
+        for (std::size_t k = 0; raster && k < raster->values.size(); ++k) {
+            const std::size_t column = k % raster->columns, row = k / raster->columns;
+            const double x = raster->x + (static_cast<double>(column) + 0.5) * raster->cell;
+            const double z = raster->z + (static_cast<double>(row) + 0.5) * raster->cell;
+            const bool in_world = 0 <= x && x <= scene.world.length && 0 <= z && z <= scene.world.width;
+            if (in_world && std::isnan(raster->values[k])) refuse_gaps(place.ground.file, source);
+        }
+    });
+}
+
 // Water that people push has to know what momentum is. Of the model "auto" a candidate that does not is refused in its turn.
 void check_two_way(const Scene& scene, const std::string& source) {
     const ModelKind model = scene.fluid.model;
@@ -236,7 +274,9 @@ void check_water(const Scene& scene, const std::string& source, Problems& proble
     problems.attempt([&] { check_two_way(scene, source); });
     problems.attempt([&] { check_limits(fluid.density_solve, source, "/fluid/density_solve"); });
     problems.attempt([&] { check_limits(fluid.divergence_solve, source, "/fluid/divergence_solve"); });
-    if (!carries_water(scene.channel)) return;
+    const bool particles_on_place = scene.place && fluid.model == ModelKind::dfsph;
+    if (particles_on_place) check_particles_on_place(scene, source, problems);
+    if (!particles_on_place && !carries_water(scene.channel)) return;
     if (fluid.model != ModelKind::automatic) {  // which chooses a spacing that fits
         if (!problems.attempt([&] { check_spacing(scene, source); })) return;
         problems.attempt([&] { check_kernel(fluid, source); });

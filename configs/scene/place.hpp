@@ -47,6 +47,31 @@ struct SeriesPoint {
 };
 using Series = std::vector<SeriesPoint>;
 
+// At a time, s; 0 of no points.
+[[nodiscard]] inline double value_at(const Series& series, double time) {
+    if (series.empty()) return 0;
+    if (time <= series.front().time) return series.front().value;
+    for (std::size_t n = 1; n < series.size(); ++n) {
+        const SeriesPoint &a = series[n - 1], &b = series[n];
+        if (time <= b.time) return a.value + (b.value - a.value) * (time - a.time) / (b.time - a.time);
+    }
+    return series.back().value;
+}
+
+// From one time to another, s.
+[[nodiscard]] inline double integral_of(const Series& series, double begin, double end) {
+    double sum = 0, last = begin, value = value_at(series, begin);
+    const auto up_to = [&](double time, double next) {
+        sum += 0.5 * (value + next) * (time - last);
+        last = time, value = next;
+    };
+    const auto first = std::upper_bound(series.begin(), series.end(), begin,
+                                        [](double time, const SeriesPoint& p) { return time < p.time; });
+    for (auto p = first; p != series.end() && p->time < end; ++p) up_to(p->time, p->value);
+    up_to(end, value_at(series, end));
+    return sum;
+}
+
 // The ground: a raster, or the plane level + slope_x x + slope_z z with points on it, between which it is linear.
 struct Ground {
     std::string file;                           // of the raster, as the scene names it; empty: none

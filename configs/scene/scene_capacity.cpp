@@ -1,6 +1,7 @@
 #include "configs/scene/scene_capacity.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "configs/scene/particle_volume.hpp"
@@ -79,7 +80,37 @@ std::uint64_t river_particles(const Scene& scene) {
     return particles_in(channel.x.length() * channel.z.length() * channel.depth, scene.fluid.particle_spacing);
 }
 
+namespace {
+
+// Of the water that stands on a place at t = 0, m3: by the depth at points as far apart as the particles, at most about a million.
+double standing_water(const Scene& scene) {
+    const Place& place = *scene.place;
+    const double area = scene.world.length * scene.world.width;
+    const double step = std::max(scene.fluid.particle_spacing, std::sqrt(area / 1e6));
+    const auto along = [&](double length) { return static_cast<int>(std::max(1.0, std::round(length / step))); };
+    const int nx = along(scene.world.length), nz = along(scene.world.width);
+    const double dx = scene.world.length / nx, dz = scene.world.width / nz;
+    double volume = 0;
+    for (int k = 0; k < nx * nz; ++k) {
+        const int column = k % nx, row = k / nx;
+        const MapPoint p{(column + 0.5) * dx, (row + 0.5) * dz};
+        double depth = place.water_depth ? height_in(*place.water_depth, p) : 0;
+        for (const StandingWater& water : place.water) {
+            if (!water.polygon.rings.empty() && !contains(water.polygon, p)) continue;
+            depth = std::max(depth, water.level - ground_height(place.ground, p));
+        }
+        if (!(depth > 0)) continue;
+        const bool in_house = std::any_of(place.houses.begin(), place.houses.end(),
+                                          [&](const House& house) { return contains(house.polygon, p); });
+        if (!in_house) volume += depth * dx * dz;
+    }
+    return volume;
+}
+
+}  // namespace
+
 std::uint64_t particles_needed(const Scene& scene) {
+    if (scene.place) return particles_in(standing_water(scene), scene.fluid.particle_spacing);
     const Channel& channel = scene.channel;
     const double d = scene.fluid.particle_spacing;
     switch (channel.flow) {
@@ -103,7 +134,12 @@ std::uint64_t particles_needed(const Scene& scene) {
 
 std::uint64_t particles_expected(const Scene& scene) {
     const auto room = static_cast<std::uint64_t>(std::max(scene.fluid.max_particles, 0));
-    return std::min(particles_needed(scene), room);
+    double volume = 0;
+    if (scene.place) {
+        for (const Source& source : scene.place->sources) volume += integral_of(source.discharge, 0, scene.duration);
+    }
+    const double from_sources = volume / particle_volume(scene.fluid);
+    return std::min(particles_needed(scene) + static_cast<std::uint64_t>(std::min(from_sources, 1e9)), room);
 }
 
 }  // namespace wade

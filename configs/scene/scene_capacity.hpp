@@ -27,6 +27,7 @@ namespace wade {
 //   recirculating  the filled channel
 //   periodic       the filled channel, or as closed
 //   closed         the sum over the water blocks, each volume / d^3, rounded
+//   on a place     the water that stands on it at t = 0; what sources bring needs room of its own
 [[nodiscard]] std::uint64_t particles_needed(const Scene& scene);
 
 // How many particles there will be at most, as far as the scene tells: those that its channel takes, no more than

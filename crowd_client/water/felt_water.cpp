@@ -134,8 +134,8 @@ bool is_over_a_box(const Feeling& feeling, double x, double z) {
 
 Feeling make_feeling(const Scene& scene) {
     Feeling feeling;
-    // On a place each cell of the water is a particle.
-    const double spacing = scene.place
+    // Of shallow water on a place each cell is a particle.
+    const double spacing = scene.place && scene.fluid.model == ModelKind::shallow_water
                                ? std::min(scene.fluid.shallow_water.cell_size, largest_spread / spread_in_spacings)
                                : scene.fluid.particle_spacing;
     feeling.spread = std::max(least_spread, spread_in_spacings * spacing);

@@ -235,7 +235,9 @@ Navigation make_place_ways(const Scene& scene, const Agents& agents) {
 
     PlaceWays& place = navigation.place.emplace();
     constexpr double cell = GroundGrid::cell_size;
-    const double of_fluid = scene.fluid.shallow_water.cell_size, step = of_fluid * std::ceil(cell / of_fluid - 1e-9);
+    // Whole cells of the water.
+    const double of_fluid = scene.fluid.model == ModelKind::shallow_water ? scene.fluid.shallow_water.cell_size : cell;
+    const double step = of_fluid * std::ceil(cell / of_fluid - 1e-9);
     place.cells = {0,
                    0,
                    step,

@@ -52,6 +52,19 @@ Estimate DfsphModel::estimate(const Scene& scene) {
     return estimate;
 }
 
+DfsphModel::DfsphModel(const Scene& scene)
+    : world_(scene), bed_(bed_facets(scene.channel)), ground_(ground_of_bed(bed_)) {
+    if (!world_.place()) return;
+    ground_ = [&ground = world_.place()->ground()](const GroundVector& place) {
+        const auto x = static_cast<float>(place[0]), z = static_cast<float>(place[1]);
+        return ground.at(x, z).height(x, z);
+    };
+    columns_.emplace(scene);
+    const double dx = columns_->x().length() / columns_->nx(), dz = columns_->z().length() / columns_->nz();
+    maps_.emplace(MapGrid{columns_->x().lo, columns_->z().lo, dx, dz, columns_->nx(), columns_->nz()});
+    for (std::size_t c = 0; c < columns_->count(); ++c) maps_->wall[c] = columns_->is_solid(c);
+}
+
 std::uint32_t DfsphModel::capacity() const {
     return static_cast<std::uint32_t>(std::max(world_.scene().fluid.max_particles, 1));
 }
@@ -61,7 +74,7 @@ void DfsphModel::take_agents(const AgentsView& agents) {
     if (!people_.told) return;
     const double spacing = world_.scene().fluid.particle_spacing, mass = static_cast<double>(world_.particle_mass());
     world_.push_with([this, spacing, mass](const CellGrid& grid, Particles& particles, double duration, double gain) {
-        push_particles(people_, duration / people_.frame_time, gain, grid, bed_, spacing, mass, particles);
+        push_particles(people_, duration / people_.frame_time, gain, grid, ground_, spacing, mass, particles);
     });
 }
 
@@ -90,8 +103,8 @@ shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
     }
     ++frame_;
     const auto elapsed = std::chrono::steady_clock::now() - start;
-    const RiverMeasures river = measure_river(world_.particles(), static_cast<double>(world_.particle_mass()),
-                                              world_.scene().world.gravity, bed_);
+    const RiverMeasures river = measure();
+    add_to_maps();
     d.mean_density_error /= d.sub_steps;
     d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());
     d.mean_depth_m = river.mean_depth;
@@ -106,6 +119,39 @@ shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
     d.position_clamps = world_.position_clamps();
     d.recycled_particles = world_.emitter().recycled;
     return d;
+}
+
+RiverMeasures DfsphModel::measure() const {
+    const Particles& p = world_.particles();
+    RiverMeasures river =
+        measure_river(p, static_cast<double>(world_.particle_mass()), world_.scene().world.gravity, bed_);
+    if (!world_.place() || p.count == 0) return river;
+    double ground = 0;
+    for (std::size_t i = 0; i < p.count; ++i) {
+        ground += static_cast<double>(world_.place()->ground().at(p.x[i], p.z[i]).height(p.x[i], p.z[i]));
+    }
+    river.mean_depth -= 2 * ground / static_cast<double>(p.count);
+    return river;
+}
+
+void DfsphModel::add_to_maps() {
+    if (!maps_) return;
+    columns_->sum(world_.particles());
+    const std::size_t nx = columns_->nx();
+    std::vector<double> h(nx), u(nx), v(nx);
+    for (std::size_t k = 0; k < columns_->nz(); ++k) {
+        for (std::size_t i = 0; i < nx; ++i) {
+            const std::size_t c = k * nx + i;
+            h[i] = columns_->depth(c);
+            u[i] = columns_->is_wet(c) ? columns_->vx(c) : 0;
+            v[i] = columns_->is_wet(c) ? columns_->vz(c) : 0;
+        }
+        add_row(*maps_, k, world_.time(), h.data(), u.data(), v.data());
+    }
+}
+
+void DfsphModel::write_results(const std::filesystem::path& folder) const {
+    if (maps_) write_maps(*maps_, *world_.scene().place, folder);
 }
 
 StepReport DfsphModel::step(double remaining) {
@@ -170,6 +216,8 @@ std::string DfsphModel::remarks() const {
         text = "warning: the stock was empty for " + std::to_string(world_.emitter().layers_missed) +
                " layers of the emitter, raise fluid.max_particles";
     }
+    if (const std::string of_ends = world_.ends().remark(); !of_ends.empty())
+        text += (text.empty() ? "" : "; ") + of_ends;
     const Scene& scene = world_.scene();
     const double layers = deepest_water(scene) / scene.fluid.particle_spacing;
     if (scene.fluid.kernel == KernelKind::cubic_spline && layers > quiet_layers) {

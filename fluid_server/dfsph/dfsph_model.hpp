@@ -1,16 +1,21 @@
 #pragma once
 // The solved water (FluidWorld) as a model of the server.
 
+#include <optional>
+
+#include "fluid_server/dfsph/bed_friction.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
+#include "fluid_server/maps/flood_maps.hpp"
+#include "fluid_server/particles/river_measures.hpp"
 #include "fluid_server/people/pushes.hpp"
 
 namespace wade::fluid {
 
 class DfsphModel final : public FluidModel {
  public:
-    explicit DfsphModel(const Scene& scene) : world_(scene), bed_(bed_facets(scene.channel)) {}
+    explicit DfsphModel(const Scene& scene);
 
     [[nodiscard]] static Estimate estimate(const Scene& scene);
 
@@ -23,15 +28,22 @@ class DfsphModel final : public FluidModel {
     [[nodiscard]] const FluidState* state() override;
     [[nodiscard]] FailureStates states_before_failure() const override;
     void restore(const FluidState& state, const std::string& source) override;
+    void write_results(const std::filesystem::path& folder) const override;
 
     [[nodiscard]] const FluidWorld& world() const { return world_; }
 
  private:
     StepReport step(double remaining);
     void keep_state();
+    [[nodiscard]] RiverMeasures measure() const;
+    void add_to_maps();
 
     FluidWorld world_;
     std::vector<BedFacet> bed_;
+    GroundAt ground_;
+    // Of a place.
+    std::optional<WaterColumns> columns_;
+    std::optional<FloodMaps> maps_;
     PeopleInWater people_;
     // The state at the begin of the frame, and the last such state before it from which the water could go on well. One
     // copy a frame, 33 bytes a particle, 0.1 % of the CPU time of a frame; the second costs a swap.

@@ -75,7 +75,7 @@ FluidWorld::FluidWorld(const Scene& scene, ChannelEnds* ends)
             solver_.emplace(scene, kernel.open_surface_density, kernel.relaxation, confined_, ends_->carry_inflow());
         },
         kernel_);
-    if (scene.channel.manning_n > 0) {
+    if (is_rough(scene)) {
         friction_.emplace(scene, ends_->carry_inflow());
     }
     if (place_) relax();

@@ -102,6 +102,7 @@ class FluidWorld {
     [[nodiscard]] const ParticleFields& fields() const { return fields_; }
     [[nodiscard]] const Scene& scene() const { return scene_; }
     [[nodiscard]] float particle_mass() const { return particle_mass_; }  // rho_0 d^3, kg
+    [[nodiscard]] const ChannelEnds& ends() const { return *ends_; }
     [[nodiscard]] EmitterState emitter() const { return ends_->state().value_or(EmitterState{}); }
     // Vertical pressure force on the bed in the last step, N; costs a sweep, valid until the next step.
     [[nodiscard]] double bed_pressure_force() const;

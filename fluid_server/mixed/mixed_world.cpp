@@ -103,7 +103,7 @@ void MixedWorld::push(const CellGrid& cells, Particles& particles, double durati
     NearParticles near;
     shallow_water::NearCells outside;
     for (const Push& push : people_.pushes) {
-        find_near(push, cells, particles, top_of_column(push, bed_, spacing_), counts, near);
+        find_near(push, cells, particles, top_of_column(push, ground_of_bed(bed_), spacing_), counts, near);
         shallow_water::find_near(shallow_, push, window_.begin, window_.end, outside);
         NearWater water;
         add_particles(near, particles, mass, water);

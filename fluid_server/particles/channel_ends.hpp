@@ -14,6 +14,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "fluid_server/particles/particles.hpp"
 
@@ -57,6 +58,9 @@ class ChannelEnds {
 
     // Whether Kind::inflow is carried by other water, which gives it velocity and pressure, or waits as a lattice.
     [[nodiscard]] virtual bool carry_inflow() const { return false; }
+
+    // What a user should know at the end of a run; empty if there is nothing.
+    [[nodiscard]] virtual std::string remark() const { return {}; }
 
     [[nodiscard]] virtual std::optional<EmitterState> state() const { return std::nullopt; }
     // Goes on from a state at `time`, s. Only for ends that have one.

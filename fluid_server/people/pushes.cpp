@@ -55,8 +55,8 @@ void note_people(const PeopleInWater& people, shm::Diagnostics& diagnostics) {
     diagnostics.missing_for_people_z_n_s = people.account.missing[1];
 }
 
-float top_of_column(const Push& push, const std::vector<BedFacet>& bed, double spacing) {
-    return bed_height(bed, static_cast<float>(push.place[1])) + static_cast<float>(push.submerged + 0.5 * spacing);
+float top_of_column(const Push& push, const GroundAt& ground, double spacing) {
+    return (ground ? ground(push.place) : 0) + static_cast<float>(push.submerged + 0.5 * spacing);
 }
 
 void add_particles(const NearParticles& near, const Particles& p, double mass, NearWater& sum) {
@@ -120,8 +120,8 @@ void find_strips(const std::vector<Push>& pushes, double period, PushStrips& str
     }
 }
 
-void push_particles(PeopleInWater& people, double share, double gain, const CellGrid& grid,
-                    const std::vector<BedFacet>& bed, double spacing, double mass, Particles& particles) {
+void push_particles(PeopleInWater& people, double share, double gain, const CellGrid& grid, const GroundAt& ground,
+                    double spacing, double mass, Particles& particles) {
     const std::vector<Push>& pushes = people.pushes;
     if (pushes.empty()) return;
     const std::size_t threads =
@@ -131,7 +131,7 @@ void push_particles(PeopleInWater& people, double share, double gain, const Cell
     find_strips(pushes, grid.period(2), people.strips);
     const auto push_by = [&](std::size_t k, NearParticles& near) {
         find_near(
-            pushes[k], grid, particles, top_of_column(pushes[k], bed, spacing), [](float) { return 1.0; }, near);
+            pushes[k], grid, particles, top_of_column(pushes[k], ground, spacing), [](float) { return 1.0; }, near);
         NearWater water;
         add_particles(near, particles, mass, water);
         const GroundVector impulse = impulse_now(pushes[k], share, water, people.accounts[k]);

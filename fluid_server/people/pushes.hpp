@@ -21,6 +21,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "fluid_server/fluid_model.hpp"
@@ -138,8 +139,16 @@ void find_near(const Push& push, const CellGrid& grid, const Particles& p, float
     near.size = kept;
 }
 
+// The height of the ground at a place, m; empty: 0.
+using GroundAt = std::function<float(const GroundVector& place)>;
+
+// That of a channel's bed.
+[[nodiscard]] inline GroundAt ground_of_bed(const std::vector<BedFacet>& bed) {
+    return [&bed](const GroundVector& place) { return bed_height(bed, static_cast<float>(place[0])); };
+}
+
 // The height up to which particles lie in the column of a person, m.
-[[nodiscard]] float top_of_column(const Push& push, const std::vector<BedFacet>& bed, double spacing);
+[[nodiscard]] float top_of_column(const Push& push, const GroundAt& ground, double spacing);
 
 // Adds these particles, each of `mass` kg, to the sums.
 void add_particles(const NearParticles& near, const Particles& particles, double mass, NearWater& sum);
@@ -152,7 +161,7 @@ GroundVector take_from(const NearParticles& near, const GroundVector& impulse, d
 void find_strips(const std::vector<Push>& pushes, double period, PushStrips& strips);
 
 // Every person takes its share of the frame. gain: the velocities changed here count so many times in the end (midpoint.hpp).
-void push_particles(PeopleInWater& people, double share, double gain, const CellGrid& grid,
-                    const std::vector<BedFacet>& bed, double spacing, double mass, Particles& particles);
+void push_particles(PeopleInWater& people, double share, double gain, const CellGrid& grid, const GroundAt& ground,
+                    double spacing, double mass, Particles& particles);
 
 }  // namespace wade::fluid

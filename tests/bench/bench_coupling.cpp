@@ -187,7 +187,7 @@ void bench_people(const Options& options, std::vector<Result>& results) {
         double pushing_s = 0;
         water.push_with([&](const fluid::CellGrid& grid, fluid::Particles& p, double duration, double gain) {
             const double start = cpu_seconds();
-            fluid::push_particles(people, 30 * duration, gain, grid, bed, spacing, mass, p);
+            fluid::push_particles(people, 30 * duration, gain, grid, fluid::ground_of_bed(bed), spacing, mass, p);
             pushing_s += cpu_seconds() - start;
         });
         Answers crowds(scene_with);

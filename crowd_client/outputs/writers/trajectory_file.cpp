@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <span>
 #include <string>
 #include <utility>
@@ -18,29 +17,6 @@
 
 namespace wade::crowd {
 namespace {
-
-std::string text_of(double v) {
-    char buffer[32];
-    const auto end = std::to_chars(std::begin(buffer), std::end(buffer), v).ptr;
-    return {buffer, end};
-}
-
-std::string ring(const Interval& x, const Interval& z) {
-    const std::string x0 = text_of(x.lo), x1 = text_of(x.hi), z0 = text_of(z.lo), z1 = text_of(z.hi);
-    return "(" + x0 + " " + z0 + ", " + x1 + " " + z0 + ", " + x1 + " " + z1 + ", " + x0 + " " + z1 + ", " + x0 + " " +
-           z0 + ")";
-}
-
-bool touch(const Interval& a, const Interval& b) {
-    return a.lo <= b.hi && b.lo <= a.hi;
-}
-
-bool may_be_a_hole(const Scene& scene, const Obstacle& o) {
-    if (o.x.lo <= 0 || o.z.lo <= 0 || o.x.hi >= scene.world.length || o.z.hi >= scene.world.width) return false;
-    return std::none_of(scene.obstacles.begin(), scene.obstacles.end(), [&](const Obstacle& other) {
-        return &other != &o && touch(o.x, other.x) && touch(o.z, other.z);
-    });
-}
 
 // Cut to the positive range of SQLite's integers.
 std::int64_t geometry_hash(const std::string& wkt) {
@@ -73,22 +49,6 @@ void remove_old(const std::filesystem::path& file) {
 }
 
 }  // namespace
-
-std::string walkable_area_wkt(const Scene& scene) {
-    constexpr double inset = 1e-3;  // m
-    const World& world = scene.world;
-    std::string wkt = "POLYGON (" + ring({0, world.length}, {0, world.width});
-    for (const Obstacle& o : scene.obstacles) {
-        Interval x{std::max(o.x.lo, 0.0), std::min(o.x.hi, world.length)};
-        Interval z{std::max(o.z.lo, 0.0), std::min(o.z.hi, world.width)};
-        if (!may_be_a_hole(scene, o)) {
-            x = {x.lo + inset, x.hi - inset};
-            z = {z.lo + inset, z.hi - inset};
-        }
-        if (x.lo < x.hi && z.lo < z.hi) wkt += ", " + ring(x, z);
-    }
-    return wkt + ")";
-}
 
 constexpr int rows_at_once = 50;
 
@@ -206,11 +166,11 @@ void TrajectoryFile::Database::create_tables(const Scene& scene) {
         "CREATE TABLE geometry (hash INTEGER NOT NULL, wkt TEXT NOT NULL);"
         "CREATE TABLE frame_data (frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL);");
     set_metadata("version", "2");
-    set_metadata("fps", text_of(scene.crowd.step_rate / static_cast<double>(steps_per_path_frame(scene))));
+    set_metadata("fps", csv_number(scene.crowd.step_rate / static_cast<double>(steps_per_path_frame(scene))));
     set_metadata("xmin", "0");
-    set_metadata("xmax", text_of(scene.world.length));
+    set_metadata("xmax", csv_number(scene.world.length));
     set_metadata("ymin", "0");
-    set_metadata("ymax", text_of(scene.world.width));
+    set_metadata("ymax", csv_number(scene.world.width));
     const std::string wkt = walkable_area_wkt(scene);
     geometry = geometry_hash(wkt);
     run("INSERT INTO geometry VALUES (" + std::to_string(geometry) + ", '" + wkt + "');");

@@ -23,12 +23,16 @@ void put(std::string& bytes, T value) {
     bytes.append(raw, sizeof(T));
 }
 
+bool has_columns(const Scene& scene) {
+    return scene.place && scene.fluid.model == ModelKind::shallow_water;
+}
+
 // Half a metre shows single particles of the paper's scenes, in a place the water's own cells show its columns; at most about a
 // million cells a snapshot.
 double cell_size(const Scene& scene) {
     const double area = scene.channel.x.length() * scene.channel.z.length();
     const double of_water =
-        scene.place ? scene.fluid.shallow_water.cell_size : std::max(0.5, scene.fluid.particle_spacing);
+        has_columns(scene) ? scene.fluid.shallow_water.cell_size : std::max(0.5, scene.fluid.particle_spacing);
     return std::max(of_water, std::sqrt(area / 1e6));
 }
 
@@ -47,7 +51,7 @@ WaterSnapshots::WaterSnapshots(const std::filesystem::path& file, const Scene& s
     : file_(file),
       grid_(grid_over(scene)),
       rest_density_(scene.fluid.rest_density),
-      has_columns_(scene.place.has_value()),
+      has_columns_(has_columns(scene)),
       mass_(grid_.cells()) {
     std::string header = "WADEWAT1";
     put(header, static_cast<std::uint32_t>(grid_.columns));

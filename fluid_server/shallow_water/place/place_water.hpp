@@ -24,10 +24,6 @@
 
 namespace wade::fluid::shallow_water {
 
-// The value of a series at a time, and its integral from one time to another.
-double value_at(const Series& series, double time);
-double integral_of(const Series& series, double begin, double end);
-
 struct SourceCell {
     std::size_t cell = 0;   // place in the grid's memory
     double per_volume = 0;  // depth that a volume of the source adds, 1/m^2

@@ -98,10 +98,24 @@ TEST_CASE("people who start in a wall or without ground are refused, and so are 
     CHECK(load_or_refusal(hut, grid(), people(9, 9)).empty());
     CHECK_THAT(load_or_refusal(hut, grid("10", "-9999"), people(19.5, 0.5)),
                Contains("where the ground has no height"));
-    CHECK_THAT(
-        load_or_refusal("", grid(), R"(, "fluid": {"model": "dfsph"})"),
-        Contains(
-            "/fluid/model: \"dfsph\" knows no ground but a channel's bed; allowed beside /place: \"shallow_water\""));
+    CHECK_THAT(load_or_refusal("", grid(), R"(, "fluid": {"model": "kinematic"})"),
+               Contains("/fluid/model: \"kinematic\" knows no ground but a channel's bed; allowed beside /place: "
+                        "\"shallow_water\", \"dfsph\""));
+}
+
+TEST_CASE("particles on a place are refused rain, stages, gaps in the ground, and more water than there is room") {
+    const std::string particles = R"(, "fluid": {"model": "dfsph", "particle_spacing_m": 0.5})";
+    const std::string lake = R"("water": [{"level_m": 12}])";
+    CHECK(load_or_refusal(lake, grid(), particles).empty());
+    CHECK_THAT(load_or_refusal(R"("rain": {"rate_mm_h": 20})", grid(), particles),
+               Contains("/place/rain: particles are too large for drops"));
+    CHECK_THAT(load_or_refusal(R"("outlets": [{"line": [[0, 3], [0, 5]], "kind": "stage", "level_m": 11}])", grid(),
+                               particles),
+               Contains("/place/outlets/0/kind: \"stage\": particles only leave"));
+    CHECK_THAT(load_or_refusal(lake, grid("10", "-9999"), particles),
+               Contains("/place/ground/file") && Contains("particles need ground all over"));
+    CHECK_THAT(load_or_refusal(lake, grid(), R"(, "fluid": {"model": "dfsph", "max_particles": 100})"),
+               Contains("/fluid/max_particles: 100 particles are too few"));
 }
 
 TEST_CASE("people of a place without houses, shelters or a group are refused with the keys that help") {

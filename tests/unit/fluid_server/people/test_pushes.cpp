@@ -188,6 +188,16 @@ TEST_CASE("Particles above the depth in which a person stands, and those of an e
     CHECK(changed > 5);
 }
 
+TEST_CASE("The column of a person begins at the bed below, which changes along the channel") {
+    Channel channel;
+    channel.x = {0, 20}, channel.z = {0, 8};
+    channel.bed_points = {{0, 0}, {10, 0}, {20, 2}};
+    const std::vector<BedFacet> bed = bed_facets(channel);
+    const Push push{{15, 3}, {}, {}, 0.5, 0.75};
+    CHECK(top_of_column(push, ground_of_bed(bed), 0.2) == Approx(1 + 0.5 + 0.1));
+    CHECK(top_of_column(push, {}, 0.2) == Approx(0.5 + 0.1));
+}
+
 TEST_CASE("Cells lose what people take to 1e-13 of it") {
     shallow_water::ShallowWater world(river(ModelKind::shallow_water));
     const GroundVector before = momentum(world);
