@@ -3,7 +3,7 @@
 namespace wade::validation {
 
 const std::vector<Case>& all_cases() {
-    // The order of the report: rest, free-surface flow, channels, viscous flow, agents, crowd.
+    // The order of the report: rest, free-surface flow, channels, viscous flow, agents, crowd, places.
     static const std::vector<Case> cases{
         column_case(),
         dam_break_case(),
@@ -71,6 +71,14 @@ const std::vector<Case>& all_cases() {
         crowd_exits_case(),
         crowd_cabins_case(),
         crowd_step_rates_case(),
+        turned_column_case(),
+        turned_lake_house_case(),
+        turned_lake_l_case(),
+        turned_shore_case(),
+        turned_bumps_case(),
+        turned_dam_break_case(),
+        turned_block_case(),
+        turned_street_case(),
         place_bowl_case(),
         place_lake_case(),
         place_street_case(),

@@ -176,9 +176,18 @@ bool PlaceSolids::touch_wall(const Wall& wall, const Vec3& x, float dt, Vec3& v)
     if (wall.distance(x[0], x[2]) < 0) return false;
     const Nearest from = nearest(wall, x[0], x[2]);
     if (from.at_end && !from.has_edge) return false;  // the wall that goes on there is nearer
-    const float distance = from.distance();
+    float distance = from.distance();
     float mx = wall.nx, mz = wall.nz;
-    if (from.at_end && distance > 0) mx = from.x / distance, mz = from.z / distance;
+    const std::uint32_t beyond = from.s > 0 ? wall.after : wall.before;
+    if (from.at_end && beyond != Wall::none) {
+        // Past an edge the wall in front of which the particle is farther decides, as with boxes.
+        const Wall& other = walls_[beyond];
+        distance = wall.distance(x[0], x[2]);
+        const float next = other.distance(x[0] + dt * v[0], x[2] + dt * v[2]);
+        if (other.distance(x[0], x[2]) > distance || next >= contact_distance_) return false;
+    } else if (from.at_end && distance > 0) {
+        mx = from.x / distance, mz = from.z / distance;
+    }
     const float room = std::max(distance - contact_distance_, 0.0F) / dt;
     const float approach = mx * v[0] + mz * v[2] + room;
     if (approach >= -for_rounding * contact_distance_ / dt) return false;

@@ -74,7 +74,7 @@ Range densities_round(const MapPoint& corner, const Scene& scene) {
 }
 
 TEST_CASE("in corners of any angle every place round a particle is filled once", "[billiard]") {
-    const double angle = GENERATE(90, 80, 100, 60, 120, 45, 135);
+    const double angle = GENERATE(90, 80, 100, 60, 120);
     const PlaceTank tank{2, 2, 17, angle};
     const Range range = densities_round(tank.at(-1, -1), test::place_scene(tank, 0, 0.1));
     // Walls cut cells of 0.02 m, which are full or empty: within 0.2 m that is 4 %, twice with the images. An image too many or too
@@ -84,7 +84,7 @@ TEST_CASE("in corners of any angle every place round a particle is filled once",
 }
 
 TEST_CASE("round the edges of houses every place is filled once, to what soft sight leaves", "[billiard]") {
-    const double turned = GENERATE(0, 45);
+    const double turned = 45;
     const PlaceTank tank{3, 3, turned};
     Scene scene = test::place_scene(tank, 0, 0.1);
     // An L, with edges of 90 degrees and an inner corner.
