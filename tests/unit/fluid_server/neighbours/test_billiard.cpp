@@ -7,13 +7,14 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <random>
 
 #include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/neighbours/sweeps.hpp"
-#include "place_tank.hpp"
+#include "scenes.hpp"
 
 using namespace wade;
 using namespace wade::fluid;

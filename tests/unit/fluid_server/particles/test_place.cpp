@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <memory>
 
 #include "fluid_server/particles/place/place_filling.hpp"
-#include "place_tank.hpp"
+#include "scenes.hpp"
 
 using namespace wade;
 using namespace wade::fluid;
