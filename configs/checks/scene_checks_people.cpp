@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/choices.hpp"
 #include "configs/scene/fields/residents.hpp"
 
 namespace wade {
@@ -156,6 +157,11 @@ void check_residents(const Scene& scene, const std::string& source, Problems& pr
     if (scene.place) check_lodgers(scene, source, problems);
     problems.attempt([&] {
         if (scene.fluid.publish == Publish::all) return;
+        if (scene.place && scene.fluid.model != ModelKind::shallow_water) {
+            refuse(source, "/fluid/publish",
+                   "\"near_agents\" is for columns of water, which /fluid/model \"" + name_of(scene.fluid.model) +
+                       "\" has none of; allowed: \"all\".");
+        }
         if (!scene.place || scene.coupling.agents_stream == AgentsStream::off) {
             refuse(source, "/fluid/publish",
                    "\"near_agents\" asks where they are, on a place; allowed: \"all\", or /place and "

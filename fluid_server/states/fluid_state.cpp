@@ -1,6 +1,7 @@
 #include "fluid_server/states/fluid_state.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -77,6 +78,54 @@ void check_obstacles(const std::vector<Obstacle>& here, const std::vector<Obstac
     }
 }
 
+void check_lines(const std::string& pointer, const MapLine& here, const MapLine& there, const Comparison& compare) {
+    compare.same_number(pointer, here.size(), there.size());
+    for (std::size_t i = 0; i < here.size(); ++i) {
+        const std::string point = pointer + "/" + std::to_string(i);
+        compare.same(point + "/0", here[i].x, there[i].x);
+        compare.same(point + "/1", here[i].z, there[i].z);
+    }
+}
+
+void check_ground(const Ground& here, const Ground& there, const Comparison& compare) {
+    compare.same("/place/ground/level_m", here.level, there.level);
+    compare.same("/place/ground/slope_x", here.slope_x, there.slope_x);
+    compare.same("/place/ground/slope_z", here.slope_z, there.slope_z);
+    compare.same_number("/place/ground/points", here.points.size(), there.points.size());
+    for (std::size_t i = 0; i < here.points.size(); ++i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            compare.same("/place/ground/points/" + std::to_string(i) + "/" + std::to_string(axis), here.points[i][axis],
+                         there.points[i][axis]);
+        }
+    }
+    const std::vector<double> none;
+    const std::vector<double>& of_here = here.raster ? here.raster->values : none;
+    const std::vector<double>& of_there = there.raster ? there.raster->values : none;
+    compare.same_number("/place/ground/file", of_here.size(), of_there.size());
+    for (std::size_t i = 0; i < of_here.size(); ++i) {
+        if (!std::isnan(of_here[i]) || !std::isnan(of_there[i]))
+            compare.same("/place/ground/file, value " + std::to_string(i), of_here[i], of_there[i]);
+    }
+}
+
+// What confines the water; sources, outlets and friction may differ.
+void check_place(const Place& here, const Place& there, const Comparison& compare) {
+    check_ground(here.ground, there.ground, compare);
+    compare.same_number("/place/houses", here.houses.size(), there.houses.size());
+    for (std::size_t h = 0; h < here.houses.size(); ++h) {
+        const std::string pointer = "/place/houses/" + std::to_string(h) + "/polygon";
+        const std::vector<MapLine>&rings = here.houses[h].polygon.rings, &others = there.houses[h].polygon.rings;
+        compare.same_number(pointer, rings.size(), others.size());
+        for (std::size_t r = 0; r < rings.size(); ++r) check_lines(pointer, rings[r], others[r], compare);
+    }
+    compare.same_number("/place/gates", here.gates.size(), there.gates.size());
+    for (std::size_t g = 0; g < here.gates.size(); ++g) {
+        const std::string pointer = "/place/gates/" + std::to_string(g);
+        check_lines(pointer + "/line", here.gates[g].line, there.gates[g].line, compare);
+        compare.same(pointer + "/opens_at_s", here.gates[g].opens_at, there.gates[g].opens_at);
+    }
+}
+
 void check_room(const FluidState& state, const Scene& scene, const std::string& source) {
     const auto room = static_cast<std::uint64_t>(scene.fluid.max_particles);
     // Of the room of the state's run, what neither particles nor stock of an emitter used may go.
@@ -108,6 +157,8 @@ void check_state_fits(const FluidState& state, const Scene& scene, const std::st
     compare.same("/fluid/rest_density_kg_m3", scene.fluid.rest_density, state.scene.fluid.rest_density);
     check_channel(scene.channel, state.scene.channel, compare);
     check_obstacles(scene.obstacles, state.scene.obstacles, compare);
+    compare.same_number("/place", scene.place ? 1 : 0, state.scene.place ? 1 : 0);
+    if (scene.place) check_place(*scene.place, *state.scene.place, compare);
     check_room(state, scene, source);
 }
 

@@ -74,7 +74,8 @@ void fields(Fluid& fluid, Fields& f) {
              "the other models'. Unused by the other models.");
     f.choice(
         "publish", fluid.publish,
-        "On a place, which columns of water a frame holds. all: each wet cell. near_agents: those within 10 m and more "
+        "On a place, which columns of shallow_water a frame holds. all: each wet cell. near_agents: those within 10 m "
+        "and more "
         "of somebody outdoors, as /coupling/agents_stream says where they are; ways then know no other water, and maps "
         "of the crowd have no other.");
     f.object("mixed", fluid.mixed,

@@ -114,6 +114,9 @@ TEST_CASE("particles on a place are refused rain, stages, gaps in the ground, an
                Contains("/place/outlets/0/kind: \"stage\": particles only leave"));
     CHECK_THAT(load_or_refusal(lake, grid("10", "-9999"), particles),
                Contains("/place/ground/file") && Contains("particles need ground all over"));
+    CHECK_THAT(load_or_refusal(lake, grid(), R"(, "fluid": {"model": "dfsph", "publish": "near_agents"},
+                                               "coupling": {"agents_stream": "parallel"})"),
+               Contains("/fluid/publish: \"near_agents\" is for columns of water"));
     CHECK_THAT(load_or_refusal(lake, grid(), R"(, "fluid": {"model": "dfsph", "max_particles": 100})"),
                Contains("/fluid/max_particles: 100 particles are too few"));
 }
