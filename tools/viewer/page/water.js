@@ -120,10 +120,11 @@ export class Water {
     this.scene = scene;
     this.ground = ground;
     this.most = { depth: 0, speed: 0 }; // of a place, of what was shown so far
-    this.spacing = (ground ? scene.fluid.shallow_water.cell_size_m : scene?.fluid?.particle_spacing_m) ?? bounds?.spacing ?? 0.5;
+    this.columns = Boolean(ground) && scene.fluid.model !== 'dfsph'; // as wide as cells
+    this.spacing = (this.columns ? scene.fluid.shallow_water.cell_size_m : scene?.fluid?.particle_spacing_m) ?? bounds?.spacing ?? 0.5;
     const c = scene?.channel ?? bounds;
     const area = (c.x_max_m - c.x_min_m) * (c.z_max_m - c.z_min_m);
-    const cell = ground ? Math.max(this.spacing, Math.sqrt(area / 90000)) : Math.max(0.72 * this.spacing, Math.sqrt(area / 40000), 0.02);
+    const cell = Math.max((this.columns ? 1 : 0.72) * this.spacing, Math.sqrt(area / (ground ? 90000 : 40000)), 0.02);
     this.grid = new Grid(c.x_min_m, c.x_max_m, c.z_min_m, c.z_max_m, cell, ground ? (x, z) => ground.at(x, z) : undefined);
     this.fall = scene && hasFall(scene);
     this.gravity = scene?.world?.gravity_m_s2 ?? 9.81;
@@ -200,7 +201,7 @@ export class Water {
     this.message = message;
     const grid = this.grid;
     const [x, , z, vx, , vz, volume] = message.arrays;
-    if (this.ground && message.stride === 1) {
+    if (this.columns && message.stride === 1) {
       grid.fill(message.count, (k) => [x[k], z[k], volume[k], vx[k], vz[k]]);
     } else {
       grid.splat(message.arrays, message.count, 1.35 * this.spacing * Math.cbrt(message.stride));
@@ -214,7 +215,7 @@ export class Water {
   takeDepths(message) {
     this.message = null;
     const { columns, cell, x0, z0 } = message, depth = message.arrays[0];
-    if (this.ground && cell <= 1.01 * this.grid.cell) {
+    if (this.columns && cell <= 1.01 * this.grid.cell) {
       this.grid.fill(message.count, (k) => [x0 + cell * ((k % columns) + 0.5), z0 + cell * (Math.floor(k / columns) + 0.5), depth[k] * cell * cell, 0, 0]);
     } else {
       this.grid.resample(message, this.stream);

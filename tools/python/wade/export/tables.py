@@ -193,7 +193,8 @@ class GeoTiff:
         self.folder, channel, fluid = folder, scene["channel"], scene["fluid"]
         place = scene.get("place", {})
         self.density, self.epsg = fluid["rest_density_kg_m3"], int(place.get("epsg", 0))
-        size = fluid["shallow_water"]["cell_size_m"] if place else max(0.5, fluid["particle_spacing_m"])
+        columns = place and fluid["model"] == "shallow_water"
+        size = fluid["shallow_water"]["cell_size_m"] if columns else max(0.5, fluid["particle_spacing_m"])
         self.edges = []  # of cells, along z and x
         for axis in "zx":
             low, high = channel[f"{axis}_min_m"], channel[f"{axis}_max_m"]
