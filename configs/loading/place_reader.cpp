@@ -1,5 +1,6 @@
 #include "configs/loading/place_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -336,6 +337,10 @@ void read_place(Scene& scene, const SetByScene& set, const std::string& source, 
         if (!set.length) scene.world.length = raster->x + static_cast<double>(raster->columns) * raster->cell;
         if (!set.width) scene.world.width = raster->z + static_cast<double>(raster->rows) * raster->cell;
     }
+    constexpr double most_cells = 1e6;  // of ways: more are solved more slowly than people walk
+    double& cell = scene.crowd.navigation.cell;
+    const double of_that_many = std::sqrt(scene.world.length * scene.world.width / most_cells);
+    if (!set.ways_cell) cell = std::clamp(of_that_many, cell, 10.0);
     if (!set.model) scene.fluid.model = ModelKind::shallow_water;
     count_lodgers(scene);
     scene.channel = {};

@@ -10,11 +10,11 @@ namespace wade {
 
 // What a scene sets itself, and is not to be taken from its place.
 struct SetByScene {
-    bool length = false, width = false, model = false;
+    bool length = false, width = false, model = false, ways_cell = false;
 };
 
-// Reads what /place of `scene` names and fills scene.place, the extent of the world where the scene sets none, and a closed
-// channel of that extent. Notes what is wrong with key, file, feature, value and remedy; `source` names the scene.
+// Reads what /place of `scene` names and fills scene.place, the extent of the world and cells of ways where the scene sets
+// none, and a closed channel of that extent. Notes what is wrong with key, file, feature, value and remedy; `source` names the scene.
 void read_place(Scene& scene, const SetByScene& set, const std::string& source, Problems& problems);
 
 }  // namespace wade

@@ -77,7 +77,9 @@ SetByScene set_by(const nlohmann::json& document) {
     const auto sets = [&](const char* object, const char* key) {
         return document.contains(object) && document[object].contains(key);
     };
-    return {sets("world", "length_m"), sets("world", "width_m"), sets("fluid", "model")};
+    const bool ways = document.contains("crowd") && document["crowd"].contains("navigation") &&
+                      document["crowd"]["navigation"].contains("cell_m");
+    return {sets("world", "length_m"), sets("world", "width_m"), sets("fluid", "model"), ways};
 }
 
 void place_instead_of_channel(const nlohmann::json& document, Scene& scene, const std::string& source,

@@ -26,7 +26,8 @@ void fields(NavigationSettings& navigation, Fields& f) {
              "wants there, looked for once a second, with cells small enough for each gap that a person fits through; "
              "straight, without any cost, where none does. With crowding always travel_time.");
     f.number("cell_m", navigation.cell, "m", from(0.1).to(10),
-             "Largest cell of the field. Gaps between obstacles must be a cell plus 2 body_radius_m (1.44 with bodies) "
+             "Largest cell of the field; where a place has no cell_m, as large as a million cells of it are. Gaps "
+             "between obstacles must be a cell plus 2 body_radius_m (1.44 with bodies) "
              "wide to be found "
              "for certain; auto takes smaller cells for narrower gaps, down to 0.1 m.");
     f.number("crowding", navigation.crowding, "", from(0).to(10),

@@ -61,6 +61,19 @@ TEST_CASE("a place without all else: its raster is the world, and the water is s
     CHECK((raster.x == 0 && raster.z == 0 && raster.at(3, 2) == 10.23));
 }
 
+TEST_CASE("ways of a large place have a million cells unless the scene says how large they are") {
+    const auto cell_of = [](const std::string& more) {
+        const Folder folder;
+        const std::string level = R"({"ground": {"level_m": 0}})";
+        return wade::load_scene(folder.scene(level, more)).scene.crowd.navigation.cell;
+    };
+    CHECK(cell_of(R"(, "world": {"length_m": 4000, "width_m": 1000})") == 2);
+    CHECK(cell_of(R"(, "world": {"length_m": 400, "width_m": 300})") == 0.5);
+    CHECK(cell_of(R"(, "world": {"length_m": 40000, "width_m": 10000},
+                      "fluid": {"shallow_water": {"cell_size_m": 4}})") == 10);
+    CHECK(cell_of(R"(, "world": {"length_m": 4000, "width_m": 1000}, "crowd": {"navigation": {"cell_m": 1}})") == 1);
+}
+
 TEST_CASE("houses, zones, sources and shelters of files are in the scene's metres; properties stand over keys") {
     const Folder folder;
     const wade::Scene scene =

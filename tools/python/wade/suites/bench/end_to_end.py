@@ -96,7 +96,7 @@ def town_scene():
             "response": "measured",
             "bodies": "human",
             "markers": "redrawn",
-            "navigation": {"every_s": 5, "cell_m": 2, "slope": "tobler", "enters_up_to_m": 0.61},
+            "navigation": {"every_s": 5, "slope": "tobler", "enters_up_to_m": 0.61},
             "groups": [{
                 "name": "residents",
                 "start": {"from": "houses"},
