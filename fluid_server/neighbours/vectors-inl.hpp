@@ -269,10 +269,8 @@ class Factors {
 
 // How the views of a block map what a cluster looks with, and what it feels back: in straight channels,
 struct PlainViews {
-    const NeighbourBlock& block;
-
     using View = NeighbourBlock::View;
-    HWY_INLINE const View& of(const View& view) const { return view; }
+    static HWY_INLINE const View& of(const NeighbourBlock&, const View& view) { return view; }
 };
 HWY_INLINE Vec3V seen_from(const NeighbourBlock::View& view, const Vec3V& x) {
     return apply(view.map, x);
@@ -282,10 +280,8 @@ HWY_INLINE Vec3V felt_back(const NeighbourBlock::View& view, const Vec3V& gradie
 }
 // and on places.
 struct TurnedViews {
-    const NeighbourBlock& block;
-
     using View = NeighbourBlock::TurnedView;
-    HWY_INLINE const View& of(const NeighbourBlock::View& view) const {
+    static HWY_INLINE const View& of(const NeighbourBlock& block, const NeighbourBlock::View& view) {
         return block.turned[static_cast<std::size_t>(&view - block.views.data())];
     }
 };
@@ -294,16 +290,6 @@ HWY_INLINE Vec3V seen_from(const NeighbourBlock::TurnedView& view, const Vec3V& 
 }
 HWY_INLINE Vec3V felt_back(const NeighbourBlock::TurnedView& view, const Vec3V& gradient) {
     return apply_back(view.map.turn, gradient);
-}
-
-// Calls body(views) with those of a block.
-template <typename Body>
-HWY_INLINE void with_views(const NeighbourBlock& block, Body&& body) {
-    if (block.turned.empty()) {
-        body(PlainViews{block});
-    } else {
-        body(TurnedViews{block});
-    }
 }
 
 // Calls body(first particle, cluster) for the clusters of a block.
