@@ -72,7 +72,7 @@ struct Room {
     std::vector<WallPath> paths;
     std::vector<bool> done;
     PathsFound found;
-    std::vector<SeenNear> all;
+    std::vector<SeenNear> all, some;
     std::vector<SeenByKey> by_key;
     std::vector<const WallPath*> orders;
     std::vector<std::uint16_t> shares;  // of a block
@@ -111,6 +111,7 @@ class PlaceSearch {
     void add_cluster(std::size_t begin, std::size_t end) {
         places_ = places_of(p_, begin, end, size_);
         const Box box = box_round(places_);
+        is_near_ground_ = solids_.is_near_ground(box);
         note_near_particles(box);
         note_near_walls(box);
         add_paths({}, is_free());
@@ -231,10 +232,9 @@ class PlaceSearch {
         path.wall[path.length] = to.wall;
         path.beside[path.length] = room_.obstruction.beside(to.number, to.wall);
         ++path.length;
-        TurnedMap map;
-        for (std::size_t m = path.length; m > 0; --m) map = reflected_first(map, path.wall[m - 1]);
-        path.map = map;
-        if (comes_near(map)) room_.paths.push_back(path);
+        path.map = {};
+        for (std::size_t m = path.length; m > 0; --m) path.map = reflected_first(path.map, path.wall[m - 1]);
+        if (comes_near(path.map)) room_.paths.push_back(path);
         return true;
     }
 
@@ -287,7 +287,7 @@ class PlaceSearch {
         const GroundFacets& ground = solids_.ground();
         const GroundPlane& plane = ground.planes[0];
         const bool is_level = ground.is_one_plane() && plane.n[1] == 1;
-        const bool needs_key = !ground.is_one_plane() || (!is_level && path.length > 0);
+        const bool needs_key = is_near_ground_ && (!ground.is_one_plane() || (!is_level && path.length > 0));
         PathsFound& found = room_.found;
         if (!is_whole || needs_key) {
             found.make_room(room_.near.size, size_);
@@ -307,6 +307,7 @@ class PlaceSearch {
             }
         }
         add_segment({path.map, false}, nullptr, is_whole, list_of_seen(is_whole));
+        if (!is_near_ground_) return;
         if (!needs_key) {
             add_segment({with_ground(path, 0, plane), true}, nullptr, is_whole, list_of_seen(is_whole));
             return;
@@ -334,9 +335,7 @@ class PlaceSearch {
     // Of what has been found, or of all that is near.
     std::span<const SeenNear> list_of_seen(bool is_whole) {
         if (is_whole) return room_.all;
-        std::vector<SeenByKey>& lists = room_.by_key;
-        if (lists.empty()) lists.emplace_back();
-        std::vector<SeenNear>& seen = lists[0].seen;
+        std::vector<SeenNear>& seen = room_.some;
         seen.clear();
         for (std::uint32_t k = 0; k < room_.near.size; ++k) {
             if (room_.found.seen[k] != 0) seen.push_back({k, room_.found.seen[k]});
@@ -382,6 +381,7 @@ class PlaceSearch {
     std::size_t size_;  // of a cluster
     NeighbourBlock& block_;
     ClusterPlaces places_;
+    bool is_near_ground_ = true;
     Room& room_ = room_of_thread();
     std::size_t entries_ = 0;
     std::size_t shares_ = 0;  // of what is seen in part

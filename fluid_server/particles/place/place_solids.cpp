@@ -140,7 +140,7 @@ bool PlaceSolids::open_gates(double time) {
     closed_gates_ = closed;
     walls_ = walls_of(shape_, time, beyond_open_sides * static_cast<double>(support_radius_));
     std::vector<Box> boxes;
-    for (const Wall& wall : walls_) boxes.push_back(box_of(wall));
+    for (const Wall& wall : walls_) boxes.push_back(grown(box_of(wall), clamp_reach()));
     index_ = BoxIndex(boxes);
     return true;
 }
@@ -156,6 +156,30 @@ void PlaceSolids::find_near(const Box& box, float reach, std::vector<std::uint32
 
 void PlaceSolids::find_walls(const Box& box, std::vector<std::uint32_t>& found) const {
     find_near(box, support_radius_, found);
+}
+
+bool PlaceSolids::is_near_ground(const Box& box) const {
+    const float reach = 1.25F * support_radius_;
+    const Vec3 middle{0.5F * (box.lo[0] + box.hi[0]), 0.5F * (box.lo[1] + box.hi[1]), 0.5F * (box.lo[2] + box.hi[2])};
+    const auto is_near = [&](const GroundPlane& plane) {
+        float nearest = plane.distance(middle);
+        for (std::size_t k = 0; k < 3; ++k) nearest -= std::abs(plane.n[k]) * (box.hi[k] - middle[k]);
+        return nearest < reach;
+    };
+    if (ground_.is_one_plane()) return is_near(ground_.planes[0]);
+    const Box beside = grown(box, 0.5F * support_radius_);
+    const auto cell = [&](float at, float lo, int cells) {
+        return static_cast<int>(std::clamp((at - lo) * ground_.per_m, 0.0F, static_cast<float>(cells) - 0.5F));
+    };
+    for (int k = cell(beside.lo[2], ground_.z, ground_.nz); k <= cell(beside.hi[2], ground_.z, ground_.nz); ++k) {
+        for (int i = cell(beside.lo[0], ground_.x, ground_.nx); i <= cell(beside.hi[0], ground_.x, ground_.nx); ++i) {
+            const auto lower = static_cast<std::size_t>(2 * (k * ground_.nx + i));
+            for (const std::size_t triangle : {lower, lower + 1}) {
+                if (is_near(ground_.planes[static_cast<std::size_t>(ground_.plane_of[triangle])])) return true;
+            }
+        }
+    }
+    return false;
 }
 
 bool PlaceSolids::touch_ground(const Vec3& x, float dt, Vec3& v) const {
@@ -237,12 +261,10 @@ bool PlaceSolids::clamp(Vec3& x) const {
     const GroundPlane& plane = ground_.at(x[0], x[2]);
     const bool under = plane.distance(x) < 0;
     if (under) x[1] = plane.height(x[0], x[2]);
-    thread_local std::vector<std::uint32_t> near;
-    const Box here{x, x};
-    find_near(here, 2 * contact_distance_, near);
     const Wall* nearest_wall = nullptr;
     Nearest way;
-    for (const std::uint32_t w : near) {
+    for (const std::uint32_t w : index_.at(x[0], x[2])) {
+        if (std::abs(walls_[w].distance(x[0], x[2])) > clamp_reach()) continue;
         const Nearest to = nearest(walls_[w], x[0], x[2]);
         if (to.at_end && !to.has_edge) continue;
         if (nearest_wall == nullptr || to.distance() < way.distance()) nearest_wall = &walls_[w], way = to;

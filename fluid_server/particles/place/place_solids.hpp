@@ -49,6 +49,10 @@ class PlaceSolids {
     // Replaces `found` by the walls that are nearer in plan to a box than the support radius.
     void find_walls(const Box& box, std::vector<std::uint32_t>& found) const;
 
+    // Whether some plane of the ground under a box, or within half the support radius beside it, is nearer to it than that radius and a
+    // quarter, which is more than how far another particle may lie below the plane gone on.
+    [[nodiscard]] bool is_near_ground(const Box& box) const;
+
     // As Solids::apply_contact, without telling anybody. [A] Rounded at corners: no nearer to them than the contact distance.
     void apply_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const;
 
@@ -71,11 +75,14 @@ class PlaceSolids {
     bool touch_ground(const Vec3& x, float dt, Vec3& v) const;
     bool touch_wall(const Wall& wall, const Vec3& x, float dt, Vec3& v) const;
 
+    // Places farther behind a wall than this, m, are not put back: contact leaves none there.
+    [[nodiscard]] float clamp_reach() const { return 2 * contact_distance_; }
+
     PlaceShape shape_;
     GroundFacets ground_;
     std::size_t closed_gates_ = 0;
     std::vector<Wall> walls_;
-    BoxIndex index_;   // of the walls
+    BoxIndex index_;   // of the walls, by boxes that reach as far round them as places are put back
     BoxIndex houses_;  // of them in plan
     float support_radius_, contact_distance_, sight_delta_;
 };
