@@ -53,7 +53,7 @@ void compute_density_and_diagonal(const Particles& particles, const Kernel& kern
 // push against their images. A lid's is subtracted.
 double bed_pressure_force(const Particles& particles, const NeighbourLists& lists, double particle_mass);
 
-// Force on the faces of one obstacle, N, by the pressures of the last step and, if viscosity > 0, by viscosity at the
+// Force on the faces of one obstacle, or the walls of one house, N, by the pressures of the last step and, if viscosity > 0, by viscosity at the
 // velocities that the particles have now.
 std::array<double, 3> obstacle_force(const Particles& particles, const NeighbourLists& lists, double particle_mass,
                                      double viscosity, int obstacle);

@@ -19,6 +19,23 @@ double bed_pressure_force(const Particles& p, const NeighbourLists& lists, doubl
     return forces.total([](double& sum, double force) { sum += force; });
 }
 
+namespace {
+
+// Water slips along walls of a place: what it pushes against its images is along their normals, once both of a pair are counted.
+void add_force_on_house(const Particles& p, const ListedPair& pair, double particle_mass, double viscosity,
+                        std::array<double, 3>& force) {
+    if (p.kind[pair.i] == Kind::inflow) return;
+    const Vec3 felt = pair.felt();
+    const Vec3 image = pair.turned->map.turn.back({p.vx[pair.j], p.vy[pair.j], p.vz[pair.j]});
+    const Vec3 own{p.vx[pair.i], p.vy[pair.i], p.vz[pair.i]};
+    for (std::size_t a = 0; a < 3; ++a) {
+        force[a] += static_cast<double>((p.pressure[pair.i] + p.pressure[pair.j]) * felt[a]) * particle_mass;
+        force[a] -= 2 * viscosity * static_cast<double>((own[a] - image[a]) * pair.factor) * particle_mass;
+    }
+}
+
+}  // namespace
+
 std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& lists, double particle_mass,
                                      double viscosity, int obstacle) {
     BlockSums<std::array<double, 3>> forces;
@@ -27,6 +44,10 @@ std::array<double, 3> obstacle_force(const Particles& p, const NeighbourLists& l
         std::array<double, 3>& force = forces[b];
         for_each_pair(lists, b, [&](const ListedPair& pair) {
             const NeighbourBlock::View& face = pair.view;
+            if (pair.turned != nullptr) {
+                if (pair.turned->house == obstacle) add_force_on_house(p, pair, particle_mass, viscosity, force);
+                return;
+            }
             if (face.obstacle != obstacle || p.kind[pair.i] == Kind::inflow) {
                 return;
             }

@@ -46,7 +46,7 @@ void FluidWorld::touch_solids(float dt, StepReport& report) {
             v.x[i - begin] = p.vx[i], v.y[i - begin] = p.vy[i], v.z[i - begin] = p.vz[i];
         }
         if (place_) {
-            place_->apply_contact(places(begin), end - begin, dt, v);
+            place_->apply_contact(places(begin), end - begin, dt, v, on_obstacle);
         } else {
             solids_.apply_contact(places(begin), end - begin, dt, v, on_obstacle);
         }
@@ -61,7 +61,7 @@ void FluidWorld::touch_solids(float dt, StepReport& report) {
         sums_[b] = lifted / static_cast<double>(dt);
     });
     const auto mass = static_cast<double>(particle_mass_);
-    contact_forces_.assign(scene_.obstacles.size(), {});
+    contact_forces_.assign(place_ ? scene_.place->houses.size() : scene_.obstacles.size(), {});
     for (std::size_t b = 0; b < block_count(particles_.count); ++b) {
         for (const ContactSum& sum : contact_sums_[b]) {
             for (std::size_t k = 0; k < 3; ++k) {

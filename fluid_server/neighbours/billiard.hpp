@@ -57,6 +57,8 @@ struct WallPath {
     std::array<Wall, longest_path> wall{};
     std::array<Obstruction::Beside, longest_path> beside{};
     TurnedMap map;  // M
+
+    [[nodiscard]] std::int32_t house() const { return length > 0 ? wall[0].house : -1; }
 };
 
 // What is asked about the paths from a cluster to the particles near it.

@@ -68,7 +68,8 @@ struct NeighbourBlock {
     // Instead of `map` and `viscous` on a place, whose walls and ground have any angle; water slips along all of them.
     struct TurnedView {
         TurnedMap map;
-        bool in_ground = false;  // ground is among what mirrors
+        bool in_ground = false;   // ground is among what mirrors
+        std::int32_t house = -1;  // the first wall is one of this house, or -1
 
         bool operator==(const TurnedView&) const = default;
     };

@@ -306,10 +306,10 @@ class PlaceSearch {
                 find_paths(places_, room_.near, other, found);
             }
         }
-        add_segment({path.map, false}, nullptr, is_whole, list_of_seen(is_whole));
+        add_segment({path.map, false, path.house()}, nullptr, is_whole, list_of_seen(is_whole));
         if (!is_near_ground_) return;
         if (!needs_key) {
-            add_segment({with_ground(path, 0, plane), true}, nullptr, is_whole, list_of_seen(is_whole));
+            add_segment({with_ground(path, 0, plane), true, path.house()}, nullptr, is_whole, list_of_seen(is_whole));
             return;
         }
         const std::size_t keys = sort_by_key(found, room_.near.size, room_.by_key);
@@ -327,8 +327,8 @@ class PlaceSearch {
                 order = orders[between / (longest_path - 1)];
                 before = 1 + between % (longest_path - 1);
             }
-            add_segment({with_ground(*order, before, under), true}, ground.is_one_plane() ? nullptr : &under, false,
-                        list.seen);
+            add_segment({with_ground(*order, before, under), true, path.house()},
+                        ground.is_one_plane() ? nullptr : &under, false, list.seen);
         }
     }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "cases.hpp"
@@ -91,7 +92,9 @@ struct Measures {
     double lost = 0;                                        // particles in walls, or put back out of them
     double centre = 0, way = 0;                             // of all water along the tank, and what it went, m
     double front = 0;                                       // at half a second, m
-    std::vector<double> depth;                              // in squares of `square`, m
+    // On the first house in the tank, along it and across: of all time, N s, and the largest mean over 0.1 s, N.
+    double impulse = 0, side_impulse = 0, peak = 0;
+    std::vector<double> depth;  // in squares of `square`, m
 };
 
 constexpr double front_at = 0.5;  // s: before it meets anything
@@ -139,15 +142,23 @@ Measures measure(const Tank& tank, double degrees, bool along, const Request& re
         static_cast<double>(p.count) * static_cast<double>(world.particle_mass()) * scene.world.gravity;
     const int frames = frames_in(scene, tank.time), last = frames_in(scene, 1);
     Cost cost;
-    double time = 0, squares = 0, height = 0;
+    double time = 0, squares = 0, height = 0, of_window = 0;
+    const int window = frames_in(scene, 0.1);
     for (int f = 1; f <= frames; ++f) {
         const bool counts = f > frames - last;
         advance_frame(world, cost, [&](const fluid::StepReport& step) {
+            if (!tank.at_rest && !tank.houses.empty()) {
+                const std::array<double, 3> force = world.obstacle_force(1);
+                const double along_it = turn.cosine * force[0] + turn.sine * force[2];
+                m.impulse += along_it * step.dt, of_window += along_it * step.dt;
+                m.side_impulse += (turn.cosine * force[2] - turn.sine * force[0]) * step.dt;
+            }
             if (!counts) return;
             m.at_last = std::max(m.at_last, step.max_density_error);
             m.vertical_force += world.bed_pressure_force() * step.dt, m.contact += step.contact_force * step.dt;
             time += step.dt;
         });
+        if (f % window == 0) m.peak = std::max(m.peak, std::exchange(of_window, 0.0) / 0.1);
         if (f == frames_in(scene, front_at)) along_tank(p, turn, m.front);
         for (std::size_t i = 0; counts && i < p.count; ++i) {
             squares += static_cast<double>(p.vx[i] * p.vx[i] + p.vy[i] * p.vy[i] + p.vz[i] * p.vz[i]);
@@ -213,6 +224,11 @@ Result run_moving(const Tank& tank, const Request& request, double square) {
             note_worst("depth_l1" + lattice, l1 / static_cast<double>(m.depth.size()) / tank.level, "1", result);
             note_worst("centre" + lattice, std::abs(m.centre - straight.centre) / straight.way, "1", result);
             note_worst("front" + lattice, std::abs(m.front - straight.front), "m", result);
+            if (tank.houses.size() == 1) {
+                note_worst("impulse" + lattice, std::abs(m.impulse / straight.impulse - 1), "1", result);
+                note_worst("side_impulse" + lattice, std::abs(m.side_impulse / straight.impulse), "1", result);
+                note_worst("peak" + lattice, std::abs(m.peak / straight.peak - 1), "1", result);
+            }
             note_worst("compression", m.compression, "1", result);
             note_worst("lost", m.lost, "1", result);
             note_worst("mass", m.mass, "1", result);

@@ -220,7 +220,8 @@ bool PlaceSolids::touch_wall(const Wall& wall, const Vec3& x, float dt, Vec3& v)
     return true;
 }
 
-void PlaceSolids::apply_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const {
+void PlaceSolids::apply_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v,
+                                const OnHouse& on_house) const {
     constexpr std::size_t group = 16;
     thread_local std::vector<std::uint32_t> near;
     for (std::size_t begin = 0; begin < count; begin += group) {
@@ -239,7 +240,14 @@ void PlaceSolids::apply_contact(const Places& x, std::size_t count, float dt, Bl
             bool touched = !near.empty();
             for (int round = 0; round < rounds && touched; ++round) {
                 touched = false;
-                for (const std::uint32_t w : near) touched = touch_wall(walls_[w], place, dt, u) || touched;
+                for (const std::uint32_t w : near) {
+                    const Vec3 before = u;
+                    if (!touch_wall(walls_[w], place, dt, u)) continue;
+                    touched = true;
+                    if (!on_house || walls_[w].house < 0) continue;
+                    on_house(static_cast<std::uint32_t>(walls_[w].house), i,
+                             {before[0] - u[0], before[1] - u[1], before[2] - u[2]});
+                }
                 if (touched) touch_ground(place, dt, u);
             }
             if (touched) u[0] = u[2] = 0, u[1] = std::max(u[1], 0.0F);

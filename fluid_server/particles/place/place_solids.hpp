@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "fluid_server/particles/box_index.hpp"
@@ -53,8 +54,10 @@ class PlaceSolids {
     // quarter, which is more than how far another particle may lie below the plane gone on.
     [[nodiscard]] bool is_near_ground(const Box& box) const;
 
-    // As Solids::apply_contact, without telling anybody. [A] Rounded at corners: no nearer to them than the contact distance.
-    void apply_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const;
+    // As Solids::apply_contact; calls on_house(its number, particle, the velocity it took away).
+    using OnHouse = std::function<void(std::uint32_t, std::size_t, const Vec3&)>;
+    void apply_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v,
+                       const OnHouse& on_house = {}) const;
 
     // Moves a place that lies in a wall or under the ground to the nearest free one; true if it had to. A last guard.
     bool clamp(Vec3& x) const;

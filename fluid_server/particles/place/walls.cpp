@@ -27,6 +27,7 @@ constexpr double straight = 1e-5;    // rad
 struct Piece {
     MapPoint a, b;
     bool gate = false;
+    std::int32_t house = -1;
 };
 
 double cross(const MapPoint& u, const MapPoint& v) {
@@ -51,9 +52,10 @@ struct PlanBox {
 
 std::vector<Piece> outlines(const PlaceShape& shape, double time, double margin) {
     std::vector<Piece> pieces;
-    for (const MapPolygon& house : shape.houses) {
-        for (const MapLine& ring : house.rings) {
-            for (std::size_t k = 0; k < ring.size(); ++k) pieces.push_back({ring[k], ring[(k + 1) % ring.size()]});
+    for (std::size_t h = 0; h < shape.houses.size(); ++h) {
+        for (const MapLine& ring : shape.houses[h].rings) {
+            for (std::size_t k = 0; k < ring.size(); ++k)
+                pieces.push_back({ring[k], ring[(k + 1) % ring.size()], false, static_cast<std::int32_t>(h)});
         }
     }
     for (const Gate& gate : shape.gates) {
@@ -105,7 +107,7 @@ std::vector<Piece> cut_up(const std::vector<Piece>& whole) {
         const auto at = [&](double t) { return MapPoint{whole[i].a.x + t * way.x, whole[i].a.z + t * way.z}; };
         for (std::size_t c = 1; c < cuts.size(); ++c) {
             if ((cuts[c] - cuts[c - 1]) * length_of(way) > same_place)
-                pieces.push_back({at(cuts[c - 1]), at(cuts[c]), whole[i].gate});
+                pieces.push_back({at(cuts[c - 1]), at(cuts[c]), whole[i].gate, whole[i].house});
         }
     }
     return pieces;
@@ -164,7 +166,7 @@ std::vector<Piece> with_water_on_the_left(const PlaceShape& shape, const std::ve
         const bool right = water.at({middle.x + step * way.z, middle.z - step * way.x});
         if (left == right && !piece.gate) continue;
         if (left) add(piece);
-        if (right) add({piece.b, piece.a, piece.gate});
+        if (right) add({piece.b, piece.a, piece.gate, piece.house});
     }
     return walls;
 }
@@ -216,6 +218,7 @@ std::vector<Wall> walls_of(const PlaceShape& shape, double time, double margin) 
         wall.ux = static_cast<float>(way.x / length), wall.uz = static_cast<float>(way.z / length);
         wall.nx = -wall.uz, wall.nz = wall.ux;
         wall.length = static_cast<float>(length);
+        wall.house = pieces[w].house;
         wall_from[w] = static_cast<std::uint32_t>(walls.size());
         last_piece.push_back(last);
         walls.push_back(wall);
