@@ -78,10 +78,11 @@ FluidWorld::FluidWorld(const Scene& scene, ChannelEnds* ends)
     if (is_rough(scene)) {
         friction_.emplace(scene, ends_->carry_inflow());
     }
-    if (place_) relax();
+    relaxes_ = place_.has_value();
 }
 
-// Lets particles that walls and slopes put too near to one another, or to their own images, go apart: density solves without weight.
+// Lets particles that walls and slopes put too near to one another, or to their own images, go apart: density solves without
+// weight. At the first step, so that a crowd meets a server of much water before.
 void FluidWorld::relax() {
     constexpr int solves = 40;
     const auto d = static_cast<float>(scene_.fluid.particle_spacing);
@@ -108,6 +109,7 @@ void FluidWorld::relax() {
         });
     }
     std::fill(p.shift_pressure.begin(), p.shift_pressure.end(), 0.0F);
+    relaxes_ = false;
 }
 
 void FluidWorld::find_neighbours() {
@@ -143,6 +145,7 @@ void FluidWorld::restore(const FluidState& state, const std::string& source) {
     check_state_fits(state, scene_, source);
     copy_particles(state.particles, particles_);
     time_ = state.time;
+    relaxes_ = place_ && time_ == 0;
     position_clamps_ = state.position_clamps;
     if (state.emitter) {
         EmitterState emitter = *state.emitter;
@@ -154,6 +157,7 @@ void FluidWorld::restore(const FluidState& state, const std::string& source) {
 }
 
 StepReport FluidWorld::step(double remaining) {
+    if (relaxes_) relax();
     StepReport report;
     const Plan plan = plan_step(remaining, report);
     StepStages stage(report.stages);

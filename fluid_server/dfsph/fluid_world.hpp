@@ -173,6 +173,7 @@ class FluidWorld {
     double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed
     WaterDepth depth_;
     double lowest_ground_;      // m, of a place
+    bool relaxes_ = false;      // still has to
     double initial_speed_ = 0;  // of the fastest particle, m/s
     std::uint64_t position_clamps_ = 0;
     double time_ = 0;
