@@ -1,6 +1,7 @@
 // Where things are: intervals, and what must lie within what.
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "configs/checks/scene_checks.hpp"
@@ -96,6 +97,103 @@ double free_between(const Interval& a, const Interval& b) {
     return std::max(b.lo - a.hi, a.lo - b.hi);
 }
 
+// A side of a house.
+struct PlanSide {
+    MapPoint a, b;
+
+    // On the left of the side: > 0.
+    [[nodiscard]] double side_of(const MapPoint& p) const {
+        return (b.x - a.x) * (p.z - a.z) - (b.z - a.z) * (p.x - a.x);
+    }
+};
+
+bool cross(const PlanSide& one, const PlanSide& other) {
+    return one.side_of(other.a) * one.side_of(other.b) < 0 && other.side_of(one.a) * other.side_of(one.b) < 0;
+}
+
+// Ground plan of a house with its box.
+struct Plan {
+    Interval x{INFINITY, -INFINITY}, z{INFINITY, -INFINITY};
+    std::vector<PlanSide> sides;
+    const MapPolygon* polygon = nullptr;
+    std::string name;
+};
+
+Plan plan_of(const House& house) {
+    Plan plan;
+    plan.polygon = &house.polygon;
+    plan.name = house.label;
+    for (const MapLine& ring : house.polygon.rings) {
+        for (std::size_t k = 0; k < ring.size(); ++k) {
+            const MapPoint& p = ring[k];
+            plan.x = {std::min(plan.x.lo, p.x), std::max(plan.x.hi, p.x)};
+            plan.z = {std::min(plan.z.lo, p.z), std::max(plan.z.hi, p.z)};
+            plan.sides.push_back({p, ring[(k + 1) % ring.size()]});
+        }
+    }
+    return plan;
+}
+
+// What is free between two houses, 0 where they overlap, and the middle of where it is narrowest.
+struct Strait {
+    double width = INFINITY;
+    MapPoint middle;
+
+    void take(const PlanSide& side, const MapPoint& p) {
+        const double x = side.b.x - side.a.x, z = side.b.z - side.a.z, square = x * x + z * z;
+        const double along =
+            square > 0 ? std::clamp(((p.x - side.a.x) * x + (p.z - side.a.z) * z) / square, 0.0, 1.0) : 0;
+        const MapPoint foot{side.a.x + along * x, side.a.z + along * z};
+        const double distance = std::hypot(foot.x - p.x, foot.z - p.z);
+        if (distance >= width) return;
+        width = distance;
+        middle = {0.5 * (foot.x + p.x), 0.5 * (foot.z + p.z)};
+    }
+};
+Strait strait_between(const Plan& one, const Plan& other) {
+    Strait strait;
+    for (const PlanSide& a : one.sides) {
+        for (const PlanSide& b : other.sides) {
+            if (cross(a, b)) return {0, a.a};
+            strait.take(a, b.a);
+            strait.take(b, a.a);
+        }
+    }
+    if (contains(*other.polygon, one.sides[0].a) || contains(*one.polygon, other.sides[0].a)) strait.width = 0;
+    return strait;
+}
+
+// Calls add(width, between) for what is narrower than `enough`, m, among the houses of a place and the walls round it.
+template <typename Add>
+void find_gaps(const Scene& scene, double enough, Add&& add) {
+    constexpr double touching = 1e-6;  // m
+    std::vector<Plan> plans;
+    for (const House& house : scene.place->houses) plans.push_back(plan_of(house));
+    std::sort(plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return a.x.lo < b.x.lo; });
+    const auto note = [&](double width, const std::string& between) {
+        if (width > touching) add(width, between);
+    };
+    const auto in_house = [&](const MapPoint& p) {
+        return std::any_of(plans.begin(), plans.end(), [&](const Plan& plan) {
+            return plan.x.lo <= p.x && p.x <= plan.x.hi && contains(*plan.polygon, p);
+        });
+    };
+    for (std::size_t i = 0; i < plans.size(); ++i) {
+        const Plan& one = plans[i];
+        for (std::size_t k = i + 1; k < plans.size() && plans[k].x.lo < one.x.hi + enough; ++k) {
+            if (free_between(one.z, plans[k].z) >= enough) continue;
+            const Strait strait = strait_between(one, plans[k]);
+            if (strait.width < enough && !in_house(strait.middle))
+                note(strait.width, one.name + " and " + plans[k].name);
+        }
+        note(one.x.lo, one.name + " and the place's edge at x 0");
+        note(one.z.lo, one.name + " and the place's edge at z 0");
+        note(scene.world.length - one.x.hi,
+             one.name + " and the place's edge at x " + short_number(scene.world.length));
+        note(scene.world.width - one.z.hi, one.name + " and the place's edge at z " + short_number(scene.world.width));
+    }
+}
+
 void check_in_world(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
     const Interval world_x{0, scene.world.length}, world_z{0, scene.world.width};
@@ -110,13 +208,14 @@ void check_in_world(const Scene& scene, const std::string& source) {
 std::vector<std::string> narrow_gaps(const Scene& scene) {
     const Channel& channel = scene.channel;
     const bool has_particles = scene.fluid.model == ModelKind::dfsph || scene.fluid.model == ModelKind::mixed;
-    if (!has_particles || (channel.flow == Flow::closed && channel.water_blocks.empty())) return {};
+    if (!has_particles || (!scene.place && channel.flow == Flow::closed && channel.water_blocks.empty())) return {};
     std::vector<Gap> gaps;
     // What rounding adds to a gap that is just wide enough is no fault of it.
     const double enough = (1 - 1e-6) * spacings_in_a_gap * scene.fluid.particle_spacing;
     const auto add = [&](double width, const std::string& between) {
         if (width > 0 && width < enough) gaps.push_back({width, between});
     };
+    if (scene.place) find_gaps(scene, enough, add);
     const std::vector<Obstacle>& obstacles = scene.obstacles;
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
         const std::string name = "/obstacles/" + std::to_string(i);

@@ -1,5 +1,6 @@
 // Places that cannot be flooded or walked on: each with key, file, feature and remedy.
 
+#include "configs/checks/scene_checks.hpp"
 #include "scene_texts.hpp"
 
 namespace wade::refused_place_test {
@@ -101,6 +102,33 @@ TEST_CASE("people who start in a wall or without ground are refused, and so are 
     CHECK_THAT(load_or_refusal("", grid(), R"(, "fluid": {"model": "kinematic"})"),
                Contains("/fluid/model: \"kinematic\" knows no ground but a channel's bed; allowed beside /place: "
                         "\"shallow_water\", \"dfsph\""));
+}
+
+TEST_CASE("gaps between houses that are too narrow for particles are told with the spacing that they need") {
+    wade::Scene scene;
+    scene.world.length = 20, scene.world.width = 10;
+    scene.channel.flow = wade::Flow::closed;
+    scene.channel.x = {0, 20}, scene.channel.z = {0, 10};
+    scene.fluid.particle_spacing = 0.5;
+    const auto house = [](const std::string& name, wade::MapLine ring) {
+        wade::House made;
+        made.label = name;
+        made.polygon.rings = {std::move(ring)};
+        return made;
+    };
+    // A turned house 0.5 m from the next, which touches a third and overlaps a fourth; a fifth is 0.7 m from the edge.
+    scene.place.emplace();
+    scene.place->houses = {
+        house("a", {{3, 3}, {5, 5}, {3, 7}, {1, 5}}), house("b", {{5.5, 3}, {8, 3}, {8, 7}, {5.5, 7}}),
+        house("c", {{8, 3}, {10, 3}, {10, 7}, {8, 7}}), house("d", {{9, 2}, {11, 2}, {11, 4}, {9, 4}}),
+        house("e", {{17, 3}, {19.3, 3}, {19.3, 7}, {17, 7}})};
+    const std::vector<std::string> gaps = wade::narrow_gaps(scene);
+    REQUIRE(gaps.size() == 3);
+    CHECK_THAT(gaps[0], Contains("the gap of 0.5 m between a and b is 1 particle spacings wide"));
+    CHECK_THAT(gaps[1], Contains("the gap of 0.7 m between e and the place's edge at x 20"));
+    CHECK_THAT(gaps[2], Contains("the gap of 1 m between a and the place's edge at x 0"));
+    scene.fluid.model = wade::ModelKind::shallow_water;
+    CHECK(wade::narrow_gaps(scene).empty());
 }
 
 TEST_CASE("particles on a place are refused rain, stages, gaps in the ground, and more water than there is room") {
