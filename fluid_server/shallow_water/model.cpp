@@ -23,7 +23,9 @@ Estimate ShallowWaterModel::estimate(const Scene& scene) {
         scene.place ? grid.cells() : static_cast<std::uint64_t>(std::max(scene.fluid.max_particles, 0)) + grid.cells();
     Estimate estimate;
     estimate.particles = std::min(particles_expected(scene) + grid.cells(), room);
-    estimate.memory = empty_server + bytes_of_cell * cells + memory_of_frames(scene, room);
+    const std::size_t field = sizeof(double) * grid.stored(), fields = scene.place ? 21 : 14;  // in pages of their own
+    estimate.memory = empty_server + bytes_of_cell * cells +
+                      static_cast<double>(fields * (bytes_in_memory(field) - field)) + memory_of_frames(scene, room);
     const double speed = largest_velocity(scene.channel) + std::sqrt(scene.world.gravity * deepest_water(scene));
     const double rate = speed * (1 / grid.dx + 1 / grid.dz) / scene.fluid.cfl;  // steps a second
     estimate.cpu_time = scene.duration * std::max(rate, scene.frame_rate) * cells * cell_step_cost;
