@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 namespace wade::fluid {
 
@@ -17,17 +19,35 @@ constexpr double first_point_x = 0.37, first_point_z = 0.61;
 // tank, which the other columns then hold.
 constexpr double clearance = 0.2;
 
-// Depth of the water at t = 0, m; 0 where there is none.
-double depth_at(const Scene& scene, const PlaceSolids& solids, const MapPoint& p) {
+// Depth that the water at t = 0 would have if there were no walls, m; 0 where there is none.
+double depth_without_walls(const Scene& scene, const PlaceSolids& solids, const MapPoint& p) {
     const Place& place = *scene.place;
     double depth = 0;
-    const Vec3 x{static_cast<float>(p.x), 0, static_cast<float>(p.z)};
-    const double ground = static_cast<double>(solids.ground().at(x[0], x[2]).height(x[0], x[2]));
+    const auto x = static_cast<float>(p.x), z = static_cast<float>(p.z);
+    const double ground = static_cast<double>(solids.ground().at(x, z).height(x, z));
     for (const StandingWater& water : place.water) {
         if (water.polygon.rings.empty() || contains(water.polygon, p)) depth = std::max(depth, water.level - ground);
     }
     if (place.water_depth) depth = std::max(depth, height_in(*place.water_depth, p));
-    return depth > 0 && solids.is_water(x) ? depth : 0;
+    return depth;
+}
+
+// A square of cells of the lattice. Without walls near all of it is water, or none.
+enum class Tile { solid, water, walls };
+constexpr int tile_cells = 16;
+
+// Depth of the water at t = 0, m; 0 where there is none.
+double depth_at(const Scene& scene, const PlaceSolids& solids, Tile tile, const MapPoint& p) {
+    const double depth = depth_without_walls(scene, solids, p);
+    if (depth <= 0 || tile == Tile::water) return depth;
+    return solids.is_water({static_cast<float>(p.x), 0, static_cast<float>(p.z)}) ? depth : 0;
+}
+
+Tile tile_at(const PlaceSolids& solids, double x, double z, double side, std::vector<std::uint32_t>& walls) {
+    const auto f = [](double v) { return static_cast<float>(v); };
+    solids.find_walls({{f(x), 0, f(z)}, {f(x + side), 0, f(z + side)}}, walls);
+    if (!walls.empty()) return Tile::walls;
+    return solids.is_water({f(x + side / 2), 0, f(z + side / 2)}) ? Tile::water : Tile::solid;
 }
 
 bool is_clear(const PlaceSolids& solids, const MapPoint& p, double clear) {
@@ -39,47 +59,60 @@ bool is_clear(const PlaceSolids& solids, const MapPoint& p, double clear) {
 }
 
 // Of the water in a cell of the lattice, m3.
-double volume_of(const Scene& scene, const PlaceSolids& solids, const MapPoint& middle, bool is_cut) {
+double volume_of(const Scene& scene, const PlaceSolids& solids, Tile tile, const MapPoint& middle) {
     const double d = scene.fluid.particle_spacing;
-    const auto at = [&](double a, double b) { return depth_at(scene, solids, {middle.x + a * d, middle.z + b * d}); };
+    const auto at = [&](double a, double b) {
+        return depth_at(scene, solids, tile, {middle.x + a * d, middle.z + b * d});
+    };
+    const bool is_cut = tile == Tile::walls && !is_clear(solids, middle, (0.5 * std::sqrt(2.0) + clearance) * d);
     const auto [least, most] = std::minmax({at(-0.5, -0.5), at(0.5, -0.5), at(-0.5, 0.5), at(0.5, 0.5), at(0, 0)});
     if (!is_cut && (least > 0) == (most > 0)) return d * d * at(0, 0);
     double sum = 0;
-    for (int n = 0; n < points_along * points_along; ++n) {
-        sum += at((n % points_along + first_point_x) / points_along - 0.5,
-                  (n / points_along + first_point_z) / points_along - 0.5);
+    for (int i = 0; i < points_along; ++i) {
+        for (int k = 0; k < points_along; ++k)
+            sum += at((i + first_point_x) / points_along - 0.5, (k + first_point_z) / points_along - 0.5);
     }
     return d * d * sum / (points_along * points_along);
 }
 
-// Calls body(middle, depth there, volume of the cell) for the cells of the lattice.
-template <typename Body>
-void for_each_column(const Scene& scene, const PlaceSolids& solids, Body&& body) {
+struct Column {
+    MapPoint middle;
+    double depth = 0;  // m
+};
+struct Columns {
+    std::vector<Column> filled;
+    double water = 0, under_middles = 0;  // m3
+};
+
+// The cells of the lattice of the world, row by row.
+Columns columns_of(const Scene& scene, const PlaceSolids& solids) {
+    Columns columns;
+    if (scene.place->water.empty() && !scene.place->water_depth) return columns;
     const double d = scene.fluid.particle_spacing;
     const Interval &x = solids.shape().x, &z = solids.shape().z;
     const auto nx = static_cast<int>(std::ceil(x.length() / d - 1e-6)),
                nz = static_cast<int>(std::ceil(z.length() / d - 1e-6));
+    std::vector<Tile> tiles(static_cast<std::size_t>(nx / tile_cells + 1));
+    std::vector<std::uint32_t> walls;
     for (int k = 0; k < nz; ++k) {
+        for (std::size_t t = 0; k % tile_cells == 0 && t < tiles.size(); ++t) {
+            const double side = tile_cells * d;
+            tiles[t] = tile_at(solids, x.lo + static_cast<double>(t) * side, z.lo + k * d, side, walls);
+        }
         for (int i = 0; i < nx; ++i) {
+            const Tile tile = tiles[static_cast<std::size_t>(i / tile_cells)];
+            if (tile == Tile::solid) continue;
             const MapPoint middle{x.lo + (i + 0.5) * d, z.lo + (k + 0.5) * d};
-            const bool is_taken = middle.x < x.hi && middle.z < z.hi && is_clear(solids, middle, clearance * d);
-            const bool is_cut = !is_clear(solids, middle, (0.5 * std::sqrt(2.0) + clearance) * d);
-            body(middle, is_taken ? depth_at(scene, solids, middle) : 0, volume_of(scene, solids, middle, is_cut));
+            columns.water += volume_of(scene, solids, tile, middle);
+            if (middle.x >= x.hi || middle.z >= z.hi) continue;
+            if (tile == Tile::walls && !is_clear(solids, middle, clearance * d)) continue;
+            const double depth = depth_at(scene, solids, tile, middle);
+            if (depth <= 0) continue;
+            columns.filled.push_back({middle, depth});
+            columns.under_middles += depth * d * d;
         }
     }
-}
-
-struct Volumes {
-    double water = 0, under_middles = 0;  // m3
-};
-Volumes volumes_of(const Scene& scene, const PlaceSolids& solids) {
-    Volumes volumes;
-    const double area = scene.fluid.particle_spacing * scene.fluid.particle_spacing;
-    for_each_column(scene, solids, [&](const MapPoint&, double depth, double volume) {
-        volumes.water += volume;
-        volumes.under_middles += depth * area;
-    });
-    return volumes;
+    return columns;
 }
 
 std::size_t particles_in(double volume, double spacing) {
@@ -88,26 +121,22 @@ std::size_t particles_in(double volume, double spacing) {
 
 }  // namespace
 
-std::size_t particles_of_place(const Scene& scene, const PlaceSolids& solids) {
-    return particles_in(volumes_of(scene, solids).water, scene.fluid.particle_spacing);
-}
-
 void fill_place(Particles& particles, const Scene& scene, const PlaceSolids& solids) {
     const double d = scene.fluid.particle_spacing;
-    const Volumes volumes = volumes_of(scene, solids);
-    if (!(volumes.under_middles > 0)) return;
-    const double wanted = static_cast<double>(particles_in(volumes.water, d)) / (volumes.under_middles / (d * d * d));
+    const Columns columns = columns_of(scene, solids);
+    if (columns.filled.empty()) return;
+    const double wanted = static_cast<double>(particles_in(columns.water, d)) / (columns.under_middles / (d * d * d));
     double due = 0;
     std::size_t filled = 0;
-    for_each_column(scene, solids, [&](const MapPoint& p, double depth, double) {
-        due += wanted * depth / d;
-        const auto x = static_cast<float>(p.x), z = static_cast<float>(p.z);
+    for (const Column& column : columns.filled) {
+        due += wanted * column.depth / d;
+        const auto x = static_cast<float>(column.middle.x), z = static_cast<float>(column.middle.z);
         const double ground = static_cast<double>(solids.ground().at(x, z).height(x, z));
         for (double y = 0.5 * d; static_cast<double>(filled) + 0.5 < due; y += d, ++filled) {
-            const double pressure = scene.world.gravity * std::max(0.0, depth - y);
+            const double pressure = scene.world.gravity * std::max(0.0, column.depth - y);
             particles.add({x, static_cast<float>(ground + y), z}, {0, 0, 0}, Kind::fluid, static_cast<float>(pressure));
         }
-    });
+    }
 }
 
 }  // namespace wade::fluid

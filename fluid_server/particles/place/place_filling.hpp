@@ -13,7 +13,4 @@ namespace wade::fluid {
 // pressure of water at rest. Throws std::length_error if there is no room.
 void fill_place(Particles& particles, const Scene& scene, const PlaceSolids& solids);
 
-// So many particles will that be.
-[[nodiscard]] std::size_t particles_of_place(const Scene& scene, const PlaceSolids& solids);
-
 }  // namespace wade::fluid

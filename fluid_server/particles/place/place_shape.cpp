@@ -46,6 +46,8 @@ GroundGrid ground_grid(const Ground& ground, const World& world, double spacing)
     GroundGrid grid;
     grid.cell = ground_cell * spacing;
     if (ground.raster) grid.cell = std::max(grid.cell, 2 * ground.raster->cell);
+    const bool is_one_plane = !ground.raster && ground.points.empty();
+    if (is_one_plane) grid.cell = std::max({grid.cell, world.length, world.width});
     grid.x = grid.z = -grid.cell;
     grid.nx = static_cast<std::size_t>(std::ceil(world.length / grid.cell)) + 2;
     grid.nz = static_cast<std::size_t>(std::ceil(world.width / grid.cell)) + 2;

@@ -65,7 +65,7 @@ struct PlaceShape {
 };
 
 // A side is open if a free outlet is at all of it but houses. Ground cells are as long as three particle spacings, or twice the
-// raster's cells where those are longer than that.
+// raster's cells where those are longer than that; a plane's are as long as the world.
 [[nodiscard]] PlaceShape place_shape(const Scene& scene);
 
 [[nodiscard]] bool in_house(const PlaceShape& shape, const MapPoint& p);

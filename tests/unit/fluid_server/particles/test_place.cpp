@@ -141,7 +141,6 @@ TEST_CASE("water of a place is as much as its volume, whatever the angle", "[pla
     const PlaceSolids solids = test::solids_of(scene);
     Particles particles(2000);
     fill_place(particles, scene, solids);
-    CHECK(particles.count == particles_of_place(scene, solids));
     CHECK(static_cast<double>(particles.count) == Approx(1.2 * 1.2 * 0.53 / 1e-3).epsilon(5e-3));
     for (std::size_t i = 0; i < particles.count; ++i) {
         CHECK(solids.is_water({particles.x[i], particles.y[i], particles.z[i]}));
