@@ -70,7 +70,27 @@ Vector2d step_with_body(CrowdWorld& crowd, std::size_t k) {
     return to;
 }
 
+bool goes_with_water(const CrowdWorld& crowd, std::size_t k) {
+    const std::uint32_t id = crowd.active[k];
+    if (crowd.agents.people.by_body[id] != 0) {
+        const PersonState state = crowd.agents.people.condition[id].state;
+        return !has_ground(state) && state != PersonState::holding;
+    }
+    const Vector2d& push = crowd.contacts[k].momentum;
+    return crowd.agents.velocity[id].dot(push) > std::max(0.0, crowd.walking[k].dot(push));
+}
+
 }  // namespace
+
+bool leaves_with_water(const CrowdWorld& crowd, std::size_t k) {
+    if (!crowd.scene.place || !goes_with_water(crowd, k)) return false;
+    const Vector2d& at = crowd.agents.position[crowd.active[k]];
+    const Fluid& f = crowd.scene.fluid;
+    const double reach = 1.5 * (f.model == ModelKind::shallow_water ? f.shallow_water.cell_size : f.particle_spacing);
+    return std::ranges::any_of(crowd.scene.place->outlets, [&](const Outlet& outlet) {
+        return is_at(outlet, {at.x(), at.y()}, reach);
+    });
+}
 
 void move_agents(CrowdWorld& crowd) {
     Agents& agents = crowd.agents;

@@ -269,22 +269,12 @@ void look_who_stands(const Step& step) {
     note_standing(step.crowd, step.number);
 }
 
-// Whether the water carries somebody out: into an outlet or, as that is emptied, half a cell or spacing beside it [A].
-bool leaves_with_water(const CrowdWorld& crowd, std::uint32_t id) {
-    if (!crowd.scene.place || crowd.agents.people.by_body[id] == 0) return false;
-    const PersonState state = crowd.agents.people.condition[id].state;
-    if (has_ground(state) || state == PersonState::holding) return false;
-    const MapPoint p{crowd.agents.position[id].x(), crowd.agents.position[id].y()};
-    const Fluid& f = crowd.scene.fluid;
-    const double reach = 1.5 * (f.model == ModelKind::shallow_water ? f.shallow_water.cell_size : f.particle_spacing);
-    const auto holds = [&](const Outlet& outlet) { return is_at(outlet, p, reach); };
-    return std::ranges::any_of(crowd.scene.place->outlets, holds);
-}
-
-Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
+// Of agent k.
+Outcome judge(const CrowdWorld& crowd, std::size_t k) {
+    const std::uint32_t id = crowd.active[k];
     const Vector2d& p = crowd.agents.position[id];
     const bool may_drown = crowd.scene.crowd.response == ResponseKind::measured;
-    if (p.x() < 0 || leaves_with_water(crowd, id) ||
+    if (p.x() < 0 || leaves_with_water(crowd, k) ||
         (may_drown && crowd.agents.people.condition[id].state == PersonState::drowned))
         return Outcome::dead;
     if (goes_to_shelters(crowd, id)) return Outcome::active;
@@ -296,8 +286,9 @@ Outcome judge(const CrowdWorld& crowd, std::uint32_t id) {
 void judge_outcomes(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     bool all_go_on = true;
-    for (const std::uint32_t id : crowd.active) {
-        Outcome outcome = judge(crowd, id);
+    for (std::size_t k = 0; k < crowd.active.size(); ++k) {
+        const std::uint32_t id = crowd.active[k];
+        Outcome outcome = judge(crowd, k);
         if (outcome == Outcome::active && goes_to_shelters(crowd, id)) outcome = come_to_shelter(crowd, id);
         crowd.agents.outcome[id] = outcome;
         if (outcome == Outcome::active) continue;

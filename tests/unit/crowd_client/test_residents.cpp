@@ -187,6 +187,20 @@ TEST_CASE("Whom the water carries into an outlet is lost, at another edge he is 
     }
 }
 
+TEST_CASE("Who has a tau is lost in an outlet into which the water moves him, not in one that he walks to or past") {
+    Scene scene = swept(true);
+    scene.crowd.response = ResponseKind::paper;
+    AgentGroup& group = scene.crowd.groups[0];
+    group.start_x = 4;
+    const MadeUpWater water = uniform_water(0, 40, 0, 40, 0.5, 0.5, -2, 0);
+    for (const double tau : {0.0, 0.1, 0.9}) {
+        group.tau = {{tau, tau}};
+        CrowdWorld crowd = make_crowd(scene);
+        for (int k = 0; k < 300 && crowd.agents.outcome[0] == Outcome::active; ++k) step(crowd, water.view());
+        CHECK((crowd.dead == 1) == (tau == 0.9));  // who stands firm enough walks on to the shelter, against the water
+    }
+}
+
 TEST_CASE("Who stands in an outlet stays") {
     Scene scene = swept(true);
     scene.crowd.groups[0].start_x = 1;
