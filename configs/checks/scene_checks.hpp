@@ -49,6 +49,20 @@ void check_residents(const Scene& scene, const std::string& source, Problems& pr
 // Whether the flow brings or starts with water up to channel.depth.
 [[nodiscard]] bool has_river(const Channel& channel);
 
+// Lines on the map; scene_checks_place.cpp.
+namespace on_map {
+
+// Twice the area of a triangle, m2, positive if its corners run from x towards z.
+[[nodiscard]] double turn(const MapPoint& a, const MapPoint& b, const MapPoint& c);
+
+// Whether the lines from a to b and from c to d cross.
+[[nodiscard]] bool cross(const MapPoint& a, const MapPoint& b, const MapPoint& c, const MapPoint& d);
+
+// The point of the line from a to b that is nearest to p.
+[[nodiscard]] MapPoint nearest_on(const MapPoint& a, const MapPoint& b, const MapPoint& p);
+
+}  // namespace on_map
+
 // A number as errors show it: up to six digits, no trailing zeros.
 [[nodiscard]] std::string short_number(double value);
 

@@ -100,16 +100,7 @@ double free_between(const Interval& a, const Interval& b) {
 // A side of a house.
 struct PlanSide {
     MapPoint a, b;
-
-    // On the left of the side: > 0.
-    [[nodiscard]] double side_of(const MapPoint& p) const {
-        return (b.x - a.x) * (p.z - a.z) - (b.z - a.z) * (p.x - a.x);
-    }
 };
-
-bool cross(const PlanSide& one, const PlanSide& other) {
-    return one.side_of(other.a) * one.side_of(other.b) < 0 && other.side_of(one.a) * other.side_of(one.b) < 0;
-}
 
 // Ground plan of a house with its box.
 struct Plan {
@@ -140,10 +131,7 @@ struct Strait {
     MapPoint middle;
 
     void take(const PlanSide& side, const MapPoint& p) {
-        const double x = side.b.x - side.a.x, z = side.b.z - side.a.z, square = x * x + z * z;
-        const double along =
-            square > 0 ? std::clamp(((p.x - side.a.x) * x + (p.z - side.a.z) * z) / square, 0.0, 1.0) : 0;
-        const MapPoint foot{side.a.x + along * x, side.a.z + along * z};
+        const MapPoint foot = on_map::nearest_on(side.a, side.b, p);
         const double distance = std::hypot(foot.x - p.x, foot.z - p.z);
         if (distance >= width) return;
         width = distance;
@@ -154,7 +142,7 @@ Strait strait_between(const Plan& one, const Plan& other) {
     Strait strait;
     for (const PlanSide& a : one.sides) {
         for (const PlanSide& b : other.sides) {
-            if (cross(a, b)) return {0, a.a};
+            if (on_map::cross(a.a, a.b, b.a, b.b)) return {0, a.a};
             strait.take(a, b.a);
             strait.take(b, a.a);
         }

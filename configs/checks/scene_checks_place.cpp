@@ -12,6 +12,20 @@
 
 namespace wade {
 
+double on_map::turn(const MapPoint& a, const MapPoint& b, const MapPoint& c) {
+    return (b.x - a.x) * (c.z - a.z) - (b.z - a.z) * (c.x - a.x);
+}
+
+bool on_map::cross(const MapPoint& a, const MapPoint& b, const MapPoint& c, const MapPoint& d) {
+    return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
+}
+
+MapPoint on_map::nearest_on(const MapPoint& a, const MapPoint& b, const MapPoint& p) {
+    const double x = b.x - a.x, z = b.z - a.z, square = x * x + z * z;
+    const double along = square > 0 ? std::clamp(((p.x - a.x) * x + (p.z - a.z) * z) / square, 0.0, 1.0) : 0;
+    return {a.x + along * x, a.z + along * z};
+}
+
 namespace {
 
 constexpr double rounding = 1e-9;
@@ -46,15 +60,6 @@ MapBox box_of(const MapPolygon& polygon, const MapLine& line = {}) {
     return box;
 }
 
-// Twice the area of a triangle, positive if its corners run from x towards z.
-double turn(const MapPoint& a, const MapPoint& b, const MapPoint& c) {
-    return (b.x - a.x) * (c.z - a.z) - (b.z - a.z) * (c.x - a.x);
-}
-
-bool cross(const MapPoint& a, const MapPoint& b, const MapPoint& c, const MapPoint& d) {
-    return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
-}
-
 // Where a ring crosses itself: its edges by their smallest x, each against those that begin before it ends.
 std::optional<MapPoint> crossing_of(const MapLine& ring) {
     struct Edge {
@@ -69,8 +74,8 @@ std::optional<MapPoint> crossing_of(const MapLine& ring) {
         for (std::size_t k = i + 1; k < edges.size() && edges[k].lo() <= edges[i].hi(); ++k) {
             const auto& [a, b] = edges[i];
             const auto& [c, d] = edges[k];
-            if (!cross(a, b, c, d)) continue;
-            const double along = turn(c, d, a) / (turn(c, d, a) - turn(c, d, b));
+            if (!on_map::cross(a, b, c, d)) continue;
+            const double along = on_map::turn(c, d, a) / (on_map::turn(c, d, a) - on_map::turn(c, d, b));
             return MapPoint{a.x + along * (b.x - a.x), a.z + along * (b.z - a.z)};
         }
     }
@@ -79,17 +84,15 @@ std::optional<MapPoint> crossing_of(const MapLine& ring) {
 
 double area_of(const MapLine& ring) {
     double twice = 0;
-    for (std::size_t k = 1; k + 1 < ring.size(); ++k) twice += turn(ring[0], ring[k], ring[k + 1]);
+    for (std::size_t k = 1; k + 1 < ring.size(); ++k) twice += on_map::turn(ring[0], ring[k], ring[k + 1]);
     return std::abs(twice) / 2;
 }
 
 double distance_to(const MapLine& ring, const MapPoint& p) {
     double nearest = INFINITY;
     for (std::size_t k = 0; k < ring.size(); ++k) {
-        const MapPoint &a = ring[k], &b = ring[(k + 1) % ring.size()];
-        const double dx = b.x - a.x, dz = b.z - a.z, square = dx * dx + dz * dz;
-        const double along = square > 0 ? std::clamp(((p.x - a.x) * dx + (p.z - a.z) * dz) / square, 0.0, 1.0) : 0;
-        nearest = std::min(nearest, std::hypot(p.x - a.x - along * dx, p.z - a.z - along * dz));
+        const MapPoint foot = on_map::nearest_on(ring[k], ring[(k + 1) % ring.size()], p);
+        nearest = std::min(nearest, std::hypot(p.x - foot.x, p.z - foot.z));
     }
     return nearest;
 }

@@ -106,8 +106,8 @@ class FluidWorld {
     [[nodiscard]] EmitterState emitter() const { return ends_->state().value_or(EmitterState{}); }
     // Vertical pressure force on the bed in the last step, N; costs a sweep, valid until the next step.
     [[nodiscard]] double bed_pressure_force() const;
-    // Force of the water on the faces of an obstacle, on a place of a house, in the last step, N: pressure, viscosity, contact. Costs a sweep,
-    // valid until the next step.
+    // Force of the water on the faces of an obstacle, on a place of a house, in the last step, N: pressure, viscosity,
+    // contact. Costs a sweep, valid until the next step.
     [[nodiscard]] std::array<double, 3> obstacle_force(std::size_t obstacle) const;
     // Pairs of a particle and a neighbour or image nearer than the support radius in the last step, both directions counted,
     // and the bytes of its lists. Cost a sweep.
