@@ -3,8 +3,8 @@
 //
 // Each rank has all of the grid in memory and works on its own rows. What it reads of others comes by messages:
 //
-//   each stage of a step    two rows of (h, eta, u, v) from the band below and the one above; what cells of a group in
-//                           several bands get (openings.hpp)
+//   each stage of a step    two rows of (h, eta, u, v) from the band below and the one above, of a place three; what cells
+//                           of a group in several bands get (openings.hpp)
 //   each step               the longest step and whether depths stayed positive, by the largest of all; of a place its wet
 //                           lines, its outlets; of a recirculating channel sums by row, added up in the order of the rows
 //   each frame              the first rank gets what is published, of lines where water was since the last one
@@ -29,7 +29,6 @@ struct Band {
 
     std::vector<std::size_t> first_rows;                             // by rank, and the number of all rows
     std::vector<std::size_t> shared;                                 // cells of groups that lie in several bands
-    std::vector<std::uint64_t> wet_groups;                           // a bit each, known to all ranks
     Lines touched;                                                   // lines that were worked on since the last frame
     std::vector<double> to_lower, from_lower, to_upper, from_upper;  // memory
     std::vector<std::uint64_t> part, all, words;

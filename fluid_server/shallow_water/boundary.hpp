@@ -32,6 +32,14 @@ struct Primitive {
     [[nodiscard]] const RowMemory& surface() const { return eta.empty() ? h : eta; }
 };
 
+// Cells from place c on, with u or v as the velocity normal to the faces.
+inline Cells along_x(const Primitive& p, std::size_t c) {
+    return {p.h.data() + c, p.surface().data() + c, p.u.data() + c, p.v.data() + c};
+}
+inline Cells across(const Primitive& p, std::size_t c) {
+    return {p.h.data() + c, p.surface().data() + c, p.v.data() + c, p.u.data() + c};
+}
+
 // Fills the ghost cells, those beside lines that are active; at the ends of rows [begin, end) only.
 void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity, const Lines& active,
                  std::size_t begin, std::size_t end);

@@ -16,6 +16,7 @@
 // what the reconstruction adds, g/2 (h^2 - h*^2), and the bed's slope inside the cell, then sum up to g h times the slope
 // of the surface, which is zero to the last bit where the water is level.
 
+#include <concepts>
 #include <cstddef>
 
 namespace wade::fluid::shallow_water {
@@ -29,12 +30,14 @@ struct Cells {
 struct CellRow {
     double *h, *eta, *normal, *along;
     [[nodiscard]] operator Cells() const { return {h, eta, normal, along}; }  // NOLINT(google-explicit-constructor)
+    [[nodiscard]] CellRow from(std::integral auto i) const { return {h + i, eta + i, normal + i, along + i}; }
 };
 
 // What passes through the faces per width and second: mass / density in m^2/s, momentum / density in m^3/s^2.
 struct FluxRow {
     double *mass, *along;
     double *into_lower, *into_upper;  // normal momentum, without g h*^2/2 of the lower and of the upper side
+    [[nodiscard]] FluxRow from(std::size_t i) const { return {mass + i, along + i, into_lower + i, into_upper + i}; }
 };
 
 struct FluxConstants {

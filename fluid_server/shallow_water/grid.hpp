@@ -48,7 +48,7 @@ struct Water {
 struct Bed {
     RowMemory height;     // b, m: the mean of bed_points over the cell, or the top of an obstacle
     RowMemory obstacle;   // 1 in cells whose centre lies in an obstacle, else 0; empty if there is none
-    bool level = false;   // whether all heights are 0
+    bool level = false;   // of a channel: whether all heights are 0
     RowMemory ground;     // of a place: height as it is given; b of cells that are stepped as one is their mean
     RowMemory n_squared;  // of a place: square of Manning's n, s^2/m^(2/3); empty: the same everywhere
 };

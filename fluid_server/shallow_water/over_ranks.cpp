@@ -10,7 +10,7 @@ namespace wade::fluid::shallow_water {
 
 namespace {
 
-constexpr std::size_t fewest_rows = 4;  // of a band: two that each neighbour reads
+constexpr std::size_t fewest_rows = 4;  // of a band: three that each neighbour may read
 constexpr double worth_while = 1.2;     // work of the busiest band over the mean, above which bands are cut anew
 
 std::size_t rank_of(const Band& band, std::size_t row) {
@@ -116,31 +116,33 @@ void fill_borders(ShallowWater& world, Primitive& state) {
     if (band.ranks == nullptr) return;
     std::vector<RowMemory*> fields{&state.h, &state.u, &state.v};
     if (!state.eta.empty()) fields.push_back(&state.eta);
-    const std::size_t size = fields.size() * Grid::ghosts * grid.nx;
+    const std::size_t rows = Grid::ghosts + (world.place ? 1 : 0);  // slopes away from a wall look at one more
+    const std::size_t width = grid.nx + 2 * Grid::ghosts;
+    const std::size_t size = fields.size() * rows * width;
     const auto copy = [&](std::vector<double>& message, std::ptrdiff_t row, bool out) {
         message.resize(size);
         double* at = message.data();
         for (RowMemory* field : fields) {
-            for (std::size_t g = 0; g < Grid::ghosts; ++g, at += grid.nx) {
-                double* const cells = field->data() + grid.row(row + static_cast<std::ptrdiff_t>(g));
-                out ? std::copy_n(cells, grid.nx, at) : std::copy_n(at, grid.nx, cells);
+            for (std::size_t g = 0; g < rows; ++g, at += width) {
+                double* const cells = field->data() + grid.row(row + static_cast<std::ptrdiff_t>(g)) - Grid::ghosts;
+                out ? std::copy_n(cells, width, at) : std::copy_n(at, width, cells);
             }
         }
     };
     const int last = band.ranks->count() - 1, rank = band.ranks->rank();
     const bool round = world.scene.channel.sides == Sides::periodic;
     const auto begin = static_cast<std::ptrdiff_t>(band.begin), end = static_cast<std::ptrdiff_t>(band.end);
-    constexpr auto ghosts = static_cast<std::ptrdiff_t>(Grid::ghosts);
+    const auto read = static_cast<std::ptrdiff_t>(rows);
     Ranks::Neighbour lower, upper;
     lower.rank = rank > 0 ? rank - 1 : round ? last : -1;
     upper.rank = rank < last ? rank + 1 : round ? 0 : -1;
     band.from_lower.resize(size), band.from_upper.resize(size);
     if (lower.rank >= 0) copy(band.to_lower, begin, true);
-    if (upper.rank >= 0) copy(band.to_upper, end - ghosts, true);
+    if (upper.rank >= 0) copy(band.to_upper, end - read, true);
     lower.to = band.to_lower, lower.from = band.from_lower;
     upper.to = band.to_upper, upper.from = band.from_upper;
     band.ranks->exchange(lower, upper);
-    if (lower.rank >= 0) copy(band.from_lower, begin - ghosts, false);
+    if (lower.rank >= 0) copy(band.from_lower, begin - read, false);
     if (upper.rank >= 0) copy(band.from_upper, end, false);
 }
 
@@ -239,20 +241,10 @@ void share_wet(ShallowWater& world) {
     Band& band = world.band;
     if (band.ranks == nullptr) return;
     std::vector<RowField> marks;
-    for (Lines* lines : {&world.lines.wet.own, &world.lines.wet.one, &world.lines.wet.two}) {
+    for (Lines* lines : {&world.lines.wet.own, &world.lines.wet.one}) {
         marks.push_back({lines->row(0), lines->words(), lines->words()});
     }
     gather_rows(band, marks, true);
-    const Openings& openings = world.openings;
-    band.wet_groups.assign((openings.groups.size() + 63) / 64, 0);
-    if (band.wet_groups.empty()) return;
-    for (std::size_t g = 0; g < openings.groups.size(); ++g) {
-        const std::size_t m = openings.groups[g].first;
-        if (!band.has(openings.places_of_members[m].row)) continue;
-        const bool wet = world.water.h[openings.members_of_groups[m]] > world.constants.dry;
-        band.wet_groups[g / 64] |= std::uint64_t{wet} << (g % 64);
-    }
-    band.ranks->merge(band.wet_groups);
 }
 
 void keep_own_groups(ShallowWater& world) {

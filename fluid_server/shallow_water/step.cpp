@@ -7,6 +7,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "fluid_server/particles/inflow.hpp"
 #include "fluid_server/shallow_water/people.hpp"
+#include "fluid_server/shallow_water/place/place_update.hpp"
 #include "fluid_server/shallow_water/row_update.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -45,8 +46,10 @@ double sum(const std::vector<double>& values) {
 
 // Gives the members of a group the mean of what each would have alone. It is made of differences, so that nothing changes where
 // all have the same.
-void step_group(ShallowWater& world, const Group& group, const StageTerms& terms, const BandTo& to, double& least) {
+void step_group(ShallowWater& world, const Group& group, double& least) {
     const Openings& openings = world.openings;
+    Water& to = world.stage;
+    Primitive& primitive = world.stage_primitive;
     const auto mean = [&](const RowMemory& values) {
         const double one = values[openings.members_of_groups[group.first]];
         double more = 0;
@@ -55,65 +58,30 @@ void step_group(ShallowWater& world, const Group& group, const StageTerms& terms
         }
         return one + more;
     };
-    double h = mean(to.primitive.h);
+    double h = mean(to.h);
     least = std::min(least, h);
     h = std::max(h, 0.0);
-    const bool wet = h > terms.constants.dry;
+    const bool wet = h > world.constants.dry;
     const double qx = wet ? mean(to.qx) : 0, qz = wet ? mean(to.qz) : 0;
     const double inverse = 1 / (wet ? h : 1.0);
     for (std::size_t m = group.first; m < group.last; ++m) {
         const std::size_t member = openings.members_of_groups[m];
-        if (to.h != nullptr) (*to.h)[member] = h;
-        to.qx[member] = qx, to.qz[member] = qz;
-        to.primitive.h[member] = h;
-        if (!to.primitive.eta.empty()) to.primitive.eta[member] = h + world.bed.height[member];
-        to.primitive.u[member] = qx * inverse;
-        to.primitive.v[member] = qz * inverse;
+        to.h[member] = h, to.qx[member] = qx, to.qz[member] = qz;
+        primitive.h[member] = h;
+        primitive.eta[member] = h + world.bed.height[member];
+        primitive.u[member] = qx * inverse;
+        primitive.v[member] = qz * inverse;
     }
 }
 
-// The cells of outlets keep over both stages the state that they were given. Returns the volume that the first stage brought
-// them, of which the step takes half, m^3.
-double hold_outlets(ShallowWater& world, const BandTo& to) {
-    std::vector<double>& volumes = world.place->volumes;
-    volumes.clear();
-    for (const PlaceOutlet& outlet : world.place->outlets) {
-        for_each_cell_in(world.lines.active, outlet, [&](const OutletCell& cell) {
-            const std::size_t c = cell.cell;
-            volumes.push_back(0);
-            if (!world.band.has(c / world.grid.stride - Grid::ghosts)) return;
-            volumes.back() =
-                (to.primitive.h[c] - world.primitive.h[c]) * world.openings.share_of(c) * world.grid.cell_area();
-            to.qx[c] = world.water.qx[c], to.qz[c] = world.water.qz[c];
-            to.primitive.h[c] = world.primitive.h[c];
-            if (!to.primitive.eta.empty()) to.primitive.eta[c] = world.primitive.eta[c];
-            to.primitive.u[c] = world.primitive.u[c], to.primitive.v[c] = world.primitive.v[c];
-        });
-    }
-    merge(world.band, volumes);
-    return sum(volumes);
-}
-
-// One Euler step, mixed with the world's `water`: see update_band(). Returns what hold_outlets() does of the first stage.
-double euler_step(ShallowWater& world, const BandFrom& from, double share, double dt, double discharge,
-                  const BandTo& to) {
-    const double n = world.place ? world.scene.place->roughness.n : world.scene.channel.manning_n;
-    const StageTerms terms{world.constants, world.acceleration, n, share, dt, discharge};
+// One Euler step, mixed with the world's `water`: see update_band().
+void euler_step(ShallowWater& world, const BandFrom& from, double share, double dt, double discharge,
+                const BandTo& to) {
+    const StageTerms terms{world.constants, world.acceleration, world.scene.channel.manning_n, share, dt, discharge};
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
         update_band(world, from, terms, begin, end, buffer, to);
     });
-    share_groups(world, to.primitive.h, to.qx, to.qz);
-    const auto groups = static_cast<std::ptrdiff_t>(world.openings.active_groups.size());
-    double least = 0;
-#pragma omp parallel for schedule(static) reduction(min : least) if (groups >= 512)
-    for (std::ptrdiff_t number = 0; number < groups; ++number) {
-        const Group& group = world.openings.groups[world.openings.active_groups[static_cast<std::size_t>(number)]];
-        step_group(world, group, terms, to, least);
-    }
-    world.row_least[world.band.begin] = std::min(world.row_least[world.band.begin], least);
-    const double held = world.place && to.h == nullptr ? hold_outlets(world, to) : 0;
     fill_borders(world, to.primitive);
-    return held;
 }
 
 double time_step(ShallowWater& world, double remaining) {
@@ -168,7 +136,6 @@ bool heun_step(ShallowWater& world, StepReport& report) {
     const double discharge =
         channel.flow == Flow::emitter ? channel.depth * mean_velocity(channel, world.time, world.time + report.dt) : 0;
     const auto note_flow = [&] {
-        if (world.place) return;
         const std::array<RowField, 2> flows{RowField{world.row_inflow.data(), 1, 1}, {world.row_outflow.data(), 1, 1}};
         gather_rows(world.band, flows, false);
         report.inflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_inflow);
@@ -180,10 +147,9 @@ bool heun_step(ShallowWater& world, StepReport& report) {
     };
     for (WatchedFace& watched : world.watched) watched.step_volume = watched.step_momentum = 0;
     Water &water = world.water, &stage = world.stage;
-    const double held = 0.5 * euler_step(world, {water.qx, water.qz, world.primitive}, 1, report.dt, discharge,
-                                         {nullptr, stage.qx, stage.qz, world.stage_primitive});
+    euler_step(world, {water.qx, water.qz, world.primitive}, 1, report.dt, discharge,
+               {nullptr, stage.qx, stage.qz, world.stage_primitive});
     note_flow();
-    (held > 0 ? report.outflow : report.inflow) += std::abs(held);
     const bool positive = stayed_positive(world);
     euler_step(world, {stage.qx, stage.qz, world.stage_primitive}, 0.5, report.dt, discharge,
                {&stage.h, stage.qx, stage.qz, world.primitive});
@@ -191,12 +157,34 @@ bool heun_step(ShallowWater& world, StepReport& report) {
     return all_agree(world.band, positive && stayed_positive(world));
 }
 
+// Hancock's step of dt from `water` and `primitive` to `stage` and `stage_primitive`. Whether all depths stayed positive.
+bool hancock_step(ShallowWater& world, double dt) {
+    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
+        update_place_band(world, dt, begin, end, buffer);
+    });
+    share_groups(world, world.stage.h, world.stage.qx, world.stage.qz);
+    const auto groups = static_cast<std::ptrdiff_t>(world.openings.active_groups.size());
+    double least = 0;
+#pragma omp parallel for schedule(static) reduction(min : least) if (groups >= 512)
+    for (std::ptrdiff_t number = 0; number < groups; ++number) {
+        step_group(world, world.openings.groups[world.openings.active_groups[static_cast<std::size_t>(number)]], least);
+    }
+    world.row_least[world.band.begin] = std::min(world.row_least[world.band.begin], least);
+    fill_borders(world, world.stage_primitive);
+    return all_agree(world.band, stayed_positive(world));
+}
+
 // The longest step of report.dt after which all depths are positive, each one tried half of the one before.
 void advance(ShallowWater& world, StepReport& report) {
-    for (int halved = 0; !heun_step(world, report) && halved < most_halvings; ++halved) {
-        update_active(world);
-        report.dt *= 0.5;
-        report.inflow = report.outflow = 0;
+    if (world.place) {
+        for (int halved = 0; !hancock_step(world, report.dt) && halved < most_halvings; ++halved) report.dt *= 0.5;
+        std::swap(world.primitive, world.stage_primitive);
+    } else {
+        for (int halved = 0; !heun_step(world, report) && halved < most_halvings; ++halved) {
+            update_active(world);
+            report.dt *= 0.5;
+            report.inflow = report.outflow = 0;
+        }
     }
     std::swap(world.water, world.stage);
 }
@@ -268,7 +256,7 @@ StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, st
         remaining = until_gate_opens(*world.place, world.time, remaining);
     }
     stage(Stage::time_step, [&] { report.dt = time_step(world, remaining); });
-    stage(Stage::heun, [&] { advance(world, report); });
+    stage(Stage::update, [&] { advance(world, report); });
     stage(Stage::flow, [&] { book_flow(world); });
     const bool driven = world.scene.channel.flow == Flow::recirculating;
     const bool pushed = people != nullptr && people->push();

@@ -116,39 +116,6 @@ void find_active_groups(ShallowWater& world) {
     }
 }
 
-// Whether the water in a group, of this rank or of another one, is more than a film.
-bool is_wet(const ShallowWater& world, std::size_t g) {
-    if (world.band.ranks != nullptr) return (world.band.wet_groups[g / 64] >> (g % 64) & 1U) != 0;
-    return world.water.h[world.openings.members_of_groups[world.openings.groups[g].first]] > world.constants.dry;
-}
-
-// A dry group beside water is wet everywhere after the first stage, and what is beside it then may be after the second.
-void mark_beside_groups(ShallowWater& world) {
-    const Openings& openings = world.openings;
-    const WetMarks& wet = world.lines.wet;
-    Lines& active = world.lines.active;
-    bool marked = false;
-    for (const std::size_t g : openings.active_groups) {
-        const Group& group = openings.groups[g];
-        if (is_wet(world, g)) continue;
-        const auto begin = openings.places_of_members.begin() + static_cast<std::ptrdiff_t>(group.first);
-        const auto end = openings.places_of_members.begin() + static_cast<std::ptrdiff_t>(group.last);
-        const bool beside = std::any_of(begin, end, [&](const MemberPlace& m) {
-            return wet.one.has(m.row, m.column) || (m.row > 0 && wet.own.has(m.row - 1, m.column)) ||
-                   (m.row + 1 < world.grid.nz && wet.own.has(m.row + 1, m.column));
-        });
-        if (!beside) continue;
-        marked = true;
-        std::for_each(begin, end, [&](const MemberPlace& m) {
-            active.set(m.row, m.column > 0 ? m.column - 1 : 0);
-            active.set(m.row, std::min(m.column + std::size_t{1}, world.grid.nx - 1));
-            if (m.row > 0) active.set(m.row - 1, m.column);
-            if (m.row + 1 < world.grid.nz) active.set(m.row + 1, m.column);
-        });
-    }
-    if (marked) find_active_groups(world);
-}
-
 // Lines with a cell that is not closed.
 Lines open_lines(const Openings& openings, const Grid& grid) {
     if (!openings.any()) return Lines(grid, true);
@@ -299,7 +266,6 @@ void find_active(ShallowWater& world) {
     };
     by_rows([&](std::size_t k) { mark_active(static_cast<std::ptrdiff_t>(k), lines); });
     find_active_groups(world);
-    mark_beside_groups(world);
     by_rows([&](std::size_t k) {
         const std::size_t row = grid.row(static_cast<std::ptrdiff_t>(k));
         lines.before.for_each_span_less(

@@ -123,7 +123,6 @@ Bed place_bed(const Place& place, const Grid& grid) {
     bed.height = bed.ground;
     std::replace_if(
         bed.height.begin(), bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
-    bed.level = std::all_of(bed.height.begin(), bed.height.end(), [](double b) { return b == 0; });
     return bed;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 // Where the water is: only cells that are wet, or that a time step may wet, are worked on.
 //
-// A row is cut into lines of 8 cells, one bit each. A line is active if a cell of it is wet, or one that is at most two steps
-// from cell to cell away, as each of the two stages of a step wets what is next to water. Between two cells that are dry nothing
+// A row is cut into lines of 8 cells, one bit each. A line is active if a cell of it is wet, or one beside it is, as a step wets
+// what is next to water. Between two cells that are dry nothing
 // flows (FluxConstants::films_rest), so that cells beyond the active ones stay as they are. On a channel all lines are active.
 
 #include <algorithm>
@@ -140,21 +140,10 @@ class Lines {
 // Lines by where their wet cells lie.
 struct WetMarks {
     Lines own;  // with a wet cell
-    Lines one;  // with one within one cell along the row, in the line or beside it
-    Lines two;  // within two
+    Lines one;  // with one, or beside one along the row
 
     WetMarks() = default;
-    explicit WetMarks(const Grid& grid) : own(grid, false), one(grid, false), two(grid, false) {}
-    // Cell i of row k is wet.
-    void set(std::size_t k, std::size_t i) {
-        const std::size_t last = own.cells() - 1;
-        own.set(k, i);
-        for (Lines* lines : {&one, &two}) {
-            const std::size_t reach = lines == &one ? 1 : 2;
-            lines->set(k, i < reach ? 0 : i - reach);
-            lines->set(k, std::min(i + reach, last));
-        }
-    }
+    explicit WetMarks(const Grid& grid) : own(grid, false), one(grid, false) {}
 };
 
 struct WetLines {
@@ -167,34 +156,26 @@ struct WetLines {
 
 // Marks the wet cells of row k that lie in the lines `within`.
 inline void mark_wet(const double* h, std::size_t k, double dry, const Lines& within, WetMarks& wet) {
-    for (Lines* lines : {&wet.own, &wet.one, &wet.two}) {
+    for (Lines* lines : {&wet.own, &wet.one}) {
         std::fill_n(lines->row(static_cast<std::ptrdiff_t>(k)), lines->words(), 0);
     }
     within.for_each_span(k, [&](std::size_t first, std::size_t n) {
         for (std::size_t i = first; i < first + n; i += line_values) {
             const std::size_t m = std::min(line_values, first + n - i);
-            const auto is_wet = [&](std::size_t j) { return j < m && h[i + j] > dry; };
             if (!std::any_of(h + i, h + i + m, [&](double depth) { return depth > dry; })) continue;
-            for (Lines* lines : {&wet.own, &wet.one, &wet.two}) lines->set(k, i);
-            if (i > 0) {
-                if (is_wet(0)) wet.one.set(k, i - 1);
-                if (is_wet(0) || is_wet(1)) wet.two.set(k, i - 1);
-            }
-            if (i + line_values < within.cells()) {
-                if (is_wet(line_values - 1)) wet.one.set(k, i + line_values);
-                if (is_wet(line_values - 1) || is_wet(line_values - 2)) wet.two.set(k, i + line_values);
-            }
+            for (Lines* lines : {&wet.own, &wet.one}) lines->set(k, i);
+            if (i > 0 && h[i] > dry) wet.one.set(k, i - 1);
+            if (i + line_values < within.cells() && h[i + line_values - 1] > dry) wet.one.set(k, i + line_values);
         }
     });
 }
 
-// Row k of lines.active: a stage wets what is beside water, a step of two stages what is two cells away.
+// Row k of lines.active: a step wets what is beside water.
 inline void mark_active(std::ptrdiff_t k, WetLines& lines) {
     const WetMarks& wet = lines.wet;
     std::uint64_t* const to = lines.active.row(k);
     for (std::size_t w = 0; w < wet.own.words(); ++w) {
-        to[w] = (lines.always.row(k)[w] | wet.two.row(k)[w] | wet.one.row(k - 1)[w] | wet.one.row(k + 1)[w] |
-                 wet.own.row(k - 2)[w] | wet.own.row(k + 2)[w]) &
+        to[w] = (lines.always.row(k)[w] | wet.one.row(k)[w] | wet.own.row(k - 1)[w] | wet.own.row(k + 1)[w]) &
                 lines.open.row(k)[w];
     }
 }
