@@ -7,7 +7,6 @@
 #include "configs/errors/exit_code.hpp"
 #include "fluid_server/particles/inflow.hpp"
 #include "fluid_server/shallow_water/people.hpp"
-#include "fluid_server/shallow_water/place/place_update.hpp"
 #include "fluid_server/shallow_water/row_update.hpp"
 
 namespace wade::fluid::shallow_water {

@@ -12,7 +12,7 @@
 //
 //   U' = (U + dt L(U)) / (1 + dt k),   U_new = (U + U'')/2,
 //
-// on a place Hancock's, for half of the work (place_update.hpp); both with the friction of the old state taken implicitly, so that it
+// on a place Hancock's, for half of the work (row_update.hpp); both with the friction of the old state taken implicitly, so that it
 // stops water at most. Depths stay positive as long as
 // dt (s_x / dx + s_z / dz) <= 1/2, s the fastest wave each way; a step after which one is negative is taken anew with half
 // of dt, as waves may speed up within it. A recirculating channel gets, after each step, the
@@ -31,11 +31,11 @@ namespace wade::fluid::shallow_water {
 
 enum class Stage : std::size_t {
     time_step,  // the longest that is stable
-    update,     // both Euler steps, on a place Hancock's one; taken anew with half the time where a depth became negative
-    flow,       // what passed the watched faces
-    people,     // take their impulses
-    place,      // gets and loses water, and finds its wet cells
-    drive       // of a recirculating channel
+    update,  // both Euler steps, on a place Hancock's one; taken anew with half the time where a depth became negative
+    flow,    // what passed the watched faces
+    people,  // take their impulses
+    place,   // gets and loses water, and finds its wet cells
+    drive    // of a recirculating channel
 };
 inline constexpr std::array<std::string_view, 6> stage_names{"time_step", "update", "flow", "people", "place", "drive"};
 using StepStages = StageClock<Stage, stage_names.size()>;

@@ -1,9 +1,9 @@
-#include "fluid_server/shallow_water/place/place_update.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
+
+#include "fluid_server/shallow_water/row_update.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fluid_server/shallow_water/place/place_update.cpp"
@@ -259,7 +259,8 @@ struct PlaceBand {
     static void mirror(const CellRow& cells, const CellRow& rises, std::ptrdiff_t i, const CellRow& images,
                        const CellRow& image_rises, std::ptrdiff_t to, std::size_t n) {
         const auto copy = [&](const double* from, double* into, double sign) {
-            for (std::size_t m = 0; m < n; ++m) into[to + static_cast<std::ptrdiff_t>(m)] = sign * from[i + static_cast<std::ptrdiff_t>(m)];
+            for (std::size_t m = 0; m < n; ++m)
+                into[to + static_cast<std::ptrdiff_t>(m)] = sign * from[i + static_cast<std::ptrdiff_t>(m)];
         };
         copy(cells.h, images.h, 1), copy(cells.eta, images.eta, 1);
         copy(cells.normal, images.normal, -1), copy(cells.along, images.along, 1);

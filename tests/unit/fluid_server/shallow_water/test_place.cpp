@@ -309,7 +309,7 @@ TEST_CASE("water keeps its normal depth and speed down a slope, whatever the tim
             [](double, double) { return 0.0; });
         run_until(world, 4);
         for_each_cell(world.grid, [&](double x, double, std::size_t c) {
-            if (x < 25 || x > 40) return;  // what comes from the ends is not there yet
+            if (x < 25 || x > 40) return;                              // what comes from the ends is not there yet
             CHECK(std::abs(world.water.h[c] - depth) < 1e-6 * depth);  // k is known to single precision
             CHECK(std::abs(world.primitive.u[c] - u) < 1e-6 * u);
         });
