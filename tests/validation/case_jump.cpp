@@ -175,8 +175,9 @@ Result run(const Request& request, double froude, double width) {
     return result;
 }
 
-Case jump_case(const char* name, Result (*run_it)(const Request&)) {
+Case jump_case(const char* name, Result (*run_it)(const Request&), std::size_t starts = 1) {
     Case c;
+    c.starts = starts;
     c.name = name;
     c.truth =
         "Belanger (1828), h_2/h_1 = (sqrt(1 + 8 Fr^2) - 1)/2, for the measured stream, relative to the jump, whose "
@@ -194,10 +195,12 @@ Case jump_case(const char* name, Result (*run_it)(const Request&)) {
 }  // namespace
 
 Case jump_fr2_case() {
-    return jump_case("jump_fr2", [](const Request& request) { return run(request, 2, slice_width(request)); });
+    return jump_case(
+        "jump_fr2", [](const Request& request) { return run(request, 2, slice_width(request)); }, 5);
 }
 Case jump_fr3_case() {
-    return jump_case("jump_fr3", [](const Request& request) { return run(request, 3, slice_width(request)); });
+    return jump_case(
+        "jump_fr3", [](const Request& request) { return run(request, 3, slice_width(request)); }, 5);
 }
 Case jump_fr5_case() {
     return jump_case("jump_fr5", [](const Request& request) { return run(request, 5, slice_width(request)); });

@@ -84,6 +84,7 @@ Case sloshing_case() {
             .reference = "potential flow",
             .spacings = {0.05, 0.025, 0.0125},
             .quick = true,
+            .starts = 5,
             .run = run};
 }
 

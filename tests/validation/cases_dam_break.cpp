@@ -172,7 +172,8 @@ Case wet_bed_case(const char* name, const char* ratio) {
                  ", Stoker (1957). Depth and velocity as for the dry bed; shock_place: the worst distance of the shock "
                  "from its place, of the way that it has made, t sqrt(g/H) = 6 to 8. The exact shock is a step; real "
                  "water, and these particles, make it a bore some depths long.",
-        .reference = "Stoker 1957"};
+        .reference = "Stoker 1957",
+        .starts = 5};
 }
 
 // Martin and Moyce (1952): a column of water collapses over a dry, level bed.

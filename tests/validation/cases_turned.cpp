@@ -127,7 +127,8 @@ double along_tank(const fluid::Particles& p, const Turn& turn, double& front) {
 
 Measures measure(const Tank& tank, double degrees, bool along, const Request& request, Result& result, double square) {
     const double d = request.spacing;
-    const Scene scene = scene_of(tank, degrees, d);
+    Scene scene = scene_of(tank, degrees, d);
+    scene.world.gravity *= request.gravity_factor;
     fluid::FluidWorld world(scene);
     const double water = static_cast<double>(world.particles().count);
     if (along) lay_along(scene_of(tank, 0, d), degrees, world);
@@ -303,8 +304,10 @@ Case turned_column_case() {
     return column;
 }
 Case turned_lake_house_case() {
-    return turned("turned_lake_house", "A lake round a house rests, both turned by 17 and 45 degrees.", true,
-                  run_lake_house);
+    Case lake = turned("turned_lake_house", "A lake round a house rests, both turned by 17 and 45 degrees.", true,
+                       run_lake_house);
+    lake.starts = 5;
+    return lake;
 }
 Case turned_lake_l_case() {
     return turned("turned_lake_l", "A lake round a house like an L rests, both turned by 17 and 45 degrees.", true,
@@ -330,10 +333,12 @@ Case turned_block_case() {
                   run_block);
 }
 Case turned_street_case() {
-    return turned(
+    Case street = turned(
         "turned_street",
         "A dam break through a street between four houses, turned by 17 and 45 degrees, does what it does straight.",
         false, run_street);
+    street.starts = 5;
+    return street;
 }
 
 }  // namespace wade::validation

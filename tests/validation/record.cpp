@@ -77,6 +77,10 @@ std::filesystem::path write_record(const std::filesystem::path& folder, const Re
     for (const Metric& metric : result.metrics) {
         const auto threshold = threshold_of(thresholds, record.what.name, metric.name, record.level_index);
         metrics.push_back({{"name", metric.name}, {"value", number(metric.value)}, {"unit", metric.unit}});
+        if (record.starts > 1) {
+            metrics.back()["low"] = number(metric.low);
+            metrics.back()["high"] = number(metric.high);
+        }
         metrics.back()["threshold"] = threshold ? Json(*threshold) : Json(nullptr);
         metrics.back()["pass"] = threshold ? Json(keeps(metric.value, *threshold)) : Json(nullptr);
     }
@@ -104,6 +108,7 @@ std::filesystem::path write_record(const std::filesystem::path& folder, const Re
                         {"cpu_s", record.whole_cpu_time},
                         {"wall_s", record.whole_wall_time},
                         {"threads", record.threads},
+                        {"starts", record.starts},
                         {"processor", processor()},
                         {"processors", sysconf(_SC_NPROCESSORS_ONLN)},
                         {"compiler", compiler()},

@@ -17,6 +17,7 @@ struct Record {
     std::size_t level_index = 0;  // whose thresholds hold
     Request request{};
     int threads = 1;
+    std::size_t starts = 1;
     std::string fingerprint{};   // of program and scenes, given by the caller of the program
     std::string error{};         // why there is no result; empty: there is
     double whole_cpu_time = 0;   // of the process, with set-up and measurement, s

@@ -48,6 +48,34 @@ std::string assign(const std::string& pointer, double value) {
     return text.str();
 }
 
+Result medians_of(const std::vector<Result>& results) {
+    Result all = results.at(0);
+    for (Metric& metric : all.metrics) {
+        std::vector<double> values;
+        for (const Result& result : results) {
+            const auto same = std::find_if(result.metrics.begin(), result.metrics.end(),
+                                           [&](const Metric& other) { return other.name == metric.name; });
+            values.push_back(same == result.metrics.end() ? std::nan("") : same->value);
+        }
+        if (std::any_of(values.begin(), values.end(), [](double value) { return std::isnan(value); })) {
+            metric.value = metric.low = metric.high = std::nan("");
+            continue;
+        }
+        std::sort(values.begin(), values.end());
+        const std::size_t half = values.size() / 2;
+        metric.value = values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+        metric.low = values.front(), metric.high = values.back();
+    }
+    for (std::size_t k = 1; k < results.size(); ++k) {
+        all.steps += results[k].steps;
+        all.particle_steps += results[k].particle_steps;
+        all.simulated_time += results[k].simulated_time;
+        all.solver_cpu_time += results[k].solver_cpu_time;
+        all.solver_wall_time += results[k].solver_wall_time;
+    }
+    return all;
+}
+
 Scene scene_for(const Request& request, const std::string& name, const std::vector<std::string>& sizes) {
     const std::string capacity = "/fluid/max_particles=";
     std::vector<SceneOverride> overrides;
@@ -73,6 +101,7 @@ Scene scene_for(const Request& request, const std::string& name, const std::vect
         overrides.push_back(parse_override(capacity + "100000000"));  // refuses nothing; the true need follows
     }
     Scene scene = load_scene(std::filesystem::path(WADE_CONFIGS) / name, overrides).scene;
+    scene.world.gravity *= request.gravity_factor;
     if (!capacity_given) {
         const std::uint64_t needed = particles_needed(scene);
         const std::uint64_t slack = scene.channel.flow == Flow::emitter ? needed / 4 : 0;

@@ -111,6 +111,21 @@ TEST_CASE("water beyond the columns does not count", "[profiles]") {
     CHECK(columns.velocity(1) == 0);
 }
 
+TEST_CASE("of several starts each metric is the median, with the least and the largest", "[starts]") {
+    const auto run = [](double error, double cpu) {
+        Result result;
+        result.metrics = {{"error", error, "1"}, {"same", 2, "m"}};
+        result.solver_cpu_time = cpu, result.steps = 10;
+        return result;
+    };
+    const Result three = medians_of({run(0.3, 1), run(0.1, 2), run(0.2, 4)});
+    CHECK((three.metrics[0].value == 0.2 && three.metrics[0].low == 0.1 && three.metrics[0].high == 0.3));
+    CHECK((three.metrics[1].value == 2 && three.metrics[1].unit == "m"));
+    CHECK((three.solver_cpu_time == 7 && three.steps == 30));
+    CHECK(std::abs(medians_of({run(0.4, 1), run(0.2, 1)}).metrics[0].value - 0.3) < 1e-15);
+    CHECK(std::isnan(medians_of({run(0.3, 1), run(std::nan(""), 1)}).metrics[0].value));  // fails its threshold
+}
+
 TEST_CASE("quantiles", "[profiles]") {
     CHECK(quantile({3, 1, 2}, 0.5) == 2);
     CHECK(quantile({1, 2, 3, 4}, 0.5) == 2.5);

@@ -23,6 +23,12 @@ class Planning(unittest.TestCase):
                          ["river-coarse", "crowd-coarse", "river-medium"])
         self.assertEqual(names(cases.plan(CASES, "wave", "fine", False, False)), ["wave-fine"])
 
+    def test_starts_are_as_many_as_the_program_says_where_a_run_does_not_take_hours(self):
+        tank = cases.Case("tank 0.1 0.05 0.025 long=fine starts=5")
+        self.assertEqual([tank.starts_at(level) for level in tank.levels], [5, 5, 1])
+        self.assertEqual(tank.describe(), "tank: 0.1, 0.05, 0.025; long from fine on; medians of 5 starts")
+        self.assertEqual(CASES[0].starts_at("coarse"), 1)
+
     def test_cases_without_a_run_are_named(self):
         some = cases.plan(CASES, "river, wave", "fine", False, False)
         self.assertEqual(cases.left_out("river, wave", some), ["river"])

@@ -73,6 +73,17 @@ class Reporting(unittest.TestCase):
         self.assertEqual(verdict("fine", 0.06), "no")
         self.assertEqual(verdict("fine", None), "no")
 
+    def test_of_several_starts_the_report_has_the_median_and_the_range(self):
+        run = run_of("wave", "coarse", 0.1, 0.25, report.stamp("now", 5)) | {"starts": 5}
+        run["metrics"][0] |= {"low": 0.15, "high": 0.5}
+        self.put(run)
+        found = results.read_runs(self.out / "runs", CASES)
+        report.write(found, CASES, self.judge, lambda case: "now", self.out)
+        text = (self.out / "report.md").read_text()
+        self.assertIn("**height** 0.25 (0.15 to 0.5) (limit 0.2)", text)
+        self.assertNotIn("another version", text)
+        self.assertEqual(self.judge.verdict(run, run["metrics"][0]), "no")
+
     def test_a_known_failure_that_passes_is_listed(self):
         runs_found = [run_of("wave", "coarse", 0.1, 0.1), run_of("wave", "fine", 0.1, 0.01)]
         lines = list(self.judge.now_pass(runs_found))

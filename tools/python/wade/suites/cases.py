@@ -15,7 +15,7 @@ FOLLOWS_PEOPLE = ("mixed",)  # its particles are where the people of one crowd a
 
 
 class Case:
-    """A line of `validate --list`: NAME SPACING... [quick=LEVEL] [long=LEVEL]."""
+    """A line of `validate --list`: NAME SPACING... [quick=LEVEL] [long=LEVEL] [starts=N]."""
 
     def __init__(self, line):
         self.name, *words = line.split()
@@ -24,11 +24,17 @@ class Case:
         self.levels = LEVELS[: len(self.spacings)]
         self.quick = marks.get("quick")
         self.long_from = LEVELS.index(marks["long"]) if "long" in marks else len(LEVELS)
+        self.starts = int(marks.get("starts", 1))
+
+    def starts_at(self, level):
+        """How many runs the medians are of."""
+        return self.starts if LEVELS.index(level) < self.long_from else 1
 
     def describe(self):
         quick = f"; quick: {self.quick}" if self.quick else ""
         long = f"; long from {LEVELS[self.long_from]} on" if self.long_from < len(self.levels) else ""
-        return f"{self.name}: {', '.join(f'{spacing:g}' for spacing in self.spacings)}{quick}{long}"
+        starts = f"; medians of {self.starts} starts" if self.starts > 1 else ""
+        return f"{self.name}: {', '.join(f'{spacing:g}' for spacing in self.spacings)}{quick}{long}{starts}"
 
 
 def list_cases(program):

@@ -67,7 +67,10 @@ def parse(arguments, suite):
 def job_of(case, level, chosen, fingerprint):
     command = [BUILD / "validate", "--case", case.name, "--level", level, "--threads", chosen.threads, "--out",
                chosen.out]
-    command += ["--fingerprint", fingerprint, *(word for setting in chosen.settings for word in ("--set", setting))]
+    starts = 1 if chosen.quick else case.starts_at(level)
+    fingerprint = report.stamp(fingerprint, starts)
+    command += ["--starts", str(starts), "--fingerprint", fingerprint]
+    command += [word for setting in chosen.settings for word in ("--set", setting)]
     result = chosen.out / "runs" / f"{case.name}-{level}.json"
     return Job(f"{case.name} {level}", tuple(command), result, fingerprint, chosen.threads)
 

@@ -10,6 +10,11 @@ from wade.suites.validate.results import NOISE, exact, observed_order, read_runs
 MISSED = {"yes": "", "known": "!", "no": "!"}
 
 
+def stamp(fingerprint, starts):
+    """What a run of so many starts keeps as its fingerprint."""
+    return fingerprint if starts == 1 else f"{fingerprint}-{starts}"
+
+
 def pairs(runs, others):
     """(run, other) of each case and resolution that both folders have complete."""
     there = {(run["case"], run["level"]): run for run in others if run["status"] == "completed"}
@@ -92,7 +97,8 @@ Each case is a simulation whose truth is known. Its error is measured at up to t
 were written down before the results (`tests/validation/thresholds.csv`, with their reasons). A threshold that is missed is
 a failure, also if it is known (`tests/validation/known_failures.csv`). Errors are ratios unless a unit is given. The order is
 the slope of the straight line through log(error) over log(spacing) of three resolutions; "-" where the errors do not
-fall with the spacing or are at the level of noise.
+fall with the spacing or are at the level of noise. Where chance decides, the numbers are medians of five runs whose gravity
+differs by up to 0.02 %, with the least and the largest one in brackets.
 
 `tools/wade validate` writes this file; `validation.csv` holds the same numbers.
 """
@@ -110,7 +116,7 @@ def missed_words(run, judge):
     if run["status"] != "completed":
         return f"**did not complete**: {run['error']}", ""
     verdicts = [(metric, judge.verdict(run, metric)) for metric in run["metrics"]]
-    missed = [f"**{metric['name']}** {number(metric['value'])} (limit {number(judge.threshold(run, metric))}"
+    missed = [f"**{metric['name']}** {value_words(metric)} (limit {number(judge.threshold(run, metric))}"
               f"{', known' if verdict == 'known' else ''})" for metric, verdict in verdicts
               if verdict in ("no", "known")]
     kept = sum(verdict == "yes" for _, verdict in verdicts)
@@ -127,6 +133,13 @@ def verdict_table(runs, judge, is_old):
     return markdown(("case", "resolution", "spacing", "particles", "thresholds kept", "missed"), rows)
 
 
+def value_words(metric):
+    """The value, and of several starts the least and the largest one."""
+    if metric.get("low") is None or metric["low"] == metric["high"]:
+        return number(metric["value"])
+    return f"{number(metric['value'])} ({number(metric['low'])} to {number(metric['high'])})"
+
+
 def metric_table(runs, judge):
     """A row a metric, a column a resolution."""
     rows = []
@@ -135,7 +148,7 @@ def metric_table(runs, judge):
         for run in runs:
             metric = next((m for m in run["metrics"] if m["name"] == name), None)
             values.append(metric and metric["value"])
-            cells.append(f"{number(metric['value'])} {WORDS[judge.verdict(run, metric)]}".strip() if metric else "")
+            cells.append(f"{value_words(metric)} {WORDS[judge.verdict(run, metric)]}".strip() if metric else "")
             if metric:
                 unit = "" if metric["unit"] == "1" else metric["unit"]
                 limits.append(judge.threshold(run, metric))
@@ -216,7 +229,7 @@ def write(runs, cases, judge, fingerprint_of, folder, settings=(), held_against=
     what the report is; front: a section before the verdicts, or none."""
 
     def is_old(run):
-        return run["fingerprint"] != fingerprint_of(run["case"])
+        return run["fingerprint"] != stamp(fingerprint_of(run["case"]), run.get("starts", 1))
 
     by_case = {case: of_case for case in cases if (of_case := [run for run in runs if run["case"] == case.name])}
     with_settings = f"All runs have {', '.join(f'`{setting}`' for setting in settings)}, whatever their scene says.\n"
