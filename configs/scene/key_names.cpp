@@ -1,10 +1,13 @@
-#include "configs/scene/key_names.hpp"
+// Which key may have been meant by one that is not known.
 
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
+
+#include "configs/errors/nearest_name.hpp"
+#include "configs/scene/keys.hpp"
 
 namespace wade {
 

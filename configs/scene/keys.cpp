@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "configs/errors/nearest_name.hpp"
 #include "configs/scene/fields/lists.hpp"
-#include "configs/scene/key_names.hpp"
 
 namespace wade {
 

@@ -38,6 +38,13 @@ void check_keys(const nlohmann::json& value, const KeyNode& node, const std::str
 void note_unknown_key(const nlohmann::json& present, const KeyNode& node, const std::string& key,
                       const std::string& pointer, const Reading& reading);
 
+// "the nearest known key is "z_m"", for `name` in the object `present`, whose keys are `node`'s; or the full pointer of a
+// key that stands elsewhere in `all`, if that is what was written and nothing here is near it (key_names.cpp):
+//   here       a name that differs by a third of its characters or lacks words; of equals one that is not set yet
+//   elsewhere  the same name, or one that differs by a quarter of it; up to three places, the least deep first
+[[nodiscard]] std::string nearest_key(const nlohmann::json& present, const KeyNode& node, const std::string& name,
+                                      const KeyNode& all);
+
 // Notes that the key at `pointer` is required and missing.
 void note_missing_key(const KeyNode& node, const std::string& pointer, const Reading& reading);
 

@@ -329,6 +329,14 @@ struct TauEvent {
 };
 
 struct Scene {
+    // In one source, as they are long and most sources would have them.
+    Scene();
+    Scene(const Scene& other);
+    Scene(Scene&& other) noexcept;
+    Scene& operator=(const Scene& other);
+    Scene& operator=(Scene&& other) noexcept;
+    ~Scene();
+
     std::string name;
     std::string description;
     std::uint64_t seed = 1;
