@@ -11,7 +11,7 @@
 
 #include "fluid_server/neighbours/vectors-inl.hpp"
 
-// As in sight.cpp no product is fused with a sum: what is seen does not depend on the instruction set.
+// As in sight-inl.hpp no product is fused with a sum: what is seen does not depend on the instruction set.
 HWY_BEFORE_NAMESPACE();
 namespace wade::fluid::HWY_NAMESPACE {
 

@@ -15,7 +15,7 @@
 // All of this is in plan, as walls are upright. The ground then mirrors in the plane over which the middle of the path lies, with
 // R_p between the walls that are met before and those after: the ground goes on evenly behind walls. Up to three walls a path.
 //
-// Sight is soft at the edges of walls, where the water turns by more than a half turn (sight.cpp): a path that passes an edge at a
+// Sight is soft at the edges of walls, where the water turns by more than a half turn (sight-inl.hpp): a path that passes an edge at a
 // distance e in plan, negative if it hits a wall there, counts with the share clamp(1/2 + e / (2 delta), 0, 1); one that is
 // reflected with the e by which it meets the wall within its edge. The two add up to one.
 

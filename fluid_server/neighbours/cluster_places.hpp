@@ -10,13 +10,18 @@
 
 namespace wade::fluid {
 
+// All lanes have a place, so that loops over them are vectors.
 inline ClusterPlaces places_of(const Particles& p, std::size_t begin, std::size_t end, std::size_t size) {
     ClusterPlaces places;
     places.size = size;
-    for (std::size_t l = 0; l < size; ++l) {
-        const std::size_t i = std::min(begin + l, end - 1);
-        places.x[l] = p.x[i], places.y[l] = p.y[i], places.z[l] = p.z[i];
-    }
+    const auto take = [&](const std::vector<float>& from, std::array<float, largest_cluster>& to) {
+        if (end - begin == largest_cluster) {
+            std::copy_n(from.data() + begin, largest_cluster, to.data());
+            return;
+        }
+        for (std::size_t l = 0; l < largest_cluster; ++l) to[l] = from[std::min(begin + l, end - 1)];
+    };
+    take(p.x, places.x), take(p.y, places.y), take(p.z, places.z);
     return places;
 }
 
@@ -24,7 +29,7 @@ template <typename Map>
 ClusterPlaces mapped(const ClusterPlaces& places, const Map& map) {
     ClusterPlaces image;
     image.size = places.size;
-    for (std::size_t l = 0; l < places.size; ++l) {
+    for (std::size_t l = 0; l < largest_cluster; ++l) {
         const Vec3 x = map({places.x[l], places.y[l], places.z[l]});
         image.x[l] = x[0], image.y[l] = x[1], image.z[l] = x[2];
     }
@@ -32,12 +37,12 @@ ClusterPlaces mapped(const ClusterPlaces& places, const Map& map) {
 }
 
 inline Box box_round(const ClusterPlaces& places) {
-    Box box{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
+    Box box;
     const auto grow = [&](std::size_t axis, const std::array<float, largest_cluster>& x) {
-        for (std::size_t l = 0; l < places.size; ++l) {
-            box.lo[axis] = std::min(box.lo[axis], x[l]);
-            box.hi[axis] = std::max(box.hi[axis], x[l]);
-        }
+        float lo = Box::inf, hi = -Box::inf;
+#pragma omp simd reduction(min : lo) reduction(max : hi)
+        for (std::size_t l = 0; l < largest_cluster; ++l) lo = std::min(lo, x[l]), hi = std::max(hi, x[l]);
+        box.lo[axis] = lo, box.hi[axis] = hi;
     };
     grow(0, places.x), grow(1, places.y), grow(2, places.z);
     return box;

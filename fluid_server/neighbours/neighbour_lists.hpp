@@ -43,7 +43,7 @@ struct Run {
     std::uint32_t begin = 0, end = 0;
 };
 
-// The places of a cluster's particles, or of their images, m; the last cluster may have fewer, and its last place again.
+// The places of a cluster's particles, or of their images, m; lanes beyond them have the last place again.
 struct ClusterPlaces {
     std::size_t size = 0;
     std::array<float, largest_cluster> x{}, y{}, z{};

@@ -11,34 +11,13 @@ namespace wade::fluid {
 
 namespace {
 
-// A box round the images of those places from which a particle nearer than h may be seen in the face of an obstacle; its upper
-// bounds are below its lower ones if there are none. A line that is no longer than h meets the face.
-Box box_facing(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Box& obstacle,
-               float h) {
-    const std::array<const float*, 3> x{places.x.data(), places.y.data(), places.z.data()};
-    const std::array<const float*, 3> at{image.x.data(), image.y.data(), image.z.data()};
-    const float reach = (1 + for_rounding) * h;
-    Box face = grown(obstacle, reach);
-    const std::size_t k = mirror.obstacle_axis;
-    const bool upper = mirror.plane[k] == obstacle.hi[k];
-    face.lo[k] = upper ? mirror.plane[k] : mirror.plane[k] - reach;
-    face.hi[k] = upper ? mirror.plane[k] + reach : mirror.plane[k];
-    Box box{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
-    for (std::size_t l = 0; l < places.size; ++l) {
-        if (!contains(face, {x[0][l], x[1][l], x[2][l]})) continue;
-        for (std::size_t m = 0; m < 3; ++m) {
-            box.lo[m] = std::min(box.lo[m], at[m][l] - for_rounding * h);
-            box.hi[m] = std::max(box.hi[m], at[m][l] + for_rounding * h);
-        }
-    }
-    return box;
-}
-
 // Room of a thread for the search.
 struct Room {
     BoxNumbers obstacles;
     std::vector<Box> boxes;  // of them
     NearParticlesOfCluster near;
+    BeforeFace before;     // of the cluster at hand,
+    Mirror before_mirror;  // in this mirror
     std::vector<Mirror> mirrors;
     std::vector<Run> runs;
     std::vector<std::uint32_t> candidates;
@@ -86,59 +65,85 @@ class BlockSearch {
             for (const std::uint32_t o : room_.obstacles) room_.boxes.push_back(solids_.obstacles()[o]);
         }
         const Watchers watchers{places, box, room_.boxes, solids_.sight_delta()};
+        if (!room_.boxes.empty()) look_round(box);
         const Mirror none;
         add_segments(watchers, {places, none}, box);
         solids_.mirrors_near(box, room_.obstacles, room_.mirrors);
         for (const Mirror& mirror : room_.mirrors) {
-            const ClusterPlaces image = mapped(places, mirror.map());
             const Box* const obstacle = solids_.obstacle_of(mirror);
+            const BedFacet* const facet = solids_.facet_of(mirror);
+            if (obstacle != nullptr && facet == nullptr) {
+                note_before(watchers, mirror, *obstacle);
+                if (!at_border_ && room_.before.size == 0) continue;
+            }
+            const ClusterPlaces image = mapped(places, mirror.map());
+            if (obstacle != nullptr && facet == nullptr && !at_border_) {
+                add_segment(watchers, {image, mirror, obstacle}, box, {});
+                continue;
+            }
             const Box round = obstacle == nullptr ? box_round(image) : box_facing(places, image, mirror, *obstacle, h_);
             if (round.lo[0] > round.hi[0]) continue;
-            add_segments(watchers, {image, mirror, obstacle, solids_.facet_of(mirror)}, round);
+            add_segments(watchers, {image, mirror, obstacle, facet}, round);
         }
+    }
+
+    // Notes what is near the cluster: a little farther than the support radius, which is more than what rounding moves.
+    void look_round(const Box& box) {
+        room_.near.assign(find_by_grid(box, (1 + for_rounding) * h_), p_);
+        room_.before_mirror = {};
+        // Along an axis images in a face are twice as far away as the face, and what is seen there h farther.
+        const Box far = grown(box, 3.125F * h_);
+        int periods = 0;
+        grid_.for_each_period(far.lo, far.hi, [&](const Vec3&) { ++periods; });
+        at_border_ = periods > 1;
+    }
+
+    // Notes who may see whom in a face, unless that has been done for another view.
+    void note_before(const Watchers& watchers, const Mirror& mirror, const Box& obstacle) {
+        const Mirror& last = room_.before_mirror;
+        bool same = mirror.obstacle == last.obstacle && mirror.obstacle_axis == last.obstacle_axis;
+        for (const std::size_t k : {std::size_t{0}, mirror.obstacle_axis, std::size_t{2}}) {
+            same = same && mirror.axis[k] == last.axis[k] && mirror.plane[k] == last.plane[k];
+        }
+        if (same) return;
+        note_before_face(watchers, mirror, obstacle, h_, room_.near, room_.before);
+        room_.before_mirror = mirror;
     }
 
     // The segments of what is seen in a mirror, or without one: one, and one for each periodic border across which some of it
     // lies. box: round the images of those watchers that may see something so.
-    void add_segments(const Watchers& watchers, Sight sight, const Box& box) {
+    void add_segments(const Watchers& watchers, const Sight& sight, const Box& box) {
         const Box near = grown(box, h_);
-        const Mirror& mirror = sight.mirror;
-        const ClusterPlaces& image = sight.image;
-        grid_.for_each_period(near.lo, near.hi, [&](const Vec3& period) {
-            const std::size_t first = entries_;
-            NeighbourBlock::View view{mirror.map(),
-                                      mirror.viscous,
-                                      static_cast<std::int16_t>(mirror.obstacle),
-                                      static_cast<std::int16_t>(mirror.obstacle_axis),
-                                      !watchers.obstacles.empty() || mirror.facet >= 0,
-                                      !watchers.obstacles.empty()};
-            if (period == Vec3{}) {
-                append(image, box, way_of(watchers, sight));
-                if (view.by_sight) keep_seen(watchers, sight, first);
-            } else {
-                for (std::size_t k = 0; k < 3; ++k) {
-                    view.map.shift[k] -= period[k];  // instead of shifting the particles
-                }
-                const ClusterPlaces shifted = mapped(watchers.places, view.map);
-                append(shifted, box_round(shifted), Search::grid);
-                if (view.by_sight) {
-                    keep_seen(watchers, {shifted, mirror, sight.obstacle, sight.facet, period}, first);
-                }
-            }
-            if (entries_ > first) {
-                add(block_.segments, {static_cast<std::uint32_t>(entries_), number_of(view)});
-            }
-        });
+        grid_.for_each_period(near.lo, near.hi, [&](const Vec3& period) { add_segment(watchers, sight, box, period); });
     }
 
-    // Where particles are looked for. Both places of a pair that see one another in the face of an obstacle, or in walls and a
-    // level bed besides, lie on the same side of each: they are no farther apart than place and image, so that the particles
-    // near the cluster are enough. A facet may have one of them a little below it.
-    enum class Search { grid, grid_and_note, noted };
-    [[nodiscard]] static Search way_of(const Watchers& watchers, const Sight& sight) {
-        if (watchers.obstacles.empty()) return Search::grid;
-        if (&sight.image == &watchers.places) return Search::grid_and_note;
-        return sight.obstacle != nullptr && sight.facet == nullptr ? Search::noted : Search::grid;
+    void add_segment(const Watchers& watchers, const Sight& sight, const Box& box, const Vec3& period) {
+        const Mirror& mirror = sight.mirror;
+        const bool in_part = !watchers.obstacles.empty();
+        const bool by_sight = in_part || sight.facet != nullptr;
+        const std::size_t first = entries_;
+        if (period != Vec3{}) {
+            const ClusterPlaces shifted = mapped(watchers.places, shifted_map(mirror, period));
+            append(shifted, box_round(shifted));
+            if (by_sight) keep_seen(watchers, {shifted, mirror, sight.obstacle, sight.facet, period}, first);
+        } else if (in_part && sight.facet == nullptr) {
+            append_of_near(watchers, sight, box);
+        } else {
+            append(sight.image, box);
+            if (by_sight) keep_seen(watchers, sight, first);
+        }
+        if (entries_ == first) return;
+        add(block_.segments,
+            {static_cast<std::uint32_t>(entries_),
+             number_of({shifted_map(mirror, period), mirror.viscous, static_cast<std::int16_t>(mirror.obstacle),
+                        static_cast<std::int16_t>(mirror.obstacle_axis), by_sight, in_part})});
+    }
+
+    // Across a border it is the cluster that moves, not the particles.
+    static RigidMap shifted_map(const Mirror& mirror, const Vec3& period) {
+        RigidMap map = mirror.map();
+        for (std::size_t k = 0; k < 3; ++k) map.shift[k] -= period[k];
+        return map;
     }
 
     void make_room_for_lanes() {
@@ -148,22 +153,24 @@ class BlockSearch {
     // Where a view stands among those of the block.
     std::uint32_t number_of(const NeighbourBlock::View& view) {
         std::vector<NeighbourBlock::View>& views = block_.views;
-        const auto at = std::find(views.begin(), views.end(), view) - views.begin();
-        if (static_cast<std::size_t>(at) == views.size()) add(views, view);
-        return static_cast<std::uint32_t>(at);
+        std::size_t at = views.size();  // the cluster before may have had the same
+        const auto is_same = [&](const NeighbourBlock::View& other) {
+            return other.obstacle == view.obstacle && other.obstacle_axis == view.obstacle_axis && other == view;
+        };
+        while (at > 0 && !is_same(views[at - 1])) --at;
+        if (at > 0) return static_cast<std::uint32_t>(at - 1);
+        add(views, view);
+        return static_cast<std::uint32_t>(views.size() - 1);
     }
 
     // Appends the particles that are nearer than the support radius to one of these places and to the box.
-    void append(const ClusterPlaces& places, const Box& box, Search search) {
-        const std::span candidates = search == Search::noted ? find_noted(box) : find_by_grid(box, search);
+    void append(const ClusterPlaces& places, const Box& box) {
+        const std::span<const std::uint32_t> candidates = find_by_grid(box, h_);
         make_room(block_.j, entries_ + candidates.size() + 1);
         entries_ += find_near_places(places, h_, p_, candidates, block_.j.data() + entries_);
     }
 
-    // Particles that are nearer to the box than the support radius, or, if they are noted, a little farther than that, which is
-    // more than what rounding moves.
-    std::span<const std::uint32_t> find_by_grid(const Box& box, Search search) {
-        const float reach = search == Search::grid_and_note ? (1 + for_rounding) * h_ : h_;
+    std::span<const std::uint32_t> find_by_grid(const Box& box, float reach) {
         const Box near = grown(box, reach);
         room_.runs.clear();
         std::size_t most = largest_cluster;
@@ -173,15 +180,22 @@ class BlockSearch {
         });
         make_room(room_.candidates, most);
         std::uint32_t* const to = room_.candidates.data();
-        const std::span<const std::uint32_t> found{to, find_near_box(box, reach, p_, room_.runs, to)};
-        if (search == Search::grid_and_note) room_.near.assign(found, p_);
-        return found;
+        return {to, find_near_box(box, reach, p_, room_.runs, to)};
     }
 
-    std::span<const std::uint32_t> find_noted(const Box& box) {
-        make_room(room_.candidates, room_.near.size + largest_cluster);
-        std::uint32_t* const to = room_.candidates.data();
-        return {to, find_near_box_among(box, h_, room_.near, to)};
+    // Of the particles near the cluster those that it sees past obstacles, or in the face of one. All who see one another so lie on the
+    // same side of each mirror, and so no farther apart than place and image. (Not so over a facet, where one of them may be a little
+    // below it.)
+    void append_of_near(const Watchers& watchers, const Sight& sight, const Box& box) {
+        make_room(block_.j, entries_ + room_.near.size + 1);
+        std::visit([&](auto& masks) { make_room(masks, entries_ + room_.near.size + 1); }, block_.lanes);
+        make_room(room_.shares, shares_ + (room_.near.size + 1) * size_);
+        std::uint16_t* to = room_.shares.data() + shares_;
+        entries_ = sight.obstacle == nullptr
+                       ? append_seen_past(watchers, sight, box, h_, room_.near, entries_, block_, to)
+                       : append_seen_in_face(watchers, sight.mirror, *sight.obstacle, h_, room_.near, room_.before,
+                                             entries_, block_, to);
+        shares_ = static_cast<std::size_t>(to - room_.shares.data());
     }
 
     void keep_seen(const Watchers& watchers, const Sight& sight, std::size_t first) {
@@ -203,6 +217,7 @@ class BlockSearch {
     std::size_t size_;  // of a cluster
     NeighbourBlock& block_;
     Room& room_ = room_of_thread();
+    bool at_border_ = false;  // something may be seen across a periodic border
     std::size_t entries_ = 0;
     std::size_t shares_ = 0;  // of what is seen in part
 };

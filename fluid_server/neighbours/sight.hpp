@@ -39,6 +39,47 @@ std::size_t keep_seen_in_part(const Watchers& watchers, const Sight& sight, floa
                               const Particles& particles, std::size_t first, std::size_t last, NeighbourBlock& block,
                               std::uint16_t*& shares);
 
+// The particles near a cluster, side by side.
+struct NearParticlesOfCluster {
+    std::size_t size = 0;  // of those in use; there is room for a vector more
+    std::vector<std::uint32_t> j;
+    std::vector<float> x, y, z;
+    // Room for a search: bits of the cluster's lanes, some of the particles, the lanes that are near these.
+    std::vector<std::int32_t> lanes;
+    std::vector<std::uint32_t> chosen, near_lanes;
+
+    void assign(std::span<const std::uint32_t> numbers, const Particles& particles);
+};
+
+// The same of all particles near a cluster, in half of the time: appends those that are seen behind `first` entries. box: round the
+// images of the watchers. Without periods and facets; the block needs room for all of them. Past obstacles:
+std::size_t append_seen_past(const Watchers& watchers, const Sight& sight, const Box& box, float support_radius,
+                             NearParticlesOfCluster& near, std::size_t first, NeighbourBlock& block,
+                             std::uint16_t*& shares);
+
+// A box round the images of those places from which a particle nearer than h may be seen in the face of an obstacle; its upper
+// bounds are below its lower ones if there are none. A line that is no longer than h meets the face.
+Box box_facing(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Box& obstacle,
+               float h);
+
+// Those near particles that lanes may see in a face of an obstacle, in views that differ by a bed or a lid only.
+struct BeforeFace {
+    std::size_t size = 0;
+    unsigned in_reach = 0;                // the lanes that box_facing() counts
+    std::vector<std::uint32_t> e, lanes;  // which near particle; who may see it
+    std::vector<std::uint8_t> known;      // whether `share` tells how much of it is seen in plan, cluster_size each
+    std::vector<float> share;
+
+    void make_room(std::size_t near);
+};
+// Finds these, and forgets those of another face;
+void note_before_face(const Watchers& watchers, const Mirror& mirror, const Box& obstacle, float support_radius,
+                      const NearParticlesOfCluster& near, BeforeFace& before);
+// appends those that are seen, and keeps what it learns for the next view.
+std::size_t append_seen_in_face(const Watchers& watchers, const Mirror& mirror, const Box& obstacle,
+                                float support_radius, NearParticlesOfCluster& near, BeforeFace& before,
+                                std::size_t first, NeighbourBlock& block, std::uint16_t*& shares);
+
 // Writes those particles of the runs to `out` that are nearer than the support radius to a box. Returns their number. Needs
 // room for all particles of the runs and largest_cluster more.
 std::size_t find_near_box(const Box& box, float support_radius, const Particles& particles, std::span<const Run> runs,
@@ -48,18 +89,5 @@ std::size_t find_near_box(const Box& box, float support_radius, const Particles&
 // Needs room for all candidates and one more.
 std::size_t find_near_places(const ClusterPlaces& places, float support_radius, const Particles& particles,
                              std::span<const std::uint32_t> candidates, std::uint32_t* out);
-
-// The particles near a cluster, side by side.
-struct NearParticlesOfCluster {
-    std::size_t size = 0;  // of those in use; there is room for a vector more
-    std::vector<std::uint32_t> j;
-    std::vector<float> x, y, z;
-
-    void assign(std::span<const std::uint32_t> numbers, const Particles& particles);
-};
-
-// As find_near_box, of these.
-std::size_t find_near_box_among(const Box& box, float support_radius, const NearParticlesOfCluster& particles,
-                                std::uint32_t* out);
 
 }  // namespace wade::fluid

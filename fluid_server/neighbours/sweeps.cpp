@@ -61,13 +61,6 @@ inline std::vector<std::uint16_t>& room_for_factors() {
     return room;
 }
 
-// The particles at whose lane of `seen_by` a bit is set.
-HWY_INLINE hn::Mask<Lanes> lanes_of(LaneMask seen_by) {
-    const hn::RebindToUnsigned<Lanes> bits;
-    const auto lane_bit = hn::Shl(hn::Set(bits, 1U), hn::Iota(bits, 0));
-    return hn::RebindMask(lanes, hn::TestBit(hn::Set(bits, static_cast<std::uint32_t>(seen_by)), lane_bit));
-}
-
 // Entries that the first sweep has in hand at once, for three short loops, each a function of its own: a processor works on
 // several entries at a time, and a compiler keeps all in registers, only where there is little to do for each.
 struct Batch {

@@ -143,6 +143,38 @@ HWY_INLINE unsigned bits_of(hn::Mask<Lanes> mask) {
     return bits;
 }
 
+// The lanes whose bit is set.
+HWY_INLINE hn::Mask<Lanes> lanes_of(unsigned bits) {
+    const hn::RebindToUnsigned<Lanes> whole;
+    const auto lane_bit = hn::Shl(hn::Set(whole, 1U), hn::Iota(whole, 0));
+    return hn::RebindMask(lanes, hn::TestBit(hn::Set(whole, bits), lane_bit));
+}
+
+// The bits of the first n lanes, of all if there are fewer.
+HWY_INLINE unsigned first_lanes(std::size_t n) {
+    return n < cluster_size ? (1U << n) - 1 : ~0U;
+}
+
+// Which of some places are nearer than h to a box, a bit each.
+class NearBox {
+ public:
+    HWY_INLINE NearBox(const Box& box, float h)
+        : lo_{all(box.lo[0]), all(box.lo[1]), all(box.lo[2])},
+          hi_{all(box.hi[0]), all(box.hi[1]), all(box.hi[2])},
+          h2_(all(h * h)) {}
+    HWY_INLINE unsigned operator()(const Vec3V& x) const {
+        const auto gap = [](V at, V least, V most) HWY_ATTR {
+            return hn::Max(hn::Max(hn::Sub(least, at), hn::Sub(at, most)), hn::Zero(lanes));
+        };
+        const Vec3V way{gap(x.x, lo_.x, hi_.x), gap(x.y, lo_.y, hi_.y), gap(x.z, lo_.z, hi_.z)};
+        return bits_of(hn::Lt(dot(way, way), h2_));
+    }
+
+ private:
+    Vec3V lo_, hi_;
+    V h2_;
+};
+
 // Which bytes make 8 values of 16 bits of 8 others, for each mask of 8 lanes.
 struct Moves8 {
     alignas(64) std::array<std::array<std::uint8_t, 16>, 256> of_mask{};

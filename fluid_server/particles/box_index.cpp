@@ -33,16 +33,6 @@ std::uint32_t cells_along(double length, double width) {
 
 }  // namespace
 
-std::uint32_t BoxIndex::Axis::cell(float place) const {
-    const float in_cells = (place - lo) * per_m;
-    return static_cast<std::uint32_t>(std::min(std::max(0.0F, in_cells), static_cast<float>(cells - 1)));
-}
-
-std::span<const std::uint32_t> BoxIndex::in_cell(std::uint32_t i, std::uint32_t k) const {
-    const std::size_t cell = std::size_t{k} * x_.cells + i;
-    return {boxes_.data() + start_[cell], boxes_.data() + start_[cell + 1]};
-}
-
 BoxIndex::BoxIndex(std::span<const Box> boxes) {
     if (boxes.empty()) return;
     const Span x = span_of(boxes, 0), z = span_of(boxes, 2);
@@ -86,10 +76,6 @@ void BoxIndex::find(const Box& box, BoxNumbers& found) const {
         }
     }
     std::sort(found.begin(), found.end());
-}
-
-std::span<const std::uint32_t> BoxIndex::at(float x, float z) const {
-    return in_cell(x_.cell(x), z_.cell(z));
 }
 
 }  // namespace wade::fluid

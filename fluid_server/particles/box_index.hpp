@@ -3,6 +3,7 @@
 //
 // An answer costs the cells that the question spans, however many boxes there are: about two cells to a box.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -27,6 +28,12 @@ inline bool contains(const Box& box, const Vec3& x) {
            x[2] <= box.hi[2];
 }
 
+// Whether x lies in the box, not on its faces.
+inline bool is_inside(const Box& box, const Vec3& x) {
+    return x[0] > box.lo[0] && x[0] < box.hi[0] && x[1] > box.lo[1] && x[1] < box.hi[1] && x[2] > box.lo[2] &&
+           x[2] < box.hi[2];
+}
+
 // The box with all faces moved outwards by so much, m.
 inline Box grown(Box box, float by) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -48,7 +55,7 @@ class BoxIndex {
     void find(const Box& box, BoxNumbers& found) const;
 
     // All boxes that have the point x, z of the ground in them or on their borders, and maybe some near it.
-    [[nodiscard]] std::span<const std::uint32_t> at(float x, float z) const;
+    [[nodiscard]] std::span<const std::uint32_t> at(float x, float z) const { return in_cell(x_.cell(x), z_.cell(z)); }
 
  private:
     // Along x and along z.
@@ -57,9 +64,15 @@ class BoxIndex {
         std::uint32_t cells = 1;
 
         // Places beyond the grid, and those that are no numbers, count to its outermost cells.
-        [[nodiscard]] std::uint32_t cell(float place) const;
+        [[nodiscard]] std::uint32_t cell(float place) const {
+            const float in_cells = (place - lo) * per_m;
+            return static_cast<std::uint32_t>(std::min(std::max(0.0F, in_cells), static_cast<float>(cells - 1)));
+        }
     };
-    [[nodiscard]] std::span<const std::uint32_t> in_cell(std::uint32_t i, std::uint32_t k) const;
+    [[nodiscard]] std::span<const std::uint32_t> in_cell(std::uint32_t i, std::uint32_t k) const {
+        const std::size_t cell = std::size_t{k} * x_.cells + i;
+        return {boxes_.data() + start_[cell], boxes_.data() + start_[cell + 1]};
+    }
 
     Axis x_, z_;
     std::vector<std::array<std::uint32_t, 2>> first_cell_;  // of each box, along x and z

@@ -70,9 +70,7 @@ void add_plane(Mirror& mirror, std::size_t axis, float plane, const std::optiona
 
 // Moves a point in a box to its nearest face; true if it had to.
 bool push_out_of(const Box& box, Vec3& x) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (!(x[k] > box.lo[k] && x[k] < box.hi[k])) return false;
-    }
+    if (!is_inside(box, x)) return false;
     std::size_t axis = 0;
     float depth = Box::inf;
     float target = 0;
@@ -297,6 +295,26 @@ bool Solids::may_enter(const Box& way, const Box& obstacle) const {
         }
     }
     return true;
+}
+
+std::array<bool, Solids::contact_group> Solids::who_enters(const Box& obstacle, const Places& x, std::size_t begin,
+                                                           std::size_t end, float dt, const BlockVelocities& v) const {
+    std::array<int, contact_group> enters{};
+    std::fill_n(enters.begin(), end - begin, 1);
+    const auto stay_between = [&](std::size_t axis, const float* at, const float* u) {
+        const float lo = obstacle.lo[axis] - contact_distance_, hi = obstacle.hi[axis] + contact_distance_;
+#pragma omp simd
+        for (std::size_t l = 0; l < end - begin; ++l) {
+            const float next = at[begin + l] + dt * u[begin + l];
+            enters[l] &= static_cast<int>(next > lo) & static_cast<int>(next < hi);
+        }
+    };
+    stay_between(0, x.x, v.x.data());
+    stay_between(1, x.y, v.y.data());
+    stay_between(2, x.z, v.z.data());
+    std::array<bool, contact_group> who{};
+    for (std::size_t l = 0; l < contact_group; ++l) who[l] = enters[l] != 0;
+    return who;
 }
 
 bool Solids::apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const {

@@ -13,7 +13,7 @@
 //         z              |  o   fluid        another if the straight line between them is free, and the image of another
 //                                            if the line to the image passes through the mirror's face. So every place
 //                                            round a particle is filled exactly once. Close to the edge it sees a part
-//                                            of either (sight.cpp), or water would never rest there.
+//                                            of either (sight-inl.hpp), or water would never rest there.
 //
 // Images of images are left out: of obstacles and banks nearer than two support radii, and of opposite walls.
 //
@@ -100,7 +100,9 @@ class Solids {
             const Box way = way_of(x, begin, end, dt, v);
             for (const std::uint32_t o : obstacles_on(way)) {
                 if (!may_enter(way, obstacles_[o])) continue;
+                const std::array<bool, contact_group> enters = who_enters(obstacles_[o], x, begin, end, dt, v);
                 for (std::size_t i = begin; i < end; ++i) {
+                    if (!enters[i - begin]) continue;
                     Vec3 u{v.x[i], v.y[i], v.z[i]};
                     if (apply_obstacle_contact(obstacles_[o], {x.x[i], x.y[i], x.z[i]}, dt, u)) {
                         on_obstacle(o, i, Vec3{v.x[i] - u[0], v.y[i] - u[1], v.z[i] - u[2]});
@@ -113,11 +115,11 @@ class Solids {
 
     // Moves a point that is inside a solid to the nearest free point; true if it had to. A last guard.
     bool clamp(Vec3& x) const {
-        const bool free = bed_.empty() && obstacles_.empty() && contains(interior_, x);
+        const bool free = bed_.empty() && contains(interior_, x) && !is_in_obstacle(x);
         return !free && push_out(x);
     }
 
-    // Half the width over which sight fades at an edge of an obstacle, m: sight.cpp.
+    // Half the width over which sight fades at an edge of an obstacle, m: sight-inl.hpp.
     [[nodiscard]] float sight_delta() const { return sight_delta_; }
 
     [[nodiscard]] const Box& interior() const { return interior_; }
@@ -133,7 +135,15 @@ class Solids {
     // Obstacles near a way, until the thread asks again.
     [[nodiscard]] const BoxNumbers& obstacles_on(const Box& way) const;
     [[nodiscard]] bool may_enter(const Box& way, const Box& obstacle) const;
+    // Which of particles [begin, end) would come nearer to an obstacle than the contact distance.
+    [[nodiscard]] std::array<bool, contact_group> who_enters(const Box& obstacle, const Places& x, std::size_t begin,
+                                                             std::size_t end, float dt, const BlockVelocities& v) const;
     void apply_border_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v) const;
+    [[nodiscard]] bool is_in_obstacle(const Vec3& x) const {
+        if (obstacles_.empty()) return false;
+        const std::span<const std::uint32_t> here = index_.at(x[0], x[2]);
+        return std::any_of(here.begin(), here.end(), [&](std::uint32_t o) { return is_inside(obstacles_[o], x); });
+    }
     bool push_out(Vec3& x) const;
     bool apply_obstacle_contact(const Box& box, const Vec3& x, float dt, Vec3& v) const;
 

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <random>
+#include <tuple>
 
+#include "fluid_server/neighbours/cluster_places.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
+#include "fluid_server/neighbours/sight.hpp"
+#include "fluid_server/neighbours/sweeps.hpp"
 #include "scenes.hpp"
 
 using namespace wade;
@@ -212,4 +217,124 @@ TEST_CASE("a grid of pages in use sorts and finds as a grid of all cells does", 
     CHECK(wrong == 0);
     CHECK(runs > 1000);
     CHECK(memory_of_cells(scene, h, 5000) < 0.01 * memory_of_cells(roomy, h, 5000));
+}
+
+namespace {
+
+// How much each particle sees of each other one, in units of 1 / whole_share, in a view: how it turns x, y, z, and by how much it
+// shifts them.
+using WhoSeesWhom = std::map<std::tuple<std::size_t, std::uint32_t, std::array<float, 6>>, unsigned>;
+
+std::array<float, 6> key_of(const RigidMap& map) {
+    return {map.rotation.xx, map.rotation.yy, map.rotation.zz, map.shift[0], map.shift[1], map.shift[2]};
+}
+
+// Adds the shares of entries [first, last) of a cluster; next: where those begin, which moves behind them.
+void add_shares(const NeighbourBlock& block, std::size_t first, std::size_t last, const std::uint16_t*& next,
+                std::size_t cluster, const RigidMap& map, WhoSeesWhom& seen) {
+    for (std::size_t k = first; k < last; ++k) {
+        const unsigned lanes = lanes_of_entry(block, k);
+        for (std::size_t l = 0; l < cluster_size_here(); ++l) {
+            if ((lanes >> l & 1U) != 0) seen[{cluster + l, block.j[k], key_of(map)}] = *next++;
+        }
+    }
+}
+
+// By a search that asks every line.
+WhoSeesWhom seen_plainly(const Solids& solids, const Particles& p, float h) {
+    WhoSeesWhom seen;
+    const std::size_t size = cluster_size_here();
+    for (std::size_t i = 0; i < p.count; i += size) {
+        const ClusterPlaces places = places_of(p, i, std::min(i + size, p.count), size);
+        const Box box = box_round(places);
+        BoxNumbers numbers;
+        solids.find_obstacles(box, numbers);
+        if (!solids.obstacle_near(box, numbers)) continue;
+        std::vector<Box> boxes;
+        for (const std::uint32_t o : numbers) boxes.push_back(solids.obstacles()[o]);
+        std::vector<Mirror> mirrors;
+        solids.mirrors_near(box, numbers, mirrors);
+        for (std::size_t n = 0; n <= mirrors.size(); ++n) {
+            const Mirror mirror = n == 0 ? Mirror{} : mirrors[n - 1];
+            NeighbourLists lists(p.capacity());
+            NeighbourBlock& block = lists.blocks[0];
+            for (std::uint32_t j = 0; j < p.count; ++j) block.j.push_back(j);
+            std::visit([&](auto& masks) { masks.resize(p.count + 1); }, block.lanes);
+            std::vector<std::uint16_t> shares((p.count + 1) * size);
+            std::uint16_t* end = shares.data();
+            const ClusterPlaces image = mapped(places, mirror.map());
+            const Watchers watchers{places, box, boxes, solids.sight_delta()};
+            const Sight sight{image, mirror, solids.obstacle_of(mirror), nullptr};
+            const std::size_t kept = keep_seen_in_part(watchers, sight, h, p, 0, p.count, block, end);
+            const std::uint16_t* next = shares.data();
+            add_shares(block, 0, kept, next, i, mirror.map(), seen);
+        }
+    }
+    return seen;
+}
+
+// Boxes of any size, low ones among them, some beside a bank or another; and particles as near to them as contact lets them be.
+Scene scene_with_boxes(std::mt19937& random) {
+    const auto in = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); };
+    Scene scene = test::tank(6, 5, 1, 0.3);
+    for (int k = 0; k < 5; ++k) {
+        Obstacle box;
+        box.x.lo = k == 1 ? scene.obstacles[0].x.hi : in(0, 5), box.x.hi = box.x.lo + in(0.05, 1.5);
+        box.z.lo = k == 2 ? 0 : in(0, 4), box.z.hi = box.z.lo + in(0.05, 1.5);
+        box.height = k % 2 == 0 ? 3 : in(0.2, 0.8);
+        scene.obstacles.push_back(box);
+    }
+    return scene;
+}
+Particles particles_beside(const Solids& solids, const Scene& scene, std::mt19937& random) {
+    const auto in = [&](float lo, float hi) { return std::uniform_real_distribution<float>(lo, hi)(random); };
+    Particles p(static_cast<std::size_t>(scene.fluid.max_particles));
+    while (p.count < 700) {
+        const Vec3 x{in(0.01F, 5.99F), in(0.01F, 1.2F), in(0.01F, 4.99F)};
+        const bool free = std::none_of(solids.obstacles().begin(), solids.obstacles().end(), [&](const Box& box) {
+            return contains(grown(box, contact_fraction * 0.3F), x);
+        });
+        if (free) p.add(x, {}, Kind::fluid);
+    }
+    return p;
+}
+
+}  // namespace
+
+TEST_CASE("the search among boxes finds the images and shares that asking every line finds", "[fluid][neighbours]") {
+    const float h = 0.6F;
+    const bool widest = GENERATE(true, false);
+    use_widest_vectors(widest);
+    std::mt19937 random(3);
+    std::size_t in_part = 0, in_faces = 0;
+    for (int trial = 0; trial < 6; ++trial) {
+        Scene scene = scene_with_boxes(random);
+        if (trial == 5) scene.channel.top = Top::wall, scene.channel.height = 1.25;
+        const Solids solids(scene);
+        Particles p = particles_beside(solids, scene, random);
+        CellGrid grid(scene, h);
+        grid.sort(p, -Box::inf);
+        NeighbourLists lists(p.capacity());
+        find_neighbours(grid, solids, p, h, lists);
+        WhoSeesWhom found;
+        for (std::size_t b = 0; b < block_count(p.count); ++b) {
+            const NeighbourBlock& block = lists.blocks[b];
+            const std::uint16_t* next = block.factor.data();
+            for (std::size_t c = 0; c < lists.clusters_per_block(); ++c) {
+                for_each_segment(block, c, [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+                    if (!view.in_part) return;
+                    const std::size_t before = found.size();
+                    add_shares(block, first, last, next, b * block_size + c * lists.cluster_size, view.map, found);
+                    if (view.obstacle >= 0) in_faces += found.size() - before;
+                });
+            }
+        }
+        for (const auto& [who, share] : found) in_part += share < 65535 ? 1U : 0U;
+        const WhoSeesWhom expected = seen_plainly(solids, p, h);
+        CHECK(found.size() == expected.size());
+        CHECK(found == expected);
+    }
+    CHECK(in_part > 500);
+    CHECK(in_faces > 1000);
+    use_widest_vectors(true);
 }
