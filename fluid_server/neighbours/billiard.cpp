@@ -272,7 +272,7 @@ void FindPaths(const ClusterPlaces& places, const NearParticlesOfCluster& near, 
     }
 }
 
-std::size_t SortByKey(const PathsFound& found, std::size_t near, std::vector<SeenByKey>& lists) {
+std::size_t FindByKey(const PathsFound& found, std::size_t near, std::vector<SeenByKey>& lists) {
     const Whole whole;
     std::size_t count = 0, last = 0;
     for (std::size_t k = 0; k < near; ++k) {
@@ -295,9 +295,9 @@ std::size_t SortByKey(const PathsFound& found, std::size_t near, std::vector<See
     return count;
 }
 
-std::size_t AppendSeen(const ClusterPlaces& places, const ClusterPlaces& images, float support_radius,
-                       const GroundPlane* plane, const NearParticlesOfCluster& near, std::span<const SeenNear> seen,
-                       const PathsFound& found, std::size_t entries, NeighbourBlock& block, std::uint16_t** shares) {
+std::size_t FindSeenNear(const ClusterPlaces& places, const ClusterPlaces& images, float support_radius,
+                         const GroundPlane* plane, const NearParticlesOfCluster& near, std::span<const SeenNear> seen,
+                         const PathsFound& found, std::size_t entries, NeighbourBlock& block, std::uint16_t** shares) {
     const Vec3V image = load(ConstVectorArrays{images.x.data(), images.y.data(), images.z.data()}, 0);
     const V h2 = all(support_radius * support_radius);
     LaneMask* const masks = lane_masks(block);
@@ -336,8 +336,8 @@ HWY_AFTER_NAMESPACE();
 namespace wade::fluid {
 
 HWY_EXPORT(FindPaths);
-HWY_EXPORT(SortByKey);
-HWY_EXPORT(AppendSeen);
+HWY_EXPORT(FindByKey);
+HWY_EXPORT(FindSeenNear);
 
 void find_paths(const ClusterPlaces& places, const NearParticlesOfCluster& near, const PathQuestion& question,
                 PathsFound& found) {
@@ -345,14 +345,14 @@ void find_paths(const ClusterPlaces& places, const NearParticlesOfCluster& near,
 }
 
 std::size_t sort_by_key(const PathsFound& found, std::size_t near, std::vector<SeenByKey>& lists) {
-    return HWY_DYNAMIC_DISPATCH(SortByKey)(found, near, lists);
+    return HWY_DYNAMIC_DISPATCH(FindByKey)(found, near, lists);
 }
 
 std::size_t append_seen(const ClusterPlaces& places, const ClusterPlaces& image, float support_radius,
                         const GroundPlane* plane, const NearParticlesOfCluster& near, std::span<const SeenNear> seen,
                         const PathsFound& found, std::size_t entries, NeighbourBlock& block, std::uint16_t** shares) {
-    return HWY_DYNAMIC_DISPATCH(AppendSeen)(places, image, support_radius, plane, near, seen, found, entries, block,
-                                            shares);
+    return HWY_DYNAMIC_DISPATCH(FindSeenNear)(places, image, support_radius, plane, near, seen, found, entries, block,
+                                              shares);
 }
 
 Obstruction::Beside Obstruction::beside(std::uint32_t wall, const Wall& at) const {

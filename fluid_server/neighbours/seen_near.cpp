@@ -121,8 +121,9 @@ class Appender {
     std::uint16_t* shares_;
 };
 
-std::size_t SeePast(const Watchers& watchers, const Sight& sight, const Box& box, float h, NearParticlesOfCluster& near,
-                    std::size_t first, NeighbourBlock& block, std::uint16_t*& shares) {
+std::size_t FindSeenPast(const Watchers& watchers, const Sight& sight, const Box& box, float h,
+                         NearParticlesOfCluster& near, std::size_t first, NeighbourBlock& block,
+                         std::uint16_t*& shares) {
     const Whole whole;
     const Numbers numbers;
     const Vec3V x = load(watchers.places);
@@ -156,7 +157,8 @@ std::size_t SeePast(const Watchers& watchers, const Sight& sight, const Box& box
             to.add_whole(e, lanes_near);
         } else {
             const Vec3 y = sight.mirror.reflect({near.x[e], near.y[e], near.z[e]});
-            to.add_part(e, lanes_near, seen_past_all(watchers, x, y, lanes_of(lanes_near)));
+            to.add_part(e, lanes_near,
+                        seen_past_all(watchers.obstacles, watchers.box, x, y, lanes_of(lanes_near), watchers.delta));
         }
     }
     shares = to.shares();
@@ -171,7 +173,7 @@ static float distance_between(const Box& a, const Box& b, std::size_t k, std::si
     return std::sqrt(gap(k) * gap(k) + gap(m) * gap(m));
 }
 
-void NoteBeforeFace(const Watchers& watchers, const Mirror& mirror, const Box& obstacle, float h,
+void FindBeforeFace(const Watchers& watchers, const Mirror& mirror, const Box& obstacle, float h,
                     const NearParticlesOfCluster& near, BeforeFace& before) {
     const Whole whole;
     const Numbers numbers;
@@ -246,9 +248,9 @@ static std::size_t drop_far(const Watchers& watchers, const Mirror& mirror, cons
     return static_cast<std::size_t>(end - chosen);
 }
 
-std::size_t SeeInFace(const Watchers& watchers, const Mirror& mirror, const Box& obstacle, float h,
-                      NearParticlesOfCluster& near, BeforeFace& before, std::size_t first, NeighbourBlock& block,
-                      std::uint16_t*& shares) {
+std::size_t FindSeenInFace(const Watchers& watchers, const Mirror& mirror, const Box& obstacle, float h,
+                           NearParticlesOfCluster& near, BeforeFace& before, std::size_t first, NeighbourBlock& block,
+                           std::uint16_t*& shares) {
     if (before.size == 0) return first;
     const Vec3V x = load(watchers.places);
     const Face face(obstacle, mirror, x, watchers.delta);
@@ -293,14 +295,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace wade::fluid {
 
-HWY_EXPORT(SeePast);
-HWY_EXPORT(NoteBeforeFace);
-HWY_EXPORT(SeeInFace);
+HWY_EXPORT(FindSeenPast);
+HWY_EXPORT(FindBeforeFace);
+HWY_EXPORT(FindSeenInFace);
 
 std::size_t append_seen_past(const Watchers& watchers, const Sight& sight, const Box& box, float support_radius,
                              NearParticlesOfCluster& near, std::size_t first, NeighbourBlock& block,
                              std::uint16_t*& shares) {
-    return HWY_DYNAMIC_DISPATCH(SeePast)(watchers, sight, box, support_radius, near, first, block, shares);
+    return HWY_DYNAMIC_DISPATCH(FindSeenPast)(watchers, sight, box, support_radius, near, first, block, shares);
 }
 
 // Where a line no longer than h that meets a face may begin.
@@ -340,14 +342,14 @@ Box box_facing(const ClusterPlaces& places, const ClusterPlaces& image, const Mi
 void note_before_face(const Watchers& watchers, const Mirror& mirror, const Box& obstacle, float support_radius,
                       const NearParticlesOfCluster& near, BeforeFace& before) {
     before.make_room(near.size);
-    HWY_DYNAMIC_DISPATCH(NoteBeforeFace)(watchers, mirror, obstacle, support_radius, near, before);
+    HWY_DYNAMIC_DISPATCH(FindBeforeFace)(watchers, mirror, obstacle, support_radius, near, before);
 }
 
 std::size_t append_seen_in_face(const Watchers& watchers, const Mirror& mirror, const Box& obstacle,
                                 float support_radius, NearParticlesOfCluster& near, BeforeFace& before,
                                 std::size_t first, NeighbourBlock& block, std::uint16_t*& shares) {
-    return HWY_DYNAMIC_DISPATCH(SeeInFace)(watchers, mirror, obstacle, support_radius, near, before, first, block,
-                                           shares);
+    return HWY_DYNAMIC_DISPATCH(FindSeenInFace)(watchers, mirror, obstacle, support_radius, near, before, first, block,
+                                                shares);
 }
 
 void BeforeFace::make_room(std::size_t near) {

@@ -2,8 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
-#include "fluid_server/neighbours/sight.hpp"
 #include "fluid_server/neighbours/vectors-inl.hpp"
 
 // Once for each instruction set.
@@ -104,11 +104,11 @@ HWY_INLINE V seen_past(const Box& obstacle, const Box& box, const Vec3V& x, cons
     return share_past(distance, delta);
 }
 
-// The same past all obstacles.
-static HWY_NOINLINE V seen_past_all(const Watchers& watchers, const Vec3V& x, const Vec3& y, Seen near) {
+// The same past all of them.
+static HWY_NOINLINE V seen_past_all(std::span<const Box> obstacles, const Box& box, const Vec3V& x, const Vec3& y,
+                                    Seen near, float delta) {
     V share = all(1);
-    for (const Box& obstacle : watchers.obstacles)
-        share = hn::Min(share, seen_past(obstacle, watchers.box, x, y, near, watchers.delta));
+    for (const Box& obstacle : obstacles) share = hn::Min(share, seen_past(obstacle, box, x, y, near, delta));
     return share;
 }
 

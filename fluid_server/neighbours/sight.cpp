@@ -77,9 +77,10 @@ std::size_t FindSharesSeen(const Watchers& watchers, const Sight& sight, float h
                            [&](const Vec3V&, const Vec3& y, Seen)
                                HWY_ATTR { return face.distance(y) < 0 ? hn::Zero(lanes) : face.share_of(y); });
     }
-    return keep_shares(watchers, sight, h, p, first, last, block, shares,
-                       [&](const Vec3V& x, const Vec3& y, Seen near)
-                           HWY_ATTR { return seen_past_all(watchers, x, sight.mirror.reflect(y), near); });
+    return keep_shares(
+        watchers, sight, h, p, first, last, block, shares, [&](const Vec3V& x, const Vec3& y, Seen near) HWY_ATTR {
+            return seen_past_all(watchers.obstacles, watchers.box, x, sight.mirror.reflect(y), near, watchers.delta);
+        });
 }
 
 std::size_t FindNearBox(const Box& box, float support_radius, const Particles& p, std::span<const Run> runs,
