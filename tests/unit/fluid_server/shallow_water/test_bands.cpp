@@ -176,6 +176,16 @@ TEST_CASE("a place over ranks gives the bits of one process", "[bands]") {
     bands_test::check_bits(bands_test::place_with_all(), 5, 2, {2, 4});
 }
 
+TEST_CASE("what the first rank has of water that runs away is what was last there", "[bands]") {
+    Scene scene = validation::empty_place(40, 12, 0.5);
+    scene.fluid.model = wade::ModelKind::shallow_water;
+    Place& place = *scene.place;
+    place.ground.slope_x = -0.2, place.ground.level = 8;
+    place.water = {{validation::Turn(5, 6, 0).box(-3, 3, -5, 5), 8}};
+    place.outlets = {{"sea", OutletKind::free, {}, {{40, 0}, {40, 12}}, {}}};
+    bands_test::check_bits(scene, 40, 5, {2, 3});
+}
+
 TEST_CASE("channels over ranks give the bits of one process", "[bands]") {
     Scene scene = river(20, 12, 1, 1, 1.5);
     scene.obstacles.push_back({{8, 10}, {3, 7.2}, 2});
