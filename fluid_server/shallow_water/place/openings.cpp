@@ -126,6 +126,21 @@ void keep_largest_parts(OpenGrid& grid, const Cover& cover) {
     }
 }
 
+// A gate that ends in a cell of which a wall has a part goes on beyond that cell's centre, as the face beside the wall stays
+// open otherwise.
+MapLine up_to_walls(const OpenGrid& open, const Grid& grid, MapLine line) {
+    const auto lengthen = [&](MapPoint& end, const MapPoint& from) {
+        const double column = (end.x - grid.x.lo) / grid.dx, row = (end.z - grid.z.lo) / grid.dz;
+        if (!(column >= 0 && row >= 0 && column < double(open.nx) && row < double(open.nz))) return;
+        if (open.share[static_cast<std::size_t>(row) * open.nx + static_cast<std::size_t>(column)] >= 1) return;
+        const double x = end.x - from.x, z = end.z - from.z, reach = 0.5 * std::hypot(grid.dx, grid.dz);
+        end.x += reach * x / std::hypot(x, z), end.z += reach * z / std::hypot(x, z);
+    };
+    lengthen(line.front(), line[1]);
+    lengthen(line.back(), line[line.size() - 2]);
+    return line;
+}
+
 // Closes the faces between centres of cells that a line parts.
 void close_faces(OpenGrid& open, const Grid& grid, const MapLine& line) {
     const auto parts = [&](std::size_t cell, std::size_t other) {
@@ -165,7 +180,7 @@ OpenGrid open_grid(const Grid& grid, const std::vector<House>& houses, const Row
         for (double& s : *shares) s = 1 - s;
     }
     keep_largest_parts(open, cover);
-    for (const MapLine& gate : gates) close_faces(open, grid, gate);
+    for (const MapLine& gate : gates) close_faces(open, grid, up_to_walls(open, grid, gate));
     for (std::vector<double>* shares : {&open.face_x, &open.face_z}) {
         for (double& s : *shares) s = s < least_opening ? 0 : s;
     }

@@ -258,6 +258,22 @@ TEST_CASE("a gate holds water until it opens", "[place]") {
     CHECK(beyond() > 1);
 }
 
+TEST_CASE("a gate between walls that end anywhere in a cell is tight", "[place]") {
+    for (const double degrees : {0, 17, 30}) {
+        Scene scene = empty_place(20, 10, 0.5);
+        Place& place = *scene.place;
+        const Turn turn(10, 5, degrees);
+        place.houses = {house_of(turn.box(-0.5, 0.5, -20, -0.7)), house_of(turn.box(-0.5, 0.5, 1.2, 20))};
+        place.gates = {{"gate", {turn(0, -0.7), turn(0, 1.2)}, 9}};
+        place.water = {{turn.box(-20, -0.8, -20, 20), 1}};
+        ShallowWater world(scene);
+        run_until(world, 4);
+        for_each_cell(world.grid, [&](double x, double z, std::size_t c) {
+            if (turn.back(x, z).x > 1) REQUIRE(world.water.h[c] == 0);
+        });
+    }
+}
+
 // A wave that runs along x, or along z, into water at rest before its crest breaks: its exact solution follows characteristics.
 TEST_CASE("the order of convergence on a place is at least 1.7", "[place]") {
     const double length = 20, depth = 1, height = 0.1, g = 9.81, c0 = std::sqrt(g * depth), end = 1.5;
