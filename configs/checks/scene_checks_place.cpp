@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -322,6 +323,15 @@ void check_source(const Source& made, const Scene& scene, const HouseFinder& hou
                  "all of it lies on a roof, that of " + roof->label + ". Remedy: move it to the ground beside.");
 }
 
+void check_gauge(const Gauge& gauge, const Scene& scene, const HouseFinder& houses, const std::string& source) {
+    check_in_world(box_of({}, {gauge.at}), scene, gauge.label, source);
+    const House* const house = houses.at(gauge.at);
+    if (!house && has_ground(scene.place->ground, gauge.at)) return;
+    const std::string where = house ? "in the house " + house->label : "where the ground has no height";
+    refuse_shape(source, gauge.label,
+                 gauge.name + " at " + at_words(gauge.at.x, gauge.at.z) + " is " + where + ". Remedy: move it.");
+}
+
 // The first agent of each group that starts in a wall or where there is no ground.
 void check_starts_on_place(const Scene& scene, const HouseFinder& houses, const std::string& source,
                            Problems& problems) {
@@ -361,20 +371,26 @@ void check_place(const Scene& scene, const std::string& source, Problems& proble
     for (const House& house : place.houses) problems.attempt([&] { check_house(house, scene, source); });
     const HouseFinder houses(scene);
     for (const Source& made : place.sources) problems.attempt([&] { check_source(made, scene, houses, source); });
-    for (const Outlet& outlet : place.outlets) {
+    const auto check_shape = [&](const MapPolygon& polygon, const MapLine& line, const std::string& label) {
         problems.attempt([&] {
-            if (outlet.line.empty()) check_rings(outlet.polygon, outlet.label, source);
-            check_in_world(box_of(outlet.polygon, outlet.line), scene, outlet.label, source);
+            if (line.empty()) check_rings(polygon, label, source);
+            check_in_world(box_of(polygon, line), scene, label, source);
+        });
+    };
+    for (const Outlet& outlet : place.outlets) check_shape(outlet.polygon, outlet.line, outlet.label);
+    for (const ManningZone& zone : place.roughness.zones) check_shape(zone.polygon, {}, zone.label);
+    for (const StandingWater& water : place.water)
+        if (!water.polygon.rings.empty()) check_shape(water.polygon, {}, water.label);
+    for (const Gate& gate : place.gates) check_shape({}, gate.line, gate.label);
+    std::set<std::string> names;
+    for (const Gauge& gauge : place.gauges) {
+        problems.attempt([&] {
+            check_gauge(gauge, scene, houses, source);
+            if (!names.insert(gauge.name).second)
+                refuse_shape(source, gauge.label, gauge.name + " is the name of another gauge, too. Remedy: name it.");
         });
     }
-    for (const Gate& gate : place.gates)
-        problems.attempt([&] { check_in_world(box_of({}, gate.line), scene, gate.label, source); });
-    for (const PlaceShelter& shelter : place.shelters) {
-        problems.attempt([&] {
-            check_rings(shelter.polygon, shelter.label, source);
-            check_in_world(box_of(shelter.polygon), scene, shelter.label, source);
-        });
-    }
+    for (const PlaceShelter& shelter : place.shelters) check_shape(shelter.polygon, {}, shelter.label);
     check_starts_on_place(scene, houses, source, problems);
 }
 

@@ -17,7 +17,7 @@ using nlohmann::json;
 
 class JsonReader {
  public:
-    explicit JsonReader(const std::string& name) : name_(name) {}
+    JsonReader(const std::string& name, bool plan) : name_(name), plan_(plan) {}
 
     MapFeatures read(const json& document) {
         const std::string type = type_of(document);
@@ -103,10 +103,13 @@ class JsonReader {
             made.line = line_of(coordinates, made);
         } else if (type == "MultiLineString" && coordinates.is_array() && coordinates.size() == 1) {
             made.line = line_of(coordinates[0], made);
+        } else if (type == "Point") {
+            made.line = line_of(json::array({coordinates}), made);
+            made.is_point = true;
         } else {
             fail(made.label,
                  "a geometry of type \"" + type +
-                     "\"; allowed: Polygon, MultiPolygon, LineString. Remedy: draw what it is for as a polygon "
+                     "\"; allowed: Polygon, MultiPolygon, LineString, Point. Remedy: draw what it is for as a polygon "
                      "or a line; ogr2ogr -explodecollections takes several apart.");
         }
         if (made.polygon.rings.empty() && made.line.empty()) fail(made.label, "its geometry has no points.");
@@ -142,7 +145,7 @@ class JsonReader {
 
     // Without a member crs a file is to be in degrees, says RFC 7946; most that come from GIS are in the map's metres.
     void check_metres() const {
-        if (found_.epsg || found_.features.empty()) return;
+        if (plan_ || found_.epsg || found_.features.empty()) return;
         bool degrees = true, fractions = false;
         const auto look = [&](const MapLine& line) {
             for (const MapPoint& p : line) {
@@ -160,12 +163,13 @@ class JsonReader {
     }
 
     const std::string& name_;
+    bool plan_;
     MapFeatures found_;
 };
 
 }  // namespace
 
-MapFeatures parse_geojson(std::string_view text, const std::string& name) {
+MapFeatures parse_geojson(std::string_view text, const std::string& name, bool plan) {
     constexpr int deepest = 50;
     bool too_deep = false;
     const auto watch = [&too_deep](int depth, json::parse_event_t, json&) {
@@ -176,7 +180,7 @@ MapFeatures parse_geojson(std::string_view text, const std::string& name) {
         const json document = json::parse(text.begin(), text.end(), watch);
         if (too_deep)
             throw ConfigurationError(name + ": its arrays are nested more than " + std::to_string(deepest) + " deep.");
-        return JsonReader(name).read(document);
+        return JsonReader(name, plan).read(document);
     } catch (const json::parse_error& error) {
         throw ConfigurationError(name + ": not valid JSON at byte " + std::to_string(error.byte) +
                                  ": it is damaged, cut short or no GeoJSON.");
@@ -185,9 +189,9 @@ MapFeatures parse_geojson(std::string_view text, const std::string& name) {
     }
 }
 
-MapFeatures read_geojson(const std::filesystem::path& file) {
+MapFeatures read_geojson(const std::filesystem::path& file, bool plan) {
     constexpr std::size_t longest = std::size_t{256} << 20;
-    return parse_geojson(read_text_file(file, "the file " + file.string(), longest), file.string());
+    return parse_geojson(read_text_file(file, "the file " + file.string(), longest), file.string(), plan);
 }
 
 }  // namespace wade

@@ -13,12 +13,14 @@
 
 namespace wade {
 
-// One of a polygon and a line is there. A MultiPolygon is one polygon of all its rings; holes are rings, too.
+// One of a polygon and a line is there, a point is a line of one. A MultiPolygon is one polygon of all its rings; holes are
+// rings, too.
 struct MapFeature {
     std::string label;  // for messages: "feature 3 (the mill)"
     std::string name;   // its property of this name
     MapPolygon polygon;
     MapLine line;
+    bool is_point = false;
     std::map<std::string, double> numbers;     // its properties that are numbers
     std::map<std::string, std::string> words;  // and those that are words
     MapLine doors;                             // its property of this name, [[x, y], ...]
@@ -34,8 +36,9 @@ struct MapFeatures {
     std::optional<int> epsg;  // of its coordinate system, if it names one in the member crs
 };
 
-// Features without a geometry are left out. Throws ConfigurationError that names file, feature, value and remedy.
-[[nodiscard]] MapFeatures read_geojson(const std::filesystem::path& file);
-[[nodiscard]] MapFeatures parse_geojson(std::string_view text, const std::string& name);
+// Features without a geometry are left out. Coordinates that look like degrees are refused, but not of a `plan`, whose metres
+// belong to no coordinate system. Throws ConfigurationError that names file, feature, value and remedy.
+[[nodiscard]] MapFeatures read_geojson(const std::filesystem::path& file, bool plan = false);
+[[nodiscard]] MapFeatures parse_geojson(std::string_view text, const std::string& name, bool plan = false);
 
 }  // namespace wade

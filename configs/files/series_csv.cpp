@@ -83,9 +83,14 @@ class SeriesTable {
         };
         time_ = at("time_s");
         value_ = at(column_);
-        if (time_ < width_ && value_ == width_ && width_ == 2) value_ = 1 - time_;
-        if (time_ == width_ || value_ == width_)
-            fail_here("its columns are not time_s and " + column_ + "; allowed: a first line that names them.");
+        // Any other name of the second of two, such as q, unless it ends in a unit of its own.
+        if (time_ < width_ && width_ == 2 && names[1 - time_].find('_') == names[0].npos) value_ = 1 - time_;
+        if (time_ < width_ && value_ < width_) return;
+        std::string found;
+        for (const std::string_view name : names)
+            found += (found.empty() ? "" : ", ") + std::string(name.substr(0, 40));
+        fail_here("its columns are " + found + "; allowed: a first line that names time_s and " + column_ +
+                  ", with commas between columns.");
     }
 
     [[nodiscard]] double number(std::string_view cell, const std::string& what) const {

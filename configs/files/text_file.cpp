@@ -42,10 +42,14 @@ std::string read_text_file(const std::filesystem::path& file, const std::string&
     while (true) {
         const ssize_t got = ::read(fd, piece.data(), piece.size());
         if (got < 0) fail("the read was cut short: " + std::string(std::strerror(errno)));
-        if (got <= 0) return text;
+        if (got <= 0) break;
         text.append(piece.data(), static_cast<std::size_t>(got));
         if (text.size() > longest) fail("it is longer than " + std::to_string(longest >> 20) + " MiB");
     }
+    // Spreadsheets and Windows begin a text in UTF-8 with a mark.
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    if (text.starts_with(mark)) text.erase(0, mark.size());
+    return text;
 }
 
 }  // namespace wade

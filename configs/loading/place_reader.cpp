@@ -47,6 +47,7 @@ class PlaceReader {
             place_.water_file = *keys_.water_depth;
             place_.water_depth = raster("/water_depth_file", *keys_.water_depth);
         });
+        each("/gauges", keys_.gauges, [&](const auto& key, const auto& pointer) { read_gauges(key, pointer); });
         each("/shelters", keys_.shelters, [&](const auto& key, const auto& pointer) { read_shelters(key, pointer); });
         take("/residents_csv", [&] {
             if (keys_.residents) read_residents_of_table(*keys_.residents);
@@ -163,11 +164,12 @@ class PlaceReader {
             if (line.size() < 2) fail(pointer + "/line", "1 point; allowed: at least 2.");
             return {{{}, line, {}, "/place" + pointer}};
         }
-        MapFeatures file = read_geojson(*name);
-        check_system(file.epsg, *name);
-        if (file.features.empty()) fail(pointer + "/file", *name + ": it holds no feature; allowed: at least one.");
+        MapFeatures file = read_features(pointer, *name);
         std::vector<Shape> found;
         for (MapFeature& feature : file.features) {
+            if (feature.is_point)
+                fail(pointer + "/file", *name + ": " + feature.label +
+                                            ": it is a point; allowed: " + (polygons ? "polygons" : "lines") + ".");
             if (feature.polygon.rings.empty() ? !lines : !polygons)
                 fail(pointer + "/file", *name + ": " + feature.label + ": it is a " +
                                             (feature.polygon.rings.empty() ? "line" : "polygon") +
@@ -182,6 +184,12 @@ class PlaceReader {
             found.push_back(std::move(shape));
         }
         return found;
+    }
+    MapFeatures read_features(const std::string& pointer, const std::string& name) const {
+        MapFeatures file = read_geojson(name, place_.epsg == 0);
+        check_system(file.epsg, name);
+        if (file.features.empty()) fail(pointer + "/file", name + ": it holds no feature; allowed: at least one.");
+        return file;
     }
     void move(MapLine& line) const {
         for (MapPoint& point : line) {
@@ -245,7 +253,7 @@ class PlaceReader {
         }
         each("/manning/zones", keys_.manning.zones, [&](const ZoneKeys& key, const std::string& pointer) {
             for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false))
-                roughness.zones.push_back({std::move(shape.polygon), property(shape, "n", key.n, 0, 1)});
+                roughness.zones.push_back({std::move(shape.polygon), property(shape, "n", key.n, 0, 1), shape.label});
         });
     }
 
@@ -294,11 +302,29 @@ class PlaceReader {
 
     void read_water(const WaterKeys& key, const std::string& pointer) {
         if (!key.file && key.polygon.empty()) {
-            place_.water.push_back({{}, key.level});
+            place_.water.push_back({{}, key.level, "/place" + pointer});
             return;
         }
         for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false))
-            place_.water.push_back({std::move(shape.polygon), property(shape, "level_m", key.level, -1000, 10000)});
+            place_.water.push_back(
+                {std::move(shape.polygon), property(shape, "level_m", key.level, -1000, 10000), shape.label});
+    }
+
+    void read_gauges(const GaugeKeys& key, const std::string& pointer) {
+        const auto add = [&](const std::string& name, const MapPoint& at, const std::string& label) {
+            const std::string number = std::to_string(place_.gauges.size() + 1);
+            place_.gauges.push_back({name.empty() ? number : name, at, label});
+        };
+        const bool whole = key.x && key.z, part = key.x || key.z;
+        if (key.file ? part : !whole) fail(pointer, "allowed: both x_m and z_m, or file, and not all of them.");
+        if (whole) return add(key.name, {*key.x, *key.z}, "/place" + pointer);
+        MapFeatures file = read_features(pointer, *key.file);
+        for (MapFeature& feature : file.features) {
+            if (!feature.is_point) fail(pointer + "/file", *key.file + ": " + feature.label + ": allowed: points.");
+            move(feature.line);
+            add(feature.name.empty() ? key.name : feature.name, feature.line.front(),
+                "/place" + pointer + ": " + *key.file + ": " + feature.label);
+        }
     }
 
     void read_residents_of_table(const std::string& name) {

@@ -97,6 +97,7 @@ struct House {
 struct ManningZone {
     MapPolygon polygon;
     double n = 0.03;
+    std::string label{};
 };
 struct Roughness {
     double n = 0.03;
@@ -141,6 +142,14 @@ struct Gate {
 struct StandingWater {
     MapPolygon polygon;
     double level = 0;  // height of the surface, m
+    std::string label{};
+};
+
+// Where the water is written in time.
+struct Gauge {
+    std::string name;
+    MapPoint at;
+    std::string label{};
 };
 
 // Where people are safe.
@@ -167,6 +176,7 @@ struct Place {
     std::vector<StandingWater> water;  // at t = 0
     std::string water_file;            // raster of depths at t = 0, m
     std::shared_ptr<const Raster> water_depth;
+    std::vector<Gauge> gauges;
     std::vector<PlaceShelter> shelters;
     std::shared_ptr<const std::vector<Resident>> residents;  // of the table; none: there is none
 };

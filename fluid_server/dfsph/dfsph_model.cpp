@@ -62,7 +62,14 @@ DfsphModel::DfsphModel(const Scene& scene)
     columns_.emplace(scene);
     const double dx = columns_->x().length() / columns_->nx(), dz = columns_->z().length() / columns_->nz();
     maps_.emplace(MapGrid{columns_->x().lo, columns_->z().lo, dx, dz, columns_->nx(), columns_->nz()});
-    for (std::size_t c = 0; c < columns_->count(); ++c) maps_->wall[c] = columns_->is_solid(c);
+    std::vector<double> ground(columns_->count());
+    for (std::size_t c = 0; c < columns_->count(); ++c) {
+        maps_->wall[c] = columns_->is_solid(c);
+        const double column = static_cast<double>(c % columns_->nx()) + 0.5;
+        const double row = static_cast<double>(c / columns_->nx()) + 0.5;
+        ground[c] = ground_({columns_->x().lo + column * dx, columns_->z().lo + row * dz});
+    }
+    place_gauges(*maps_, *scene.place, ground);
 }
 
 std::uint32_t DfsphModel::capacity() const {

@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <limits>
+#include <stdexcept>
+#include <utility>
 
+#include "configs/errors/exit_code.hpp"
 #include "configs/files/geotiff.hpp"
 #include "configs/numbers/hazard.hpp"
 
@@ -37,6 +42,30 @@ class MapWriter {
     std::vector<float> values_;
 };
 
+// A name in a table, quoted if it would be several fields.
+std::string field_of(const std::string& name) {
+    if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
+    std::string quoted = "\"";
+    for (const char letter : name) quoted += letter == '"' ? "\"\"" : std::string(1, letter);
+    return quoted + "\"";
+}
+
+void write_gauges(const FloodMaps& maps, const std::filesystem::path& folder) {
+    const std::filesystem::path file = folder / "gauges.csv";
+    std::ofstream out(file);
+    out.precision(9);
+    out << "time_s,name,depth_m,level_m,velocity_x_m_s,velocity_z_m_s\n";
+    for (std::size_t n = 0; n < maps.gauges.front().time.size(); ++n) {
+        for (const GaugeRecord& g : maps.gauges) {
+            char values[120];
+            std::snprintf(values, sizeof values, ",%.7g,%.7g,%.7g,%.7g\n", g.depth[n], g.ground + g.depth[n], g.u[n],
+                          g.v[n]);
+            out << g.time[n] << ',' << field_of(g.name) << values;
+        }
+    }
+    if (!out.flush()) throw std::runtime_error(file.string() + ": it could not be written");
+}
+
 void raise(float& largest, double value) {
     largest = std::max(largest, static_cast<float>(value));
 }
@@ -66,9 +95,39 @@ void add_row(FloodMaps& maps, std::size_t row, double time, const double* h, con
         raise(maps.rating[k], hazard_rating(h[i], fast));
         maps.hazard[k] = std::max(maps.hazard[k], static_cast<std::uint8_t>(hazard_class(h[i], fast)));
     }
+    for (GaugeRecord& gauge : maps.gauges) {
+        if (gauge.row != row) continue;
+        gauge.time.push_back(time);
+        gauge.depth.push_back(h[gauge.column]);
+        gauge.u.push_back(u[gauge.column]);
+        gauge.v.push_back(v[gauge.column]);
+    }
+}
+
+void place_gauges(FloodMaps& maps, const Place& place, const std::vector<double>& ground) {
+    const MapGrid& grid = maps.grid;
+    for (const Gauge& gauge : place.gauges) {
+        constexpr double reach = 2;  // cells
+        GaugeRecord record{gauge.name, 0, 0, 0, {}, {}, {}, {}};
+        double nearest = reach * reach;
+        for (std::size_t k = 0; k < maps.wall.size(); ++k) {
+            if (maps.wall[k]) continue;
+            const std::size_t row = k / grid.columns, column = k % grid.columns;
+            const double x = (gauge.at.x - grid.x) / grid.dx - static_cast<double>(column) - 0.5;
+            const double z = (gauge.at.z - grid.z) / grid.dz - static_cast<double>(row) - 0.5;
+            if (!(x * x + z * z < nearest)) continue;
+            nearest = x * x + z * z;
+            record.row = row, record.column = column, record.ground = ground[k];
+        }
+        if (!(nearest < reach * reach))
+            throw ConfigurationError("the gauge " + gauge.name + " has walls alone round it. Remedy: move it, or " +
+                                     "smaller cells (/fluid/shallow_water/cell_size_m)");
+        maps.gauges.push_back(std::move(record));
+    }
 }
 
 void write_maps(const FloodMaps& maps, const Place& place, const std::filesystem::path& folder) {
+    if (!maps.gauges.empty()) write_gauges(maps, folder);
     MapWriter writer(maps, place, folder);
     writer.write("max_depth_m.tif", [&](std::size_t k) { return maps.depth[k]; });
     writer.write("max_speed_m_s.tif", [&](std::size_t k) { return maps.speed[k]; });

@@ -7,11 +7,13 @@
 //   max_depth_m h    max_speed_m_s v    max_dv_m2_s h v    arrival_s the first time with water
 //   viseu 0 to 4, arr_h 0 to 6, defra the rating: see configs/numbers/hazard.hpp
 //
-// Walls and ground without height have no value, nor has arrival_s where no water came.
+// Walls and ground without height have no value, nor has arrival_s where no water came. Gauges are read at the ends of frames,
+// too, of any depth, in the cell whose centre is nearest to them and that is no wall.
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "configs/scene/scene.hpp"
@@ -24,6 +26,14 @@ struct MapGrid {
     std::size_t columns = 0, rows = 0;
 };
 
+// A gauge, and what it read.
+struct GaugeRecord {
+    std::string name;
+    std::size_t row = 0, column = 0;
+    double ground = 0;                      // m, of its cell
+    std::vector<double> time, depth, u, v;  // s, m, m/s along x and z
+};
+
 struct FloodMaps {
     explicit FloodMaps(const MapGrid& its_grid);
 
@@ -31,12 +41,17 @@ struct FloodMaps {
     std::vector<float> depth, speed, depth_speed, arrival, rating;  // by row from the south, then column
     std::vector<std::uint8_t> hazard;                               // H1 to H6
     std::vector<bool> wall;
+    std::vector<GaugeRecord> gauges;
 };
+
+// Sets the gauges of a place up, once the walls are known; `ground`: its height, m, by cell as in the maps. Throws
+// ConfigurationError if there are walls alone where a gauge is.
+void place_gauges(FloodMaps& maps, const Place& place, const std::vector<double>& ground);
 
 // Adds the water of a row at a time, s: depth, m, and velocity, m/s, of its cells.
 void add_row(FloodMaps& maps, std::size_t row, double time, const double* h, const double* u, const double* v);
 
-// Writes the maps into `folder`/maps, in the place's coordinate system. Throws std::runtime_error.
+// Writes the maps into `folder`/maps, in the place's coordinate system, and `folder`/gauges.csv if there are gauges. Throws std::runtime_error.
 void write_maps(const FloodMaps& maps, const Place& place, const std::filesystem::path& folder);
 
 inline constexpr double wet_depth = 0.01;  // m

@@ -86,12 +86,16 @@ shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval)
 
 void ShallowWaterModel::begin_maps() {
     if (!world_.scene.place) return;
+    at_first_ = measure(world_).volume;
     const Grid& grid = world_.grid;
     maps_.emplace(MapGrid{grid.x.lo, grid.z.lo, grid.dx, grid.dz, grid.nx, grid.nz});
+    std::vector<double> ground(grid.cells());
     for (std::size_t k = 0; k < grid.cells(); ++k) {
         const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k / grid.nx)) + k % grid.nx;
         maps_->wall[k] = world_.openings.share_of(c) < 0.5;
+        ground[k] = world_.bed.height[c];
     }
+    place_gauges(*maps_, *world_.scene.place, ground);
 }
 
 void ShallowWaterModel::add_to_maps() {
@@ -108,13 +112,14 @@ void ShallowWaterModel::write_results(const std::filesystem::path& folder) const
 }
 
 std::string ShallowWaterModel::remarks() const {
-    char text[200];
+    char text[280];
     if (world_.place) {
         std::snprintf(
             text, sizeof text,
-            "grid of %zu x %zu cells of %.4g m x %.4g m, %.4g M steps of cells at the water, %.9g m3 came in, "
-            "%.9g m3 went out",
-            world_.grid.nx, world_.grid.nz, world_.grid.dx, world_.grid.dz, 1e-6 * cell_steps_, inflow_, outflow_);
+            "grid of %zu x %zu cells of %.4g m x %.4g m, %.4g M steps of cells at the water, %.9g m3 stood there, "
+            "%.9g m3 came in, %.9g m3 went out, %.9g m3 are left",
+            world_.grid.nx, world_.grid.nz, world_.grid.dx, world_.grid.dz, 1e-6 * cell_steps_, at_first_, inflow_,
+            outflow_, measure(world_).volume);
         return text;
     }
     std::snprintf(text, sizeof text, "grid of %zu x %zu cells of %.4g m x %.4g m, %.4g M cell-steps", world_.grid.nx,

@@ -39,7 +39,8 @@ class ShallowWaterModel final : public FluidModel {
     ColumnParticles particles_;
     PeopleInWater people_;
     std::optional<FloodMaps> maps_;    // of a place
-    double inflow_ = 0, outflow_ = 0;  // m^3 since t = 0
+    double at_first_ = 0;              // m^3 at t = 0
+    double inflow_ = 0, outflow_ = 0;  // m^3 since then
     double cell_steps_ = 0;
 };
 

@@ -109,6 +109,14 @@ void fields(WaterKeys& water, Fields& f) {
     f.number("level_m", water.level, "m", from(-1000).to(10000), "Height of the surface; ground above it is dry.");
 }
 
+void fields(GaugeKeys& gauge, Fields& f) {
+    f.text("name", gauge.name, {},
+           "What gauges.csv calls it; in a file the features' property name. None: its number, counted from 1.");
+    f.path("file", gauge.file, "GeoJSON with points, each a gauge, in the place's coordinate system.");
+    f.number("x_m", gauge.x, "m", on_map, "x of the gauge.", otherwise("with file: unused"));
+    f.number("z_m", gauge.z, "m", on_map, "z of the gauge.", otherwise("with file: unused"));
+}
+
 void fields(ShelterKeys& shelter, Fields& f) {
     name_field(f, shelter.name);
     f.path("file", shelter.file, "GeoJSON with polygons; their properties name and capacity stand over the keys here.");
@@ -135,6 +143,8 @@ void fields(PlaceKeys& place, Fields& f) {
     f.list("gates", place.gates, "Walls that are gone from a time on: a dam that breaks, a gate that opens.");
     f.list("water", place.water, "Water that stands at a level at t = 0.");
     f.path("water_depth_file", place.water_depth, "Raster of the water's depth at t = 0.");
+    f.list("gauges", place.gauges,
+           "Where depth, level and velocity of the water are written in time, a row a frame, into gauges.csv.");
     f.list("shelters", place.shelters, "Where people are safe.");
     f.path("residents_csv", place.residents,
            "Table of people: x and y in the place's coordinate system and any of id, age, sex, height, mass, skill, "

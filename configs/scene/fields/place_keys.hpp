@@ -82,6 +82,12 @@ struct ShelterKeys {
     bool is_exit = false;
 };
 
+struct GaugeKeys {
+    std::string name;
+    std::optional<std::string> file;  // points
+    std::optional<double> x, z;
+};
+
 struct PlaceKeys {
     std::optional<int> epsg;  // 0: a plan of its own
     std::optional<double> origin_x, origin_z;
@@ -94,6 +100,7 @@ struct PlaceKeys {
     std::vector<GateKeys> gates;
     std::vector<WaterKeys> water;
     std::optional<std::string> water_depth;  // a raster
+    std::vector<GaugeKeys> gauges;
     std::vector<ShelterKeys> shelters;
     std::optional<std::string> residents;  // a table
 };

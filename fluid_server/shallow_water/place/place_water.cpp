@@ -51,8 +51,9 @@ PlaceSource make_source(const Source& source, const Grid& grid, const Openings& 
         result.cells.push_back({c, area.share[n]});
     }
     if (result.cells.empty()) {
-        throw ConfigurationError("the source \"" + source.name +
-                                 "\" lies on no open ground: it is inside houses or beyond the ground; move it.");
+        throw ConfigurationError(source.label +
+                                 ": the source lies on no open ground: it is inside houses, beyond the "
+                                 "ground or too small for a cell. Remedy: move it.");
     }
     for (SourceCell& cell : result.cells) cell.per_volume /= open;
     return result;
@@ -78,8 +79,9 @@ PlaceOutlet make_outlet(const Outlet& outlet, const Grid& grid, const Openings& 
     }
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
     if (cells.empty()) {
-        throw ConfigurationError("the outlet \"" + outlet.name +
-                                 "\" lies on no open ground: it is inside houses or beyond the ground; move it.");
+        throw ConfigurationError(outlet.label +
+                                 ": the outlet lies on no open ground: it is inside houses, beyond the "
+                                 "ground or too small for a cell. Remedy: move it.");
     }
     const auto is_outlet = [&](std::size_t c) { return std::binary_search(cells.begin(), cells.end(), c); };
     for (const std::size_t c : cells) {

@@ -72,9 +72,11 @@ TEST_CASE("what is wrong with a GeoJSON is named with its feature and a remedy")
     CHECK_THAT(refusal_of_shapes(polygon_of("[1e3, 0], [1e3, 1], [1e3, 0]")),
                Contains("feature 0: a ring with 2 corners"));
     CHECK_THAT(refusal_of_shapes(polygon_of("[1e3, 0], [1e3, \"1\"], [2e3, 0]")), Contains("is no point"));
-    CHECK_THAT(refusal_of_shapes(R"({"type": "Point", "coordinates": [1, 2]})"), Contains("allowed: Polygon"));
+    CHECK_THAT(refusal_of_shapes(R"({"type": "MultiPoint", "coordinates": [[1, 2]]})"), Contains("allowed: Polygon"));
     CHECK_THAT(refusal_of_shapes(polygon_of("[151.71234567, -32.9], [151.72, -32.9], [151.72, -32.8]")),
                Contains("look like degrees") && Contains("wade place import"));
+    CHECK(wade::parse_geojson(polygon_of("[1.71234567, 2], [3, 4], [5, 7]"), "flume.geojson", true).features.size() ==
+          1);
     const std::string crs = R"(, "crs": {"type": "name", "properties": {"name": ")";
     CHECK_THAT(refusal_of_shapes(polygon_of("[1, 2], [3, 4], [5, 7]", crs + R"(urn:ogc:def:crs:OGC:1.3:CRS84"}})")),
                Contains("degrees"));
@@ -96,7 +98,10 @@ TEST_CASE("what is wrong with a series is named with its line and a remedy") {
     CHECK_THAT(refusal_of_series(head + "0,-1\n"), Contains("line 2: discharge_m3_s is -1; allowed: >= 0"));
     CHECK_THAT(refusal_of_series(head + "0,nan\n"), Contains("allowed: a number"));
     CHECK_THAT(refusal_of_series(head + "0\n"), Contains("1 values; allowed: 2"));
-    CHECK_THAT(refusal_of_series("t,q\n0,1\n"), Contains("its columns are not time_s and discharge_m3_s"));
+    CHECK_THAT(refusal_of_series("t,q\n0,1\n"),
+               Contains("its columns are t, q; allowed: a first line that names time_s "));
+    CHECK_THAT(refusal_of_series("time_s,discharge_l_s\n0,1\n"), Contains("its columns are time_s, discharge_l_s"));
+    CHECK_THAT(refusal_of_series("time_s;discharge_m3_s\n0;1\n"), Contains("with commas between columns"));
     CHECK_THAT(refusal_of_series(head), Contains("there are no rows"));
 }
 

@@ -105,6 +105,40 @@ TEST_CASE("houses, zones, sources and shelters of files are in the scene's metre
     CHECK((place.shelters[0].capacity == 5 && place.shelters[1].capacity == 100));
 }
 
+TEST_CASE("gauges are points of the scene or of a file, with a name of their own") {
+    const Folder folder;
+    folder.folder.write("points.geojson", "\xEF\xBB\xBF" + std::string(R"({"type": "FeatureCollection", "features": [
+        {"type": "Feature", "properties": {"name": "mill"}, "geometry": {"type": "Point", "coordinates": [500103, 6000202]}},
+        {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [500104, 6000203]}}]})"));
+    const std::string keys = R"(, "gauges": [{"name": "bridge", "x_m": 3, "z_m": 4}, {"file": "points.geojson"}])";
+    const wade::Scene scene = wade::load_scene(folder.scene(ground + keys + "}")).scene;
+    const std::vector<wade::Gauge>& gauges = scene.place->gauges;
+    REQUIRE(gauges.size() == 3);
+    CHECK((gauges[0].name == "bridge" && gauges[0].at.x == 3 && gauges[0].at.z == 4));
+    CHECK((gauges[1].name == "mill" && gauges[1].at.x == 3 && gauges[1].at.z == 2 && gauges[2].name == "3"));
+    const auto refused = [&](const std::string& more) { return folder.refused(ground + ", " + more + "}"); };
+    CHECK_THAT(refused(R"("gauges": [{"x_m": 3}])"), Contains("/place/gauges/0: allowed: both x_m and z_m, or file"));
+    CHECK_THAT(refused(R"("gauges": [{"file": "houses.geojson"}])"), Contains("feature 0 (mill): allowed: points"));
+    CHECK_THAT(refused(R"("gates": [{"file": "points.geojson"}])"), Contains("it is a point; allowed: lines"));
+    CHECK_THAT(refused(R"("gauges": [{"x_m": 3, "z_m": 44}])"), Contains("/place/gauges/0: it lies outside the place"));
+    CHECK_THAT(
+        refused(R"("gauges": [{"x_m": 3, "z_m": 3}], "houses": [{"polygon": [[2, 2], [4, 2], [4, 4], [2, 4]]}])"),
+        Contains("1 at x 3 m, z 3 m is in the house /place/houses/0"));
+    CHECK_THAT(refused(R"("gauges": [{"name": "a", "x_m": 3, "z_m": 3}, {"name": "a", "x_m": 4, "z_m": 3}])"),
+               Contains("a is the name of another gauge, too"));
+}
+
+TEST_CASE("water and zones outside the place, or that cross themselves, are refused as houses are") {
+    const Folder folder;
+    const auto refused = [&](const std::string& more) { return folder.refused(ground + ", " + more + "}"); };
+    CHECK_THAT(refused(R"("water": [{"polygon": [[90, 0], [95, 0], [95, 5]], "level_m": 11}])"),
+               Contains("/place/water/0: it lies outside the place"));
+    CHECK_THAT(refused(R"("water": [{"polygon": [[0, 0], [5, 5], [5, 0], [0, 4]], "level_m": 11}])"),
+               Contains("/place/water/0: its outline crosses itself"));
+    CHECK_THAT(refused(R"("manning": {"zones": [{"polygon": [[90, 0], [95, 0], [95, 5]], "n": 0.1}]})"),
+               Contains("/place/manning/zones/0: it lies outside the place"));
+}
+
 TEST_CASE("paths are relative to the file that names them, also in a scene that is extended and one that is printed") {
     const Folder folder;
     folder.folder.write("place/ground.asc", grid);

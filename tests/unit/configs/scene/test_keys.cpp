@@ -66,6 +66,7 @@ const json everything_on_a_place = [] {
         "gates": [{"name": "dam", "file": "a.geojson", "line": [[1, 1], [2, 2]]}],
         "water": [{"file": "a.geojson", "polygon": [[1, 1], [2, 1], [2, 2]]}],
         "water_depth_file": "depth.tif",
+        "gauges": [{"name": "bridge", "file": "a.geojson", "x_m": 1, "z_m": 2}],
         "shelters": [{"name": "school", "file": "a.geojson", "polygon": [[1, 1], [2, 1], [2, 2]]}]
     })");
     return document;

@@ -5,11 +5,25 @@
 #include <cstdlib>
 
 #include "configs/files/raster_file.hpp"
+#include "configs/files/text_file.hpp"
 #include "configs/numbers/hazard.hpp"
 #include "fluid_server/maps/flood_maps.hpp"
 
 using namespace wade;
 using namespace wade::fluid;
+
+namespace {
+
+struct Folder {
+    Folder() {
+        std::string name = (std::filesystem::temp_directory_path() / "wade-test-XXXXXX").string();
+        if (mkdtemp(name.data()) != nullptr) path = name;
+    }
+    ~Folder() { std::filesystem::remove_all(path); }
+    std::filesystem::path path;
+};
+
+}  // namespace
 
 TEST_CASE("hazard classes H1 to H6 change at their bounds of depth, speed and their product") {
     CHECK(hazard_class(0, 3) == 0);
@@ -28,6 +42,29 @@ TEST_CASE("the rating of Defra in towns: h (v + 0.5), and 1 for debris in deep o
     CHECK(hazard_rating(0.2, 2.5) == Approx(1.6));
 }
 
+TEST_CASE("gauges read the nearest cell that is no wall, and are written a row a frame") {
+    FloodMaps maps({0, 0, 2, 3, 4, 2});
+    maps.wall[6] = true;
+    Place place;
+    place.gauges = {{"mill, old", {5.9, 4}, ""}, {"2", {1, 1}, ""}};  // the first one in the wall, near its right side
+    place_gauges(maps, place, {5, 5, 5, 5, 10, 11, 12, 13});
+    REQUIRE(maps.gauges.size() == 2);
+    CHECK((maps.gauges[0].row == 1 && maps.gauges[0].column == 3 && maps.gauges[0].ground == 13));
+    CHECK((maps.gauges[1].row == 0 && maps.gauges[1].column == 0));
+    const double dry[] = {0, 0, 0, 0}, h[] = {0, 0, 0, 0.004}, u[] = {0, 0, 0, -1.5}, v[] = {0, 0, 0, 2};
+    for (const double time : {0.5, 1.0}) {
+        add_row(maps, 0, time, dry, dry, dry);
+        add_row(maps, 1, time, time < 1 ? dry : h, u, v);
+    }
+    const Folder folder;
+    write_maps(maps, place, folder.path);
+    CHECK(read_text_file(folder.path / "gauges.csv", "gauges.csv") ==
+          "time_s,name,depth_m,level_m,velocity_x_m_s,velocity_z_m_s\n0.5,\"mill, old\",0,13,-1.5,2\n0.5,2,0,5,0,0\n"
+          "1,\"mill, old\",0.004,13.004,-1.5,2\n1,2,0,5,0,0\n");
+    maps.wall.assign(8, true);
+    CHECK_THROWS_WITH(place_gauges(maps, place, {}), Catch::Matchers::Contains("the gauge mill, old has walls alone"));
+}
+
 TEST_CASE("each map keeps the largest of its own value; thin films are dry, walls have no value") {
     FloodMaps maps({0, 0, 2, 3, 4, 2});
     maps.wall[7] = true;
@@ -42,23 +79,19 @@ TEST_CASE("each map keeps the largest of its own value; thin films are dry, wall
     CHECK(maps.rating[6] == Approx(2));  // of the first moment, 1 (0.5 + 0.5) + 1
     CHECK((maps.depth[2] == 0 && std::isnan(maps.arrival[2])));
 
-    std::string name = (std::filesystem::temp_directory_path() / "wade-test-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
+    const Folder folder;
     Place place;
     place.epsg = 32756;
     place.origin_x = 500000;
     place.origin_z = 6000000;
     maps.grid.dz = maps.grid.dx;  // the reader takes square cells only
-    write_maps(maps, place, name);
-    const RasterFile depth = read_raster(std::filesystem::path(name) / "maps/max_depth_m.tif");
+    write_maps(maps, place, folder.path);
+    const RasterFile depth = read_raster(folder.path / "maps/max_depth_m.tif");
     CHECK(depth.epsg == 32756);
     CHECK((depth.raster.x == 500000 && depth.raster.z == 6000000 && depth.raster.cell == 2));
     CHECK((depth.raster.at(2, 1) == 1 && depth.raster.at(2, 0) == 0 && std::isnan(depth.raster.at(3, 1))));
-    const auto value = [&](const char* map) {
-        return read_raster(std::filesystem::path(name) / "maps" / map).raster.at(2, 1);
-    };
+    const auto value = [&](const char* map) { return read_raster(folder.path / "maps" / map).raster.at(2, 1); };
     CHECK(
         (value("viseu.tif") == 2 && value("arr_h.tif") == 5 && value("defra.tif") == 2 && value("arrival_s.tif") == 5));
     CHECK((value("max_speed_m_s.tif") == double{2.1F} && value("max_dv_m2_s.tif") == 0.5));
-    std::filesystem::remove_all(name);
 }
