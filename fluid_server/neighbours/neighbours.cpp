@@ -81,7 +81,8 @@ class BlockSearch {
                 add_segment(watchers, {image, mirror, obstacle}, box, {});
                 continue;
             }
-            const Box round = obstacle == nullptr ? box_round(image) : box_facing(places, image, mirror, *obstacle, h_);
+            const Box round = obstacle == nullptr ? box_round(image)
+                                                  : box_facing(places, image, mirror, *obstacle, h_, watchers.delta);
             if (round.lo[0] > round.hi[0]) continue;
             add_segments(watchers, {image, mirror, obstacle, facet}, round);
         }

@@ -16,10 +16,6 @@
 // pairs see one another past a box as both lie beyond the same side of it, and nothing in a face as both lie beyond the same end of it;
 // vectors of near particles, one a lane, sort these out. The bed shows a face what it showed without the bed.
 
-namespace wade::fluid {
-Box before_face(const Mirror& mirror, const Box& obstacle, float h);
-}
-
 HWY_BEFORE_NAMESPACE();
 namespace wade::fluid::HWY_NAMESPACE {
 
@@ -192,13 +188,6 @@ void FindBeforeFace(const Watchers& watchers, const Mirror& mirror, const Box& o
     const Vec3V x = load(watchers.places);
     const Face face(obstacle, mirror, x, watchers.delta);
     const auto in_front = hn::Set(whole, static_cast<std::int32_t>(face.lanes_in_front()));
-    const Box region = before_face(mirror, obstacle, h);
-    Seen in_reach = hn::FirstN(lanes, cluster_size);
-    for (std::size_t b = 0; b < 3; ++b) {
-        const V from = along(x, b);
-        in_reach = hn::And(in_reach, hn::And(hn::Ge(from, all(region.lo[b])), hn::Le(from, all(region.hi[b]))));
-    }
-    before.in_reach = bits_of(in_reach);
     const Sides sides(obstacle, x, watchers.delta);
     const std::array<const float*, 3> at{near.x.data(), near.y.data(), near.z.data()};
     const V side = all(face.side()), plane = all(mirror.plane[k]), delta = all(watchers.delta);
@@ -232,22 +221,6 @@ void FindBeforeFace(const Watchers& watchers, const Mirror& mirror, const Box& o
     before.size = found;
 }
 
-// Drops of chosen candidates those that are not near the box of box_facing(): hardly any, beside the corners of low obstacles, where
-// three edges have a say.
-static std::size_t drop_far(const Watchers& watchers, const Mirror& mirror, const Box& obstacle, float h,
-                            const NearParticlesOfCluster& near, const BeforeFace& before, std::uint32_t* chosen,
-                            std::size_t n) {
-    const auto is_near = [&](std::uint32_t c) { return (near.near_lanes[c] & before.in_reach) != 0; };
-    if (std::all_of(chosen, chosen + n, is_near)) return n;
-    const Box box = box_facing(watchers.places, mapped(watchers.places, mirror.map()), mirror, obstacle, h);
-    const NearBox near_box(box, h);
-    const ConstVectorArrays at{near.x.data(), near.y.data(), near.z.data()};
-    const auto end = std::remove_if(chosen, chosen + n, [&](std::uint32_t c) HWY_ATTR {
-        return !is_near(c) && (near_box(load(at, before.e[c])) & 1U) == 0;
-    });
-    return static_cast<std::size_t>(end - chosen);
-}
-
 std::size_t FindSeenInFace(const Watchers& watchers, const Mirror& mirror, const Box& obstacle, float h,
                            NearParticlesOfCluster& near, BeforeFace& before, std::size_t first, NeighbourBlock& block,
                            std::uint16_t*& shares) {
@@ -270,8 +243,6 @@ std::size_t FindSeenInFace(const Watchers& watchers, const Mirror& mirror, const
         chosen[n] = static_cast<std::uint32_t>(c);
         n += (near_lanes[c] & before.lanes[c]) != 0 ? 1U : 0U;
     }
-    // What is near to none of the lanes in reach is farther away than h from these, but for rounding.
-    n = drop_far(watchers, mirror, obstacle, h, near, before, chosen, n);
     for (std::size_t m = 0; m < n; ++m) {
         const std::size_t c = chosen[m];
         const std::uint32_t e = before.e[c];
@@ -305,20 +276,14 @@ std::size_t append_seen_past(const Watchers& watchers, const Sight& sight, const
     return HWY_DYNAMIC_DISPATCH(FindSeenPast)(watchers, sight, box, support_radius, near, first, block, shares);
 }
 
-// Where a line no longer than h that meets a face may begin.
-Box before_face(const Mirror& mirror, const Box& obstacle, float h) {
-    const float reach = (1 + for_rounding) * h;
+Box box_facing(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Box& obstacle,
+               float h, float delta) {
+    const float reach = (1 + for_rounding) * h + delta;
     Box face = grown(obstacle, reach);
     const std::size_t axis = mirror.obstacle_axis;
     const bool upper = mirror.plane[axis] == obstacle.hi[axis];
     face.lo[axis] = upper ? mirror.plane[axis] : mirror.plane[axis] - reach;
     face.hi[axis] = upper ? mirror.plane[axis] + reach : mirror.plane[axis];
-    return face;
-}
-
-Box box_facing(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Box& obstacle,
-               float h) {
-    const Box face = before_face(mirror, obstacle, h);
     std::array<int, largest_cluster> is_before;
     for (std::size_t l = 0; l < largest_cluster; ++l) {
         is_before[l] = static_cast<int>(places.x[l] >= face.lo[0]) & static_cast<int>(places.x[l] <= face.hi[0]) &

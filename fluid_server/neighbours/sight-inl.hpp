@@ -70,36 +70,40 @@ HWY_INLINE V past_edges(const ToFaces& m, const ToFaces& n) {
     return hn::IfThenElse(hn::Gt(length2, hn::Zero(lanes)), distance, all(-Box::inf));
 }
 
-// How much of y is seen past an obstacle; box: round the places x. An axis along which all lines end on one side of it, delta
-// away, decides alone, and one along which all stay more than delta away from both faces has no say. near: the lanes that count.
+// How much of y is seen past an obstacle; box: round the places x. An axis along which a line ends on one side of it, delta away,
+// decides alone, and one along which a line stays more than delta away from both faces has no say: each line for itself, so that what
+// one sees does not depend on the others, though what goes for all is found out at once. near: the lanes that count.
 HWY_INLINE V seen_past(const Box& obstacle, const Box& box, const Vec3V& x, const Vec3& y, Seen near, float delta) {
-    const float far = 8 * delta;  // a face farther away than that has no say, be it at infinity
+    const float far = 8 * delta;  // a face farther away from both ends than that has no say, be it at infinity
     std::array<bool, 3> between{};
-    Vec3 lo{}, hi{};
     for (std::size_t k = 0; k < 3; ++k) {
         const float least = std::min(box.lo[k], y[k]), most = std::max(box.hi[k], y[k]);
-        if (most <= obstacle.lo[k] - delta || least >= obstacle.hi[k] + delta) return all(1);
-        between[k] = least > obstacle.lo[k] + delta && most < obstacle.hi[k] - delta;
-        lo[k] = std::max(obstacle.lo[k], least - far), hi[k] = std::min(obstacle.hi[k], most + far);
+        if (obstacle.lo[k] - most >= delta || least - obstacle.hi[k] >= delta) return all(1);
+        between[k] = least - obstacle.lo[k] > delta && obstacle.hi[k] - most > delta;
     }
+    std::array<Seen, 3> has_say;
     const auto faces = [&](std::size_t k) HWY_ATTR {
-        const V from = along(x, k);
-        return ToFaces{hn::Sub(all(lo[k]), from), hn::Sub(all(hi[k]), from), all(lo[k] - y[k]), all(hi[k] - y[k]),
-                       hn::Sub(all(y[k]), from)};
+        const V from = along(x, k), to = all(y[k]);
+        const V least = hn::Min(from, to), most = hn::Max(from, to), lo = all(obstacle.lo[k]), hi = all(obstacle.hi[k]);
+        has_say[k] = hn::Or(hn::Le(hn::Sub(least, lo), all(delta)), hn::Le(hn::Sub(hi, most), all(delta)));
+        const V cut_lo = hn::Max(lo, hn::Sub(least, all(far))), cut_hi = hn::Min(hi, hn::Add(most, all(far)));
+        return ToFaces{hn::Sub(cut_lo, from), hn::Sub(cut_hi, from), hn::Sub(cut_lo, to), hn::Sub(cut_hi, to),
+                       hn::Sub(to, from)};
     };
     const std::array<ToFaces, 3> to{faces(0), faces(1), faces(2)};
     V distance = all(-Box::inf);
     for (std::size_t k = 0; k < 3; ++k) {
         if (between[k]) continue;
         const V below = hn::Min(to[k].x_lo, to[k].y_lo), above = hn::Neg(hn::Max(to[k].x_hi, to[k].y_hi));
-        distance = hn::Max(distance, hn::Max(below, above));
+        distance = hn::IfThenElse(has_say[k], hn::Max(distance, hn::Max(below, above)), distance);
     }
     // Most lines of a cluster at a corner end on one side, each of its own.
     if (hn::AllFalse(lanes, hn::And(near, hn::Lt(distance, all(delta))))) return all(1);
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t m = (k + 1) % 3, n = (k + 2) % 3;
         if (between[m] || between[n]) continue;
-        distance = hn::Max(distance, past_edges(to[m], to[n]));
+        const Seen both = hn::And(has_say[m], has_say[n]);
+        distance = hn::IfThenElse(both, hn::Max(distance, past_edges(to[m], to[n])), distance);
     }
     return share_past(distance, delta);
 }

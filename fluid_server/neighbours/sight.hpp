@@ -1,5 +1,8 @@
 #pragma once
 // Who is near a cluster, and whom it sees: past boxes, in the face of one of them, in a facet of the bed. The rules stand in solids.hpp.
+//
+// Whom a particle sees, how much of it, and in which order does not depend on who else is in its cluster: vectors of any length give
+// the same bits. What is left out for a cluster as a whole is what none of its particles sees anything of.
 
 #include <cstddef>
 #include <cstdint>
@@ -58,14 +61,14 @@ std::size_t append_seen_past(const Watchers& watchers, const Sight& sight, const
                              std::uint16_t*& shares);
 
 // A box round the images of those places from which a particle nearer than h may be seen in the face of an obstacle; its upper
-// bounds are below its lower ones if there are none. A line that is no longer than h meets the face.
+// bounds are below its lower ones if there are none. The others see nothing there: an end of a line no longer than h is within
+// delta of the face's edges.
 Box box_facing(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Box& obstacle,
-               float h);
+               float h, float delta);
 
 // Those near particles that lanes may see in a face of an obstacle, in views that differ by a bed or a lid only.
 struct BeforeFace {
     std::size_t size = 0;
-    unsigned in_reach = 0;                // the lanes that box_facing() counts
     std::vector<std::uint32_t> e, lanes;  // which near particle; who may see it
     std::vector<std::uint8_t> known;      // whether `share` tells how much of it is seen in plan, cluster_size each
     std::vector<float> share;

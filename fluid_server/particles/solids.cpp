@@ -10,9 +10,9 @@ namespace wade::fluid {
 
 namespace {
 
-// Obstacles are looked for within so many support radii: an eighth more than the longest line of sight, which is far more than
-// what rounding moves.
-constexpr float search_radii = 1.125F;
+// Obstacles are looked for within so many support radii and what sight fades over: a sixteenth more than where they have a say,
+// which is far more than what rounding moves.
+constexpr float search_radii = 1.0625F;
 
 Box interior_of(const Channel& channel) {
     Box box;
@@ -40,6 +40,23 @@ Box box_of(const Obstacle& obstacle, const Box& interior) {
         box.hi[k] = box.hi[k] >= interior.hi[k] ? Box::inf : box.hi[k];
     }
     return box;
+}
+
+// How far the bed falls below the plane of each facet within the support radius of it, m. A particle seen in the facet may be as far
+// below its plane, and the one that sees it as much farther above than the support radius.
+std::vector<float> falls_of(const std::vector<BedFacet>& bed, float support_radius) {
+    std::vector<float> falls;
+    for (const BedFacet& facet : bed) {
+        const float from = facet.x_lo - support_radius, to = facet.x_hi + support_radius;
+        float fall = 0;
+        const auto look_at = [&](float x) {
+            if (std::isfinite(x)) fall = std::max(fall, -facet.distance(x, bed_height(bed, x)));
+        };
+        look_at(from), look_at(to);
+        for (const BedFacet& other : bed) look_at(std::clamp(other.x_lo, from, to));
+        falls.push_back(fall);
+    }
+    return falls;
 }
 
 // Adds the reflection across a plane of which R and the velocity, if water sticks to it, are given.
@@ -91,6 +108,7 @@ bool push_out_of(const Box& box, Vec3& x) {
 Solids::Solids(const Scene& scene)
     : interior_(interior_of(scene.channel)),
       bed_(bed_facets(scene.channel)),
+      falls_(falls_of(bed_, static_cast<float>(support_radius_of(scene.fluid)))),
       support_radius_(static_cast<float>(support_radius_of(scene.fluid))),
       contact_distance_(contact_fraction * static_cast<float>(scene.fluid.particle_spacing)),
       sight_delta_(sight_fraction * static_cast<float>(scene.fluid.particle_spacing)) {
@@ -128,8 +146,9 @@ Solids::Solids(const Scene& scene)
 }
 
 bool Solids::near(const Box& a, const Box& b) const {
+    const float reach = support_radius_ + sight_delta_;
     for (std::size_t k = 0; k < 3; ++k) {
-        if (a.hi[k] <= b.lo[k] - support_radius_ || a.lo[k] >= b.hi[k] + support_radius_) {
+        if (a.hi[k] <= b.lo[k] - reach || a.lo[k] >= b.hi[k] + reach) {
             return false;
         }
     }
@@ -141,7 +160,7 @@ void Solids::find_obstacles(const Box& box, BoxNumbers& found) const {
         found.clear();
         return;
     }
-    const Box reach = grown(box, search_radii * support_radius_);
+    const Box reach = grown(box, search_radii * support_radius_ + sight_delta_);
     index_.find(reach, found);
     std::erase_if(found, [&](std::uint32_t o) {
         const Box& obstacle = obstacles_[o];
@@ -182,8 +201,9 @@ void Solids::add_facet_mirrors(const Box& box, std::size_t before, std::vector<M
     const float middle_y = 0.5F * (box.lo[1] + box.hi[1]);
     for (std::size_t f = 0; f < bed_.size(); ++f) {
         const BedFacet& facet = bed_[f];
-        const float reach = support_radius_ + 0.5F * (std::abs(facet.nx) * (box.hi[0] - box.lo[0]) +
-                                                      std::abs(facet.ny) * (box.hi[1] - box.lo[1]));
+        const float half =
+            0.5F * (std::abs(facet.nx) * (box.hi[0] - box.lo[0]) + std::abs(facet.ny) * (box.hi[1] - box.lo[1]));
+        const float reach = support_radius_ + falls_[f] + half;
         if (box.hi[0] <= facet.x_lo - support_radius_ || box.lo[0] >= facet.x_hi + support_radius_ ||
             std::abs(facet.distance(middle_x, middle_y)) >= reach) {
             continue;

@@ -70,13 +70,14 @@ class Solids {
     explicit Solids(const Scene& scene);
 
     // Replaces `found` by the obstacles that matter to the particles of a box: all that are nearer to it than the support
-    // radius, or that the line from one of them to an image or a particle so near may touch.
+    // radius and what sight fades over.
     void find_obstacles(const Box& box, BoxNumbers& found) const;
 
     // Replaces `mirrors` by those in which a particle of a box may see images nearer than the support radius.
     void mirrors_near(const Box& box, const BoxNumbers& obstacles, std::vector<Mirror>& mirrors) const;
 
-    // Whether an obstacle is nearer to a box than the support radius, so that not everybody sees everything: sight.hpp.
+    // Whether an obstacle is nearer to a box than the support radius and what sight fades over, so that not everybody sees
+    // everything: sight.hpp. Who is farther away sees past it, and nothing in its faces, whoever else is in the box.
     [[nodiscard]] bool obstacle_near(const Box& box, const BoxNumbers& obstacles) const;
 
     // The obstacle in whose face one sees in a mirror, the facet of the bed that it is; null if there is none.
@@ -126,7 +127,7 @@ class Solids {
     [[nodiscard]] const std::vector<Box>& obstacles() const { return obstacles_; }
 
  private:
-    [[nodiscard]] bool near(const Box& a, const Box& b) const;
+    [[nodiscard]] bool near(const Box& a, const Box& b) const;  // as obstacle_near() says
     void add_facet_mirrors(const Box& box, std::size_t before, std::vector<Mirror>& mirrors) const;
     void add_obstacle_mirrors(const Box& box, const BoxNumbers& obstacles, std::vector<Mirror>& mirrors) const;
     // A box round the ways of particles [begin, end). What contact leaves of a velocity makes a way no longer.
@@ -149,6 +150,7 @@ class Solids {
 
     Box interior_;
     std::vector<BedFacet> bed_;  // empty: the plane y = 0, part of the interior
+    std::vector<float> falls_;   // of the bed below each of its facets nearby, m
     // Velocity of the planes to which water sticks: at the lower and the upper end of each axis, and of the obstacles.
     std::array<std::array<std::optional<Vec3>, 2>, 3> sticks_;
     std::optional<Vec3> obstacles_stick_;
