@@ -308,9 +308,13 @@ void rebalance(ShallowWater& world, std::span<const RowField> others) {
 void collect_frame(ShallowWater& world, std::span<const RowField> others) {
     Band& band = world.band;
     if (band.ranks == nullptr) return;
-    std::vector<RowField> fields(others.begin(), others.end());
+    std::vector<RowField> fields(others.begin(), others.end()), twins = fields;
     for (RowMemory* field : {&world.water.h, &world.water.qx, &world.primitive.u, &world.primitive.v}) {
         fields.push_back(by_cell(*field, world.grid));
+    }
+    // Steps swap two memories, and a line that falls dry is sent once: the first rank needs it in both.
+    for (RowMemory* field : {&world.stage.h, &world.stage.qx, &world.stage_primitive.u, &world.stage_primitive.v}) {
+        twins.push_back(by_cell(*field, world.grid));
     }
     // What the first rank has itself need not travel.
     const Lines& lines = band.touched;
@@ -331,11 +335,13 @@ void collect_frame(ShallowWater& world, std::span<const RowField> others) {
     band.all.resize(band.ranks->first() ? size : 0);
     band.ranks->gather(band.part, counts, band.all, false);
     if (band.ranks->first()) {
-        const std::uint64_t* at = band.all.data();
-        for_each_part(lines, fields, band.end, world.grid.nz, [&](std::uint64_t* words, std::size_t n) {
-            std::copy_n(at, n, words);
-            at += n;
-        });
+        for (const std::vector<RowField>* memory : {&fields, &twins}) {
+            const std::uint64_t* at = band.all.data();
+            for_each_part(lines, *memory, band.end, world.grid.nz, [&](std::uint64_t* words, std::size_t n) {
+                std::copy_n(at, n, words);
+                at += n;
+            });
+        }
     }
     band.touched = world.lines.active;
 }

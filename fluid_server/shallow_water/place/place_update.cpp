@@ -17,8 +17,8 @@ namespace wade::fluid::shallow_water::HWY_NAMESPACE {
 // Of n cells 1 / (1 + dt k) and 1 / (1 + dt k/2): k in single precision, of a film that of 1 mm, by Newton's method for
 // h^(-1/3) from the exponent's third. n_squared: of each cell, or one of all cells.
 template <bool by_cell>
-void find_slowing(Cells cells, std::size_t n, double drag_factor, const double* n_squared, double* slowed,
-                  double* half_slowed) {
+void find_slowing_on_place(Cells cells, std::size_t n, double drag_factor, const double* n_squared, double* slowed,
+                           double* half_slowed) {
     const hn::RebindToSigned<Floats> whole;
     const V one = all(1.0);
     const F of_all = all(static_cast<float>(by_cell ? drag_factor : drag_factor * *n_squared));
@@ -48,11 +48,11 @@ struct RowAhead {
 };
 
 // Rows of a thread's own, carved from one buffer.
-struct Workspace {
+struct PlaceWorkspace {
     std::array<RowAhead, 2> rows;   // the row at hand and the one above
     std::array<FluxRow, 2> flux_z;  // below and above the row at hand
 
-    Workspace(RowMemory& buffer, std::size_t nx) {
+    PlaceWorkspace(RowMemory& buffer, std::size_t nx) {
         const std::size_t length = line_values + whole_lines(nx + 2) + line_values;
         buffer.resize(44 * length);
         double* next = buffer.data() + line_values;
@@ -142,10 +142,10 @@ void push_of_walls(const EntriesByRow<WallCell>& walls, std::size_t k, std::size
     });
 }
 
-struct RowOf {
+struct OldRow {
     const double *h, *qx, *qz;
 };
-struct RowTo {
+struct NewRow {
     double *h, *qx, *qz, *depth, *eta, *u, *v;
 };
 
@@ -154,8 +154,8 @@ struct RowTo {
 template <bool friction, bool walls>
 double update_row(FluxConstants constants, double per_x_length, double per_z_length, std::size_t n,
                   const double* per_share, const double* slowed, const double* half_h, const double* rise_x,
-                  const double* rise_z, FluxRow x, FluxRow below, FluxRow above, RowOf from, const double* bed,
-                  RowTo to) {
+                  const double* rise_z, FluxRow x, FluxRow below, FluxRow above, OldRow from, const double* bed,
+                  NewRow to) {
     const V per_x = all(per_x_length), per_z = all(per_z_length), dry = all(constants.dry);
     const V twice_g = all(2 * constants.gravity), zero = all(0.0), one = all(1.0);
     V least = zero;
@@ -207,7 +207,7 @@ double update_row(FluxConstants constants, double per_x_length, double per_z_len
 struct PlaceBand {
     ShallowWater& world;
     double dt;
-    Workspace work;
+    PlaceWorkspace work;
     const Grid& grid = world.grid;
     const Primitive& p = world.primitive;
     const Lines& active = world.lines.active;
@@ -222,10 +222,10 @@ struct PlaceBand {
     void slow(std::size_t c, std::size_t i, std::size_t n, const RowAhead& row) const {
         const double drag = dt * constants.gravity, n_squared = std::pow(world.scene.place->roughness.n, 2);
         if (world.bed.n_squared.empty()) {
-            find_slowing<false>(along_x(p, c), n, drag, &n_squared, row.slowed + i, row.half_slowed + i);
+            find_slowing_on_place<false>(along_x(p, c), n, drag, &n_squared, row.slowed + i, row.half_slowed + i);
         } else {
-            find_slowing<true>(along_x(p, c), n, drag, world.bed.n_squared.data() + c, row.slowed + i,
-                               row.half_slowed + i);
+            find_slowing_on_place<true>(along_x(p, c), n, drag, world.bed.n_squared.data() + c, row.slowed + i,
+                                        row.half_slowed + i);
         }
     }
     // Half a step of row k, and what flows along it.
