@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "fluid_server/neighbours/cluster_places.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fluid_server/neighbours/billiard.cpp"
 #include <hwy/foreach_target.h>
@@ -60,11 +62,11 @@ struct Leg {
         const V cross = hn::Abs(hn::Sub(hn::Mul(to.x, way.z), hn::Mul(to.z, way.x)));
         return hn::Div(cross, hn::Sqrt(hn::Max(square, all(1e-20F))));
     }
-    // Whether the foot of a point on the line lies between the ends.
-    [[nodiscard]] HWY_INLINE Seen has_foot(const PlanPoint& p) const {
+    // Whether the foot of a point on the line lies between the ends; walked: how far before the leg, m, it may lie.
+    [[nodiscard]] HWY_INLINE Seen passes(const PlanPoint& p, V walked = hn::Zero(lanes)) const {
         const PlanV to = minus(all_of(p), from);
         const V on = hn::Add(hn::Mul(to.x, way.x), hn::Mul(to.z, way.z));
-        return hn::And(hn::Gt(on, hn::Zero(lanes)), hn::Lt(on, square));
+        return hn::And(hn::Gt(on, hn::Neg(hn::Mul(walked, hn::Sqrt(square)))), hn::Lt(on, square));
     }
 };
 
@@ -97,7 +99,7 @@ HWY_NOINLINE V past(const Obstruction& near, const PlanV& a, const PlanV& b, con
         if ((left_out.edges >> e & 1U) != 0) continue;
         const Obstruction::Edge& edge = near.edges[e];
         const V distance = leg.distance(edge.at);
-        const Seen passes = hn::And(leg.has_foot(edge.at), hn::Lt(distance, all(delta)));
+        const Seen passes = hn::And(leg.passes(edge.at), hn::Lt(distance, all(delta)));
         if (hn::AllFalse(lanes, passes)) continue;
         V cut = zero;
         for (std::uint64_t w = edge.walls & any; w != 0; w &= w - 1)
@@ -126,14 +128,15 @@ HWY_INLINE PlanPoint reflected(const Wall& wall, const PlanPoint& p) {
     return {p.x - twice * wall.nx, p.z - twice * wall.nz};
 }
 
-// How much of a path is within a wall where it meets it at s along the wall; leg: to what lies behind it.
-HWY_INLINE V share_within(const Wall& wall, V s, const Leg& leg, float delta, float slack) {
+// How much of a path is within a wall where it meets it at s along the wall; leg: to what lies behind it; walked: how long the path is
+// before the leg. An edge has a say where the unfolded path passes it, as it has in what is seen past it.
+HWY_INLINE V share_within(const Wall& wall, V s, const Leg& leg, V walked, float delta, float slack) {
     const V rest = hn::Sub(all(wall.length), s);
     V share = all(1);
     const auto end = [&](V within, bool is_edge, const PlanPoint& at) HWY_ATTR {
         if (is_edge) {
-            const V distance = hn::CopySign(leg.distance(at), within);
-            share = hn::Min(share, share_past(distance, delta));
+            const V distance = hn::IfThenElse(leg.passes(at, walked), leg.distance(at), all(Box::inf));
+            share = hn::Min(share, share_past(hn::CopySign(distance, within), delta));
         } else {
             share = hn::IfThenElseZero(hn::Ge(within, all(-slack)), share);
         }
@@ -159,6 +162,7 @@ HWY_INLINE Path path_to(const PathQuestion& question, const PlanV& x, const Plan
     Path path;
     path.point[0] = x;
     path.share = all(1);
+    V walked = hn::Zero(lanes);
     const float slack = for_rounding_at_corners * question.support_radius;
     for (std::size_t m = 0; m < n; ++m) {
         const Wall& wall = walls.wall[m];
@@ -177,7 +181,8 @@ HWY_INLINE Path path_to(const PathQuestion& question, const PlanV& x, const Plan
         path.share = hn::IfThenElseZero(meets, path.share);
         if (question.obstruction == nullptr) continue;
         path.share =
-            hn::Min(path.share, share_within(wall, along(wall, path.point[m + 1]), leg, question.delta, slack));
+            hn::Min(path.share, share_within(wall, along(wall, path.point[m + 1]), leg, walked, question.delta, slack));
+        walked = hn::Add(walked, hn::Mul(t, hn::Sqrt(leg.square)));
     }
     path.point[n + 1] = all_of(y);
     if (question.obstruction == nullptr || question.obstruction->walls.empty()) return path;
@@ -191,9 +196,15 @@ HWY_INLINE Path path_to(const PathQuestion& question, const PlanV& x, const Plan
     return path;
 }
 
-// The keys of the middles of paths.
+// The keys of paths.
 HWY_INLINE hn::Vec<Whole> key_of(const PathQuestion& question, const Path& path) {
     const Whole whole;
+    const auto key_with = [&](std::size_t walls_before) HWY_ATTR {
+        const bool between = walls_before > 0 && walls_before < question.path.length;
+        const std::int32_t order = between ? question.order : question.like;
+        return hn::Set(whole, order * SightKey::places_of_middle + static_cast<std::int32_t>(walls_before));
+    };
+    if (question.ground == nullptr) return key_with(0);
     const std::size_t n = question.path.length;
     V length = hn::Zero(lanes);
     std::array<V, longest_path + 1> of_leg;
@@ -203,7 +214,7 @@ HWY_INLINE hn::Vec<Whole> key_of(const PathQuestion& question, const Path& path)
     }
     V left = hn::Mul(all(0.5F), length);
     PlanV middle = path.point[0];
-    auto walls = hn::Zero(whole);
+    auto key = hn::Zero(whole);
     Seen is_left = hn::FirstN(lanes, cluster_size);
     for (std::size_t m = 0; m <= n; ++m) {
         const Seen here = hn::And(is_left, m == n ? is_left : hn::Le(left, of_leg[m]));
@@ -211,16 +222,12 @@ HWY_INLINE hn::Vec<Whole> key_of(const PathQuestion& question, const Path& path)
         const PlanV way = minus(path.point[m + 1], path.point[m]);
         middle.x = hn::IfThenElse(here, hn::Add(path.point[m].x, hn::Mul(share, way.x)), middle.x);
         middle.z = hn::IfThenElse(here, hn::Add(path.point[m].z, hn::Mul(share, way.z)), middle.z);
-        const auto between =
-            static_cast<std::int32_t>(m == 0   ? middle_first
-                                      : m == n ? middle_last
-                                               : question.middle_key + static_cast<std::int32_t>(m) - 1);
-        walls = hn::IfThenElse(hn::RebindMask(whole, here), hn::Set(whole, between), walls);
+        key = hn::IfThenElse(hn::RebindMask(whole, here), key_with(m), key);
         is_left = hn::AndNot(here, is_left);
         left = hn::Sub(left, of_leg[m]);
     }
     const GroundFacets& ground = *question.ground;
-    if (ground.is_one_plane()) return walls;
+    if (ground.is_one_plane()) return key;
     const auto in_cells = [&](V at, float lo, int cells) HWY_ATTR {
         const V u = hn::Mul(hn::Sub(at, all(lo)), all(ground.per_m));
         return hn::Min(hn::Max(u, hn::Zero(lanes)), all(static_cast<float>(cells) - 0.5F));
@@ -231,7 +238,7 @@ HWY_INLINE hn::Vec<Whole> key_of(const PathQuestion& question, const Path& path)
     const auto cell = hn::Add(hn::Mul(k, hn::Set(whole, ground.nx)), i);
     const auto one = hn::IfThenElseZero(hn::RebindMask(whole, upper), hn::Set(whole, 1));
     const auto plane = hn::GatherIndex(whole, ground.plane_of.data(), hn::Add(hn::Add(cell, cell), one));
-    return hn::Add(hn::Mul(plane, hn::Set(whole, keys_of_plane)), walls);
+    return hn::Add(hn::Mul(plane, hn::Set(whole, SightKey::of_a_plane)), key);
 }
 
 void FindPaths(const ClusterPlaces& places, const NearParticlesOfCluster& near, const PathQuestion& question,
@@ -239,21 +246,22 @@ void FindPaths(const ClusterPlaces& places, const NearParticlesOfCluster& near, 
     const Whole whole;
     const Vec3V x = load(ConstVectorArrays{places.x.data(), places.y.data(), places.z.data()}, 0);
     const Vec3V image = apply(question.path.map, x);
-    const V h2 = all(question.support_radius * question.support_radius);
+    const float reach = (1 + for_rounding) * question.support_radius;  // which are nearer is for append_seen() to say
+    const V reach2 = all(reach * reach);
     for (std::size_t k = 0; k < near.size; ++k) {
         float* const shares = found.share.data() + k * cluster_size;
         std::int32_t* const keys = found.key.data() + k * cluster_size;
         const Vec3V way{hn::Sub(image.x, all(near.x[k])), hn::Sub(image.y, all(near.y[k])),
                         hn::Sub(image.z, all(near.z[k]))};
         const V r2 = hn::Add(hn::Add(hn::Mul(way.x, way.x), hn::Mul(way.y, way.y)), hn::Mul(way.z, way.z));
-        const Seen is_near = hn::Lt(r2, h2);
-        if (!question.merges) found.seen[k] = 0;
+        const Seen is_near = hn::Lt(r2, reach2);
+        if (question.order == 0) found.seen[k] = 0;
         if (hn::AllFalse(lanes, is_near)) continue;
         const Path path = path_to(question, {x.x, x.z}, {near.x[k], near.z[k]});
         V share =
             hn::ConvertTo(lanes, hn::NearestInt(hn::Mul(hn::IfThenElseZero(is_near, path.share), all(whole_share))));
         Seen counts = hn::Gt(share, hn::Zero(lanes));
-        if (question.merges && found.seen[k] != 0) {
+        if (found.seen[k] != 0) {
             const V known = hn::LoadU(lanes, shares);
             counts = hn::Gt(share, known);
             share = hn::Max(share, known);
@@ -261,7 +269,7 @@ void FindPaths(const ClusterPlaces& places, const NearParticlesOfCluster& near, 
         const unsigned new_lanes = bits_of(counts);
         if (new_lanes == 0) continue;
         hn::StoreU(share, lanes, shares);
-        if (question.ground != nullptr) {
+        if (question.has_keys) {
             const auto key = key_of(question, path);
             const auto known = found.seen[k] == 0 ? key : hn::LoadU(whole, keys);
             hn::StoreU(hn::IfThenElse(hn::RebindMask(whole, counts), key, known), whole, keys);
@@ -280,11 +288,11 @@ std::size_t FindByKey(const PathsFound& found, std::size_t near, std::vector<See
         for (unsigned left = found.seen[k]; left != 0;) {
             const std::int32_t key = found.key[k * cluster_size + static_cast<std::size_t>(std::countr_zero(left))];
             const unsigned same = bits_of(hn::RebindMask(lanes, hn::Eq(keys, hn::Set(whole, key)))) & left;
-            if (last >= count || lists[last].key != key) {
-                for (last = 0; last < count && lists[last].key != key;) ++last;
+            if (last >= count || lists[last].key.value != key) {
+                for (last = 0; last < count && lists[last].key.value != key;) ++last;
                 if (last == count) {
                     if (++count > lists.size()) lists.emplace_back();
-                    lists[last].key = key;
+                    lists[last].key.value = key;
                     lists[last].seen.clear();
                 }
             }
@@ -371,7 +379,7 @@ Obstruction::Beside Obstruction::beside(std::uint32_t wall, const Wall& at) cons
 
 void PathsFound::make_room(std::size_t near, std::size_t lanes) {
     in_part = false;
-    if (seen.size() >= near) return;
+    if (seen.size() >= near && share.size() >= near * lanes) return;
     seen.resize(near + near / 4);
     share.resize(seen.size() * lanes);
     key.resize(seen.size() * lanes);

@@ -17,7 +17,8 @@
 //
 // Sight is soft at the edges of walls, where the water turns by more than a half turn (sight-inl.hpp): a path that passes an edge at a
 // distance e in plan, negative if it hits a wall there, counts with the share clamp(1/2 + e / (2 delta), 0, 1); one that is
-// reflected with the e by which it meets the wall within its edge. The two add up to one.
+// reflected with the e by which it meets the wall within its edge. Both as far as the foot of the edge lies on the unfolded
+// path, so that the two add up to one: a path that ends before it passes the edge sees all or nothing.
 
 #include <cstddef>
 #include <cstdint>
@@ -65,22 +66,30 @@ struct WallPath {
 struct PathQuestion {
     const WallPath& path;
     const Obstruction* obstruction = nullptr;  // null: all paths are free
-    bool merges = false;                       // another order of the walls of before: it adds to what has been found
-    std::int32_t middle_key = 0;  // of a path whose middle lies between two of its walls, and one more after each wall
-    const GroundFacets* ground = nullptr;  // whose plane under the middle is asked for, or null
+    std::int32_t order = 0;  // its number among those of one image; from 1 on it adds to what has been found
+    std::int32_t like =
+        0;  // that of the first that meets the same walls: in keys where the middle lies before all walls or behind
+    bool has_keys = false;                 // whether keys are asked for
+    const GroundFacets* ground = nullptr;  // whose plane under the middle is asked for too, or null
     float support_radius = 0, delta = 0;   // m
 };
 
-// Keys of what is mirrored where: 16 times the plane's number, and one of
-inline constexpr std::int32_t keys_of_plane = 16;
-inline constexpr std::int32_t middle_first = 0;  // the middle lies before all walls
-inline constexpr std::int32_t middle_last = 1;   // behind all walls
-inline constexpr std::int32_t middle_between = 2;
+// By which order of walls something is seen, and which ground mirrors it: a plane, and how many walls the path meets before its middle,
+// which lies over that plane.
+struct SightKey {
+    static constexpr std::int32_t most_orders = 16, places_of_middle = longest_path + 1;
+    static constexpr std::int32_t of_a_plane = most_orders * places_of_middle;
+    std::int32_t value = 0;
+
+    [[nodiscard]] std::size_t plane() const { return static_cast<std::size_t>(value / of_a_plane); }
+    [[nodiscard]] std::size_t order() const { return static_cast<std::size_t>(value % of_a_plane / places_of_middle); }
+    [[nodiscard]] std::size_t walls_before() const { return static_cast<std::size_t>(value % places_of_middle); }
+};
 
 // For each near particle, lanes as in the lists.
 struct PathsFound {
     std::vector<float> share;         // of whole_share, whole numbers
-    std::vector<std::int32_t> key;    // if there is ground
+    std::vector<std::int32_t> key;    // SightKey, if asked for
     std::vector<std::uint16_t> seen;  // lanes that see it
     bool in_part = false;             // some share is neither none nor all
 
@@ -95,7 +104,7 @@ struct SeenNear {
     std::uint16_t lanes = 0;
 };
 struct SeenByKey {
-    std::int32_t key = 0;
+    SightKey key;
     std::vector<SeenNear> seen;
 };
 // Sorts by key what has been found; lists beyond the count returned are room.

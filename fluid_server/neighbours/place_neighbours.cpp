@@ -14,19 +14,6 @@ namespace wade::fluid {
 
 namespace {
 
-// Maps of the same image by another order of walls differ by rounding.
-constexpr float same_map = 1e-4F;
-
-bool is_same(const TurnedMap& a, const TurnedMap& b, float length) {
-    for (std::size_t k = 0; k < 9; ++k) {
-        if (std::abs(a.turn.q[k] - b.turn.q[k]) > same_map) return false;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (std::abs(a.shift[k] - b.shift[k]) > same_map * std::max(length, std::abs(a.shift[k]))) return false;
-    }
-    return true;
-}
-
 TurnedMap reflected_first(const TurnedMap& after, const Wall& wall) {
     return fluid::reflected_first(after, {wall.nx, 0, wall.nz}, wall.nx * wall.a.x + wall.nz * wall.a.z);
 }
@@ -38,16 +25,6 @@ TurnedMap with_ground(const WallPath& path, std::size_t before, const GroundPlan
     map = fluid::reflected_first(map, plane.n, plane.c);
     for (std::size_t m = before; m > 0; --m) map = reflected_first(map, path.wall[m - 1]);
     return map;
-}
-
-// How near two walls come, m: one is in front of the other with a part of it, else they see nothing of one another.
-float distance_between(const Wall& a, const Wall& b) {
-    const auto to = [](const Wall& wall, const PlanPoint& p) {
-        const float s = std::clamp(wall.along(p.x, p.z), 0.0F, wall.length);
-        const PlanPoint foot = wall.at(s);
-        return std::hypot(p.x - foot.x, p.z - foot.z);
-    };
-    return std::min({to(a, b.a), to(a, b.end()), to(b, a.a), to(b, a.end())});
 }
 
 // What the particles near a cluster span along a wall and in front of it, m.
@@ -63,6 +40,12 @@ struct NearWall {
     bool is_whole = false;  // none of the paths that it reflects comes near an end, or behind it
 };
 
+// A path, and the number of the first with its image that meets the same walls.
+struct PathOrder {
+    const WallPath* path = nullptr;
+    std::size_t like = 0;
+};
+
 struct Room {
     NearParticlesOfCluster near;
     std::vector<Run> runs;
@@ -74,7 +57,7 @@ struct Room {
     PathsFound found;
     std::vector<SeenNear> all, some;
     std::vector<SeenByKey> by_key;
-    std::vector<const WallPath*> orders;
+    std::vector<PathOrder> orders;
     std::vector<std::uint16_t> shares;  // of a block
 };
 Room& room_of_thread() {
@@ -114,7 +97,8 @@ class PlaceSearch {
         is_near_ground_ = solids_.is_near_ground(box);
         note_near_particles(box);
         note_near_walls(box);
-        add_paths({}, is_free());
+        static const WallPath no_walls;
+        add_paths(std::array{PathOrder{&no_walls}}, 0, is_free());
         find_paths_of_walls();
         for (std::size_t n = 0; n < room_.paths.size(); ++n) {
             if (!room_.done[n]) add_paths_like(n);
@@ -141,21 +125,18 @@ class PlaceSearch {
         for (std::uint32_t k = 0; k < kept; ++k) room_.all.push_back({k, all_lanes});
     }
 
-    // Walls near the cluster; and those that may stand in the way: some particle near is behind it.
+    // Walls near the cluster; and those that may stand in the way: a particle near, or another wall, is behind them.
     void note_near_walls(const Box& box) {
         solids_.find_walls(box, room_.wall_numbers);
         room_.walls.clear();
         Obstruction& obstruction = room_.obstruction;
         obstruction.numbers.clear(), obstruction.walls.clear(), obstruction.edges.clear();
-        if (room_.wall_numbers.empty()) return;
         const NearParticlesOfCluster& near = room_.near;
-        Box round{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
-        for (std::size_t k = 0; k < near.size; ++k) {
-            round.lo[0] = std::min(round.lo[0], near.x[k]), round.hi[0] = std::max(round.hi[0], near.x[k]);
-            round.lo[2] = std::min(round.lo[2], near.z[k]), round.hi[2] = std::max(round.hi[2], near.z[k]);
-        }
         const float delta = solids_.sight_delta();
-        const Box reach = grown(round, delta);
+        const Box reach = grown(box, (1 + for_rounding) * h_ + delta);
+        const auto is_near = [&](const PlanPoint& p) {
+            return p.x >= reach.lo[0] && p.x <= reach.hi[0] && p.z >= reach.lo[2] && p.z <= reach.hi[2];
+        };
         for (const std::uint32_t number : room_.wall_numbers) {
             const Wall& wall = solids_.walls()[number];
             Span span;
@@ -166,17 +147,23 @@ class PlaceSearch {
             }
             const float first = wall.edge_before ? delta : 0, last = wall.length - (wall.edge_after ? delta : 0);
             room_.walls.push_back({number, wall, span, span.nearest >= 0 && span.first >= first && span.last <= last});
-            const auto is_near = [&](const PlanPoint& p) {
-                return p.x >= reach.lo[0] && p.x <= reach.hi[0] && p.z >= reach.lo[2] && p.z <= reach.hi[2];
-            };
+            const auto is_behind = [&](std::uint32_t other) { return reaches_behind(solids_.walls()[other], wall); };
             const bool edge_near = (wall.edge_before && is_near(wall.a)) || (wall.edge_after && is_near(wall.end()));
-            if ((span.nearest < 0 || edge_near) && obstruction.walls.size() < Obstruction::most) {
-                obstruction.numbers.push_back(number);
-                obstruction.walls.push_back(wall);
-                if (wall.edge_before && is_near(wall.a)) add_edge(wall.a, obstruction.walls.size() - 1);
-                if (wall.edge_after && is_near(wall.end())) add_edge(wall.end(), obstruction.walls.size() - 1);
-            }
+            const bool stands_between = span.nearest < 0 || edge_near ||
+                                        std::any_of(room_.wall_numbers.begin(), room_.wall_numbers.end(), is_behind);
+            if (!stands_between || obstruction.walls.size() == Obstruction::most) continue;
+            obstruction.numbers.push_back(number);
+            obstruction.walls.push_back(wall);
+            if (wall.edge_before && is_near(wall.a)) add_edge(wall.a, obstruction.walls.size() - 1);
+            if (wall.edge_after && is_near(wall.end())) add_edge(wall.end(), obstruction.walls.size() - 1);
         }
+    }
+
+    // Whether a part of a wall lies behind another.
+    static bool reaches_behind(const Wall& wall, const Wall& other) {
+        constexpr float slack = 1e-4F;  // m
+        const PlanPoint end = wall.end();
+        return std::min(other.distance(wall.a.x, wall.a.z), other.distance(end.x, end.z)) < -slack;
     }
 
     void add_edge(const PlanPoint& at, std::size_t wall) {
@@ -239,7 +226,7 @@ class PlaceSearch {
     }
 
     [[nodiscard]] bool comes_near(const TurnedMap& map) const {
-        const Box image = grown(box_round(mapped(places_, map)), h_);
+        const Box image = grown(box_round(mapped(places_, map)), (1 + for_rounding) * h_);
         const NearParticlesOfCluster& near = room_.near;
         for (std::size_t k = 0; k < near.size; ++k) {
             if (contains(image, {near.x[k], near.y[k], near.z[k]})) return true;
@@ -254,20 +241,33 @@ class PlaceSearch {
         return meet && a.nx * b.wall.nx + a.nz * b.wall.nz >= right;
     }
 
-    // Paths with the same image as one of them, by other orders of walls.
+    // Paths that meet the walls of one of them, with the same image; and those of this image past other walls, such as those of a house
+    // that goes on in line: what is seen is the most by any of them.
     void add_paths_like(std::size_t first) {
-        std::vector<const WallPath*>& orders = room_.orders;
+        std::vector<PathOrder>& orders = room_.orders;
         orders.clear();
         bool is_whole = is_free();
-        for (std::size_t n = first; n < room_.paths.size(); ++n) {
-            if (room_.done[n] || !is_same(room_.paths[n].map, room_.paths[first].map, h_)) continue;
+        std::size_t of_these = 0, like = 0;
+        for (std::size_t n = 0; n < room_.paths.size(); ++n) {
+            const WallPath& path = room_.paths[n];
+            if (!is_same(path.map, room_.paths[first].map, h_) || orders.size() == SightKey::most_orders) continue;
+            const auto same = std::find_if(orders.begin(), orders.end(), [&](const PathOrder& other) {
+                return meet_the_same_walls(path, *other.path);
+            });
+            orders.push_back({&path, static_cast<std::size_t>(same - orders.begin())});
+            is_whole = is_whole && walls_are_whole(path);
+            if (!meet_the_same_walls(path, room_.paths[first])) continue;
             room_.done[n] = true;
-            orders.push_back(&room_.paths[n]);
-            is_whole = is_whole && walls_are_whole(room_.paths[n]);
+            like = orders.back().like, ++of_these;
         }
-        const std::size_t length = orders[0]->length;
+        if (of_these == 0) return;
         // One wall, or a right corner in both orders, misses nothing.
-        add_paths(orders, is_whole && (length == 1 || (length == 2 && orders.size() == 2)));
+        const bool misses_nothing = orders.size() == of_these && of_these == orders[0].path->length && of_these < 3;
+        add_paths(orders, like, is_whole && misses_nothing);
+    }
+
+    static bool meet_the_same_walls(const WallPath& a, const WallPath& b) {
+        return a.length == b.length && std::is_permutation(a.number.begin(), a.number.end(), b.number.begin());
     }
 
     [[nodiscard]] bool walls_are_whole(const WallPath& path) const {
@@ -279,56 +279,56 @@ class PlaceSearch {
         return true;
     }
 
-    // What is seen by these orders of walls, without any by none, and its mirror images in the ground. is_whole: all of what is near
-    // enough.
-    void add_paths(std::span<const WallPath* const> orders, bool is_whole) {
-        static const WallPath no_walls;
-        const WallPath& path = orders.empty() ? no_walls : *orders[0];
+    // What is seen by those of these orders that are `like` one of them, and its mirror images in the ground: each by its own walls, so that
+    // its map does not depend on which others are near the cluster. is_whole: all of what is near enough.
+    void add_paths(std::span<const PathOrder> orders, std::size_t like, bool is_whole) {
+        const WallPath& path = *orders[like].path;
+        const bool by_others = std::any_of(orders.begin(), orders.end(), [&](auto& one) { return one.like != like; });
         const GroundFacets& ground = solids_.ground();
         const GroundPlane& plane = ground.planes[0];
         const bool is_level = ground.is_one_plane() && plane.n[1] == 1;
-        const bool needs_key = is_near_ground_ && (!ground.is_one_plane() || (!is_level && path.length > 0));
+        const bool by_ground = is_near_ground_ && (!ground.is_one_plane() || (!is_level && path.length > 0));
         PathsFound& found = room_.found;
-        if (!is_whole || needs_key) {
+        if (!is_whole || by_ground) {
             found.make_room(room_.near.size, size_);
-            PathQuestion question{path};
-            question.obstruction = is_whole ? nullptr : &room_.obstruction;
-            question.ground = needs_key ? &ground : nullptr;
-            question.support_radius = h_, question.delta = solids_.sight_delta();
-            question.middle_key = middle_between;
-            find_paths(places_, room_.near, question, found);
-            for (std::size_t n = 1; n < orders.size(); ++n) {
-                PathQuestion other{*orders[n]};
-                other.obstruction = question.obstruction, other.ground = question.ground;
-                other.support_radius = h_, other.delta = question.delta;
-                other.merges = true;
-                other.middle_key = middle_between + static_cast<std::int32_t>(n * (longest_path - 1));
-                find_paths(places_, room_.near, other, found);
+            for (std::size_t n = 0; n < orders.size(); ++n) {
+                PathQuestion question{*orders[n].path};
+                question.obstruction = is_whole ? nullptr : &room_.obstruction;
+                question.order = static_cast<std::int32_t>(n);
+                question.like = static_cast<std::int32_t>(orders[n].like);
+                question.has_keys = by_ground || by_others;
+                question.ground = by_ground ? &ground : nullptr;
+                question.support_radius = h_, question.delta = solids_.sight_delta();
+                find_paths(places_, room_.near, question, found);
             }
+            if (by_others) forget_what_is_seen_by_others(orders, like);
         }
         add_segment({path.map, false, path.house()}, nullptr, is_whole, list_of_seen(is_whole));
         if (!is_near_ground_) return;
-        if (!needs_key) {
+        if (!by_ground) {
             add_segment({with_ground(path, 0, plane), true, path.house()}, nullptr, is_whole, list_of_seen(is_whole));
             return;
         }
         const std::size_t keys = sort_by_key(found, room_.near.size, room_.by_key);
         // In an order that does not depend on the size of clusters.
         std::sort(room_.by_key.begin(), room_.by_key.begin() + static_cast<std::ptrdiff_t>(keys),
-                  [](const SeenByKey& one, const SeenByKey& other) { return one.key < other.key; });
+                  [](const SeenByKey& one, const SeenByKey& other) { return one.key.value < other.key.value; });
         for (std::size_t n = 0; n < keys; ++n) {
             const SeenByKey& list = room_.by_key[n];
-            const GroundPlane& under = ground.planes[static_cast<std::size_t>(list.key / keys_of_plane)];
-            const std::int32_t middle = list.key % keys_of_plane;
-            const WallPath* order = &path;
-            std::size_t before = middle == middle_last ? path.length : 0;
-            if (middle >= middle_between) {
-                const auto between = static_cast<std::size_t>(middle - middle_between);
-                order = orders[between / (longest_path - 1)];
-                before = 1 + between % (longest_path - 1);
-            }
-            add_segment({with_ground(*order, before, under), true, path.house()},
+            const GroundPlane& under = ground.planes[list.key.plane()];
+            const WallPath& order = *orders[list.key.order()].path;
+            add_segment({with_ground(order, list.key.walls_before(), under), true, path.house()},
                         ground.is_one_plane() ? nullptr : &under, false, list.seen);
+        }
+    }
+
+    void forget_what_is_seen_by_others(std::span<const PathOrder> orders, std::size_t like) {
+        PathsFound& found = room_.found;
+        for (std::size_t k = 0; k < room_.near.size * size_; ++k) {
+            const SightKey key{found.key[k]};
+            const auto lane = static_cast<std::uint16_t>(1U << k % size_);
+            const bool is_seen = (found.seen[k / size_] & lane) != 0;  // else it has no key
+            if (is_seen && orders[key.order()].like != like) found.seen[k / size_] ^= lane;
         }
     }
 

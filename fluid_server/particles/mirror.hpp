@@ -1,7 +1,9 @@
 #pragma once
 // A mirror: what turns a particle into the image that its neighbours see behind the face of a solid.
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace wade::fluid {
@@ -75,6 +77,18 @@ inline TurnedMap reflected_first(const TurnedMap& after, const Vec3& n, float c)
         map.shift[row] += 2 * c * qn[row];
     }
     return map;
+}
+
+// Whether two maps differ by rounding only, as those of one image by other orders of walls do; length: of what is mapped, m.
+inline bool is_same(const TurnedMap& a, const TurnedMap& b, float length) {
+    constexpr float same_map = 1e-4F;
+    for (std::size_t k = 0; k < 9; ++k) {
+        if (std::abs(a.turn.q[k] - b.turn.q[k]) > same_map) return false;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (std::abs(a.shift[k] - b.shift[k]) > same_map * std::max(length, std::abs(a.shift[k]))) return false;
+    }
+    return true;
 }
 
 // The velocity of an image as viscosity sees it, M u + shift: mirrored at a face along which water slips, and such that

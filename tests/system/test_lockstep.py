@@ -30,6 +30,9 @@ GOLDEN = {
 }
 # People push it, so that the crowd's bits are in the water's.
 PUSHED = ("models/measured", 1, "4f311629fd0a8ae8")
+# By particles, among houses from 10 s on.
+AMONG_HOUSES = ("places/paper_village", 13, "997119ffd6e7e39b")
+BY_PARTICLES = ("--set", "/fluid/model=dfsph", "--set", "/fluid/particle_spacing_m=0.5")
 
 
 def has_fused_multiply_add():
@@ -65,9 +68,11 @@ class Lockstep(SystemTest):
             with patch.dict(os.environ, environment):
                 found = {key: frame_hash(*key) for key in GOLDEN}
                 pushed = (*PUSHED[:2], frame_hash(*PUSHED[:2], "--set", "/coupling/two_way=true"))
+                among_houses = (*AMONG_HOUSES[:2], frame_hash(*AMONG_HOUSES[:2], *BY_PARTICLES))
             with self.subTest(environment=environment):
                 self.assertEqual(found, GOLDEN)
                 self.assertEqual(pushed, PUSHED)
+                self.assertEqual(among_houses, AMONG_HOUSES)
 
     def test_lockstep_depths_give_the_same_results(self):
         runs = [self.pair("--set", f"/lockstep_depth={depth}") for depth in (1, 2, 3)]

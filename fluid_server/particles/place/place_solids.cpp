@@ -155,7 +155,7 @@ void PlaceSolids::find_near(const Box& box, float reach, std::vector<std::uint32
 }
 
 void PlaceSolids::find_walls(const Box& box, std::vector<std::uint32_t>& found) const {
-    find_near(box, support_radius_, found);
+    find_near(box, support_radius_ + sight_delta_, found);
 }
 
 bool PlaceSolids::is_near_ground(const Box& box) const {

@@ -234,4 +234,13 @@ std::vector<Wall> walls_of(const PlaceShape& shape, double time, double margin) 
     return walls;
 }
 
+float distance_between(const Wall& a, const Wall& b) {
+    const auto to = [](const Wall& wall, const PlanPoint& p) {
+        const float s = std::clamp(wall.along(p.x, p.z), 0.0F, wall.length);
+        const PlanPoint foot = wall.at(s);
+        return std::hypot(p.x - foot.x, p.z - foot.z);
+    };
+    return std::min({to(a, b.a), to(a, b.end()), to(b, a.a), to(b, a.end())});
+}
+
 }  // namespace wade::fluid

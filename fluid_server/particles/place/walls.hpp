@@ -39,4 +39,7 @@ struct Wall {
 // margin: how far walls at open sides go on beyond them, m.
 [[nodiscard]] std::vector<Wall> walls_of(const PlaceShape& shape, double time, double margin);
 
+// How near two walls come, m: one is in front of the other with a part of it, else they see nothing of one another.
+[[nodiscard]] float distance_between(const Wall& a, const Wall& b);
+
 }  // namespace wade::fluid

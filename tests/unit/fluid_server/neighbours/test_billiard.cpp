@@ -154,6 +154,106 @@ TEST_CASE("forces between particles of a place are opposite, whatever stands bet
     CHECK(without_answer < (ground == 0 ? 1e-4 : 1e-3) * all);
 }
 
+namespace {
+
+// Whom each particle sees, by which map, and how much of it, in the order of its list.
+struct SeenByMap {
+    std::uint32_t j;
+    TurnedMap map;
+    unsigned share;  // of 65535
+    bool operator==(const SeenByMap&) const = default;
+};
+using SeenInOrder = std::vector<std::vector<SeenByMap>>;
+
+SeenInOrder seen_in_order(const CellGrid& grid, const PlaceSolids& solids, const Particles& p, float h) {
+    NeighbourLists lists(p.capacity());
+    find_neighbours(grid, solids, p, h, lists);
+    SeenInOrder seen(padded(p.count));
+    const std::uint16_t* next = nullptr;  // share
+    for (std::size_t i = 0; i < p.count; i += lists.cluster_size) {
+        const NeighbourBlock& block = lists.blocks[i / block_size];
+        if (i % block_size == 0) next = block.factor.data();
+        const auto add = [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const TurnedMap& map = turned_view(block, view)->map;
+            for (std::size_t k = first; k < last; ++k) {
+                for (std::size_t l = i; l < i + lists.cluster_size; ++l) {
+                    if ((lanes_of_entry(block, k) >> (l - i) & 1U) != 0)
+                        seen[l].push_back({block.j[k], map, view.in_part ? *next++ : 65535U});
+                }
+            }
+        };
+        for_each_segment(block, i % block_size / lists.cluster_size, add);
+    }
+    seen.resize(p.count);
+    return seen;
+}
+
+// Four houses of random triangles and boxes, close together, on level, sloping or rough ground.
+Scene scene_of_lanes(std::mt19937& random, int ground) {
+    const auto in = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); };
+    const PlaceTank tank{2.6, 2.6, in(0, 90), in(60, 120), 5};
+    Scene scene = test::place_scene(tank, 0, 0.1);
+    for (int n = 0; n < 4; ++n) {
+        const double x = in(-0.2, 0.2) + (n % 2 == 0 ? -0.5 : 0.5), z = in(-0.2, 0.2) + (n / 2 == 0 ? -0.5 : 0.5);
+        const double turned = in(0, 6.3), size = in(0.2, 0.5);
+        std::vector<MapPoint> corners;
+        const int count = n % 2 == 0 ? 4 : 3;
+        for (int c = 0; c < count; ++c) {
+            const double angle = turned + 6.283185 * c / count;
+            corners.push_back(tank.at(x + size * std::cos(angle), z + size * std::sin(angle)));
+        }
+        scene.place->houses.push_back(house_of({corners}));
+    }
+    if (ground == 1) scene.place->ground.slope_x = 0.2;
+    if (ground == 2) {
+        const auto raster = std::make_shared<Raster>();
+        raster->cell = 0.1, raster->columns = raster->rows = 60;
+        for (int n = 0; n < 60 * 60; ++n) raster->values.push_back(in(0, 0.03) + 0.1 * std::sin(0.15 * (n % 60)));
+        scene.place->ground.raster = raster;
+    }
+    return scene;
+}
+
+Particles particles_of_lanes(const PlaceSolids& solids, const MapPoint& middle, std::mt19937& random) {
+    const auto in = [&](float lo, float hi) { return std::uniform_real_distribution<float>(lo, hi)(random); };
+    const auto mx = static_cast<float>(middle.x), mz = static_cast<float>(middle.z);
+    Particles particles(4000);
+    while (particles.count < 3000) {
+        Vec3 x{mx + in(-1.3F, 1.3F), 0, mz + in(-1.3F, 1.3F)};
+        if (!solids.is_water(x)) continue;
+        x[1] = solids.ground().at(x[0], x[2]).height(x[0], x[2]) + in(0, 0.3F);
+        solids.keep_away(x, 0.04F);
+        if (solids.is_water(x)) particles.add(x, {}, Kind::fluid);
+    }
+    return particles;
+}
+
+}  // namespace
+
+TEST_CASE("whom a particle sees among houses does not depend on who is in its cluster", "[billiard]") {
+    const int ground = GENERATE(0, 1, 2);
+    std::mt19937 random(11);
+    std::size_t in_part = 0, differ = 0;
+    for (int trial = 0; trial < 20; ++trial) {
+        const Scene scene = scene_of_lanes(random, ground);
+        const PlaceSolids solids = test::solids_of(scene);
+        Particles p = particles_of_lanes(solids, PlaceTank{2.6, 2.6, 0, 90, 5}.at(0, 0), random);
+        const auto h = static_cast<float>(support_radius_of(scene.fluid));
+        CellGrid grid(scene, h);
+        grid.sort(p, -Box::inf);
+        use_widest_vectors(false);
+        const SeenInOrder narrow = seen_in_order(grid, solids, p, h);
+        use_widest_vectors(true);
+        const SeenInOrder wide = seen_in_order(grid, solids, p, h);
+        for (std::size_t i = 0; i < p.count; ++i) {
+            differ += wide[i] == narrow[i] ? 0U : 1U;
+            for (const SeenByMap& one : wide[i]) in_part += one.share < 65535 ? 1U : 0U;
+        }
+    }
+    CHECK(differ == 0);
+    CHECK(in_part > 1000);
+}
+
 TEST_CASE("a tank of a place sees what the same tank of a channel sees", "[billiard]") {
     Scene channel = test::tank(1.2, 1.2, 0.6, 0.1);
     Particles particles(2000);
