@@ -39,13 +39,23 @@ std::size_t bit(std::size_t corner, std::size_t axis) {
     return corner >> axis & 1;
 }
 
-CoarseGrid::Hats hats_at(const std::array<float, 3>& way) {
-    CoarseGrid::Hats hats;
-    for (std::size_t q = 0; q < CoarseGrid::corners; ++q) {
-        hats[q] = 1;
-        for (std::size_t a = 0; a < 3; ++a) hats[q] *= bit(q, a) == 1 ? way[a] : 1 - way[a];
+// The factors of the hats along each axis.
+using HatsAlong = std::array<CoarseGrid::Hats, 3>;
+HatsAlong hats_along(const std::array<float, 3>& way) {
+    HatsAlong hats;
+    for (std::size_t a = 0; a < 3; ++a) {
+        for (std::size_t q = 0; q < CoarseGrid::corners; ++q) hats[a][q] = bit(q, a) == 1 ? way[a] : 1 - way[a];
     }
     return hats;
+}
+CoarseGrid::Hats product(const CoarseGrid::Hats& u, const CoarseGrid::Hats& v) {
+    CoarseGrid::Hats w;
+    for (std::size_t q = 0; q < CoarseGrid::corners; ++q) w[q] = u[q] * v[q];
+    return w;
+}
+CoarseGrid::Hats hats_at(const std::array<float, 3>& way) {
+    const HatsAlong along = hats_along(way);
+    return product(product(along[0], along[1]), along[2]);
 }
 
 // Calls body(cell) for each cell of [begin, end), in parallel where there are particles enough. A cell is worked by one
@@ -125,26 +135,29 @@ bool CoarseGrid::cut(const Box& box, float cell, std::size_t particles) {
 
 void CoarseGrid::sort(const Particles& p) {
     cell_of_.resize(p.count);
-    order_.resize(p.count);
+    inside_.resize(p.count);
+    const auto along = [&](std::size_t axis, float x) {  // in cells
+        return std::clamp((x - lo_[axis]) * inverse_[axis], 0.0F, static_cast<float>(cells_[axis]));
+    };
+    const auto cell_along = [&](std::size_t axis, float at) {
+        return std::min(static_cast<std::size_t>(at), cells_[axis] - 1);
+    };
     for_each_particle(p.count, [&](std::size_t i) {
-        cell_of_[i] = static_cast<std::uint32_t>(place_of({p.x[i], p.y[i], p.z[i]}).cell);
+        const std::size_t at = cell_along(2, along(2, p.z[i])) * cells_[0] + cell_along(0, along(0, p.x[i]));
+        cell_of_[i] = static_cast<std::uint32_t>(at * cells_[1] + cell_along(1, along(1, p.y[i])));
     });
     start_.assign(cells() + 2, 0);
     for (const std::uint32_t c : cell_of_) ++start_[c + std::size_t{2}];
     for (std::size_t c = 2; c < start_.size(); ++c) start_[c] += start_[c - 1];
-    for (std::uint32_t i = 0; i < p.count; ++i) order_[start_[cell_of_[i] + std::size_t{1}]++] = i;
-}
-
-CoarseGrid::Place CoarseGrid::place_of(const std::array<float, 3>& x) const {
-    std::array<std::size_t, 3> at{};
-    Place place{};
-    for (std::size_t a = 0; a < 3; ++a) {
-        const float along = std::clamp((x[a] - lo_[a]) * inverse_[a], 0.0F, static_cast<float>(cells_[a]));
-        at[a] = std::min(static_cast<std::size_t>(along), cells_[a] - 1);
-        place.way[a] = along - static_cast<float>(at[a]);
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+        const std::array<float, 3> x{p.x[i], p.y[i], p.z[i]};
+        Inside& inside = inside_[start_[cell_of_[i] + std::size_t{1}]++];
+        inside.i = i;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const float at = along(a, x[a]);
+            inside.way[a] = at - static_cast<float>(cell_along(a, at));
+        }
     }
-    place.cell = (at[2] * cells_[0] + at[0]) * cells_[1] + at[1];
-    return place;
 }
 
 std::array<std::uint32_t, CoarseGrid::corners> CoarseGrid::nodes_of(std::size_t cell) const {
@@ -168,7 +181,7 @@ float CoarseGrid::full_node(std::size_t i, std::size_t j, std::size_t k) const {
 }
 
 void CoarsePressure::build(const Particles& p, const std::vector<float>& mask, const ConstVectorArrays& open) {
-    leave_out_thin_nodes(p, mask);
+    leave_out_thin_nodes(mask);
     rows_.assign(grid_.nodes(), {});
     elements_.resize(std::min(cells_at_once, grid_.cells()));
     for (std::size_t begin = 0; begin < grid_.cells(); begin += cells_at_once) {
@@ -179,8 +192,8 @@ void CoarsePressure::build(const Particles& p, const std::vector<float>& mask, c
     eliminate_lines();
 }
 
-void CoarsePressure::leave_out_thin_nodes(const Particles& p, const std::vector<float>& mask) {
-    restrict_to_nodes(p, mask, in_use_);
+void CoarsePressure::leave_out_thin_nodes(const std::vector<float>& mask) {
+    restrict_to_nodes(mask, in_use_);
     for (std::size_t k = 0; k < grid_.nodes_along(2); ++k) {
         for (std::size_t i = 0; i < grid_.nodes_along(0); ++i) {
             for (std::size_t j = 0; j < grid_.nodes_along(1); ++j) {
@@ -194,20 +207,17 @@ void CoarsePressure::leave_out_thin_nodes(const Particles& p, const std::vector<
 CoarsePressure::Element CoarsePressure::element_of(std::size_t cell, const Particles& p, const std::vector<float>& mask,
                                                    const ConstVectorArrays& open) const {
     Element element{};
-    for (const std::uint32_t* s = grid_.first_of(cell); s != grid_.end_of(cell); ++s) {
-        const std::uint32_t i = *s;
+    for (const auto& [i, way] : grid_.particles_in(cell)) {
         if (p.kind[i] == Kind::inflow) continue;
-        const std::array<float, 3> way = grid_.place_of({p.x[i], p.y[i], p.z[i]}).way;
+        const HatsAlong along = hats_along(way);
+        const CoarseGrid::Hats hats = product(product(along[0], along[1]), along[2]);
         const std::array<float, 3> c{open.x[i], open.y[i], open.z[i]};
-        const CoarseGrid::Hats hats = hats_at(way);
         std::array<CoarseGrid::Hats, 3> moved;  // -(G P_q)_i
         for (std::size_t a = 0; a < 3; ++a) {
             const float slope = mask[i] * grid_.cells_a_metre(a);
-            const std::size_t b = (a + 1) % 3, d = (a + 2) % 3;
-            for (std::size_t q = 0; q < corners; ++q) {
-                const float across = (bit(q, b) == 1 ? way[b] : 1 - way[b]) * (bit(q, d) == 1 ? way[d] : 1 - way[d]);
-                moved[a][q] = hats[q] * c[a] + (bit(q, a) == 1 ? slope : -slope) * across;
-            }
+            const CoarseGrid::Hats across = product(along[(a + 1) % 3], along[(a + 2) % 3]);
+            for (std::size_t q = 0; q < corners; ++q)
+                moved[a][q] = hats[q] * c[a] + (bit(q, a) == 1 ? slope : -slope) * across[q];
         }
         for (std::size_t u = 0; u < corners; ++u) {
             for (std::size_t v = 0; v < corners; ++v) {
@@ -231,13 +241,13 @@ void CoarsePressure::add(const Element& element, std::size_t cell) {
     }
 }
 
-void CoarsePressure::restrict_to_nodes(const Particles& p, const std::vector<float>& q, std::vector<float>& sums) {
+void CoarsePressure::restrict_to_nodes(const std::vector<float>& q, std::vector<float>& sums) {
     at_corners_.resize(grid_.cells());
-    for_each_cell(0, grid_.cells(), p.count, [&](std::size_t c) {
+    for_each_cell(0, grid_.cells(), grid_.particles(), [&](std::size_t c) {
         CoarseGrid::Hats sum{};
-        for (const std::uint32_t* s = grid_.first_of(c); s != grid_.end_of(c); ++s) {
-            const CoarseGrid::Hats hats = hats_at(grid_.place_of({p.x[*s], p.y[*s], p.z[*s]}).way);
-            for (std::size_t u = 0; u < corners; ++u) sum[u] += q[*s] * hats[u];
+        for (const auto& [i, way] : grid_.particles_in(c)) {
+            const CoarseGrid::Hats hats = hats_at(way);
+            for (std::size_t u = 0; u < corners; ++u) sum[u] += q[i] * hats[u];
         }
         at_corners_[c] = sum;
     });
@@ -246,6 +256,20 @@ void CoarsePressure::restrict_to_nodes(const Particles& p, const std::vector<flo
         const std::array<std::uint32_t, corners> nodes = grid_.nodes_of(c);
         for (std::size_t u = 0; u < corners; ++u) sums[nodes[u]] += at_corners_[c][u];
     }
+}
+
+void CoarsePressure::interpolate_at_particles(const std::vector<float>& e, std::vector<float>& q) const {
+    for_each_cell(0, grid_.cells(), grid_.particles(), [&](std::size_t c) {
+        const std::array<std::uint32_t, corners> nodes = grid_.nodes_of(c);
+        CoarseGrid::Hats of_nodes;
+        for (std::size_t u = 0; u < corners; ++u) of_nodes[u] = e[nodes[u]];
+        for (const auto& [i, way] : grid_.particles_in(c)) {
+            const CoarseGrid::Hats hats = hats_at(way);
+            float sum = 0;
+            for (std::size_t u = 0; u < corners; ++u) sum += hats[u] * of_nodes[u];
+            q[i] = sum;
+        }
+    });
 }
 
 // L D L^T of each line, from below: D_j = A_jj - A_j,j-1^2 / D_j-1.
@@ -299,18 +323,15 @@ void CoarsePressure::multiply(const std::vector<float>& e, std::vector<float>& o
     }
 }
 
-double CoarsePressure::solve(const Particles& p, const std::vector<float>& residual) {
-    restrict_to_nodes(p, residual, r_);
+double CoarsePressure::solve(std::vector<float>& residual) {
+    restrict_to_nodes(residual, r_);
     double compression = 0;
     for (std::size_t k = 0; k < r_.size(); ++k) {
         r_[k] *= in_use_[k];
         compression += static_cast<double>(std::max(r_[k], 0.0F));
     }
     solve_by_conjugate_gradients();
-    for (std::size_t c = 0; c < grid_.cells(); ++c) {
-        const std::array<std::uint32_t, corners> nodes = grid_.nodes_of(c);
-        for (std::size_t u = 0; u < corners; ++u) at_corners_[c][u] = e_[nodes[u]];
-    }
+    interpolate_at_particles(e_, residual);
     return compression;
 }
 
@@ -338,15 +359,6 @@ void CoarsePressure::solve_by_conjugate_gradients() {
         rz = next;
         for (std::size_t k = 0; k < d_.size(); ++k) d_[k] = z_[k] + beta * d_[k];
     }
-}
-
-float CoarsePressure::at(const Particles& p, std::size_t i) const {
-    const CoarseGrid::Place place = grid_.place_of({p.x[i], p.y[i], p.z[i]});
-    const CoarseGrid::Hats& e = at_corners_[place.cell];
-    const CoarseGrid::Hats hats = hats_at(place.way);
-    float sum = 0;
-    for (std::size_t q = 0; q < corners; ++q) sum += hats[q] * e[q];
-    return sum;
 }
 
 }  // namespace wade::fluid

@@ -35,6 +35,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "configs/scene/scene.hpp"
@@ -58,19 +59,19 @@ class CoarseGrid {
     // cells would take more memory and time than they are worth.
     bool place(const Particles& particles);
 
-    // A particle within its cell: how far along each axis, 0 to 1.
-    struct Place {
-        std::size_t cell;
+    // Numbers of the nodes at the corners of a cell, how much water a node has when it is all inside.
+    [[nodiscard]] std::array<std::uint32_t, corners> nodes_of(std::size_t cell) const;
+    // A particle, and how far along each axis it is within its cell, 0 to 1.
+    struct Inside {
+        std::uint32_t i;
         std::array<float, 3> way;
     };
-    [[nodiscard]] Place place_of(const std::array<float, 3>& x) const;
-
-    // Numbers of the nodes at the corners of a cell, a cell's particles, how much water a node has when it is all inside.
-    [[nodiscard]] std::array<std::uint32_t, corners> nodes_of(std::size_t cell) const;
-    [[nodiscard]] const std::uint32_t* first_of(std::size_t cell) const { return order_.data() + start_[cell]; }
-    [[nodiscard]] const std::uint32_t* end_of(std::size_t cell) const { return order_.data() + start_[cell + 1]; }
+    [[nodiscard]] std::span<const Inside> particles_in(std::size_t cell) const {
+        return {inside_.data() + start_[cell], inside_.data() + start_[cell + 1]};
+    }
     [[nodiscard]] float full_node(std::size_t i, std::size_t j, std::size_t k) const;
 
+    [[nodiscard]] std::size_t particles() const { return inside_.size(); }
     [[nodiscard]] std::size_t cells() const { return cells_[0] * cells_[1] * cells_[2]; }
     [[nodiscard]] std::size_t nodes() const { return nodes_[0] * nodes_[1] * nodes_[2]; }
     [[nodiscard]] std::size_t nodes_along(std::size_t axis) const { return nodes_[axis]; }
@@ -95,7 +96,8 @@ class CoarseGrid {
     std::array<std::array<bool, 2>, 3> walls_{};  // whether the box over the water ends at one, below and above
     std::array<float, 3> lo_{}, inverse_{};
     std::array<std::size_t, 3> cells_{}, nodes_{};
-    std::vector<std::uint32_t> cell_of_, start_, order_;
+    std::vector<std::uint32_t> cell_of_, start_;
+    std::vector<Inside> inside_;  // by cell
 };
 
 // A_c e = r_c.
@@ -109,12 +111,9 @@ class CoarsePressure {
     // The matrix over dt^2. mask: m; open: c.
     void build(const Particles& particles, const std::vector<float>& mask, const ConstVectorArrays& open);
 
-    // Finds dt^2 e from a residual that is zero where m = 0. Returns the compression that nodes see before, summed over particles:
-    // that of single particles, which has no sign, cancels.
-    double solve(const Particles& particles, const std::vector<float>& residual);
-
-    // dt^2 sum_k e_k N_k(x_i) of the last solve.
-    [[nodiscard]] float at(const Particles& particles, std::size_t i) const;
+    // Puts the correction of each particle, dt^2 sum_k e_k N_k(x_i), in the place of its residual, which is zero where m = 0. Returns the
+    // compression that nodes see before, summed over particles: that of single particles, which has no sign, cancels.
+    double solve(std::vector<float>& residual);
 
  private:
     static constexpr std::size_t corners = CoarseGrid::corners;
@@ -124,16 +123,17 @@ class CoarsePressure {
     [[nodiscard]] Element element_of(std::size_t cell, const Particles& particles, const std::vector<float>& mask,
                                      const ConstVectorArrays& open) const;
     void add(const Element& element, std::size_t cell);
-    // sum_i q_i N_k(x_i) for each node.
-    void restrict_to_nodes(const Particles& particles, const std::vector<float>& q, std::vector<float>& sums);
-    void leave_out_thin_nodes(const Particles& particles, const std::vector<float>& mask);
+    // sum_i q_i N_k(x_i) for each node; and sum_k e_k N_k(x_i) for each particle.
+    void restrict_to_nodes(const std::vector<float>& q, std::vector<float>& sums);
+    void interpolate_at_particles(const std::vector<float>& e, std::vector<float>& q) const;
+    void leave_out_thin_nodes(const std::vector<float>& mask);
     void eliminate_lines();
     void multiply(const std::vector<float>& e, std::vector<float>& out) const;
     void solve_lines(const std::vector<float>& r, std::vector<float>& z) const;
     void solve_by_conjugate_gradients();
 
     CoarseGrid grid_;
-    std::vector<CoarseGrid::Hats> at_corners_;  // of each cell: sums, then e
+    std::vector<CoarseGrid::Hats> at_corners_;  // sums of each cell
     std::vector<Element> elements_;             // of a few cells at a time
     std::vector<Row> rows_;
     std::vector<float> in_use_;        // 1, or 0 for a node that is left out

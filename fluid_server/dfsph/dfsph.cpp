@@ -332,9 +332,9 @@ void PressureSolver::note_for_long_waves(const Particles& p, std::size_t begin, 
 }
 
 double PressureSolver::find_long_waves(const Particles& p, float dt2) {
-    const double error = long_waves_.solve(p, residual_);
+    const double error = long_waves_.solve(residual_);
     for_each_particle(p.count, [&](std::size_t i) {
-        if (may_change_[i] > 0) found_[i] = std::max(0.0F, found_[i] + coarse_share / dt2 * long_waves_.at(p, i));
+        if (may_change_[i] > 0) found_[i] = std::max(0.0F, found_[i] + coarse_share / dt2 * residual_[i]);
     });
     return error;
 }
