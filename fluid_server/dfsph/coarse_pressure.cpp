@@ -16,7 +16,8 @@ namespace {
 // the box round it.
 constexpr std::array<float, 2> cell_lengths{4, 8};
 
-// A cell holds so many particles on average, or there is no grid: at 170 bytes a cell and its node it takes at most 22 bytes a particle.
+// A cell holds so many particles on average, or there is no grid: at 170 bytes a cell and its node these take at most 22 bytes a
+// particle, beside 20 for where it lies.
 constexpr std::size_t least_particles_a_cell = 8;
 
 // A node with less than this share of the water of one that is all inside is left out. At the surface of water at rest a node

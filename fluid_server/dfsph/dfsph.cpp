@@ -276,7 +276,7 @@ SolveResult PressureSolver::solve(const PressureSystem& system, const Task& task
         if (long_waves) {
             if (first) build_long_waves(system);
             long_waves = first || !grows;  // where they have made it worse the rest of the solve does without
-            if (long_waves) error_of_long_waves = find_long_waves(p, dt2) / free;
+            if (long_waves && free > 0) error_of_long_waves = find_long_waves(p, dt2) / free;
             for_each_block(p.count, [&](std::size_t begin, std::size_t end, std::size_t b) {
                 BlockOf found;
                 std::copy_n(found_.data() + begin, end - begin, found.data());

@@ -238,7 +238,7 @@ HWY_INLINE hn::Vec<Whole> key_of(const PathQuestion& question, const Path& path)
     const auto cell = hn::Add(hn::Mul(k, hn::Set(whole, ground.nx)), i);
     const auto one = hn::IfThenElseZero(hn::RebindMask(whole, upper), hn::Set(whole, 1));
     const auto plane = hn::GatherIndex(whole, ground.plane_of.data(), hn::Add(hn::Add(cell, cell), one));
-    return hn::Add(hn::Mul(plane, hn::Set(whole, SightKey::of_a_plane)), key);
+    return hn::Add(hn::Mul(plane, hn::Set(whole, question.orders * SightKey::places_of_middle)), key);
 }
 
 void FindPaths(const ClusterPlaces& places, const NearParticlesOfCluster& near, const PathQuestion& question,

@@ -22,6 +22,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -66,10 +67,10 @@ struct WallPath {
 struct PathQuestion {
     const WallPath& path;
     const Obstruction* obstruction = nullptr;  // null: all paths are free
-    std::int32_t order = 0;  // its number among those of one image; from 1 on it adds to what has been found
-    std::int32_t like =
-        0;  // that of the first that meets the same walls: in keys where the middle lies before all walls or behind
-    bool has_keys = false;                 // whether keys are asked for
+    std::int32_t order = 0;   // its number among those of one image; from 1 on it adds to what has been found
+    std::int32_t orders = 1;  // how many these are
+    std::int32_t like = 0;    // that of the first that meets the same walls: in keys, but between two walls
+    bool has_keys = false;    // whether keys are asked for
     const GroundFacets* ground = nullptr;  // whose plane under the middle is asked for too, or null
     float support_radius = 0, delta = 0;   // m
 };
@@ -77,13 +78,20 @@ struct PathQuestion {
 // By which order of walls something is seen, and which ground mirrors it: a plane, and how many walls the path meets before its middle,
 // which lies over that plane.
 struct SightKey {
-    static constexpr std::int32_t most_orders = 16, places_of_middle = longest_path + 1;
-    static constexpr std::int32_t of_a_plane = most_orders * places_of_middle;
+    static constexpr std::int32_t places_of_middle = longest_path + 1;
     std::int32_t value = 0;
 
-    [[nodiscard]] std::size_t plane() const { return static_cast<std::size_t>(value / of_a_plane); }
-    [[nodiscard]] std::size_t order() const { return static_cast<std::size_t>(value % of_a_plane / places_of_middle); }
-    [[nodiscard]] std::size_t walls_before() const { return static_cast<std::size_t>(value % places_of_middle); }
+    // Of ground of so many planes: how many orders keys can tell apart, 16 at least (GroundFacets::most_planes).
+    static constexpr std::size_t most_orders(std::size_t planes) {
+        return static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max() / places_of_middle) / planes;
+    }
+    // orders: how many there are of this image.
+    [[nodiscard]] std::size_t plane(std::size_t orders) const { return of_all() / places_of_middle / orders; }
+    [[nodiscard]] std::size_t order(std::size_t orders) const { return of_all() / places_of_middle % orders; }
+    [[nodiscard]] std::size_t walls_before() const { return of_all() % places_of_middle; }
+
+ private:
+    [[nodiscard]] std::size_t of_all() const { return static_cast<std::size_t>(value); }
 };
 
 // For each near particle, lanes as in the lists.

@@ -7,8 +7,9 @@
 #include "fluid_server/neighbours/neighbours.hpp"
 
 // For each cluster: the particles near it, once. Then, for each sequence of walls that some path may meet, which of them it sees how
-// much; these make a segment, and one more for each plane of the ground that mirrors some of them. An image is no nearer than what it
-// is an image of, so that the particles near the cluster are enough.
+// much; these make a segment, and one more for each plane of the ground that mirrors some of them. An image in a wall is no nearer than
+// what it is an image of, nor is one in the ground unless that falls away between the two by more than 1 in 1, so that the particles
+// near the cluster are enough.
 
 namespace wade::fluid {
 
@@ -246,11 +247,14 @@ class PlaceSearch {
     void add_paths_like(std::size_t first) {
         std::vector<PathOrder>& orders = room_.orders;
         orders.clear();
+        const std::size_t most_orders = SightKey::most_orders(solids_.ground().planes.size());
+        const PlanPoint& start = room_.paths[first].wall[0].a;
+        const Vec3 at{start.x, 0, start.z};
         bool is_whole = is_free();
         std::size_t of_these = 0, like = 0;
         for (std::size_t n = 0; n < room_.paths.size(); ++n) {
             const WallPath& path = room_.paths[n];
-            if (!is_same(path.map, room_.paths[first].map, h_) || orders.size() == SightKey::most_orders) continue;
+            if (!is_same(path.map, room_.paths[first].map, at, h_) || orders.size() == most_orders) continue;
             const auto same = std::find_if(orders.begin(), orders.end(), [&](const PathOrder& other) {
                 return meet_the_same_walls(path, *other.path);
             });
@@ -260,7 +264,7 @@ class PlaceSearch {
             room_.done[n] = true;
             like = orders.back().like, ++of_these;
         }
-        if (of_these == 0) return;
+        if (of_these == 0) return;  // one order too many, over ground of millions of planes
         // One wall, or a right corner in both orders, misses nothing.
         const bool misses_nothing = orders.size() == of_these && of_these == orders[0].path->length && of_these < 3;
         add_paths(orders, like, is_whole && misses_nothing);
@@ -295,6 +299,7 @@ class PlaceSearch {
                 PathQuestion question{*orders[n].path};
                 question.obstruction = is_whole ? nullptr : &room_.obstruction;
                 question.order = static_cast<std::int32_t>(n);
+                question.orders = static_cast<std::int32_t>(orders.size());
                 question.like = static_cast<std::int32_t>(orders[n].like);
                 question.has_keys = by_ground || by_others;
                 question.ground = by_ground ? &ground : nullptr;
@@ -315,8 +320,8 @@ class PlaceSearch {
                   [](const SeenByKey& one, const SeenByKey& other) { return one.key.value < other.key.value; });
         for (std::size_t n = 0; n < keys; ++n) {
             const SeenByKey& list = room_.by_key[n];
-            const GroundPlane& under = ground.planes[list.key.plane()];
-            const WallPath& order = *orders[list.key.order()].path;
+            const GroundPlane& under = ground.planes[list.key.plane(orders.size())];
+            const WallPath& order = *orders[list.key.order(orders.size())].path;
             add_segment({with_ground(order, list.key.walls_before(), under), true, path.house()},
                         ground.is_one_plane() ? nullptr : &under, false, list.seen);
         }
@@ -328,7 +333,7 @@ class PlaceSearch {
             const SightKey key{found.key[k]};
             const auto lane = static_cast<std::uint16_t>(1U << k % size_);
             const bool is_seen = (found.seen[k / size_] & lane) != 0;  // else it has no key
-            if (is_seen && orders[key.order()].like != like) found.seen[k / size_] ^= lane;
+            if (is_seen && orders[key.order(orders.size())].like != like) found.seen[k / size_] ^= lane;
         }
     }
 

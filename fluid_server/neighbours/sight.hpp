@@ -2,7 +2,8 @@
 // Who is near a cluster, and whom it sees: past boxes, in the face of one of them, in a facet of the bed. The rules stand in solids.hpp.
 //
 // Whom a particle sees, how much of it, and in which order does not depend on who else is in its cluster: vectors of any length give
-// the same bits. What is left out for a cluster as a whole is what none of its particles sees anything of.
+// the same bits. What is left out for a cluster as a whole is what none of its particles sees anything of, and on a place walls beyond
+// the 64 that may stand in the way of one cluster (docs/limits.md).
 
 #include <cstddef>
 #include <cstdint>
@@ -16,9 +17,10 @@ namespace wade::fluid {
 // A cluster that looks round.
 struct Watchers {
     const ClusterPlaces& places;
-    const Box& box;                  // round them
-    std::span<const Box> obstacles;  // that may stand in the way; none unless one is nearer than the support radius
-    float delta = 0;                 // half the width over which sight fades at their edges, m
+    const Box& box;  // round them
+    std::span<const Box>
+        obstacles;    // that may stand in the way; none unless one is nearer than the support radius and delta
+    float delta = 0;  // half the width over which sight fades at their edges, m
 };
 
 // How it looks: as it is, in a mirror, beyond a border.

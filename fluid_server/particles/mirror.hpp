@@ -79,14 +79,15 @@ inline TurnedMap reflected_first(const TurnedMap& after, const Vec3& n, float c)
     return map;
 }
 
-// Whether two maps differ by rounding only, as those of one image by other orders of walls do; length: of what is mapped, m.
-inline bool is_same(const TurnedMap& a, const TurnedMap& b, float length) {
-    constexpr float same_map = 1e-4F;
+// Whether two maps differ by rounding only, as those of one image by other orders of walls do; at: near what is mapped; length: of it, m.
+inline bool is_same(const TurnedMap& a, const TurnedMap& b, const Vec3& at, float length) {
+    constexpr float same_map = 1e-4F, of_coordinates = 1e-6F;
     for (std::size_t k = 0; k < 9; ++k) {
         if (std::abs(a.turn.q[k] - b.turn.q[k]) > same_map) return false;
     }
+    const Vec3 by_a = a(at), by_b = b(at);
     for (std::size_t k = 0; k < 3; ++k) {
-        if (std::abs(a.shift[k] - b.shift[k]) > same_map * std::max(length, std::abs(a.shift[k]))) return false;
+        if (std::abs(by_a[k] - by_b[k]) > same_map * length + of_coordinates * std::abs(a.shift[k])) return false;
     }
     return true;
 }

@@ -83,6 +83,19 @@ double rms_difference(const std::vector<double>& values, const std::vector<doubl
     return std::sqrt(sum / static_cast<double>(time.size()));
 }
 
+// Integral of a pressure, straight between its readings, over the impact, Pa s.
+constexpr std::array<double, 2> impact{0.38, 0.7};  // s: from before the water comes until it falls back
+double impulse_of(const std::vector<double>& time, const std::vector<double>& pressure) {
+    double sum = 0;
+    for (std::size_t i = 1; i < time.size(); ++i) {
+        const double from = std::max(time[i - 1], impact[0]), to = std::min(time[i], impact[1]);
+        if (from >= to) continue;
+        const double middle_share = (0.5 * (from + to) - time[i - 1]) / (time[i] - time[i - 1]);
+        sum += (to - from) * (pressure[i - 1] + middle_share * (pressure[i] - pressure[i - 1]));
+    }
+    return sum;
+}
+
 void compare(const Readings& readings, const Spheric2Reference& truth, Result& result) {
     auto& metrics = result.metrics;
     for (std::size_t k = 0; k < truth.arrival.size(); ++k) {
@@ -99,6 +112,11 @@ void compare(const Readings& readings, const Spheric2Reference& truth, Result& r
         const double peak_time = readings.time[static_cast<std::size_t>(peak - readings.pressure[k].begin())];
         metrics.push_back({"pressure_peak_" + sensor, std::abs(*peak / truth.peak[k] - 1), "1"});
         metrics.push_back({"pressure_peak_" + sensor + "_over_measured", *peak / truth.peak[k], "1"});
+        if (truth.series) {
+            const double impulse = impulse_of(readings.time, readings.pressure[k]);
+            const double measured = impulse_of(truth.time, truth.pressure[k]);
+            metrics.push_back({"pressure_impulse_" + sensor + "_over_measured", impulse / measured, "1"});
+        }
         metrics.push_back({"pressure_peak_time_" + sensor, std::abs(peak_time - truth.peak_time[k]), "s"});
         const double rms = rms_difference(readings.pressure[k], truth.time, truth.pressure[k]);
         metrics.push_back({"pressure_rms_" + sensor, rms / truth.peak[k], "1"});

@@ -93,8 +93,9 @@ void fields(Fluid& fluid, Fields& f) {
     f.choice(
         "kernel", fluid.kernel,
         "cubic_spline: support radius 2 d (support_in_spacings), 33 particles in it; the fastest, but a lattice of its "
-        "particles resists shear as a soft solid, so that waves run 3 to 5 % too fast. quartic_spline: support radius "
-        "2.4 d, 57 particles; hardly sees how particles are packed, so that waves have their speed, deep water rests "
+        "particles resists shear as a soft solid, so that waves run 2 to 5 % too fast. quartic_spline: support radius "
+        "2.4 d, 57 particles; hardly sees how particles are packed, so that waves have their speed, deep water shakes "
+        "less "
         "and two layers of particles stand 2 % too low instead of 4; opposite walls must be 1.4 d apart. wendland_c2: "
         "support radius 3 d, 113 particles, for water that fills its channel; opposite walls must be 2 d apart. auto: "
         "what "
@@ -103,7 +104,7 @@ void fields(Fluid& fluid, Fields& f) {
     f.number(
         "support_in_spacings", fluid.support_in_spacings, "", from(2).to(2.2),
         "Support radius of the kernel cubic_spline over d. A lattice of particles resists shear as a soft solid, so "
-        "that waves run 3 to 5 % too fast at 2; from 2.05 on it does not. Water of two layers stands 4 % too low at 2, "
+        "that waves run 2 to 5 % too fast at 2; from 2.05 on it does not. Water of two layers stands 4 % too low at 2, "
         "2.7 % at 2.1. It costs more: 2 to 33 % in single runs. Banks and walls must be this less 1 d apart.");
     f.number("rest_density_kg_m3", fluid.rest_density, "kg/m3", above(0).to(1e5), "Density of the water at rest.");
     f.number("viscosity_m2_s", fluid.kinematic_viscosity, "m2/s", from(0).to(1000),

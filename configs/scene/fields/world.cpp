@@ -49,7 +49,7 @@ void fields(Scene& scene, Fields& f) {
     f.object_or_none(
         "place", scene.place_keys,
         "A real place instead of the channel: ground of any shape, houses, sources, outlets. x runs east, z "
-        "north. Its water is that of the model shallow_water.");
+        "north. Its water is that of the model shallow_water, the default there, or of dfsph.");
     f.object(
         "channel", scene.channel,
         "The channel that confines the water: bed y = 0, ends at x_min_m and x_max_m, banks at z_min_m and z_max_m.",

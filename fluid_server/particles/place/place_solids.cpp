@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <string>
+
+#include "configs/errors/exit_code.hpp"
 
 namespace wade::fluid {
 
@@ -105,6 +108,11 @@ GroundFacets::GroundFacets(const GroundGrid& grid)
                         number = plane_of[before];
                 }
                 if (static_cast<std::size_t>(number) == planes.size()) planes.push_back(p);
+                if (planes.size() > most_planes) {
+                    throw ConfigurationError("the ground has more than " + std::to_string(most_planes) +
+                                             " planes for particles: a cell of it is 3 /fluid/particle_spacing_m "
+                                             "long, or 2 cells of its raster; choose a larger one");
+                }
                 plane_of.push_back(number);
             }
         }

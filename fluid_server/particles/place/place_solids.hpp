@@ -29,12 +29,14 @@ struct GroundPlane {
 
 // The triangles of a GroundGrid by the planes in which they lie; neighbours in one plane share it.
 struct GroundFacets {
+    static constexpr std::size_t most_planes = 33'000'000;
+
     float x = 0, z = 0, per_m = 1;       // of the first cell, m; cells per m
     int nx = 1, nz = 1;                  // cells
     std::vector<std::int32_t> plane_of;  // triangle 2 (k nx + i), and one more for the upper one
     std::vector<GroundPlane> planes;
 
-    explicit GroundFacets(const GroundGrid& grid);
+    explicit GroundFacets(const GroundGrid& grid);  // throws ConfigurationError of too many planes
     [[nodiscard]] bool is_one_plane() const { return planes.size() == 1; }
     // The plane of the triangle over which a place lies.
     [[nodiscard]] const GroundPlane& at(float px, float pz) const;
@@ -47,7 +49,7 @@ class PlaceSolids {
     // Walls at a time, s; says whether they are others than before.
     bool open_gates(double time);
 
-    // Replaces `found` by the walls that are nearer in plan to a box than the support radius.
+    // Replaces `found` by the walls that are nearer in plan to a box than the support radius and sight_delta().
     void find_walls(const Box& box, std::vector<std::uint32_t>& found) const;
 
     // Whether some plane of the ground under a box, or within half the support radius beside it, is nearer to it than that radius and a

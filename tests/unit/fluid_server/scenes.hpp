@@ -1,5 +1,5 @@
 #pragma once
-// Small scenes for the tests of the fluid.
+// Small scenes for the tests of the fluid, and who sees whom in them.
 
 #include <cmath>
 #include <numbers>
@@ -8,6 +8,7 @@
 
 #include "configs/scene/scene.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/particles/place/place_solids.hpp"
 
 namespace wade::fluid::test {
@@ -90,6 +91,34 @@ inline Scene place_scene(const PlaceTank& tank, double level, double spacing) {
 inline PlaceSolids solids_of(const Scene& scene) {
     return {place_shape(scene), static_cast<float>(support_radius_of(scene.fluid)),
             static_cast<float>(scene.fluid.particle_spacing)};
+}
+
+// Calls body(watcher, j, view, its turned view or null, share of 65535) for whom each particle sees, in the order of the lists: all of
+// what is near where no sight is asked. SolidsOf: Solids or PlaceSolids.
+template <typename SolidsOf, typename Body>
+void for_each_seen(const CellGrid& grid, const SolidsOf& solids, const Particles& p, float h, Body&& body) {
+    NeighbourLists lists(p.capacity());
+    find_neighbours(grid, solids, p, h, lists);
+    const std::uint16_t* next = nullptr;  // share
+    for (std::size_t i = 0; i < p.count; i += lists.cluster_size) {
+        const NeighbourBlock& block = lists.blocks[i / block_size];
+        if (i % block_size == 0) next = block.factor.data();
+        const auto add = [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
+            const NeighbourBlock::TurnedView* const turned = turned_view(block, view);
+            for (std::size_t k = first; k < last; ++k) {
+                for (std::size_t l = i; l < i + lists.cluster_size; ++l) {
+                    const std::size_t j = block.j[k];
+                    const Vec3 at = view.map({p.x[l], p.y[l], p.z[l]});
+                    const float x = at[0] - p.x[j], y = at[1] - p.y[j], z = at[2] - p.z[j];
+                    const bool sees = view.by_sight || turned != nullptr
+                                          ? (lanes_of_entry(block, k) >> (l - i) & 1U) != 0
+                                          : x * x + y * y + z * z < h * h;
+                    if (sees) body(l, block.j[k], view, turned, view.in_part ? *next++ : 65535U);
+                }
+            }
+        };
+        for_each_segment(block, i % block_size / lists.cluster_size, add);
+    }
 }
 
 }  // namespace wade::fluid::test

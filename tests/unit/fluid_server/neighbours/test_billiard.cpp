@@ -98,6 +98,48 @@ TEST_CASE("round the edges of houses every place is filled once, to what soft si
     }
 }
 
+TEST_CASE("a front in many pieces mirrors as one in one piece", "[billiard]") {
+    const double pieces = GENERATE(4, 12);
+    const int ground = GENERATE(0, 1);
+    const double gap = 0.06;    // so narrow that paths go from one front to the other and back
+    const double joint = 5e-4;  // half the width of what is between pieces
+    const PlaceTank tank{1.2, 1.2, 17, 90, 5};
+    const auto scene_of = [&](double in_pieces) {
+        Scene scene = test::place_scene(tank, 0, 0.1);
+        if (ground == 1) scene.place->ground.slope_x = 0.2;
+        std::vector<MapPoint> front{tank.at(-0.5, 0.4), tank.at(-0.5, gap / 2)};
+        for (double n = 1; n < in_pieces; ++n) {
+            const double x = -0.5 + n / in_pieces;
+            for (const auto& [away, z] :
+                 {std::pair{-joint, gap / 2}, {-joint, gap / 2 + joint}, {joint, gap / 2 + joint}, {joint, gap / 2}})
+                front.push_back(tank.at(x + away, z));
+        }
+        front.push_back(tank.at(0.5, gap / 2)), front.push_back(tank.at(0.5, 0.4));
+        scene.place->houses.push_back(house_of({front}));
+        scene.place->houses.push_back(
+            house_of({{tank.at(-0.5, -0.4), tank.at(0.5, -0.4), tank.at(0.5, -gap / 2), tank.at(-0.5, -gap / 2)}}));
+        return scene;
+    };
+    Particles particles(600);
+    std::mt19937 numbers(5);
+    const auto in = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(numbers); };
+    const Scene whole = scene_of(1);
+    const PlaceSolids solids = test::solids_of(whole);
+    while (particles.count < 500) {
+        const MapPoint at = tank.at(in(-0.45, 0.45), in(-0.02, 0.02));
+        Vec3 x{static_cast<float>(at.x), 0, static_cast<float>(at.z)};
+        x[1] = solids.ground().at(x[0], x[2]).height(x[0], x[2]) + static_cast<float>(in(0.04, 0.4));
+        particles.add(x, {}, Kind::fluid);
+    }
+    const Seen by_one(whole, solids, particles, 0.1);
+    const Scene other = scene_of(pieces);
+    const Seen by_many(other, test::solids_of(other), particles, 0.1);
+    float worst = 0;
+    for (std::size_t i = 0; i < particles.count; ++i)
+        worst = std::max(worst, std::abs(by_many.fields.density[i] / by_one.fields.density[i] - 1));
+    CHECK(worst < 0.2F);  // 0.13 in four pieces as in twelve, as sight fades at the joints; images left out are a third
+}
+
 struct Felt {
     std::array<float, 3> felt, gradient;
 };
@@ -166,24 +208,11 @@ struct SeenByMap {
 using SeenInOrder = std::vector<std::vector<SeenByMap>>;
 
 SeenInOrder seen_in_order(const CellGrid& grid, const PlaceSolids& solids, const Particles& p, float h) {
-    NeighbourLists lists(p.capacity());
-    find_neighbours(grid, solids, p, h, lists);
     SeenInOrder seen(padded(p.count));
-    const std::uint16_t* next = nullptr;  // share
-    for (std::size_t i = 0; i < p.count; i += lists.cluster_size) {
-        const NeighbourBlock& block = lists.blocks[i / block_size];
-        if (i % block_size == 0) next = block.factor.data();
-        const auto add = [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
-            const TurnedMap& map = turned_view(block, view)->map;
-            for (std::size_t k = first; k < last; ++k) {
-                for (std::size_t l = i; l < i + lists.cluster_size; ++l) {
-                    if ((lanes_of_entry(block, k) >> (l - i) & 1U) != 0)
-                        seen[l].push_back({block.j[k], map, view.in_part ? *next++ : 65535U});
-                }
-            }
-        };
-        for_each_segment(block, i % block_size / lists.cluster_size, add);
-    }
+    test::for_each_seen(grid, solids, p, h,
+                        [&](std::size_t i, std::uint32_t j, const auto&, const auto* turned, unsigned share) {
+                            seen[i].push_back({j, turned->map, share});
+                        });
     seen.resize(p.count);
     return seen;
 }
@@ -228,6 +257,22 @@ Particles particles_of_lanes(const PlaceSolids& solids, const MapPoint& middle, 
     return particles;
 }
 
+// The same with others before them, far away: in clusters of any size each has other company.
+SeenInOrder seen_in_other_company(const Scene& scene, const PlaceSolids& solids, const Particles& p, float h) {
+    constexpr std::uint32_t others = 3;
+    Particles all(p.capacity());
+    for (std::uint32_t k = 0; k < others; ++k) all.add({0.1F, 0.1F, 0.1F}, {}, Kind::fluid);
+    for (std::size_t i = 0; i < p.count; ++i) all.add({p.x[i], p.y[i], p.z[i]}, {}, Kind::fluid);
+    CellGrid grid(scene, h);
+    grid.sort(all, -Box::inf);
+    SeenInOrder seen = seen_in_order(grid, solids, all, h);
+    seen.erase(seen.begin(), seen.begin() + others);
+    for (auto& of_one : seen) {
+        for (SeenByMap& one : of_one) one.j -= others;
+    }
+    return seen;
+}
+
 }  // namespace
 
 TEST_CASE("whom a particle sees among houses does not depend on who is in its cluster", "[billiard]") {
@@ -245,8 +290,9 @@ TEST_CASE("whom a particle sees among houses does not depend on who is in its cl
         const SeenInOrder narrow = seen_in_order(grid, solids, p, h);
         use_widest_vectors(true);
         const SeenInOrder wide = seen_in_order(grid, solids, p, h);
+        const SeenInOrder in_other_company = seen_in_other_company(scene, solids, p, h);
         for (std::size_t i = 0; i < p.count; ++i) {
-            differ += wide[i] == narrow[i] ? 0U : 1U;
+            differ += wide[i] == narrow[i] && in_other_company[i] == narrow[i] ? 0U : 1U;
             for (const SeenByMap& one : wide[i]) in_part += one.share < 65535 ? 1U : 0U;
         }
     }

@@ -347,27 +347,11 @@ namespace {
 using SeenInOrder = std::vector<std::vector<std::tuple<std::uint32_t, std::array<float, 6>, unsigned>>>;
 
 SeenInOrder seen_in_order(const CellGrid& grid, const Solids& solids, const Particles& p, float h) {
-    NeighbourLists lists(p.capacity());
-    find_neighbours(grid, solids, p, h, lists);
     SeenInOrder seen(padded(p.count));
-    const std::uint16_t* next = nullptr;  // share
-    for (std::size_t i = 0; i < p.count; i += lists.cluster_size) {
-        const NeighbourBlock& block = lists.blocks[i / block_size];
-        if (i % block_size == 0) next = block.factor.data();
-        const auto add = [&](const NeighbourBlock::View& view, std::size_t first, std::size_t last) {
-            for (std::size_t k = first; k < last; ++k) {
-                for (std::size_t l = i; l < i + lists.cluster_size; ++l) {
-                    const std::size_t j = block.j[k];
-                    const Vec3 at = view.map({p.x[l], p.y[l], p.z[l]});
-                    const float x = at[0] - p.x[j], y = at[1] - p.y[j], z = at[2] - p.z[j];
-                    const bool sees =
-                        view.by_sight ? (lanes_of_entry(block, k) >> (l - i) & 1U) != 0 : x * x + y * y + z * z < h * h;
-                    if (sees) seen[l].emplace_back(block.j[k], key_of(view.map), view.in_part ? *next++ : 65535U);
-                }
-            }
-        };
-        for_each_segment(block, i % block_size / lists.cluster_size, add);
-    }
+    test::for_each_seen(grid, solids, p, h,
+                        [&](std::size_t i, std::uint32_t j, const auto& view, const auto*, unsigned share) {
+                            seen[i].emplace_back(j, key_of(view.map), share);
+                        });
     seen.resize(p.count);
     return seen;
 }
