@@ -5,7 +5,7 @@ import unittest
 from pathlib import Path
 from types import SimpleNamespace
 
-from wade.suites.paper import TABLE1, measured, plan, report
+from wade.suites.paper import TABLE1, measured, pictures, plan, report
 from wade.suites.paper.report import Context
 from wade.suites.paper.results import Result, Run, read_paper
 
@@ -27,6 +27,12 @@ def context(outcomes, scene_set="observed"):
 
 def table1(scene_set, outcomes):
     return {plan.scenario_case(scene_set, name): result(*found) for name, found in outcomes.items()}
+
+
+class Pictures(unittest.TestCase):
+    def test_a_share_without_an_interval_stands_alone(self):
+        self.assertEqual(pictures.percent_in_words((25, 20, 30.2), 50), "50\n(40\u201360)")
+        self.assertEqual(pictures.percent_in_words((25, None, None), 50), "50")
 
 
 class Summary(unittest.TestCase):

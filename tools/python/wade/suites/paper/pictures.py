@@ -155,6 +155,12 @@ def table1_plot(file, paper, results, names):
     save(figure, file)
 
 
+def percent_in_words(interval, people):
+    """Mean and interval in per cent, on two lines; the mean alone where there is no interval."""
+    mean, low, high = (None if value is None else f"{100 * value / people:.0f}" for value in interval)
+    return mean if low is None else f"{mean}\n({low}\u2013{high})"
+
+
 def phase_plot(file, results, scenarios, scene):
     """Share that arrives over tau and v_F. results: {(tau, v_F): Result}; scenarios: {name: (tau, v_F)}."""
     figure, axes = pyplot.subplots(figsize=(7.6, 5.6))
@@ -166,9 +172,8 @@ def phase_plot(file, results, scenarios, scene):
     image = axes.imshow(shares, origin="lower", cmap="cividis", vmin=0, vmax=1, aspect="auto")
     for (tau, velocity), result in results.items():
         i, j = taus.index(tau), velocities.index(velocity)
-        mean, low, high = (100 * value / result.agents for value in result.arrived)
         bright = shares[i, j] > 0.55
-        axes.text(j, i, f"{mean:.0f}\n({low:.0f}\u2013{high:.0f})", ha="center", va="center", fontsize=7, zorder=5,
+        axes.text(j, i, percent_in_words(result.arrived, result.agents), ha="center", va="center", fontsize=7, zorder=5,
                   color="black" if bright else "white")
     mass = middle(scene["crowd"]["groups"][0]["mass_kg"])
     fine = np.linspace(taus[0], taus[-1], 400)
@@ -191,5 +196,7 @@ def phase_plot(file, results, scenarios, scene):
     axes.set_xlabel("v_F, m/s")
     axes.set_ylabel("endurance \u03c4")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.14))
-    figure.colorbar(image, label="share that arrives within 400 s (numbers: %, with 95 % interval)")
+    with_intervals = any(result.arrived[1] is not None for result in results.values())
+    numbers = "numbers: %, with 95 % interval" if with_intervals else "numbers: %"
+    figure.colorbar(image, label=f"share that arrives within 400 s ({numbers})")
     save(figure, file)
