@@ -63,6 +63,19 @@ struct WallPath {
     [[nodiscard]] std::int32_t house() const { return length > 0 ? wall[0].house : -1; }
 };
 
+inline TurnedMap reflected_first(const TurnedMap& after, const Wall& wall) {
+    return reflected_first(after, {wall.nx, 0, wall.nz}, wall.nx * wall.a.x + wall.nz * wall.a.z);
+}
+
+// R_p between the walls that are met before and the others.
+inline TurnedMap with_ground(const WallPath& path, std::size_t before, const GroundPlane& plane) {
+    TurnedMap map;
+    for (std::size_t m = path.length; m > before; --m) map = reflected_first(map, path.wall[m - 1]);
+    map = reflected_first(map, plane.n, plane.c);
+    for (std::size_t m = before; m > 0; --m) map = reflected_first(map, path.wall[m - 1]);
+    return map;
+}
+
 // What is asked about the paths from a cluster to the particles near it.
 struct PathQuestion {
     const WallPath& path;

@@ -15,19 +15,6 @@ namespace wade::fluid {
 
 namespace {
 
-TurnedMap reflected_first(const TurnedMap& after, const Wall& wall) {
-    return fluid::reflected_first(after, {wall.nx, 0, wall.nz}, wall.nx * wall.a.x + wall.nz * wall.a.z);
-}
-
-// R_p between the walls that are met before and the others.
-TurnedMap with_ground(const WallPath& path, std::size_t before, const GroundPlane& plane) {
-    TurnedMap map;
-    for (std::size_t m = path.length; m > before; --m) map = reflected_first(map, path.wall[m - 1]);
-    map = fluid::reflected_first(map, plane.n, plane.c);
-    for (std::size_t m = before; m > 0; --m) map = reflected_first(map, path.wall[m - 1]);
-    return map;
-}
-
 // What the particles near a cluster span along a wall and in front of it, m.
 struct Span {
     float first = Box::inf, last = -Box::inf, nearest = Box::inf;
