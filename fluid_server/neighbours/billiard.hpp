@@ -106,6 +106,7 @@ struct SightKey {
  private:
     [[nodiscard]] std::size_t of_all() const { return static_cast<std::size_t>(value); }
 };
+static_assert(SightKey::most_orders(GroundFacets::most_planes) >= 16);
 
 // For each near particle, lanes as in the lists.
 struct PathsFound {

@@ -98,6 +98,19 @@ TEST_CASE("round the edges of houses every place is filled once, to what soft si
     }
 }
 
+TEST_CASE("images are one if they lie in one place, however far from the origin", "[billiard]") {
+    const float away = GENERATE(1.0F, 100.0F, 2000.0F);
+    const Vec3 at{away, 0, away}, n{0.6F, 0, 0.8F}, across{0.8F, 0, -0.6F};
+    const auto mirrored = [&](const TurnedMap& after, const Vec3& normal, float beyond) {
+        return reflected_first(after, normal, normal[0] * at[0] + normal[2] * at[2] + beyond);
+    };
+    const float h = 0.2F, beyond = 0.05F;
+    const TurnedMap one = mirrored(mirrored({}, n, beyond), across, beyond);
+    const TurnedMap other = mirrored(mirrored({}, across, beyond), n, beyond);  // walls at right angles commute
+    CHECK(is_same(one, other, at, h));
+    CHECK_FALSE(is_same(mirrored({}, n, beyond), mirrored({}, n, beyond + 0.02F), at, h));  // 2 cm out of line
+}
+
 TEST_CASE("a front in many pieces mirrors as one in one piece", "[billiard]") {
     const double pieces = GENERATE(4, 12);
     const int ground = GENERATE(0, 1);
