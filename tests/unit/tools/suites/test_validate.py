@@ -132,6 +132,12 @@ class Reporting(unittest.TestCase):
         self.assertEqual(report.seconds_expected([one], 0.05), 16 * one["solver_cpu_s"])
         self.assertEqual(list(report.missing_runs([], CASES[2:])), [("crowd", "coarse", "-", "-")])
 
+    def test_what_was_not_run_costs_as_much_as_the_starts_that_it_has(self):
+        five = run_of("splash", "coarse", 0.1, 0.1) | {"starts": 5, "solver_cpu_s": 50.0}
+        long, short = cases.Case("splash 0.1 0.05 long=medium starts=5"), cases.Case("splash 0.1 0.05 starts=5")
+        self.assertEqual(list(report.missing_runs([five], [long])), [("splash", "medium", "0.05 m", "2.7 min")])
+        self.assertEqual(list(report.missing_runs([five], [short])), [("splash", "medium", "0.05 m", "13 min")])
+
     def test_runs_of_other_settings_are_held_against_these(self):
         there = self.out / "there"
         (there / "runs").mkdir(parents=True)

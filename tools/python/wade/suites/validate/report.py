@@ -184,10 +184,10 @@ def case_section(case, runs, judge, is_old, picture):
 
 
 def seconds_expected(runs, spacing):
-    """CPU time at a spacing that was not run, s: by the power law of the two finest runs, or with the particles of a volume,
-    d^-3, and the steps, 1/d. None without a run."""
-    done = sorted((run["spacing_m"], run["solver_cpu_s"]) for run in runs if run["status"] == "completed"
-                  and run["spacing_m"])
+    """CPU time of one start at a spacing that was not run, s: by the power law of the two finest runs, or with the particles
+    of a volume, d^-3, and the steps, 1/d. None without a run."""
+    done = sorted((run["spacing_m"], run["solver_cpu_s"] / run.get("starts", 1)) for run in runs
+                  if run["status"] == "completed" and run["spacing_m"])
     if not done or done[0][1] <= 0:
         return None
     (finest, cpu), power = done[0], 4
@@ -210,7 +210,9 @@ def missing_runs(runs, cases):
         done = {run["level"] for run in of_case}
         for level, d in zip(case.levels, case.spacings):
             if level not in done:
-                yield case.name, level, f"{d:g} m" if d else "-", time_text(seconds_expected(of_case, d))
+                one_start = seconds_expected(of_case, d)
+                seconds = one_start and case.starts_at(level) * one_start
+                yield case.name, level, f"{d:g} m" if d else "-", time_text(seconds)
 
 
 def machine_section(runs):
