@@ -2,7 +2,7 @@
 
 Each test is a scene of configs/validation, a truth from the guideline or from experiments, and limits
 set before the results (tests/validation/thresholds.csv, with their reasons). report.md says which test
-of which guideline is which case, which do not apply and why, and has a plot a case; DIR/runs/ has the
+of which guideline is which case, which do not apply and why, with a plot of openings; DIR/runs/ has the
 numbers and curves of each run. Cases with bodies count their levels by the runs that they make: coarse
 is what the tests run, medium and fine have more seeds, widths and rates; the others count them by the
 markers. A run that is complete and whose program and scenes are still the same is not repeated.

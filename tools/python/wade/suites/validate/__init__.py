@@ -1,7 +1,7 @@
 """Runs each case of the water at its coarse, medium and fine resolution and compares it with what is known.
 
-The truths are analytic solutions, published experiments and tables. report.md has a plot a case and
-the observed order of convergence, DIR/runs/ the numbers and curves of each run. The cases of the
+The truths are analytic solutions, published experiments and tables. report.md has the observed
+order of convergence and a plot of the dam break, DIR/runs/ the numbers and curves of each run. The cases of the
 crowd, crowd_*, are those of verify-crowd, and run here if --cases names them. A run that is complete
 and whose program and scenes are still the same is not repeated, so that the command goes on where it
 was stopped; a commit repeats runs only if it changes what is computed. With --quick a case runs at

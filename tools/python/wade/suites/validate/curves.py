@@ -12,7 +12,7 @@ COLUMNS = 2  # panels side by side
 
 
 # Cases that have a picture; the numbers of the others stand in the report.
-PICTURED = ("dam_break", "spheric2", "crowd_openings")
+PICTURED = ("dam_break", "crowd_openings")
 # Curves whose columns share a panel, of the finest run only: begin with these.
 TOGETHER = ("people_", "last_one_out", "speed_by_")
 
