@@ -1,12 +1,12 @@
 """Runs each case of the water at its coarse, medium and fine resolution and compares it with what is known.
 
 The truths are analytic solutions, published experiments and tables. report.md has the observed
-order of convergence and a plot of the dam break, DIR/runs/ the numbers and curves of each run. The cases of the
-crowd, crowd_*, are those of verify-crowd, and run here if --cases names them. A run that is complete
-and whose program and scenes are still the same is not repeated, so that the command goes on where it
-was stopped; a commit repeats runs only if it changes what is computed. With --quick a case runs at
-one resolution, as the tests run it. Give runs with --set a folder of their own: runs of other
-settings count as those of another version.
+order of convergence and a plot of the dam break, DIR/runs/ the numbers and curves of each run. The
+cases of the crowd, crowd_*, are those of verify-crowd, and run here if --cases names them. A run that
+is complete and whose program and scenes are still the same is not repeated, so that the command goes
+on where it was stopped; a commit repeats runs only if it changes what is computed. With --quick a
+case runs at one resolution, as the tests run it. Give runs with --set a folder of their own: runs of
+other settings count as those of another version.
 
 WADE_SPHERIC2_DATA names a folder with spheric_test2_50Hz_boxavg.csv, the measured series of SPHERIC
 test 2, for the case spheric2 instead of a short table. Exit code 1: a run failed, or a value is above
