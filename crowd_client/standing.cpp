@@ -75,53 +75,53 @@ bool is_near_others(const CrowdWorld& crowd, std::size_t k) {
            }) > 1;
 }
 
-Hold hold_of(const CrowdWorld& crowd, std::size_t k) {
-    if (is_waiting(crowd.navigation, crowd.active[k])) return Hold::water;
-    if (!is_firm(crowd.agents.people.condition[crowd.active[k]].state)) return Hold::footing;
+StandingReason hold_of(const CrowdWorld& crowd, std::size_t k) {
+    if (is_waiting(crowd.navigation, crowd.active[k])) return StandingReason::water;
+    if (!is_firm(crowd.agents.people.condition[crowd.active[k]].state)) return StandingReason::footing;
     const bool owns_none = !has_bodies(crowd) && crowd.motion.owned[k] == 0;
-    if (owns_none || has_too_few_markers(crowd.scene.crowd)) return Hold::markers;
+    if (owns_none || has_too_few_markers(crowd.scene.crowd)) return StandingReason::markers;
     const std::optional<Vector2d> led = way_led(crowd, k);
     const bool faces = faces_an_obstacle(crowd, k, led.value_or(rest_of_way(crowd, k)));
     // Who is led round obstacles and stands between one and other people waits for these.
-    if (faces && !(led && is_near_others(crowd, k))) return Hold::obstacle;
-    if (is_mostly_in_water(crowd.agents, crowd.active[k], crowd.steps)) return Hold::water;
-    return is_near_others(crowd, k) ? Hold::people : Hold::unknown;
+    if (faces && !(led && is_near_others(crowd, k))) return StandingReason::obstacle;
+    if (is_mostly_in_water(crowd.agents, crowd.active[k], crowd.steps)) return StandingReason::water;
+    return is_near_others(crowd, k) ? StandingReason::people : StandingReason::unknown;
 }
 
 // What is before them, and the key that helps.
-std::string words_of(Hold hold, const Crowd& settings, bool in_place) {
+std::string words_of(StandingReason hold, const Crowd& settings, bool in_place) {
     switch (hold) {
-        case Hold::footing:
+        case StandingReason::footing:
             return "the water keeps them from walking, see their states; look at its depth and speed, and at skill, "
                    "height_m and mass_kg of people";
-        case Hold::markers:
+        case StandingReason::markers:
             return "they own too few markers to walk by; set /crowd/markers_per_cell to " +
                    std::to_string(least_markers_per_cell(settings)) + " or more";
-        case Hold::obstacle:
+        case StandingReason::obstacle:
             return settings.navigation.rule == NavigationRule::straight
                        ? "an obstacle is before them; with /crowd/navigation/rule \"auto\" they walk round it"
                        : "an obstacle is before them and no way that they fit through leads round it; look at "
                          "/obstacles, the goals and /crowd/body_radius_m";
-        case Hold::water:
+        case StandingReason::water:
             if (in_place) {
                 return "they wait at the edge of water that is too deep or fast for them, or have no way; look at "
                        "/place/shelters and /crowd/navigation/enters_up_to_m";
             }
             return "the water holds them; look at /crowd/tau and the speed of the water";
-        case Hold::people:
+        case StandingReason::people:
             if (settings.markers == MarkerRule::fixed || settings.bodies == BodyRule::none) {
                 return "people are before them; crowds get past one another with /crowd/markers \"redrawn\" and "
                        "/crowd/bodies \"human\"";
             }
             return "people are before them; /crowd/navigation/crowding leads round crowds";
-        case Hold::unknown:
+        case StandingReason::unknown:
             break;
     }
     return settings.evasion.rule != EvasionRule::off ? "they keep away from water; look at /crowd/evasion"
                                                      : "nothing is before them; look at their goals";
 }
 
-void warn(CrowdWorld& crowd, Hold hold, const std::vector<std::uint32_t>& ids, std::uint64_t step) {
+void warn(CrowdWorld& crowd, StandingReason hold, const std::vector<std::uint32_t>& ids, std::uint64_t step) {
     constexpr std::size_t shown = 3;
     std::ostringstream text;
     text << (ids.size() == 1 ? "somebody stands" : std::to_string(ids.size()) + " people stand")
@@ -158,7 +158,7 @@ void note_standing(CrowdWorld& crowd, std::uint64_t step) {
         const auto bit = static_cast<std::uint8_t>(1U << h);
         if (found[h].empty() || (crowd.holds_told & bit) != 0) continue;
         crowd.holds_told |= bit;
-        warn(crowd, static_cast<Hold>(h), found[h], step);
+        warn(crowd, static_cast<StandingReason>(h), found[h], step);
     }
 }
 

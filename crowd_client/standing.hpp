@@ -16,8 +16,8 @@ namespace wade::crowd {
 inline constexpr double standing_time = 30;     // s
 inline constexpr double standing_share = 0.05;  // of the free way
 
-// What keeps somebody, the first that holds.
-enum class Hold : std::uint8_t {
+// Why an agent stands still; of several reasons the first.
+enum class StandingReason : std::uint8_t {
     footing,   // the water keeps it off its feet, or they slip (response measured)
     markers,   // too few to walk by
     obstacle,  // a box right before it

@@ -9,6 +9,9 @@
 
 namespace wade {
 
+// Tolerance for sums of decimal values such as 6 * 0.05, which differ from the decimal sum by rounding.
+inline constexpr double rounding_tolerance = 1e-9;
+
 // Throws one ConfigurationError with a line, beginning with `source` and the JSON pointer, for each of these that is wrong;
 // for what lies where first, as the others compute with lengths and places:
 //   geometry    intervals, the channel in the world, obstacles and water blocks in the channel and apart from one another

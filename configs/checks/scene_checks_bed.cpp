@@ -10,9 +10,6 @@ namespace wade {
 
 namespace {
 
-// Slack for sums that miss their decimal value by rounding.
-constexpr double rounding = 1e-9;
-
 double bed_height_at(const std::vector<BedPoint>& points, double x) {
     if (x <= points.front().x) return points.front().y;
     for (std::size_t i = 1; i < points.size(); ++i) {
@@ -48,7 +45,7 @@ void check_points(const Scene& scene, const std::string& source) {
         // Particles see each other in the facet below the middle between them, which is right for gentle changes of slope.
         constexpr double steepest = 0.5;
         const double rise = i > 0 ? std::abs(points[i].y - points[i - 1].y) : 0;
-        if (i > 0 && rise > steepest * (points[i].x - points[i - 1].x) + rounding) {
+        if (i > 0 && rise > steepest * (points[i].x - points[i - 1].x) + rounding_tolerance) {
             refuse(source, pointer + "/y_m",
                    short_number(points[i].y) + " m is " + short_number(rise) +
                        " m from that of the point before, steeper than 1 : 2; allowed: " +
@@ -57,7 +54,7 @@ void check_points(const Scene& scene, const std::string& source) {
                        " m. A step is an obstacle.");
         }
         const auto check_room = [&](double height, const std::string& what) {
-            if (points[i].y <= height - d + rounding) return;
+            if (points[i].y <= height - d + rounding_tolerance) return;
             refuse(source, pointer + "/y_m",
                    short_number(points[i].y) + " m leaves less than a particle spacing below " + what + " " +
                        short_number(height) + " m; allowed: <= " + short_number(std::max(0.0, height - d)) + " m.");
@@ -74,7 +71,7 @@ void check_ends(const Scene& scene, const std::string& source) {
     const double reach = support_radius_of(scene.fluid);
     const auto check_level = [&](const Interval& x, double y, const std::string& where) {
         const Interval heights = bed_heights_over(points, x);
-        if (heights.lo >= y - rounding && heights.hi <= y + rounding) return;
+        if (heights.lo >= y - rounding_tolerance && heights.hi <= y + rounding_tolerance) return;
         refuse(source, "/channel/bed_points",
                "the bed lies at " + short_number(heights.lo) + " to " + short_number(heights.hi) + " m within x " +
                    short_number(x.lo) + " to " + short_number(x.hi) + " m, " + where + "; allowed: " + short_number(y) +
@@ -97,12 +94,12 @@ void check_blocks(const Scene& scene, const std::string& source) {
         const std::string pointer = "/channel/water_blocks/" + std::to_string(i);
         const double y_min = blocks[i].y_min;
         const Interval bed = bed_heights_over(scene.channel.bed_points, blocks[i].x);
-        if (y_min > 0 && y_min < bed.hi - rounding) {
+        if (y_min > 0 && y_min < bed.hi - rounding_tolerance) {
             refuse(source, pointer + "/y_min_m",
                    short_number(y_min) + " m reaches into the bed, which rises to " + short_number(bed.hi) +
                        " m below the block; allowed: >= " + short_number(bed.hi) + " m, or 0 to stand on the bed.");
         }
-        if (y_min + blocks[i].depth < bed.lo + d - rounding) {
+        if (y_min + blocks[i].depth < bed.lo + d - rounding_tolerance) {
             refuse(source, pointer + "/depth_m",
                    short_number(blocks[i].depth) + " m, counted from y = " + short_number(y_min) +
                        " m, leaves less than a particle spacing above the bed, which lies at " + short_number(bed.lo) +

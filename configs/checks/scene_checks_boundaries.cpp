@@ -12,9 +12,6 @@ namespace wade {
 
 namespace {
 
-// Slack for sums that miss their decimal value by rounding.
-constexpr double rounding = 1e-9;
-
 std::string item(const std::string& list, std::size_t i) {
     return "/channel/" + list + "/" + std::to_string(i);
 }
@@ -23,7 +20,7 @@ void check_top(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
     if (channel.top == Top::open) return;
     const auto check_below = [&](double surface, const std::string& what) {
-        if (surface <= channel.height + rounding) return;
+        if (surface <= channel.height + rounding_tolerance) return;
         refuse(source, "/channel/height_m",
                short_number(channel.height) + " m is lower than " + what + ", which reaches up to " +
                    short_number(surface) + " m; allowed: >= " + short_number(surface) + " m.");

@@ -64,7 +64,7 @@ void check_apart(const std::vector<Box>& boxes, const std::string& source) {
 
 // Where the water wraps round or comes in, an obstacle must be out of the particles' reach: their neighbours beyond the
 // border do not see it, and the emitter would push its lattice through it.
-void check_reach(const Scene& scene, const std::string& source) {
+void check_obstacles_near_ends(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
     const double reach = support_radius_of(scene.fluid);
     Interval x = channel.x;
@@ -265,7 +265,7 @@ void check_geometry(const Scene& scene, const std::string& source, Problems& pro
         const Interval y{block.y_min, block.y_min + block.depth};
         check({block.x, y, block.z, "/channel/water_blocks/" + std::to_string(i)}, "the block of water");
     }
-    if (problems.none()) problems.attempt([&] { check_reach(scene, source); });
+    if (problems.none()) problems.attempt([&] { check_obstacles_near_ends(scene, source); });
 }
 
 }  // namespace wade

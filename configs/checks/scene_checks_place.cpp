@@ -29,8 +29,6 @@ MapPoint on_map::nearest_on(const MapPoint& a, const MapPoint& b, const MapPoint
 
 namespace {
 
-constexpr double rounding = 1e-9;
-
 std::string at_words(double x, double z) {
     return "x " + short_number(x) + " m, z " + short_number(z) + " m";
 }
@@ -148,7 +146,7 @@ bool is_in_world(const MapPoint& p, const World& world) {
 }
 
 void check_extent(const Scene& scene, const Raster& raster, const std::string& source) {
-    const double slack = rounding * (scene.world.length + scene.world.width) + 1e-6 * raster.cell;
+    const double slack = rounding_tolerance * (scene.world.length + scene.world.width) + 1e-6 * raster.cell;
     const Interval x{raster.x, raster.x + static_cast<double>(raster.columns) * raster.cell};
     const Interval z{raster.z, raster.z + static_cast<double>(raster.rows) * raster.cell};
     if (x.lo <= slack && z.lo <= slack && x.hi >= scene.world.length - slack && z.hi >= scene.world.width - slack)

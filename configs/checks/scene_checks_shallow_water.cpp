@@ -8,7 +8,6 @@ namespace wade {
 
 namespace {
 
-constexpr double rounding = 1e-9;
 constexpr double most_cells = 1e8;  // about 13 GB
 
 std::string name_of_model(const Scene& scene) {
@@ -52,7 +51,7 @@ void check_grid(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
     const double size = scene.fluid.shallow_water.cell_size;
     const std::string pointer = "/fluid/shallow_water/cell_size_m";
-    if (size > channel.x.length() * (1 + rounding)) {
+    if (size > channel.x.length() * (1 + rounding_tolerance)) {
         refuse(source, pointer,
                short_number(size) + " m is larger than the channel's length of " + short_number(channel.x.length()) +
                    " m; allowed: <= " + short_number(channel.x.length()) + " m.");
@@ -65,7 +64,7 @@ void check_grid(const Scene& scene, const std::string& source) {
     }
     const auto check_side = [&](const Interval& side, const Interval& extent, std::size_t i, const char* axis) {
         const double cell = extent.length() / static_cast<double>(cells_along(extent, size));
-        if (side.length() >= cell * (1 - rounding)) return;
+        if (side.length() >= cell * (1 - rounding_tolerance)) return;
         refuse(source, "/obstacles/" + std::to_string(i),
                "the obstacle is " + short_number(side.length()) + " m long in " + axis + ", less than a cell of " +
                    short_number(cell) + " m, so that the model " + name_of_model(scene) +

@@ -10,8 +10,6 @@ namespace wade {
 
 namespace {
 
-constexpr double rounding = 1e-9;
-
 // By how much lists of neighbours reach further than the neighbourhoods, in spacings.
 constexpr double margin = 0.3;
 
@@ -46,12 +44,12 @@ void check_channel(const Scene& scene, const std::string& source) {
     refuse_key(channel.manning_n != 0, "manning_n", "with the friction of /fluid/steering/walls/loss");
 }
 
-void check_reach(const Scene& scene, const std::string& source) {
+void check_neighbourhoods(const Scene& scene, const std::string& source) {
     const Reach reach = reach_of(scene.fluid.steering);
     const double d = scene.fluid.particle_spacing;
     const Channel& channel = scene.channel;
     const double waiting = support_radius_of(scene.fluid) / d;
-    if (channel.flow == Flow::emitter && reach.radius > waiting * (1 + rounding)) {
+    if (channel.flow == Flow::emitter && reach.radius > waiting * (1 + rounding_tolerance)) {
         refuse(source, reach.pointer,
                "neighbourhoods of " + short_number(reach.radius) +
                    " d reach behind the layers that wait in the emitter; allowed: <= " + short_number(waiting) +
@@ -60,7 +58,7 @@ void check_reach(const Scene& scene, const std::string& source) {
     // Nobody may see another twice; sight is exact, so that two radii do.
     const double shortest = 2 * (reach.radius + margin) * d;
     const auto check = [&](bool periodic, double length, const char* pointer) {
-        if (!periodic || length >= shortest * (1 - rounding)) return;
+        if (!periodic || length >= shortest * (1 - rounding_tolerance)) return;
         refuse(
             source, pointer,
             "the period of " + short_number(length) +
@@ -73,7 +71,7 @@ void check_reach(const Scene& scene, const std::string& source) {
     check(channel.top == Top::periodic, channel.height, "/channel/height_m");
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
         const double thickness = std::min(scene.obstacles[i].x.length(), scene.obstacles[i].z.length());
-        if (thickness >= reach.radius * d * (1 - rounding)) continue;
+        if (thickness >= reach.radius * d * (1 - rounding_tolerance)) continue;
         refuse(source, "/obstacles/" + std::to_string(i),
                short_number(thickness) + " m thick: steering particles feel one another through it; allowed: >= " +
                    short_number(reach.radius * d) + " m.");
@@ -83,7 +81,7 @@ void check_reach(const Scene& scene, const std::string& source) {
 void check_classes(const Steering& s, const std::string& source) {
     double sum = 0;
     for (const SteeringClass& c : s.classes) sum += c.share;
-    if (sum > 1 + rounding) {
+    if (sum > 1 + rounding_tolerance) {
         refuse(source, "/fluid/steering/classes",
                "the shares sum up to " + short_number(sum) + "; allowed: <= 1, the rest are usual particles.");
     }
@@ -101,7 +99,7 @@ void check_bodies(const Scene& scene, const std::string& source) {
         }
         const auto check = [&](double at, const Interval& range, const char* key) {
             const double lo = range.lo + r, hi = range.hi - r;
-            if (at >= lo - rounding && at <= hi + rounding) return;
+            if (at >= lo - rounding_tolerance && at <= hi + rounding_tolerance) return;
             refuse(source, pointer + key,
                    short_number(at) + " m: the sphere starts outside the channel; allowed: " + short_number(lo) +
                        " to " + short_number(hi) + " m.");
@@ -125,7 +123,7 @@ void check_bodies(const Scene& scene, const std::string& source) {
 void check_steering(const Scene& scene, const std::string& source) {
     if (scene.fluid.model != ModelKind::steering) return;
     check_channel(scene, source);
-    check_reach(scene, source);
+    check_neighbourhoods(scene, source);
     check_classes(scene.fluid.steering, source);
     check_bodies(scene, source);
 }

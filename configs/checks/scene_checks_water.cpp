@@ -11,9 +11,6 @@ namespace wade {
 
 namespace {
 
-// Slack for sums like 6 * 0.05 that miss their decimal value by rounding.
-constexpr double rounding = 1e-9;
-
 bool carries_water(const Channel& channel) {
     return channel.flow != Flow::closed || !channel.water_blocks.empty();
 }
@@ -78,7 +75,7 @@ void check_flow(const Channel& channel, const std::string& source) {
 void check_spacing(const Scene& scene, const std::string& source) {
     const double d = scene.fluid.particle_spacing;
     const auto check = [&](double size, const std::string& what) {
-        if (d <= size * (1 + rounding)) return;
+        if (d <= size * (1 + rounding_tolerance)) return;
         refuse(source, "/fluid/particle_spacing_m",
                short_number(d) + " m is larger than " + what + " of " + short_number(size) +
                    " m; allowed: <= " + short_number(size) + " m.");
@@ -110,7 +107,7 @@ void check_kernel(const Fluid& fluid, const std::string& source) {
 void check_periodic(const Scene& scene, const std::string& source) {
     const double shortest = 3 * support_radius_of(scene.fluid);
     const auto check = [&](double length, const std::string& pointer, const std::string& what) {
-        if (length >= shortest * (1 - rounding)) return;
+        if (length >= shortest * (1 - rounding_tolerance)) return;
         refuse(source, pointer,
                what + " " + short_number(length) + " m, so that a particle would meet itself across the joint; " +
                    "allowed: >= " + short_number(shortest / scene.fluid.particle_spacing) +
@@ -136,7 +133,7 @@ void check_walls_apart(const Scene& scene, const std::string& source) {
     const std::string narrower =
         scene.fluid.kernel == KernelKind::cubic_spline ? "/fluid/support_in_spacings 2" : "the kernel \"cubic_spline\"";
     const auto check = [&](double gap, const std::string& pointer, const std::string& what) {
-        if (gap >= nearest * (1 - rounding)) return;
+        if (gap >= nearest * (1 - rounding_tolerance)) return;
         refuse(source, pointer,
                what + " " + short_number(gap) + " m apart, nearer than the kernel's support of " +
                    short_number(support_radius_of(scene.fluid)) +

@@ -13,7 +13,7 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double skin = Walls::skin, least = 0.5 * Walls::skin;
+constexpr double skin = Walls::skin, min_gap = 0.5 * Walls::skin;
 
 struct Touch {
     double time = 2;  // in units of the way, [0, 1]; 2: none
@@ -23,7 +23,7 @@ struct Touch {
 // When the way at + t rest first is within a skin of the side, before it.
 Touch touch_of(const HouseSide& side, const Vector2d& at, const Vector2d& rest) {
     const double here = side.distance_before(at), lost = -side.outward.dot(rest), there = here - lost;
-    if (here < 0 || !(lost > 0) || there >= least) return {};
+    if (here < 0 || !(lost > 0) || there >= min_gap) return {};
     const double first = std::max(0.0, (here - skin) / lost), last = std::min(1.0, here / lost);
     const double s_first = side.along.dot(at + first * rest - side.from);
     const double s_last = side.along.dot(at + last * rest - side.from);
@@ -34,14 +34,15 @@ Touch touch_of(const HouseSide& side, const Vector2d& at, const Vector2d& rest) 
     return {first + (last - first) * (bound - s_first) / (s_last - s_first), &side};
 }
 
-Interval between(double a, double b) {
+Interval side_range(double a, double b) {
     return {std::min(a, b) - 2 * skin, std::max(a, b) + 2 * skin};
 }
 
 bool is_clear(const PlacedHouses& houses, const Vector2d& from, const Vector2d& to) {
-    return !any_side_near(houses, between(from.x(), to.x()), between(from.y(), to.y()), [&](const HouseSide& side) {
-        return meets(side, from, to) || (to - side.at(side.nearest(to))).squaredNorm() < 0.8 * least * least;
-    });
+    return !any_side_near(
+        houses, side_range(from.x(), to.x()), side_range(from.y(), to.y()), [&](const HouseSide& side) {
+            return meets(side, from, to) || (to - side.at(side.nearest(to))).squaredNorm() < 0.8 * min_gap * min_gap;
+        });
 }
 
 }  // namespace
@@ -55,7 +56,7 @@ Vector2d slide_along_houses(const Walls& walls, const Vector2d& p, const Vector2
     for (int turn = 0; turn < max_turns && at != target; ++turn) {
         const Vector2d rest = target - at;
         Touch touch;
-        for_each_side_near(walls.houses, between(at.x(), target.x()), between(at.y(), target.y()),
+        for_each_side_near(walls.houses, side_range(at.x(), target.x()), side_range(at.y(), target.y()),
                            [&](const HouseSide& side) {
                                const Touch here = touch_of(side, at, rest);
                                if (here.time < touch.time) touch = here;
@@ -72,7 +73,7 @@ Vector2d slide_along_houses(const Walls& walls, const Vector2d& p, const Vector2
 }
 
 std::optional<Vector2d> place_before_houses(const PlacedHouses& houses, const Vector2d& p) {
-    const Interval x = between(p.x(), p.x()), z = between(p.y(), p.y());
+    const Interval x = side_range(p.x(), p.x()), z = side_range(p.y(), p.y());
     Vector2d place = p;
     bool is_near = false;
     for_each_side_near(houses, x, z, [&](const HouseSide& side) {

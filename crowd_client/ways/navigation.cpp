@@ -93,8 +93,6 @@ void find_views(const Navigation& navigation, WayField& field) {
     }
 }
 
-constexpr double most_nodes = 5e7;  // of all fields
-
 double nodes_of(const Scene& scene, double cell) {
     const double laps = scene.world.period() > 0 ? laps_laid_out : 1;
     return (laps * scene.world.length / cell + 1) * (scene.world.width / cell + 1);
@@ -102,11 +100,11 @@ double nodes_of(const Scene& scene, double cell) {
 
 void check_size(const Scene& scene, std::size_t goals) {
     const double cell = scene.crowd.navigation.cell, all = nodes_of(scene, cell) * static_cast<double>(goals);
-    if (all <= most_nodes) return;
+    if (all <= max_field_nodes) return;
     std::ostringstream message;
     message << "/crowd/navigation/cell_m is " << cell << ", which makes " << all << " cells for " << goals
-            << " goals; allowed is up to " << most_nodes << " in all, about " << cell * std::sqrt(all / most_nodes)
-            << " m and more here";
+            << " goals; allowed is up to " << max_field_nodes << " in all, about "
+            << cell * std::sqrt(all / max_field_nodes) << " m and more here";
     throw ConfigurationError(message.str());
 }
 
@@ -135,7 +133,7 @@ double cell_for_gaps(const Navigation& navigation, const Scene& scene) {
     const double largest = scene.crowd.navigation.cell;
     const double cell = std::min(largest, std::max(smallest, narrowest_gap(navigation.sight, largest)));
     const auto goals = static_cast<double>(navigation.fields.size());
-    return nodes_of(scene, cell) * goals <= most_nodes ? cell : largest;
+    return nodes_of(scene, cell) * goals <= max_field_nodes ? cell : largest;
 }
 
 void place_boxes_of_way(Navigation& navigation, const Scene& scene) {
@@ -230,10 +228,10 @@ void solve_where_needed(Navigation& navigation, const Scene& scene, std::span<co
     }
     if (needed.empty()) return;
     if (navigation.grid.closed.empty()) {
-        if (nodes_of(scene, scene.crowd.navigation.cell) > most_nodes) return;
+        if (nodes_of(scene, scene.crowd.navigation.cell) > max_field_nodes) return;
         lay_out_grid(navigation, scene, cell_for_gaps(navigation, scene));
     }
-    const auto room = static_cast<std::size_t>(most_nodes) / navigation.grid.closed.size();
+    const auto room = static_cast<std::size_t>(max_field_nodes) / navigation.grid.closed.size();
     needed.resize(std::min(needed.size(), room - std::min(room, navigation.solved)));
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (std::size_t i = 0; i < needed.size(); ++i) {

@@ -48,7 +48,7 @@ Hit entry(const Obstacle& box, const Vector2d& p, const Vector2d& d) {
 }
 
 // Between two coordinates, and a skin more on either side for what is rounded.
-Interval between(double a, double b) {
+Interval box_range(double a, double b) {
     return {std::min(a, b) - Walls::skin, std::max(a, b) + Walls::skin};
 }
 
@@ -94,7 +94,7 @@ std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p) {
     std::optional<Vector2d> best;
     double best_distance = 3 * Walls::skin;
     const double reach = best_distance;
-    const Interval near_x = between(p.x() - reach, p.x() + reach), near_z = between(p.y() - reach, p.y() + reach);
+    const Interval near_x = box_range(p.x() - reach, p.x() + reach), near_z = box_range(p.y() - reach, p.y() + reach);
     for_each_near(walls.boxes, near_x, near_z, [&](const Obstacle& box) {
         for (const double x : {p.x(), box.x.lo, box.x.hi}) {
             for (const double z : {p.y(), box.z.lo, box.z.hi}) {
@@ -126,7 +126,7 @@ Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displaceme
     Vector2d target = p + displacement;
     target.x() = std::clamp(target.x(), ends.lo, ends.hi);
     target.y() = std::clamp(target.y(), 0.0, walls.world.width);
-    const Interval x = between(p.x(), target.x()), z = between(p.y(), target.y());
+    const Interval x = box_range(p.x(), target.x()), z = box_range(p.y(), target.y());
     if (!any_near(walls.boxes, x, z, [](const Obstacle&) { return true; })) return target;
 
     // Each face met takes one component away, so two faces end a step; further turns serve boxes that are met while

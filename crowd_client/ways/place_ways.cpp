@@ -12,9 +12,7 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double look_ahead = 1;    // m, for water that one does not enter
-constexpr double most_nodes = 5e7;  // of all fields
-
+constexpr double look_ahead = 1;  // m, for water that one does not enter
 double reach_of_shelters(const Navigation& navigation) {
     const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
     return std::max(shelter_reach, navigation.sight.clearance + 1.5 * widest);
@@ -164,11 +162,11 @@ void check_size(const Navigation& navigation, const Scene& scene) {
     const auto unwarned =
         std::count_if(groups.begin(), groups.end(), [](const GroupWays& g) { return g.has_unwarned; });
     const double all = nodes * static_cast<double>(groups.size() + static_cast<std::size_t>(unwarned));
-    if (all <= most_nodes) return;
+    if (all <= max_field_nodes) return;
     std::ostringstream message;
     message << "/crowd/navigation/cell_m is " << cell << ", which makes " << all << " cells of ways for "
-            << scene.crowd.groups.size() << " groups; allowed is up to " << most_nodes << " in all, about "
-            << cell * std::sqrt(all / most_nodes) << " m and more here, or fewer groups";
+            << scene.crowd.groups.size() << " groups; allowed is up to " << max_field_nodes << " in all, about "
+            << cell * std::sqrt(all / max_field_nodes) << " m and more here, or fewer groups";
     throw ConfigurationError(message.str());
 }
 

@@ -14,6 +14,9 @@
 
 namespace wade::crowd {
 
+// Largest number of nodes of all fields together.
+inline constexpr double max_field_nodes = 5e7;
+
 // The way to one goal.
 struct WayField {
     Vector2d goal = Vector2d::Zero();  // in a periodic world its image with x in [0, period), m

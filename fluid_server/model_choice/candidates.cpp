@@ -15,8 +15,7 @@ namespace wade::fluid::model_choice {
 
 namespace {
 
-constexpr double rounding = 1e-9;
-constexpr const char* source = "the choice of the model";
+constexpr const char* choice_source = "the choice of the model";
 
 using Rows = std::array<const TableRow*, water_kinds>;  // by kind; null where the table has none
 
@@ -30,7 +29,7 @@ const TableRow* row_for(const std::vector<TableRow>& table, WaterKind kind, cons
     const TableRow* best = nullptr;
     for (const TableRow& row : table) {
         if (row.kind != kind || !same_but_spacing(row.settings, settings)) continue;
-        if (row.settings.spacing < spacing * (1 - rounding)) continue;
+        if (row.settings.spacing < spacing * (1 - rounding_tolerance)) continue;
         if (best == nullptr || row.settings.spacing < best->settings.spacing) best = &row;
     }
     return best;
@@ -50,7 +49,7 @@ double readable(double value) {
 std::vector<SceneOverride> overrides_of(const Candidate& candidate, const Scene& written) {
     std::vector<SceneOverride> list;
     const auto set = [&](const std::string& pointer, const std::string& value) {
-        list.push_back({pointer, value, source + (": " + pointer + "=" + value)});
+        list.push_back({pointer, value, choice_source + (": " + pointer + "=" + value)});
     };
     const Settings& s = candidate.settings;
     set("/fluid/model", s.model);
@@ -77,7 +76,8 @@ std::vector<SceneOverride> overrides_of(const Candidate& candidate, const Scene&
 std::uint64_t room_for(const Scene& written, double spacing, std::uint64_t needed) {
     if (written.channel.flow != Flow::emitter) return needed;
     const double finer = std::pow(written.fluid.particle_spacing / spacing, 3);
-    const auto stock = static_cast<std::uint64_t>(std::floor(written.fluid.max_particles * finer * (1 + rounding)));
+    const auto stock =
+        static_cast<std::uint64_t>(std::floor(written.fluid.max_particles * finer * (1 + rounding_tolerance)));
     return std::min(stock, 2 * needed);
 }
 
@@ -90,7 +90,7 @@ void complete(Candidate& c, const LoadedScene& written) {
     c.cost = c.particle_steps(scene.duration) * c.step_cost;
     c.overrides = overrides_of(c, written.scene);
     const std::string room = std::to_string(room_for(written.scene, c.spacing, c.particles));
-    c.overrides.push_back({"/fluid/max_particles", room, source + (": /fluid/max_particles=" + room)});
+    c.overrides.push_back({"/fluid/max_particles", room, choice_source + (": /fluid/max_particles=" + room)});
     // Its front is to move as the crowd, which is not told of the choice, expects.
     if (c.settings.model == "kinematic" && scene.fluid.kinematic.transport_factor != 1) {
         c.refused = "/fluid/kinematic/transport_factor is not 1";
@@ -169,7 +169,7 @@ std::vector<Candidate> front_of(const std::vector<Candidate>& candidates) {
 
 std::optional<std::size_t> choose(const std::vector<Candidate>& front, double demand) {
     for (std::size_t k = 0; k < front.size(); ++k) {
-        if (front[k].median <= demand * (1 + rounding)) return k;
+        if (front[k].median <= demand * (1 + rounding_tolerance)) return k;
     }
     return std::nullopt;
 }

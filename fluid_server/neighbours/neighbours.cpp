@@ -11,8 +11,8 @@ namespace wade::fluid {
 
 namespace {
 
-// Room of a thread for the search.
-struct Room {
+// Buffers of a thread for the search in a channel.
+struct SearchBuffers {
     BoxNumbers obstacles;
     std::vector<Box> boxes;  // of them
     NearParticlesOfCluster near;
@@ -23,9 +23,9 @@ struct Room {
     std::vector<std::uint32_t> candidates;
     std::vector<std::uint16_t> shares;  // of a block
 };
-Room& room_of_thread() {
-    thread_local Room room;
-    return room;
+SearchBuffers& search_buffers() {
+    thread_local SearchBuffers buffers;
+    return buffers;
 }
 
 // Finds the lists of one block.
@@ -51,7 +51,7 @@ class BlockSearch {
         if (shares_ > 0) {
             // What is loaded may reach beyond the last.
             make_room(block_.factor, shares_ + largest_cluster);
-            std::copy_n(room_.shares.data(), shares_, block_.factor.data());
+            std::copy_n(buffers_.shares.data(), shares_, block_.factor.data());
         }
     }
 
@@ -59,22 +59,22 @@ class BlockSearch {
     void add_cluster(std::size_t begin, std::size_t end) {
         const ClusterPlaces places = places_of(p_, begin, end, size_);
         const Box box = box_round(places);
-        solids_.find_obstacles(box, room_.obstacles);
-        room_.boxes.clear();
-        if (solids_.obstacle_near(box, room_.obstacles)) {
-            for (const std::uint32_t o : room_.obstacles) room_.boxes.push_back(solids_.obstacles()[o]);
+        solids_.find_obstacles(box, buffers_.obstacles);
+        buffers_.boxes.clear();
+        if (solids_.obstacle_near(box, buffers_.obstacles)) {
+            for (const std::uint32_t o : buffers_.obstacles) buffers_.boxes.push_back(solids_.obstacles()[o]);
         }
-        const Watchers watchers{places, box, room_.boxes, solids_.sight_delta()};
-        if (!room_.boxes.empty()) look_round(box);
+        const Watchers watchers{places, box, buffers_.boxes, solids_.sight_delta()};
+        if (!buffers_.boxes.empty()) look_round(box);
         const Mirror none;
         add_segments(watchers, {places, none}, box);
-        solids_.mirrors_near(box, room_.obstacles, room_.mirrors);
-        for (const Mirror& mirror : room_.mirrors) {
+        solids_.mirrors_near(box, buffers_.obstacles, buffers_.mirrors);
+        for (const Mirror& mirror : buffers_.mirrors) {
             const Box* const obstacle = solids_.obstacle_of(mirror);
             const BedFacet* const facet = solids_.facet_of(mirror);
             if (obstacle != nullptr && facet == nullptr) {
                 note_before(watchers, mirror, *obstacle);
-                if (!at_border_ && room_.before.size == 0) continue;
+                if (!at_border_ && buffers_.before.size == 0) continue;
             }
             const ClusterPlaces image = mapped(places, mirror.map());
             if (obstacle != nullptr && facet == nullptr && !at_border_) {
@@ -90,8 +90,8 @@ class BlockSearch {
 
     // Notes what is near the cluster: a little farther than the support radius, which is more than what rounding moves.
     void look_round(const Box& box) {
-        room_.near.assign(find_by_grid(box, (1 + for_rounding) * h_), p_);
-        room_.before_mirror = {};
+        buffers_.near.assign(find_by_grid(box, (1 + for_rounding) * h_), p_);
+        buffers_.before_mirror = {};
         // Along an axis images in a face are twice as far away as the face, and what is seen there h farther.
         const Box far = grown(box, 3.125F * h_);
         int periods = 0;
@@ -101,14 +101,14 @@ class BlockSearch {
 
     // Notes who may see whom in a face, unless that has been done for another view.
     void note_before(const Watchers& watchers, const Mirror& mirror, const Box& obstacle) {
-        const Mirror& last = room_.before_mirror;
+        const Mirror& last = buffers_.before_mirror;
         bool same = mirror.obstacle == last.obstacle && mirror.obstacle_axis == last.obstacle_axis;
         for (const std::size_t k : {std::size_t{0}, mirror.obstacle_axis, std::size_t{2}}) {
             same = same && mirror.axis[k] == last.axis[k] && mirror.plane[k] == last.plane[k];
         }
         if (same) return;
-        note_before_face(watchers, mirror, obstacle, h_, room_.near, room_.before);
-        room_.before_mirror = mirror;
+        note_before_face(watchers, mirror, obstacle, h_, buffers_.near, buffers_.before);
+        buffers_.before_mirror = mirror;
     }
 
     // The segments of what is seen in a mirror, or without one: one, and one for each periodic border across which some of it
@@ -173,30 +173,30 @@ class BlockSearch {
 
     std::span<const std::uint32_t> find_by_grid(const Box& box, float reach) {
         const Box near = grown(box, reach);
-        room_.runs.clear();
+        buffers_.runs.clear();
         std::size_t most = largest_cluster;
         grid_.for_each_run(near.lo, near.hi, [&](std::uint32_t begin, std::uint32_t end) {
-            room_.runs.push_back({begin, end});
+            buffers_.runs.push_back({begin, end});
             most += end - begin;
         });
-        make_room(room_.candidates, most);
-        std::uint32_t* const to = room_.candidates.data();
-        return {to, find_near_box(box, reach, p_, room_.runs, to)};
+        make_room(buffers_.candidates, most);
+        std::uint32_t* const to = buffers_.candidates.data();
+        return {to, find_near_box(box, reach, p_, buffers_.runs, to)};
     }
 
     // Of the particles near the cluster those that it sees past obstacles, or in the face of one. All who see one another so lie on the
     // same side of each mirror, and so no farther apart than place and image. (Not so over a facet, where one of them may be a little
     // below it.)
     void append_of_near(const Watchers& watchers, const Sight& sight, const Box& box) {
-        make_room(block_.j, entries_ + room_.near.size + 1);
-        std::visit([&](auto& masks) { make_room(masks, entries_ + room_.near.size + 1); }, block_.lanes);
-        make_room(room_.shares, shares_ + (room_.near.size + 1) * size_);
-        std::uint16_t* to = room_.shares.data() + shares_;
+        make_room(block_.j, entries_ + buffers_.near.size + 1);
+        std::visit([&](auto& masks) { make_room(masks, entries_ + buffers_.near.size + 1); }, block_.lanes);
+        make_room(buffers_.shares, shares_ + (buffers_.near.size + 1) * size_);
+        std::uint16_t* to = buffers_.shares.data() + shares_;
         entries_ = sight.obstacle == nullptr
-                       ? append_seen_past(watchers, sight, box, h_, room_.near, entries_, block_, to)
-                       : append_seen_in_face(watchers, sight.mirror, *sight.obstacle, h_, room_.near, room_.before,
-                                             entries_, block_, to);
-        shares_ = static_cast<std::size_t>(to - room_.shares.data());
+                       ? append_seen_past(watchers, sight, box, h_, buffers_.near, entries_, block_, to)
+                       : append_seen_in_face(watchers, sight.mirror, *sight.obstacle, h_, buffers_.near,
+                                             buffers_.before, entries_, block_, to);
+        shares_ = static_cast<std::size_t>(to - buffers_.shares.data());
     }
 
     void keep_seen(const Watchers& watchers, const Sight& sight, std::size_t first) {
@@ -205,10 +205,10 @@ class BlockSearch {
             entries_ = keep_seen_over_facet(watchers, sight, h_, p_, first, entries_, block_);
             return;
         }
-        make_room(room_.shares, shares_ + (entries_ - first) * size_);
-        std::uint16_t* to = room_.shares.data() + shares_;
+        make_room(buffers_.shares, shares_ + (entries_ - first) * size_);
+        std::uint16_t* to = buffers_.shares.data() + shares_;
         entries_ = keep_seen_in_part(watchers, sight, h_, p_, first, entries_, block_, to);
-        shares_ = static_cast<std::size_t>(to - room_.shares.data());
+        shares_ = static_cast<std::size_t>(to - buffers_.shares.data());
     }
 
     const CellGrid& grid_;
@@ -217,7 +217,7 @@ class BlockSearch {
     float h_;
     std::size_t size_;  // of a cluster
     NeighbourBlock& block_;
-    Room& room_ = room_of_thread();
+    SearchBuffers& buffers_ = search_buffers();
     bool at_border_ = false;  // something may be seen across a periodic border
     std::size_t entries_ = 0;
     std::size_t shares_ = 0;  // of what is seen in part

@@ -34,7 +34,8 @@ struct PathOrder {
     std::size_t like = 0;
 };
 
-struct Room {
+// Buffers of a thread for the search among walls.
+struct WallSearchBuffers {
     NearParticlesOfCluster near;
     std::vector<Run> runs;
     std::vector<std::uint32_t> candidates, wall_numbers;
@@ -48,9 +49,9 @@ struct Room {
     std::vector<PathOrder> orders;
     std::vector<std::uint16_t> shares;  // of a block
 };
-Room& room_of_thread() {
-    thread_local Room room;
-    return room;
+WallSearchBuffers& wall_search_buffers() {
+    thread_local WallSearchBuffers buffers;
+    return buffers;
 }
 
 class PlaceSearch {
@@ -74,7 +75,7 @@ class PlaceSearch {
         if (block_.views.empty()) block_.views.emplace_back();
         if (shares_ > 0) {
             make_room(block_.factor, shares_ + largest_cluster);  // what is loaded may reach beyond the last
-            std::copy_n(room_.shares.data(), shares_, block_.factor.data());
+            std::copy_n(buffers_.shares.data(), shares_, block_.factor.data());
         }
     }
 
@@ -88,44 +89,44 @@ class PlaceSearch {
         static const WallPath no_walls;
         add_paths(std::array{PathOrder{&no_walls}}, 0, is_free());
         find_paths_of_walls();
-        for (std::size_t n = 0; n < room_.paths.size(); ++n) {
-            if (!room_.done[n]) add_paths_like(n);
+        for (std::size_t n = 0; n < buffers_.paths.size(); ++n) {
+            if (!buffers_.done[n]) add_paths_like(n);
         }
     }
 
     void note_near_particles(const Box& box) {
         const float reach = (1 + for_rounding) * h_;
         const Box round = grown(box, reach);
-        room_.runs.clear();
+        buffers_.runs.clear();
         std::size_t most = largest_cluster;
         grid_.for_each_run(round.lo, round.hi, [&](std::uint32_t first, std::uint32_t last) {
-            room_.runs.push_back({first, last});
+            buffers_.runs.push_back({first, last});
             most += last - first;
         });
-        make_room(room_.candidates, 2 * most);
-        std::uint32_t* const found = room_.candidates.data();
-        const std::size_t count = find_near_box(box, reach, p_, room_.runs, found);
+        make_room(buffers_.candidates, 2 * most);
+        std::uint32_t* const found = buffers_.candidates.data();
+        const std::size_t count = find_near_box(box, reach, p_, buffers_.runs, found);
         std::uint32_t* const nearer = found + most;
         const std::size_t kept = find_near_places(places_, reach, p_, {found, count}, nearer);
-        room_.near.assign({nearer, kept}, p_);
-        room_.all.clear();
+        buffers_.near.assign({nearer, kept}, p_);
+        buffers_.all.clear();
         const auto all_lanes = static_cast<std::uint16_t>((1U << size_) - 1);
-        for (std::uint32_t k = 0; k < kept; ++k) room_.all.push_back({k, all_lanes});
+        for (std::uint32_t k = 0; k < kept; ++k) buffers_.all.push_back({k, all_lanes});
     }
 
     // Walls near the cluster; and those that may stand in the way: a particle near, or another wall, is behind them.
     void note_near_walls(const Box& box) {
-        solids_.find_walls(box, room_.wall_numbers);
-        room_.walls.clear();
-        Obstruction& obstruction = room_.obstruction;
+        solids_.find_walls(box, buffers_.wall_numbers);
+        buffers_.walls.clear();
+        Obstruction& obstruction = buffers_.obstruction;
         obstruction.numbers.clear(), obstruction.walls.clear(), obstruction.edges.clear();
-        const NearParticlesOfCluster& near = room_.near;
+        const NearParticlesOfCluster& near = buffers_.near;
         const float delta = solids_.sight_delta();
         const Box reach = grown(box, (1 + for_rounding) * h_ + delta);
         const auto is_near = [&](const PlanPoint& p) {
             return p.x >= reach.lo[0] && p.x <= reach.hi[0] && p.z >= reach.lo[2] && p.z <= reach.hi[2];
         };
-        for (const std::uint32_t number : room_.wall_numbers) {
+        for (const std::uint32_t number : buffers_.wall_numbers) {
             const Wall& wall = solids_.walls()[number];
             Span span;
             for (std::size_t k = 0; k < near.size; ++k) {
@@ -134,11 +135,13 @@ class PlaceSearch {
                 span.nearest = std::min(span.nearest, wall.distance(near.x[k], near.z[k]));
             }
             const float first = wall.edge_before ? delta : 0, last = wall.length - (wall.edge_after ? delta : 0);
-            room_.walls.push_back({number, wall, span, span.nearest >= 0 && span.first >= first && span.last <= last});
+            buffers_.walls.push_back(
+                {number, wall, span, span.nearest >= 0 && span.first >= first && span.last <= last});
             const auto is_behind = [&](std::uint32_t other) { return reaches_behind(solids_.walls()[other], wall); };
             const bool edge_near = (wall.edge_before && is_near(wall.a)) || (wall.edge_after && is_near(wall.end()));
-            const bool stands_between = span.nearest < 0 || edge_near ||
-                                        std::any_of(room_.wall_numbers.begin(), room_.wall_numbers.end(), is_behind);
+            const bool stands_between =
+                span.nearest < 0 || edge_near ||
+                std::any_of(buffers_.wall_numbers.begin(), buffers_.wall_numbers.end(), is_behind);
             if (!stands_between || obstruction.walls.size() == Obstruction::most) continue;
             obstruction.numbers.push_back(number);
             obstruction.walls.push_back(wall);
@@ -156,7 +159,7 @@ class PlaceSearch {
 
     void add_edge(const PlanPoint& at, std::size_t wall) {
         constexpr float same_place = 1e-4F;  // m
-        std::vector<Obstruction::Edge>& edges = room_.obstruction.edges;
+        std::vector<Obstruction::Edge>& edges = buffers_.obstruction.edges;
         auto edge = std::find_if(edges.begin(), edges.end(), [&](const Obstruction::Edge& e) {
             return std::hypot(e.at.x - at.x, e.at.z - at.z) < same_place;
         });
@@ -167,12 +170,12 @@ class PlaceSearch {
         edge->walls |= std::uint64_t{1} << wall;
     }
 
-    [[nodiscard]] bool is_free() const { return room_.obstruction.walls.empty(); }
+    [[nodiscard]] bool is_free() const { return buffers_.obstruction.walls.empty(); }
 
     // All sequences of walls by which some image may be near.
     void find_paths_of_walls() {
-        room_.paths.clear();
-        const std::vector<NearWall>& walls = room_.walls;
+        buffers_.paths.clear();
+        const std::vector<NearWall>& walls = buffers_.walls;
         for (std::size_t a = 0; a < walls.size(); ++a) {
             WallPath path;
             if (!go_on(path, walls[a], 0)) continue;
@@ -188,7 +191,7 @@ class PlaceSearch {
                 }
             }
         }
-        room_.done.assign(room_.paths.size(), false);
+        buffers_.done.assign(buffers_.paths.size(), false);
     }
 
     // Whether a path may go on to a wall; notes it with that wall if an image may be near. way: at least that long between walls.
@@ -205,17 +208,17 @@ class PlaceSearch {
         }
         path.number[path.length] = to.number;
         path.wall[path.length] = to.wall;
-        path.beside[path.length] = room_.obstruction.beside(to.number, to.wall);
+        path.beside[path.length] = buffers_.obstruction.beside(to.number, to.wall);
         ++path.length;
         path.map = {};
         for (std::size_t m = path.length; m > 0; --m) path.map = reflected_first(path.map, path.wall[m - 1]);
-        if (comes_near(path.map)) room_.paths.push_back(path);
+        if (comes_near(path.map)) buffers_.paths.push_back(path);
         return true;
     }
 
     [[nodiscard]] bool comes_near(const TurnedMap& map) const {
         const Box image = grown(box_round(mapped(places_, map)), (1 + for_rounding) * h_);
-        const NearParticlesOfCluster& near = room_.near;
+        const NearParticlesOfCluster& near = buffers_.near;
         for (std::size_t k = 0; k < near.size; ++k) {
             if (contains(image, {near.x[k], near.y[k], near.z[k]})) return true;
         }
@@ -232,23 +235,23 @@ class PlaceSearch {
     // Paths that meet the walls of one of them, with the same image; and those of this image past other walls, such as those of a house
     // that goes on in line: what is seen is the most by any of them.
     void add_paths_like(std::size_t first) {
-        std::vector<PathOrder>& orders = room_.orders;
+        std::vector<PathOrder>& orders = buffers_.orders;
         orders.clear();
         const std::size_t most_orders = SightKey::most_orders(solids_.ground().planes.size());
-        const PlanPoint& start = room_.paths[first].wall[0].a;
+        const PlanPoint& start = buffers_.paths[first].wall[0].a;
         const Vec3 at{start.x, 0, start.z};
         bool is_whole = is_free();
         std::size_t of_these = 0, like = 0;
-        for (std::size_t n = 0; n < room_.paths.size(); ++n) {
-            const WallPath& path = room_.paths[n];
-            if (!is_same(path.map, room_.paths[first].map, at, h_) || orders.size() == most_orders) continue;
+        for (std::size_t n = 0; n < buffers_.paths.size(); ++n) {
+            const WallPath& path = buffers_.paths[n];
+            if (!is_same(path.map, buffers_.paths[first].map, at, h_) || orders.size() == most_orders) continue;
             const auto same = std::find_if(orders.begin(), orders.end(), [&](const PathOrder& other) {
                 return meet_the_same_walls(path, *other.path);
             });
             orders.push_back({&path, static_cast<std::size_t>(same - orders.begin())});
             is_whole = is_whole && walls_are_whole(path);
-            if (!meet_the_same_walls(path, room_.paths[first])) continue;
-            room_.done[n] = true;
+            if (!meet_the_same_walls(path, buffers_.paths[first])) continue;
+            buffers_.done[n] = true;
             like = orders.back().like, ++of_these;
         }
         if (of_these == 0) return;  // one order too many, over ground of millions of planes
@@ -263,7 +266,7 @@ class PlaceSearch {
 
     [[nodiscard]] bool walls_are_whole(const WallPath& path) const {
         for (std::size_t m = 0; m < path.length; ++m) {
-            const auto at = std::find_if(room_.walls.begin(), room_.walls.end(),
+            const auto at = std::find_if(buffers_.walls.begin(), buffers_.walls.end(),
                                          [&](const NearWall& wall) { return wall.number == path.number[m]; });
             if (!at->is_whole) return false;
         }
@@ -279,19 +282,19 @@ class PlaceSearch {
         const GroundPlane& plane = ground.planes[0];
         const bool is_level = ground.is_one_plane() && plane.n[1] == 1;
         const bool by_ground = is_near_ground_ && (!ground.is_one_plane() || (!is_level && path.length > 0));
-        PathsFound& found = room_.found;
+        PathsFound& found = buffers_.found;
         if (!is_whole || by_ground) {
-            found.make_room(room_.near.size, size_);
+            found.make_room(buffers_.near.size, size_);
             for (std::size_t n = 0; n < orders.size(); ++n) {
                 PathQuestion question{*orders[n].path};
-                question.obstruction = is_whole ? nullptr : &room_.obstruction;
+                question.obstruction = is_whole ? nullptr : &buffers_.obstruction;
                 question.order = static_cast<std::int32_t>(n);
                 question.orders = static_cast<std::int32_t>(orders.size());
                 question.like = static_cast<std::int32_t>(orders[n].like);
                 question.has_keys = by_ground || by_others;
                 question.ground = by_ground ? &ground : nullptr;
                 question.support_radius = h_, question.delta = solids_.sight_delta();
-                find_paths(places_, room_.near, question, found);
+                find_paths(places_, buffers_.near, question, found);
             }
             if (by_others) forget_what_is_seen_by_others(orders, like);
         }
@@ -301,12 +304,12 @@ class PlaceSearch {
             add_segment({with_ground(path, 0, plane), true, path.house()}, nullptr, is_whole, list_of_seen(is_whole));
             return;
         }
-        const std::size_t keys = sort_by_key(found, room_.near.size, room_.by_key);
+        const std::size_t keys = sort_by_key(found, buffers_.near.size, buffers_.by_key);
         // In an order that does not depend on the size of clusters.
-        std::sort(room_.by_key.begin(), room_.by_key.begin() + static_cast<std::ptrdiff_t>(keys),
+        std::sort(buffers_.by_key.begin(), buffers_.by_key.begin() + static_cast<std::ptrdiff_t>(keys),
                   [](const SeenByKey& one, const SeenByKey& other) { return one.key.value < other.key.value; });
         for (std::size_t n = 0; n < keys; ++n) {
-            const SeenByKey& list = room_.by_key[n];
+            const SeenByKey& list = buffers_.by_key[n];
             const GroundPlane& under = ground.planes[list.key.plane(orders.size())];
             const WallPath& order = *orders[list.key.order(orders.size())].path;
             add_segment({with_ground(order, list.key.walls_before(), under), true, path.house()},
@@ -315,8 +318,8 @@ class PlaceSearch {
     }
 
     void forget_what_is_seen_by_others(std::span<const PathOrder> orders, std::size_t like) {
-        PathsFound& found = room_.found;
-        for (std::size_t k = 0; k < room_.near.size * size_; ++k) {
+        PathsFound& found = buffers_.found;
+        for (std::size_t k = 0; k < buffers_.near.size * size_; ++k) {
             const SightKey key{found.key[k]};
             const auto lane = static_cast<std::uint16_t>(1U << k % size_);
             const bool is_seen = (found.seen[k / size_] & lane) != 0;  // else it has no key
@@ -326,11 +329,11 @@ class PlaceSearch {
 
     // Of what has been found, or of all that is near.
     std::span<const SeenNear> list_of_seen(bool is_whole) {
-        if (is_whole) return room_.all;
-        std::vector<SeenNear>& seen = room_.some;
+        if (is_whole) return buffers_.all;
+        std::vector<SeenNear>& seen = buffers_.some;
         seen.clear();
-        for (std::uint32_t k = 0; k < room_.near.size; ++k) {
-            if (room_.found.seen[k] != 0) seen.push_back({k, room_.found.seen[k]});
+        for (std::uint32_t k = 0; k < buffers_.near.size; ++k) {
+            if (buffers_.found.seen[k] != 0) seen.push_back({k, buffers_.found.seen[k]});
         }
         return seen;
     }
@@ -341,15 +344,15 @@ class PlaceSearch {
         make_room_for(seen.size());
         NeighbourBlock::View view;
         view.by_sight = !is_whole;
-        view.in_part = !is_whole && room_.found.in_part;
+        view.in_part = !is_whole && buffers_.found.in_part;
         std::uint16_t* to = nullptr;
         if (view.in_part) {
-            make_room(room_.shares, shares_ + seen.size() * size_ + largest_cluster);
-            to = room_.shares.data() + shares_;
+            make_room(buffers_.shares, shares_ + seen.size() * size_ + largest_cluster);
+            to = buffers_.shares.data() + shares_;
         }
-        entries_ = append_seen(places_, mapped(places_, turned.map), h_, plane, room_.near, seen, room_.found, entries_,
-                               block_, to == nullptr ? nullptr : &to);
-        if (to != nullptr) shares_ = static_cast<std::size_t>(to - room_.shares.data());
+        entries_ = append_seen(places_, mapped(places_, turned.map), h_, plane, buffers_.near, seen, buffers_.found,
+                               entries_, block_, to == nullptr ? nullptr : &to);
+        if (to != nullptr) shares_ = static_cast<std::size_t>(to - buffers_.shares.data());
         if (entries_ > first) add(block_.segments, {static_cast<std::uint32_t>(entries_), number_of(view, turned)});
     }
 
@@ -374,7 +377,7 @@ class PlaceSearch {
     NeighbourBlock& block_;
     ClusterPlaces places_;
     bool is_near_ground_ = true;
-    Room& room_ = room_of_thread();
+    WallSearchBuffers& buffers_ = wall_search_buffers();
     std::size_t entries_ = 0;
     std::size_t shares_ = 0;  // of what is seen in part
 };
