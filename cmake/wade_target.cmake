@@ -106,7 +106,7 @@ function(wade_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 endfunction()
 
-# wade_unity_by_folder(DIRECTORY): where CMAKE_UNITY_BUILD is on, the sources of each folder of a target compile as one unity
+# wade_unity_by_folder(DIRECTORY): where CMAKE_UNITY_BUILD is on, up to 12 sources of a folder of a target compile as one unity
 # source, in half of the time. Names at namespace scope must differ between the sources of a folder, those of anonymous
 # namespaces too. Applies to all targets of the directory and below except those with UNITY_BUILD_BATCH_SIZE 0.
 function(wade_unity_by_folder directory)
@@ -126,8 +126,10 @@ function(wade_unity_by_folder directory)
       cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${directory} NORMALIZE)
       cmake_path(GET source PARENT_PATH folder)
       cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
-      string(MAKE_C_IDENTIFIER "of_${folder}" group)
-      set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${group})
+      string(MAKE_C_IDENTIFIER "${folder}" group)
+      math(EXPR of_${target}_${group} "0${of_${target}_${group}} + 1")
+      math(EXPR part "(${of_${target}_${group}} - 1) / 12")
+      set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${group}_${part})
     endforeach()
     list(LENGTH sources count)
     if(count GREATER 1)

@@ -6,7 +6,10 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/near_places.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/markers/placed_boxes.hpp"
 #include "crowd_client/markers/placed_houses.hpp"
@@ -54,14 +57,14 @@ bool in_an_obstacle(const Solids& solids, const Vector2d& p) {
 
 // The place on the grid with the deviation of a trial.
 Vector2d deviated(const Scene& scene, std::size_t id, const Vector2d& place, double jitter, std::uint64_t trial) {
-    const double period = scene.world.period();
+    const double period = scene.world->period();
     const double u = random_of(scene, id, draw_start + 2 * trial);
     const double w = random_of(scene, id, draw_start + 2 * trial + 1);
     Vector2d start = place + jitter * Vector2d(2 * u - 1, 2 * w - 1);
     start.x() =
-        period > 0 ? start.x() - period * std::floor(start.x() / period) : folded_into(start.x(), scene.world.length);
+        period > 0 ? start.x() - period * std::floor(start.x() / period) : folded_into(start.x(), scene.world->length);
     if (period > 0 && start.x() >= period) start.x() = 0;
-    start.y() = folded_into(start.y(), scene.world.width);
+    start.y() = folded_into(start.y(), scene.world->width);
     return start;
 }
 
@@ -83,7 +86,7 @@ Vector2d jittered(const Scene& scene, std::size_t id, const AgentGroup& group, s
 
 // Starts on the grid come first, as those that are drawn keep away from them.
 void draw_starts(const Scene& scene, Agents& agents) {
-    const auto group_of = [&](std::size_t id) -> const AgentGroup& { return scene.crowd.groups[agents.group[id]]; };
+    const auto group_of = [&](std::size_t id) -> const AgentGroup& { return scene.crowd->groups[agents.group[id]]; };
     const auto is_drawn = [&](std::size_t id) { return group_of(id).start_jitter > 0; };
     const Solids solids{place_boxes(scene.obstacles), houses_of(scene)};
     NearPlaces taken;
@@ -140,7 +143,7 @@ Vector2d nearest_shelter(const Scene& scene, const Vector2d& place) {
 // line: tau in time of the group.
 void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d& place, const PersonRow& person,
                const TauLine& line) {
-    const AgentGroup& group = scene.crowd.groups[g];
+    const AgentGroup& group = scene.crowd->groups[g];
     const std::size_t id = agents.size();
     agents.position.push_back(place);
     const bool to_shelters = scene.place && group.goals == GoalRule::shelters;
@@ -149,7 +152,7 @@ void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d
     agents.mass.push_back(person.mass.value_or(group.mass.at(random_of(scene, id, draw_mass))));
     agents.tau.push_back(group.tau ? group.tau->at(random_of(scene, id, draw_tau)) : 0);
     add_tau_line(agents, id, person, line);
-    const bool by_body = scene.crowd.response == ResponseKind::measured && !group.tau;
+    const bool by_body = scene.crowd->response == ResponseKind::measured && !group.tau;
     add_person(agents.people, group, person, by_body,
                {random_of(scene, id, draw_sex), random_of(scene, id, draw_height), random_of(scene, id, draw_age),
                 random_of(scene, id, draw_friction)});
@@ -162,7 +165,7 @@ void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d
 
 // When somebody in a house leaves it, and whereto.
 void let_live_indoors(Agents& agents, const Scene& scene, std::size_t id, const Lodger& lodger) {
-    const Leaving& leaving = scene.crowd.groups[agents.group[id]].leaving;
+    const Leaving& leaving = scene.crowd->groups[agents.group[id]].leaving;
     agents.outcome[id] = Outcome::indoors;
     if (lodger.row != nullptr && lodger.row->leaves_at) {
         agents.leaves[id] = *lodger.row->leaves_at;
@@ -176,7 +179,7 @@ void let_live_indoors(Agents& agents, const Scene& scene, std::size_t id, const 
 }
 
 void add_on_grid(Agents& agents, const Scene& scene, std::size_t g, const TauLine& line) {
-    const AgentGroup& group = scene.crowd.groups[g];
+    const AgentGroup& group = scene.crowd->groups[g];
     for (int k = 0; k < group.count; ++k) {
         const int column = k % group.columns;
         const int row = k / group.columns;
@@ -189,7 +192,7 @@ void add_on_grid(Agents& agents, const Scene& scene, std::size_t g, const TauLin
 // Those who start in houses, and those of the table who are outdoors.
 void add_lodgers(Agents& agents, const Scene& scene, std::size_t g, const TauLine& line) {
     const PlacedHouses houses = houses_of(scene);
-    Doors doors(scene, houses, scene.crowd.body_radius + 1e-3);
+    Doors doors(scene, houses, scene.crowd->body_radius + 1e-3);
     int member = 0;
     for (const Lodger& lodger : lodgers_of(scene, houses, g)) {
         const std::size_t id = agents.size();
@@ -197,7 +200,7 @@ void add_lodgers(Agents& agents, const Scene& scene, std::size_t g, const TauLin
         check_start(scene.world, g, member, place);
         const PersonRow person = lodger.row != nullptr
                                      ? lodger.row->person
-                                     : person_of_table(scene.crowd, scene.crowd.groups[g], member, id);
+                                     : person_of_table(scene.crowd, scene.crowd->groups[g], member, id);
         add_agent(agents, scene, g, place, person, line);
         if (lodger.house >= 0) let_live_indoors(agents, scene, id, lodger);
         ++member;
@@ -226,8 +229,8 @@ std::string_view outcome_name(Outcome outcome) {
 
 Agents make_agents(const Scene& scene) {
     Agents agents;
-    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
-        const AgentGroup& group = scene.crowd.groups[g];
+    for (std::size_t g = 0; g < scene.crowd->groups.size(); ++g) {
+        const AgentGroup& group = scene.crowd->groups[g];
         TauLine line;
         if (!group.tau_history.empty()) line.points = std::make_shared<const std::vector<TauPoint>>(group.tau_history);
         if (scene.place && group.starts == StartRule::houses) {

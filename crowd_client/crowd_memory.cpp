@@ -3,7 +3,9 @@
 #include <set>
 #include <utility>
 
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/ground_grid.hpp"
 
 namespace wade::crowd {
@@ -19,11 +21,11 @@ std::size_t goals_of(const Crowd& crowd) {
 }
 
 double memory_of_ways(const Scene& scene) {
-    const NavigationSettings& navigation = scene.crowd.navigation;
+    const NavigationSettings& navigation = scene.crowd->navigation;
     const bool needed = !scene.obstacles.empty() || navigation.crowding > 0;
     if (navigation.rule == NavigationRule::straight || !needed) return 0;
-    const double laps = scene.world.period() > 0 ? 5 : 1, square = navigation.cell * navigation.cell;
-    const double nodes = laps * scene.world.length * scene.world.width / square;
+    const double laps = scene.world->period() > 0 ? 5 : 1, square = navigation.cell * navigation.cell;
+    const double nodes = laps * scene.world->length * scene.world->width / square;
     return nodes * (of_node + of_node_and_goal * static_cast<double>(goals_of(scene.crowd)));
 }
 

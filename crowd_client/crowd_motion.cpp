@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
+
 namespace wade::crowd {
 namespace {
 
@@ -66,7 +70,7 @@ Vector2d step_with_body(CrowdWorld& crowd, std::size_t k) {
     }
     Vector2d to = crowd.positions[k] + u;
     to.x() = std::clamp(to.x(), crowd.ends[k].lo, crowd.ends[k].hi);
-    to.y() = std::clamp(to.y(), 0.0, crowd.scene.world.width);
+    to.y() = std::clamp(to.y(), 0.0, crowd.scene.world->width);
     return to;
 }
 
@@ -95,7 +99,7 @@ bool leaves_with_water(const CrowdWorld& crowd, std::size_t k) {
 void move_agents(CrowdWorld& crowd) {
     Agents& agents = crowd.agents;
     if (has_bodies(crowd)) limit_to_bodies(crowd);
-    const double period = crowd.scene.world.period();
+    const double period = crowd.scene.world->period();
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
         const Vector2d& from = crowd.positions[k];

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/interval.hpp"
 #include "crowd_client/agents.hpp"
 #include "crowd_client/bodies/bodies.hpp"
 #include "crowd_client/markers/biocrowds.hpp"

@@ -4,8 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_frames.hpp"
 #include "configs/scene/time_lines.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/hands.hpp"
 #include "crowd_client/rescue.hpp"
@@ -31,7 +35,7 @@ struct Step {
 void apply_event(Agents& agents, const Scene& scene, const TauEvent& event) {
     for (std::size_t id = 0; id < agents.size(); ++id) {
         const bool by_id = !event.agent || static_cast<std::size_t>(*event.agent) == id;
-        const bool by_group = !event.group || scene.crowd.groups[agents.group[id]].name == *event.group;
+        const bool by_group = !event.group || scene.crowd->groups[agents.group[id]].name == *event.group;
         if (!by_id || !by_group) continue;
         agents.tau[id] = event.tau;
         agents.people.by_body[id] = 0;
@@ -74,18 +78,18 @@ void find_contacts(const Step& step) {
 
 FeltStep felt_step(const CrowdWorld& crowd, std::size_t k, const Step& step) {
     FeltStep felt{crowd.felt[k].depth, crowd.felt[k].velocity, crowd.part_time, step.number == 1 && step.part == 0};
-    if (crowd.scene.coupling.shelter == Shelter::wake) felt.lee = crowd.shelters.lee[k];
+    if (crowd.scene.coupling->shelter == Shelter::wake) felt.lee = crowd.shelters.lee[k];
     return felt;
 }
 
 WaterProperties water_of(const Scene& scene) {
-    return {scene.fluid.rest_density, scene.world.gravity};
+    return {scene.fluid->rest_density, scene.world->gravity};
 }
 
 // Calls visit(k, id) for each who answers the water by its body.
 template <typename Visit>
 void for_each_by_body(const CrowdWorld& crowd, Visit&& visit) {
-    if (crowd.scene.crowd.response != ResponseKind::measured) return;
+    if (crowd.scene.crowd->response != ResponseKind::measured) return;
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         if (crowd.agents.people.by_body[crowd.active[k]] != 0) visit(k, crowd.active[k]);
     }
@@ -95,8 +99,8 @@ void find_felt_water(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     if (!crowd.feeling) return;
     feel_water(*crowd.feeling, step.water, crowd.positions, threads_for(crowd), crowd.felt);
-    if (crowd.scene.coupling.two_way) note_discs(crowd.scene, crowd.active, crowd.felt, crowd.agents);
-    if (crowd.scene.coupling.shelter == Shelter::wake) {
+    if (crowd.scene.coupling->two_way) note_discs(crowd.scene, crowd.active, crowd.felt, crowd.agents);
+    if (crowd.scene.coupling->shelter == Shelter::wake) {
         shelter(crowd.scene, crowd.agents, crowd.active, crowd.positions, crowd.shelters, crowd.felt);
     }
     Agents& agents = crowd.agents;
@@ -105,7 +109,7 @@ void find_felt_water(const Step& step) {
         agents.desired_speed[id] =
             waits(crowd, id)
                 ? 0
-                : speed_in_water(agents.people, id, crowd.scene.crowd.walking_in_water, crowd.scene.world.gravity);
+                : speed_in_water(agents.people, id, crowd.scene.crowd->walking_in_water, crowd.scene.world->gravity);
     });
     if (!crowd.links.empty()) share_speeds_of_files(crowd);
 }
@@ -138,7 +142,7 @@ void tumble(const Step& step) {
 void go_straight(CrowdWorld& crowd) {
     crowd.goal_offsets.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
-        crowd.goal_offsets[k] = goal_offset(crowd.agents, crowd.active[k], crowd.scene.world.period());
+        crowd.goal_offsets[k] = goal_offset(crowd.agents, crowd.active[k], crowd.scene.world->period());
     }
 }
 
@@ -171,7 +175,7 @@ void find_ways(const Step& step) {
         steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, step.decision.number,
               threads_for(crowd));
     }
-    const EvasionSettings& evasion = crowd.scene.crowd.evasion;
+    const EvasionSettings& evasion = crowd.scene.crowd->evasion;
     if (evasion.rule != EvasionRule::off && step.is_wet()) {
         evade(evasion, crowd.agents, crowd.active, crowd.positions, step.water, crowd.goal_offsets);
     }
@@ -191,14 +195,14 @@ void compete_for_markers(const Step& step) {
         prepare_bodies(crowd.bodies, walkers, crowd.agents, crowd.active, crowd.positions, crowd.goal_offsets,
                        crowd.scene.world, radius, step.decision, threads_for(crowd));
     }
-    find_motion(crowd.motion, crowd.marker_memory, crowd.markers, walkers, radius, crowd.scene.world.period(),
+    find_motion(crowd.motion, crowd.marker_memory, crowd.markers, walkers, radius, crowd.scene.world->period(),
                 threads_for(crowd));
 }
 
 void choose_walking_velocities(const Step& step) {
     CrowdWorld& crowd = step.crowd;
-    const SpeedRule rule = crowd.scene.crowd.speed_rule;
-    const double marker_area = GroundGrid::cell_size * GroundGrid::cell_size / crowd.scene.crowd.markers_per_cell;
+    const SpeedRule rule = crowd.scene.crowd->speed_rule;
+    const double marker_area = GroundGrid::cell_size * GroundGrid::cell_size / crowd.scene.crowd->markers_per_cell;
     crowd.walking.resize(crowd.active.size());
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {
         const std::uint32_t id = crowd.active[k];
@@ -273,13 +277,13 @@ void look_who_stands(const Step& step) {
 Outcome judge(const CrowdWorld& crowd, std::size_t k) {
     const std::uint32_t id = crowd.active[k];
     const Vector2d& p = crowd.agents.position[id];
-    const bool may_drown = crowd.scene.crowd.response == ResponseKind::measured;
+    const bool may_drown = crowd.scene.crowd->response == ResponseKind::measured;
     if (p.x() < 0 || leaves_with_water(crowd, k) ||
         (may_drown && crowd.agents.people.condition[id].state == PersonState::drowned))
         return Outcome::dead;
     if (goes_to_shelters(crowd, id)) return Outcome::active;
-    const double reach = crowd.scene.crowd.goal_radius;
-    const Vector2d rest = goal_offset(crowd.agents, id, crowd.scene.world.period());
+    const double reach = crowd.scene.crowd->goal_radius;
+    const Vector2d rest = goal_offset(crowd.agents, id, crowd.scene.world->period());
     return rest.squaredNorm() <= reach * reach && !is_on_duty(crowd, id) ? Outcome::arrived : Outcome::active;
 }
 

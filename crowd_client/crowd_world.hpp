@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "configs/scene/fluid.hpp"
 #include "crowd_client/crowd_state.hpp"
 
 namespace wade::crowd {

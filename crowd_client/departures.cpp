@@ -2,6 +2,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_motion.hpp"
 
 namespace wade::crowd {
@@ -90,7 +91,7 @@ void let_out(CrowdWorld& crowd) {
     indoors.let_out_before = step;
     take_due(crowd, step);
     if (indoors.at_door.empty()) return;
-    PlacesNear near(2 * crowd.scene.crowd.body_radius + 1e-3);
+    PlacesNear near(2 * crowd.scene.crowd->body_radius + 1e-3);
     for (const std::uint32_t id : indoors.at_door) near.watch(crowd.agents.position[id]);
     for (const std::uint32_t id : crowd.active) near.add(crowd.agents.position[id]);
     const std::size_t before = crowd.active.size();

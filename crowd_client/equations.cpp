@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "configs/scene/crowd.hpp"
+
 namespace wade::crowd {
 
 Vector2d motion_vector(std::span<const double> weights, std::span<const Vector2d> marker_offsets) {

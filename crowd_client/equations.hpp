@@ -8,6 +8,7 @@
 #include <cmath>
 #include <span>
 
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade::crowd {

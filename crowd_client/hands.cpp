@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/people/push.hpp"
 
 namespace wade::crowd {
@@ -78,7 +81,7 @@ struct RopeNear {
 };
 
 RopeNear rope_near(const CrowdWorld& crowd, std::uint32_t id, std::size_t i) {
-    const Rope& rope = crowd.scene.crowd.ropes[i];
+    const Rope& rope = crowd.scene.crowd->ropes[i];
     const Vector2d from(rope.from_x, rope.from_z);
     RopeNear near{way_to(crowd, id, from)};
     if (rope.to_x && rope.to_z) {
@@ -145,11 +148,11 @@ void take_ropes(CrowdWorld& crowd) {
     for (const std::uint32_t id : crowd.active) {
         if (people.by_body[id] == 0 || used[id] > 0 || !(people.depth[id] > 0)) continue;
         if (time_of(crowd) < crowd.hands_spent[id]) continue;
-        const bool is_rescuer = crowd.scene.crowd.groups[crowd.agents.group[id]].rescuer;
+        const bool is_rescuer = crowd.scene.crowd->groups[crowd.agents.group[id]].rescuer;
         if (is_rescuer && stands(people, id)) continue;  // whose hands are for the line
         std::optional<Link> hold;
         double nearest = link_reach * link_reach;
-        for (std::size_t i = 0; i < crowd.scene.crowd.ropes.size(); ++i) {
+        for (std::size_t i = 0; i < crowd.scene.crowd->ropes.size(); ++i) {
             const RopeNear rope = rope_near(crowd, id, i);
             const double square = rope.nearest().squaredNorm();
             if (square > nearest || wants_away(people, id, rope.nearest(), link_length)) continue;
@@ -177,7 +180,7 @@ Linked linked_people(const CrowdWorld& crowd) {
     std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     const Agents& agents = crowd.agents;
-    const WaterProperties water{crowd.scene.fluid.rest_density, crowd.scene.world.gravity};
+    const WaterProperties water{crowd.scene.fluid->rest_density, crowd.scene.world->gravity};
     for (const std::uint32_t id : ids) {
         const auto k = static_cast<std::size_t>(std::lower_bound(crowd.active.begin(), crowd.active.end(), id) -
                                                 crowd.active.begin());
@@ -314,7 +317,7 @@ Link link_between(const People& people, std::uint32_t a, std::uint32_t b, bool p
 
 Vector2d way_to(const CrowdWorld& crowd, std::uint32_t id, const Vector2d& place) {
     Vector2d way = place - crowd.agents.position[id];
-    if (const double period = crowd.scene.world.period(); period > 0) way.x() -= period * std::round(way.x() / period);
+    if (const double period = crowd.scene.world->period(); period > 0) way.x() -= period * std::round(way.x() / period);
     return way;
 }
 
@@ -332,7 +335,7 @@ std::vector<std::uint8_t> hands_in_use(const CrowdWorld& crowd) {
 std::vector<Link> links_of_scene(const Scene& scene, const Agents& agents) {
     std::vector<Link> links;
     std::uint32_t first = 0;
-    for (const AgentGroup& group : scene.crowd.groups) {
+    for (const AgentGroup& group : scene.crowd->groups) {
         const auto count = static_cast<std::uint32_t>(group.count);
         const auto columns = static_cast<std::uint32_t>(group.columns);
         for (std::uint32_t k = 0; k < count && group.hand_in_hand != HandInHand::none; ++k) {
@@ -340,7 +343,7 @@ std::vector<Link> links_of_scene(const Scene& scene, const Agents& agents) {
             const std::uint32_t next = along_x ? k + 1 : k + columns;
             if (next >= count || (along_x && next % columns == 0)) continue;
             Link link = link_between(agents.people, first + k, first + next, group.hold == Hold::arms);
-            link.leads = lead_of(agents, scene.world.period(), link.a, link.b);
+            link.leads = lead_of(agents, scene.world->period(), link.a, link.b);
             links.push_back(link);
         }
         first += count;

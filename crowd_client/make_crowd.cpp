@@ -5,7 +5,10 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/fields/residents.hpp"
+#include "configs/scene/fluid.hpp"
 #include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/hands.hpp"
@@ -21,15 +24,15 @@ void check_coupling(const Scene& scene) {
     const double distance = contact_distance(scene.coupling);
     std::ostringstream message;
     if (!(distance > 0)) {
-        message << "/coupling: agent_radius_m and particle_radius_m are both " << scene.coupling.agent_radius
+        message << "/coupling: agent_radius_m and particle_radius_m are both " << scene.coupling->agent_radius
                 << ", so that with contact_rule 'difference' no water ever touches an agent";
     } else if (distance > GroundGrid::cell_size) {
         message << "/coupling: contact distance " << distance << " m, allowed is up to " << GroundGrid::cell_size
                 << " m (the size of a cell)";
     } else if (!(scene.frame_rate > 0)) {
         message << "/frame_rate_hz is " << scene.frame_rate << ", allowed is more than 0";
-    } else if (!(scene.crowd.step_rate > 0)) {
-        message << "/crowd/step_rate_hz is " << scene.crowd.step_rate << ", allowed is more than 0";
+    } else if (!(scene.crowd->step_rate > 0)) {
+        message << "/crowd/step_rate_hz is " << scene.crowd->step_rate << ", allowed is more than 0";
     } else {
         return;
     }
@@ -51,7 +54,7 @@ void move_out_of_faces(Agents& agents, const Walls& walls) {
 
 // Those in houses have room once they come out.
 void make_room_outdoors(CrowdWorld& crowd) {
-    const double radius = crowd.scene.crowd.body_radius;
+    const double radius = crowd.scene.crowd->body_radius;
     if (crowd.indoors.inside == 0) return make_room_for_bodies(crowd.agents, crowd.walls, radius);
     Agents outdoors;
     for (const std::uint32_t id : crowd.active) {
@@ -63,11 +66,11 @@ void make_room_outdoors(CrowdWorld& crowd) {
 }
 
 void feel_and_push(const Scene& scene, CrowdWorld& crowd) {
-    const bool has_poses = scene.crowd.pose_rate > 0;
-    if (scene.crowd.response == ResponseKind::measured || scene.coupling.two_way || has_poses) {
+    const bool has_poses = scene.crowd->pose_rate > 0;
+    if (scene.crowd->response == ResponseKind::measured || scene.coupling->two_way || has_poses) {
         crowd.feeling = make_feeling(scene);
     }
-    if (scene.coupling.two_way) crowd.pushing = start_pushing(scene, crowd.feeling->spread, crowd.agents);
+    if (scene.coupling->two_way) crowd.pushing = start_pushing(scene, crowd.feeling->spread, crowd.agents);
 }
 
 }  // namespace
@@ -78,7 +81,7 @@ CrowdWorld make_crowd(const Scene& given) {
     crowd.scene = given;
     const Scene& scene = crowd.scene;
     count_lodgers(crowd.scene);
-    crowd.dt = 1 / scene.crowd.step_rate;
+    crowd.dt = 1 / scene.crowd->step_rate;
     std::stable_sort(crowd.scene.events.begin(), crowd.scene.events.end(),
                      [](const TauEvent& a, const TauEvent& b) { return a.frame < b.frame; });
     crowd.agents = make_agents(scene);
@@ -88,13 +91,13 @@ CrowdWorld make_crowd(const Scene& given) {
     crowd.indoors = indoors_of(crowd.agents, crowd.dt);
     crowd.walls = make_walls(scene);
     move_out_of_faces(crowd.agents, crowd.walls);
-    if (scene.crowd.bodies != BodyRule::none) {
-        crowd.bodies.rule = scene.crowd.bodies;
-        crowd.bodies.style = body_style(scene.crowd.bodies);
-        crowd.bodies.radius = scene.crowd.body_radius;
+    if (scene.crowd->bodies != BodyRule::none) {
+        crowd.bodies.rule = scene.crowd->bodies;
+        crowd.bodies.style = body_style(scene.crowd->bodies);
+        crowd.bodies.radius = scene.crowd->body_radius;
         crowd.bodies.seed = scene.seed;
         make_room_outdoors(crowd);
-        begin_bodies(crowd.agents, scene.crowd.body_radius);
+        begin_bodies(crowd.agents, scene.crowd->body_radius);
         crowd.clock = body_clock(crowd.dt);
     }
     crowd.agents.stay = crowd.agents.position;
@@ -105,19 +108,19 @@ CrowdWorld make_crowd(const Scene& given) {
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water = empty_bins(scene);
     feel_and_push(scene, crowd);
-    for (std::size_t id = 0; scene.crowd.pose_rate > 0 && id < crowd.agents.size(); ++id) {
+    for (std::size_t id = 0; scene.crowd->pose_rate > 0 && id < crowd.agents.size(); ++id) {
         crowd.poses.push_back(standing_pose(crowd.agents.people, id, crowd.agents.heading[id]));
     }
     crowd.links = links_of_scene(scene, crowd.agents);
-    if (!scene.crowd.ropes.empty()) crowd.hands_spent.assign(crowd.agents.size(), 0.0);
+    if (!scene.crowd->ropes.empty()) crowd.hands_spent.assign(crowd.agents.size(), 0.0);
     crowd.rescues = rescues_of_scene(scene, crowd.agents);
-    crowd.response = make_response(name_of(scene.crowd.response), scene);
+    crowd.response = make_response(name_of(scene.crowd->response), scene);
     return crowd;
 }
 
 void suit_to_model(CrowdWorld& crowd, ModelKind model, double spacing) {
-    crowd.scene.fluid.model = model;
-    if (spacing > 0) crowd.scene.fluid.particle_spacing = spacing;
+    crowd.scene.fluid->model = model;
+    if (spacing > 0) crowd.scene.fluid->particle_spacing = spacing;
     feel_and_push(crowd.scene, crowd);
 }
 

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/people/person.hpp"
 
 namespace wade::crowd {
@@ -10,14 +14,14 @@ namespace wade::crowd {
 namespace {
 
 void note_disc(const Scene& scene, double spread, const Stream& stream, People& people, std::size_t id) {
-    people.disc_width[id] = disc_width_share(scene.fluid.model, stream) * spread;
+    people.disc_width[id] = disc_width_share(scene.fluid->model, stream) * spread;
     people.drag[id] = drag_on_slowed_stream(body_drag, body_width_share * people.height[id], people.disc_width[id]);
 }
 
 }  // namespace
 
 Pushing start_pushing(const Scene& scene, double spread, Agents& agents) {
-    const Stream usual{1, 1, scene.world.gravity};  // until they have been in the water
+    const Stream usual{1, 1, scene.world->gravity};  // until they have been in the water
     for (std::size_t id = 0; id < agents.size(); ++id) note_disc(scene, spread, usual, agents.people, id);
     return {std::vector<Vector2d>(agents.size(), Vector2d::Zero()), std::vector<double>(agents.size(), 0),
             std::vector<bool>(agents.size(), false)};
@@ -27,7 +31,7 @@ void note_discs(const Scene& scene, std::span<const std::uint32_t> active, std::
                 Agents& agents) {
     for (std::size_t k = 0; k < active.size(); ++k) {
         if (!(felt[k].depth > 0)) continue;
-        const Stream stream{std::sqrt(felt[k].velocity.squaredNorm()), felt[k].depth, scene.world.gravity};
+        const Stream stream{std::sqrt(felt[k].velocity.squaredNorm()), felt[k].depth, scene.world->gravity};
         note_disc(scene, felt[k].spread, stream, agents.people, active[k]);
     }
 }
@@ -72,7 +76,7 @@ void shelter(const Scene& scene, const Agents& agents, std::span<const std::uint
                shelters.deficit);
     find_wakes(scene.world, {positions, shelters.passing, shelters.drag_width, shelters.width}, shelters.cells,
                shelters.lee);
-    const bool cells_show_wakes = scene.coupling.two_way && scene.fluid.model == ModelKind::shallow_water;
+    const bool cells_show_wakes = scene.coupling->two_way && scene.fluid->model == ModelKind::shallow_water;
     for (std::size_t k = 0; k < felt.size(); ++k) {
         const double disc = agents.people.disc_width[active[k]];
         const double resolved = cells_show_wakes ? shelters.drag_width[k] / (2 * disc) : 0;
@@ -83,7 +87,7 @@ void shelter(const Scene& scene, const Agents& agents, std::span<const std::uint
 
 void push_water(const Scene& scene, const Agents& agents, std::span<const std::uint32_t> active,
                 std::span<const FeltWater> felt, std::span<const Vector2d> worked_out, double dt, Pushing& pushing) {
-    const WaterProperties water{scene.fluid.rest_density, scene.world.gravity};
+    const WaterProperties water{scene.fluid->rest_density, scene.world->gravity};
     const People& people = agents.people;
     for (std::size_t k = 0; k < active.size(); ++k) {
         const std::uint32_t id = active[k];

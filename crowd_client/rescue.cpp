@@ -4,6 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/hands.hpp"
 #include "crowd_client/ways/sight.hpp"
 
@@ -29,7 +34,7 @@ bool sees(const CrowdWorld& crowd, const Vector2d& from, const Vector2d& to) {
 }
 
 FeltStep water_at(const CrowdWorld& crowd, const WaterBins& water, Vector2d place) {
-    if (const double period = crowd.scene.world.period(); period > 0) {
+    if (const double period = crowd.scene.world->period(); period > 0) {
         place.x() -= period * std::floor(place.x() / period);
     }
     const FeltWater felt = feel_water(*crowd.feeling, water, place);
@@ -38,7 +43,7 @@ FeltStep water_at(const CrowdWorld& crowd, const WaterBins& water, Vector2d plac
 
 // Whether it would stand with D < 0.8 on each metre of the way, of a length, m, along a unit vector.
 bool is_safe(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id, const Vector2d& along, double length) {
-    const WaterProperties properties{crowd.scene.fluid.rest_density, crowd.scene.world.gravity};
+    const WaterProperties properties{crowd.scene.fluid->rest_density, crowd.scene.world->gravity};
     for (int metre = 0; metre < length + 1; ++metre) {
         const Vector2d place = crowd.agents.position[id] + std::min<double>(metre, length) * along;
         const double demand =
@@ -52,7 +57,7 @@ bool is_safe(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id, 
 // its way.
 bool is_safe_round(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id,
                    const std::vector<Vector2d>& places) {
-    const WaterProperties properties{crowd.scene.fluid.rest_density, crowd.scene.world.gravity};
+    const WaterProperties properties{crowd.scene.fluid->rest_density, crowd.scene.world->gravity};
     constexpr auto metre = static_cast<std::size_t>(1 / pace);
     const Vector2d& whom = places.front();
     for (std::size_t left = places.size(); left > 1; left -= std::min(metre, left)) {
@@ -144,7 +149,7 @@ void look_for_detour(const CrowdWorld& crowd, const WaterBins& water, Rescuer& r
 
 // Nobody in sight can be reached: goes round obstacles, if the scene lets people go round.
 void go_round(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, const std::vector<std::uint32_t>& hidden) {
-    if (hidden.empty() || crowd.scene.crowd.navigation.rule == NavigationRule::straight) return rescuer.round.clear();
+    if (hidden.empty() || crowd.scene.crowd->navigation.rule == NavigationRule::straight) return rescuer.round.clear();
     if (time_of(crowd) >= rescuer.next_look) {
         look_for_detour(crowd, water, rescuer, hidden);
         rescuer.next_look = time_of(crowd) + time_between_looks;
@@ -242,7 +247,7 @@ void decide(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, const s
     }
     look_for_somebody(crowd, water, rescuer, candidates);
     if (rescuer.way) return;
-    const Vector2d rest = goal_offset(crowd.agents, rescuer.id, crowd.scene.world.period());
+    const Vector2d rest = goal_offset(crowd.agents, rescuer.id, crowd.scene.world->period());
     rescuer.stands = rest.squaredNorm() <= at_place * at_place;
 }
 
@@ -251,7 +256,7 @@ void decide(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, const s
 Rescues rescues_of_scene(const Scene& scene, const Agents& agents) {
     Rescues rescues;
     for (std::uint32_t id = 0; id < agents.size(); ++id) {
-        if (scene.crowd.groups[agents.group[id]].rescuer) rescues.rescuers.emplace_back().id = id;
+        if (scene.crowd->groups[agents.group[id]].rescuer) rescues.rescuers.emplace_back().id = id;
     }
     if (!rescues.rescuers.empty()) rescues.brought_in.assign(agents.size(), 0);
     return rescues;

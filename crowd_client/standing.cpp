@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/start_warnings.hpp"
 
 namespace wade::crowd {
@@ -14,7 +17,7 @@ namespace {
 
 // x counted on over the joint of a periodic world.
 Vector2d place_of(const CrowdWorld& crowd, std::uint32_t id) {
-    return crowd.agents.position[id] + Vector2d(crowd.agents.laps[id] * crowd.scene.world.period(), 0);
+    return crowd.agents.position[id] + Vector2d(crowd.agents.laps[id] * crowd.scene.world->period(), 0);
 }
 
 bool stands(CrowdWorld& crowd, std::uint32_t id, std::uint64_t step) {
@@ -169,7 +172,7 @@ std::size_t count_standing(const CrowdWorld& crowd) {
 
 std::vector<std::string_view> state_names(const Scene& scene) {
     std::vector<std::string_view> names{"walking", "standing", "arrived", "dead"};
-    if (scene.crowd.response == ResponseKind::measured) {
+    if (scene.crowd->response == ResponseKind::measured) {
         names.insert(names.end(), person_states.begin() + 1, person_states.end());
     }
     if (scene.place) {

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/ways/place_ways.hpp"
 
 namespace wade::crowd {
@@ -46,8 +47,8 @@ std::vector<std::string> start_warnings(const Scene& scene, const Agents& agents
     const std::string no_way =
         scene.place ? people_cut_off(navigation, scene, agents) : people_without_way(navigation, scene, agents);
     if (no_way.empty()) return warnings;
-    const bool may_stand = scene.crowd.navigation.rule == NavigationRule::straight;
-    if (scene.crowd.bodies != BodyRule::none && !may_stand) throw ConfigurationError(no_way);
+    const bool may_stand = scene.crowd->navigation.rule == NavigationRule::straight;
+    if (scene.crowd->bodies != BodyRule::none && !may_stand) throw ConfigurationError(no_way);
     warnings.push_back(no_way);
     return warnings;
 }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/particle_volume.hpp"
 
 namespace wade::fluid {

@@ -6,6 +6,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/dfsph/dfsph_model.hpp"
 #include "fluid_server/kinematic/kinematic_stream.hpp"
 #include "fluid_server/mixed/model.hpp"
@@ -34,11 +35,11 @@ std::span<const ModelRow> models_of_water() {
 
 const ModelRow& model_row(const Scene& scene, std::span<const ModelRow> rows) {
     const auto row =
-        std::find_if(rows.begin(), rows.end(), [&](const ModelRow& r) { return r.kind == scene.fluid.model; });
+        std::find_if(rows.begin(), rows.end(), [&](const ModelRow& r) { return r.kind == scene.fluid->model; });
     if (row != rows.end()) return *row;
     std::string names;
     for (const ModelRow& r : rows) names += (names.empty() ? "" : ", ") + name_of(r.kind);
-    throw ConfigurationError(scene.name + ": /fluid/model: " + quoted(scene.fluid.model) +
+    throw ConfigurationError(scene.name + ": /fluid/model: " + quoted(scene.fluid->model) +
                              " is no model by itself; allowed here: " + names);
 }
 

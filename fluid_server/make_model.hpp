@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
 

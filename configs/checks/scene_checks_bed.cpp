@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene_capacity.hpp"
 
 namespace wade {
@@ -34,7 +37,7 @@ Interval bed_heights_over(const std::vector<BedPoint>& points, const Interval& x
 void check_points(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
     const std::vector<BedPoint>& points = channel.bed_points;
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const std::string pointer = "/channel/bed_points/" + std::to_string(i);
         if (i > 0 && !(points[i - 1].x < points[i].x)) {
@@ -88,12 +91,12 @@ void check_ends(const Scene& scene, const std::string& source) {
 }
 
 void check_blocks(const Scene& scene, const std::string& source) {
-    const double d = scene.fluid.particle_spacing;
-    const std::vector<WaterBlock>& blocks = scene.channel.water_blocks;
+    const double d = scene.fluid->particle_spacing;
+    const std::vector<WaterBlock>& blocks = scene.channel->water_blocks;
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         const std::string pointer = "/channel/water_blocks/" + std::to_string(i);
         const double y_min = blocks[i].y_min;
-        const Interval bed = bed_heights_over(scene.channel.bed_points, blocks[i].x);
+        const Interval bed = bed_heights_over(scene.channel->bed_points, blocks[i].x);
         if (y_min > 0 && y_min < bed.hi - rounding_tolerance) {
             refuse(source, pointer + "/y_min_m",
                    short_number(y_min) + " m reaches into the bed, which rises to " + short_number(bed.hi) +

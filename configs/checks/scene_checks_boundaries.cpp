@@ -5,8 +5,11 @@
 #include <array>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/time_lines.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade {
 
@@ -30,9 +33,9 @@ void check_top(const Scene& scene, const std::string& source) {
         check_below(channel.water_blocks[i].y_min + channel.water_blocks[i].depth, item("water_blocks", i));
     }
     if (channel.top == Top::wall) return;
-    if (scene.world.gravity != 0) {
+    if (scene.world->gravity != 0) {
         refuse(source, "/world/gravity_m_s2",
-               short_number(scene.world.gravity) +
+               short_number(scene.world->gravity) +
                    " m/s2 would let the water fall for ever, as /channel/top is \"periodic\" and there is no bed; "
                    "allowed: 0 m/s2.");
     }
@@ -80,7 +83,7 @@ std::string missing(Plane plane, const Scene& scene) {
 
 void check_no_slip(const Scene& scene, const std::string& source) {
     static constexpr std::array<const char*, 3> axes{"x", "y", "z"};
-    const std::vector<NoSlip>& list = scene.channel.no_slip;
+    const std::vector<NoSlip>& list = scene.channel->no_slip;
     for (std::size_t i = 0; i < list.size(); ++i) {
         PlaneFacts facts = facts_of(list[i].plane);
         const std::string plane = quoted(facts.plane);
@@ -93,7 +96,7 @@ void check_no_slip(const Scene& scene, const std::string& source) {
             refuse(source, pointer + "/plane", plane + " has its velocity in " + item("no_slip", k) + " already.");
         }
         // A bed that is not level could not slide along x without moving through the water.
-        if (facts.plane == Plane::bed && !scene.channel.bed_points.empty()) facts.across[0] = true;
+        if (facts.plane == Plane::bed && !scene.channel->bed_points.empty()) facts.across[0] = true;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (!facts.across[axis] || list[i].velocity[axis] == 0) continue;
             refuse(source, pointer + "/velocity_" + axes[axis] + "_m_s",
@@ -101,7 +104,7 @@ void check_no_slip(const Scene& scene, const std::string& source) {
                        " into or out of the water; allowed: 0 m/s.");
         }
     }
-    if (!list.empty() && !(scene.fluid.kinematic_viscosity > 0)) {
+    if (!list.empty() && !(scene.fluid->kinematic_viscosity > 0)) {
         refuse(source, "/channel/no_slip",
                "without viscosity a plane does not hold the water, so it has no effect; allowed: none, or "
                "/fluid/viscosity_m2_s > 0.");

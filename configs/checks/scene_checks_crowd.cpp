@@ -7,9 +7,16 @@
 #include <vector>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/near_places.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/time_lines.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade {
 
@@ -21,7 +28,7 @@ std::string words(double x, double z) {
 
 void check_place(double x, double z, const Scene& scene, const std::string& who, const std::string& source,
                  const std::string& pointer) {
-    const Interval world_x{0, scene.world.length}, world_z{0, scene.world.width};
+    const Interval world_x{0, scene.world->length}, world_z{0, scene.world->width};
     if (!world_x.contains(x) || !world_z.contains(z)) {
         refuse(source, pointer,
                who + " at " + words(x, z) + " is outside the world; allowed: x 0 to " + short_number(world_x.hi) +
@@ -55,7 +62,7 @@ void check_distances(const std::vector<StartPlace>& places, const Crowd& crowd, 
 
 // The goal's place in a periodic world, where its x counts on over the ends.
 double goal_in_world(const Scene& scene, double x) {
-    const double period = scene.world.period();
+    const double period = scene.world->period();
     return period > 0 ? x - period * std::floor(x / period) : x;
 }
 
@@ -69,8 +76,8 @@ void check_count(const AgentGroup& group, const std::string& source, const std::
 
 void check_groups(const Scene& scene, const std::string& source, Problems& problems) {
     std::set<std::string> names;
-    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
-        const AgentGroup& group = scene.crowd.groups[g];
+    for (std::size_t g = 0; g < scene.crowd->groups.size(); ++g) {
+        const AgentGroup& group = scene.crowd->groups[g];
         const std::string pointer = "/crowd/groups/" + std::to_string(g);
         problems.attempt([&] {
             if (names.insert(group.name).second) return;
@@ -144,9 +151,9 @@ void check_markers(const Crowd& crowd, const std::string& source) {
 
 // The cells of the ground are 2 m wide, and an agent looks into those beside its own: in a ring of three they differ.
 void check_ends(const Scene& scene, const std::vector<StartPlace>& places, const std::string& source) {
-    if (scene.world.ends == Ends::open) return;
+    if (scene.world->ends == Ends::open) return;
     constexpr double cell = 2;
-    const double length = scene.world.length;
+    const double length = scene.world->length;
     if (length < 3 * cell || std::fmod(length, cell) != 0) {
         refuse(source, "/world/length_m",
                short_number(length) +
@@ -231,7 +238,7 @@ void check_tau_histories(const Crowd& crowd, std::size_t g, const std::string& s
 void check_hands(const Scene& scene, const AgentGroup& group, const std::string& source, const std::string& pointer) {
     if (group.hand_in_hand == HandInHand::none) return;
     const std::string key = pointer + "/hand_in_hand", hands = name_of(group.hand_in_hand);
-    if (scene.crowd.response != ResponseKind::measured || group.tau) {
+    if (scene.crowd->response != ResponseKind::measured || group.tau) {
         refuse(source, key,
                hands +
                    ": people who answer the water by tau hold nobody; allowed: \"none\", or the response "
@@ -249,7 +256,7 @@ void check_hands(const Scene& scene, const AgentGroup& group, const std::string&
 void check_rescuers(const Scene& scene, const AgentGroup& group, const std::string& source,
                     const std::string& pointer) {
     if (!group.rescuer) return;
-    if (scene.crowd.response != ResponseKind::measured || group.tau) {
+    if (scene.crowd->response != ResponseKind::measured || group.tau) {
         refuse(source, pointer + "/rescuer",
                "true: people who answer the water by tau hold nobody; allowed: false, or the response \"measured\" and "
                "no tau of the group.");
@@ -261,7 +268,7 @@ void check_rescuers(const Scene& scene, const AgentGroup& group, const std::stri
 }
 
 void check_rope(const Scene& scene, const Rope& rope, const std::string& source, const std::string& pointer) {
-    if (scene.crowd.response != ResponseKind::measured) {
+    if (scene.crowd->response != ResponseKind::measured) {
         refuse(source, pointer,
                "people who answer the water by tau hold no rope; allowed: no ropes, or the response \"measured\".");
     }
@@ -273,9 +280,9 @@ void check_rope(const Scene& scene, const Rope& rope, const std::string& source,
                "a rope has either a second end, to, or a free one, free_length_m; allowed: one of both.");
     }
     const auto check_end = [&](const std::string& end, double x, double z) {
-        if (x <= scene.world.length && z <= scene.world.width) return;
+        if (x <= scene.world->length && z <= scene.world->width) return;
         refuse(source, pointer + "/" + end,
-               words(x, z) + " is outside the world; allowed: " + words(scene.world.length, scene.world.width) +
+               words(x, z) + " is outside the world; allowed: " + words(scene.world->length, scene.world->width) +
                    " or less.");
     };
     check_end("from", rope.from_x, rope.from_z);
@@ -287,16 +294,16 @@ void check_rope(const Scene& scene, const Rope& rope, const std::string& source,
 
 // People feel the water within 1.5 spacings, and the crowd sorts it within 2 m of each.
 void check_measured(const Scene& scene, const std::string& source, Problems& problems) {
-    if (scene.crowd.response != ResponseKind::measured) return;
+    if (scene.crowd->response != ResponseKind::measured) return;
     constexpr double widest = 2 / 1.5;
     problems.attempt([&] {
-        if (scene.fluid.particle_spacing <= widest) return;
+        if (scene.fluid->particle_spacing <= widest) return;
         refuse(source, "/fluid/particle_spacing_m",
-               short_number(scene.fluid.particle_spacing) +
+               short_number(scene.fluid->particle_spacing) +
                    " m: with the response measured people feel the water within "
                    "1.5 spacings, and 2 m is the most; allowed: <= 1.3333 m.");
     });
-    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
+    for (std::size_t g = 0; g < scene.crowd->groups.size(); ++g) {
         check_bodies(scene.crowd, g, source, problems);
     }
 }
@@ -314,11 +321,11 @@ void check_keys_of_measured(const Crowd& crowd, const std::string& source) {
 }
 
 void check_ragdoll(const Scene& scene, const std::string& source) {
-    const bool v_f_is_set = scene.channel.flow == Flow::emitter || scene.channel.flow == Flow::recirculating;
-    if (scene.crowd.ragdoll.condition != RagdollCondition::paper || v_f_is_set) return;
+    const bool v_f_is_set = scene.channel->flow == Flow::emitter || scene.channel->flow == Flow::recirculating;
+    if (scene.crowd->ragdoll.condition != RagdollCondition::paper || v_f_is_set) return;
     refuse(
         source, "/crowd/ragdoll/condition",
-        "\"paper\" asks for v_F, and nothing sets the speed of a " + name_of(scene.channel.flow) +
+        "\"paper\" asks for v_F, and nothing sets the speed of a " + name_of(scene.channel->flow) +
             " channel; allowed: \"off\", \"local_speed\", \"depth_speed\", or flow \"emitter\" or \"recirculating\".");
 }
 
@@ -355,14 +362,15 @@ void check_crowd(const Scene& scene, const std::string& source, Problems& proble
     problems.attempt([&] { check_markers(scene.crowd, source); });
     problems.attempt([&] { check_ragdoll(scene, source); });
     check_measured(scene, source, problems);
-    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
+    for (std::size_t g = 0; g < scene.crowd->groups.size(); ++g) {
         const std::string pointer = "/crowd/groups/" + std::to_string(g);
         check_tau_histories(scene.crowd, g, source, problems);
-        problems.attempt([&] { check_hands(scene, scene.crowd.groups[g], source, pointer); });
-        problems.attempt([&] { check_rescuers(scene, scene.crowd.groups[g], source, pointer); });
+        problems.attempt([&] { check_hands(scene, scene.crowd->groups[g], source, pointer); });
+        problems.attempt([&] { check_rescuers(scene, scene.crowd->groups[g], source, pointer); });
     }
-    for (std::size_t i = 0; i < scene.crowd.ropes.size(); ++i) {
-        problems.attempt([&] { check_rope(scene, scene.crowd.ropes[i], source, "/crowd/ropes/" + std::to_string(i)); });
+    for (std::size_t i = 0; i < scene.crowd->ropes.size(); ++i) {
+        problems.attempt(
+            [&] { check_rope(scene, scene.crowd->ropes[i], source, "/crowd/ropes/" + std::to_string(i)); });
     }
     problems.attempt([&] { check_keys_of_measured(scene.crowd, source); });
     problems.attempt([&] { check_sampling(scene.coupling, source); });

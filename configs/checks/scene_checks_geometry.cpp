@@ -5,7 +5,12 @@
 #include <vector>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade {
 
@@ -72,7 +77,7 @@ void check_obstacles_near_ends(const Scene& scene, const std::string& source) {
     if (channel.flow == Flow::recirculating || channel.flow == Flow::periodic) x = {x.lo + reach, x.hi - reach};
     if (channel.flow == Flow::emitter) x.hi -= 2 * reach;
     if (channel.sides == Sides::periodic) z = {z.lo + reach, z.hi - reach};
-    const double spacings = reach / scene.fluid.particle_spacing;
+    const double spacings = reach / scene.fluid->particle_spacing;
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
         const Obstacle& obstacle = scene.obstacles[i];
         if (within(obstacle.x, x) && within(obstacle.z, z)) continue;
@@ -176,15 +181,16 @@ void find_gaps(const Scene& scene, double enough, Add&& add) {
         }
         note(one.x.lo, one.name + " and the place's edge at x 0");
         note(one.z.lo, one.name + " and the place's edge at z 0");
-        note(scene.world.length - one.x.hi,
-             one.name + " and the place's edge at x " + short_number(scene.world.length));
-        note(scene.world.width - one.z.hi, one.name + " and the place's edge at z " + short_number(scene.world.width));
+        note(scene.world->length - one.x.hi,
+             one.name + " and the place's edge at x " + short_number(scene.world->length));
+        note(scene.world->width - one.z.hi,
+             one.name + " and the place's edge at z " + short_number(scene.world->width));
     }
 }
 
 void check_in_world(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
-    const Interval world_x{0, scene.world.length}, world_z{0, scene.world.width};
+    const Interval world_x{0, scene.world->length}, world_z{0, scene.world->width};
     if (within(channel.x, world_x) && within(channel.z, world_z)) return;
     refuse(source, "/channel",
            "the channel at x " + words(channel.x) + ", z " + words(channel.z) +
@@ -195,11 +201,11 @@ void check_in_world(const Scene& scene, const std::string& source) {
 
 std::vector<std::string> narrow_gaps(const Scene& scene) {
     const Channel& channel = scene.channel;
-    const bool has_particles = scene.fluid.model == ModelKind::dfsph || scene.fluid.model == ModelKind::mixed;
+    const bool has_particles = scene.fluid->model == ModelKind::dfsph || scene.fluid->model == ModelKind::mixed;
     if (!has_particles || (!scene.place && channel.flow == Flow::closed && channel.water_blocks.empty())) return {};
     std::vector<Gap> gaps;
     // What rounding adds to a gap that is just wide enough is no fault of it.
-    const double enough = (1 - 1e-6) * spacings_in_a_gap * scene.fluid.particle_spacing;
+    const double enough = (1 - 1e-6) * spacings_in_a_gap * scene.fluid->particle_spacing;
     const auto add = [&](double width, const std::string& between) {
         if (width > 0 && width < enough) gaps.push_back({width, between});
     };
@@ -230,7 +236,7 @@ std::vector<std::string> narrow_gaps(const Scene& scene) {
     for (std::size_t k = 0; k < named; ++k) {
         const Gap& gap = gaps[k];
         sentences.push_back("the gap of " + short_number(gap.width) + " m between " + gap.between + " is " +
-                            short_number(gap.width / scene.fluid.particle_spacing) +
+                            short_number(gap.width / scene.fluid->particle_spacing) +
                             " particle spacings wide and chokes the water; it needs /fluid/particle_spacing_m <= " +
                             short_number(gap.width / spacings_in_a_gap) + ".");
     }

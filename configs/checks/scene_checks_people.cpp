@@ -7,7 +7,11 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/fields/residents.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade {
 
@@ -30,7 +34,7 @@ void check_event(const Scene& scene, std::size_t i, std::size_t agents, const st
     }
     if (!event.group) return;
     std::string known;
-    for (const AgentGroup& group : scene.crowd.groups) {
+    for (const AgentGroup& group : scene.crowd->groups) {
         if (group.name == *event.group) return;
         known += (known.empty() ? "\"" : ", \"") + group.name + "\"";
     }
@@ -57,7 +61,7 @@ void check_needs_of_place(const Scene& scene, const AgentGroup& group, const std
         refuse(source, pointer + "/start/from", "\"houses\": the scene has no place; allowed: \"grid\", or /place.");
     if (!scene.place && to_shelters)
         refuse(source, pointer + "/goal/to", "\"shelters\": the scene has no place; allowed: \"point\", or /place.");
-    if (to_shelters && scene.place->shelters.empty() && !scene.crowd.navigation.safe_above)
+    if (to_shelters && scene.place->shelters.empty() && !scene.crowd->navigation.safe_above)
         refuse(source, pointer + "/goal/to",
                "\"shelters\": the place has none; allowed: /place/shelters, /crowd/navigation/safe_above_m, or "
                "\"point\".");
@@ -82,7 +86,7 @@ void check_leaving(const AgentGroup& group, const std::string& source, const std
 // The first of the table who has no group or no place.
 void check_table_of_residents(const Scene& scene, const std::string& source) {
     std::set<std::string> groups;
-    for (const AgentGroup& group : scene.crowd.groups) {
+    for (const AgentGroup& group : scene.crowd->groups) {
         if (group.starts == StartRule::houses) groups.insert(group.name);
     }
     std::string known;
@@ -96,13 +100,13 @@ void check_table_of_residents(const Scene& scene, const std::string& source) {
                    who + " is of group \"" + one.group + "\", which does not start in houses; allowed: " +
                        (known.empty() ? "a group with start/from \"houses\"." : known + "."));
         }
-        if (one.x >= 0 && one.x <= scene.world.length && one.z >= 0 && one.z <= scene.world.width) continue;
+        if (one.x >= 0 && one.x <= scene.world->length && one.z >= 0 && one.z <= scene.world->width) continue;
         std::ostringstream place;
         place.precision(10);
         place << who << " at (" << one.x + scene.place->origin_x << ", " << one.z + scene.place->origin_z
               << ") of the place's system is outside the world; allowed: " << scene.place->origin_x << " to "
-              << scene.place->origin_x + scene.world.length << ", " << scene.place->origin_z << " to "
-              << scene.place->origin_z + scene.world.width << ". Is it in another system?";
+              << scene.place->origin_x + scene.world->length << ", " << scene.place->origin_z << " to "
+              << scene.place->origin_z + scene.world->width << ". Is it in another system?";
         refuse(source, "/place/residents_csv", place.str());
     }
 }
@@ -112,8 +116,8 @@ void check_lodgers(const Scene& scene, const std::string& source, Problems& prob
     const Place& place = *scene.place;
     std::int64_t in_houses = 0;
     for (const House& house : place.houses) in_houses += house.residents;
-    const bool has_group = first_group_in_houses(scene.crowd) < scene.crowd.groups.size();
-    if (!has_group && ((in_houses > 0 && !scene.crowd.groups.empty()) || place.residents)) {
+    const bool has_group = first_group_in_houses(scene.crowd) < scene.crowd->groups.size();
+    if (!has_group && ((in_houses > 0 && !scene.crowd->groups.empty()) || place.residents)) {
         problems.attempt([&] {
             refuse(source, "/crowd/groups",
                    "the place has residents, and no group starts in houses; allowed: a group with start/from "
@@ -121,8 +125,8 @@ void check_lodgers(const Scene& scene, const std::string& source, Problems& prob
         });
         return;
     }
-    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
-        const AgentGroup& group = scene.crowd.groups[g];
+    for (std::size_t g = 0; g < scene.crowd->groups.size(); ++g) {
+        const AgentGroup& group = scene.crowd->groups[g];
         if (group.starts != StartRule::houses || group.count > 0) continue;
         problems.attempt([&] {
             refuse(source, "/crowd/groups/" + std::to_string(g) + "/start/from",
@@ -140,15 +144,15 @@ void check_lodgers(const Scene& scene, const std::string& source, Problems& prob
 
 void check_events(const Scene& scene, const std::string& source, Problems& problems) {
     std::size_t agents = 0;
-    for (const AgentGroup& group : scene.crowd.groups) agents += static_cast<std::size_t>(group.count);
+    for (const AgentGroup& group : scene.crowd->groups) agents += static_cast<std::size_t>(group.count);
     for (std::size_t i = 0; i < scene.events.size(); ++i) {
         problems.attempt([&] { check_event(scene, i, agents, source); });
     }
 }
 
 void check_residents(const Scene& scene, const std::string& source, Problems& problems) {
-    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
-        const AgentGroup& group = scene.crowd.groups[g];
+    for (std::size_t g = 0; g < scene.crowd->groups.size(); ++g) {
+        const AgentGroup& group = scene.crowd->groups[g];
         const std::string pointer = "/crowd/groups/" + std::to_string(g);
         problems.attempt([&] { check_needs_of_place(scene, group, source, pointer); });
         problems.attempt([&] { check_leaving(group, source, pointer); });
@@ -156,13 +160,13 @@ void check_residents(const Scene& scene, const std::string& source, Problems& pr
     }
     if (scene.place) check_lodgers(scene, source, problems);
     problems.attempt([&] {
-        if (scene.fluid.publish == Publish::all) return;
-        if (scene.place && scene.fluid.model != ModelKind::shallow_water) {
+        if (scene.fluid->publish == Publish::all) return;
+        if (scene.place && scene.fluid->model != ModelKind::shallow_water) {
             refuse(source, "/fluid/publish",
-                   "\"near_agents\" is for columns of water, which /fluid/model \"" + name_of(scene.fluid.model) +
+                   "\"near_agents\" is for columns of water, which /fluid/model \"" + name_of(scene.fluid->model) +
                        "\" has none of; allowed: \"all\".");
         }
-        if (!scene.place || scene.coupling.agents_stream == AgentsStream::off) {
+        if (!scene.place || scene.coupling->agents_stream == AgentsStream::off) {
             refuse(source, "/fluid/publish",
                    "\"near_agents\" asks where they are, on a place; allowed: \"all\", or /place and "
                    "/coupling/agents_stream \"serial\" or \"parallel\".");

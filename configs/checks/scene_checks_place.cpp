@@ -10,6 +10,10 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade {
 
@@ -131,13 +135,14 @@ class HouseFinder {
 };
 
 void check_model(const Scene& scene, const std::string& source) {
-    const ModelKind model = scene.fluid.model;
+    const ModelKind model = scene.fluid->model;
     if (model != ModelKind::shallow_water && model != ModelKind::dfsph) {
         refuse(source, "/fluid/model",
                quoted(model) +
                    " knows no ground but a channel's bed; allowed beside /place: \"shallow_water\", \"dfsph\".");
     }
-    if (scene.world.ends != Ends::open) refuse(source, "/world/ends", "\"periodic\" beside /place; allowed: \"open\".");
+    if (scene.world->ends != Ends::open)
+        refuse(source, "/world/ends", "\"periodic\" beside /place; allowed: \"open\".");
 }
 
 // A cell of a raster in the world is a cell that has its centre there.
@@ -146,16 +151,16 @@ bool is_in_world(const MapPoint& p, const World& world) {
 }
 
 void check_extent(const Scene& scene, const Raster& raster, const std::string& source) {
-    const double slack = rounding_tolerance * (scene.world.length + scene.world.width) + 1e-6 * raster.cell;
+    const double slack = rounding_tolerance * (scene.world->length + scene.world->width) + 1e-6 * raster.cell;
     const Interval x{raster.x, raster.x + static_cast<double>(raster.columns) * raster.cell};
     const Interval z{raster.z, raster.z + static_cast<double>(raster.rows) * raster.cell};
-    if (x.lo <= slack && z.lo <= slack && x.hi >= scene.world.length - slack && z.hi >= scene.world.width - slack)
+    if (x.lo <= slack && z.lo <= slack && x.hi >= scene.world->length - slack && z.hi >= scene.world->width - slack)
         return;
     refuse(
         source, "/place/ground/file",
         scene.place->ground.file + ": it covers x " + short_number(x.lo) + " to " + short_number(x.hi) + " m, z " +
-            short_number(z.lo) + " to " + short_number(z.hi) + " m of a world of " + short_number(scene.world.length) +
-            " x " + short_number(scene.world.width) +
+            short_number(z.lo) + " to " + short_number(z.hi) + " m of a world of " + short_number(scene.world->length) +
+            " x " + short_number(scene.world->width) +
             " m. Remedy: leave out /world/length_m, /world/width_m and the place's origin, which then are those of the "
             "raster, or choose them within it.");
 }
@@ -251,11 +256,11 @@ void check_rings(const MapPolygon& polygon, const std::string& label, const std:
 }
 
 void check_in_world(const MapBox& box, const Scene& scene, const std::string& label, const std::string& source) {
-    if (box.meets({{0, scene.world.length}, {0, scene.world.width}})) return;
+    if (box.meets({{0, scene.world->length}, {0, scene.world->width}})) return;
     refuse_shape(
         source, label,
         "it lies outside the place, at " + at_words(box.x.lo, box.z.lo) + "; allowed: x 0 to " +
-            short_number(scene.world.length) + " m, z 0 to " + short_number(scene.world.width) +
+            short_number(scene.world->length) + " m, z 0 to " + short_number(scene.world->width) +
             " m. Remedy: wade place import crops files to the ground; or is its coordinate system another one?");
 }
 
@@ -310,7 +315,7 @@ void check_source(const Source& made, const Scene& scene, const HouseFinder& hou
     if (made.line.empty()) check_rings(made.polygon, made.label, source);
     check_in_world(box_of(made.polygon, made.line), scene, made.label, source);
     const House* roof = nullptr;
-    for (const MapPoint& p : points_of(made, scene.fluid.shallow_water.cell_size)) {
+    for (const MapPoint& p : points_of(made, scene.fluid->shallow_water.cell_size)) {
         if (!is_in_world(p, scene.world) || !has_ground(scene.place->ground, p)) continue;
         const House* const house = houses.at(p);
         if (!house) return;
@@ -333,7 +338,7 @@ void check_gauge(const Gauge& gauge, const Scene& scene, const HouseFinder& hous
 // The first agent of each group that starts in a wall or where there is no ground.
 void check_starts_on_place(const Scene& scene, const HouseFinder& houses, const std::string& source,
                            Problems& problems) {
-    std::vector<bool> told(scene.crowd.groups.size());
+    std::vector<bool> told(scene.crowd->groups.size());
     const std::vector<StartPlace> starts = start_places(scene.crowd);
     for (std::size_t i = 0; i < starts.size(); ++i) {
         const MapPoint p{starts[i].x, starts[i].z};

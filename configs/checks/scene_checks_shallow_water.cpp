@@ -1,8 +1,12 @@
 // What the shallow-water model can take: open water that stands on the bed, and obstacles that its cells can show.
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/intervals.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade {
 
@@ -11,7 +15,7 @@ namespace {
 constexpr double most_cells = 1e8;  // about 13 GB
 
 std::string name_of_model(const Scene& scene) {
-    return quoted(scene.fluid.model);
+    return quoted(scene.fluid->model);
 }
 
 void check_surface(const Scene& scene, const std::string& source) {
@@ -28,9 +32,10 @@ void check_surface(const Scene& scene, const std::string& source) {
                    "knows the mean velocity over the depth only, so that /channel/no_slip would have no effect; "
                    "allowed: none, or the model \"dfsph\". The bed's friction is /channel/manning_n.");
     }
-    if (!(scene.world.gravity > 0)) {
-        refuse(source, "/world/gravity_m_s2",
-               short_number(scene.world.gravity) + " m/s2: the waves of " + model + "need gravity; allowed: > 0 m/s2.");
+    if (!(scene.world->gravity > 0)) {
+        refuse(
+            source, "/world/gravity_m_s2",
+            short_number(scene.world->gravity) + " m/s2: the waves of " + model + "need gravity; allowed: > 0 m/s2.");
     }
     for (std::size_t i = 0; i < channel.water_blocks.size(); ++i) {
         const WaterBlock& block = channel.water_blocks[i];
@@ -49,7 +54,7 @@ void check_surface(const Scene& scene, const std::string& source) {
 
 void check_grid(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
-    const double size = scene.fluid.shallow_water.cell_size;
+    const double size = scene.fluid->shallow_water.cell_size;
     const std::string pointer = "/fluid/shallow_water/cell_size_m";
     if (size > channel.x.length() * (1 + rounding_tolerance)) {
         refuse(source, pointer,
@@ -79,13 +84,13 @@ void check_grid(const Scene& scene, const std::string& source) {
 }  // namespace
 
 void check_shallow_water(const Scene& scene, const std::string& source) {
-    if (scene.fluid.model != ModelKind::shallow_water && scene.fluid.model != ModelKind::mixed) return;
+    if (scene.fluid->model != ModelKind::shallow_water && scene.fluid->model != ModelKind::mixed) return;
     check_surface(scene, source);
     check_grid(scene, source);
     // Depths are sure to stay positive up to there.
-    if (scene.fluid.cfl > 0.5) {
+    if (scene.fluid->cfl > 0.5) {
         refuse(source, "/fluid/cfl",
-               short_number(scene.fluid.cfl) + " is too large for the model " + name_of_model(scene) +
+               short_number(scene.fluid->cfl) + " is too large for the model " + name_of_model(scene) +
                    ", dt (s_x / dx + s_z / dz) with the fastest waves s; "
                    "allowed: <= 0.5.");
     }

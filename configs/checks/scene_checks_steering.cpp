@@ -4,7 +4,12 @@
 #include <string>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/steering.hpp"
 
 namespace wade {
 
@@ -45,8 +50,8 @@ void check_channel(const Scene& scene, const std::string& source) {
 }
 
 void check_neighbourhoods(const Scene& scene, const std::string& source) {
-    const Reach reach = reach_of(scene.fluid.steering);
-    const double d = scene.fluid.particle_spacing;
+    const Reach reach = reach_of(scene.fluid->steering);
+    const double d = scene.fluid->particle_spacing;
     const Channel& channel = scene.channel;
     const double waiting = support_radius_of(scene.fluid) / d;
     if (channel.flow == Flow::emitter && reach.radius > waiting * (1 + rounding_tolerance)) {
@@ -88,14 +93,14 @@ void check_classes(const Steering& s, const std::string& source) {
 }
 
 void check_bodies(const Scene& scene, const std::string& source) {
-    for (std::size_t i = 0; i < scene.fluid.steering.bodies.size(); ++i) {
-        const SteeringBody& body = scene.fluid.steering.bodies[i];
+    for (std::size_t i = 0; i < scene.fluid->steering.bodies.size(); ++i) {
+        const SteeringBody& body = scene.fluid->steering.bodies[i];
         const std::string pointer = "/fluid/steering/bodies/" + std::to_string(i);
         const double r = body.radius;
-        if (r < scene.fluid.particle_spacing) {
+        if (r < scene.fluid->particle_spacing) {
             refuse(source, pointer + "/radius_m",
                    short_number(r) + " m would slip between the particles; allowed: >= fluid.particle_spacing_m = " +
-                       short_number(scene.fluid.particle_spacing) + " m.");
+                       short_number(scene.fluid->particle_spacing) + " m.");
         }
         const auto check = [&](double at, const Interval& range, const char* key) {
             const double lo = range.lo + r, hi = range.hi - r;
@@ -104,9 +109,9 @@ void check_bodies(const Scene& scene, const std::string& source) {
                    short_number(at) + " m: the sphere starts outside the channel; allowed: " + short_number(lo) +
                        " to " + short_number(hi) + " m.");
         };
-        check(body.place[0], scene.channel.x, "/x_m");
-        check(body.place[2], scene.channel.z, "/z_m");
-        check(body.place[1], {0, scene.channel.top == Top::open ? 1e5 : scene.channel.height}, "/y_m");
+        check(body.place[0], scene.channel->x, "/x_m");
+        check(body.place[2], scene.channel->z, "/z_m");
+        check(body.place[1], {0, scene.channel->top == Top::open ? 1e5 : scene.channel->height}, "/y_m");
         for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
             const Obstacle& o = scene.obstacles[k];
             if (body.place[0] > o.x.lo - r && body.place[0] < o.x.hi + r && body.place[2] > o.z.lo - r &&
@@ -121,10 +126,10 @@ void check_bodies(const Scene& scene, const std::string& source) {
 }  // namespace
 
 void check_steering(const Scene& scene, const std::string& source) {
-    if (scene.fluid.model != ModelKind::steering) return;
+    if (scene.fluid->model != ModelKind::steering) return;
     check_channel(scene, source);
     check_neighbourhoods(scene, source);
-    check_classes(scene.fluid.steering, source);
+    check_classes(scene.fluid->steering, source);
     check_bodies(scene, source);
 }
 

@@ -4,8 +4,12 @@
 #include <cmath>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade {
 
@@ -73,7 +77,7 @@ void check_flow(const Channel& channel, const std::string& source) {
 }
 
 void check_spacing(const Scene& scene, const std::string& source) {
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const auto check = [&](double size, const std::string& what) {
         if (d <= size * (1 + rounding_tolerance)) return;
         refuse(source, "/fluid/particle_spacing_m",
@@ -110,7 +114,7 @@ void check_periodic(const Scene& scene, const std::string& source) {
         if (length >= shortest * (1 - rounding_tolerance)) return;
         refuse(source, pointer,
                what + " " + short_number(length) + " m, so that a particle would meet itself across the joint; " +
-                   "allowed: >= " + short_number(shortest / scene.fluid.particle_spacing) +
+                   "allowed: >= " + short_number(shortest / scene.fluid->particle_spacing) +
                    " fluid.particle_spacing_m = " + short_number(shortest) + " m.");
     };
     const Channel& channel = scene.channel;
@@ -128,10 +132,10 @@ void check_periodic(const Scene& scene, const std::string& source) {
 // support radius less a spacing would leave gaps behind them: on a lattice 1 d wide and Wendland's 3 d the density is 3 %
 // short. The cubic spline's 2 d is met by the rule that a channel is no narrower than d.
 void check_walls_apart(const Scene& scene, const std::string& source) {
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const double nearest = support_radius_of(scene.fluid) - d;
-    const std::string narrower =
-        scene.fluid.kernel == KernelKind::cubic_spline ? "/fluid/support_in_spacings 2" : "the kernel \"cubic_spline\"";
+    const std::string narrower = scene.fluid->kernel == KernelKind::cubic_spline ? "/fluid/support_in_spacings 2"
+                                                                                 : "the kernel \"cubic_spline\"";
     const auto check = [&](double gap, const std::string& pointer, const std::string& what) {
         if (gap >= nearest * (1 - rounding_tolerance)) return;
         refuse(source, pointer,
@@ -151,7 +155,7 @@ void check_walls_apart(const Scene& scene, const std::string& source) {
 
 // A given stream meets nothing, has no end walls, and nothing changes it.
 void check_kinematic(const Scene& scene, const std::string& source) {
-    if (scene.fluid.model != ModelKind::kinematic) return;
+    if (scene.fluid->model != ModelKind::kinematic) return;
     const Channel& channel = scene.channel;
     if (channel.flow == Flow::closed || channel.flow == Flow::periodic) {
         refuse(source, "/fluid/model",
@@ -200,11 +204,11 @@ void check_limits(const PressureSolve& solve, const std::string& source, const s
 
 void check_capacity(const Scene& scene, const std::string& source) {
     const std::uint64_t needed = particles_needed(scene);
-    if (static_cast<std::uint64_t>(scene.fluid.max_particles) < needed) {
+    if (static_cast<std::uint64_t>(scene.fluid->max_particles) < needed) {
         refuse(source, "/fluid/max_particles",
-               std::to_string(scene.fluid.max_particles) +
+               std::to_string(scene.fluid->max_particles) +
                    " particles are too few for the water of this scene at a spacing of " +
-                   short_number(scene.fluid.particle_spacing) + " m; allowed: >= " + std::to_string(needed) + ".");
+                   short_number(scene.fluid->particle_spacing) + " m; allowed: >= " + std::to_string(needed) + ".");
     }
 }
 
@@ -239,7 +243,7 @@ void check_particles_on_place(const Scene& scene, const std::string& source, Pro
             const std::size_t column = k % raster->columns, row = k / raster->columns;
             const double x = raster->x + (static_cast<double>(column) + 0.5) * raster->cell;
             const double z = raster->z + (static_cast<double>(row) + 0.5) * raster->cell;
-            const bool in_world = 0 <= x && x <= scene.world.length && 0 <= z && z <= scene.world.width;
+            const bool in_world = 0 <= x && x <= scene.world->length && 0 <= z && z <= scene.world->width;
             if (in_world && std::isnan(raster->values[k])) refuse_gaps(place.ground.file, source);
         }
     });
@@ -247,8 +251,8 @@ void check_particles_on_place(const Scene& scene, const std::string& source, Pro
 
 // Water that people push has to know what momentum is. Of the model "auto" a candidate that does not is refused in its turn.
 void check_two_way(const Scene& scene, const std::string& source) {
-    const ModelKind model = scene.fluid.model;
-    if (!scene.coupling.two_way || model == ModelKind::dfsph || model == ModelKind::shallow_water ||
+    const ModelKind model = scene.fluid->model;
+    if (!scene.coupling->two_way || model == ModelKind::dfsph || model == ModelKind::shallow_water ||
         model == ModelKind::mixed || model == ModelKind::automatic) {
         return;
     }

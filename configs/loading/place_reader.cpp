@@ -10,7 +10,11 @@
 #include "configs/files/raster_file.hpp"
 #include "configs/files/residents_csv.hpp"
 #include "configs/files/series_csv.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/fields/residents.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade {
 
@@ -360,19 +364,19 @@ void read_place(Scene& scene, const SetByScene& set, const std::string& source, 
     scene.place_keys->origin_x = scene.place->origin_x;
     scene.place_keys->origin_z = scene.place->origin_z;
     if (const Raster* const raster = scene.place->ground.raster.get()) {
-        if (!set.length) scene.world.length = raster->x + static_cast<double>(raster->columns) * raster->cell;
-        if (!set.width) scene.world.width = raster->z + static_cast<double>(raster->rows) * raster->cell;
+        if (!set.length) scene.world->length = raster->x + static_cast<double>(raster->columns) * raster->cell;
+        if (!set.width) scene.world->width = raster->z + static_cast<double>(raster->rows) * raster->cell;
     }
     constexpr double most_cells = 1e6;  // of ways: more are solved more slowly than people walk
-    double& cell = scene.crowd.navigation.cell;
-    const double of_that_many = std::sqrt(scene.world.length * scene.world.width / most_cells);
+    double& cell = scene.crowd->navigation.cell;
+    const double of_that_many = std::sqrt(scene.world->length * scene.world->width / most_cells);
     if (!set.ways_cell) cell = std::clamp(of_that_many, cell, 10.0);
-    if (!set.model) scene.fluid.model = ModelKind::shallow_water;
+    if (!set.model) scene.fluid->model = ModelKind::shallow_water;
     count_lodgers(scene);
-    scene.channel = {};
-    scene.channel.flow = Flow::closed;
-    scene.channel.x = {0, scene.world.length};
-    scene.channel.z = {0, scene.world.width};
+    scene.channel = Channel();
+    scene.channel->flow = Flow::closed;
+    scene.channel->x = {0, scene.world->length};
+    scene.channel->z = {0, scene.world->width};
 }
 
 }  // namespace wade

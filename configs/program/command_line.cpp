@@ -12,6 +12,8 @@
 #include "configs/errors/nearest_name.hpp"
 #include "configs/program/help_format.hpp"
 #include "configs/program/version.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 
 namespace wade {
 
@@ -180,10 +182,10 @@ Parsed parse(const ProgramDescription& program, int argc, const char* const* arg
 
 std::string check_text(const RunOptions& options, const Scene& scene) {
     std::uint64_t agents = 0;
-    for (const AgentGroup& group : scene.crowd.groups) agents += static_cast<std::uint64_t>(group.count);
+    for (const AgentGroup& group : scene.crowd->groups) agents += static_cast<std::uint64_t>(group.count);
     std::string particles;  // cells of a place have room of their own
-    if (!scene.place || scene.fluid.model != ModelKind::shallow_water) {
-        particles = std::to_string(particles_needed(scene)) + " of " + std::to_string(scene.fluid.max_particles) +
+    if (!scene.place || scene.fluid->model != ModelKind::shallow_water) {
+        particles = std::to_string(particles_needed(scene)) + " of " + std::to_string(scene.fluid->max_particles) +
                     " particles needed, ";
     }
     return options.scene_file.string() + ": valid; scene " + scene.name + ", " + std::to_string(agents) + " agents, " +

@@ -11,7 +11,13 @@
 #include <string_view>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
+#include "configs/scene/steering.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade {
 

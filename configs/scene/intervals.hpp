@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade {

@@ -3,15 +3,17 @@
 #include <algorithm>
 #include <array>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
 
 namespace wade {
 namespace {
 
 bool fills_its_channel(const Scene& scene) {
-    if (scene.channel.top == Top::open) return false;
-    return scene.channel.top == Top::periodic ||
-           deepest_water(scene) > scene.channel.height - scene.fluid.particle_spacing;
+    if (scene.channel->top == Top::open) return false;
+    return scene.channel->top == Top::periodic ||
+           deepest_water(scene) > scene.channel->height - scene.fluid->particle_spacing;
 }
 
 // Blocks of one level, at rest, that cover the channel.
@@ -51,7 +53,7 @@ bool has_room(const Scene& scene, KernelKind kernel) {
 
 KernelKind kernel_needed(const Scene& scene) {
     constexpr std::array nearer_and_nearer{KernelKind::wendland_c2, KernelKind::quartic_spline};
-    if (scene.fluid.support_in_spacings != 2) return KernelKind::cubic_spline;
+    if (scene.fluid->support_in_spacings != 2) return KernelKind::cubic_spline;
     const bool is_full = fills_its_channel(scene);
     if (!is_full && has_front(scene.channel)) return KernelKind::cubic_spline;
     for (const KernelKind kernel : nearer_and_nearer) {
@@ -61,7 +63,7 @@ KernelKind kernel_needed(const Scene& scene) {
 }
 
 void choose_kernel(Scene& scene) {
-    if (scene.fluid.kernel == KernelKind::automatic) scene.fluid.kernel = kernel_needed(scene);
+    if (scene.fluid->kernel == KernelKind::automatic) scene.fluid->kernel = kernel_needed(scene);
 }
 
 }  // namespace wade

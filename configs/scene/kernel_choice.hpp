@@ -10,6 +10,7 @@
 // The figures are of docs/models_of_water.md#kernels. A kernel that reaches too far for the walls or the period of the scene gives
 // way to the next nearer one, and support_in_spacings wants the cubic spline.
 
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade {

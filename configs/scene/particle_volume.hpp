@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade {

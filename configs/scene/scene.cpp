@@ -1,5 +1,11 @@
 #include "configs/scene/scene.hpp"
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
+
 namespace wade {
 
 Scene::Scene() = default;

@@ -4,7 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/particle_volume.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade {
 
@@ -56,8 +60,8 @@ Interval heights_of_ground(const Scene& scene) {
         return heights;
     }
     for (const auto& point : ground.points) take(point[1]);
-    for (const double x : {0.0, scene.world.length}) {
-        for (const double z : {0.0, scene.world.width}) {
+    for (const double x : {0.0, scene.world->length}) {
+        for (const double z : {0.0, scene.world->width}) {
             if (ground.points.empty()) take(ground.level + ground.slope_x * x + ground.slope_z * z);
         }
     }
@@ -77,7 +81,7 @@ double deepest_water(const Scene& scene) {
 
 std::uint64_t river_particles(const Scene& scene) {
     const Channel& channel = scene.channel;
-    return particles_in(channel.x.length() * channel.z.length() * channel.depth, scene.fluid.particle_spacing);
+    return particles_in(channel.x.length() * channel.z.length() * channel.depth, scene.fluid->particle_spacing);
 }
 
 namespace {
@@ -85,11 +89,11 @@ namespace {
 // Of the water that stands on a place at t = 0, m3: by the depth at points as far apart as the particles, at most about a million.
 double standing_water(const Scene& scene) {
     const Place& place = *scene.place;
-    const double area = scene.world.length * scene.world.width;
-    const double step = std::max(scene.fluid.particle_spacing, std::sqrt(area / 1e6));
+    const double area = scene.world->length * scene.world->width;
+    const double step = std::max(scene.fluid->particle_spacing, std::sqrt(area / 1e6));
     const auto along = [&](double length) { return static_cast<int>(std::max(1.0, std::round(length / step))); };
-    const int nx = along(scene.world.length), nz = along(scene.world.width);
-    const double dx = scene.world.length / nx, dz = scene.world.width / nz;
+    const int nx = along(scene.world->length), nz = along(scene.world->width);
+    const double dx = scene.world->length / nx, dz = scene.world->width / nz;
     double volume = 0;
     for (int k = 0; k < nx * nz; ++k) {
         const int column = k % nx, row = k / nx;
@@ -110,9 +114,9 @@ double standing_water(const Scene& scene) {
 }  // namespace
 
 std::uint64_t particles_needed(const Scene& scene) {
-    if (scene.place) return particles_in(standing_water(scene), scene.fluid.particle_spacing);
+    if (scene.place) return particles_in(standing_water(scene), scene.fluid->particle_spacing);
     const Channel& channel = scene.channel;
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     switch (channel.flow) {
         case Flow::emitter:
             return particles_in(
@@ -133,7 +137,7 @@ std::uint64_t particles_needed(const Scene& scene) {
 }
 
 std::uint64_t particles_expected(const Scene& scene) {
-    const auto room = static_cast<std::uint64_t>(std::max(scene.fluid.max_particles, 0));
+    const auto room = static_cast<std::uint64_t>(std::max(scene.fluid->max_particles, 0));
     double volume = 0;
     if (scene.place) {
         for (const Source& source : scene.place->sources) volume += integral_of(source.discharge, 0, scene.duration);

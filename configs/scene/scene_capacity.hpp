@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade {
@@ -16,23 +17,23 @@ namespace wade {
 
 // Steps of the crowd in the whole run.
 [[nodiscard]] inline std::uint64_t steps_of(const Scene& scene) {
-    return static_cast<std::uint64_t>(std::max(1LL, std::llround(scene.duration * scene.crowd.step_rate)));
+    return static_cast<std::uint64_t>(std::max(1LL, std::llround(scene.duration * scene.crowd->step_rate)));
 }
 
 // Steps of the crowd that are due once the water has reached `tick`: step k is taken at k / step_rate. A millionth of a
 // step makes up for rates that are no whole number of ticks.
 [[nodiscard]] inline std::uint64_t steps_due(const Scene& scene, std::uint64_t tick, std::uint64_t ticks_per_second) {
     const double time = static_cast<double>(tick) / static_cast<double>(ticks_per_second);
-    return static_cast<std::uint64_t>(std::floor(time * scene.crowd.step_rate + 1e-6));
+    return static_cast<std::uint64_t>(std::floor(time * scene.crowd->step_rate + 1e-6));
 }
 
 // Frame k of files with so many frames a second, at most, is the state after k times so many steps: the least whole number that
 // keeps to the rate.
 [[nodiscard]] inline std::uint64_t steps_per_frame_at(const Scene& scene, double rate) {
-    return static_cast<std::uint64_t>(std::max(1.0, std::ceil(scene.crowd.step_rate / rate - 1e-9)));
+    return static_cast<std::uint64_t>(std::max(1.0, std::ceil(scene.crowd->step_rate / rate - 1e-9)));
 }
 [[nodiscard]] inline std::uint64_t steps_per_path_frame(const Scene& scene) {
-    return steps_per_frame_at(scene, scene.crowd.paths.rate);
+    return steps_per_frame_at(scene, scene.crowd->paths.rate);
 }
 
 // The first frame at or after `time`, s; a time that is a frame's up to rounding means this frame.
@@ -44,7 +45,7 @@ namespace wade {
 // The step of the crowd from which on an event of this frame of the water holds: the first after the frame before.
 [[nodiscard]] inline std::uint64_t step_of_frame(const Scene& scene, std::uint64_t frame) {
     if (frame == 0) return 0;
-    const double steps_per_frame = scene.crowd.step_rate / scene.frame_rate;
+    const double steps_per_frame = scene.crowd->step_rate / scene.frame_rate;
     return static_cast<std::uint64_t>(std::floor(static_cast<double>(frame - 1) * steps_per_frame + 1e-6)) + 1;
 }
 

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade {

@@ -6,6 +6,8 @@
 #include <bit>
 #include <cmath>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/bodies/body_looks.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 

@@ -71,6 +71,8 @@
 #include <cstdint>
 #include <span>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/interval.hpp"
 #include "crowd_client/agents.hpp"
 #include "crowd_client/bodies/body_clock.hpp"
 #include "crowd_client/bodies/body_state.hpp"

@@ -1,5 +1,7 @@
 #include "crowd_client/bodies/body_cells.hpp"
 
+#include "configs/scene/world.hpp"
+
 namespace wade::crowd {
 
 void sort_people(BodyCells& cells, const World& world, std::span<const Vector2d> people, double reach) {

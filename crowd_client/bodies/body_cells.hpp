@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "crowd_client/equations.hpp"
 
 namespace wade::crowd {

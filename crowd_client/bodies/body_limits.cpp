@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/bodies/bodies.hpp"
 #include "crowd_client/bodies/body_looks.hpp"
 #include "crowd_client/bodies/obstacles_near.hpp"

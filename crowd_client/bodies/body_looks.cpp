@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/interval.hpp"
+
 namespace wade::crowd {
 namespace {
 

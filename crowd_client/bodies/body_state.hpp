@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/bodies/body_cells.hpp"
 #include "crowd_client/bodies/body_looks.hpp"
 #include "crowd_client/equations.hpp"

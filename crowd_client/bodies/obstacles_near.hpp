@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "crowd_client/ways/obstacles.hpp"
 
 namespace wade::crowd {

@@ -8,6 +8,7 @@
 #include <cstddef>
 
 #include "configs/scene/scene.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade::crowd {
 

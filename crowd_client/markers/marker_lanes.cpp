@@ -1,5 +1,6 @@
 #include "crowd_client/markers/marker_lanes.hpp"
 
+#include "configs/scene/obstacle.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 
 namespace wade::crowd {

@@ -6,6 +6,9 @@
 #include <sstream>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/markers/lanes.hpp"
 
@@ -135,7 +138,7 @@ DrawnMarkers drawn_markers(const Scene& scene, const GroundGrid& grid) {
     const Crowd& crowd = scene.crowd;
     DrawnMarkers drawn;
     drawn.grid = grid;
-    drawn.ring = scene.world.period() > 0;
+    drawn.ring = scene.world->period() > 0;
     const auto side = std::lround(std::sqrt(crowd.markers_per_cell));
     const double pitch = GroundGrid::cell_size / static_cast<double>(side);
     drawn.jitter = static_cast<float>(pitch - crowd.marker_min_distance);
@@ -184,7 +187,7 @@ Markers place_markers(const Scene& scene) {
     const auto wanted = static_cast<std::size_t>(crowd.markers_per_cell);
 
     // Columns that are seen twice in a periodic world: the last one stands before the first, the first behind the last.
-    const double period = scene.world.period();
+    const double period = scene.world->period();
     const int last_column = grid.columns - 3;
 
     // Only the row below and the row at hand are needed to keep the distance across borders.

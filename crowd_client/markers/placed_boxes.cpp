@@ -4,6 +4,9 @@
 #include <limits>
 #include <utility>
 
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+
 namespace wade::crowd {
 namespace {
 

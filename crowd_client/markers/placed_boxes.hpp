@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade::crowd {

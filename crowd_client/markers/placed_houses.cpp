@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "configs/scene/obstacle.hpp"
+
 namespace wade::crowd {
 namespace {
 

@@ -7,7 +7,9 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/numbers/normal.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/place.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/placed_houses.hpp"
 
 namespace wade::crowd {
@@ -58,7 +60,7 @@ const std::vector<Vector2d>& Doors::doors_of(std::size_t house) {
         std::span(houses_.sides)
             .subspan(houses_.first_side[house], houses_.first_side[house + 1] - houses_.first_side[house]);
     const auto is_free = [&](const Vector2d& p) {
-        const bool in_world = p.x() >= 0 && p.x() <= scene_.world.length && p.y() >= 0 && p.y() <= scene_.world.width;
+        const bool in_world = p.x() >= 0 && p.x() <= scene_.world->length && p.y() >= 0 && p.y() <= scene_.world->width;
         return in_world && !is_in_a_house(houses_, p) &&
                !any_side_near(houses_, {p.x() - room_, p.x() + room_}, {p.y() - room_, p.y() + room_},
                               [&](const HouseSide& side) { return (p - side.at(side.nearest(p))).norm() < room_; });

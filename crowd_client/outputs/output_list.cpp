@@ -1,5 +1,6 @@
 #include "crowd_client/outputs/output_list.hpp"
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/outputs/writers/danger.hpp"
 #include "crowd_client/outputs/writers/for_animators.hpp"
 #include "crowd_client/outputs/writers/played_events.hpp"
@@ -23,7 +24,7 @@ bool with_terms(const Scene&, const Record& kept) {
     return kept.terms_interval > 0;
 }
 bool with_poses(const Scene& scene, const Record&) {
-    return scene.crowd.pose_rate > 0;
+    return scene.crowd->pose_rate > 0;
 }
 bool with_ragdolls(const Scene& scene, const Record&) {
     return has_ragdolls(scene);

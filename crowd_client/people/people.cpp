@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/people/links.hpp"
 #include "crowd_client/people/push.hpp"
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/people/person.hpp"
 #include "crowd_client/people/states.hpp"
 #include "crowd_client/people/wear.hpp"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/fluid.hpp"
+
 namespace wade::crowd {
 
 double disc_width_share(ModelKind model, const Stream& stream) {

@@ -17,6 +17,7 @@
 // Fitted to the drag of one who stands in 0.5 to 2.5 m/s and 0.5 to 1.5 m (spacing 0.25 m), where W_e / R is 1.3 to 8. The drag is
 // then right within 3 %, at 2.5 m/s within 6 %. It is the stream's U and not u, as it is the river that mixes [A].
 
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
 

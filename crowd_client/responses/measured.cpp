@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/people/push.hpp"
 #include "crowd_client/responses/paper.hpp"
 
@@ -12,8 +15,8 @@ class Measured final : public Response {
  public:
     explicit Measured(const Scene& scene)
         : by_tau_(make_paper_response(scene)),
-          water_{scene.fluid.rest_density, scene.world.gravity},
-          pushes_(scene.coupling.two_way) {}
+          water_{scene.fluid->rest_density, scene.world->gravity},
+          pushes_(scene.coupling->two_way) {}
 
     void respond(const FrozenCrowd& crowd, NextVelocities& next) const override {
         const Agents& agents = crowd.agents;

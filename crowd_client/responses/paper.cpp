@@ -1,5 +1,6 @@
 #include "crowd_client/responses/paper.hpp"
 
+#include "configs/scene/coupling.hpp"
 #include "crowd_client/responses/sampled_coupling.hpp"
 
 namespace wade::crowd {
@@ -48,7 +49,7 @@ class Continuous final : public Response {
 }  // namespace
 
 std::unique_ptr<Response> make_paper_response(const Scene& scene) {
-    if (scene.coupling.rule == CouplingRule::continuous) return std::make_unique<Continuous>(sampling_of(scene));
+    if (scene.coupling->rule == CouplingRule::continuous) return std::make_unique<Continuous>(sampling_of(scene));
     return std::make_unique<PerFrame>();
 }
 

@@ -3,16 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/water/contacts.hpp"
 
 namespace wade::crowd {
 
 Sampling sampling_of(const Scene& scene) {
     constexpr double rounding = 1e-9;  // of rates that divide one another
-    const double samples = scene.coupling.sampling_rate / scene.crowd.step_rate;
-    const bool given = scene.fluid.model == ModelKind::kinematic;
+    const double samples = scene.coupling->sampling_rate / scene.crowd->step_rate;
+    const bool given = scene.fluid->model == ModelKind::kinematic;
     return {std::max(1, static_cast<int>(std::ceil(samples - rounding))),
-            given ? scene.fluid.kinematic.transport_factor : 1};
+            given ? scene.fluid->kinematic.transport_factor : 1};
 }
 
 Contact contact_after(const WaterBins& bins, const World& world, const Vector2d& place, double distance, double time,

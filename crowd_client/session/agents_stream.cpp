@@ -7,6 +7,7 @@
 #include <span>
 #include <tuple>
 
+#include "configs/scene/coupling.hpp"
 #include "shm_protocol/inside/bytes/hash.hpp"
 #include "shm_protocol/inside/header.hpp"
 
@@ -18,7 +19,7 @@ shm::StreamInfo agents_info(const CrowdWorld& crowd, const shm::StreamInfo& wate
     info.kind = shm::stream_agents;
     info.producer_name = "crowd";
     info.capacity = static_cast<std::uint32_t>(std::max<std::size_t>(1, crowd.agents.size()));
-    info.coupling_lag = crowd.scene.coupling.agents_stream == AgentsStream::parallel ? 1 : 0;
+    info.coupling_lag = crowd.scene.coupling->agents_stream == AgentsStream::parallel ? 1 : 0;
     info.depth = 1 + info.coupling_lag;
     info.impulses = crowd.pushing.has_value();
     info.ticks_per_second = water.ticks_per_second;
@@ -67,7 +68,7 @@ void AgentsPublisher::gather(const CrowdWorld& crowd) {
         px.push_back(static_cast<float>(agents.position[id].x()));
         py.push_back(0);
         pz.push_back(static_cast<float>(agents.position[id].y()));
-        radius.push_back(static_cast<float>(crowd.scene.coupling.agent_radius));
+        radius.push_back(static_cast<float>(crowd.scene.coupling->agent_radius));
         height.push_back(static_cast<float>(agents.people.height[id]));
         state.push_back(state_of(agents.outcome[id]));
     }

@@ -8,6 +8,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/errors/nearest_name.hpp"
 #include "configs/loading/scene_file.hpp"
+#include "configs/scene/coupling.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -139,13 +140,13 @@ std::vector<ListedCrowd> load_crowds_text(std::string_view text, const std::file
                                  ": expected a list of at least one crowd, each { \"name\": ..., \"set\": ... }, " +
                                  "found " + shown(document) + ".");
     }
-    if (water.scene.coupling.two_way) {
+    if (water.scene.coupling->two_way) {
         throw ConfigurationError(
             scene_file.string() +
             ": /coupling/two_way: many crowds share a water, and what one does to it the others would "
             "feel; allowed with --crowds: false.");
     }
-    if (water.scene.coupling.agents_stream != AgentsStream::off) {
+    if (water.scene.coupling->agents_stream != AgentsStream::off) {
         throw ConfigurationError(scene_file.string() +
                                  ": /coupling/agents_stream: many crowds share a water that none of them moves; " +
                                  "allowed with --crowds: \"off\".");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene_frames.hpp"
 
 namespace wade::crowd {
@@ -27,7 +28,7 @@ double time_of_tick(const shm::StreamInfo& info, std::uint64_t tick) {
 std::uint64_t steps_due_at(const Scene& scene, const shm::StreamInfo& info, std::uint64_t tick) {
     const std::uint64_t all = steps_of(scene);
     // Also keeps absurd ticks away from the conversion of a number that is too large.
-    if (time_of_tick(info, tick) > scene.duration + 2 / scene.frame_rate + 1 / scene.crowd.step_rate) return all;
+    if (time_of_tick(info, tick) > scene.duration + 2 / scene.frame_rate + 1 / scene.crowd->step_rate) return all;
     if (has_rate_of_scene(scene, info) && tick % info.ticks_per_frame == 0) {
         return std::min(all, step_of_frame(scene, tick / info.ticks_per_frame + 1) - 1);
     }

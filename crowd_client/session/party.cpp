@@ -6,6 +6,8 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/program/memory.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_memory.hpp"
 #include "crowd_client/outputs/run_folder.hpp"
 #include "crowd_client/outputs/writers/report.hpp"
@@ -35,7 +37,7 @@ struct Size {
 };
 
 Size operator+(Size size, const Scene& scene) {
-    for (const AgentGroup& group : scene.crowd.groups) size.agents += group.count;
+    for (const AgentGroup& group : scene.crowd->groups) size.agents += group.count;
     return {size.crowds + 1, size.agents, size.memory + memory_of_crowd(scene)};
 }
 
@@ -50,7 +52,7 @@ void demand_memory(const Size& size, const std::string& source) {
 }
 
 void check_mode(const Party& party, const ProgramStart& start) {
-    const bool way_back = party.runs.front().crowd.scene.coupling.agents_stream != AgentsStream::off;
+    const bool way_back = party.runs.front().crowd.scene.coupling->agents_stream != AgentsStream::off;
     if (start.options.word("--mode") != "latest" || !way_back) return;
     throw ConfigurationError(
         "--mode latest: frames may be missed, but the scene's /coupling/agents_stream answers each of them; "

@@ -13,6 +13,9 @@
 #include "configs/program/run_control.hpp"
 #include "configs/program/time_left.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "crowd_client/outputs/writers/played_events.hpp"
 #include "crowd_client/session/frame_time.hpp"
@@ -100,7 +103,7 @@ class Voyage {
  private:
     [[nodiscard]] CrowdRun& only() { return party_.runs.front(); }
     [[nodiscard]] bool has_way_back() {
-        return !party_.many && only().crowd.scene.coupling.agents_stream != AgentsStream::off;
+        return !party_.many && only().crowd.scene.coupling->agents_stream != AgentsStream::off;
     }
 
     // A second crowd, started by mistake, must not join the water and disturb the first one.
@@ -140,7 +143,7 @@ class Voyage {
         const std::optional<ModelKind> model = choice_named<ModelKind>(info.producer_name);
         for (CrowdRun& run : party_.runs) {
             CrowdWorld& crowd = run.crowd;
-            if (crowd.scene.fluid.model != ModelKind::automatic || !crowd.feeling || !model) continue;
+            if (crowd.scene.fluid->model != ModelKind::automatic || !crowd.feeling || !model) continue;
             try {
                 suit_to_model(crowd, *model, 2 * info.particle_radius);
             } catch (const std::exception& error) {
@@ -237,7 +240,7 @@ class Voyage {
         const CrowdWorld& crowd = only().crowd;
         regularity_.see(source_->info(), frame, crowd.scene);
         const std::uint64_t steps = crowd.steps - std::exchange(steps_before_, crowd.steps);
-        if (static_cast<double>(steps) > crowd.scene.crowd.step_rate && !std::exchange(told_of_gaps_, true)) {
+        if (static_cast<double>(steps) > crowd.scene.crowd->step_rate && !std::exchange(told_of_gaps_, true)) {
             console_.warning(std::to_string(steps) + " steps, more than a second, were walked through frame " +
                              std::to_string(frame.frame) + " alone; water that runs in real time leaves fewer gaps");
         }

@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "configs/scene/coupling.hpp"
 #include "crowd_client/water/near_water.hpp"
 
 namespace wade::crowd {

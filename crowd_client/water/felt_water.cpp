@@ -8,6 +8,11 @@
 #include <sstream>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/water/near_water.hpp"
 
 namespace wade::crowd {
@@ -135,9 +140,9 @@ bool is_over_a_box(const Feeling& feeling, double x, double z) {
 Feeling make_feeling(const Scene& scene) {
     Feeling feeling;
     // Of shallow water on a place each cell is a particle.
-    const double spacing = scene.place && scene.fluid.model == ModelKind::shallow_water
-                               ? std::min(scene.fluid.shallow_water.cell_size, largest_spread / spread_in_spacings)
-                               : scene.fluid.particle_spacing;
+    const double spacing = scene.place && scene.fluid->model == ModelKind::shallow_water
+                               ? std::min(scene.fluid->shallow_water.cell_size, largest_spread / spread_in_spacings)
+                               : scene.fluid->particle_spacing;
     feeling.spread = std::max(least_spread, spread_in_spacings * spacing);
     if (feeling.spread > largest_spread) {
         std::ostringstream message;
@@ -145,11 +150,11 @@ Feeling make_feeling(const Scene& scene) {
                 << " m is too far; allowed: a spacing <= " << largest_spread / spread_in_spacings << " m";
         throw ConfigurationError(message.str());
     }
-    feeling.rest_density = scene.fluid.rest_density;
-    feeling.x = scene.channel.x;
-    feeling.z = scene.channel.z;
+    feeling.rest_density = scene.fluid->rest_density;
+    feeling.x = scene.channel->x;
+    feeling.z = scene.channel->z;
     std::vector<Obstacle> boxes = scene.place ? std::vector<Obstacle>{} : scene.obstacles;
-    if (const double period = scene.world.period(); period > 0) {
+    if (const double period = scene.world->period(); period > 0) {
         constexpr double nowhere = std::numeric_limits<double>::infinity();
         feeling.x = {-nowhere, nowhere};
         for (const Obstacle& box : scene.obstacles) {

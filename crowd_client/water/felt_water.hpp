@@ -17,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "crowd_client/markers/placed_boxes.hpp"
 #include "crowd_client/markers/placed_houses.hpp"
 #include "crowd_client/water/water_bins.hpp"

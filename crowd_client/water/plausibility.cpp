@@ -7,7 +7,11 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/place.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -153,7 +157,7 @@ Box water_box(const Scene& scene) {
 
 Plausibility::Plausibility(const Scene& scene)
     : expected_(water_box(scene)),
-      rest_density_(scene.fluid.rest_density),
+      rest_density_(scene.fluid->rest_density),
       should_have_water_(starts_with_water(scene)) {}
 
 std::vector<std::string> Plausibility::look(const WaterView& water, std::uint64_t frame, double time) {

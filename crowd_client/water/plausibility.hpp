@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene.hpp"
 #include "crowd_client/water/water_view.hpp"
 

@@ -1,5 +1,7 @@
 #include "crowd_client/water/ragdoll.hpp"
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/time_lines.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 
@@ -62,19 +64,19 @@ void tumble_on(Tumbling& tumbling, const TouchingMean& touching, double dt) {
 void find_ragdolls(std::vector<Ragdoll>& ragdolls, std::vector<Tumbling>& tumbling, const Scene& scene,
                    const Agents& agents, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
                    const WaterBins& water, std::uint64_t step) {
-    const RagdollRule& rule = scene.crowd.ragdoll;
-    const double v_f = channel_velocity(scene.channel, static_cast<double>(step) / scene.crowd.step_rate);
+    const RagdollRule& rule = scene.crowd->ragdoll;
+    const double v_f = channel_velocity(scene.channel, static_cast<double>(step) / scene.crowd->step_rate);
     const double distance = contact_distance(scene.coupling);
     ragdolls.clear();
     tumbling.resize(agents.size());
     for (std::size_t k = 0; k < active.size(); ++k) {
         const std::uint32_t id = active[k];
-        const CellWater met = water_at(water, positions[k], scene.fluid.rest_density);
+        const CellWater met = water_at(water, positions[k], scene.fluid->rest_density);
         const bool holds = ragdoll_holds(rule, agents.tau[id], v_f, met);
         Tumbling& one = tumbling[id];
         if (!holds && one.is_new) continue;
         tumble_on(one, holds ? mean_of_touching(water, positions[k], distance) : TouchingMean{},
-                  1 / scene.crowd.step_rate);
+                  1 / scene.crowd->step_rate);
         if (!one.enabled.holds) continue;
         const Vector3d rate = one.velocity.value + random_rate(rule.random_sign, scene.seed, id);
         ragdolls.push_back({id, one.height.value, {rate.x(), rate.y(), rate.z()}});

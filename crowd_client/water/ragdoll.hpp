@@ -17,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/agents.hpp"
 #include "crowd_client/people/pose.hpp"
 #include "crowd_client/water/contacts.hpp"
@@ -32,7 +33,7 @@ struct Ragdoll {
 };
 
 [[nodiscard]] inline bool has_ragdolls(const Scene& scene) {
-    return scene.crowd.ragdoll.condition != RagdollCondition::off;
+    return scene.crowd->ragdoll.condition != RagdollCondition::off;
 }
 
 // Whether the rule's condition holds. v_f: of the channel, m/s; met: the water in the agent's cell.

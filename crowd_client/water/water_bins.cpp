@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
+
 namespace wade::crowd {
 namespace {
 
@@ -200,8 +203,8 @@ Contact sum_of_cell(const WaterBins& bins, std::size_t cell) {
 WaterBins empty_bins(const Scene& scene) {
     WaterBins bins;
     bins.grid = GroundGrid::over(scene.world);
-    bins.period = scene.world.period();
-    bins.with_heights = scene.crowd.ragdoll.condition != RagdollCondition::off;
+    bins.period = scene.world->period();
+    bins.with_heights = scene.crowd->ragdoll.condition != RagdollCondition::off;
     return bins;
 }
 

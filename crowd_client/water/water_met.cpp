@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/intervals.hpp"
 #include "crowd_client/water/contacts.hpp"
 
@@ -34,7 +37,7 @@ void note_water_met(Agents& agents, const Scene& scene, std::span<const std::uin
                     std::span<const Vector2d> positions, const WaterBins& water) {
     for (std::size_t k = 0; k < active.size(); ++k) {
         const std::uint32_t id = active[k];
-        const CellWater met = water_at(water, positions[k], scene.fluid.rest_density);
+        const CellWater met = water_at(water, positions[k], scene.fluid->rest_density);
         agents.max_depth[id] = std::max(agents.max_depth[id], met.depth);
         agents.max_dv[id] = std::max(agents.max_dv[id], met.depth * met.speed);
         const double share = channel_share(scene.channel, positions[k]);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/steering_behaviours.hpp"
 
 namespace wade::crowd {

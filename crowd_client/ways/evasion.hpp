@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/agents.hpp"
 #include "crowd_client/water/water_bins.hpp"
 

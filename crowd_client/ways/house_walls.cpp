@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "configs/scene/interval.hpp"
 #include "crowd_client/ways/obstacles.hpp"
 
 namespace wade::crowd {

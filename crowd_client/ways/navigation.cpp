@@ -9,6 +9,10 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/ground_grid.hpp"
 #include "crowd_client/ways/way_fields.hpp"
 
@@ -94,12 +98,12 @@ void find_views(const Navigation& navigation, WayField& field) {
 }
 
 double nodes_of(const Scene& scene, double cell) {
-    const double laps = scene.world.period() > 0 ? laps_laid_out : 1;
-    return (laps * scene.world.length / cell + 1) * (scene.world.width / cell + 1);
+    const double laps = scene.world->period() > 0 ? laps_laid_out : 1;
+    return (laps * scene.world->length / cell + 1) * (scene.world->width / cell + 1);
 }
 
 void check_size(const Scene& scene, std::size_t goals) {
-    const double cell = scene.crowd.navigation.cell, all = nodes_of(scene, cell) * static_cast<double>(goals);
+    const double cell = scene.crowd->navigation.cell, all = nodes_of(scene, cell) * static_cast<double>(goals);
     if (all <= max_field_nodes) return;
     std::ostringstream message;
     message << "/crowd/navigation/cell_m is " << cell << ", which makes " << all << " cells for " << goals
@@ -130,7 +134,7 @@ double narrowest_gap(const Sight& sight, double most) {
 // Small enough for each gap, if that leaves room for all goals, m.
 double cell_for_gaps(const Navigation& navigation, const Scene& scene) {
     constexpr double smallest = 0.05;
-    const double largest = scene.crowd.navigation.cell;
+    const double largest = scene.crowd->navigation.cell;
     const double cell = std::min(largest, std::max(smallest, narrowest_gap(navigation.sight, largest)));
     const auto goals = static_cast<double>(navigation.fields.size());
     return nodes_of(scene, cell) * goals <= max_field_nodes ? cell : largest;
@@ -154,8 +158,8 @@ void lay_out_grid(Navigation& navigation, const Scene& scene, double cell) {
     const double period = navigation.period;
     const double lap_cell = period > 0 ? period / std::ceil(period / cell - 1e-9) : cell;
     navigation.grid =
-        period > 0 ? travel_grid({-lap_of_goals * period, 0}, {laps_laid_out * period, scene.world.width}, lap_cell)
-                   : travel_grid({0, 0}, {scene.world.length, scene.world.width}, cell);
+        period > 0 ? travel_grid({-lap_of_goals * period, 0}, {laps_laid_out * period, scene.world->width}, lap_cell)
+                   : travel_grid({0, 0}, {scene.world->length, scene.world->width}, cell);
     finish_grid(navigation, scene);
 }
 
@@ -185,16 +189,16 @@ std::string first_without_way(const Navigation& navigation, const Scene& scene, 
         if (count++ == 0) first = id;
     }
     if (count == 0) return "";
-    const bool is_straight = scene.crowd.navigation.rule == NavigationRule::straight;
+    const bool is_straight = scene.crowd->navigation.rule == NavigationRule::straight;
     const double width = 2 * navigation.sight.clearance, cell = std::max(navigation.grid.dx, navigation.grid.dz);
     std::ostringstream message;
     message << "/crowd/groups/" << agents.group[first] << ": agent " << first << " of group \""
-            << scene.crowd.groups[agents.group[first]].name << "\" starts at (" << agents.position[first].x() << ", "
+            << scene.crowd->groups[agents.group[first]].name << "\" starts at (" << agents.position[first].x() << ", "
             << agents.position[first].y() << ") m without a way to its goal (" << agents.goal[first].x() << ", "
             << agents.goal[first].y() << ") m";
     if (count > 1) message << ", as do " << count - 1 << " more";
     message << (is_straight ? "; it takes" : "; allowed:") << " a way between the obstacles that is more than " << width
-            << " m wide (" << width / scene.crowd.body_radius
+            << " m wide (" << width / scene.crowd->body_radius
             << " /crowd/body_radius_m), and for certain found if it is " << width << " m plus a cell of " << cell
             << " m (/crowd/navigation/cell_m)" << (is_straight ? "" : ", or /crowd/navigation/rule straight");
     return message.str();
@@ -228,7 +232,7 @@ void solve_where_needed(Navigation& navigation, const Scene& scene, std::span<co
     }
     if (needed.empty()) return;
     if (navigation.grid.closed.empty()) {
-        if (nodes_of(scene, scene.crowd.navigation.cell) > max_field_nodes) return;
+        if (nodes_of(scene, scene.crowd->navigation.cell) > max_field_nodes) return;
         lay_out_grid(navigation, scene, cell_for_gaps(navigation, scene));
     }
     const auto room = static_cast<std::size_t>(max_field_nodes) / navigation.grid.closed.size();
@@ -250,7 +254,7 @@ void solve_all(Navigation& navigation, const Scene& scene, const Agents& agents,
 }
 
 std::uint64_t steps_in(double time, const Scene& scene) {
-    return static_cast<std::uint64_t>(std::max(1.0, std::round(time * scene.crowd.step_rate)));
+    return static_cast<std::uint64_t>(std::max(1.0, std::round(time * scene.crowd->step_rate)));
 }
 
 // Zero where it goes straight.
@@ -285,30 +289,30 @@ void finish_grid(Navigation& navigation, const Scene& scene) {
     const double narrowest = std::min(navigation.grid.dx, navigation.grid.dz);
     constexpr int most_reach = 31;
     navigation.reach = std::min(most_reach, 1 + static_cast<int>(std::ceil(navigation.sight.clearance / narrowest)));
-    navigation.start_radius = std::max(scene.crowd.goal_radius, 2 * widest);
+    navigation.start_radius = std::max(scene.crowd->goal_radius, 2 * widest);
 }
 
 double least_clearance(const Scene& scene) {
-    const bool turns = scene.crowd.bodies != BodyRule::none;
-    return (turns ? turned_share : 1) * scene.crowd.body_radius;
+    const bool turns = scene.crowd->bodies != BodyRule::none;
+    return (turns ? turned_share : 1) * scene.crowd->body_radius;
 }
 
 Navigation make_navigation(const Scene& scene, const Agents& agents) {
     constexpr double time_between_looks = 1;   // whether fields are needed, s
     constexpr double time_between_ways = 0.1;  // s; bodies decide as often by themselves
-    const NavigationSettings& settings = scene.crowd.navigation;
+    const NavigationSettings& settings = scene.crowd->navigation;
     Navigation navigation;
     const bool nothing_in_the_way = scene.obstacles.empty() && settings.crowding == 0;
     if (settings.rule == NavigationRule::straight || nothing_in_the_way || agents.size() == 0) return navigation;
-    if (scene.crowd.bodies == BodyRule::none) {
-        const double decisions = time_between_ways * scene.crowd.step_rate;
+    if (scene.crowd->bodies == BodyRule::none) {
+        const double decisions = time_between_ways * scene.crowd->step_rate;
         navigation.looks_between = static_cast<std::uint64_t>(std::max(1.0, std::floor(decisions + 1e-9)));
     }
     navigation.way.assign(agents.size(), Vector2d::Zero());
     navigation.crowding = settings.crowding;
     navigation.only_where_needed = settings.rule == NavigationRule::automatic && settings.crowding == 0;
-    navigation.period = scene.world.period();
-    navigation.goal_radius = scene.crowd.goal_radius;
+    navigation.period = scene.world->period();
+    navigation.goal_radius = scene.crowd->goal_radius;
     name_goals(navigation, agents);
     place_boxes_of_way(navigation, scene);
     if (navigation.only_where_needed) {
@@ -332,13 +336,13 @@ Navigation make_navigation(const Scene& scene, const Agents& agents) {
 }
 
 std::string people_without_way(const Navigation& navigation, const Scene& scene, const Agents& agents) {
-    if (scene.crowd.navigation.rule != NavigationRule::straight) return first_without_way(navigation, scene, agents);
+    if (scene.crowd->navigation.rule != NavigationRule::straight) return first_without_way(navigation, scene, agents);
     constexpr double worth_a_look = 5e6;  // nodes; some seconds
-    const auto goals = static_cast<double>(scene.crowd.groups.size());
-    if (nodes_of(scene, scene.crowd.navigation.cell) * goals > worth_a_look) return "";
+    const auto goals = static_cast<double>(scene.crowd->groups.size());
+    if (nodes_of(scene, scene.crowd->navigation.cell) * goals > worth_a_look) return "";
     Scene led = scene;
-    led.crowd.navigation.rule = NavigationRule::automatic;
-    led.crowd.navigation.crowding = 0;
+    led.crowd->navigation.rule = NavigationRule::automatic;
+    led.crowd->navigation.crowding = 0;
     return first_without_way(make_navigation(led, agents), scene, agents);
 }
 
@@ -367,7 +371,7 @@ Navigation ways_within(const Scene& scene, const Walls& walls, const Interval& x
                        const Vector2d& goal) {
     constexpr double smallest = 0.25, cell_of_boxes = 4;  // m
     Navigation navigation;
-    navigation.goal_radius = scene.crowd.goal_radius;
+    navigation.goal_radius = scene.crowd->goal_radius;
     navigation.sight.clearance = least_clearance(scene);
     std::vector<Obstacle> near;
     for_each_near(walls.boxes, x, z, [&](const Obstacle& box) { near.push_back(box); });
@@ -376,7 +380,7 @@ Navigation ways_within(const Scene& scene, const Walls& walls, const Interval& x
                   [&](const Obstacle& ground) { plans.push_back(walls.houses.plan_on(ground)); });
     navigation.sight.houses = place_houses(std::move(plans));
     navigation.sight.boxes = place_boxes(std::move(near), cell_of_boxes);
-    const double largest = scene.crowd.navigation.cell;
+    const double largest = scene.crowd->navigation.cell;
     const double cell = std::min(largest, std::max(smallest, narrowest_gap(navigation.sight, largest)));
     navigation.grid = travel_grid({x.lo, z.lo}, {x.length(), z.length()}, cell);
     finish_grid(navigation, scene);

@@ -31,6 +31,7 @@
 #include <span>
 #include <string>
 
+#include "configs/scene/interval.hpp"
 #include "crowd_client/agents.hpp"
 #include "crowd_client/ways/obstacles.hpp"
 #include "crowd_client/ways/way_fields.hpp"

@@ -7,6 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
+
 namespace wade::crowd {
 namespace {
 
@@ -61,7 +66,7 @@ bool free_of_boxes(const Walls& walls, const Vector2d& p) {
 
 Walls make_walls(const Scene& scene) {
     std::vector<Obstacle> boxes = scene.place ? std::vector<Obstacle>{} : scene.obstacles;
-    if (const double period = scene.world.period(); period > 0) {
+    if (const double period = scene.world->period(); period > 0) {
         for (const Obstacle& box : scene.obstacles) {
             for (const double shift : {-period, period}) {
                 boxes.push_back({{box.x.lo + shift, box.x.hi + shift}, box.z, box.height});
@@ -74,8 +79,8 @@ Walls make_walls(const Scene& scene) {
     }
     constexpr double cell = 1;  // m; wider than a step most often is
     Walls walls{scene.world, place_boxes(std::move(boxes), cell)};
-    walls.has_fall = scene.world.ends == Ends::open && scene.channel.flow != Flow::closed;
-    if (scene.channel.flow == Flow::closed) walls.tank = Walls::Tank{scene.channel.x, scene.channel.z};
+    walls.has_fall = scene.world->ends == Ends::open && scene.channel->flow != Flow::closed;
+    if (scene.channel->flow == Flow::closed) walls.tank = Walls::Tank{scene.channel->x, scene.channel->z};
     walls.houses = houses_of(scene);
     return walls;
 }

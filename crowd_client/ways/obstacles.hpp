@@ -14,7 +14,9 @@
 
 #include <optional>
 
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/equations.hpp"
 #include "crowd_client/markers/placed_boxes.hpp"
 #include "crowd_client/markers/placed_houses.hpp"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/place.hpp"
 #include "crowd_client/ways/place_ways.hpp"
 

@@ -6,7 +6,11 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/place.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/ways/navigation.hpp"
 
 namespace wade::crowd {
@@ -103,7 +107,7 @@ void solve_fields(Navigation& navigation, int threads) {
 // The mean person of a group, and its fields: one that knows the water, and one that does not.
 void add_group(Navigation& navigation, const Scene& scene, const Agents& agents, std::size_t g,
                const std::vector<std::uint32_t>& members) {
-    const AgentGroup& group = scene.crowd.groups[g];
+    const AgentGroup& group = scene.crowd->groups[g];
     GroupWays& ways = navigation.place->groups.emplace_back();
     ways.to_shelters = group.goals == GoalRule::shelters;
     ways.has_unwarned = !group.warned;
@@ -134,20 +138,20 @@ void add_group(Navigation& navigation, const Scene& scene, const Agents& agents,
 }
 
 std::vector<std::vector<std::uint32_t>> members_of_groups(const Scene& scene, const Agents& agents) {
-    std::vector<std::vector<std::uint32_t>> members(scene.crowd.groups.size());
+    std::vector<std::vector<std::uint32_t>> members(scene.crowd->groups.size());
     for (std::uint32_t id = 0; id < agents.size(); ++id) members[agents.group[id]].push_back(id);
     return members;
 }
 
 void check_shelters(const Scene& scene) {
-    for (std::size_t g = 0; g < scene.crowd.groups.size(); ++g) {
-        const AgentGroup& group = scene.crowd.groups[g];
+    for (std::size_t g = 0; g < scene.crowd->groups.size(); ++g) {
+        const AgentGroup& group = scene.crowd->groups[g];
         if (group.goals != GoalRule::shelters) continue;
         std::ostringstream message;
         message << "/crowd/groups/" << g << "/goal/to: group \"" << group.name << "\" goes to shelters, but ";
-        if (scene.crowd.navigation.rule == NavigationRule::straight) {
+        if (scene.crowd->navigation.rule == NavigationRule::straight) {
             message << "/crowd/navigation/rule is straight; allowed: auto or travel_time";
-        } else if (scene.place->shelters.empty() && !scene.crowd.navigation.safe_above) {
+        } else if (scene.place->shelters.empty() && !scene.crowd->navigation.safe_above) {
             message << "there are none; allowed: /place/shelters, /crowd/navigation/safe_above_m, or a goal/to point";
         } else {
             continue;
@@ -157,7 +161,7 @@ void check_shelters(const Scene& scene) {
 }
 
 void check_size(const Navigation& navigation, const Scene& scene) {
-    const double nodes = static_cast<double>(navigation.grid.closed.size()), cell = scene.crowd.navigation.cell;
+    const double nodes = static_cast<double>(navigation.grid.closed.size()), cell = scene.crowd->navigation.cell;
     const std::vector<GroupWays>& groups = navigation.place->groups;
     const auto unwarned =
         std::count_if(groups.begin(), groups.end(), [](const GroupWays& g) { return g.has_unwarned; });
@@ -165,7 +169,7 @@ void check_size(const Navigation& navigation, const Scene& scene) {
     if (all <= max_field_nodes) return;
     std::ostringstream message;
     message << "/crowd/navigation/cell_m is " << cell << ", which makes " << all << " cells of ways for "
-            << scene.crowd.groups.size() << " groups; allowed is up to " << max_field_nodes << " in all, about "
+            << scene.crowd->groups.size() << " groups; allowed is up to " << max_field_nodes << " in all, about "
             << cell * std::sqrt(all / max_field_nodes) << " m and more here, or fewer groups";
     throw ConfigurationError(message.str());
 }
@@ -212,36 +216,37 @@ Vector2d way_in_place(Navigation& navigation, std::uint32_t id, std::uint32_t of
 Navigation make_place_ways(const Scene& scene, const Agents& agents) {
     check_shelters(scene);
     Navigation navigation;
-    const NavigationSettings& settings = scene.crowd.navigation;
+    const NavigationSettings& settings = scene.crowd->navigation;
     if (settings.rule == NavigationRule::straight || agents.size() == 0) return navigation;
     constexpr double time_between_ways = 0.1;  // s; bodies decide as often by themselves
-    if (scene.crowd.bodies == BodyRule::none) {
+    if (scene.crowd->bodies == BodyRule::none) {
         navigation.looks_between =
-            static_cast<std::uint64_t>(std::max(1.0, std::floor(time_between_ways * scene.crowd.step_rate + 1e-9)));
+            static_cast<std::uint64_t>(std::max(1.0, std::floor(time_between_ways * scene.crowd->step_rate + 1e-9)));
     }
     if (settings.every > 0) {
         navigation.steps_between =
-            static_cast<std::uint64_t>(std::max(1.0, std::round(settings.every * scene.crowd.step_rate)));
+            static_cast<std::uint64_t>(std::max(1.0, std::round(settings.every * scene.crowd->step_rate)));
     }
     navigation.way.assign(agents.size(), Vector2d::Zero());
-    navigation.goal_radius = scene.crowd.goal_radius;
+    navigation.goal_radius = scene.crowd->goal_radius;
     navigation.by_fields_alone = true;
     navigation.sight.clearance = least_clearance(scene);
     navigation.sight.houses = houses_of(scene);
-    navigation.grid = travel_grid({0, 0}, {scene.world.length, scene.world.width}, settings.cell);
+    navigation.grid = travel_grid({0, 0}, {scene.world->length, scene.world->width}, settings.cell);
     finish_grid(navigation, scene);
 
     PlaceWays& place = navigation.place.emplace();
     constexpr double cell = GroundGrid::cell_size;
     // Whole cells of the water.
-    const double of_fluid = scene.fluid.model == ModelKind::shallow_water ? scene.fluid.shallow_water.cell_size : cell;
+    const double of_fluid =
+        scene.fluid->model == ModelKind::shallow_water ? scene.fluid->shallow_water.cell_size : cell;
     const double step = of_fluid * std::ceil(cell / of_fluid - 1e-9);
     place.cells = {0,
                    0,
                    step,
                    step,
-                   static_cast<std::size_t>(std::ceil(scene.world.length / step)),
-                   static_cast<std::size_t>(std::ceil(scene.world.width / step))};
+                   static_cast<std::size_t>(std::ceil(scene.world->length / step)),
+                   static_cast<std::size_t>(std::ceil(scene.world->width / step))};
     place.ground = scene.place->ground;
     place.ground_step = std::max(1.0, place.ground.raster ? place.ground.raster->cell : 0.0);
     place.slope = settings.slope;
@@ -259,7 +264,7 @@ Navigation make_place_ways(const Scene& scene, const Agents& agents) {
     for (std::size_t g = 0; g < members.size(); ++g) add_group(navigation, scene, agents, g, members[g]);
     check_size(navigation, scene);
     for (std::uint32_t id = 0; id < agents.size(); ++id) {
-        const bool knows = scene.crowd.groups[agents.group[id]].warned;
+        const bool knows = scene.crowd->groups[agents.group[id]].warned;
         place.knows.push_back(knows ? 1 : 0);
         navigation.field_of.push_back(2 * agents.group[id] + (knows ? 0 : 1));
     }
@@ -285,9 +290,9 @@ bool are_place_ways_due(const Navigation& navigation, std::uint64_t step) {
 void update_place_ways(Navigation& navigation, const Scene& scene, const WaterBins& water, int threads) {
     PlaceWays& place = *navigation.place;
     const bool was_wet = place.is_wet;
-    place.is_wet = find_water(place, water, scene.fluid.rest_density);
+    place.is_wet = find_water(place, water, scene.fluid->rest_density);
     if (!place.is_wet && !was_wet && !place.is_stale) return;
-    const WaterProperties properties{scene.fluid.rest_density, scene.world.gravity};
+    const WaterProperties properties{scene.fluid->rest_density, scene.world->gravity};
     const auto n = static_cast<std::ptrdiff_t>(place.groups.size());
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (std::ptrdiff_t g = 0; g < n; ++g) {
@@ -335,7 +340,7 @@ std::string people_cut_off(const Navigation& navigation, const Scene& scene, con
         if (count++ == 0) first = id;
     }
     if (count == 0) return "";
-    const AgentGroup& group = scene.crowd.groups[agents.group[first]];
+    const AgentGroup& group = scene.crowd->groups[agents.group[first]];
     std::ostringstream message;
     message << "/crowd/groups/" << agents.group[first] << ": agent " << first << " of group \"" << group.name
             << "\" starts at (" << agents.position[first].x() << ", " << agents.position[first].y()

@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+
 namespace wade::crowd {
 namespace {
 

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
 #include "crowd_client/markers/placed_boxes.hpp"

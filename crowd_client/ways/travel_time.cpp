@@ -4,6 +4,9 @@
 #include <cmath>
 #include <functional>
 
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+
 namespace wade::crowd {
 namespace {
 

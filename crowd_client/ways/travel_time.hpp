@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
 #include "crowd_client/markers/placed_houses.hpp"

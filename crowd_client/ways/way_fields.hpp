@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/markers/ground_cells.hpp"
 #include "crowd_client/people/people.hpp"
 #include "crowd_client/ways/sight.hpp"

@@ -4,8 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/intervals.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/particle_volume.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/parallel.hpp"
 
@@ -71,14 +76,14 @@ double manning_at(const Roughness& roughness, const MapPoint& p) {
 WaterColumns::WaterColumns(const Scene& scene, bool whole_columns)
     : whole_columns_(whole_columns),
       particle_volume_(particle_volume(scene.fluid)),
-      x_(scene.channel.x),
-      z_(scene.channel.z),
+      x_(scene.channel->x),
+      z_(scene.channel->z),
       columns_per_m_x_(),
       columns_per_m_z_(),
-      nx_(columns_along(scene.channel.x, scene.fluid.particle_spacing)),
-      nz_(columns_along(scene.channel.z, scene.fluid.particle_spacing)),
+      nx_(columns_along(scene.channel->x, scene.fluid->particle_spacing)),
+      nz_(columns_along(scene.channel->z, scene.fluid->particle_spacing)),
       columns_(static_cast<std::size_t>(nx_) * nz_),
-      column_of_(static_cast<std::size_t>(scene.fluid.max_particles)) {
+      column_of_(static_cast<std::size_t>(scene.fluid->max_particles)) {
     find_ground(scene);
 }
 
@@ -144,18 +149,19 @@ double WaterColumns::speed(std::size_t c) const {
 }
 
 bool is_rough(const Scene& scene) {
-    if (!scene.place) return scene.channel.manning_n > 0;
+    if (!scene.place) return scene.channel->manning_n > 0;
     const Roughness& roughness = scene.place->roughness;
     return roughness.n > 0 || roughness.raster || !roughness.zones.empty();
 }
 
 BedFriction::BedFriction(const Scene& scene, bool whole_columns)
     : columns_(scene, whole_columns),
-      least_depth_(0.5 * scene.fluid.particle_spacing),
+      least_depth_(0.5 * scene.fluid->particle_spacing),
       factor_(columns_.count(), 1.0F) {
     for (std::size_t c = 0; c < columns_.count(); ++c) {
-        const double n = scene.place ? manning_at(scene.place->roughness, columns_.middle(c)) : scene.channel.manning_n;
-        coefficient_.push_back(scene.world.gravity * n * n);
+        const double n =
+            scene.place ? manning_at(scene.place->roughness, columns_.middle(c)) : scene.channel->manning_n;
+        coefficient_.push_back(scene.world->gravity * n * n);
     }
 }
 

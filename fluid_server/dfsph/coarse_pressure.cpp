@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/particles/parallel.hpp"
 
 // W13 of docs/step_of_the_water.md.
@@ -77,7 +79,7 @@ double dot(const std::vector<float>& u, const std::vector<float>& v) {
 
 }  // namespace
 
-CoarseGrid::CoarseGrid(const Scene& scene) : spacing_(static_cast<float>(scene.fluid.particle_spacing)) {
+CoarseGrid::CoarseGrid(const Scene& scene) : spacing_(static_cast<float>(scene.fluid->particle_spacing)) {
     const Channel& c = scene.channel;
     periodic_ = {c.flow == Flow::recirculating || c.flow == Flow::periodic, c.top == Top::periodic,
                  c.sides == Sides::periodic};

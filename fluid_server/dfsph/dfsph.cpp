@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/neighbours/sweeps.hpp"
 
 // W2 to W10: the equations of docs/step_of_the_water.md.

@@ -25,6 +25,7 @@
 #include <array>
 #include <vector>
 
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
 #include "fluid_server/dfsph/coarse_pressure.hpp"
 #include "fluid_server/neighbours/gradient_correction.hpp"

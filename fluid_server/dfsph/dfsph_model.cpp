@@ -7,7 +7,10 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/dfsph/time_step.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/inflow.hpp"
@@ -34,7 +37,7 @@ constexpr double quiet_layers = 20;
 // falls: blocks that collapse take some times the sweeps of a stream.
 Estimate DfsphModel::estimate(const Scene& scene) {
     constexpr double bytes_of_room = 250, bytes_of_pair = 3.2, step_cost = 1 / 4.5e6, blocks_cost = 5;
-    const double support = support_radius_of(scene.fluid), room = std::max(scene.fluid.max_particles, 1);
+    const double support = support_radius_of(scene.fluid), room = std::max(scene.fluid->max_particles, 1);
     Estimate estimate;
     estimate.particles = particles_expected(scene);
     const auto n = static_cast<double>(estimate.particles);
@@ -42,13 +45,13 @@ Estimate DfsphModel::estimate(const Scene& scene) {
                       bytes_of_pair * neighbours_within(support, scene.fluid) * n +
                       memory_of_cells(scene, static_cast<float>(support), n) +
                       memory_of_frames(scene, static_cast<std::uint64_t>(room));
-    const double depth = deepest_water(scene), wave = std::sqrt(scene.world.gravity * depth);
+    const double depth = deepest_water(scene), wave = std::sqrt(scene.world->gravity * depth);
     const double speed = largest_velocity(scene.channel);
-    const double layers = depth / scene.fluid.particle_spacing;
+    const double layers = depth / scene.fluid->particle_spacing;
     const TimeStep step = longest_step(scene.fluid, {speed, wave, wave, layers}, 1 / scene.frame_rate);
-    const double deep = std::max(1.0, depth / (quiet_layers * scene.fluid.particle_spacing));
+    const double deep = std::max(1.0, depth / (quiet_layers * scene.fluid->particle_spacing));
     estimate.cpu_time =
-        scene.duration / step.dt * n * step_cost * deep * (scene.channel.water_blocks.empty() ? 1 : blocks_cost);
+        scene.duration / step.dt * n * step_cost * deep * (scene.channel->water_blocks.empty() ? 1 : blocks_cost);
     return estimate;
 }
 
@@ -73,13 +76,13 @@ DfsphModel::DfsphModel(const Scene& scene)
 }
 
 std::uint32_t DfsphModel::capacity() const {
-    return static_cast<std::uint32_t>(std::max(world_.scene().fluid.max_particles, 1));
+    return static_cast<std::uint32_t>(std::max(world_.scene().fluid->max_particles, 1));
 }
 
 void DfsphModel::take_agents(const AgentsView& agents) {
     take_pushes(agents, people_);
     if (!people_.told) return;
-    const double spacing = world_.scene().fluid.particle_spacing, mass = static_cast<double>(world_.particle_mass());
+    const double spacing = world_.scene().fluid->particle_spacing, mass = static_cast<double>(world_.particle_mass());
     world_.push_with([this, spacing, mass](const CellGrid& grid, Particles& particles, double duration, double gain) {
         push_particles(people_, duration / people_.frame_time, gain, grid, ground_, spacing, mass, particles);
     });
@@ -118,7 +121,7 @@ shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
     d.mean_speed_m_s = river.mean_speed;
     d.kinetic_energy_j = river.kinetic_energy;
     d.potential_energy_j = river.potential_energy;
-    if (world_.scene().channel.flow == Flow::recirculating) {
+    if (world_.scene().channel->flow == Flow::recirculating) {
         d.driving_acceleration_m_s2 = driving / frame_time;
     }
     people_.pushes.clear();
@@ -131,7 +134,7 @@ shm::Diagnostics DfsphModel::advance_frame(const FrameInterval& interval) {
 RiverMeasures DfsphModel::measure() const {
     const Particles& p = world_.particles();
     RiverMeasures river =
-        measure_river(p, static_cast<double>(world_.particle_mass()), world_.scene().world.gravity, bed_);
+        measure_river(p, static_cast<double>(world_.particle_mass()), world_.scene().world->gravity, bed_);
     if (!world_.place() || p.count == 0) return river;
     double ground = 0;
     for (std::size_t i = 0; i < p.count; ++i) {
@@ -226,8 +229,8 @@ std::string DfsphModel::remarks() const {
     if (const std::string of_ends = world_.ends().remark(); !of_ends.empty())
         text += (text.empty() ? "" : "; ") + of_ends;
     const Scene& scene = world_.scene();
-    const double layers = deepest_water(scene) / scene.fluid.particle_spacing;
-    if (scene.fluid.kernel == KernelKind::cubic_spline && layers > quiet_layers) {
+    const double layers = deepest_water(scene) / scene.fluid->particle_spacing;
+    if (scene.fluid->kernel == KernelKind::cubic_spline && layers > quiet_layers) {
         text += (text.empty() ? "" : "; ") + std::string("note: water of ") + short_number(std::floor(layers)) +
                 " layers of particles at rest shakes once when its packing settles; set /fluid/kernel to "
                 "\"quartic_spline\" if that matters";

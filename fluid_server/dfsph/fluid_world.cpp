@@ -5,8 +5,11 @@
 #include <limits>
 #include <variant>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/dfsph/step_measures.hpp"
 #include "fluid_server/dfsph/time_step.hpp"
 #include "fluid_server/dfsph/viscosity.hpp"
@@ -44,22 +47,22 @@ FluidWorld::FluidWorld(const Scene& scene, ChannelEnds* ends)
       particle_mass_(static_cast<float>(wade::particle_mass(scene.fluid))),
       kernel_(make_kernel(scene.fluid)),
       viscosity_(
-          scene.fluid.kinematic_viscosity /
-          std::visit([&](const auto& kernel) { return lattice_second_moment(kernel, scene.fluid.particle_spacing); },
+          scene.fluid->kinematic_viscosity /
+          std::visit([&](const auto& kernel) { return lattice_second_moment(kernel, scene.fluid->particle_spacing); },
                      kernel_)),
       confined_(false),
-      particles_(static_cast<std::size_t>(scene.fluid.max_particles)),
+      particles_(static_cast<std::size_t>(scene.fluid->max_particles)),
       grid_(scene, support_radius_),
       lists_(particles_.capacity()),
       fields_(particles_.capacity()),
       solids_(scene),
       ends_(ends),
-      gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
-      gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))),
+      gravity_x_(-scene.world->gravity * std::sin(std::atan(scene.channel->slope))),
+      gravity_y_(-scene.world->gravity * std::cos(std::atan(scene.channel->slope))),
       depth_(scene),
       lowest_ground_(scene.place ? heights_of_ground(scene).lo : 0) {
     if (scene.place) {
-        place_.emplace(place_shape(scene), support_radius_, static_cast<float>(scene.fluid.particle_spacing));
+        place_.emplace(place_shape(scene), support_radius_, static_cast<float>(scene.fluid->particle_spacing));
         fill_place(particles_, scene, *place_);
     } else if (ends_ == nullptr) {
         fill_scene(particles_, scene);
@@ -85,10 +88,10 @@ FluidWorld::FluidWorld(const Scene& scene, ChannelEnds* ends)
 // weight. At the first step, so that a crowd meets a server of much water before.
 void FluidWorld::relax() {
     constexpr int solves = 40;
-    const auto d = static_cast<float>(scene_.fluid.particle_spacing);
+    const auto d = static_cast<float>(scene_.fluid->particle_spacing);
     const float farthest = 0.1F * d, from_solids = 0.45F * d;
-    const auto dt = static_cast<float>(0.3 * scene_.fluid.particle_spacing /
-                                       std::sqrt(scene_.world.gravity * deepest_water(scene_)));
+    const auto dt = static_cast<float>(0.3 * scene_.fluid->particle_spacing /
+                                       std::sqrt(scene_.world->gravity * deepest_water(scene_)));
     Particles& p = particles_;
     const auto put = [&](std::size_t i, Vec3 x) {
         place_->clamp(x);
@@ -100,7 +103,7 @@ void FluidWorld::relax() {
         grid_.sort(p, -std::numeric_limits<float>::infinity());
         find_neighbours();
         compute_density_and_diagonal(p, kernel_, volume_, false, lists_, fields_);
-        solver_->solve_density(system(), DensitySolve::positions, dt, scene_.fluid.density_solve);
+        solver_->solve_density(system(), DensitySolve::positions, dt, scene_.fluid->density_solve);
         for_each_particle(p.count, [&](std::size_t i) {
             const Vec3 way{dt * dt * fields_.ax[i], dt * dt * fields_.ay[i], dt * dt * fields_.az[i]};
             const float length = std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
@@ -150,8 +153,8 @@ void FluidWorld::restore(const FluidState& state, const std::string& source) {
     if (state.emitter) {
         EmitterState emitter = *state.emitter;
         // The stock takes up a change of max_particles.
-        emitter.stock += static_cast<std::uint64_t>(scene_.fluid.max_particles);
-        emitter.stock -= static_cast<std::uint64_t>(state.scene.fluid.max_particles);
+        emitter.stock += static_cast<std::uint64_t>(scene_.fluid->max_particles);
+        emitter.stock -= static_cast<std::uint64_t>(state.scene.fluid->max_particles);
         ends_->restore(emitter, particles_, time_);
     }
 }
@@ -177,20 +180,20 @@ StepReport FluidWorld::step(double remaining) {
 
 FluidWorld::Plan FluidWorld::plan_step(double remaining, StepReport& report) {
     const Motion now = measures_.motion(particles_);
-    const double inflow = scene_.channel.velocity_history.empty()
+    const double inflow = scene_.channel->velocity_history.empty()
                               ? 0
                               : largest_velocity(scene_.channel, time_, time_ + remaining);  // within the step
     const double v = std::max({now.fastest, fastest_plane(scene_.channel), inflow});
     const double depth = depth_.now(particles_, now.highest - lowest_ground_);
-    solver_->set_layers(depth / scene_.fluid.particle_spacing);
-    const double wave = std::sqrt(scene_.world.gravity * deepest_water(scene_));
+    solver_->set_layers(depth / scene_.fluid->particle_spacing);
+    const double wave = std::sqrt(scene_.world->gravity * deepest_water(scene_));
     check_speed(particles_, v,
                 std::max({wave, largest_velocity(scene_.channel), fastest_plane(scene_.channel), initial_speed_}),
                 scene_.fluid);
-    const WaterSpeeds speeds{v, wave, std::sqrt(scene_.world.gravity * depth), depth / scene_.fluid.particle_spacing};
+    const WaterSpeeds speeds{v, wave, std::sqrt(scene_.world->gravity * depth), depth / scene_.fluid->particle_spacing};
     const TimeStep step = longest_step(scene_.fluid, speeds, remaining);
     report.dt = step.dt;
-    Plan plan{static_cast<float>(step.dt), step.share, scene_.fluid.divergence_solve.max_iterations > 0};
+    Plan plan{static_cast<float>(step.dt), step.share, scene_.fluid->divergence_solve.max_iterations > 0};
     if (confined_ && plan.split) plan.theta = midpoint_theta(plan.share);
     return plan;
 }
@@ -242,12 +245,12 @@ void FluidWorld::apply_forces(const Plan& plan, StepReport& report) {
 
 void FluidWorld::solve_divergence(const Plan& plan, StepReport& report) {
     report.divergence = solver_->solve_divergence(system(), plan.to_midpoint(), plan.share / (1 + plan.theta),
-                                                  scene_.fluid.divergence_solve);
+                                                  scene_.fluid->divergence_solve);
 }
 
 void FluidWorld::solve_density(const Plan& plan, StepReport& report) {
     const DensitySolve what = plan.split ? DensitySolve::positions : DensitySolve::velocities;
-    report.density = solver_->solve_density(system(), what, plan.dt, scene_.fluid.density_solve);
+    report.density = solver_->solve_density(system(), what, plan.dt, scene_.fluid->density_solve);
     if (!plan.split) {
         apply_acceleration(particles_, fields_, plan.dt);
     }

@@ -1,6 +1,7 @@
 #include "fluid_server/dfsph/stabler_settings.hpp"
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/fluid.hpp"
 
 namespace wade::fluid {
 

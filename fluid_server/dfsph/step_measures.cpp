@@ -4,6 +4,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/dfsph/stabler_settings.hpp"
 #include "fluid_server/dfsph/time_step.hpp"
 

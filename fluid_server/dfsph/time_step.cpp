@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+
 namespace wade::fluid {
 
 namespace {

@@ -4,9 +4,12 @@
 #include <cmath>
 
 #include "configs/numbers/splitmix.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "configs/scene/scene_frames.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade::fluid {
 
@@ -29,13 +32,13 @@ KinematicStream::InCell KinematicStream::in_cell(const Strip& strip, std::int64_
 }
 
 KinematicStream::KinematicStream(const Scene& scene)
-    : x_(scene.channel.x),
-      periodic_(scene.channel.flow == Flow::recirculating),
-      dry_start_(scene.channel.initial_river == InitialRiver::dry),
-      transport_factor_(scene.fluid.kinematic.transport_factor),
-      lattice_(scene.fluid.kinematic.arrangement == Arrangement::lattice),
-      jitter_(scene.fluid.kinematic.jitter),
-      gravity_(scene.world.gravity),
+    : x_(scene.channel->x),
+      periodic_(scene.channel->flow == Flow::recirculating),
+      dry_start_(scene.channel->initial_river == InitialRiver::dry),
+      transport_factor_(scene.fluid->kinematic.transport_factor),
+      lattice_(scene.fluid->kinematic.arrangement == Arrangement::lattice),
+      jitter_(scene.fluid->kinematic.jitter),
+      gravity_(scene.world->gravity),
       particle_mass_(particle_mass(scene.fluid)) {
     make_strips(scene);
     place_at(0);
@@ -46,7 +49,7 @@ KinematicStream::KinematicStream(const Scene& scene)
 Estimate KinematicStream::estimate(const Scene& scene) {
     constexpr double frame_cost = 1e-8;
     const auto river = static_cast<double>(river_particles(scene));
-    const double strips = std::ceil(river * scene.fluid.particle_spacing / scene.channel.x.length()) + 1;
+    const double strips = std::ceil(river * scene.fluid->particle_spacing / scene.channel->x.length()) + 1;
     const double n = river + strips;
     Estimate estimate;
     estimate.particles = static_cast<std::uint64_t>(n);
@@ -57,7 +60,7 @@ Estimate KinematicStream::estimate(const Scene& scene) {
 
 void KinematicStream::make_strips(const Scene& scene) {
     const Channel& channel = scene.channel;
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const double width = channel.z.length();
     const auto layers = static_cast<std::uint64_t>(std::max(1L, std::lround(channel.depth / d)));
     const double layer_depth = channel.depth / static_cast<double>(layers);
@@ -65,8 +68,8 @@ void KinematicStream::make_strips(const Scene& scene) {
     const auto across = static_cast<std::uint64_t>(std::max(1L, std::lround(width / pitch)));
     strip_width_ = width / static_cast<double>(across);
     const double cell_length = particle_volume(scene.fluid) / (layer_depth * strip_width_);
-    const ProfiledStream stream{scene.fluid.kinematic.profile, channel.depth, channel.velocity,
-                                scene.fluid.kinematic.roughness_length};
+    const ProfiledStream stream{scene.fluid->kinematic.profile, channel.depth, channel.velocity,
+                                scene.fluid->kinematic.roughness_length};
     const std::uint64_t all = layers * across;
     const std::uint64_t particles = river_particles(scene);
     const std::uint64_t seed_key = mix_bits(scene.seed + splitmix_step);

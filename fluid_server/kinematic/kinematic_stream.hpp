@@ -15,6 +15,7 @@
 
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
 #include "fluid_server/kinematic/velocity_profile.hpp"

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade::fluid {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/coupling.hpp"
 #include "configs/scene/particle_volume.hpp"
 
 namespace wade::fluid::mixed {
@@ -35,7 +37,7 @@ double volume_of_cells(const shallow_water::ShallowWater& world, std::size_t beg
 
 bool keeps_momentum(const Scene& scene) {
     const Channel& channel = scene.channel;
-    return scene.coupling.two_way && channel.flow == Flow::recirculating && channel.bed_points.empty() &&
+    return scene.coupling->two_way && channel.flow == Flow::recirculating && channel.bed_points.empty() &&
            channel.slope == 0 && channel.manning_n == 0 && channel.no_slip.empty() && scene.obstacles.empty();
 }
 

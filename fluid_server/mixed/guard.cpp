@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/particle_volume.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/parallel.hpp"
@@ -39,7 +40,7 @@ void drop_particles(Particles& p, Drop&& drop) {
 
 Guards::Guards(const shallow_water::ShallowWater& world, double length)
     : z_(world.grid.z),
-      spacing_(world.scene.fluid.particle_spacing),
+      spacing_(world.scene.fluid->particle_spacing),
       length_(length),
       strips_(static_cast<std::size_t>(count_along(z_.length(), spacing_))),
       width_(z_.length() / static_cast<double>(strips_)),

@@ -21,6 +21,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "fluid_server/mixed/stream_at.hpp"
 #include "fluid_server/mixed/window.hpp"
 #include "fluid_server/particles/particles.hpp"

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/particle_volume.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/inflow.hpp"
@@ -15,9 +18,9 @@ namespace {
 // The scene of the particles: what happens at the ends of the channel is the shallow water's business, except for walls.
 // The guards come on top of max_particles, half as deep again as the water, as they may carry a wave.
 Scene scene_of_particles(Scene scene, double guard) {
-    const double d = scene.fluid.particle_spacing;
-    const double volume = 2 * (guard + d) * scene.channel.z.length() * (1.5 * deepest_water(scene) + d);
-    scene.fluid.max_particles += static_cast<int>(std::ceil(volume / particle_volume(scene.fluid)));
+    const double d = scene.fluid->particle_spacing;
+    const double volume = 2 * (guard + d) * scene.channel->z.length() * (1.5 * deepest_water(scene) + d);
+    scene.fluid->max_particles += static_cast<int>(std::ceil(volume / particle_volume(scene.fluid)));
     Channel& channel = scene.channel;
     channel.velocity = largest_velocity(channel);
     channel.velocity_history.clear();
@@ -28,7 +31,7 @@ Scene scene_of_particles(Scene scene, double guard) {
 }  // namespace
 
 MixedWorld::MixedWorld(const Scene& scene)
-    : spacing_(scene.fluid.particle_spacing),
+    : spacing_(scene.fluid->particle_spacing),
       shallow_(scene),
       columns_(shallow_),
       rule_(scene, shallow_.grid),
@@ -92,7 +95,7 @@ std::optional<double> MixedWorld::driving_of_all(double dt) {
 }
 
 void MixedWorld::book_people(double taken_before) {
-    momentum_.expected -= (people_.account.taken[0] - taken_before) / shallow_.scene.fluid.rest_density;
+    momentum_.expected -= (people_.account.taken[0] - taken_before) / shallow_.scene.fluid->rest_density;
 }
 
 void MixedWorld::push(const CellGrid& cells, Particles& particles, double duration, double gain) {

@@ -15,6 +15,7 @@
 #include <optional>
 #include <string_view>
 
+#include "configs/scene/interval.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/mixed/account.hpp"
 #include "fluid_server/mixed/guard.hpp"

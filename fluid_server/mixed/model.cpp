@@ -7,6 +7,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/dfsph/dfsph_model.hpp"
 #include "fluid_server/shallow_water/model.hpp"
 
@@ -46,7 +47,7 @@ Estimate MixedModel::estimate(const Scene& scene) {
 }
 
 std::uint32_t MixedModel::capacity() const {
-    const int particles = world_.particle_water().scene().fluid.max_particles;
+    const int particles = world_.particle_water().scene().fluid->max_particles;
     return static_cast<std::uint32_t>(std::max(particles, 0)) + world_.columns().capacity();
 }
 
@@ -97,7 +98,7 @@ std::uint32_t MixedModel::write_frame(const shm::FrameFields& slot) const {
     std::uint32_t to = world_.columns().write(world_.grid_water(), slot);
     if (world_.window().empty()) return to;
     const Particles& p = world_.particle_water().particles();
-    const double spacing = world_.grid_water().scene.fluid.particle_spacing;
+    const double spacing = world_.grid_water().scene.fluid->particle_spacing;
     const auto mass = static_cast<double>(world_.particle_water().particle_mass());
     for (std::size_t i = 0; i < p.count; ++i) {
         const double share = share_in_window(static_cast<double>(p.x[i]), world_.ends(), spacing);
@@ -123,7 +124,7 @@ std::string MixedModel::remarks() const {
         static_cast<unsigned long long>(most_particles_), closure.passed, 100 * closure.volume, closure.most,
         100 * closure.momentum);
     if (!world_.momentum().kept) return text;
-    const double owed = world_.momentum().most_owed * world_.grid_water().scene.fluid.rest_density;
+    const double owed = world_.momentum().most_owed * world_.grid_water().scene.fluid->rest_density;
     return text + std::string("; of all momentum at most ") + digits(owed) + " N s were owed";
 }
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "configs/scene/interval.hpp"
 #include "fluid_server/estimate.hpp"
 #include "fluid_server/fluid_model.hpp"
 #include "fluid_server/mixed/mixed_world.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
 #include "configs/scene/mixed_window.hpp"
 #include "configs/scene/particle_volume.hpp"
 #include "fluid_server/particles/filling.hpp"
@@ -32,7 +33,7 @@ Restriction::Restriction(const shallow_water::ShallowWater& world)
     : reach_(cells_of_mean(world.scene, std::max(world.grid.dx, world.grid.dz))),
       time_(static_cast<double>(reach_) * world.grid.dx /
             std::sqrt(world.constants.gravity * std::max(deepest_water(world.scene), 1e-3))),
-      periodic_across_(world.scene.channel.sides == Sides::periodic),
+      periodic_across_(world.scene.channel->sides == Sides::periodic),
       particle_volume_(particle_volume(world.scene.fluid)),
       area_(world.grid.cells(), 0),
       volume_(world.grid.cells(), 0),

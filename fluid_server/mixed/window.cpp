@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/mixed_window.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "fluid_server/particles/filling.hpp"
 
 namespace wade::fluid::mixed {
@@ -31,10 +35,10 @@ WindowRule::WindowRule(const Scene& scene, const shallow_water::Grid& grid)
     : scene_(scene),
       grid_(grid),
       guard_(guard_length(scene, grid.dx)),
-      margin_(scene.fluid.mixed.margin.value_or(margin_in_depths * deepest_water(scene))),
-      chunk_(std::max(1L, std::lround(scene.fluid.mixed.chunk / grid.dx))),
-      ends_are_walls_(scene.channel.flow == Flow::closed) {
-    const MixedWindow& keys = scene.fluid.mixed;
+      margin_(scene.fluid->mixed.margin.value_or(margin_in_depths * deepest_water(scene))),
+      chunk_(std::max(1L, std::lround(scene.fluid->mixed.chunk / grid.dx))),
+      ends_are_walls_(scene.channel->flow == Flow::closed) {
+    const MixedWindow& keys = scene.fluid->mixed;
     std::optional<Interval> needed;
     if (keys.x_min && keys.x_max) needed = Interval{*keys.x_min, *keys.x_max};
     for (std::size_t i = 0; keys.obstacles && i < scene.obstacles.size(); ++i) {
@@ -61,7 +65,7 @@ std::optional<Interval> WindowRule::needed_by(const AgentsView& agents) const {
 }
 
 bool WindowRule::guard_meets_obstacle(double from, double to) const {
-    const double d = scene_.fluid.particle_spacing;
+    const double d = scene_.fluid->particle_spacing;
     return std::any_of(scene_.obstacles.begin(), scene_.obstacles.end(),
                        [&](const Obstacle& o) { return o.x.lo < to + d && o.x.hi > from - d; });
 }

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene.hpp"
 #include "fluid_server/fluid_model.hpp"
 #include "fluid_server/shallow_water/grid.hpp"

@@ -8,7 +8,9 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
 
 namespace wade::fluid::model_choice {
@@ -65,7 +67,7 @@ std::vector<SceneOverride> overrides_of(const Candidate& candidate, const Scene&
     if (!s.cfl.empty()) {
         set("/fluid/cfl", s.cfl);
     } else if (s.model == "shallow_water") {
-        set("/fluid/cfl", exact(std::min(written.fluid.cfl, 0.5)));
+        set("/fluid/cfl", exact(std::min(written.fluid->cfl, 0.5)));
     }
     if (!s.kernel.empty()) set("/fluid/kernel", s.kernel);
     return list;
@@ -74,25 +76,25 @@ std::vector<SceneOverride> overrides_of(const Candidate& candidate, const Scene&
 // An emitter keeps the volume of its stock, but no more than twice what the channel takes; other channels need what they
 // hold.
 std::uint64_t room_for(const Scene& written, double spacing, std::uint64_t needed) {
-    if (written.channel.flow != Flow::emitter) return needed;
-    const double finer = std::pow(written.fluid.particle_spacing / spacing, 3);
+    if (written.channel->flow != Flow::emitter) return needed;
+    const double finer = std::pow(written.fluid->particle_spacing / spacing, 3);
     const auto stock =
-        static_cast<std::uint64_t>(std::floor(written.fluid.max_particles * finer * (1 + rounding_tolerance)));
+        static_cast<std::uint64_t>(std::floor(written.fluid->max_particles * finer * (1 + rounding_tolerance)));
     return std::min(stock, 2 * needed);
 }
 
 // Sets what depends on the scene: particles, cost, overrides, and whether it can be run.
 void complete(Candidate& c, const LoadedScene& written) {
     Scene scene = written.scene;
-    scene.fluid.particle_spacing = c.spacing;
-    if (const auto kernel = choice_named<KernelKind>(c.settings.kernel)) scene.fluid.kernel = *kernel;
+    scene.fluid->particle_spacing = c.spacing;
+    if (const auto kernel = choice_named<KernelKind>(c.settings.kernel)) scene.fluid->kernel = *kernel;
     c.particles = particles_needed(scene);
     c.cost = c.particle_steps(scene.duration) * c.step_cost;
     c.overrides = overrides_of(c, written.scene);
     const std::string room = std::to_string(room_for(written.scene, c.spacing, c.particles));
     c.overrides.push_back({"/fluid/max_particles", room, choice_source + (": /fluid/max_particles=" + room)});
     // Its front is to move as the crowd, which is not told of the choice, expects.
-    if (c.settings.model == "kinematic" && scene.fluid.kinematic.transport_factor != 1) {
+    if (c.settings.model == "kinematic" && scene.fluid->kinematic.transport_factor != 1) {
         c.refused = "/fluid/kinematic/transport_factor is not 1";
         return;
     }
@@ -139,7 +141,7 @@ std::vector<Candidate> candidates_of(const std::vector<TableRow>& table, const L
                                      const SceneWater& water) {
     std::vector<Candidate> all;
     std::vector<Settings> seen;
-    const double own = written.scene.fluid.particle_spacing;
+    const double own = written.scene.fluid->particle_spacing;
     const auto add = [&](const Settings& settings, double spacing) {
         const bool there = std::any_of(all.begin(), all.end(), [&](const Candidate& c) {
             return same_but_spacing(c.settings, settings) && std::abs(c.spacing - spacing) <= 1e-5 * spacing;

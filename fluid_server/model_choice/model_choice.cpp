@@ -8,6 +8,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/fluid.hpp"
 
 namespace wade::fluid::model_choice {
 
@@ -93,7 +94,7 @@ void check_by_pilot(const LoadedScene& written, const SceneWater& water, const s
     const Candidate& better = front[index + 1];
     const double spent = choice.meeting ? static_cast<double>(choice.meeting->cell_steps) * cell_step_cost : 0;
     std::string why;
-    choice.pilot = run_pilot(written, water, choice.meeting, chosen, better, written.scene.fluid.max_impulse_error,
+    choice.pilot = run_pilot(written, water, choice.meeting, chosen, better, written.scene.fluid->max_impulse_error,
                              budget - spent, why);
     if (!choice.pilot) {
         choice.lines.push_back("pilot: no comparison with the next better candidate: " + why);
@@ -114,7 +115,7 @@ ModelChoice choose_model(const LoadedScene& written, const std::string& source, 
     const SceneWater water = water_of(written.scene);
     const std::vector<Candidate> all = candidates_of(table, written, water);
     const std::vector<Candidate> front = front_of(all);
-    const double demand = written.scene.fluid.max_impulse_error;
+    const double demand = written.scene.fluid->max_impulse_error;
     const std::optional<std::size_t> cheapest = choose(front, demand);
     if (!cheapest) refuse_demand(all, front, demand, source);
 

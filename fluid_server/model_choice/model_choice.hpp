@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/model_choice/pilot.hpp"
 
 namespace wade::fluid::model_choice {
@@ -20,7 +21,7 @@ struct ModelChoice {
 };
 
 [[nodiscard]] inline bool is_open(const Scene& scene) {
-    return scene.fluid.model == wade::ModelKind::automatic;
+    return scene.fluid->model == wade::ModelKind::automatic;
 }
 
 // Of a scene whose model is "auto". `source` names it in errors: the file. Throws ConfigurationError if no candidate meets

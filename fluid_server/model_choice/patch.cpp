@@ -4,7 +4,10 @@
 #include <cmath>
 #include <sstream>
 
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade::fluid::model_choice {
 
@@ -68,12 +71,12 @@ std::string patch_json(const Patch& patch, const Scene& scene, double time) {
     const bool closed = patch.channel.find("closed") != std::string::npos;
     text << R"({"name": "pilot", "duration_s": )" << time << R"(, "frame_rate_hz": )" << scene.frame_rate
          << R"(, "world": {"length_m": )" << patch.length << R"(, "width_m": )" << patch.width + 2
-         << R"(, "gravity_m_s2": )" << scene.world.gravity << R"(}, "channel": {"x_min_m": 0, "x_max_m": )"
+         << R"(, "gravity_m_s2": )" << scene.world->gravity << R"(}, "channel": {"x_min_m": 0, "x_max_m": )"
          << patch.length << R"(, "z_min_m": 1, "z_max_m": )" << 1 + patch.width << ", " << patch.channel;
     if (!closed) text << R"(, "depth_m": )" << patch.depth << R"(, "velocity_m_s": )" << patch.velocity;
     text << R"(}, "obstacles": )" << patch.obstacles
-         << R"(, "fluid": {"max_particles": 100000000, "rest_density_kg_m3": )" << scene.fluid.rest_density
-         << R"(, "viscosity_m2_s": )" << scene.fluid.kinematic_viscosity << "}}";
+         << R"(, "fluid": {"max_particles": 100000000, "rest_density_kg_m3": )" << scene.fluid->rest_density
+         << R"(, "viscosity_m2_s": )" << scene.fluid->kinematic_viscosity << "}}";
     return text.str();
 }
 
@@ -101,7 +104,7 @@ Scene patch_scene(const Patch& patch, const Scene& scene, const Candidate& candi
         if (change.pointer != "/fluid/max_particles") overrides.push_back(change);
     }
     Scene patched = load_scene_text(patch_json(patch, scene, time), "pilot.json", overrides).scene;
-    patched.fluid.max_particles = static_cast<int>(particles_needed(patched));
+    patched.fluid->max_particles = static_cast<int>(particles_needed(patched));
     return patched;
 }
 

@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade::fluid::model_choice {
 
@@ -83,7 +86,7 @@ SceneWater water_of(const Scene& scene) {
 }
 
 double wave_speed(const Scene& scene, const SceneWater& water) {
-    return std::sqrt(scene.world.gravity * water.depth) + water.velocity;
+    return std::sqrt(scene.world->gravity * water.depth) + water.velocity;
 }
 
 }  // namespace wade::fluid::model_choice

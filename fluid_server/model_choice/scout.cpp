@@ -6,7 +6,11 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/intervals.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene_frames.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 
@@ -27,21 +31,21 @@ double median(std::vector<double> values) {
 }
 
 bool in_water_way(const Scene& scene, const Probe& p) {
-    if (!scene.channel.x.contains(p.x) || !scene.channel.z.contains(p.z)) return false;
+    if (!scene.channel->x.contains(p.x) || !scene.channel->z.contains(p.z)) return false;
     return std::none_of(scene.obstacles.begin(), scene.obstacles.end(),
                         [&](const Obstacle& o) { return o.x.contains(p.x) && o.z.contains(p.z); });
 }
 
 // Cell-steps of a run of the whole scene.
 double work(const Scene& scene, const SceneWater& water, double size) {
-    const auto cells = static_cast<double>(cells_along(scene.channel.x, size) * cells_along(scene.channel.z, size));
+    const auto cells = static_cast<double>(cells_along(scene.channel->x, size) * cells_along(scene.channel->z, size));
     const double steps = std::max(scene.frame_rate, 4 * wave_speed(scene, water) / size);  // two dimensions at cfl 0.5
     return cells * steps * scene.duration;
 }
 
 // Cells of half the depth, or as much larger as the budget asks for; no fewer than four across.
 double cell_size(const Scene& scene, const SceneWater& water, double budget) {
-    const double largest = std::min(scene.channel.z.length(), scene.channel.x.length()) / 4;
+    const double largest = std::min(scene.channel->z.length(), scene.channel->x.length()) / 4;
     double size = std::min(0.5 * water.depth, largest);
     while (size < largest && work(scene, water, size) * cell_step_cost > budget) size = std::min(1.25 * size, largest);
     return size;
@@ -88,7 +92,7 @@ std::size_t cell_at(const swe::Grid& grid, const Probe& p) {
 
 std::vector<Probe> probes_of(const Scene& scene) {
     std::vector<Probe> all;
-    for (const AgentGroup& group : scene.crowd.groups) {
+    for (const AgentGroup& group : scene.crowd->groups) {
         for (int k = 0; k < group.count; ++k) {
             const int column = k % group.columns, row = k / group.columns;
             const Probe start{group.start_x + column * group.pitch_x, group.start_z + row * group.pitch_z};

@@ -38,6 +38,7 @@
 #include <numbers>
 #include <variant>
 
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
 #include "configs/scene/scene_capacity.hpp"
 

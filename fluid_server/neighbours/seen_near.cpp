@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
 #include "fluid_server/neighbours/sight.hpp"
 
 #undef HWY_TARGET_INCLUDE

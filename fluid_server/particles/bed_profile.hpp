@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade::fluid {

@@ -4,6 +4,9 @@
 #include <limits>
 #include <utility>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/parallel.hpp"
 
@@ -86,7 +89,7 @@ void CellPages::fill_slots() {
 
 double memory_of_cells(const Scene& scene, float support_radius, double particles) {
     const CellLayout layout = layout_of_cells(scene, support_radius);
-    if (!is_sparse(layout, scene.fluid.max_particles)) return sizeof(std::uint32_t) * layout.all();
+    if (!is_sparse(layout, scene.fluid->max_particles)) return sizeof(std::uint32_t) * layout.all();
     // Measured, of water that stands together; single particles far from one another take a page each.
     constexpr double bytes_per_particle = 8;
     return bytes_per_particle * particles;
@@ -94,10 +97,10 @@ double memory_of_cells(const Scene& scene, float support_radius, double particle
 
 CellGrid::CellGrid(const Scene& scene, float support_radius)
     : start_(),
-      cell_of_(static_cast<std::size_t>(scene.fluid.max_particles)),
-      source_(static_cast<std::size_t>(scene.fluid.max_particles)),
-      room_(padded(static_cast<std::size_t>(scene.fluid.max_particles))),
-      room_for_kind_(static_cast<std::size_t>(scene.fluid.max_particles)) {
+      cell_of_(static_cast<std::size_t>(scene.fluid->max_particles)),
+      source_(static_cast<std::size_t>(scene.fluid->max_particles)),
+      room_(padded(static_cast<std::size_t>(scene.fluid->max_particles))),
+      room_for_kind_(static_cast<std::size_t>(scene.fluid->max_particles)) {
     const Channel& channel = scene.channel;
     periodic_ = {channel.flow == Flow::recirculating || channel.flow == Flow::periodic, channel.top == Top::periodic,
                  channel.sides == Sides::periodic};
@@ -109,7 +112,7 @@ CellGrid::CellGrid(const Scene& scene, float support_radius)
         last_cell_[k] = static_cast<float>(cells_[k] - 1);
         inverse_cell_[k] = static_cast<float>(layout.cells[k] / layout.length[k]);
     }
-    sparse_ = is_sparse(layout, scene.fluid.max_particles);
+    sparse_ = is_sparse(layout, scene.fluid->max_particles);
     start_.resize(sparse_ ? 1 : std::size_t{cells_[0]} * cells_[1] * cells_[2] + 1);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/particles/filling.hpp"
@@ -31,12 +32,12 @@ Emitter::Emitter(const Scene& scene, std::uint64_t particles_in_use)
     : channel_(scene.channel),
       velocity_(velocity_at(channel_, 0)),
       waiting_layers_(0),
-      layer_(layer_over(channel_.depth, channel_.z.length(), scene.fluid.particle_spacing)),
+      layer_(layer_over(channel_.depth, channel_.z.length(), scene.fluid->particle_spacing)),
       pitch_(static_cast<double>(layer_.sites()) * particle_volume(scene.fluid) /
              (channel_.depth * channel_.z.length())) {
     waiting_layers_ = layers_within_reach(scene.fluid, pitch_);
     state_.last_layer_x = channel_.x.hi - 0.5 * pitch_;
-    state_.stock = static_cast<std::uint64_t>(scene.fluid.max_particles) - particles_in_use;
+    state_.stock = static_cast<std::uint64_t>(scene.fluid->max_particles) - particles_in_use;
 }
 
 void Emitter::begin_step(Particles& particles, double time, double dt) {

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 
+#include "configs/scene/channel.hpp"
 #include "configs/scene/scene.hpp"
 #include "fluid_server/particles/channel_ends.hpp"
 

@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/particle_volume.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade::fluid {
 
@@ -98,8 +103,8 @@ void fill_block(Particles& particles, const WaterBlock& block, const Surrounding
 
 void fill_scene(Particles& particles, const Scene& scene) {
     const Channel& channel = scene.channel;
-    const double gravity = scene.world.gravity * std::cos(std::atan(channel.slope));
-    const Surroundings surroundings{scene.fluid.particle_spacing, gravity, channel.top != Top::open,
+    const double gravity = scene.world->gravity * std::cos(std::atan(channel.slope));
+    const Surroundings surroundings{scene.fluid->particle_spacing, gravity, channel.top != Top::open,
                                     bed_facets(channel), scene.obstacles};
     if (channel.flow != Flow::closed && channel.initial_river == InitialRiver::filled) {
         fill_block(particles, {channel.x, channel.z, channel.depth, 0, {-channel.velocity, 0, 0}}, surroundings);

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/particles/bed_profile.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "configs/scene/channel.hpp"
 #include "configs/scene/time_lines.hpp"
 
 namespace wade::fluid {

@@ -1,5 +1,6 @@
 #include "fluid_server/particles/make_channel_ends.hpp"
 
+#include "configs/scene/channel.hpp"
 #include "fluid_server/particles/body_force.hpp"
 #include "fluid_server/particles/emitter.hpp"
 #include "fluid_server/particles/inflow.hpp"
@@ -27,7 +28,7 @@ class RecirculatingEnds final : public ChannelEnds {
 
 std::unique_ptr<ChannelEnds> make_channel_ends(const Scene& scene, Particles& particles) {
     if (scene.place) return std::make_unique<PlaceEnds>(scene);
-    switch (scene.channel.flow) {
+    switch (scene.channel->flow) {
         case Flow::emitter: {
             auto emitter = std::make_unique<Emitter>(scene, particles.count);
             emitter->emit(particles, 0);

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstddef>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene_capacity.hpp"
 
 namespace wade::fluid {
@@ -110,13 +113,13 @@ Solids::Solids(const Scene& scene)
       bed_(bed_facets(scene.channel)),
       falls_(falls_of(bed_, static_cast<float>(support_radius_of(scene.fluid)))),
       support_radius_(static_cast<float>(support_radius_of(scene.fluid))),
-      contact_distance_(contact_fraction * static_cast<float>(scene.fluid.particle_spacing)),
-      sight_delta_(sight_fraction * static_cast<float>(scene.fluid.particle_spacing)) {
+      contact_distance_(contact_fraction * static_cast<float>(scene.fluid->particle_spacing)),
+      sight_delta_(sight_fraction * static_cast<float>(scene.fluid->particle_spacing)) {
     for (const Obstacle& obstacle : scene.obstacles) {
         obstacles_.push_back(box_of(obstacle, interior_));
     }
     index_ = BoxIndex(obstacles_);
-    for (const NoSlip& wall : scene.channel.no_slip) {
+    for (const NoSlip& wall : scene.channel->no_slip) {
         const Vec3 velocity{static_cast<float>(wall.velocity[0]), static_cast<float>(wall.velocity[1]),
                             static_cast<float>(wall.velocity[2])};
         switch (wall.plane) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/particles/filling.hpp"
@@ -24,9 +26,9 @@ std::size_t columns_along(double length, double support_radius) {
 
 WaterDepth::WaterDepth(const Scene& scene)
     : of_scene_(deepest_water(scene)),
-      spacing_(scene.fluid.particle_spacing),
-      x_(scene.channel.x),
-      z_(scene.channel.z),
+      spacing_(scene.fluid->particle_spacing),
+      x_(scene.channel->x),
+      z_(scene.channel->z),
       nx_(columns_along(x_.length(), support_radius_of(scene.fluid))),
       nz_(columns_along(z_.length(), support_radius_of(scene.fluid))) {}
 

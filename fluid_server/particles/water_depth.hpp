@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene.hpp"
 #include "fluid_server/particles/particles.hpp"
 

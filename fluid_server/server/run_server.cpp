@@ -10,6 +10,8 @@
 #include <string>
 
 #include "configs/program/peer_support.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/fluid.hpp"
 
 namespace wade::fluid {
 
@@ -85,10 +87,10 @@ shm::StreamInfo stream_info(const Scene& scene, const FluidModel& model) {
     info.depth = static_cast<std::uint32_t>(scene.lockstep_depth);
     info.ticks_per_frame = ticks.per_frame;
     info.ticks_per_second = ticks.per_second;
-    info.particle_radius = 0.5 * scene.fluid.particle_spacing;
-    info.rest_density = scene.fluid.rest_density;
+    info.particle_radius = 0.5 * scene.fluid->particle_spacing;
+    info.rest_density = scene.fluid->rest_density;
     info.scene_hash = scene.hash;
-    info.coupling_lag = scene.coupling.agents_stream == AgentsStream::parallel ? 1 : 0;
+    info.coupling_lag = scene.coupling->agents_stream == AgentsStream::parallel ? 1 : 0;
     return info;
 }
 

@@ -12,6 +12,7 @@
 #include "configs/program/peer_support.hpp"
 #include "configs/program/run_control.hpp"
 #include "configs/program/time_left.hpp"
+#include "configs/scene/coupling.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/server/report.hpp"
 #include "fluid_server/server/run_server.hpp"
@@ -32,11 +33,11 @@ std::string waits_for(int consumers) {
 }
 
 std::optional<AgentsInlet> agents_inlet(const Scene& scene, const std::string& session, const shm::Waiting& waiting) {
-    if (scene.coupling.agents_stream == AgentsStream::off) return std::nullopt;
+    if (scene.coupling->agents_stream == AgentsStream::off) return std::nullopt;
     shm::JoinOptions options;
     options.scene_hash = scene.hash;
     options.waiting = waiting;
-    return AgentsInlet(session, scene.coupling.agents_stream == AgentsStream::parallel ? 1 : 0, options);
+    return AgentsInlet(session, scene.coupling->agents_stream == AgentsStream::parallel ? 1 : 0, options);
 }
 
 RunControl::Hooks control_hooks(shm::Publisher& publisher, RunClock& clock, Console& console) {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+
 namespace wade::fluid::shallow_water {
 
 namespace {

@@ -5,6 +5,9 @@
 #include <numeric>
 
 #include "configs/numbers/splitmix.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/particle_volume.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -29,14 +32,14 @@ constexpr double square = 10;  // m; water that somebody feels in the next frame
 
 std::size_t room_for(const ShallowWater& world) {
     std::size_t cells = world.grid.cells();
-    if (world.scene.fluid.publish == Publish::near_agents) {
+    if (world.scene.fluid->publish == Publish::near_agents) {
         double agents = 0;
-        for (const AgentGroup& group : world.scene.crowd.groups) agents += group.count;
+        for (const AgentGroup& group : world.scene.crowd->groups) agents += group.count;
         const double near = (std::ceil(3 * square / world.grid.dx) + 1) * (std::ceil(3 * square / world.grid.dz) + 1);
         if (agents * near < static_cast<double>(cells))
             return std::max<std::size_t>(1, static_cast<std::size_t>(agents * near));
     }
-    if (!world.place) return static_cast<std::size_t>(std::max(world.scene.fluid.max_particles, 0)) + cells;
+    if (!world.place) return static_cast<std::size_t>(std::max(world.scene.fluid->max_particles, 0)) + cells;
     if (!world.openings.any()) return cells;
     const auto closed = std::count(world.openings.share.begin(), world.openings.share.end(), 0.0);
     return cells - static_cast<std::size_t>(closed);
@@ -52,7 +55,7 @@ float inside(double v, const Interval& extent) {
 }  // namespace
 
 ColumnParticles::ColumnParticles(const ShallowWater& world)
-    : rest_density_(world.scene.fluid.rest_density),
+    : rest_density_(world.scene.fluid->rest_density),
       particle_volume_(particle_volume(world.scene.fluid)),
       start_across_(unit_fraction(mix_bits(world.scene.seed + 2 * splitmix_step))),
       capacity_(static_cast<std::uint32_t>(room_for(world))),
@@ -60,7 +63,7 @@ ColumnParticles::ColumnParticles(const ShallowWater& world)
       drift_z_(world.grid.cells(), 0),
       particles_(world.grid.cells(), 0),
       row_begin_(world.grid.nz + 1, 0) {
-    all_ = world.scene.fluid.publish == Publish::all;
+    all_ = world.scene.fluid->publish == Publish::all;
     if (!all_) {
         squares_x_ = static_cast<std::size_t>(std::ceil(world.grid.x.hi / square)) + 1;
         shown_.assign(squares_x_ * (static_cast<std::size_t>(std::ceil(world.grid.z.hi / square)) + 1), 0);

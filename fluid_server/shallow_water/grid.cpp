@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/intervals.hpp"
+#include "configs/scene/obstacle.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -59,8 +63,8 @@ void for_each_cell(const Grid& grid, Body&& body) {
 
 Grid make_grid(const Scene& scene) {
     Grid grid;
-    const double size = scene.fluid.shallow_water.cell_size;
-    grid.x = scene.channel.x, grid.z = scene.channel.z;
+    const double size = scene.fluid->shallow_water.cell_size;
+    grid.x = scene.channel->x, grid.z = scene.channel->z;
     grid.nx = cells_along(grid.x, size), grid.nz = cells_along(grid.z, size);
     grid.dx = grid.x.length() / static_cast<double>(grid.nx);
     grid.dz = grid.z.length() / static_cast<double>(grid.nz);
@@ -73,7 +77,7 @@ Bed make_bed(const Scene& scene, const Grid& grid) {
     bed.height.assign(grid.stored(), 0);
     if (!scene.obstacles.empty()) bed.obstacle.assign(grid.stored(), 0);
     for_each_cell(grid, [&](std::size_t c, const Interval& x, const Interval& z) {
-        bed.height[c] = mean_height(scene.channel.bed_points, x);
+        bed.height[c] = mean_height(scene.channel->bed_points, x);
         for (const Obstacle& obstacle : scene.obstacles) {
             if (!holds_centre(obstacle.x, x) || !holds_centre(obstacle.z, z)) continue;
             bed.height[c] = std::max(bed.height[c], obstacle.height);

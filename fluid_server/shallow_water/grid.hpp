@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene.hpp"
 #include "fluid_server/shallow_water/row_memory.hpp"
 

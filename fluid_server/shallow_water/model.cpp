@@ -7,8 +7,12 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/particles/inflow.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -20,20 +24,20 @@ Estimate ShallowWaterModel::estimate(const Scene& scene) {
     const Grid grid = make_grid(scene);
     const auto cells = static_cast<double>(grid.cells());
     const auto room =
-        scene.place ? grid.cells() : static_cast<std::uint64_t>(std::max(scene.fluid.max_particles, 0)) + grid.cells();
+        scene.place ? grid.cells() : static_cast<std::uint64_t>(std::max(scene.fluid->max_particles, 0)) + grid.cells();
     Estimate estimate;
     estimate.particles = std::min(particles_expected(scene) + grid.cells(), room);
     const std::size_t field = sizeof(double) * grid.stored(), fields = scene.place ? 21 : 14;  // in pages of their own
     estimate.memory = empty_server + bytes_of_cell * cells +
                       static_cast<double>(fields * (bytes_in_memory(field) - field)) + memory_of_frames(scene, room);
-    const double speed = largest_velocity(scene.channel) + std::sqrt(scene.world.gravity * deepest_water(scene));
-    const double rate = speed * (1 / grid.dx + 1 / grid.dz) / scene.fluid.cfl;  // steps a second
+    const double speed = largest_velocity(scene.channel) + std::sqrt(scene.world->gravity * deepest_water(scene));
+    const double rate = speed * (1 / grid.dx + 1 / grid.dz) / scene.fluid->cfl;  // steps a second
     estimate.cpu_time = scene.duration * std::max(rate, scene.frame_rate) * cells * cell_step_cost;
     return estimate;
 }
 
 void ShallowWaterModel::spread_over(Ranks& ranks) {
-    if (world_.scene.coupling.two_way) {
+    if (world_.scene.coupling->two_way) {
         throw ConfigurationError(world_.scene.name +
                                  ": /coupling/two_way: people do not push water that is spread over "
                                  "ranks; allowed: false");
@@ -129,7 +133,7 @@ std::string ShallowWaterModel::remarks() const {
 
 Measures measure(const ShallowWater& world) {
     const Grid& grid = world.grid;
-    const double mass_of_depth = world.scene.fluid.rest_density * grid.cell_area();
+    const double mass_of_depth = world.scene.fluid->rest_density * grid.cell_area();
     Measures sum;
     double squares = 0, momentum = 0;
     for (std::size_t k = 0; k < grid.nz; ++k) {
@@ -147,7 +151,7 @@ Measures measure(const ShallowWater& world) {
     sum.mean_depth = squares / sum.volume;
     sum.mean_speed = momentum / sum.volume;
     sum.kinetic_energy *= mass_of_depth;
-    sum.potential_energy *= mass_of_depth * world.scene.world.gravity;
+    sum.potential_energy *= mass_of_depth * world.scene.world->gravity;
     sum.volume *= grid.cell_area();
     return sum;
 }
@@ -160,7 +164,7 @@ void note_water(const ShallowWater& world, double driving_acceleration, double o
     }
     d.kinetic_energy_j = all.kinetic_energy;
     d.potential_energy_j = all.potential_energy;
-    if (world.scene.channel.flow == Flow::recirculating) d.driving_acceleration_m_s2 = driving_acceleration;
+    if (world.scene.channel->flow == Flow::recirculating) d.driving_acceleration_m_s2 = driving_acceleration;
     d.recycled_particles = static_cast<std::uint64_t>(std::max(0.0, outflow / particle_volume(world.scene.fluid)));
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
 #include "fluid_server/shallow_water/world.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -130,7 +131,7 @@ void fill_borders(ShallowWater& world, Primitive& state) {
         }
     };
     const int last = band.ranks->count() - 1, rank = band.ranks->rank();
-    const bool round = world.scene.channel.sides == Sides::periodic;
+    const bool round = world.scene.channel->sides == Sides::periodic;
     const auto begin = static_cast<std::ptrdiff_t>(band.begin), end = static_cast<std::ptrdiff_t>(band.end);
     const auto read = static_cast<std::ptrdiff_t>(rows);
     Ranks::Neighbour lower, upper;

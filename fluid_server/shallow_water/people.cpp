@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+
 namespace wade::fluid::shallow_water {
 
 namespace {
@@ -60,7 +64,7 @@ void find_near(const ShallowWater& world, const Push& push, std::size_t begin, s
 }
 
 void add_cells(const ShallowWater& world, const NearCells& near, NearWater& sum) {
-    const double mass_of_depth = world.scene.fluid.rest_density * world.grid.cell_area();
+    const double mass_of_depth = world.scene.fluid->rest_density * world.grid.cell_area();
     for (std::size_t n = 0; n < near.place.size(); ++n) {
         const std::size_t c = near.place[n];
         const double h = world.water.h[c];
@@ -70,7 +74,7 @@ void add_cells(const ShallowWater& world, const NearCells& near, NearWater& sum)
 }
 
 GroundVector take_from(ShallowWater& world, const NearCells& near, const GroundVector& impulse, double weight) {
-    const double mass_of_depth = world.scene.fluid.rest_density * world.grid.cell_area();
+    const double mass_of_depth = world.scene.fluid->rest_density * world.grid.cell_area();
     GroundVector lost{};
     if (impulse[0] == 0 && impulse[1] == 0) return lost;
     for (std::size_t n = 0; n < near.place.size(); ++n) {

@@ -9,6 +9,7 @@
 #define HWY_TARGET_INCLUDE "fluid_server/shallow_water/row_update.cpp"
 #include <hwy/foreach_target.h>
 
+#include "configs/scene/channel.hpp"
 #include "fluid_server/shallow_water/face_flux-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -191,9 +192,9 @@ void UpdateBand(ShallowWater& world, const BandFrom& from, const StageTerms& ter
         band.rises_of_row(row + 1, work.rise_z[1]);
         band.fluxes_above_row(row, work.flux_z[1]);
         band.fluxes_along(row);
-        if (world.scene.channel.flow == Flow::emitter) {
+        if (world.scene.channel->flow == Flow::emitter) {
             const std::size_t last = grid.row(row) + grid.nx - 1;
-            set_inflow(work.flux_x, grid.nx, terms.discharge, world.scene.channel.depth, from.primitive.h[last],
+            set_inflow(work.flux_x, grid.nx, terms.discharge, world.scene.channel->depth, from.primitive.h[last],
                        from.primitive.u[last], terms.constants.gravity);
         }
         world.row_least[k] = band.mix(row);

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/particles/inflow.hpp"
 #include "fluid_server/shallow_water/people.hpp"
 #include "fluid_server/shallow_water/row_update.hpp"
@@ -76,7 +78,7 @@ void step_group(ShallowWater& world, const Group& group, double& least) {
 // One Euler step, mixed with the world's `water`: see update_band().
 void euler_step(ShallowWater& world, const BandFrom& from, double share, double dt, double discharge,
                 const BandTo& to) {
-    const StageTerms terms{world.constants, world.acceleration, world.scene.channel.manning_n, share, dt, discharge};
+    const StageTerms terms{world.constants, world.acceleration, world.scene.channel->manning_n, share, dt, discharge};
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
         update_band(world, from, terms, begin, end, buffer, to);
     });
@@ -112,9 +114,9 @@ double time_step(ShallowWater& world, double remaining) {
         const double v = largest_velocity(channel, world.time, world.time + remaining);
         rate = std::max(rate, (v + std::sqrt(world.constants.gravity * channel.depth)) / grid.dx);
     }
-    double longest = rate > 0 ? world.scene.fluid.cfl / rate : remaining;
+    double longest = rate > 0 ? world.scene.fluid->cfl / rate : remaining;
     if (world.place) {
-        const double way = world.scene.fluid.cfl * std::min(world.grid.dx, world.grid.dz);
+        const double way = world.scene.fluid->cfl * std::min(world.grid.dx, world.grid.dz);
         longest =
             longest_with_inflow(*world.place, world.time, std::min(longest, remaining), world.constants.gravity, way);
     }
@@ -257,7 +259,7 @@ StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, st
     stage(Stage::time_step, [&] { report.dt = time_step(world, remaining); });
     stage(Stage::update, [&] { advance(world, report); });
     stage(Stage::flow, [&] { book_flow(world); });
-    const bool driven = world.scene.channel.flow == Flow::recirculating;
+    const bool driven = world.scene.channel->flow == Flow::recirculating;
     const bool pushed = people != nullptr && people->push();
     if (pushed) {
         stage(Stage::people, [&] {

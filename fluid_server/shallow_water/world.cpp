@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/shallow_water/place/place_ground.hpp"
 
@@ -161,10 +163,10 @@ ShallowWater::ShallowWater(const Scene& its_scene)
       row_momentum(grid.nz, 0),
       row_inflow(grid.nz, 0),
       row_outflow(grid.nz, 0) {
-    const double tilt = std::atan(scene.channel.slope);
-    constants.gravity = scene.world.gravity * std::cos(tilt);
+    const double tilt = std::atan(scene.channel->slope);
+    constants.gravity = scene.world->gravity * std::cos(tilt);
     constants.dry = dry_share * deepest_water(scene);
-    acceleration = -scene.world.gravity * std::sin(tilt);
+    acceleration = -scene.world->gravity * std::sin(tilt);
     lines.active = Lines(grid, true);
     band.end = grid.nz;
     if (scene.place) {

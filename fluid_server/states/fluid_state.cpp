@@ -8,7 +8,11 @@
 #include <type_traits>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
 
 namespace wade::fluid {
 
@@ -127,9 +131,9 @@ void check_place(const Place& here, const Place& there, const Comparison& compar
 }
 
 void check_room(const FluidState& state, const Scene& scene, const std::string& source) {
-    const auto room = static_cast<std::uint64_t>(scene.fluid.max_particles);
+    const auto room = static_cast<std::uint64_t>(scene.fluid->max_particles);
     // Of the room of the state's run, what neither particles nor stock of an emitter used may go.
-    const auto old_room = static_cast<std::uint64_t>(state.scene.fluid.max_particles);
+    const auto old_room = static_cast<std::uint64_t>(state.scene.fluid->max_particles);
     const std::uint64_t least = state.emitter ? old_room - state.emitter->stock : state.particles.count;
     const std::uint64_t needed = std::max<std::uint64_t>(least, state.particles.count);
     if (room >= needed) return;
@@ -150,11 +154,12 @@ void copy_particles(const Particles& from, Particles& to) {
 
 void check_state_fits(const FluidState& state, const Scene& scene, const std::string& source) {
     const Comparison compare{source};
-    compare.same("/fluid/model", scene.fluid.model, state.scene.fluid.model);
-    compare.same("/fluid/particle_spacing_m", scene.fluid.particle_spacing, state.scene.fluid.particle_spacing);
-    compare.same("/fluid/kernel", scene.fluid.kernel, state.scene.fluid.kernel);
-    compare.same("/fluid/support_in_spacings", scene.fluid.support_in_spacings, state.scene.fluid.support_in_spacings);
-    compare.same("/fluid/rest_density_kg_m3", scene.fluid.rest_density, state.scene.fluid.rest_density);
+    compare.same("/fluid/model", scene.fluid->model, state.scene.fluid->model);
+    compare.same("/fluid/particle_spacing_m", scene.fluid->particle_spacing, state.scene.fluid->particle_spacing);
+    compare.same("/fluid/kernel", scene.fluid->kernel, state.scene.fluid->kernel);
+    compare.same("/fluid/support_in_spacings", scene.fluid->support_in_spacings,
+                 state.scene.fluid->support_in_spacings);
+    compare.same("/fluid/rest_density_kg_m3", scene.fluid->rest_density, state.scene.fluid->rest_density);
     check_channel(scene.channel, state.scene.channel, compare);
     check_obstacles(scene.obstacles, state.scene.obstacles, compare);
     compare.same_number("/place", scene.place ? 1 : 0, state.scene.place ? 1 : 0);

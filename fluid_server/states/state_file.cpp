@@ -16,6 +16,8 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "configs/numbers/fnv1a.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 
 namespace wade::fluid {
 
@@ -118,10 +120,10 @@ Header checked_header(const std::filesystem::path& file, const std::string& byte
 void check_values(const std::filesystem::path& file, const Header& h, const Scene& scene) {
     if (!std::isfinite(h.time) || h.time < 0) refuse(file, "time", std::to_string(h.time), "0 s and more");
     if (!std::isfinite(h.last_layer_x)) refuse(file, "x of the last layer", "not finite", "finite numbers");
-    const bool emitter = scene.channel.flow == Flow::emitter;
+    const bool emitter = scene.channel->flow == Flow::emitter;
     require(h.has_emitter == (emitter ? 1U : 0U), file, "emitter", h.has_emitter,
             emitter ? "1, as the scene in it has one" : "0, as the scene in it has none");
-    const auto room = static_cast<std::uint64_t>(scene.fluid.max_particles);
+    const auto room = static_cast<std::uint64_t>(scene.fluid->max_particles);
     require(h.particles <= room, file, "particles", h.particles, "0 to " + std::to_string(room) + ", max_particles");
     require(h.stock <= room - h.particles, file, "stock", h.stock,
             "0 to " + std::to_string(room - h.particles) + ", max_particles less the particles");

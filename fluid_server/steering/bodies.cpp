@@ -5,11 +5,14 @@
 #include <limits>
 #include <numbers>
 
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/steering.hpp"
+
 namespace wade::fluid::steering {
 
 std::vector<Body> make_bodies(const Scene& scene, const Settings& settings) {
     std::vector<Body> bodies;
-    for (const SteeringBody& b : scene.fluid.steering.bodies) {
+    for (const SteeringBody& b : scene.fluid->steering.bodies) {
         Body body;
         body.radius = b.radius;
         body.time = b.time;

@@ -5,6 +5,10 @@
 #include <limits>
 #include <numbers>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/steering.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/inflow.hpp"
 
@@ -26,7 +30,7 @@ float cosine(double degrees) {
 
 double largest_start_velocity(const Scene& scene) {
     double fastest = largest_velocity(scene.channel);
-    for (const WaterBlock& block : scene.channel.water_blocks) {
+    for (const WaterBlock& block : scene.channel->water_blocks) {
         const auto& v = block.velocity;
         fastest = std::max(fastest, std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
     }
@@ -66,11 +70,11 @@ void set_pairs(const Steering& s, Settings& out) {
 }  // namespace
 
 Settings make_settings(const Scene& scene) {
-    const Steering& s = scene.fluid.steering;
+    const Steering& s = scene.fluid->steering;
     Settings out;
     const double v = largest_start_velocity(scene);
-    out.spacing = scene.fluid.particle_spacing;
-    out.speed = std::sqrt(scene.world.gravity * deepest_water(scene) + v * v);
+    out.spacing = scene.fluid->particle_spacing;
+    out.speed = std::sqrt(scene.world->gravity * deepest_water(scene) + v * v);
     out.acceleration = out.speed * out.speed / out.spacing;
     out.rate = out.speed / out.spacing;
     set_pairs(s, out);

@@ -5,7 +5,10 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/particles/inflow.hpp"
 
 namespace wade::fluid {
@@ -14,7 +17,7 @@ namespace wade::fluid {
 Estimate SteeringModel::estimate(const Scene& scene) {
     constexpr double bytes_of_room = 90, bytes_of_pair = 5, step_cost = 1e-7;
     const steering::Settings settings = steering::make_settings(scene);
-    const double room = std::max(scene.fluid.max_particles, 1);
+    const double room = std::max(scene.fluid->max_particles, 1);
     Estimate estimate;
     estimate.particles = particles_expected(scene);
     const auto n = static_cast<double>(estimate.particles);
@@ -23,13 +26,13 @@ Estimate SteeringModel::estimate(const Scene& scene) {
                       memory_of_cells(scene, static_cast<float>(settings.reach), n) +
                       memory_of_frames(scene, static_cast<std::uint64_t>(room));
     const double speed = largest_velocity(scene.channel) + settings.wave_speed;
-    const double rate = speed / (scene.fluid.cfl * scene.fluid.particle_spacing);  // steps a second
+    const double rate = speed / (scene.fluid->cfl * scene.fluid->particle_spacing);  // steps a second
     estimate.cpu_time = scene.duration * std::max(rate, scene.frame_rate) * n * step_cost;
     return estimate;
 }
 
 std::uint32_t SteeringModel::capacity() const {
-    return static_cast<std::uint32_t>(std::max(world_.scene().fluid.max_particles, 1));
+    return static_cast<std::uint32_t>(std::max(world_.scene().fluid->max_particles, 1));
 }
 
 shm::Diagnostics SteeringModel::advance_frame(const FrameInterval& interval) {
@@ -55,7 +58,7 @@ shm::Diagnostics SteeringModel::advance_frame(const FrameInterval& interval) {
     const auto elapsed = std::chrono::steady_clock::now() - start;
     d.solver_ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count());
     measure(d);
-    if (world_.scene().channel.flow == Flow::recirculating) d.driving_acceleration_m_s2 = driving / frame_time;
+    if (world_.scene().channel->flow == Flow::recirculating) d.driving_acceleration_m_s2 = driving / frame_time;
     d.position_clamps = world_.position_clamps();
     d.recycled_particles = world_.emitter().recycled;
     return d;
@@ -77,7 +80,7 @@ void SteeringModel::measure(shm::Diagnostics& d) const {
         squares += m * (x * x + y * y + z * z);
     }
     d.kinetic_energy_j = 0.5 * squares;
-    d.potential_energy_j = world_.scene().world.gravity * height;
+    d.potential_energy_j = world_.scene().world->gravity * height;
     if (n > 0) {
         d.mean_depth_m = 2 * above_bed / n;
         d.mean_speed_m_s = speed / n;

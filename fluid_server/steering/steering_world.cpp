@@ -6,8 +6,12 @@
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
 #include "configs/numbers/splitmix.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/particle_volume.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/steering.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/particles/body_force.hpp"
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/make_channel_ends.hpp"
@@ -21,11 +25,11 @@ constexpr double margin_in_spacings = 0.3;
 
 // The scene without anything in which a particle would see an image.
 Scene without_solids(Scene scene) {
-    scene.channel.flow = Flow::periodic;
-    scene.channel.sides = Sides::periodic;
-    scene.channel.top = Top::periodic;
-    scene.channel.bed_points.clear();
-    scene.channel.no_slip.clear();
+    scene.channel->flow = Flow::periodic;
+    scene.channel->sides = Sides::periodic;
+    scene.channel->top = Top::periodic;
+    scene.channel->bed_points.clear();
+    scene.channel->no_slip.clear();
     scene.obstacles.clear();
     return scene;
 }
@@ -35,9 +39,9 @@ Scene without_solids(Scene scene) {
 SteeringWorld::SteeringWorld(const Scene& scene)
     : scene_(scene),
       settings_(make_settings(scene)),
-      margin_(margin_in_spacings * scene.fluid.particle_spacing),
+      margin_(margin_in_spacings * scene.fluid->particle_spacing),
       particle_mass_(wade::particle_mass(scene.fluid)),
-      particles_(static_cast<std::size_t>(scene.fluid.max_particles)),
+      particles_(static_cast<std::size_t>(scene.fluid->max_particles)),
       grid_(scene, static_cast<float>(settings_.reach + margin_)),
       lists_(particles_.capacity()),
       solids_(scene),
@@ -48,8 +52,8 @@ SteeringWorld::SteeringWorld(const Scene& scene)
       ax_(padded(particles_.capacity())),
       ay_(padded(particles_.capacity())),
       az_(padded(particles_.capacity())),
-      gravity_x_(-scene.world.gravity * std::sin(std::atan(scene.channel.slope))),
-      gravity_y_(-scene.world.gravity * std::cos(std::atan(scene.channel.slope))) {
+      gravity_x_(-scene.world->gravity * std::sin(std::atan(scene.channel->slope))),
+      gravity_y_(-scene.world->gravity * std::cos(std::atan(scene.channel->slope))) {
     const Channel& channel = scene.channel;
     if (channel.flow == Flow::recirculating || channel.flow == Flow::periodic) {
         period_[0] = static_cast<float>(channel.x.length());
@@ -68,7 +72,7 @@ void SteeringWorld::set_classes(std::size_t begin) {
         float radius = 1;
         float mass = 1;
         double below = 0;
-        for (const SteeringClass& c : scene_.fluid.steering.classes) {
+        for (const SteeringClass& c : scene_.fluid->steering.classes) {
             if (u >= below && u < below + c.share) {
                 radius = static_cast<float>(c.radius);
                 mass = static_cast<float>(c.mass);
@@ -97,7 +101,7 @@ double SteeringWorld::time_step(double remaining) {
     }
     const double speed = v + settings_.wave_speed;
     const double d = settings_.spacing;
-    const double dt = speed > 0 ? std::min(scene_.fluid.cfl * d / speed, settings_.loss_limit) : remaining;
+    const double dt = speed > 0 ? std::min(scene_.fluid->cfl * d / speed, settings_.loss_limit) : remaining;
     return remaining / std::ceil(remaining / dt);
 }
 
@@ -272,7 +276,7 @@ void SteeringWorld::advance(float dt, SteeringStep& report) {
             ExitCode::numerical_failure,
             std::to_string(all.not_finite) +
                 " fluid particles have a velocity or position that is not finite; lower /fluid/cfl, which is " +
-                short_number(scene_.fluid.cfl));
+                short_number(scene_.fluid->cfl));
     }
     report.max_displacement = std::sqrt(static_cast<double>(all.longest_squared));
     // No pair has moved against one another by more than the diagonal of the box of all moves.

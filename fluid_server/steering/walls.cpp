@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+
 namespace wade::fluid::steering {
 
 namespace {

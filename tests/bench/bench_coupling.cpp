@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 
+#include "configs/scene/fluid.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_view.hpp"
@@ -183,7 +184,7 @@ void bench_people(const Options& options, std::vector<Result>& results) {
         fluid::FluidWorld water(scene);
         fluid::PeopleInWater people;
         const auto bed = fluid::bed_facets(scene.channel);
-        const double spacing = scene.fluid.particle_spacing, mass = static_cast<double>(water.particle_mass());
+        const double spacing = scene.fluid->particle_spacing, mass = static_cast<double>(water.particle_mass());
         double pushing_s = 0;
         water.push_with([&](const fluid::CellGrid& grid, fluid::Particles& p, double duration, double gain) {
             const double start = cpu_seconds();

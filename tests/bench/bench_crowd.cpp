@@ -12,6 +12,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "tests/bench/bench_report.hpp"
 #include "tests/bench/beside_rvo2.hpp"
 #include "tests/bench/crossing_crowd.hpp"
@@ -135,9 +138,9 @@ void show_quality(const Variant& variant, std::vector<Result>& results) {
 // All to one corner, by ways round the boxes.
 void lead_round(Crossing& crossing) {
     Scene scene = crossing.crowd.scene;
-    scene.crowd.navigation.rule = NavigationRule::automatic;
-    scene.crowd.groups[0].goal_x = scene.world.length;
-    scene.crowd.groups[0].goal_z = scene.world.width;
+    scene.crowd->navigation.rule = NavigationRule::automatic;
+    scene.crowd->groups[0].goal_x = scene.world->length;
+    scene.crowd->groups[0].goal_z = scene.world->width;
     crossing.crowd = crowd::make_crowd(scene);
 }
 

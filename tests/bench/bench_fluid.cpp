@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "tests/bench/bench_options.hpp"
 #include "tests/bench/measure.hpp"
@@ -171,7 +172,7 @@ void bench_river(const std::string& name, const River& river, const Plan& plan, 
 // The whole run from the start, `rounds` times: the water changes all the while.
 void bench_run(const std::string& name, const Scene& scene, int rounds, const Options& options,
                std::vector<Result>& results) {
-    const auto size = static_cast<std::uint64_t>(scene.fluid.max_particles);
+    const auto size = static_cast<std::uint64_t>(scene.fluid->max_particles);
     std::map<int, Series> series;
     double bytes = 0;
     std::vector<std::pair<std::string, double>> end;
@@ -199,7 +200,7 @@ void bench_run(const std::string& name, const Scene& scene, int rounds, const Op
         Result result = series[threads].result(name, size, threads);
         result.extra.emplace_back("steps_per_run", static_cast<double>(series[threads].all.steps) / rounds);
         result.extra.emplace_back("bytes_per_particle", bytes);
-        result.extra.emplace_back("cfl", scene.fluid.cfl);
+        result.extra.emplace_back("cfl", scene.fluid->cfl);
         if (name == "fluid/column_at_rest") result.extra.insert(result.extra.end(), end.begin(), end.end());
         finish(std::move(result), results);
     }
@@ -261,7 +262,7 @@ void write_frame(std::ofstream& file, const fluid::FluidWorld& world) {
     file.write(reinterpret_cast<const char*>(&time), sizeof time);
     file.write(reinterpret_cast<const char*>(&count), sizeof count);
     std::vector<float> pressure(p.pressure.begin(), p.pressure.begin() + static_cast<std::ptrdiff_t>(count));
-    for (float& value : pressure) value *= static_cast<float>(world.scene().fluid.rest_density);
+    for (float& value : pressure) value *= static_cast<float>(world.scene().fluid->rest_density);
     for (const std::vector<float>* values : {&p.x, &p.y, &p.z, &p.vx, &p.vy, &p.vz, &std::as_const(pressure)}) {
         file.write(reinterpret_cast<const char*>(values->data()), static_cast<std::streamsize>(count * sizeof(float)));
     }
@@ -292,7 +293,7 @@ void write_run(const std::string& scene_file, const std::string& out, double eve
     cost << nlohmann::ordered_json{{"engine", "Wade"},
                                    {"particles", world.particles().count},
                                    {"particle_mass_kg", world.particle_mass()},
-                                   {"rest_density_kg_m3", scene.fluid.rest_density},
+                                   {"rest_density_kg_m3", scene.fluid->rest_density},
                                    {"steps", work.steps},
                                    {"particle_steps", work.particle_steps},
                                    {"simulated_s", work.simulated},

@@ -15,6 +15,7 @@
 #include <optional>
 #include <random>
 
+#include "configs/scene/fluid.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_view.hpp"
@@ -48,8 +49,8 @@ struct Water {
     Water(const Scene& its_scene, const fluid::Particles& its_particles)
         : scene(its_scene),
           kernel(fluid::make_kernel(scene.fluid)),
-          support_radius(static_cast<float>(2 * scene.fluid.particle_spacing)),
-          volume(static_cast<float>(std::pow(scene.fluid.particle_spacing, 3))),
+          support_radius(static_cast<float>(2 * scene.fluid->particle_spacing)),
+          volume(static_cast<float>(std::pow(scene.fluid->particle_spacing, 3))),
           particles(its_particles),
           grid(scene, support_radius),
           solids(scene),
@@ -170,7 +171,7 @@ void rate_sweep(benchmark::State& state) {
 // kinds of a solve, as many as the river's steps have.
 void sweeps_with_skin(benchmark::State& state, double spacings) {
     Water& water = water_of(state.range(0));
-    const float skin = static_cast<float>(spacings * water.scene.fluid.particle_spacing);
+    const float skin = static_cast<float>(spacings * water.scene.fluid->particle_spacing);
     fluid::find_neighbours(water.grid, water.solids, water.particles, water.support_radius + skin, water.lists);
     const fluid::Particles& p = water.particles;
     fluid::ParticleFields& f = water.fields;

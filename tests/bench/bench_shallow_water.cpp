@@ -9,6 +9,9 @@
 #include <numbers>
 #include <string>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "fluid_server/shallow_water/column_particles.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 #include "tests/bench/bench_options.hpp"
@@ -40,9 +43,9 @@ constexpr Kind kinds[] = {{"shallow_water/river", false, false},
 Scene scene_of(const Size& size, const Kind& kind) {
     const auto particles = static_cast<std::uint64_t>(size.length * size.width * 8);  // 0.5 m apart
     Scene scene = river_scene({particles, size.length, size.width, 0.5});
-    scene.fluid.model = ModelKind::shallow_water;
-    scene.channel.flow = Flow::periodic;
-    if (kind.friction) scene.channel.manning_n = 0.03;
+    scene.fluid->model = ModelKind::shallow_water;
+    scene.channel->flow = Flow::periodic;
+    if (kind.friction) scene.channel->manning_n = 0.03;
     if (kind.obstacles) scene.obstacles = {{{40, 46}, {10, 14}, 3}, {{60, 66}, {15, 20}, 0.5}};
     return scene;
 }

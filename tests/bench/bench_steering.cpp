@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/steering/steering_world.hpp"
 #include "tests/bench/bench_options.hpp"
@@ -55,13 +57,13 @@ Work run(SteeringWorld& world, double time) {
 
 // The steering water of the scene whose outer radius holds about as many neighbours as DFSPH's particles have, images counted.
 Scene with_as_many_neighbours(Scene scene, double wanted, double warm_up) {
-    scene.fluid.model = wade::ModelKind::steering;
-    scene.fluid.steering.cohesion.weight = 0.01;  // off it would need no neighbours
+    scene.fluid->model = wade::ModelKind::steering;
+    scene.fluid->steering.cohesion.weight = 0.01;  // off it would need no neighbours
     for (int turn = 0; turn < 3; ++turn) {
         SteeringWorld world(scene);
         run(world, warm_up);
         const double factor = std::cbrt(wanted / world.neighbours());
-        scene.fluid.steering.cohesion.radius = std::min(3.0, scene.fluid.steering.cohesion.radius * factor);
+        scene.fluid->steering.cohesion.radius = std::min(3.0, scene.fluid->steering.cohesion.radius * factor);
     }
     return scene;
 }

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "configs/scene/crowd.hpp"
 #include "tests/bench/crossing_crowd.hpp"
 
 namespace wade::bench {

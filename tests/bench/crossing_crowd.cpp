@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 
 namespace wade::bench {
@@ -17,7 +19,7 @@ void draw_goal(Crossing& crossing, std::size_t id) {
 
 // Each in the middle of four starts, on a coarser grid of as many places as there are boxes, or a few more.
 void add_boxes(Scene& scene, std::size_t boxes) {
-    const AgentGroup& group = scene.crowd.groups[0];
+    const AgentGroup& group = scene.crowd->groups[0];
     const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(boxes))));
     const auto start_before = [&](std::size_t k, int starts) {
         return std::floor((static_cast<double>(k) + 0.5) * starts / static_cast<double>(side));
@@ -34,8 +36,8 @@ void add_boxes(Scene& scene, std::size_t boxes) {
 Vector2d goal_drawn(const Crossing& crossing, std::size_t id, std::uint64_t draw) {
     constexpr std::uint64_t stream = std::uint64_t{1} << 41;  // apart from those of markers and agents
     const Scene& scene = crossing.crowd.scene;
-    return {scene.world.length * crowd::counter_uniform(scene.seed, stream + id, 2 * draw),
-            scene.world.width * crowd::counter_uniform(scene.seed, stream + id, 2 * draw + 1)};
+    return {scene.world->length * crowd::counter_uniform(scene.seed, stream + id, 2 * draw),
+            scene.world->width * crowd::counter_uniform(scene.seed, stream + id, 2 * draw + 1)};
 }
 
 Crossing make_crossing(std::size_t people, double density, const Crowd& settings, std::uint64_t seed,
@@ -43,10 +45,10 @@ Crossing make_crossing(std::size_t people, double density, const Crowd& settings
     Scene scene;
     scene.seed = seed;
     scene.crowd = settings;
-    scene.crowd.navigation.rule = NavigationRule::straight;  // no field knows a goal that is drawn in the walk
-    scene.crowd.goal_radius = 1e-6;                          // nobody leaves: goals move away before they are met
+    scene.crowd->navigation.rule = NavigationRule::straight;  // no field knows a goal that is drawn in the walk
+    scene.crowd->goal_radius = 1e-6;                          // nobody leaves: goals move away before they are met
     const double side = std::sqrt(static_cast<double>(people) / density);
-    scene.world.length = scene.world.width = side;
+    scene.world->length = scene.world->width = side;
     AgentGroup group;
     group.name = "walkers";
     group.count = static_cast<int>(people);
@@ -57,7 +59,7 @@ Crossing make_crossing(std::size_t people, double density, const Crowd& settings
     group.start_x = group.pitch_x / 2;
     group.start_z = group.pitch_z / 2;
     group.start_jitter = std::max(0.0, 0.45 * (std::min(group.pitch_x, group.pitch_z) - 0.51));
-    scene.crowd.groups = {group};
+    scene.crowd->groups = {group};
     add_boxes(scene, boxes);
     Crossing crossing{crowd::make_crowd(scene), std::vector<std::uint32_t>(people, 0)};
     for (std::size_t id = 0; id < people; ++id) draw_goal(crossing, id);

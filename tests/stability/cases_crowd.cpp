@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "stability_case.hpp"
 #include "water_run.hpp"
@@ -119,11 +122,11 @@ Result crowd_against_wall(const Request& request) {
 Result agents_at_one_point(const Request& request) {
     Scene scene = scene_for(request, "agents_at_one_point");
     // The loader refuses agents nearer than a millimetre, so they are put together here.
-    scene.crowd.groups.at(0).pitch_x = 0;
-    scene.crowd.groups.at(0).pitch_z = 0;
+    scene.crowd->groups.at(0).pitch_x = 0;
+    scene.crowd->groups.at(0).pitch_z = 0;
     WatchedCrowd people(scene);
     Result result = run_with_crowd(scene, people);
-    const AgentGroup& group = scene.crowd.groups.at(0);
+    const AgentGroup& group = scene.crowd->groups.at(0);
     const Vector2d start(group.start_x, group.start_z);
     std::size_t left = people.crowd().arrived;
     for (const std::uint32_t id : people.crowd().active) {

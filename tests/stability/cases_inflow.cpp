@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "stability_case.hpp"
 #include "water_run.hpp"
@@ -37,8 +39,8 @@ double inflow_way(const Channel& channel, double t) {
 // particles are finite and the channel holds.
 Result emitter_history(const Request& request) {
     const Scene scene = scene_for(request, "emitter_history", {"/channel/z_max_m=0.4"});
-    const double layer = scene.channel.depth * scene.channel.z.length() * scene.fluid.particle_spacing;  // m3
-    const double d3 = std::pow(scene.fluid.particle_spacing, 3);
+    const double layer = scene.channel->depth * scene.channel->z.length() * scene.fluid->particle_spacing;  // m3
+    const double d3 = std::pow(scene.fluid->particle_spacing, 3);
     double worst = 0;
     Hooks hooks;
     hooks.after_frame = [&](const FluidWorld& world, double t, Result&) {
@@ -46,7 +48,7 @@ Result emitter_history(const Request& request) {
         const auto in_channel = static_cast<double>(
             std::count(p.kind.begin(), p.kind.begin() + static_cast<std::ptrdiff_t>(p.count), Kind::fluid));
         const double volume = (in_channel + static_cast<double>(world.emitter().recycled)) * d3;
-        const double due = inflow_way(scene.channel, t) * scene.channel.depth * scene.channel.z.length();
+        const double due = inflow_way(scene.channel, t) * scene.channel->depth * scene.channel->z.length();
         worst = std::max(worst, std::abs(volume - due) / layer);
     };
     Result result = run_water(scene, hooks);
@@ -71,7 +73,7 @@ Result recirculating_quiet(const Request& request) {
             squares += std::pow(static_cast<double>(p.vx[i]) - mean, 2) + std::pow(static_cast<double>(p.vy[i]), 2) +
                        std::pow(static_cast<double>(p.vz[i]), 2);
         }
-        const double now = std::sqrt(squares / static_cast<double>(p.count)) / scene.channel.velocity;
+        const double now = std::sqrt(squares / static_cast<double>(p.count)) / scene.channel->velocity;
         noise = std::max(noise, now);
         late = now;
     };
@@ -84,10 +86,10 @@ Result recirculating_quiet(const Request& request) {
 // The water in the quarter next to the outlet starts with twice v_F in the wrong direction.
 Result backflow(const Request& request) {
     const Scene scene = scene_for(request, "backflow", {"/duration_s=1.5", "/channel/x_max_m=3"});
-    const double x = scene.channel.x.lo + 0.25 * scene.channel.x.length();
+    const double x = scene.channel->x.lo + 0.25 * scene.channel->x.length();
     Hooks hooks;
     hooks.start = [&](FluidWorld& world) {
-        const double v = scene.channel.velocity;
+        const double v = scene.channel->velocity;
         world.set_velocity([&](const std::array<double, 3>& place) -> std::array<double, 3> {
             return {place[0] < x ? 2 * v : -v, 0, 0};
         });
@@ -98,14 +100,14 @@ Result backflow(const Request& request) {
 // Behind the opening whole layers wait, one pitch apart, deep enough for the support of the last particle in front.
 Result rows_behind_inlet(const Request& request) {
     const Scene scene = scene_for(request, "rows_behind_inlet", {"/duration_s=1"});
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const double reach = support_radius_of(scene.fluid);
     double widest_gap = 0;    // pitches
     double shallowest = 1e9;  // m
     double uneven = 0;
     // A row of n particles of volume d^3 fills the opening over this length.
     const auto pitch_of = [&](std::size_t in_row) {
-        return static_cast<double>(in_row) * d * d * d / (scene.channel.depth * scene.channel.z.length());
+        return static_cast<double>(in_row) * d * d * d / (scene.channel->depth * scene.channel->z.length());
     };
     Hooks hooks;
     hooks.after_step = [&](const FluidWorld& world, const StepReport&, Result&) {
@@ -116,7 +118,7 @@ Result rows_behind_inlet(const Request& request) {
         }
         std::sort(rows.begin(), rows.end());
         if (rows.empty()) return;
-        double behind = scene.channel.x.hi;
+        double behind = scene.channel->x.hi;
         std::size_t in_row = 0;
         std::size_t first_row = 0;
         for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -128,7 +130,7 @@ Result rows_behind_inlet(const Request& request) {
             uneven = std::max(uneven, std::abs(static_cast<double>(in_row) - static_cast<double>(first_row)));
             in_row = 0;
         }
-        shallowest = std::min(shallowest, rows.back() + 0.5 * pitch_of(first_row) - scene.channel.x.hi);
+        shallowest = std::min(shallowest, rows.back() + 0.5 * pitch_of(first_row) - scene.channel->x.hi);
     };
     Result result = run_water(scene, hooks);
     check_at_most(result, "widest_gap_over_pitch", widest_gap, 1.02);

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
 #include "stability_case.hpp"
 #include "water_run.hpp"
 
@@ -23,8 +27,8 @@ struct Likeness {
 
 Likeness measure(const FluidWorld& world) {
     const Particles& p = world.particles();
-    const double depth = world.scene().channel.water_blocks.at(0).depth;
-    const double wave = std::sqrt(world.scene().world.gravity * depth);
+    const double depth = world.scene().channel->water_blocks.at(0).depth;
+    const double wave = std::sqrt(world.scene().world->gravity * depth);
     const double share = 1 / static_cast<double>(std::max<std::size_t>(p.count, 1));
     Likeness l{1e9, 0, 0, 0};
     double squares = 0;
@@ -59,19 +63,19 @@ void compare(Result& result, const Likeness& a, const Likeness& b, double spacin
 // Froude's law: lengths by s, times by sqrt(s), the viscosity by s^1.5.
 Scene scaled(Scene scene, double s) {
     const auto scale = [s](Interval& i) { i = {i.lo * s, i.hi * s}; };
-    scene.world.length *= s;
-    scene.world.width *= s;
-    scale(scene.channel.x);
-    scale(scene.channel.z);
-    for (WaterBlock& block : scene.channel.water_blocks) {
+    scene.world->length *= s;
+    scene.world->width *= s;
+    scale(scene.channel->x);
+    scale(scene.channel->z);
+    for (WaterBlock& block : scene.channel->water_blocks) {
         scale(block.x);
         scale(block.z);
         block.depth *= s;
     }
-    scene.channel.depth *= s;
-    scene.channel.height *= s;
-    scene.fluid.particle_spacing *= s;
-    scene.fluid.kinematic_viscosity *= std::pow(s, 1.5);
+    scene.channel->depth *= s;
+    scene.channel->height *= s;
+    scene.fluid->particle_spacing *= s;
+    scene.fluid->kinematic_viscosity *= std::pow(s, 1.5);
     scene.duration *= std::sqrt(s);
     scene.frame_rate /= std::sqrt(s);
     return scene;
@@ -84,7 +88,7 @@ Result scaled_by(const Request& request, double s) {
     const Result first = run_to_likeness(scene, original);
     Result result = run_to_likeness(scaled(scene, s), other);
     if (result.failure.empty()) result.failure = first.failure;
-    compare(result, other, original, scene.fluid.particle_spacing / scene.channel.water_blocks.at(0).depth);
+    compare(result, other, original, scene.fluid->particle_spacing / scene.channel->water_blocks.at(0).depth);
     return result;
 }
 
@@ -99,7 +103,7 @@ Result scale_large(const Request& request) {
 // particles away from a wall, at frame borders too, and a run that is cut into other frames ends alike.
 Result frame_borders(const Request& request) {
     Scene scene = scene_for(request, "dam");
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     double worst = 0;
     double last = 0;
     Hooks hooks;
@@ -125,7 +129,7 @@ Result frame_borders(const Request& request) {
     // The density solve holds the mean density to 5e-4, here of a block 10 spacings long: it moves the centre by about
     // 5e-4 * 10 / 2 spacings at most.
     check_at_most(result, "jump_over_spacing", worst, 2.5e-3);
-    compare(result, coarse, fine, d / scene.channel.water_blocks.at(0).depth);
+    compare(result, coarse, fine, d / scene.channel->water_blocks.at(0).depth);
     return result;
 }
 

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "stability_case.hpp"
 #include "water_run.hpp"
 
@@ -21,24 +24,24 @@ Result one_particle(const Request& request) {
 // Two that are in the very same place have no direction in which to part: nothing may divide by their distance.
 Result two_in_one_place(const Request& request) {
     Scene scene = scene_for(request, "two_in_one_place");
-    scene.channel.water_blocks.push_back(scene.channel.water_blocks.at(0));
+    scene.channel->water_blocks.push_back(scene.channel->water_blocks.at(0));
     return run_water(scene);
 }
 
 // The same in the middle of a pool: the compression of its neighbourhood must be gone after half a second.
 Result twin_in_a_pool(const Request& request) {
     Scene scene = scene_for(request, "twin_in_a_pool", {"/duration_s=1"});
-    const double d = scene.fluid.particle_spacing;
-    const double depth = scene.channel.water_blocks.at(0).depth;
-    WaterBlock twin = scene.channel.water_blocks.at(0);
+    const double d = scene.fluid->particle_spacing;
+    const double depth = scene.channel->water_blocks.at(0).depth;
+    WaterBlock twin = scene.channel->water_blocks.at(0);
     twin.x = {twin.x.lo + 4 * d, twin.x.lo + 5 * d};
     twin.z = {twin.z.lo + 4 * d, twin.z.lo + 5 * d};
     twin.depth = d;
-    scene.channel.water_blocks.push_back(twin);
+    scene.channel->water_blocks.push_back(twin);
     Hooks hooks;
     hooks.settling = 0.5;
     // It is lifted onto the surface.
-    hooks.extra_energy = scene.fluid.rest_density * d * d * d * scene.world.gravity * depth;
+    hooks.extra_energy = scene.fluid->rest_density * d * d * d * scene.world->gravity * depth;
     return run_water(scene, hooks);
 }
 

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "stability_case.hpp"
 #include "water_run.hpp"
 
@@ -35,12 +38,12 @@ double push(FluidWorld& world, double change) {
 // P A w t / 2, P = 4 tanh(k H) / pi, at the walls. Half of it after 4 s, before it breaks, shows that the tank is shaken.
 Result sloshing_resonance(const Request& request) {
     const Scene scene = scene_for(request, "sloshing_resonance", {"/duration_s=4"});
-    const WaterBlock& water = scene.channel.water_blocks.at(0);
-    const double k = std::numbers::pi / scene.channel.x.length();
-    const double w = std::sqrt(scene.world.gravity * k * std::tanh(k * water.depth));
+    const WaterBlock& water = scene.channel->water_blocks.at(0);
+    const double k = std::numbers::pi / scene.channel->x.length();
+    const double w = std::sqrt(scene.world->gravity * k * std::tanh(k * water.depth));
     const double amplitude = 0.05;
     const double frame = 1 / scene.frame_rate;
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     double run_up = 0;
     Hooks hooks;
     hooks.before_frame = [&](FluidWorld& world, double t) {
@@ -50,7 +53,7 @@ Result sloshing_resonance(const Request& request) {
         const fluid::Particles& p = world.particles();
         for (std::size_t i = 0; i < p.count; ++i) {
             const auto x = static_cast<double>(p.x[i]);
-            if (x > scene.channel.x.lo + d && x < scene.channel.x.hi - d) continue;
+            if (x > scene.channel->x.lo + d && x < scene.channel->x.hi - d) continue;
             run_up = std::max(run_up, static_cast<double>(p.y[i]) + d / 2 - water.depth);
         }
     };

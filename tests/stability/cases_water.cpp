@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "stability_case.hpp"
 #include "water_run.hpp"
 
@@ -41,7 +44,7 @@ Result deep_column(const Request& request) {
                                   // 12 x 8 x 40 particles: more than the 3072 up to which the solver uses one thread,
                                   // so that the comparison of the bits for one and two threads compares something.
                                   {"/channel/water_blocks/0/depth_m=4", "/duration_s=1", "/fluid/max_particles=3840"});
-    const double depth = scene.channel.water_blocks.at(0).depth;
+    const double depth = scene.channel->water_blocks.at(0).depth;
     double lowest = 1;
     double highest = 1;
     double last = 1;
@@ -62,10 +65,10 @@ Result deep_column(const Request& request) {
 // Water at rest in the shaft of deep_shaft, so many particles across and deep.
 Scene shaft(const Request& request, int across, int layers) {
     Scene scene = scene_for(request, "deep_shaft");
-    const double d = scene.fluid.particle_spacing;
-    scene.channel.x = scene.channel.z = {0, across * d};
-    scene.channel.water_blocks = {{scene.channel.x, scene.channel.z, layers * d}};
-    scene.fluid.max_particles = across * across * layers;
+    const double d = scene.fluid->particle_spacing;
+    scene.channel->x = scene.channel->z = {0, across * d};
+    scene.channel->water_blocks = {{scene.channel->x, scene.channel->z, layers * d}};
+    scene.fluid->max_particles = across * across * layers;
     return scene;
 }
 
@@ -78,8 +81,8 @@ Result deep_shaft(const Request& request) {
 
 Result deep_loose(const Request& request) {
     Scene scene = shaft(request, 10, 50);
-    scene.fluid.divergence_solve.tolerance = 1e-2;
-    scene.fluid.cfl = 1;
+    scene.fluid->divergence_solve.tolerance = 1e-2;
+    scene.fluid->cfl = 1;
     if (request.quick) scene.duration = 1;
     return run_water(scene);
 }
@@ -110,11 +113,11 @@ Result deep_sweeps(const Request& request) {
 // level it rose by 1 %.
 Result deep_dam(const Request& request) {
     Scene scene = shaft(request, 8, 80);
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const int long_as = request.quick ? 20 : 40;
-    scene.channel.x = {0, 3 * long_as * d};
-    scene.channel.water_blocks.at(0).x = {0, long_as * d};
-    scene.fluid.max_particles = 8 * 80 * long_as;
+    scene.channel->x = {0, 3 * long_as * d};
+    scene.channel->water_blocks.at(0).x = {0, long_as * d};
+    scene.fluid->max_particles = 8 * 80 * long_as;
     scene.duration = request.quick ? 0.2 : 1;
     Result result = run_water(scene);
     check_at_most(result, "energy_over_start", result.energy_ratio, 1.001);
@@ -152,21 +155,21 @@ Result immersed_solid(const Request& request) {
 // compression counts from 0.5 s on, when waves of sqrt(g H) have crossed the tank.
 Result overlapping_water(const Request& request) {
     Scene scene = scene_for(request, "overlapping_water", {"/duration_s=1"});
-    WaterBlock& moved = scene.channel.water_blocks.at(1);
-    const double overlap = 0.5 * scene.fluid.particle_spacing;
+    WaterBlock& moved = scene.channel->water_blocks.at(1);
+    const double overlap = 0.5 * scene.fluid->particle_spacing;
     moved.x.lo -= overlap;
     moved.x.hi -= overlap;
     Hooks hooks;
     hooks.settling = 0.5;
     hooks.extra_energy =
-        scene.fluid.rest_density * scene.world.gravity * overlap * moved.depth * moved.z.length() * (moved.depth / 2);
+        scene.fluid->rest_density * scene.world->gravity * overlap * moved.depth * moved.z.length() * (moved.depth / 2);
     return run_water(scene, hooks);
 }
 
 // Two blocks in one place are no start at all: the run must end with a message in the first step, not explode.
 Result water_twice(const Request& request) {
     Scene scene = scene_for(request, "overlapping_water");
-    scene.channel.water_blocks.at(1).x = scene.channel.water_blocks.at(0).x;
+    scene.channel->water_blocks.at(1).x = scene.channel->water_blocks.at(0).x;
     Result result = run_water(scene);
     Result verdict;
     verdict.particles = result.particles;
@@ -199,10 +202,10 @@ Result tank_long(const Request& request) {
 Result narrow_channel(const Request& request) {
     const std::vector<std::string> quick{"/duration_s=0.6"};
     Scene scene = scene_for(request, "narrow_channel", quick);
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const auto run = [&](int across, double& way) {
-        scene.channel.z = {0, across * d};
-        scene.channel.water_blocks.at(0).z = scene.channel.z;
+        scene.channel->z = {0, across * d};
+        scene.channel->water_blocks.at(0).z = scene.channel->z;
         double start = 0;
         Hooks hooks;
         hooks.start = [&](FluidWorld& world) { start = mean_of(world.particles().x, world.particles().count); };
@@ -214,7 +217,7 @@ Result narrow_channel(const Request& request) {
     double wide_way = 0;
     Result all = run(12, wide_way);
     // The loader refuses Wendland's wide kernel between banks one particle apart; these scenes do not come from it.
-    const int narrowest = scene.fluid.kernel == KernelKind::wendland_c2 ? 2 : 1;
+    const int narrowest = scene.fluid->kernel == KernelKind::wendland_c2 ? 2 : 1;
     for (int across = narrowest; across <= 3; ++across) {
         double way = 0;
         const Result narrow = run(across, way);

@@ -5,6 +5,12 @@
 #include <limits>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
+
 namespace wade::stability {
 
 using fluid::FluidWorld;
@@ -22,7 +28,7 @@ double solid_height(const Scene& scene, double x, double z) {
 }
 
 double gravity_across(const Scene& scene) {
-    return scene.world.gravity * std::cos(std::atan(scene.channel.slope));
+    return scene.world->gravity * std::cos(std::atan(scene.channel->slope));
 }
 
 }  // namespace
@@ -40,9 +46,9 @@ double bed_height(const Channel& channel, double x) {
 }
 
 double level_pool_energy(const Scene& scene, double volume) {
-    const Interval& x = scene.channel.x;
-    const Interval& z = scene.channel.z;
-    const double cell = 0.5 * scene.fluid.particle_spacing;
+    const Interval& x = scene.channel->x;
+    const Interval& z = scene.channel->z;
+    const double cell = 0.5 * scene.fluid->particle_spacing;
     const auto nx = static_cast<std::size_t>(std::max(1.0, std::ceil(x.length() / cell)));
     const auto nz = static_cast<std::size_t>(std::max(1.0, std::ceil(z.length() / cell)));
     std::vector<double> ground;
@@ -67,22 +73,22 @@ double level_pool_energy(const Scene& scene, double volume) {
         ++n;
         level = (volume / area + sum) / static_cast<double>(n);
     } while (n < ground.size() && level > ground[n]);
-    return scene.fluid.rest_density * gravity_across(scene) * area *
+    return scene.fluid->rest_density * gravity_across(scene) * area *
            (static_cast<double>(n) * level * level - squares) / 2;
 }
 
 EnergyBudget::EnergyBudget(const FluidWorld& world)
     : gravity_across_(gravity_across(world.scene())),
-      gravity_along_(world.scene().world.gravity * std::sin(std::atan(world.scene().channel.slope))),
+      gravity_along_(world.scene().world->gravity * std::sin(std::atan(world.scene().channel->slope))),
       mass_(static_cast<double>(world.particle_mass())),
       last_(sum(world)),
       put_in_(last_.kinetic + last_.potential) {
     const Scene& scene = world.scene();
-    if (scene.channel.flow != Flow::closed) return;
-    resting_ = level_pool_energy(scene, last_.count * mass_ / scene.fluid.rest_density);
-    const double area = scene.channel.x.length() * scene.channel.z.length();
-    const double d = scene.fluid.particle_spacing;
-    surface_energy_ = scene.fluid.rest_density * gravity_across_ * area * d * d / 8;
+    if (scene.channel->flow != Flow::closed) return;
+    resting_ = level_pool_energy(scene, last_.count * mass_ / scene.fluid->rest_density);
+    const double area = scene.channel->x.length() * scene.channel->z.length();
+    const double d = scene.fluid->particle_spacing;
+    surface_energy_ = scene.fluid->rest_density * gravity_across_ * area * d * d / 8;
 }
 
 EnergyBudget::Sums EnergyBudget::sum(const FluidWorld& world) const {
@@ -126,8 +132,8 @@ void EnergyBudget::note_step(const FluidWorld& world, const fluid::StepReport& s
     const Sums now = sum(world);
     const double mass = now.count * mass_;
     carried_out_ += last_.leaving;
-    if (world.scene().channel.flow == Flow::emitter) note_emitter(world, now);
-    if (world.scene().channel.flow == Flow::recirculating && mass > 0) {
+    if (world.scene().channel->flow == Flow::emitter) note_emitter(world, now);
+    if (world.scene().channel->flow == Flow::recirculating && mass > 0) {
         const double push = step.driving_acceleration * step.dt;
         // The push ends at the speed that the scene asks for; obstacles change it afterwards.
         const Channel& channel = world.scene().channel;

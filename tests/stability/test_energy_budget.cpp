@@ -3,6 +3,10 @@
 #include <array>
 #include <catch2/catch.hpp>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "energy_budget.hpp"
 
 using namespace wade;
@@ -13,23 +17,23 @@ namespace {
 // A tank 4 m long and 1 m wide; a column of 1 m x 1 m x 2 m in its corner.
 Scene tank() {
     Scene scene;
-    scene.world.length = 4;
-    scene.world.width = 1;
-    scene.channel.x = {0, 4};
-    scene.channel.z = {0, 1};
-    scene.channel.flow = Flow::closed;
+    scene.world->length = 4;
+    scene.world->width = 1;
+    scene.channel->x = {0, 4};
+    scene.channel->z = {0, 1};
+    scene.channel->flow = Flow::closed;
     WaterBlock block;
     block.x = {0, 1};
     block.z = {0, 1};
     block.depth = 2;
-    scene.channel.water_blocks = {block};
-    scene.fluid.particle_spacing = 0.25;
-    scene.fluid.max_particles = 128;
+    scene.channel->water_blocks = {block};
+    scene.fluid->particle_spacing = 0.25;
+    scene.fluid->max_particles = 128;
     return scene;
 }
 
 double rho_g(const Scene& scene) {
-    return scene.fluid.rest_density * scene.world.gravity;
+    return scene.fluid->rest_density * scene.world->gravity;
 }
 
 }  // namespace
@@ -49,7 +53,7 @@ TEST_CASE("a level pool lies on the bed, beside obstacles and over those that it
     CHECK(level_pool_energy(scene, 5) == Approx(rho_g(scene) * (3 * 1.0 / 2 + 4 * (1.5 * 1.5 - 1) / 2)));
 
     scene.obstacles.clear();
-    scene.channel.bed_points = {{0, 0}, {4, 2}};
+    scene.channel->bed_points = {{0, 0}, {4, 2}};
     // A wedge that is 1 m deep and 2 m long: V = 1, centroid at 2/3 m.
     CHECK(level_pool_energy(scene, 1) == Approx(rho_g(scene) * 2.0 / 3).epsilon(0.01));
 }
@@ -65,14 +69,14 @@ TEST_CASE("of a column only what it loses on its way to a level pool can become 
 
     world.set_velocity([](const auto&) { return std::array<double, 3>{3, 0, 0}; });
     const EnergyBudget moving(world);
-    const double kinetic = scene.fluid.rest_density * 2 * 9 / 2;
+    const double kinetic = scene.fluid->rest_density * 2 * 9 / 2;
     CHECK(moving.convertible() == Approx(rho_g(scene) * 1.5 + kinetic));
     CHECK(moving.kinetic_ratio() == Approx(kinetic / (rho_g(scene) * 1.5 + kinetic)));
 }
 
 TEST_CASE("still water can make waves of half a spacing, no more", "[energy_budget]") {
     Scene scene = tank();
-    WaterBlock& block = scene.channel.water_blocks.at(0);
+    WaterBlock& block = scene.channel->water_blocks.at(0);
     block.x = {0, 4};
     block.depth = 0.5;
     const EnergyBudget budget{fluid::FluidWorld(scene)};

@@ -8,6 +8,10 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/numbers/fnv1a.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "energy_budget.hpp"
 
 namespace wade::stability {
@@ -27,17 +31,17 @@ double cpu_seconds() {
 // Steps after which a run has run away: what the CFL condition asks for at ten times the speed sqrt(2 g H) of water that
 // falls from the height H of its world, with v_F and the velocities of the start on top.
 std::size_t step_limit(const Scene& scene) {
-    double height = scene.channel.depth;
-    double speed = scene.channel.velocity;
-    for (const VelocityPoint& point : scene.channel.velocity_history) speed = std::max(speed, point.velocity);
-    for (const WaterBlock& block : scene.channel.water_blocks) {
+    double height = scene.channel->depth;
+    double speed = scene.channel->velocity;
+    for (const VelocityPoint& point : scene.channel->velocity_history) speed = std::max(speed, point.velocity);
+    for (const WaterBlock& block : scene.channel->water_blocks) {
         height = std::max(height, block.y_min + block.depth);
         speed = std::max(speed, std::hypot(block.velocity[0], block.velocity[1], block.velocity[2]));
     }
-    const double fall = std::sqrt(2 * scene.world.gravity * height);
-    const double d = scene.fluid.particle_spacing;
-    const double steps = scene.duration * 10 * (speed + 2 * fall) / (std::min(scene.fluid.cfl, 0.5) * d);
-    const double viscous = scene.duration * 8 * scene.fluid.kinematic_viscosity / (d * d);
+    const double fall = std::sqrt(2 * scene.world->gravity * height);
+    const double d = scene.fluid->particle_spacing;
+    const double steps = scene.duration * 10 * (speed + 2 * fall) / (std::min(scene.fluid->cfl, 0.5) * d);
+    const double viscous = scene.duration * 8 * scene.fluid->kinematic_viscosity / (d * d);
     return static_cast<std::size_t>(std::max(steps, viscous) + 10 * scene.duration * scene.frame_rate + 1000);
 }
 
@@ -74,7 +78,7 @@ class Watch {
         look_at_each(world, result);
         // Of the report, not |v| dt: the density solve moves positions without changing velocities.
         result.max_displacement =
-            std::max(result.max_displacement, step.max_displacement / world.scene().fluid.particle_spacing);
+            std::max(result.max_displacement, step.max_displacement / world.scene().fluid->particle_spacing);
         const std::uint64_t present = p.count + world.emitter().stock;
         const std::uint64_t missing = present > complete_ ? present - complete_ : complete_ - present;
         result.lost_particles = std::max(result.lost_particles, missing + outside_ + world.position_clamps());
@@ -92,7 +96,7 @@ class Watch {
     void look_at_each(const FluidWorld& world, Result& result) {
         const Particles& p = world.particles();
         const Scene& scene = world.scene();
-        const double slack = 1e-6 * (scene.channel.x.hi + scene.channel.z.hi);
+        const double slack = 1e-6 * (scene.channel->x.hi + scene.channel->z.hi);
         std::uint64_t bad = 0;
         for (std::size_t i = 0; i < p.count; ++i) {
             const float v2 = p.vx[i] * p.vx[i] + p.vy[i] * p.vy[i] + p.vz[i] * p.vz[i];

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/interval.hpp"
+
 namespace wade::steering_map {
 
 namespace {
@@ -99,7 +102,7 @@ Packing measure_packing(const SteeringWorld& world) {
 
 void Profile::add(const SteeringWorld& world) {
     const fluid::Particles& p = world.particles();
-    const double height = world.scene().channel.height;
+    const double height = world.scene().channel->height;
     const auto bins = static_cast<double>(velocity.size());
     for (std::size_t i = 0; i < p.count; ++i) {
         const double share = static_cast<double>(p.y[i]) / height;

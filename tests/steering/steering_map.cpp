@@ -15,6 +15,7 @@
 #include <string>
 
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/world.hpp"
 #include "tests/steering/measures.hpp"
 #include "tests/validation/cases.hpp"
 
@@ -84,7 +85,7 @@ void map_viscosity(const std::string& out) {
         run_for(world, scene.duration / 2);
         Profile profile(12);
         run_for(world, scene.duration / 2, [&](double) { profile.add(world); });
-        const double drive = scene.world.gravity * std::sqrt(0.5);
+        const double drive = scene.world->gravity * std::sqrt(0.5);
         const Parabola fit = fit_parabola(profile, height);
         const Bingham bingham = fit_bingham(profile, height, drive);
         double peak = 0;

@@ -14,6 +14,8 @@
 #include "configs/program/command_line.hpp"
 #include "configs/program/peer_support.hpp"
 #include "configs/program/program.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene_frames.hpp"
 #include "shm_protocol/publisher.hpp"
 
@@ -49,7 +51,7 @@ shm::StreamInfo stream_info(const ProgramStart& start) {
     const Scene& scene = start.loaded.scene;
     shm::StreamInfo info;
     info.producer_name = "test_producer";
-    info.capacity = columns(scene.channel.x) * columns(scene.channel.z);
+    info.capacity = columns(scene.channel->x) * columns(scene.channel->z);
     info.depth = static_cast<std::uint32_t>(scene.lockstep_depth);
     info.ticks_per_second = static_cast<std::uint64_t>(std::lround(scene.frame_rate));
     info.scene_hash = start.options.has("--other-scene") ? ~scene.hash : scene.hash;

@@ -4,6 +4,8 @@
 #include <string>
 
 #include "cases.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "run.hpp"
 
 namespace wade::validation {
@@ -49,7 +51,7 @@ Result run(const Request& request) {
 
     const Channel& channel = scene.channel;
     const double area = scene.obstacles.at(0).z.length() * channel.depth;
-    const double stagnation = 0.5 * scene.fluid.rest_density * channel.velocity * channel.velocity;
+    const double stagnation = 0.5 * scene.fluid->rest_density * channel.velocity * channel.velocity;
     Result result;
     note_cost(cost, world, result);
     result.metrics = {{"closure", std::abs((driving - change) / drag - 1), "1"},

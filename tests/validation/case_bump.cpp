@@ -13,6 +13,8 @@
 
 #include "cases.hpp"
 #include "channel_run.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/interval.hpp"
 #include "open_channel.hpp"
 #include "slice.hpp"
 
@@ -108,7 +110,7 @@ Result run_transcritical(const Request& request) {
     Cost cost;
     const Columns columns =
         average_columns(*water, 0.5 * scene.duration, scene.duration, column * request.spacing, cost);
-    const Interval compared{scene.channel.x.lo + 1, scene.channel.x.hi - 1};
+    const Interval compared{scene.channel->x.lo + 1, scene.channel->x.hi - 1};
     Result result = result_of(*water, columns, cost, compared, origin, q, depth_over(flow, origin));
     const CurvedBumpFlow curved = curved_transcritical_bump_flow(q, g);
     const auto curved_depth = [&](double x) { return curved.depth(origin - x); };
@@ -157,7 +159,7 @@ Result run_with_jump(const Request& request) {
     Cost cost;
     const Columns columns =
         average_columns(*water, 0.6 * scene.duration, scene.duration, column * request.spacing, cost);
-    const Interval compared{plateau.lo, scene.channel.x.hi - 1};
+    const Interval compared{plateau.lo, scene.channel->x.hi - 1};
     const double measured_q = mean_discharge(columns, compared);
     const double measured_depth = mean_depth(columns, plateau);
     // Without a jump on the bump there is nothing to compare with: the depths are then judged against the nominal flow.

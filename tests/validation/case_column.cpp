@@ -5,6 +5,9 @@
 #include <numeric>
 
 #include "cases.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "run.hpp"
 
 namespace wade::validation {
@@ -48,13 +51,13 @@ void sample_speeds(const fluid::Particles& p, Rest& rest) {
 Result run(const Request& request) {
     const Scene scene = scene_for(request, "validation/column.json");
     fluid::FluidWorld world(scene);
-    const double depth = scene.channel.water_blocks.at(0).depth;
-    const double g = scene.world.gravity;
+    const double depth = scene.channel->water_blocks.at(0).depth;
+    const double g = scene.world->gravity;
     const int frames = frames_in(scene, scene.duration);
     const int averaged = std::min(frames_in(scene, 2), frames);  // the last two seconds
 
     Rest rest;
-    const auto layers = static_cast<std::size_t>(std::lround(depth / scene.fluid.particle_spacing));
+    const auto layers = static_cast<std::size_t>(std::lround(depth / scene.fluid->particle_spacing));
     rest.pressure.assign(layers, 0);
     rest.height.assign(layers, 0);
     Cost cost;
@@ -67,7 +70,7 @@ Result run(const Request& request) {
             }
         });
         if (average) {
-            sample_layers(world.particles(), scene.fluid.rest_density, averaged, rest);
+            sample_layers(world.particles(), scene.fluid->rest_density, averaged, rest);
             sample_speeds(world.particles(), rest);
         }
     }
@@ -76,9 +79,9 @@ Result run(const Request& request) {
     note_cost(cost, world, result);
     Curve curve{"pressure", {"y_m", "pressure_Pa", "exact_pressure_Pa"}, {}};
     double squares = 0;
-    const double whole = scene.fluid.rest_density * g * depth;
+    const double whole = scene.fluid->rest_density * g * depth;
     for (std::size_t k = 0; k < layers; ++k) {
-        const double exact = scene.fluid.rest_density * g * (depth - rest.height[k]);
+        const double exact = scene.fluid->rest_density * g * (depth - rest.height[k]);
         curve.rows.push_back({rest.height[k], rest.pressure[k], exact});
         if (k > 0 && k + 1 < layers) {
             squares += std::pow((rest.pressure[k] - exact) / whole, 2);

@@ -11,6 +11,9 @@
 
 #include "cases.hpp"
 #include "channel_run.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "open_channel.hpp"
 #include "slice.hpp"
 
@@ -61,7 +64,7 @@ double carried_momentum(const Water& water, const Interval& x) {
     water.for_each_parcel([&](const Parcel& parcel) {
         if (x.contains(parcel.x)) sum += parcel.volume * parcel.vx * parcel.vx;
     });
-    return sum / (x.length() * water.scene().channel.z.length());
+    return sum / (x.length() * water.scene().channel->z.length());
 }
 
 struct Line {
@@ -97,7 +100,7 @@ Result run(const Request& request, double froude, double width) {
     const double room = width * length * 1.3 * h2;  // m^3
     sizes.push_back(assign("/fluid/max_particles", std::ceil(room / std::pow(request.spacing, 3))));
     const Scene scene = scene_for(request, "validation/jump.json", sizes);
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const std::unique_ptr<Water> water = make_water(scene);
     Cost cost;
 
@@ -106,7 +109,7 @@ Result run(const Request& request, double froude, double width) {
     std::vector<double> time;
     std::vector<double> place;
     double sum_h1 = 0, sum_u1 = 0, sum_h2 = 0, sum_u2 = 0, sum_uu1 = 0, sum_uu2 = 0;
-    Columns moving = make_columns({-travel * h2, 0.5 * jump_length * h2 + h2}, scene.channel.z.length(), column);
+    Columns moving = make_columns({-travel * h2, 0.5 * jump_length * h2 + h2}, scene.channel->z.length(), column);
     std::vector<int> seen(moving.count(), 0);  // frames in which the column lies in the channel
     const int frames = frames_in(scene, travel * h2 / bore.speed);
     const int averaged = frames_in(scene, averaged_travel * h2 / bore.speed);
@@ -115,7 +118,7 @@ Result run(const Request& request, double froude, double width) {
         if (frame <= frames - averaged) {
             continue;
         }
-        Columns now = make_columns(scene.channel.x, scene.channel.z.length(), column);
+        Columns now = make_columns(scene.channel->x, scene.channel->z.length(), column);
         water->add_to(now);
         const double front = jump_place(now, h2);
         time.push_back(frame / scene.frame_rate);

@@ -4,6 +4,8 @@
 #include <numbers>
 
 #include "cases.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/world.hpp"
 #include "damped_cosine.hpp"
 #include "run.hpp"
 #include "slice.hpp"
@@ -28,15 +30,15 @@ double centroid(const fluid::Particles& p) {
 Result run(const Request& request) {
     const Scene scene = scene_for(request, "validation/sloshing.json", slice_sizes(request, 1));
     fluid::FluidWorld world(scene);
-    const double h = scene.channel.water_blocks.at(0).depth;
-    const double length = scene.channel.x.length();
+    const double h = scene.channel->water_blocks.at(0).depth;
+    const double length = scene.channel->x.length();
     const double k = std::numbers::pi / length;
-    const double omega = std::sqrt(scene.world.gravity * k * std::tanh(k * h));
+    const double omega = std::sqrt(scene.world->gravity * k * std::tanh(k * h));
     // The surface is level at t = 0 and rises at a omega cos(k x): u = -grad phi with
     // phi = -a omega cos(k x) cosh(k y) / (k sinh(k h)).
     const double rise = amplitude * h * omega / std::sinh(k * h);
     world.set_velocity([&](const std::array<double, 3>& place) {
-        const double x = place[0] - scene.channel.x.lo;
+        const double x = place[0] - scene.channel->x.lo;
         return std::array<double, 3>{-rise * std::sin(k * x) * std::cosh(k * place[1]),
                                      rise * std::cos(k * x) * std::sinh(k * place[1]), 0};
     });

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cases.hpp"
+#include "configs/scene/fluid.hpp"
 #include "probes.hpp"
 #include "run.hpp"
 #include "spheric2_reference.hpp"
@@ -33,8 +34,8 @@ struct Readings {
 };
 
 Readings run_tank(fluid::FluidWorld& world, Cost& cost) {
-    const double d = world.scene().fluid.particle_spacing;
-    const double rho = world.scene().fluid.rest_density;
+    const double d = world.scene().fluid->particle_spacing;
+    const double rho = world.scene().fluid->rest_density;
     Readings readings;
     const auto read_heights = [&](double t) {
         readings.time.push_back(t);

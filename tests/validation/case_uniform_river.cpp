@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "cases.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/interval.hpp"
 #include "run.hpp"
 #include "water.hpp"
 
@@ -128,13 +130,13 @@ Result run_recirculating(const Request& request, double duration) {
     std::vector<std::string> sizes = length(request);
     sizes.push_back(assign("/duration_s", duration));
     const Scene scene = scene_for(request, "validation/uniform_river.json", sizes);
-    return run_river(scene, scene.channel.velocity);
+    return run_river(scene, scene.channel->velocity);
 }
 
 Result run_manning(const Request& request, double duration, double start) {
     const Scene given = scene_for(request, "validation/manning_river.json");
     const double truth =
-        std::pow(given.channel.depth, 2.0 / 3) * std::sqrt(given.channel.slope) / given.channel.manning_n;
+        std::pow(given.channel->depth, 2.0 / 3) * std::sqrt(given.channel->slope) / given.channel->manning_n;
     const Scene scene = scene_for(request, "validation/manning_river.json",
                                   {assign("/duration_s", duration), assign("/channel/velocity_m_s", start * truth)});
     return run_river(scene, truth);

@@ -7,6 +7,9 @@
 #include <utility>
 
 #include "cases.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_route.hpp"
 #include "crowd_run.hpp"
 
@@ -20,7 +23,7 @@ const double free_motion = (std::log(2.0) - 0.5) / (2 * (1 - std::log(2.0)));
 
 // Mean progress along x over `time` seconds, m/s.
 double mean_speed(Scene scene, SpeedRule rule, double time, Result& result) {
-    scene.crowd.speed_rule = rule;
+    scene.crowd->speed_rule = rule;
     crowd::CrowdWorld crowd = crowd::make_crowd(scene);
     double start = 0;
     for (std::size_t id = 0; id < crowd.agents.size(); ++id) start += unrolled_x(crowd, id);
@@ -32,7 +35,7 @@ double mean_speed(Scene scene, SpeedRule rule, double time, Result& result) {
 
 Result run_free_speed(const Request& request) {
     const Scene scene = crowd_scene(request, "validation/crowd_free.json");
-    const double desired = scene.crowd.groups.at(0).desired_speed;
+    const double desired = scene.crowd->groups.at(0).desired_speed;
     Result result = crowd_result();
     const double pi = mean_speed(scene, SpeedRule::pi, scene.duration, result);
     const double per_frame = mean_speed(scene, SpeedRule::per_frame, scene.duration, result);
@@ -107,7 +110,7 @@ crowd::CrowdWorld mirrored_crowd(Scene scene, const crowd::Markers& markers, con
 Result run_mirror(const Request& request) {
     const Scene scene = crowd_scene(request, "validation/crowd_mirror.json");
     const crowd::Markers markers = crowd::make_crowd(scene).markers;
-    const Mirror none{false, false, scene.world.length, scene.world.width};
+    const Mirror none{false, false, scene.world->length, scene.world->width};
     crowd::CrowdWorld reference = mirrored_crowd(scene, markers, none);
     Mirror in_z = none;
     in_z.along_z = true;
@@ -198,10 +201,10 @@ constexpr std::uint64_t seeds = 5;
 
 Scene circle_scene(const Request& request, SpeedRule rule) {
     Scene scene = crowd_scene(request, "validation/crowd_circle.json");
-    scene.crowd.speed_rule = rule;
+    scene.crowd->speed_rule = rule;
     constexpr int people = 50;
     constexpr double radius = 10;  // m
-    const double centre = scene.world.length / 2;
+    const double centre = scene.world->length / 2;
     for (int k = 0; k < people; ++k) {
         const double angle = 2 * std::numbers::pi * k / people;
         AgentGroup group;
@@ -211,15 +214,15 @@ Scene circle_scene(const Request& request, SpeedRule rule) {
         group.goal_x = 2 * centre - group.start_x;
         group.goal_z = 2 * centre - group.start_z;
         group.desired_speed = 1.34;
-        scene.crowd.groups.push_back(group);
+        scene.crowd->groups.push_back(group);
     }
     return scene;
 }
 
 void measure(const Request& request, SpeedRule rule, const std::string& suffix, Result& result) {
     Scene scene = circle_scene(request, rule);
-    const double ideal = (20 - scene.crowd.goal_radius) / scene.crowd.groups.at(0).desired_speed;
-    const auto people = static_cast<double>(scene.crowd.groups.size());
+    const double ideal = (20 - scene.crowd->goal_radius) / scene.crowd->groups.at(0).desired_speed;
+    const auto people = static_cast<double>(scene.crowd->groups.size());
     Overlaps overlaps;
     double worst = 0;
     double arrived = 0;

@@ -9,6 +9,10 @@
 #include <utility>
 
 #include "cases.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
 #include "dam_break.hpp"
 #include "profiles.hpp"
 #include "run.hpp"
@@ -23,8 +27,8 @@ namespace {
 Result run_dam_break(const Request& request) {
     const Scene scene = scene_for(request, "validation/dam_break.json", slice_sizes(request, 1));
     const std::unique_ptr<Water> water = make_water(scene);
-    const WaterBlock& reservoir = scene.channel.water_blocks.at(0);
-    const double g = scene.world.gravity;
+    const WaterBlock& reservoir = scene.channel->water_blocks.at(0);
+    const double g = scene.world->gravity;
     const DamBreak dam{scene, reservoir.x.lo, reservoir.depth,
                        [&](double s, double t) { return ritter(s, t, reservoir.depth, g); }};
     Result result;
@@ -75,14 +79,14 @@ struct DispersiveTwin {
 };
 
 DispersiveTwin make_twin(const DamBreak& dam, double tail) {
-    const Interval& x = dam.scene.channel.x;
+    const Interval& x = dam.scene.channel->x;
     const double cell = 0.02 * dam.depth;  // half of it moves the bore by less than a thousandth
     const auto depth = [&](double from_start) {
         // The dam is a slope as steep as some cells allow.
         const double step = std::tanh((x.lo + from_start - dam.dam_x) / (3 * cell));
         return (dam.depth + tail) / 2 + (dam.depth - tail) / 2 * step;
     };
-    return {serre_waves(x.length(), cell, dam.scene.world.gravity, depth, [](double) { return 0.0; }), 0, {}};
+    return {serre_waves(x.length(), cell, dam.scene.world->gravity, depth, [](double) { return 0.0; }), 0, {}};
 }
 
 // To time t, in columns as those of the case.
@@ -120,12 +124,12 @@ void add_twin(Curve& profile, const Columns& twin) {
 Result run_wet_bed(const Request& request, const char* name, bool is_undular) {
     const Scene scene = scene_for(request, name, slice_sizes(request, 2));
     const std::unique_ptr<Water> water = make_water(scene);
-    const WaterBlock& reservoir = scene.channel.water_blocks.at(0);
-    const WaterBlock& tail = scene.channel.water_blocks.at(1);
-    const WetDamBreak exact = solve_wet_dam_break(reservoir.depth, tail.depth, scene.world.gravity);
+    const WaterBlock& reservoir = scene.channel->water_blocks.at(0);
+    const WaterBlock& tail = scene.channel->water_blocks.at(1);
+    const WetDamBreak exact = solve_wet_dam_break(reservoir.depth, tail.depth, scene.world->gravity);
     const DamBreak dam{scene, reservoir.x.lo, reservoir.depth, [&](double s, double t) { return stoker(exact, s, t); }};
     check_duration(dam, first_shock);
-    const bool knows_dispersion = scene.fluid.model != ModelKind::shallow_water;
+    const bool knows_dispersion = scene.fluid->model != ModelKind::shallow_water;
     std::optional<DispersiveTwin> twin;
     if (is_undular && knows_dispersion) twin = make_twin(dam, tail.depth);
     Result result;
@@ -239,10 +243,10 @@ Errors errors_with(const std::vector<Point>& simulated, double delay) {
 Result run_collapse(const Request& request) {
     const Scene scene = scene_for(request, "validation/collapse.json", slice_sizes(request, 1));
     fluid::FluidWorld world(scene);
-    const WaterBlock& column = scene.channel.water_blocks.at(0);
+    const WaterBlock& column = scene.channel->water_blocks.at(0);
     const double a = column.x.length();
-    const double unit = std::sqrt(a / (2 * scene.world.gravity));  // of T, s
-    const double d = scene.fluid.particle_spacing;
+    const double unit = std::sqrt(a / (2 * scene.world->gravity));  // of T, s
+    const double d = scene.fluid->particle_spacing;
     // The front is the far edge of the foremost particle, half a spacing ahead of its centre: a at t = 0.
     const auto front = [&] { return (column.x.hi - leading_x(world.particles(), column.x.hi) + d / 2) / a; };
 

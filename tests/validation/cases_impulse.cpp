@@ -3,6 +3,8 @@
 #include <numbers>
 
 #include "cases.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_bins.hpp"
 #include "impulse.hpp"
@@ -13,8 +15,8 @@ namespace {
 // rho pi r^2 h v_F T towards -x: what a stream of uniform speed brings into the contact distance r of an agent.
 crowd::Vector2d uniform_stream(const Scene& scene) {
     const double r = crowd::contact_distance(scene.coupling);
-    const double mass = scene.fluid.rest_density * std::numbers::pi * r * r * scene.channel.depth;
-    return {-mass * scene.channel.velocity * scene.duration, 0};
+    const double mass = scene.fluid->rest_density * std::numbers::pi * r * r * scene.channel->depth;
+    return {-mass * scene.channel->velocity * scene.duration, 0};
 }
 
 Result run_impulse_river(const Request& request) {

@@ -7,6 +7,9 @@
 #include <map>
 
 #include "cases.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_trips.hpp"
 
 namespace wade::validation {
@@ -35,7 +38,7 @@ Scene scene_of(const Request& request, const Opening& opening) {
         side.x.hi = wall_at + opening.thickness;
         (side.z.lo < axis - 1 ? side.z.hi : side.z.lo) = axis + (side.z.lo < axis - 1 ? -0.5 : 0.5) * opening.width;
     }
-    AgentGroup& group = scene.crowd.groups.at(0);
+    AgentGroup& group = scene.crowd->groups.at(0);
     group.rows = opening.people / group.columns;
     group.count = opening.people;
     group.pitch_z *= 15.0 / group.rows;
@@ -186,8 +189,8 @@ struct Stream {
 
     Stream(const Scene& scene, double speed) {
         constexpr double spacing = 0.5;  // m
-        for (double at_x = 1.25; at_x < scene.world.length; at_x += spacing) {
-            for (double at_z = 0.25; at_z < scene.world.width; at_z += spacing) {
+        for (double at_x = 1.25; at_x < scene.world->length; at_x += spacing) {
+            for (double at_z = 0.25; at_z < scene.world->width; at_z += spacing) {
                 x.push_back(static_cast<float>(at_x));
                 z.push_back(static_cast<float>(at_z));
             }
@@ -216,7 +219,7 @@ Result run_pushed(const Request& request) {
         for (const double rate : {30.0, 10.0}) {
             for (const double width : {1.0, 2.0}) {
                 Scene scene = scene_of(request, {.width = width, .people = 100, .step_rate = rate});
-                scene.crowd.groups.at(0).tau = 0.8;
+                scene.crowd->groups.at(0).tau = 0.8;
                 crowd::CrowdWorld crowd = crowd::make_crowd(scene);
                 const Stream stream(scene, speed);
                 const Gate line{{wall_at + thickness, 0}, {wall_at + thickness, 1}, {1, 0}};

@@ -5,6 +5,12 @@
 #include <cmath>
 
 #include "cases.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/people/person.hpp"
 #include "impulse.hpp"
@@ -14,9 +20,9 @@ namespace {
 
 // rho C_D B h U^2 / 2 of one of 1.7 m, N.
 double law_of_drag(const Scene& scene) {
-    const double k =
-        crowd::drag_upright(crowd::usual_height, scene.channel.depth, {scene.fluid.rest_density, scene.world.gravity});
-    return k * scene.channel.velocity * scene.channel.velocity;
+    const double k = crowd::drag_upright(crowd::usual_height, scene.channel->depth,
+                                         {scene.fluid->rest_density, scene.world->gravity});
+    return k * scene.channel->velocity * scene.channel->velocity;
 }
 
 void add_balance(const PeopleRun& run, Result& result) {
@@ -36,8 +42,8 @@ Result drag_in(const Request& request, const std::vector<std::string>& of_the_ri
     PeopleRun all;  // sums
     for (std::size_t i = 0; i < x.size() * z.size(); ++i) {
         Scene scene = scene_for(request, river, of_the_river);
-        scene.crowd.groups.at(0).start_x = x[i % x.size()];
-        scene.crowd.groups.at(0).start_z = z[i / x.size()];
+        scene.crowd->groups.at(0).start_x = x[i % x.size()];
+        scene.crowd->groups.at(0).start_z = z[i / x.size()];
         const PeopleRun run = run_people(scene, result);
         law = law_of_drag(scene);
         sum += run.drag();
@@ -58,17 +64,18 @@ Result drag_in(const Request& request, const std::vector<std::string>& of_the_ri
 
 // People at random, no two nearer than 0.5 m, on all of the channel.
 void scatter(Scene& scene, int n) {
-    const AgentGroup one = scene.crowd.groups.at(0);
-    scene.crowd.groups.clear();
-    for (std::uint64_t draw = 0; static_cast<int>(scene.crowd.groups.size()) < n; ++draw) {
+    const AgentGroup one = scene.crowd->groups.at(0);
+    scene.crowd->groups.clear();
+    for (std::uint64_t draw = 0; static_cast<int>(scene.crowd->groups.size()) < n; ++draw) {
         AgentGroup group = one;
         group.name = std::to_string(draw);
-        group.start_x = scene.channel.x.lo + scene.channel.x.length() * crowd::counter_uniform(scene.seed, 1, draw);
-        group.start_z = scene.channel.z.lo + scene.channel.z.length() * crowd::counter_uniform(scene.seed, 2, draw);
-        const bool free = std::none_of(scene.crowd.groups.begin(), scene.crowd.groups.end(), [&](const AgentGroup& g) {
-            return std::hypot(g.start_x - group.start_x, g.start_z - group.start_z) < 0.5;
-        });
-        if (free) scene.crowd.groups.push_back(group);
+        group.start_x = scene.channel->x.lo + scene.channel->x.length() * crowd::counter_uniform(scene.seed, 1, draw);
+        group.start_z = scene.channel->z.lo + scene.channel->z.length() * crowd::counter_uniform(scene.seed, 2, draw);
+        const bool free =
+            std::none_of(scene.crowd->groups.begin(), scene.crowd->groups.end(), [&](const AgentGroup& g) {
+                return std::hypot(g.start_x - group.start_x, g.start_z - group.start_z) < 0.5;
+            });
+        if (free) scene.crowd->groups.push_back(group);
     }
 }
 
@@ -92,10 +99,10 @@ Result crowd_of(const Request& request, int people, double before) {
 Result file_of(const Request& request, Shelter shelter, double before) {
     Result result;
     Scene scene = scene_for(request, river);
-    AgentGroup& file = scene.crowd.groups.at(0);
+    AgentGroup& file = scene.crowd->groups.at(0);
     file.columns = file.count = 10;
     file.pitch_x = 0.6;
-    scene.coupling.shelter = shelter;
+    scene.coupling->shelter = shelter;
     const PeopleRun run = run_people(scene, result);
     add_beside(run.drag() / (10 * law_of_drag(scene)), before, result);
     add_balance(run, result);
@@ -110,8 +117,8 @@ Result run_vegetation(const Request& request) {
                              "/channel/velocity_m_s=1.04", "/duration_s=30"});
     scatter(scene, 96);
     const PeopleRun run = run_people(scene, result);
-    const double density = 96 / (scene.channel.x.length() * scene.channel.z.length());  // 1/m2
-    const double width = crowd::body_width_share * crowd::usual_height, depth = scene.channel.depth;
+    const double density = 96 / (scene.channel->x.length() * scene.channel->z.length());  // 1/m2
+    const double width = crowd::body_width_share * crowd::usual_height, depth = scene.channel->depth;
     const double n_squared = 0.03 * 0.03 + crowd::body_drag * width * density * std::pow(depth, 4.0 / 3) / (2 * 9.81);
     const double expected = std::pow(depth, 2.0 / 3) * std::sqrt(0.01 / n_squared);
     result.metrics.push_back({"speed_error", std::abs(run.speed / expected - 1), "1"});
@@ -136,11 +143,11 @@ struct Reach {
             mass[k] += m;
             flow[k] += m * static_cast<double>(water.vx[i]);
         }
-        const double rho = scene.fluid.rest_density, area = scene.channel.z.length(), n = static_cast<double>(slices);
+        const double rho = scene.fluid->rest_density, area = scene.channel->z.length(), n = static_cast<double>(slices);
         for (std::size_t k = 0; k < slices; ++k) {
             const double h = mass[k] / (rho * area), q = flow[k] / (rho * area);
             depth += h / n;
-            momentum += rho * (0.5 * scene.world.gravity * h * h + q * q / h) / n;
+            momentum += rho * (0.5 * scene.world->gravity * h * h + q * q / h) / n;
         }
         ++frames;
     }
@@ -150,7 +157,7 @@ struct Reach {
 Result run_row(const Request& request) {
     Result result;
     Scene scene = scene_for(request, river, {"/channel/velocity_m_s=1.5", "/duration_s=16"});
-    AgentGroup& row = scene.crowd.groups.at(0);
+    AgentGroup& row = scene.crowd->groups.at(0);
     row.rows = row.count = 8;
     row.columns = 1;
     row.start_x = 12, row.start_z = 0.5;
@@ -162,12 +169,12 @@ Result run_row(const Request& request) {
             behind.add(water, people.scene);
         });
     const double h = before.depth / before.frames, fall = h - behind.depth / behind.frames;
-    const double per_width = run.drag() / scene.channel.z.length();
+    const double per_width = run.drag() / scene.channel->z.length();
     // Between the middles of the reaches, 10 m apart, the river is driven by its share of the whole force.
-    const double lost = per_width * (1 - 10 / scene.channel.x.length());
+    const double lost = per_width * (1 - 10 / scene.channel->x.length());
     // d(g h^2 / 2 + q^2 / h) / dh = g h (1 - Fr^2)
-    const double speed = scene.channel.velocity, gravity = scene.world.gravity;
-    const double expected = lost / (scene.fluid.rest_density * (gravity * h - speed * speed));
+    const double speed = scene.channel->velocity, gravity = scene.world->gravity;
+    const double expected = lost / (scene.fluid->rest_density * (gravity * h - speed * speed));
     result.metrics.push_back({"fall_error", std::abs(fall / expected - 1), "1"});
     result.metrics.push_back({"fall", fall, "m"});
     result.metrics.push_back({"expected_fall", expected, "m"});
@@ -219,8 +226,8 @@ Result run_free_body(const Request& request) {
             velocity = -people.agents.momentary[0].x();
             if (time <= 2) after_two = velocity;
         });
-    const crowd::WaterProperties water{scene.fluid.rest_density, scene.world.gravity};
-    const double depth = scene.channel.depth, speed = scene.channel.velocity, upright_time = 0.3;
+    const crowd::WaterProperties water{scene.fluid->rest_density, scene.world->gravity};
+    const double depth = scene.channel->depth, speed = scene.channel->velocity, upright_time = 0.3;
     const double floats = crowd::mass_with_water(25, crowd::submerged_share(1.1, depth), water);
     const double upright = crowd::drag_upright(1.1, depth, water) / floats;
     const double lying = crowd::drag_lying(depth, water) / crowd::mass_with_water(25, 1, water);

@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "cases.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "crowd_route.hpp"
 #include "crowd_run.hpp"
 

@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "cases.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_route.hpp"
 #include "crowd_trips.hpp"
@@ -18,10 +20,10 @@ using Times = std::vector<std::vector<double>>;
 // Whole numbers of people in a group: as many as its grid has, then the grid's first ones.
 void set_people(Scene& scene, std::size_t group, int people) {
     if (people == 0) {
-        scene.crowd.groups.erase(scene.crowd.groups.begin() + static_cast<std::ptrdiff_t>(group));
+        scene.crowd->groups.erase(scene.crowd->groups.begin() + static_cast<std::ptrdiff_t>(group));
         return;
     }
-    AgentGroup& its = scene.crowd.groups.at(group);
+    AgentGroup& its = scene.crowd->groups.at(group);
     its.count = people;
     its.rows = std::min(its.rows, (people + its.columns - 1) / its.columns);
 }
@@ -78,16 +80,17 @@ Scene blocks(const Request& request, std::uint64_t seed, int people) {
     constexpr int abreast = 5;
     const int deep = people / abreast;
     const double block = deep * pitch, gap = 10;  // m
-    scene.world.length = 2 * (block + gap) + gap + 4;
-    scene.world.width = 6;
-    scene.obstacles = {{{0, scene.world.length}, {0, 1}, 3}, {{0, scene.world.length}, {5, 6}, 3}, {{0, 1}, {1, 5}, 3}};
+    scene.world->length = 2 * (block + gap) + gap + 4;
+    scene.world->width = 6;
+    scene.obstacles = {
+        {{0, scene.world->length}, {0, 1}, 3}, {{0, scene.world->length}, {5, 6}, 3}, {{0, 1}, {1, 5}, 3}};
     for (const int k : {0, 1}) {
-        AgentGroup& group = scene.crowd.groups.at(static_cast<std::size_t>(k));
+        AgentGroup& group = scene.crowd->groups.at(static_cast<std::size_t>(k));
         group.columns = deep, group.rows = abreast, group.count = people;
         group.pitch_x = pitch, group.pitch_z = 0.75;
-        group.start_x = k == 0 ? gap : scene.world.length - gap - block + pitch;
+        group.start_x = k == 0 ? gap : scene.world->length - gap - block + pitch;
         group.start_z = 1.5;
-        group.goal_x = k == 0 ? scene.world.length - 2.5 : 3.5;
+        group.goal_x = k == 0 ? scene.world->length - 2.5 : 3.5;
         group.goal_z = 3;
     }
     return scene;
@@ -101,7 +104,7 @@ Result run_blocks(const Request& request) {
         double longest = 0;
         for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
             crowd::CrowdWorld crowd = crowd::make_crowd(blocks(request, seed, people));
-            const double middle = crowd.scene.world.length / 2, beyond = 5;  // m past the middle: apart again
+            const double middle = crowd.scene.world->length / 2, beyond = 5;  // m past the middle: apart again
             const Trip trip = walk_past(crowd,
                                         {{{middle + beyond, 1}, {middle + beyond, 5}, {1, 0}},
                                          {{middle - beyond, 5}, {middle - beyond, 1}, {-1, 0}}},
@@ -185,7 +188,7 @@ Result run_head_on(const Request& request) {
         double longest = 0;
         for (std::uint64_t seed = 1; seed <= 10; ++seed) {
             Scene scene = people_scene(request, "crowd_rooms.json", seed, {std::string("/crowd/bodies=") + bodies});
-            for (AgentGroup& group : scene.crowd.groups) {
+            for (AgentGroup& group : scene.crowd->groups) {
                 group.columns = group.rows = group.count = 1;
                 group.start_jitter = 0;
                 group.start_x = group.goal_x < 16 ? 21 : 11;

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "cases.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/particles/place/place_solids.hpp"
 #include "place_scenes.hpp"
 #include "run.hpp"
@@ -59,12 +61,12 @@ Scene scene_of(const Tank& tank, double degrees, double spacing) {
     scene.place->water = {{{}, tank.level}};
     if (tank.filled < tank.length) scene.place->water[0].polygon = turn.box(-a - 1, -a + tank.filled, -b - 1, b + 1);
     scene.fluid = {};
-    scene.fluid.model = ModelKind::dfsph;
-    scene.fluid.particle_spacing = spacing;
-    scene.fluid.kinematic_viscosity = 0.01;
+    scene.fluid->model = ModelKind::dfsph;
+    scene.fluid->particle_spacing = spacing;
+    scene.fluid->kinematic_viscosity = 0.01;
     const double most = tank.length * tank.width * (tank.level + spacing) / std::pow(spacing, 3);
-    scene.fluid.max_particles = static_cast<int>(1.2 * most) + 100;
-    if (tank.at_rest) scene.fluid.density_solve.tolerance = scene.fluid.divergence_solve.tolerance = 1e-4;
+    scene.fluid->max_particles = static_cast<int>(1.2 * most) + 100;
+    if (tank.at_rest) scene.fluid->density_solve.tolerance = scene.fluid->divergence_solve.tolerance = 1e-4;
     scene.frame_rate = 30;
     return scene;
 }
@@ -72,7 +74,7 @@ Scene scene_of(const Tank& tank, double degrees, double spacing) {
 // The straight twin's particles, turned.
 void lay_along(const Scene& straight, double degrees, fluid::FluidWorld& world) {
     const fluid::FluidWorld twin(straight);
-    const double middle = straight.world.length / 2;
+    const double middle = straight.world->length / 2;
     const Turn turn(middle, middle, degrees);
     world.change_particles([&](fluid::Particles& p) {
         fluid::copy_particles(twin.particles(), p);
@@ -128,19 +130,19 @@ double along_tank(const fluid::Particles& p, const Turn& turn, double& front) {
 Measures measure(const Tank& tank, double degrees, bool along, const Request& request, Result& result, double square) {
     const double d = request.spacing;
     Scene scene = scene_of(tank, degrees, d);
-    scene.world.gravity *= request.gravity_factor;
+    scene.world->gravity *= request.gravity_factor;
     fluid::FluidWorld world(scene);
     const double water = static_cast<double>(world.particles().count);
     if (along) lay_along(scene_of(tank, 0, d), degrees, world);
     const fluid::Particles& p = world.particles();
-    const Turn turn(scene.world.length / 2, scene.world.width / 2, degrees);
+    const Turn turn(scene.world->length / 2, scene.world->width / 2, degrees);
     Measures m;
     const auto straight = static_cast<double>(fluid::FluidWorld(scene_of(tank, 0, d)).particles().count);
     m.mass = std::abs(water / straight - 1);
     double front = 0;
     const double began = along_tank(p, turn, front);
     const double weight =
-        static_cast<double>(p.count) * static_cast<double>(world.particle_mass()) * scene.world.gravity;
+        static_cast<double>(p.count) * static_cast<double>(world.particle_mass()) * scene.world->gravity;
     const int frames = frames_in(scene, tank.time), last = frames_in(scene, 1);
     Cost cost;
     double time = 0, squares = 0, height = 0, of_window = 0;

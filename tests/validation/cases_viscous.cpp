@@ -7,6 +7,9 @@
 #include <numbers>
 
 #include "cases.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "run.hpp"
 #include "viscous_exact.hpp"
 #include "viscous_measures.hpp"
@@ -78,7 +81,7 @@ Result run_start_up(const Scene& scene, const Profile& exact, double peak) {
         const std::string place = "at_" + std::to_string(std::lround(1e4 * t)) + "e-4_s";
         result.metrics.push_back({"profile_l2_" + place, error.relative, "1"});
         Curve curve{"profile_" + place, {"y_m", "speed_m_s", "exact_speed_m_s"}, {}};
-        add_profile(world.particles(), exact, t, scene.channel.height, scene.fluid.particle_spacing, curve);
+        add_profile(world.particles(), exact, t, scene.channel->height, scene.fluid->particle_spacing, curve);
         result.curves.push_back(curve);
     }
     result.metrics.insert(result.metrics.begin(), {{"profile_l2", worst, "1"},
@@ -92,9 +95,9 @@ Result run_start_up(const Scene& scene, const Profile& exact, double peak) {
 Result run_poiseuille(const Request& request) {
     const Scene scene = scene_for(request, "validation/poiseuille.json", slice_overrides(request, true));
     // The slope tilts gravity; the stream runs along -x.
-    const double drive = scene.world.gravity * std::sin(std::atan(scene.channel.slope));
-    const double nu = scene.fluid.kinematic_viscosity;
-    const double height = scene.channel.height;
+    const double drive = scene.world->gravity * std::sin(std::atan(scene.channel->slope));
+    const double nu = scene.fluid->kinematic_viscosity;
+    const double height = scene.channel->height;
     return run_start_up(
         scene, [=](double y, double t) { return -poiseuille_velocity(y, t, drive, nu, height); },
         drive * height * height / (8 * nu));
@@ -103,11 +106,11 @@ Result run_poiseuille(const Request& request) {
 Result run_couette(const Request& request) {
     const Scene scene = scene_for(request, "validation/couette.json", slice_overrides(request, true));
     double speed = 0;
-    for (const NoSlip& plane : scene.channel.no_slip) {
+    for (const NoSlip& plane : scene.channel->no_slip) {
         speed = plane.plane == Plane::top ? plane.velocity[0] : speed;
     }
-    const double nu = scene.fluid.kinematic_viscosity;
-    const double height = scene.channel.height;
+    const double nu = scene.fluid->kinematic_viscosity;
+    const double height = scene.channel->height;
     return run_start_up(
         scene, [=](double y, double t) { return couette_velocity(y, t, speed, nu, height); }, std::abs(speed));
 }
@@ -168,7 +171,7 @@ Result run_taylor_green(const Request& request) {
             advance_frame(world, cost);
         }
         const double time = frame / scene.frame_rate;
-        const double exact = speed * taylor_green_decay(time, scene.fluid.kinematic_viscosity, length);
+        const double exact = speed * taylor_green_decay(time, scene.fluid->kinematic_viscosity, length);
         const fluid::Particles& p = world.particles();
         double off = 0, all = 0, along = 0, squares = 0;
         for (std::size_t i = 0; i < p.count; ++i) {
@@ -185,7 +188,7 @@ Result run_taylor_green(const Request& request) {
         error.rows.push_back({time, off / all});
         l1 += frame > 0 ? off / all / frames : 0;
     }
-    const double truth = -2 * scene.fluid.kinematic_viscosity * k * k;
+    const double truth = -2 * scene.fluid->kinematic_viscosity * k * k;
     const double rate = rate_of(decay.rows, 1), rate_of_mode = rate_of(decay.rows, 2);  // 1/s
     result.metrics.push_back({"decay_rate_error", std::abs(rate / truth - 1), "1"});
     result.metrics.push_back({"mode_decay_rate_error", std::abs(rate_of_mode / truth - 1), "1"});
@@ -243,7 +246,7 @@ Result run_cavity(const Request& request) {
     std::vector<std::array<double, 2>> horizontal;
     for (const GhiaRow& row : ghia_u) vertical.push_back({side / 2, side * row.place});
     for (const GhiaRow& row : ghia_v) horizontal.push_back({side * row.place, side / 2});
-    const double reach = 2 * scene.fluid.particle_spacing;
+    const double reach = 2 * scene.fluid->particle_spacing;
     PointSamples u(vertical, 0, reach);
     PointSamples v(horizontal, 1, reach);
 

@@ -6,6 +6,9 @@
 #include <limits>
 
 #include "cases.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_route.hpp"
 #include "crowd_trips.hpp"
 
@@ -24,7 +27,7 @@ Result run_walks(const Request& request) {
     for (const double desired : {0.46, 0.58, 0.68, 0.76, 1.33, 1.41, 1.54, 1.61}) {
         Scene scene = people_scene(request, "crowd_rimea_01.json", 1, with_bodies);
         scene.duration = 150;
-        scene.crowd.groups.at(0).desired_speed = desired;
+        scene.crowd->groups.at(0).desired_speed = desired;
         crowd::CrowdWorld crowd = crowd::make_crowd(scene);
         const Gate line{{41, 1}, {41, 3}, {1, 0}};
         const double speed = 40 / walk_past(crowd, {line}, result, tally).passed_at[0];
@@ -48,18 +51,18 @@ crowd::CrowdWorld large_crowd(const Request& request, double length) {
     constexpr double width = 20, inner = 10, leg = 60, beyond = 15;  // m
     const bool straight = length > 0;
     scene.duration = 400;
-    scene.world.width = width + (straight ? 0 : inner + beyond);
-    scene.world.length = (straight ? length + beyond : leg);
+    scene.world->width = width + (straight ? 0 : inner + beyond);
+    scene.world->length = (straight ? length + beyond : leg);
     // The corner: along x from leg to 0, then along z; the box fills what lies inside.
     scene.obstacles.clear();
-    AgentGroup& group = scene.crowd.groups.at(0);
+    AgentGroup& group = scene.crowd->groups.at(0);
     group.columns = 20, group.rows = 25, group.count = 500;
     group.pitch_x = 0.9, group.pitch_z = 0.78;
     group.start_z = 0.6;
     group.start_x = straight ? 1 : leg - 19;
-    group.goal_x = straight ? scene.world.length - 1 : width / 2;
-    group.goal_z = straight ? width / 2 : scene.world.width - 1;
-    if (!straight) scene.obstacles.push_back({{width, leg}, {width, scene.world.width}, 3});
+    group.goal_x = straight ? scene.world->length - 1 : width / 2;
+    group.goal_z = straight ? width / 2 : scene.world->width - 1;
+    if (!straight) scene.obstacles.push_back({{width, leg}, {width, scene.world->width}, 3});
     return crowd::make_crowd(scene);
 }
 
@@ -94,9 +97,9 @@ Result run_corner(const Request& request) {
 // Test 9: 1000 people leave by four doors, then by two. Each quarter of the room has its door.
 Scene exits(const Request& request, bool four) {
     Scene scene = people_scene(request, "crowd_rimea_09.json", 1, with_bodies);
-    const AgentGroup all = scene.crowd.groups.at(0);
-    scene.crowd.goal_radius = 1;
-    scene.crowd.groups.clear();
+    const AgentGroup all = scene.crowd->groups.at(0);
+    scene.crowd->goal_radius = 1;
+    scene.crowd->groups.clear();
     for (const bool low : {true, false}) {
         for (const double door : {10.5, 25.5}) {
             AgentGroup quarter = all;
@@ -108,7 +111,7 @@ Scene exits(const Request& request, bool four) {
             if (!low) quarter.start_z += 12 * all.pitch_z;
             quarter.goal_x = door;
             quarter.goal_z = low && four ? 1 : 25;
-            scene.crowd.groups.push_back(quarter);
+            scene.crowd->groups.push_back(quarter);
         }
     }
     if (!four) {
@@ -153,11 +156,11 @@ Scene cabins(const Request& request) {
     constexpr double cabin = 3, wall = 0.2, door = 0.9, lobby = 4;  // m
     constexpr int of_a_side = 6;
     const double end = lobby + of_a_side * cabin;
-    scene.world.length = end + lobby;
-    scene.world.width = 2 * cabin + 2;
-    scene.crowd.goal_radius = 1;
+    scene.world->length = end + lobby;
+    scene.world->width = 2 * cabin + 2;
+    scene.crowd->goal_radius = 1;
     scene.obstacles.clear();
-    scene.crowd.groups.clear();
+    scene.crowd->groups.clear();
     for (int k = 0; k < 2 * of_a_side; ++k) {
         const bool low = k < of_a_side;
         const double x = lobby + (k % of_a_side) * cabin;
@@ -172,10 +175,10 @@ Scene cabins(const Request& request) {
         group.name = "cabin_" + std::to_string(k + 1);
         group.columns = k == 11 ? 1 : 2, group.rows = 1, group.count = group.columns;
         group.start_x = x + 1, group.pitch_x = 1, group.start_z = rows.lo + 1.4;
-        group.goal_x = main_exit ? scene.world.length - 1.5 : 1.5;
+        group.goal_x = main_exit ? scene.world->length - 1.5 : 1.5;
         group.goal_z = cabin + 1;
         group.desired_speed = 1.2;
-        scene.crowd.groups.push_back(group);
+        scene.crowd->groups.push_back(group);
     }
     return scene;
 }
@@ -185,8 +188,8 @@ Result run_cabins(const Request& request) {
     Tally tally;
     crowd::CrowdWorld crowd = crowd::make_crowd(cabins(request));
     std::vector<Gate> lines;
-    for (const AgentGroup& group : crowd.scene.crowd.groups) {
-        const bool main_exit = group.goal_x > crowd.scene.world.length / 2;
+    for (const AgentGroup& group : crowd.scene.crowd->groups) {
+        const bool main_exit = group.goal_x > crowd.scene.world->length / 2;
         lines.push_back(main_exit ? Gate{{23, 3}, {23, 5}, {1, 0}} : Gate{{3, 5}, {3, 3}, {-1, 0}});
     }
     const Trip trip = walk_past(crowd, lines, result, tally);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/interval.hpp"
 #include "slice.hpp"
 
 namespace wade::validation {
@@ -15,7 +17,7 @@ std::vector<std::string> channel_slice(const Request& request) {
 
 Columns average_columns(Water& water, double from, double to, double column, Cost& cost) {
     const Scene& scene = water.scene();
-    Columns columns = make_columns(scene.channel.x, scene.channel.z.length(), column);
+    Columns columns = make_columns(scene.channel->x, scene.channel->z.length(), column);
     const int last = frames_in(scene, to);
     for (int frame = 1; frame <= last; ++frame) {
         water.advance(cost);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "profiles.hpp"
 #include "run.hpp"
 #include "water.hpp"

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
+
 namespace wade::validation {
 
 namespace {
@@ -61,13 +65,13 @@ double weidmann_speed(double density) {
 crowd::CrowdWorld corridor_crowd(const Request& request, SpeedRule rule, double density, bool two_ways,
                                  const Interval& across) {
     Scene scene = crowd_scene(request, "validation/crowd_ring_corridor.json");
-    scene.crowd.speed_rule = rule;
-    const double length = scene.world.length;
+    scene.crowd->speed_rule = rule;
+    const double length = scene.world->length;
     scene.obstacles.at(0).z.hi = across.lo;
     scene.obstacles.at(1).z.lo = across.hi;
     const double width = across.length();
     const int people = static_cast<int>(std::lround(density * length * width));
-    AgentGroup& group = scene.crowd.groups.at(0);
+    AgentGroup& group = scene.crowd->groups.at(0);
     group.rows = std::max(1, static_cast<int>(std::lround(std::sqrt(people * width / length))));
     group.columns = (people + group.rows - 1) / group.rows;
     group.count = people;
@@ -77,8 +81,8 @@ crowd::CrowdWorld corridor_crowd(const Request& request, SpeedRule rule, double 
     group.start_z = across.lo + group.pitch_z / 2;
     crowd::CrowdWorld crowd = crowd::make_crowd(scene);
     jitter(crowd, 0.3 * group.pitch_x, 0.3 * group.pitch_z);
-    if (scene.crowd.bodies != BodyRule::none) {
-        crowd::make_room_for_bodies(crowd.agents, crowd.walls, scene.crowd.body_radius);
+    if (scene.crowd->bodies != BodyRule::none) {
+        crowd::make_room_for_bodies(crowd.agents, crowd.walls, scene.crowd->body_radius);
     }
     for (std::size_t id = 1; two_ways && id < crowd.agents.size(); id += 2) crowd.agents.goal[id].x() *= -1;
     return crowd;

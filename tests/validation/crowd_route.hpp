@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_run.hpp"
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "run.hpp"
 
@@ -39,7 +41,7 @@ void walk(crowd::CrowdWorld& crowd, Result& result, const crowd::WaterView& wate
 }
 
 double unrolled_x(const crowd::CrowdWorld& crowd, std::size_t id) {
-    return crowd.agents.position[id].x() + crowd.agents.laps[id] * crowd.scene.world.period();
+    return crowd.agents.position[id].x() + crowd.agents.laps[id] * crowd.scene.world->period();
 }
 
 void jitter(crowd::CrowdWorld& crowd, double amplitude_x, double amplitude_z) {
@@ -53,11 +55,11 @@ void jitter(crowd::CrowdWorld& crowd, double amplitude_x, double amplitude_z) {
 
 double half_width(const crowd::CrowdWorld& crowd, std::uint32_t id) {
     const std::vector<double>& radius = crowd.agents.body.radius;
-    return radius.empty() ? crowd.scene.crowd.body_radius : radius[id];
+    return radius.empty() ? crowd.scene.crowd->body_radius : radius[id];
 }
 
 void note_overlaps(const crowd::CrowdWorld& crowd, Overlaps& overlaps) {
-    const double period = crowd.scene.world.period();
+    const double period = crowd.scene.world->period();
     std::vector<bool> touched(crowd.active.size(), false);
     for (std::size_t i = 0; i < crowd.active.size(); ++i) {
         const crowd::Vector2d& p = crowd.agents.position[crowd.active[i]];

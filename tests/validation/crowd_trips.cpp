@@ -5,6 +5,9 @@
 #include <limits>
 #include <numeric>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/bodies/body_cells.hpp"
 
 namespace wade::validation {
@@ -44,7 +47,7 @@ Scene people_scene(const Request& request, const std::string& name, std::uint64_
 void note_bodies(const crowd::CrowdWorld& crowd, Tally& tally) {
     std::vector<crowd::Vector2d> people;
     for (const std::uint32_t id : crowd.active) people.push_back(crowd.agents.position[id]);
-    const double reach = 2 * crowd.scene.crowd.body_radius;
+    const double reach = 2 * crowd.scene.crowd->body_radius;
     crowd::BodyCells cells;
     crowd::sort_people(cells, crowd.scene.world, people, reach);
     for (std::uint32_t k = 0; k < people.size(); ++k) {

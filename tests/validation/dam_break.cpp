@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade::validation {
 
@@ -19,7 +21,7 @@ constexpr double shallowest = 0.15;   // of H: below it the sheet is thinner tha
 
 void check_duration(const DamBreak& dam, double first) {
     const Scene& scene = dam.scene;
-    const double seconds = first * std::sqrt(dam.depth / scene.world.gravity);
+    const double seconds = first * std::sqrt(dam.depth / scene.world->gravity);
     const double needed = std::ceil(seconds * scene.frame_rate - 1e-9) / scene.frame_rate;
     if (frames_in(scene, scene.duration) >= needed * scene.frame_rate) return;
     char text[120];
@@ -30,7 +32,7 @@ void check_duration(const DamBreak& dam, double first) {
 
 DamBreakErrors run_dam_break(const DamBreak& dam, Water& water, Cost& cost, Curve& last, const OnFrame& on_frame) {
     const Scene& scene = dam.scene;
-    const double g = scene.world.gravity;
+    const double g = scene.world->gravity;
     const double wave = std::sqrt(g * dam.depth);
     const int frames = frames_in(scene, scene.duration);
     check_duration(dam, first_compared);
@@ -43,7 +45,7 @@ DamBreakErrors run_dam_break(const DamBreak& dam, Water& water, Cost& cost, Curv
         if (scaled < first_compared || scaled > 8) {
             continue;
         }
-        Columns columns = make_columns(scene.channel.x, scene.channel.z.length(), dam.depth / 5);
+        Columns columns = make_columns(scene.channel->x, scene.channel->z.length(), dam.depth / 5);
         water.add_to(columns);
         double depth_error = 0;
         double speed_error = 0;

@@ -9,6 +9,8 @@
 #include <stdexcept>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene_frames.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "fluid_server/make_model.hpp"
@@ -28,8 +30,8 @@ bool stands(const crowd::Agents& agents, std::size_t id) {
 
 // The two programs let the crowd take a step a frame if their rates are the same; so it is here.
 void check_rates(const Scene& scene) {
-    if (scene.crowd.step_rate == scene.frame_rate) return;
-    throw ConfigurationError(scene.name + ": /crowd/step_rate_hz is " + std::to_string(scene.crowd.step_rate) +
+    if (scene.crowd->step_rate == scene.frame_rate) return;
+    throw ConfigurationError(scene.name + ": /crowd/step_rate_hz is " + std::to_string(scene.crowd->step_rate) +
                              ", this case allows only that of /frame_rate_hz, " + std::to_string(scene.frame_rate));
 }
 
@@ -210,7 +212,7 @@ PeopleRun run_people(const Scene& scene, Result& result, const Look& look) {
         run.got = handed;
         handed = std::accumulate(people.pushing->given.begin(), people.pushing->given.end(),
                                  crowd::Vector2d(crowd::Vector2d::Zero()));
-        if (people.scene.coupling.agents_stream == AgentsStream::serial) run.got = handed;
+        if (people.scene.coupling->agents_stream == AgentsStream::serial) run.got = handed;
         way_back.give(people, frame, *run.water);
         if (frame == first) before = people.pushing->given;
         const shm::Diagnostics d = run.water->advance_frame({(frame - 1) * ticks, frame * ticks, per_second});

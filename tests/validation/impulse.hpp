@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "configs/scene/coupling.hpp"
 #include "configs/scene/scene.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "fluid_server/fluid_model.hpp"
@@ -106,7 +107,7 @@ class FrameMemory {
 class WayBack {
  public:
     void give(const crowd::CrowdWorld& people, std::uint64_t frame, fluid::FluidModel& water) {
-        const AgentsStream stream = people.scene.coupling.agents_stream;
+        const AgentsStream stream = people.scene.coupling->agents_stream;
         if (stream == AgentsStream::off) return;
         Frame now = gather(people);
         const bool parallel = stream == AgentsStream::parallel;

@@ -8,7 +8,10 @@
 #include <numbers>
 #include <utility>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade::validation {
 
@@ -37,12 +40,12 @@ struct Turn {
 // Level ground with walls around it, without friction and water.
 inline Scene empty_place(double length, double width, double cell) {
     Scene scene;
-    scene.world.length = length, scene.world.width = width;
-    scene.channel.x = {0, length}, scene.channel.z = {0, width};
-    scene.channel.flow = Flow::closed;
-    scene.fluid.model = ModelKind::shallow_water;
-    scene.fluid.shallow_water.cell_size = cell;
-    scene.fluid.cfl = 0.45;
+    scene.world->length = length, scene.world->width = width;
+    scene.channel->x = {0, length}, scene.channel->z = {0, width};
+    scene.channel->flow = Flow::closed;
+    scene.fluid->model = ModelKind::shallow_water;
+    scene.fluid->shallow_water.cell_size = cell;
+    scene.fluid->cfl = 0.45;
     scene.place.emplace();
     scene.place->roughness.n = 0;
     return scene;

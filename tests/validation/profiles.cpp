@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "configs/scene/interval.hpp"
+
 namespace wade::validation {
 
 Columns make_columns(const Interval& x, double width, double column) {

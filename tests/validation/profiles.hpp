@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene.hpp"
 #include "fluid_server/particles/particles.hpp"
 

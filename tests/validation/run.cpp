@@ -9,7 +9,10 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 
 namespace wade::validation {
 
@@ -24,7 +27,7 @@ double wall_time() {
 }
 
 void check_is_dfsph(const Scene& scene) {
-    if (scene.fluid.model == ModelKind::dfsph) return;
+    if (scene.fluid->model == ModelKind::dfsph) return;
     throw ConfigurationError(scene.name + ": /fluid/model: this case measures particles of DFSPH; allowed: \"dfsph\".");
 }
 
@@ -101,11 +104,11 @@ Scene scene_for(const Request& request, const std::string& name, const std::vect
         overrides.push_back(parse_override(capacity + "100000000"));  // refuses nothing; the true need follows
     }
     Scene scene = load_scene(std::filesystem::path(WADE_CONFIGS) / name, overrides).scene;
-    scene.world.gravity *= request.gravity_factor;
+    scene.world->gravity *= request.gravity_factor;
     if (!capacity_given) {
         const std::uint64_t needed = particles_needed(scene);
-        const std::uint64_t slack = scene.channel.flow == Flow::emitter ? needed / 4 : 0;
-        scene.fluid.max_particles = static_cast<int>(needed + slack);
+        const std::uint64_t slack = scene.channel->flow == Flow::emitter ? needed / 4 : 0;
+        scene.fluid->max_particles = static_cast<int>(needed + slack);
     }
     return scene;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "configs/scene/fluid.hpp"
 #include "validation_case.hpp"
 
 namespace wade::validation {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "configs/scene/fluid.hpp"
 #include "slice.hpp"
 
 namespace wade::validation {

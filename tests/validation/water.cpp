@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/shallow_water/model.hpp"
 #include "fluid_server/steering/steering_world.hpp"
 
@@ -47,18 +49,18 @@ class Particles final : public Water {
                       [&](const fluid::StepReport& step) { driving_ += step.driving_acceleration * step.dt; });
     }
     void add_to(Columns& columns) const override {
-        sample(world_.particles(), scene().fluid.particle_spacing, columns);
+        sample(world_.particles(), scene().fluid->particle_spacing, columns);
     }
     void for_each_parcel(const std::function<void(const Parcel&)>& body) const override {
         const fluid::Particles& p = world_.particles();
-        const double volume = std::pow(scene().fluid.particle_spacing, 3);
+        const double volume = std::pow(scene().fluid->particle_spacing, 3);
         for (std::size_t i = 0; i < p.count; ++i) {
             body({static_cast<double>(p.x[i]), static_cast<double>(p.z[i]), volume, static_cast<double>(p.vx[i])});
         }
     }
     [[nodiscard]] fluid::RiverMeasures measures() const override {
         return fluid::measure_river(world_.particles(), static_cast<double>(world_.particle_mass()),
-                                    scene().world.gravity);
+                                    scene().world->gravity);
     }
     [[nodiscard]] double front(double none) const override { return leading_x(world_.particles(), none); }
     [[nodiscard]] double position_clamps() const override { return static_cast<double>(world_.position_clamps()); }
@@ -92,10 +94,10 @@ class Vehicles final : public Water {
         });
     }
     void add_to(Columns& columns) const override {
-        sample(world_.particles(), scene().fluid.particle_spacing, columns);
+        sample(world_.particles(), scene().fluid->particle_spacing, columns);
     }
     void for_each_parcel(const std::function<void(const Parcel&)>& body) const override {
-        const double density = scene().fluid.rest_density;
+        const double density = scene().fluid->rest_density;
         for (std::size_t i = 0; i < world_.particles().count; ++i) {
             const fluid::Vec3 place = world_.place(i);
             body({static_cast<double>(place[0]), static_cast<double>(place[2]), world_.mass(i) / density,
@@ -103,8 +105,8 @@ class Vehicles final : public Water {
         }
     }
     [[nodiscard]] fluid::RiverMeasures measures() const override {
-        const double mass = scene().fluid.rest_density * std::pow(scene().fluid.particle_spacing, 3);
-        return fluid::measure_river(world_.particles(), mass, scene().world.gravity);
+        const double mass = scene().fluid->rest_density * std::pow(scene().fluid->particle_spacing, 3);
+        return fluid::measure_river(world_.particles(), mass, scene().world->gravity);
     }
     [[nodiscard]] double front(double none) const override { return leading_x(world_.particles(), none); }
     [[nodiscard]] double position_clamps() const override { return static_cast<double>(world_.position_clamps()); }
@@ -208,9 +210,9 @@ double Water::volume() const {
 }
 
 std::unique_ptr<Water> make_water(const Scene& scene) {
-    if (scene.fluid.model == ModelKind::dfsph) return std::make_unique<Particles>(scene);
-    if (scene.fluid.model == ModelKind::shallow_water) return std::make_unique<GridOfCells>(scene);
-    if (scene.fluid.model == ModelKind::steering) return std::make_unique<Vehicles>(scene);
+    if (scene.fluid->model == ModelKind::dfsph) return std::make_unique<Particles>(scene);
+    if (scene.fluid->model == ModelKind::shallow_water) return std::make_unique<GridOfCells>(scene);
+    if (scene.fluid->model == ModelKind::steering) return std::make_unique<Vehicles>(scene);
     throw ConfigurationError(scene.name +
                              ": /fluid/model: this case needs water that is solved for; allowed: \"dfsph\", "
                              "\"shallow_water\" and \"steering\".");

@@ -17,11 +17,6 @@
 namespace wade::recording {
 namespace {
 
-template <typename T>
-std::span<const std::byte> bytes_of(const T& value) {
-    return std::as_bytes(std::span(&value, 1));
-}
-
 bool fetch(std::ifstream& file, void* into, std::uint64_t bytes) {
     return bytes == 0 || static_cast<bool>(file.read(static_cast<char*>(into), static_cast<std::streamsize>(bytes)));
 }

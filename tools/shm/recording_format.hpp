@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "shm_protocol/layout.hpp"
@@ -80,5 +81,11 @@ static_assert(sizeof(RecordHead) == 24 && offsetof(RecordHead, head_crc32c) == 2
 static_assert(sizeof(EndBody) == 536 && offsetof(EndBody, text) == 24);
 static_assert(std::is_trivially_copyable_v<FileHead> && std::is_trivially_copyable_v<RecordHead> &&
               std::is_trivially_copyable_v<EndBody>);
+
+// The bytes of a value.
+template <typename T>
+[[nodiscard]] std::span<const std::byte> bytes_of(const T& value) {
+    return std::as_bytes(std::span(&value, 1));
+}
 
 }  // namespace wade::recording

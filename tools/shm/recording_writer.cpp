@@ -20,11 +20,6 @@
 namespace wade::recording {
 namespace {
 
-template <typename T>
-std::span<const std::byte> bytes_of(const T& value) {
-    return std::as_bytes(std::span(&value, 1));
-}
-
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
     throw ConfigurationError("The recording " + file.string() + " cannot be written: " + why + ".");
 }

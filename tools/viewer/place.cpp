@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "configs/scene/world.hpp"
 #include "tools/viewer/sources.hpp"
 
 namespace wade::view {
@@ -12,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double most_points = 250000;  // of the ground
+constexpr double max_ground_points = 250000;  // of the ground
 constexpr double parts_of_plane = 64;   // a plane needs no more
 
 json points_of(const MapLine& line) {
@@ -71,9 +72,9 @@ std::string place_json(const Place& place) {
 
 Message ground_of(const Scene& scene) {
     const Ground& ground = scene.place->ground;
-    const double length = scene.world.length, width = scene.world.width;
+    const double length = scene.world->length, width = scene.world->width;
     const double wanted = ground.raster ? ground.raster->cell : std::max(length, width) / parts_of_plane;
-    const double step = std::max(wanted, std::sqrt(length * width / most_points));
+    const double step = std::max(wanted, std::sqrt(length * width / max_ground_points));
     const auto points = [&](double side) { return static_cast<std::uint32_t>(std::ceil(side / step - 1e-9)) + 1; };
     MessageHead head;
     head.kind = kind_ground;

@@ -14,7 +14,7 @@ namespace wade::view {
 namespace {
 
 constexpr std::size_t chunk = std::size_t{8} << 20;
-constexpr double most_points = 300000;
+constexpr double max_path_points = 300000;
 constexpr std::size_t water_head = 64;
 constexpr std::size_t most_rows_of_course = 200;
 
@@ -292,7 +292,7 @@ Message RunFolder::paths(double from_s) const {
     database.ask("SELECT count(*) FROM trajectory_data WHERE frame >= ?", {from},
                  [&](sqlite3_stmt* row) { rows = sqlite3_column_double(row, 0); });
     if (rows == 0) return nullptr;
-    const double step = std::ceil(rows / most_points);
+    const double step = std::ceil(rows / max_path_points);
     std::array<std::vector<float>, 4> points;
     database.ask(
         "SELECT id, frame, pos_x, pos_y FROM trajectory_data WHERE frame >= ? AND frame % ? = 0 ORDER BY id, frame",

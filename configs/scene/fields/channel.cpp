@@ -1,5 +1,7 @@
 // Keys of the channel and of the water that is in it at the start.
 
+#include "configs/scene/channel.hpp"
+
 #include "configs/scene/fields/lists.hpp"
 
 namespace wade {

@@ -1,5 +1,7 @@
 // Keys of the coupling and of the events.
 
+#include "configs/scene/coupling.hpp"
+
 #include "configs/scene/fields/lists.hpp"
 #include "configs/scene/mixed_window.hpp"
 #include "configs/scene/scene_frames.hpp"

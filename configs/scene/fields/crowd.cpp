@@ -1,5 +1,7 @@
 // Keys of the crowd.
 
+#include "configs/scene/crowd.hpp"
+
 #include "configs/scene/fields/lists.hpp"
 
 namespace wade {

@@ -1,5 +1,7 @@
 // Keys of the water and of how it is solved.
 
+#include "configs/scene/fluid.hpp"
+
 #include "configs/scene/fields/lists.hpp"
 
 namespace wade {

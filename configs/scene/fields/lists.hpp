@@ -1,7 +1,13 @@
 #pragma once
 // The list of keys of each struct of a scene.
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/fields.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/steering.hpp"
 
 namespace wade {
 

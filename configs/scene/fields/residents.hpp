@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene.hpp"
 
 namespace wade {
@@ -21,14 +22,14 @@ void for_each_resident(const Scene& scene, std::size_t group, Visit&& visit) {
     if (!scene.place || !scene.place->residents) return;
     const bool is_first = first_group_in_houses(scene.crowd) == group;
     for (const Resident& row : *scene.place->residents) {
-        if (row.group.empty() ? is_first : row.group == scene.crowd.groups[group].name) visit(row);
+        if (row.group.empty() ? is_first : row.group == scene.crowd->groups[group].name) visit(row);
     }
 }
 
 // Groups that start in houses have as many people as live there: of the table, and the first as many as the houses say.
 inline void count_lodgers(Scene& scene) {
-    for (std::size_t g = 0; scene.place && g < scene.crowd.groups.size(); ++g) {
-        AgentGroup& group = scene.crowd.groups[g];
+    for (std::size_t g = 0; scene.place && g < scene.crowd->groups.size(); ++g) {
+        AgentGroup& group = scene.crowd->groups[g];
         if (group.starts != StartRule::houses) continue;
         group.count = 0;
         for_each_resident(scene, g, [&](const Resident&) { ++group.count; });

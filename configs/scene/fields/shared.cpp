@@ -1,6 +1,7 @@
 // Keys that several structs have.
 
 #include "configs/scene/fields/lists.hpp"
+#include "configs/scene/interval.hpp"
 
 namespace wade {
 

@@ -1,5 +1,7 @@
 // Keys of the steering model of the water.
 
+#include "configs/scene/steering.hpp"
+
 #include "configs/scene/fields/lists.hpp"
 
 namespace wade {

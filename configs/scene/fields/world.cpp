@@ -1,6 +1,9 @@
 // Keys of the run as a whole, of the ground and of what stands on it.
 
+#include "configs/scene/world.hpp"
+
 #include "configs/scene/fields/lists.hpp"
+#include "configs/scene/obstacle.hpp"
 
 namespace wade {
 

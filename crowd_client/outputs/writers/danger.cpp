@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/intervals.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "crowd_client/results/output_file.hpp"
 #include "crowd_client/water/footprint.hpp"
 
@@ -72,9 +77,9 @@ GroundCells danger_grid(const Channel& channel) {
 
 DangerRecord::DangerRecord(const Scene& scene, std::size_t agents, double window)
     : grid_(danger_grid(scene.channel)),
-      rest_density_(scene.fluid.rest_density),
-      dt_(1 / scene.crowd.step_rate),
-      block_steps_(static_cast<std::uint64_t>(std::max(1LL, std::llround(window * scene.crowd.step_rate)))),
+      rest_density_(scene.fluid->rest_density),
+      dt_(1 / scene.crowd->step_rate),
+      block_steps_(static_cast<std::uint64_t>(std::max(1LL, std::llround(window * scene.crowd->step_rate)))),
       cells_(grid_.cells()),
       agents_(agents),
       mass_(cells_.size()),

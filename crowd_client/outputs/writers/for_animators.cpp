@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "configs/scene/place.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/standing.hpp"
 
 namespace wade::crowd {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene_frames.hpp"
 
 namespace wade::crowd {
@@ -19,7 +20,7 @@ void check_target(const CrowdWorld& crowd, const TauCommand& command) {
     }
     if (!command.group) return;
     std::string known;
-    for (const AgentGroup& group : crowd.scene.crowd.groups) {
+    for (const AgentGroup& group : crowd.scene.crowd->groups) {
         if (group.name == *command.group) return;
         known += (known.empty() ? "" : ", ") + group.name;
     }

@@ -7,6 +7,7 @@
 #include "configs/loading/scene_loader.hpp"
 #include "configs/program/version.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/rescue.hpp"
 #include "crowd_client/results/output_file.hpp"
 #include "crowd_client/standing.hpp"
@@ -23,7 +24,7 @@ Json or_null(const std::optional<T>& value) {
 }
 
 double time_of(const CrowdWorld& crowd, std::uint64_t step) {
-    return static_cast<double>(step) / crowd.scene.crowd.step_rate;
+    return static_cast<double>(step) / crowd.scene.crowd->step_rate;
 }
 
 Json hash_or_null(std::uint64_t hash) {
@@ -108,7 +109,7 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     json["dropped_frames"] = summary.dropped_frames;
     json["frame_rate_hz"] = crowd.scene.frame_rate;
     json["steps"] = crowd.steps;
-    json["step_rate_hz"] = crowd.scene.crowd.step_rate;
+    json["step_rate_hz"] = crowd.scene.crowd->step_rate;
     json["sim_time_s"] = time_of(crowd, crowd.steps);
     json["wall_time_s"] = labels.reproducible ? Json(nullptr) : or_null(labels.wall_time);
     json["agents"] = crowd.agents.size();
@@ -122,7 +123,7 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     }
     json["standing"] = count_standing(crowd);
     json["states"] = states_json(crowd);
-    if (crowd.scene.crowd.response == ResponseKind::measured)
+    if (crowd.scene.crowd->response == ResponseKind::measured)
         json["beyond_measured"] = beyond_json(crowd.agents.people);
     if (const RescueCount rescue = count_rescues(crowd); rescue.rescuers > 0) {
         json["rescue"] = {
@@ -130,7 +131,7 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     }
     json["warnings"] = crowd.warnings;
     json["last_arrival_s"] = crowd.arrived > 0 ? Json(time_of(crowd, crowd.last_arrival_step)) : Json(nullptr);
-    json["contact_rule"] = name_of(crowd.scene.coupling.contact_rule);
+    json["contact_rule"] = name_of(crowd.scene.coupling->contact_rule);
     json["momentum_balance_n_s"] = summary.momentum ? Json(summary.momentum->difference()) : Json(nullptr);
     if (summary.momentum) {
         const auto along = [](const Vector2d& v) { return Json{v.x(), v.y()}; };
@@ -156,7 +157,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         const Outcome outcome = agents.outcome[id];
         const bool active =
             outcome == Outcome::active || outcome == Outcome::indoors || outcome == Outcome::upper_floor;
-        csv += std::to_string(id) + ',' + csv_field(crowd.scene.crowd.groups[agents.group[id]].name) + ',';
+        csv += std::to_string(id) + ',' + csv_field(crowd.scene.crowd->groups[agents.group[id]].name) + ',';
         csv += outcome_name(agents.outcome[id]);
         const double time =
             active ? time_of(crowd, crowd.steps) : time_of(crowd, agents.end_step[id]) - agents.end_before[id];

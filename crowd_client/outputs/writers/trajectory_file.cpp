@@ -12,7 +12,9 @@
 #include <utility>
 
 #include "configs/numbers/fnv1a.hpp"
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene_frames.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/results/output_file.hpp"
 
 namespace wade::crowd {
@@ -166,11 +168,11 @@ void TrajectoryFile::Database::create_tables(const Scene& scene) {
         "CREATE TABLE geometry (hash INTEGER NOT NULL, wkt TEXT NOT NULL);"
         "CREATE TABLE frame_data (frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL);");
     set_metadata("version", "2");
-    set_metadata("fps", csv_number(scene.crowd.step_rate / static_cast<double>(steps_per_path_frame(scene))));
+    set_metadata("fps", csv_number(scene.crowd->step_rate / static_cast<double>(steps_per_path_frame(scene))));
     set_metadata("xmin", "0");
-    set_metadata("xmax", csv_number(scene.world.length));
+    set_metadata("xmax", csv_number(scene.world->length));
     set_metadata("ymin", "0");
-    set_metadata("ymax", csv_number(scene.world.width));
+    set_metadata("ymax", csv_number(scene.world->width));
     const std::string wkt = walkable_area_wkt(scene);
     geometry = geometry_hash(wkt);
     run("INSERT INTO geometry VALUES (" + std::to_string(geometry) + ", '" + wkt + "');");

@@ -11,7 +11,10 @@
 #include <span>
 #include <string>
 
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/place.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/outputs/writers/trajectory_file.hpp"
 #include "crowd_client/results/output_file.hpp"
 
@@ -34,7 +37,7 @@ bool touch(const Interval& a, const Interval& b) {
 }
 
 bool may_be_a_hole(const Scene& scene, const Obstacle& o) {
-    if (o.x.lo <= 0 || o.z.lo <= 0 || o.x.hi >= scene.world.length || o.z.hi >= scene.world.width) return false;
+    if (o.x.lo <= 0 || o.z.lo <= 0 || o.x.hi >= scene.world->length || o.z.hi >= scene.world->width) return false;
     return std::none_of(scene.obstacles.begin(), scene.obstacles.end(), [&](const Obstacle& other) {
         return &other != &o && touch(o.x, other.x) && touch(o.z, other.z);
     });

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "crowd_client/water/footprint.hpp"
 
 namespace wade::crowd {
@@ -24,20 +27,20 @@ void put(std::string& bytes, T value) {
 }
 
 bool has_columns(const Scene& scene) {
-    return scene.place && scene.fluid.model == ModelKind::shallow_water;
+    return scene.place && scene.fluid->model == ModelKind::shallow_water;
 }
 
 // Half a metre shows single particles of the paper's scenes, in a place the water's own cells show its columns; at most about a
 // million cells a snapshot.
 double cell_size(const Scene& scene) {
-    const double area = scene.channel.x.length() * scene.channel.z.length();
+    const double area = scene.channel->x.length() * scene.channel->z.length();
     const double of_water =
-        has_columns(scene) ? scene.fluid.shallow_water.cell_size : std::max(0.5, scene.fluid.particle_spacing);
+        has_columns(scene) ? scene.fluid->shallow_water.cell_size : std::max(0.5, scene.fluid->particle_spacing);
     return std::max(of_water, std::sqrt(area / 1e6));
 }
 
 GroundCells grid_over(const Scene& scene) {
-    const Interval &x = scene.channel.x, &z = scene.channel.z;
+    const Interval &x = scene.channel->x, &z = scene.channel->z;
     const double cell = cell_size(scene);
     const auto along = [&](double length) {
         return static_cast<std::size_t>(std::max(1.0, std::ceil(length / cell - 1e-9)));
@@ -50,7 +53,7 @@ GroundCells grid_over(const Scene& scene) {
 WaterSnapshots::WaterSnapshots(const std::filesystem::path& file, const Scene& scene)
     : file_(file),
       grid_(grid_over(scene)),
-      rest_density_(scene.fluid.rest_density),
+      rest_density_(scene.fluid->rest_density),
       has_columns_(has_columns(scene)),
       mass_(grid_.cells()) {
     std::string header = "WADEWAT1";

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/particle_volume.hpp"
 
 namespace wade::fluid {
@@ -83,7 +84,7 @@ ParticleOutlet make_outlet(const Outlet& outlet, const PlaceShape& shape, double
 }  // namespace
 
 PlaceEnds::PlaceEnds(const Scene& scene)
-    : spacing_(scene.fluid.particle_spacing), volume_(particle_volume(scene.fluid)), shape_(place_shape(scene)) {
+    : spacing_(scene.fluid->particle_spacing), volume_(particle_volume(scene.fluid)), shape_(place_shape(scene)) {
     for (const Source& source : scene.place->sources) sources_.push_back(make_source(source, shape_, spacing_));
     for (const Outlet& outlet : scene.place->outlets) outlets_.push_back(make_outlet(outlet, shape_, spacing_));
 }

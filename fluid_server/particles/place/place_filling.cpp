@@ -5,6 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
+
 namespace wade::fluid {
 
 namespace {
@@ -60,7 +64,7 @@ bool is_clear(const PlaceSolids& solids, const MapPoint& p, double clear) {
 
 // Of the water in a cell of the lattice, m3.
 double volume_of(const Scene& scene, const PlaceSolids& solids, Tile tile, const MapPoint& middle) {
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const auto at = [&](double a, double b) {
         return depth_at(scene, solids, tile, {middle.x + a * d, middle.z + b * d});
     };
@@ -88,7 +92,7 @@ struct Columns {
 Columns columns_of(const Scene& scene, const PlaceSolids& solids) {
     Columns columns;
     if (scene.place->water.empty() && !scene.place->water_depth) return columns;
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const Interval &x = solids.shape().x, &z = solids.shape().z;
     const auto nx = static_cast<int>(std::ceil(x.length() / d - 1e-6)),
                nz = static_cast<int>(std::ceil(z.length() / d - 1e-6));
@@ -122,7 +126,7 @@ std::size_t particles_in(double volume, double spacing) {
 }  // namespace
 
 void fill_place(Particles& particles, const Scene& scene, const PlaceSolids& solids) {
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const Columns columns = columns_of(scene, solids);
     if (columns.filled.empty()) return;
     const double wanted = static_cast<double>(particles_in(columns.water, d)) / (columns.under_middles / (d * d * d));
@@ -133,7 +137,7 @@ void fill_place(Particles& particles, const Scene& scene, const PlaceSolids& sol
         const auto x = static_cast<float>(column.middle.x), z = static_cast<float>(column.middle.z);
         const double ground = static_cast<double>(solids.ground().at(x, z).height(x, z));
         for (double y = 0.5 * d; static_cast<double>(filled) + 0.5 < due; y += d, ++filled) {
-            const double pressure = scene.world.gravity * std::max(0.0, column.depth - y);
+            const double pressure = scene.world->gravity * std::max(0.0, column.depth - y);
             particles.add({x, static_cast<float>(ground + y), z}, {0, 0, 0}, Kind::fluid, static_cast<float>(pressure));
         }
     }

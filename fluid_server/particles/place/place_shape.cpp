@@ -5,6 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
+
 namespace wade::fluid {
 
 namespace {
@@ -178,12 +181,12 @@ bool in_house(const PlaceShape& shape, const MapPoint& p) {
 PlaceShape place_shape(const Scene& scene) {
     const Place& place = *scene.place;
     PlaceShape shape;
-    shape.x = {0, scene.world.length};
-    shape.z = {0, scene.world.width};
+    shape.x = {0, scene.world->length};
+    shape.z = {0, scene.world->width};
     for (const House& house : place.houses) shape.houses.push_back(house.polygon);
     shape.gates = place.gates;
-    shape.ground = ground_grid(place.ground, scene.world, scene.fluid.particle_spacing);
-    const double reach = 2 * scene.fluid.particle_spacing;
+    shape.ground = ground_grid(place.ground, scene.world, scene.fluid->particle_spacing);
+    const double reach = 2 * scene.fluid->particle_spacing;
     const MapPoint a{shape.x.lo, shape.z.lo}, b{shape.x.hi, shape.z.lo}, c{shape.x.lo, shape.z.hi},
         d{shape.x.hi, shape.z.hi};
     shape.open[PlaceShape::x_lo] = is_open(place, shape, a, c, reach);

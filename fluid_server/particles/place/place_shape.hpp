@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "configs/scene/interval.hpp"
 #include "configs/scene/place.hpp"
 #include "configs/scene/scene.hpp"
 

@@ -2,6 +2,10 @@
 
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+
 namespace wade::crowd::testing {
 
 void MadeUpWater::add(double x, double z, double its_mass, double its_vx, double its_vz) {
@@ -61,9 +65,9 @@ std::optional<shm::Frame> MadeUpSource::acquire() {
 Scene one_agent_scene(double start_x, double start_z, double goal_x, double goal_z, double tau) {
     Scene scene;
     scene.name = "one_agent";
-    scene.channel.x = {0, 100};
-    scene.channel.z = {11.5, 38.5};
-    scene.fluid.particle_spacing = 0.5;
+    scene.channel->x = {0, 100};
+    scene.channel->z = {11.5, 38.5};
+    scene.fluid->particle_spacing = 0.5;
     AgentGroup group;
     group.name = "walkers";
     group.start_x = start_x;
@@ -71,7 +75,7 @@ Scene one_agent_scene(double start_x, double start_z, double goal_x, double goal
     group.goal_x = goal_x;
     group.goal_z = goal_z;
     group.tau = tau;
-    scene.crowd.groups.push_back(group);
+    scene.crowd->groups.push_back(group);
     return scene;
 }
 

@@ -6,7 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/equations.hpp"
 #include "crowd_client/session/frame_source.hpp"
 #include "crowd_client/water/water_view.hpp"
@@ -70,14 +74,14 @@ class MadeUpSource final : public FrameSource {
 // A closed channel without water that fills the world, 10 steps a second.
 inline Scene dry_scene(double length, double width, std::vector<Obstacle> obstacles = {}) {
     Scene scene;
-    scene.world.length = length;
-    scene.world.width = width;
-    scene.channel.x = {0, length};
-    scene.channel.z = {0, width};
-    scene.channel.flow = Flow::closed;
-    scene.frame_rate = scene.crowd.step_rate = 10;
+    scene.world->length = length;
+    scene.world->width = width;
+    scene.channel->x = {0, length};
+    scene.channel->z = {0, width};
+    scene.channel->flow = Flow::closed;
+    scene.frame_rate = scene.crowd->step_rate = 10;
     scene.obstacles = std::move(obstacles);
-    scene.crowd.goal_radius = 0.5;
+    scene.crowd->goal_radius = 0.5;
     return scene;
 }
 

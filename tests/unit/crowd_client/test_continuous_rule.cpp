@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "made_up_water.hpp"
 
@@ -133,8 +135,8 @@ TEST_CASE("In water that fluctuates, paths converge as the steps get shorter", "
 TEST_CASE("A crowd with the rule takes its velocity from the one before, from its walk and from the water it meets") {
     for (const double rate : {15.0, 30.0, 120.0}) {
         Scene scene = one_agent_scene(50, 25, 50.001, 49, 0.4);
-        scene.coupling.rule = CouplingRule::continuous;
-        scene.frame_rate = scene.crowd.step_rate = rate;
+        scene.coupling->rule = CouplingRule::continuous;
+        scene.frame_rate = scene.crowd->step_rate = rate;
         CrowdWorld crowd = make_crowd(scene);
         const MadeUpWater water = testing::uniform_water(44, 54, 20, 35, 1, 0.25, -0.5, 0);
         for (int k = 0; k < rate; ++k) {
@@ -152,7 +154,7 @@ TEST_CASE("A crowd with the rule takes its velocity from the one before, from it
 
 TEST_CASE("A velocity that meets a wall goes on along it") {
     Scene scene = one_agent_scene(50, 25, 50.001, 49, 1);
-    scene.coupling.rule = CouplingRule::continuous;
+    scene.coupling->rule = CouplingRule::continuous;
     scene.obstacles.push_back({{46, 49}, {10, 45}, 1});
     CrowdWorld crowd = make_crowd(scene);
     const MadeUpWater water = testing::uniform_water(44, 54, 20, 45, 1, 0.25, -2, 0.5);

@@ -9,6 +9,10 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/marker_lanes.hpp"
 #include "made_up_water.hpp"
@@ -24,7 +28,7 @@ namespace {
 // The start box and the goal of the paper's S1 to S12.
 Scene paper_scene(double tau) {
     Scene scene = one_agent_scene(65, 0, 75, 50, tau);
-    AgentGroup& group = scene.crowd.groups[0];
+    AgentGroup& group = scene.crowd->groups[0];
     group.columns = 10;
     group.rows = 5;
     group.count = 50;
@@ -41,12 +45,12 @@ void take_steps(CrowdWorld& crowd, const MadeUpWater& water, std::uint64_t count
 
 TEST_CASE("Agents start on their grid, row by row, ids counted through the groups") {
     Scene scene = paper_scene(0.2);
-    AgentGroup second = scene.crowd.groups[0];
+    AgentGroup second = scene.crowd->groups[0];
     second.name = "second";
     second.count = 3;
     second.columns = 2;
     second.start_x = 1;
-    scene.crowd.groups.push_back(second);
+    scene.crowd->groups.push_back(second);
     const Agents agents = make_agents(scene);
     REQUIRE(agents.size() == 53);
     CHECK(agents.position[0] == Vector2d(65, 0));
@@ -81,7 +85,7 @@ TEST_CASE("Paths of agents with tau = 0 are the same bits whatever the water doe
 TEST_CASE("One agent in a uniform stream moves at the velocity of Eq. 9 in closed form", "[eq9]") {
     for (const ContactRule rule : {ContactRule::difference, ContactRule::sum}) {
         Scene scene = one_agent_scene(80, 25, 75, 50, 0.2);
-        scene.coupling.contact_rule = rule;
+        scene.coupling->contact_rule = rule;
         const double reach = rule == ContactRule::sum ? 0.75 : 0.25;
         const double v_f = -1.5;
         const double d = 0.25;
@@ -154,14 +158,14 @@ TEST_CASE("Water pushes nobody out of the world except over the fall") {
 
 TEST_CASE("Dead and arrived agents give up their markers at once") {
     Scene scene = one_agent_scene(10, 25, 75, 25, 0);
-    AgentGroup neighbour = scene.crowd.groups[0];
+    AgentGroup neighbour = scene.crowd->groups[0];
     neighbour.name = "neighbour";
     neighbour.start_x = 10.6;
     neighbour.goal_x = 10.7;
     neighbour.goal_z = 25;
-    scene.crowd.groups.push_back(neighbour);
+    scene.crowd->groups.push_back(neighbour);
     CrowdWorld both = make_crowd(scene);
-    scene.crowd.groups.pop_back();
+    scene.crowd->groups.pop_back();
     CrowdWorld alone = make_crowd(scene);
     take_steps(both, {}, 1);
     REQUIRE(both.agents.outcome[1] == Outcome::arrived);
@@ -180,7 +184,7 @@ TEST_CASE("Dead and arrived agents give up their markers at once") {
 
 TEST_CASE("The order of the agents decides nothing but ties") {
     Scene scene = paper_scene(0);
-    AgentGroup& group = scene.crowd.groups[0];
+    AgentGroup& group = scene.crowd->groups[0];
     CrowdWorld forward = make_crowd(scene);
     group.start_x = 87.5;
     group.pitch_x = -2.5;  // the same places, ids reversed within each row
@@ -196,11 +200,11 @@ TEST_CASE("The order of the agents decides nothing but ties") {
 
 TEST_CASE("Events set tau of one agent, of a group and of all from their frame on") {
     Scene scene = paper_scene(0.8);
-    AgentGroup second = scene.crowd.groups[0];
+    AgentGroup second = scene.crowd->groups[0];
     second.name = "second";
     second.count = 2;
     second.start_x = 20;
-    scene.crowd.groups.push_back(second);
+    scene.crowd->groups.push_back(second);
     scene.events.push_back({5, std::nullopt, std::nullopt, 0});  // out of order on purpose
     scene.events.push_back({2, 7, std::nullopt, 0.1});
     scene.events.push_back({3, std::nullopt, "second", 0.3});
@@ -220,7 +224,7 @@ TEST_CASE("Events set tau of one agent, of a group and of all from their frame o
 TEST_CASE("Neither walking nor fast water takes an agent through an obstacle") {
     Scene scene = one_agent_scene(55, 25, 20, 25, 1);
     scene.obstacles.push_back({{40, 47}, {21.5, 28.5}, 1});
-    AgentGroup& group = scene.crowd.groups[0];
+    AgentGroup& group = scene.crowd->groups[0];
     group.columns = 3;
     group.rows = 9;
     group.count = 27;
@@ -247,11 +251,11 @@ TEST_CASE("Neither walking nor fast water takes an agent through an obstacle") {
 
 TEST_CASE("Settings the crowd cannot work with are refused with the key") {
     Scene scene = one_agent_scene(10, 25, 75, 50, 0);
-    scene.coupling.agent_radius = scene.coupling.particle_radius = 0.3;
+    scene.coupling->agent_radius = scene.coupling->particle_radius = 0.3;
     CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("/coupling"));
-    scene.coupling.contact_rule = ContactRule::sum;
+    scene.coupling->contact_rule = ContactRule::sum;
     CHECK_NOTHROW(make_crowd(scene));
-    scene.coupling.agent_radius = 2;
+    scene.coupling->agent_radius = 2;
     CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("contact distance 2.3 m"));
 
     scene = one_agent_scene(101, 25, 75, 50, 0);
@@ -266,24 +270,24 @@ namespace {
 Scene empty_ground(std::uint64_t seed, double rate) {
     Scene scene;
     scene.seed = seed;
-    scene.frame_rate = scene.crowd.step_rate = rate;
+    scene.frame_rate = scene.crowd->step_rate = rate;
     scene.world = {40, 40, 9.81, Ends::open};
-    scene.channel.x = scene.channel.z = {0, 40};
-    scene.channel.flow = Flow::closed;
-    scene.crowd.markers = MarkerRule::redrawn;
-    scene.crowd.goal_radius = 0.5;
+    scene.channel->x = scene.channel->z = {0, 40};
+    scene.channel->flow = Flow::closed;
+    scene.crowd->markers = MarkerRule::redrawn;
+    scene.crowd->goal_radius = 0.5;
     return scene;
 }
 
 void add_walker(Scene& scene, const Vector2d& from, const Vector2d& to, double speed) {
     AgentGroup group;
-    group.name = "walker" + std::to_string(scene.crowd.groups.size());
+    group.name = "walker" + std::to_string(scene.crowd->groups.size());
     group.start_x = from.x();
     group.start_z = from.y();
     group.goal_x = to.x();
     group.goal_z = to.y();
     group.desired_speed = speed;
-    scene.crowd.groups.push_back(group);
+    scene.crowd->groups.push_back(group);
 }
 
 // The time until all are there, s.
@@ -318,7 +322,7 @@ TEST_CASE("One person passes two who come in a row, at any density of markers an
     const double z = GENERATE(0.0, 20.0);
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         Scene scene = empty_ground(seed, 30);
-        scene.crowd.markers_per_cell = markers;
+        scene.crowd->markers_per_cell = markers;
         add_walker(scene, {15, z}, {25, z}, 1.3);
         add_walker(scene, {25, z}, {15, z}, 1.3);
         add_walker(scene, {26, z}, {15, z}, 1.3);
@@ -329,7 +333,7 @@ TEST_CASE("One person passes two who come in a row, at any density of markers an
 
 TEST_CASE("Redrawn markers of points are in the mean everywhere alike, those of bodies keep to their sub-cells") {
     Scene scene = empty_ground(3, 30);
-    scene.crowd.bodies = GENERATE(BodyRule::none, BodyRule::fast);
+    scene.crowd->bodies = GENERATE(BodyRule::none, BodyRule::fast);
     DrawnMarkers drawn = place_markers(scene).drawn;
     MarkerLanes<float> cell;
     constexpr int strips = 10, epochs = 400;  // of a sub-cell of 0.25 m
@@ -344,7 +348,7 @@ TEST_CASE("Redrawn markers of points are in the mean everywhere alike, those of 
     }
     const auto [least, most] = std::minmax_element(count.begin(), count.end());
     const double mean = 64.0 * epochs / strips;
-    if (scene.crowd.bodies == BodyRule::none) {
+    if (scene.crowd->bodies == BodyRule::none) {
         // The markers of an epoch move together, so that a strip has 400 independent values: two strips in five empty in
         // each, its mean is known to 4 % of itself. Five times that.
         CHECK(*least > 0.8 * mean);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/equations.hpp"
 
 using namespace wade;

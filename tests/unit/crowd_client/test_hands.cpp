@@ -6,6 +6,9 @@
 #include <set>
 #include <vector>
 
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/hands.hpp"
 #include "crowd_client/people/push.hpp"
@@ -26,10 +29,10 @@ MadeUpWater stream(double speed, double depth = 1) {
 // `count` men of normal skill stand side by side across the stream.
 Scene side_by_side(int count, HandInHand hands) {
     Scene scene = one_agent_scene(50, 25, 50, 25, 0);
-    scene.fluid.particle_spacing = 0.25;
-    scene.crowd.response = ResponseKind::measured;
-    scene.crowd.goal_radius = 1e-9;
-    AgentGroup& group = scene.crowd.groups[0];
+    scene.fluid->particle_spacing = 0.25;
+    scene.crowd->response = ResponseKind::measured;
+    scene.crowd->goal_radius = 1e-9;
+    AgentGroup& group = scene.crowd->groups[0];
     group.tau.reset();
     group.desired_speed = 0;
     group.body.sex = SexRule::male;
@@ -44,7 +47,7 @@ Scene side_by_side(int count, HandInHand hands) {
 std::size_t fallen(const Scene& scene, const MadeUpWater& water, double time) {
     CrowdWorld crowd = make_crowd(scene);
     std::set<std::size_t> ids;
-    for (int i = 0; i < time * scene.crowd.step_rate; ++i) {
+    for (int i = 0; i < time * scene.crowd->step_rate; ++i) {
         step(crowd, water.view());
         for (std::size_t id = 0; id < crowd.agents.size(); ++id) {
             if (!has_ground(crowd.agents.people.condition[id].state)) ids.insert(id);
@@ -55,8 +58,8 @@ std::size_t fallen(const Scene& scene, const MadeUpWater& water, double time) {
 
 TEST_CASE("Links of a group join neighbours of its start grid, along x or along z") {
     Scene scene = side_by_side(5, HandInHand::along_z);
-    scene.crowd.groups.push_back(scene.crowd.groups[0]);
-    AgentGroup& group = scene.crowd.groups[1];
+    scene.crowd->groups.push_back(scene.crowd->groups[0]);
+    AgentGroup& group = scene.crowd->groups[1];
     group.start_x = 40;
     group.columns = 3;
     group.rows = 2;
@@ -72,7 +75,7 @@ TEST_CASE("Links of a group join neighbours of its start grid, along x or along 
     CHECK(!crowd.links[0].pushes);
     CHECK(crowd.links[4].pushes);
     CHECK(crowd.links[0].grip == grip_of_men);
-    scene.crowd.groups[1].body.sex = SexRule::female;
+    scene.crowd->groups[1].body.sex = SexRule::female;
     CHECK(make_crowd(scene).links[4].grip == grip_of_women);
 }
 
@@ -91,8 +94,8 @@ struct Walk {
 // So many walk along x in 0.6 m of still water, for 25 s; without the first 5.
 Walk walk_of(int count, HandInHand hands) {
     Scene scene = side_by_side(1, hands);
-    scene.coupling.shelter = Shelter::wake;
-    AgentGroup& group = scene.crowd.groups[0];
+    scene.coupling->shelter = Shelter::wake;
+    AgentGroup& group = scene.crowd->groups[0];
     group.start_x = 30;
     group.columns = group.count = count;
     group.pitch_x = 0.7;
@@ -135,10 +138,10 @@ TEST_CASE("Ten hand in hand in file walk as fast as their wakes let them, and te
 
 TEST_CASE("Whoever is carried past is held by who stands, and is carried on where nobody helps") {
     Scene scene = side_by_side(1, HandInHand::none);
-    scene.crowd.groups[0].start_x = 50;
-    scene.crowd.groups[0].body.skill = Skill::unaware;
-    scene.crowd.groups.push_back(scene.crowd.groups[0]);
-    AgentGroup& helper = scene.crowd.groups[1];
+    scene.crowd->groups[0].start_x = 50;
+    scene.crowd->groups[0].body.skill = Skill::unaware;
+    scene.crowd->groups.push_back(scene.crowd->groups[0]);
+    AgentGroup& helper = scene.crowd->groups[1];
     helper.name = "helper";
     helper.start_x = 45;
     helper.start_z = 25.3;
@@ -146,7 +149,7 @@ TEST_CASE("Whoever is carried past is held by who stands, and is carried on wher
     helper.body.ground_friction = 2;
     const MadeUpWater water = stream(0.6, 1.2);
     for (const bool helping : {false, true}) {
-        scene.crowd.helping = helping;
+        scene.crowd->helping = helping;
         CrowdWorld crowd = make_crowd(scene);
         for (int i = 0; i < 25 * 30; ++i) step(crowd, water.view());
         CAPTURE(helping);
@@ -160,10 +163,10 @@ TEST_CASE("Whoever is carried past is held by who stands, and is carried on wher
 // A hand that bears a share of its grip bears it for the endurance time of a hand, then lets go.
 TEST_CASE("Who holds somebody in the stream lets go when the hand is tired, at any rate of steps") {
     Scene scene = side_by_side(1, HandInHand::none);
-    scene.crowd.helping = scene.crowd.fatigue = true;
-    scene.crowd.groups[0].body.skill = Skill::unaware;
-    scene.crowd.groups.push_back(scene.crowd.groups[0]);
-    AgentGroup& helper = scene.crowd.groups[1];
+    scene.crowd->helping = scene.crowd->fatigue = true;
+    scene.crowd->groups[0].body.skill = Skill::unaware;
+    scene.crowd->groups.push_back(scene.crowd->groups[0]);
+    AgentGroup& helper = scene.crowd->groups[1];
     helper.name = "helper";
     helper.start_x = 45;
     helper.start_z = 25.3;
@@ -173,7 +176,7 @@ TEST_CASE("Who holds somebody in the stream lets go when the hand is tired, at a
     for (float& of_one : water.mass) of_one *= 2.4F;  // 1.2 m
     std::vector<double> times;
     for (const double rate : {15.0, 60.0}) {
-        scene.crowd.step_rate = scene.frame_rate = rate;
+        scene.crowd->step_rate = scene.frame_rate = rate;
         CrowdWorld crowd = make_crowd(scene);
         double taken = 0, let_go = 0, load = 0;
         for (int i = 1; i <= 100 * rate && let_go == 0; ++i) {
@@ -212,14 +215,14 @@ Rope rope_across(double x) {
 // One who falls at x 50 and is carried off in 1.2 m of water.
 Scene one_carried() {
     Scene scene = side_by_side(1, HandInHand::none);
-    scene.crowd.groups[0].body.skill = Skill::unaware;
+    scene.crowd->groups[0].body.skill = Skill::unaware;
     return scene;
 }
 
 TEST_CASE("Ropes across the stream, with a free end and posts hold whom a stream carries past, but no strong one") {
     const auto x_after = [&](const Rope& rope, double speed) {
         Scene scene = one_carried();
-        scene.crowd.ropes = {rope};
+        scene.crowd->ropes = {rope};
         CrowdWorld crowd = make_crowd(scene);
         const MadeUpWater water = stream(speed, 1.2);
         for (int i = 0; i < 30 * 20 / speed; ++i) step(crowd, water.view());
@@ -238,15 +241,15 @@ TEST_CASE("Ropes across the stream, with a free end and posts hold whom a stream
 
 TEST_CASE("Along a rope one crosses a stream that topples one without it, and leaves the rope at will") {
     Scene scene = side_by_side(1, HandInHand::none);
-    AgentGroup& group = scene.crowd.groups[0];
+    AgentGroup& group = scene.crowd->groups[0];
     group.start_z = 21;
     group.desired_speed = 1;
     group.goal_x = 50;
     group.goal_z = 32;
-    scene.crowd.goal_radius = 2.5;
+    scene.crowd->goal_radius = 2.5;
     const MadeUpWater water = stream(0.95);
     CHECK(fallen(scene, water, 25) == 1);
-    scene.crowd.ropes = {rope_across(50.2)};
+    scene.crowd->ropes = {rope_across(50.2)};
     CHECK(fallen(scene, water, 25) == 0);
     CrowdWorld crowd = make_crowd(scene);
     for (int i = 0; i < 40 * 30; ++i) step(crowd, water.view());
@@ -265,10 +268,10 @@ TEST_CASE("Along a rope one crosses a stream that topples one without it, and le
 
 TEST_CASE("Links do not depend on the number of threads, and end with those who arrive") {
     Scene scene = side_by_side(4, HandInHand::along_z);
-    scene.crowd.groups[0].desired_speed = 1;
-    scene.crowd.goal_radius = 3;
-    scene.crowd.groups[0].goal_x = 54;
-    scene.crowd.groups[0].goal_z = 26;
+    scene.crowd->groups[0].desired_speed = 1;
+    scene.crowd->goal_radius = 3;
+    scene.crowd->groups[0].goal_x = 54;
+    scene.crowd->groups[0].goal_z = 26;
     CrowdWorld crowd = make_crowd(scene);
     CHECK(crowd.links.size() == 3);
     for (int i = 0; i < 20 * 30; ++i) step(crowd, {});

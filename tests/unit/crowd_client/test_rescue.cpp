@@ -6,6 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/hands.hpp"
 #include "crowd_client/rescue.hpp"
@@ -31,15 +35,15 @@ MadeUpWater stream(double speed, double depth) {
 // One falls in the middle of the stream, in 1.2 m of water from z 15 m on; rescuers wait on the bank.
 Scene with_rescuers(double start_x, double start_z) {
     Scene scene = one_agent_scene(55, 20, 45, 5, 1);
-    scene.fluid.particle_spacing = 0.25;
-    scene.crowd.response = ResponseKind::measured;
-    scene.crowd.goal_radius = 1;
-    AgentGroup& victim = scene.crowd.groups[0];
+    scene.fluid->particle_spacing = 0.25;
+    scene.crowd->response = ResponseKind::measured;
+    scene.crowd->goal_radius = 1;
+    AgentGroup& victim = scene.crowd->groups[0];
     victim.tau.reset();
     victim.body.sex = SexRule::male;
     victim.body.skill = Skill::unaware;
-    scene.crowd.groups.push_back(victim);
-    AgentGroup& rescuers = scene.crowd.groups[1];
+    scene.crowd->groups.push_back(victim);
+    AgentGroup& rescuers = scene.crowd->groups[1];
     rescuers.name = "rescuers";
     rescuers.rescuer = true;
     rescuers.start_x = rescuers.goal_x = start_x;
@@ -71,10 +75,10 @@ TEST_CASE("A rescuer on the bank throws a line, and the stream swings whom it ho
 TEST_CASE("A rescuer goes into water in which it stands well, no farther, and not behind a wall") {
     const auto deepest_met = [](Skill skill, double speed, bool walled) {
         Scene scene = with_rescuers(45, 13);
-        scene.crowd.groups[0].start_z = 32;
-        scene.crowd.groups[0].goal_z = 45;
-        scene.crowd.groups[1].body.skill = skill;
-        if (walled) scene.obstacles.push_back({{0, scene.world.length}, {28, 28.5}, 3});
+        scene.crowd->groups[0].start_z = 32;
+        scene.crowd->groups[0].goal_z = 45;
+        scene.crowd->groups[1].body.skill = skill;
+        if (walled) scene.obstacles.push_back({{0, scene.world->length}, {28, 28.5}, 3});
         CrowdWorld crowd = make_crowd(scene);
         const MadeUpWater water = stream(speed, 1.05);
         for (int i = 0; i < 25 * 30; ++i) step(crowd, water.view());
@@ -88,12 +92,12 @@ TEST_CASE("A rescuer goes into water in which it stands well, no farther, and no
 // Somebody holds on to a post at x 42 in the stream, in the lee of a house as seen from the rescuer on the bank.
 Scene with_house(Skill of_rescuer, std::vector<Obstacle> obstacles) {
     Scene scene = with_rescuers(45, 13);
-    scene.crowd.navigation.rule = NavigationRule::automatic;
-    scene.crowd.groups[0].start_x = 48;
-    scene.crowd.groups[0].start_z = 29;
-    scene.crowd.groups[0].goal_z = 45;
-    scene.crowd.groups[1].body.skill = of_rescuer;
-    Rope& post = scene.crowd.ropes.emplace_back();
+    scene.crowd->navigation.rule = NavigationRule::automatic;
+    scene.crowd->groups[0].start_x = 48;
+    scene.crowd->groups[0].start_z = 29;
+    scene.crowd->groups[0].goal_z = 45;
+    scene.crowd->groups[1].body.skill = of_rescuer;
+    Rope& post = scene.crowd->ropes.emplace_back();
     post.from_x = 42;
     post.from_z = 29.3;
     post.free_length = 0;
@@ -138,14 +142,14 @@ TEST_CASE("A rescuer walks round a house to whom it cannot see, and does not set
     CHECK(!sets_out(rescue_in(with_house(Skill::braced, {{{0, 100}, {22, 24}, 3}}), 20)));
     CHECK(!sets_out(rescue_in(with_house(Skill::poor, {house}), 20)));  // who would lose the feet on the way
     Scene straight = with_house(Skill::braced, {house});
-    straight.crowd.navigation.rule = NavigationRule::straight;
+    straight.crowd->navigation.rule = NavigationRule::straight;
     CHECK(!sets_out(rescue_in(straight, 20)));
 }
 
 TEST_CASE("Where nothing is in the way a house beside it changes no bit of what a rescuer does") {
     Scene scene = with_house(Skill::braced, {{{80, 84}, {30, 34}, 3}});
     const std::vector<Vector2d> led = rescue_in(scene, 20).places;
-    scene.crowd.navigation.rule = NavigationRule::straight;
+    scene.crowd->navigation.rule = NavigationRule::straight;
     CHECK(rescue_in(scene, 20).places == led);
 }
 
@@ -164,10 +168,10 @@ TEST_CASE("A rescuer who loses the feet drops the line and counts as a victim") 
 // On the bank, where nothing but the ground and the line T e act: M dv/dt = G + T e, G what the legs want, at most mu M g.
 TEST_CASE("Whom its feet do not hold its line drags into the stream, by the equation of all, and it is swept off") {
     Scene scene = with_rescuers(45, 14);
-    scene.crowd.groups[1].body.skill = Skill::poor;
+    scene.crowd->groups[1].body.skill = Skill::poor;
     CrowdWorld crowd = make_crowd(scene);
     const MadeUpWater water = stream(0.7, 1.2);
-    const double mass = crowd.agents.mass[1], most = 0.07 * mass * scene.world.gravity, dt = crowd.dt;
+    const double mass = crowd.agents.mass[1], most = 0.07 * mass * scene.world->gravity, dt = crowd.dt;
     int pulled = 0;
     double error = 0;  // of the velocity, m/s
     for (int i = 0; i < 60 * 30 && has_ground(crowd.agents.people.condition[1].state); ++i) {
@@ -196,7 +200,7 @@ TEST_CASE("Whom its feet do not hold its line drags into the stream, by the equa
     CHECK(crowd.agents.position[1].x() < 40);
     CHECK(count_rescues(crowd).lost_feet == 1);
 
-    scene.crowd.groups[1].body.skill = Skill::good;  // holds 408 N
+    scene.crowd->groups[1].body.skill = Skill::good;  // holds 408 N
     CrowdWorld firm = make_crowd(scene);
     for (int i = 0; i < 20 * 30; ++i) step(firm, water.view());
     CHECK(firm.agents.position[1].y() == Approx(14).margin(0.01));

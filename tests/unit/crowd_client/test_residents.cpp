@@ -3,6 +3,10 @@
 #include <numbers>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/placed_houses.hpp"
@@ -33,14 +37,14 @@ Scene one_house(int residents) {
     house.polygon = box(10, 20, 10, 20);
     house.residents = residents;
     scene.place->shelters = {{"hall", box(45, 55, 10, 20), 0}};
-    scene.crowd.groups = {lodgers()};
+    scene.crowd->groups = {lodgers()};
     return scene;
 }
 
 TEST_CASE("Residents are indoors until their time, leave by their door, and come to a shelter") {
     Scene scene = one_house(5);
     scene.place->houses[0].doors = {{20, 15}};
-    scene.crowd.groups[0].leaving.after = 2;
+    scene.crowd->groups[0].leaving.after = 2;
     CrowdWorld crowd = make_crowd(scene);
     CHECK(crowd.agents.size() == 5);
     CHECK(crowd.active.empty());
@@ -60,7 +64,7 @@ TEST_CASE("Residents are indoors until their time, leave by their door, and come
 TEST_CASE("Some stay, some go upstairs, and each draw is the agent's own") {
     Scene scene = one_house(2000);
     scene.place->houses[0].upper_floor = 3;
-    Leaving& leaving = scene.crowd.groups[0].leaving;
+    Leaving& leaving = scene.crowd->groups[0].leaving;
     leaving.stay_share = 0.25;
     leaving.upper_floor_share = 0.5;
     leaving.rule = LeavingRule::weibull;
@@ -111,8 +115,8 @@ TEST_CASE("People of a table who stand in a house are indoors, others out") {
 
 TEST_CASE("Bodies that come out of a house never overlap, and nobody of them is in its walls") {
     Scene scene = one_house(30);
-    scene.crowd.bodies = BodyRule::human;
-    scene.crowd.markers = MarkerRule::redrawn;
+    scene.crowd->bodies = BodyRule::human;
+    scene.crowd->markers = MarkerRule::redrawn;
     CrowdWorld crowd = make_crowd(scene);
     for (int k = 0; k < 300; ++k) {
         step(crowd, {});
@@ -142,9 +146,9 @@ TEST_CASE("A door into a wall is refused by its house") {
 TEST_CASE("A hundred thousand residents are made, and who is indoors costs no step") {
     Scene scene = one_house(0);
     scene.world = {1000, 1000, 9.81, Ends::open};
-    scene.channel.x = scene.channel.z = {0, 1000};
-    scene.crowd.markers = MarkerRule::redrawn;
-    scene.crowd.navigation.cell = 5;
+    scene.channel->x = scene.channel->z = {0, 1000};
+    scene.crowd->markers = MarkerRule::redrawn;
+    scene.crowd->navigation.cell = 5;
     scene.place->houses.clear();
     for (int k = 0; k < 1000; ++k) {
         House& house = scene.place->houses.emplace_back();
@@ -152,7 +156,7 @@ TEST_CASE("A hundred thousand residents are made, and who is indoors costs no st
         house.polygon = box(x, x + 10, z, z + 10);
         house.residents = 100;
     }
-    scene.crowd.groups[0].leaving.after = 1000;
+    scene.crowd->groups[0].leaving.after = 1000;
     CrowdWorld crowd = make_crowd(scene);
     CHECK(crowd.indoors.inside == 100000);
     for (int k = 0; k < 3; ++k) step(crowd, {});
@@ -163,9 +167,9 @@ TEST_CASE("A hundred thousand residents are made, and who is indoors costs no st
 // Somebody who floats off in 2 m of water, 30 m from the western edge of a place.
 Scene swept(bool with_outlet) {
     Scene scene = one_house(0);
-    scene.fluid.shallow_water.cell_size = 1;
-    scene.crowd.response = ResponseKind::measured;
-    AgentGroup& group = scene.crowd.groups[0];
+    scene.fluid->shallow_water.cell_size = 1;
+    scene.crowd->response = ResponseKind::measured;
+    AgentGroup& group = scene.crowd->groups[0];
     group.starts = StartRule::grid;
     group.tau.reset();
     group.start_x = group.start_z = 30;
@@ -189,8 +193,8 @@ TEST_CASE("Whom the water carries into an outlet is lost, at another edge he is 
 
 TEST_CASE("Who has a tau is lost in an outlet into which the water moves him, not in one that he walks to or past") {
     Scene scene = swept(true);
-    scene.crowd.response = ResponseKind::paper;
-    AgentGroup& group = scene.crowd.groups[0];
+    scene.crowd->response = ResponseKind::paper;
+    AgentGroup& group = scene.crowd->groups[0];
     group.start_x = 4;
     const MadeUpWater water = uniform_water(0, 40, 0, 40, 0.5, 0.5, -2, 0);
     for (const double tau : {0.0, 0.1, 0.9}) {
@@ -203,7 +207,7 @@ TEST_CASE("Who has a tau is lost in an outlet into which the water moves him, no
 
 TEST_CASE("Who stands in an outlet stays") {
     Scene scene = swept(true);
-    scene.crowd.groups[0].start_x = 1;
+    scene.crowd->groups[0].start_x = 1;
     CrowdWorld crowd = make_crowd(scene);
     const MadeUpWater water = uniform_water(0, 40, 0, 40, 0.25, 0.25, -0.5, 0);
     step(crowd, water.view());

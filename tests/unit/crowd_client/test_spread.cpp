@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "made_up_water.hpp"
 
@@ -17,7 +19,7 @@ namespace {
 // `columns` agents in a row of pitch 0.05 m.
 Scene row_of(int columns) {
     Scene scene = one_agent_scene(10, 25, 75, 50, 0);
-    AgentGroup& group = scene.crowd.groups[0];
+    AgentGroup& group = scene.crowd->groups[0];
     group.columns = group.count = columns;
     group.pitch_x = 0.05;
     return scene;
@@ -28,8 +30,8 @@ Scene row_of(int columns) {
 TEST_CASE("tau and mass fill their limits uniformly") {
     constexpr int n = 1000;
     Scene scene = row_of(n);
-    scene.crowd.groups[0].tau = {0.4, 0.8};
-    scene.crowd.groups[0].mass = {40, 100};
+    scene.crowd->groups[0].tau = {0.4, 0.8};
+    scene.crowd->groups[0].mass = {40, 100};
     const Agents agents = make_agents(scene);
     double tau = 0, mass = 0, product = 0;
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -50,9 +52,9 @@ TEST_CASE("tau and mass fill their limits uniformly") {
 TEST_CASE("Normal values have their mean and deviation, and keep their limits") {
     constexpr int n = 1800;
     Scene scene = row_of(n);
-    scene.crowd.groups[0].body.height = {1.2, 2.2, 1.7, 0.1};
-    scene.crowd.groups[0].body.age = {20, 30, 0, 1000};  // as good as uniform
-    scene.crowd.groups[0].mass = {70, 80, 60, 5};        // the upper end of the values
+    scene.crowd->groups[0].body.height = {1.2, 2.2, 1.7, 0.1};
+    scene.crowd->groups[0].body.age = {20, 30, 0, 1000};  // as good as uniform
+    scene.crowd->groups[0].mass = {70, 80, 60, 5};        // the upper end of the values
     const Agents agents = make_agents(scene);
     double mean = 0, square = 0, age = 0;
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -71,14 +73,14 @@ TEST_CASE("Normal values have their mean and deviation, and keep their limits") 
 
 TEST_CASE("Half of the people are women unless the scene says otherwise, and a draw of bodies changes no other") {
     Scene scene = row_of(400);
-    scene.crowd.groups[0].mass = {40, 100};
+    scene.crowd->groups[0].mass = {40, 100};
     const Agents plain = make_agents(scene);
     const auto women = [](const Agents& a) {
         return std::count(a.people.sex.begin(), a.people.sex.end(), Sex::female);
     };
     CHECK(women(plain) == Approx(200).margin(40));  // four standard deviations
-    scene.crowd.groups[0].body.height = {1.5, 1.9};
-    scene.crowd.groups[0].body.sex = SexRule::female;
+    scene.crowd->groups[0].body.height = {1.5, 1.9};
+    scene.crowd->groups[0].body.sex = SexRule::female;
     const Agents other = make_agents(scene);
     CHECK(women(other) == 400);
     CHECK(other.mass == plain.mass);
@@ -86,14 +88,14 @@ TEST_CASE("Half of the people are women unless the scene says otherwise, and a d
 
 TEST_CASE("People of a table are taken in turn, and what it leaves open is drawn as without it") {
     Scene scene = row_of(5);
-    scene.crowd.groups[0].mass = {40, 100};
+    scene.crowd->groups[0].mass = {40, 100};
     const Agents drawn = make_agents(scene);
     PersonRow small, large;
     small.height = 1.2;
     small.mass = 30;
     large.height = 1.9;
     large.skill = Skill::braced;
-    scene.crowd.people = {small, large};
+    scene.crowd->people = {small, large};
     const Agents agents = make_agents(scene);
     for (std::size_t id = 0; id < agents.size(); ++id) {
         const bool is_small = id % 2 == 0;
@@ -101,17 +103,17 @@ TEST_CASE("People of a table are taken in turn, and what it leaves open is drawn
         CHECK(agents.mass[id] == (is_small ? 30 : drawn.mass[id]));
         CHECK(agents.people.friction[id] == (is_small ? 0.45 : 0.80));
     }
-    scene.crowd.groups[0].people = {large};
+    scene.crowd->groups[0].people = {large};
     CHECK(make_agents(scene).people.height[0] == 1.9);
 }
 
 TEST_CASE("A draw depends on the seed and the agent alone") {
     Scene scene = row_of(5);
-    scene.crowd.groups[0].tau = {0, 1};
-    scene.crowd.groups[0].start_jitter = 0.3;
+    scene.crowd->groups[0].tau = {0, 1};
+    scene.crowd->groups[0].start_jitter = 0.3;
     const Agents few = make_agents(scene);
-    scene.crowd.groups[0].columns = scene.crowd.groups[0].count = 9;
-    scene.crowd.groups[0].mass = {40, 100};
+    scene.crowd->groups[0].columns = scene.crowd->groups[0].count = 9;
+    scene.crowd->groups[0].mass = {40, 100};
     const Agents more = make_agents(scene);
     for (std::size_t id = 0; id < few.size(); ++id) {
         CHECK(more.tau[id] == few.tau[id]);
@@ -123,7 +125,7 @@ TEST_CASE("A draw depends on the seed and the agent alone") {
 
 TEST_CASE("A value without limits is that value, for every agent") {
     Scene scene = row_of(5);
-    scene.crowd.groups[0].tau = {0.3, 0.3};
+    scene.crowd->groups[0].tau = {0.3, 0.3};
     const Agents agents = make_agents(scene);
     for (std::size_t id = 0; id < agents.size(); ++id) {
         CHECK(agents.tau[id] == 0.3);
@@ -134,7 +136,7 @@ TEST_CASE("A value without limits is that value, for every agent") {
 
 TEST_CASE("Starts are spread over a square, inside the world and outside obstacles") {
     Scene scene = one_agent_scene(10, 0, 75, 50, 0);
-    AgentGroup& group = scene.crowd.groups[0];
+    AgentGroup& group = scene.crowd->groups[0];
     group.columns = group.count = 300;
     group.pitch_x = 0;
     group.start_jitter = 2;
@@ -155,9 +157,9 @@ TEST_CASE("Starts are spread over a square, inside the world and outside obstacl
 
 TEST_CASE("A deviation of many worlds is folded as often as it takes, so that no two agents start at one place") {
     Scene scene = one_agent_scene(10, 6, 14, 12, 0);
-    scene.world.length = 20;
-    scene.world.width = 12;
-    AgentGroup& group = scene.crowd.groups[0];
+    scene.world->length = 20;
+    scene.world->width = 12;
+    AgentGroup& group = scene.crowd->groups[0];
     group.columns = group.count = 400;
     group.pitch_x = 0;
     group.start_jitter = 1000;
@@ -176,12 +178,12 @@ TEST_CASE("A deviation of many worlds is folded as often as it takes, so that no
 
 TEST_CASE("Starts nearer than a millimetre are drawn again, and refused where there is no room") {
     Scene scene = one_agent_scene(10, 25, 75, 50, 0);
-    scene.crowd.groups.push_back(scene.crowd.groups[0]);
-    AgentGroup& grid = scene.crowd.groups[1];
+    scene.crowd->groups.push_back(scene.crowd->groups[0]);
+    AgentGroup& grid = scene.crowd->groups[1];
     grid.columns = grid.count = 5;  // in the way of those that are drawn, and not moved by them
     grid.pitch_x = 0.004;
     grid.name = "grid";
-    AgentGroup& heap = scene.crowd.groups[0];
+    AgentGroup& heap = scene.crowd->groups[0];
     heap.columns = heap.count = 30;  // in 400 mm2; 30 discs of 1 mm cover 6 % of it
     heap.pitch_x = 0;
     heap.start_jitter = 0.01;
@@ -190,20 +192,20 @@ TEST_CASE("Starts nearer than a millimetre are drawn again, and refused where th
         for (std::size_t k = 0; k < i; ++k) CHECK((agents.position[k] - agents.position[i]).norm() >= 0.001);
     }
     CHECK(agents.position[30] == Vector2d(10, 25));
-    scene.crowd.groups[0].start_jitter = 0.0002;
+    scene.crowd->groups[0].start_jitter = 0.0002;
     CHECK_THROWS_WITH(make_agents(scene), Catch::Contains("/crowd/groups/0/start/jitter_m: 0.0002 m leaves agent "));
 }
 
 TEST_CASE("Starts near the joint of a periodic world stay in it") {
     Scene scene = one_agent_scene(0, 25, 75, 25, 0);
-    scene.world.ends = Ends::periodic;
-    scene.crowd.groups[0].columns = scene.crowd.groups[0].count = 100;
-    scene.crowd.groups[0].pitch_x = 0;
-    scene.crowd.groups[0].start_jitter = 1;
+    scene.world->ends = Ends::periodic;
+    scene.crowd->groups[0].columns = scene.crowd->groups[0].count = 100;
+    scene.crowd->groups[0].pitch_x = 0;
+    scene.crowd->groups[0].start_jitter = 1;
     bool behind = false, before = false;
     for (const Vector2d& p : make_agents(scene).position) {
-        CHECK((p.x() >= 0 && p.x() < scene.world.length));
-        behind = behind || p.x() > scene.world.length - 1;
+        CHECK((p.x() >= 0 && p.x() < scene.world->length));
+        behind = behind || p.x() > scene.world->length - 1;
         before = before || (p.x() > 0 && p.x() < 1);
     }
     CHECK((behind && before));
@@ -212,11 +214,11 @@ TEST_CASE("Starts near the joint of a periodic world stay in it") {
 TEST_CASE("tau in time is straight between its points, jumps where two have one time, and ends with an event") {
     for (const double rate : {15.0, 30.0, 120.0}) {
         Scene scene = row_of(3);
-        scene.frame_rate = scene.crowd.step_rate = rate;
-        scene.crowd.groups[0].tau_history = {{1, 0.2}, {3, 0.8}, {3, 0.4}};
+        scene.frame_rate = scene.crowd->step_rate = rate;
+        scene.crowd->groups[0].tau_history = {{1, 0.2}, {3, 0.8}, {3, 0.4}};
         PersonRow usual, other;
         other.tau_history = {{0, 1}, {4, 0}};
-        scene.crowd.people = {usual, other, usual};
+        scene.crowd->people = {usual, other, usual};
         scene.events.push_back({static_cast<std::uint64_t>(2 * rate), 2, std::nullopt, 0.7});
         CrowdWorld crowd = make_crowd(scene);
         CHECK((crowd.agents.tau[0] == 0.2 && crowd.agents.tau[1] == 1));
@@ -242,8 +244,8 @@ TEST_CASE("A tau that rises in time moves people as far at any rate of steps") {
     std::vector<double> ways;
     for (const double rate : {15.0, 30.0, 60.0, 120.0}) {
         Scene scene = one_agent_scene(40, 25, 40, 50, 0);
-        scene.frame_rate = scene.crowd.step_rate = rate;
-        scene.crowd.groups[0].tau_history = {{0, 0}, {4, 1}};
+        scene.frame_rate = scene.crowd->step_rate = rate;
+        scene.crowd->groups[0].tau_history = {{0, 0}, {4, 1}};
         CrowdWorld crowd = make_crowd(scene);
         auto water = testing::uniform_water(34, 42, 24, 35, 0.125, 0.125, -1, 0);  // finer than what touches, 0.25 m
         for (float& mass : water.mass) mass *= 8;                                  // 1 m deep

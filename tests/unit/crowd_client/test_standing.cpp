@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/standing.hpp"
 #include "crowd_client/start_warnings.hpp"
@@ -21,9 +23,9 @@ constexpr double world_length = 60, world_width = 40;  // of the world, m
 
 AgentGroup& add_group(Scene& scene, int columns, Vector2d start, Vector2d goal, double pitch = 1) {
     AgentGroup group = row_of_people(columns, start, pitch, goal);
-    group.name = "group" + std::to_string(scene.crowd.groups.size());
-    scene.crowd.groups.push_back(group);
-    return scene.crowd.groups.back();
+    group.name = "group" + std::to_string(scene.crowd->groups.size());
+    scene.crowd->groups.push_back(group);
+    return scene.crowd->groups.back();
 }
 
 CrowdWorld walked(const Scene& scene, double time, const MadeUpWater& water = {}) {
@@ -47,7 +49,7 @@ double progress(const Scene& base) {
 
 Scene before_a_house(NavigationRule rule) {
     Scene scene = dry_scene(world_length, world_width, {{{20, 30}, {20, 24}, 3}});
-    scene.crowd.navigation.rule = rule;
+    scene.crowd->navigation.rule = rule;
     add_group(scene, 3, {24, 15}, {25, 30});
     return scene;
 }
@@ -79,7 +81,7 @@ TEST_CASE("Who gets no farther than a twentieth of the free way in 30 s stands, 
 TEST_CASE("Walkers, those who want nothing and those who have arrived do not stand, at any rate of the steps") {
     const double rate = GENERATE(0.5, 7.0, 30.0);
     Scene scene = dry_scene(world_length, world_width);
-    scene.frame_rate = scene.crowd.step_rate = rate;
+    scene.frame_rate = scene.crowd->step_rate = rate;
     add_group(scene, 3, {5, 5}, {55, 35});
     add_group(scene, 2, {5, 30}, {55, 35}).desired_speed = 0;
     add_group(scene, 2, {20, 30}, {21, 30}).desired_speed = 0.05;  // a slow one
@@ -93,13 +95,13 @@ TEST_CASE("A warning names what keeps people, and the key that helps") {
     Scene scene = dry_scene(world_length, world_width);
     std::vector<std::string> words;
     SECTION("water") {
-        scene.channel.flow = Flow::recirculating;
+        scene.channel->flow = Flow::recirculating;
         add_group(scene, 1, {20, 20}, {50, 20}).tau = 1;
         scene.obstacles = {{{18, 19}, {0, 40}, 3}};
         words = {"the water", "/crowd/tau"};
     }
     SECTION("people") {
-        scene.crowd.bodies = BodyRule::fast;
+        scene.crowd->bodies = BodyRule::fast;
         add_group(scene, 1, {20, 20}, {50, 20});
         // Rings of people who want nothing.
         for (int i = 0; i < 12; ++i) {
@@ -114,12 +116,12 @@ TEST_CASE("A warning names what keeps people, and the key that helps") {
         words = {"no way that they fit through", "/crowd/body_radius_m"};
     }
     SECTION("markers") {
-        scene.crowd.markers_per_cell = 2;
+        scene.crowd->markers_per_cell = 2;
         add_group(scene, 2, {25, 20}, {50, 20});
         words = {"too few markers", "/crowd/markers_per_cell to 45"};
     }
     const MadeUpWater stream = uniform_water(0, 60, 0, 40, 1, 0.5, -2, 0);
-    const CrowdWorld crowd = walked(scene, 45, scene.channel.flow == Flow::closed ? MadeUpWater() : stream);
+    const CrowdWorld crowd = walked(scene, 45, scene.channel->flow == Flow::closed ? MadeUpWater() : stream);
     REQUIRE(count_standing(crowd) > 0);
     REQUIRE_FALSE(crowd.warnings.empty());
     for (const std::string& word : words) CHECK_THAT(crowd.warnings.back(), Catch::Contains(word));
@@ -127,20 +129,20 @@ TEST_CASE("A warning names what keeps people, and the key that helps") {
 
 TEST_CASE("With the least number of markers people walk, with half of it they do not, and this is said at the start") {
     Scene scene = dry_scene(world_length, world_width);
-    scene.crowd.markers = GENERATE(MarkerRule::fixed, MarkerRule::redrawn);
-    scene.crowd.bodies = GENERATE(BodyRule::none, BodyRule::fast);
-    scene.crowd.perception_radius = GENERATE(1.0, 2.0);
+    scene.crowd->markers = GENERATE(MarkerRule::fixed, MarkerRule::redrawn);
+    scene.crowd->bodies = GENERATE(BodyRule::none, BodyRule::fast);
+    scene.crowd->perception_radius = GENERATE(1.0, 2.0);
     const int least = least_markers_per_cell(scene.crowd);
-    const bool redrawn = scene.crowd.markers == MarkerRule::redrawn;
+    const bool redrawn = scene.crowd->markers == MarkerRule::redrawn;
     const auto square_from = [&](int n) { return static_cast<int>(std::pow(std::ceil(std::sqrt(n)), 2)); };
-    INFO(least << " markers, redrawn " << redrawn << ", R " << scene.crowd.perception_radius);
+    INFO(least << " markers, redrawn " << redrawn << ", R " << scene.crowd->perception_radius);
     // 28 walks; 0.05 is twice their scatter.
-    scene.crowd.markers_per_cell = redrawn ? square_from(least) : least;
+    scene.crowd->markers_per_cell = redrawn ? square_from(least) : least;
     CHECK(progress(scene) > 0.9 - 0.05);
     add_group(scene, 1, {5, 5}, {50, 5});
     CHECK(make_crowd(scene).warnings.empty());
-    scene.crowd.groups.clear();
-    scene.crowd.markers_per_cell = redrawn ? square_from(least / 4) : least / 2;
+    scene.crowd->groups.clear();
+    scene.crowd->markers_per_cell = redrawn ? square_from(least / 4) : least / 2;
     CHECK(progress(scene) < 0.9);
     add_group(scene, 1, {5, 5}, {50, 5});
     const CrowdWorld crowd = make_crowd(scene);
@@ -161,9 +163,9 @@ TEST_CASE("Goals that nobody gets to are said at the start, whatever the navigat
                              {{31, 40}, {10, 11}, 3},
                              {{31, 40}, {29, 30}, 3}});
     if (door == 0) scene.obstacles[1].z.lo = 20;
-    scene.crowd.bodies = bodies;
-    scene.crowd.markers = MarkerRule::redrawn;
-    scene.crowd.navigation.rule = rule;
+    scene.crowd->bodies = bodies;
+    scene.crowd->markers = MarkerRule::redrawn;
+    scene.crowd->navigation.rule = rule;
     add_group(scene, 2, {10, 5}, {35, 20});
     INFO("door of " << door << " m");
     if (door > 0.5) {

@@ -8,6 +8,11 @@
 #include <limits>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "made_up_water.hpp"
 
@@ -23,9 +28,9 @@ constexpr double ring_length = 20;
 
 Scene ring_scene(double start_x, double start_z, double goal_x, double goal_z, double tau = 0) {
     Scene scene = one_agent_scene(start_x, start_z, goal_x, goal_z, tau);
-    scene.world.length = ring_length;
-    scene.world.width = 10;
-    scene.world.ends = Ends::periodic;
+    scene.world->length = ring_length;
+    scene.world->width = 10;
+    scene.world->ends = Ends::periodic;
     return scene;
 }
 
@@ -84,7 +89,7 @@ TEST_CASE("On a ring each marker belongs to the nearest walker, also across the 
 TEST_CASE("A run on a ring does not know where the joint is") {
     // Markers and people are moved along the ring, by a number of cells so that all coordinates stay exact in pairs.
     Scene scene = ring_scene(2, 2, 100000, 5);
-    AgentGroup& group = scene.crowd.groups[0];
+    AgentGroup& group = scene.crowd->groups[0];
     group.columns = 9;
     group.rows = 6;
     group.count = 54;
@@ -199,13 +204,13 @@ Scene scene_of(const Twin& twin, BodyRule bodies, CouplingRule rule, std::uint64
     Scene scene;
     scene.seed = seed;
     scene.world = {2 * twin.x + length, width, 9.81, Ends::open};
-    scene.channel.x = {twin.x, twin.x + length};
-    scene.channel.z = {0, width};
-    scene.channel.flow = Flow::closed;
-    scene.coupling.rule = rule;
-    scene.crowd.bodies = bodies;
-    scene.crowd.markers = MarkerRule::redrawn;
-    scene.crowd.goal_radius = 1.5;
+    scene.channel->x = {twin.x, twin.x + length};
+    scene.channel->z = {0, width};
+    scene.channel->flow = Flow::closed;
+    scene.coupling->rule = rule;
+    scene.crowd->bodies = bodies;
+    scene.crowd->markers = MarkerRule::redrawn;
+    scene.crowd->goal_radius = 1.5;
     AgentGroup group;
     group.columns = group.rows = 3;
     group.count = 9;
@@ -215,7 +220,7 @@ Scene scene_of(const Twin& twin, BodyRule bodies, CouplingRule rule, std::uint64
     group.goal_x = twin.place(length - 1.5);
     group.goal_z = 0.5 * width;
     group.tau = 1;
-    scene.crowd.groups.push_back(group);
+    scene.crowd->groups.push_back(group);
     return scene;
 }
 
@@ -227,7 +232,7 @@ std::vector<double> arrival_times(const Twin& twin, BodyRule bodies, CouplingRul
     for (int i = 0; i < 900 && !crowd.active.empty(); ++i) {
         step(crowd, i < 60 ? wave.view() : none.view());
         REQUIRE(crowd.dead == 0);
-        for (const Vector2d& p : crowd.agents.position) REQUIRE(crowd.scene.channel.x.contains(p.x()));
+        for (const Vector2d& p : crowd.agents.position) REQUIRE(crowd.scene.channel->x.contains(p.x()));
     }
     REQUIRE(crowd.arrived == 9);
     std::vector<double> times;
@@ -272,7 +277,7 @@ TEST_CASE("A wave in a closed channel drowns nobody at its ends, and mirrored or
 
 TEST_CASE("Where the water flows on, the same wave carries people over the fall") {
     Scene scene = scene_of({0, false}, GENERATE(BodyRule::none, BodyRule::fast), CouplingRule::per_frame, 1);
-    scene.channel.flow = GENERATE(Flow::emitter, Flow::recirculating, Flow::periodic);
+    scene.channel->flow = GENERATE(Flow::emitter, Flow::recirculating, Flow::periodic);
     CrowdWorld crowd = make_crowd(scene);
     const MadeUpWater wave = uniform_water(0, length, 0, width, 1, 0.5, -3, 0);
     for (int i = 0; i < 60; ++i) step(crowd, wave.view());

@@ -11,6 +11,8 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/program/command_line.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "shm_protocol/publisher.hpp"
 
 namespace {
@@ -23,9 +25,9 @@ struct Lattice {
 };
 
 Lattice lattice_of(const Scene& scene) {
-    const double d = scene.fluid.particle_spacing;
+    const double d = scene.fluid->particle_spacing;
     const auto count = [d](double length) { return std::max(1, static_cast<int>(std::lround(length / d))); };
-    return {d, count(scene.channel.x.length()), count(scene.channel.z.length()), count(scene.channel.depth)};
+    return {d, count(scene.channel->x.length()), count(scene.channel->z.length()), count(scene.channel->depth)};
 }
 
 std::uint32_t fill(const shm::FrameFields& fields, const Scene& scene, const Lattice& lattice, double time) {
@@ -35,7 +37,7 @@ std::uint32_t fill(const shm::FrameFields& fields, const Scene& scene, const Lat
     const double front = dry ? channel.x.hi - way : channel.x.lo;
     const double row_pitch = channel.z.length() / lattice.rows;
     const double layer_pitch = channel.depth / lattice.layers;
-    const double mass = scene.fluid.rest_density * lattice.d * row_pitch * layer_pitch;
+    const double mass = scene.fluid->rest_density * lattice.d * row_pitch * layer_pitch;
     std::uint32_t n = 0;
     for (int i = 0; i < lattice.columns; ++i) {
         // Columns are shifted by the way modulo the spacing, each keeps to its own length of the channel.
@@ -78,8 +80,8 @@ void produce(const ProgramStart& start) {
         if (!fields) break;
         const std::uint32_t count = fill(*fields, scene, lattice, static_cast<double>(f) / scene.frame_rate);
         shm::Diagnostics diagnostics;
-        diagnostics.mean_depth_m = scene.channel.depth;
-        diagnostics.mean_speed_m_s = scene.channel.velocity;
+        diagnostics.mean_depth_m = scene.channel->depth;
+        diagnostics.mean_speed_m_s = scene.channel->velocity;
         publisher.end_frame(count, diagnostics, f == frames);
     }
     publisher.close();

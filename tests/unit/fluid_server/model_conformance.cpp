@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/server/run_clock.hpp"
 #include "frame_arrays.hpp"
@@ -25,7 +27,7 @@ class Inspection {
 
     void look_at(const Frame& frame) {
         const Channel& channel = scene_.channel;
-        const double d = scene_.fluid.particle_spacing;
+        const double d = scene_.fluid->particle_spacing;
         // Water that waits behind an opening reaches further upstream, what falls over the end is there for a step; what
         // splashes goes up to three times the depth.
         const double behind = channel.flow == Flow::emitter ? support_radius_of(scene_.fluid) + 3 * d : 0;
@@ -63,8 +65,8 @@ std::vector<Frame> frames_of_run(const ModelRow& row, const Scene& scene, int th
     const Ticks ticks = ticks_of(scene.frame_rate);
     // Somebody who stands in the middle of the channel.
     const std::array<float, 1> mass{65}, still{0}, radius{0.25F}, height{1.75F};
-    const std::array<float, 1> x{static_cast<float>(0.5 * (scene.channel.x.lo + scene.channel.x.hi))};
-    const std::array<float, 1> z{static_cast<float>(0.5 * (scene.channel.z.lo + scene.channel.z.hi))};
+    const std::array<float, 1> x{static_cast<float>(0.5 * (scene.channel->x.lo + scene.channel->x.hi))};
+    const std::array<float, 1> z{static_cast<float>(0.5 * (scene.channel->z.lo + scene.channel->z.hi))};
     std::vector<Frame> all;
     std::uint64_t most = 0;
     for (std::uint64_t f = 0; f < frames; ++f) {

@@ -6,8 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/particles/place/place_solids.hpp"
 
@@ -27,10 +30,10 @@ inline Fluid fluid_of(double spacing, int capacity) {
 // A closed tank, filled to `depth`.
 inline Scene tank(double length, double width, double depth, double spacing) {
     Scene scene;
-    scene.channel.x = {0, length};
-    scene.channel.z = {0, width};
-    scene.channel.flow = Flow::closed;
-    scene.channel.water_blocks = {{{0, length}, {0, width}, depth}};
+    scene.channel->x = {0, length};
+    scene.channel->z = {0, width};
+    scene.channel->flow = Flow::closed;
+    scene.channel->water_blocks = {{{0, length}, {0, width}, depth}};
     scene.fluid = fluid_of(spacing, 20000);
     return scene;
 }
@@ -38,12 +41,12 @@ inline Scene tank(double length, double width, double depth, double spacing) {
 // A channel with an emitter, initially dry, narrow and short enough for a unit test.
 inline Scene emitter_channel(double velocity, double gravity, int capacity) {
     Scene scene;
-    scene.world.gravity = gravity;
-    scene.channel.x = {0, 10};
-    scene.channel.z = {0, 4};
-    scene.channel.flow = Flow::emitter;
-    scene.channel.depth = 1;
-    scene.channel.velocity = velocity;
+    scene.world->gravity = gravity;
+    scene.channel->x = {0, 10};
+    scene.channel->z = {0, 4};
+    scene.channel->flow = Flow::emitter;
+    scene.channel->depth = 1;
+    scene.channel->velocity = velocity;
     scene.fluid = fluid_of(0.4642, capacity);
     return scene;
 }
@@ -75,10 +78,10 @@ inline House house_of(std::vector<MapLine> rings) {
 // The tank with water up to `level` over level ground at 0.
 inline Scene place_scene(const PlaceTank& tank, double level, double spacing) {
     Scene scene;
-    scene.world.length = scene.world.width = tank.side;
-    scene.channel.x = scene.channel.z = {0, tank.side};
-    scene.channel.flow = Flow::closed;
-    scene.channel.initial_river = InitialRiver::dry;
+    scene.world->length = scene.world->width = tank.side;
+    scene.channel->x = scene.channel->z = {0, tank.side};
+    scene.channel->flow = Flow::closed;
+    scene.channel->initial_river = InitialRiver::dry;
     scene.fluid = fluid_of(spacing, 30000);
     Place place;
     const double l = tank.length / 2, w = tank.width / 2, far = tank.side + 1;
@@ -90,7 +93,7 @@ inline Scene place_scene(const PlaceTank& tank, double level, double spacing) {
 
 inline PlaceSolids solids_of(const Scene& scene) {
     return {place_shape(scene), static_cast<float>(support_radius_of(scene.fluid)),
-            static_cast<float>(scene.fluid.particle_spacing)};
+            static_cast<float>(scene.fluid->particle_spacing)};
 }
 
 // Calls body(watcher, j, view, its turned view or null, share of 65535) for whom each particle sees, in the order of the lists: all of

@@ -6,7 +6,9 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/channel.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/estimate.hpp"
 #include "fluid_server/make_model.hpp"
 #include "fluid_server/server/run_server.hpp"
@@ -60,7 +62,7 @@ std::string joined(const std::vector<std::string>& rules) {
 
 Scene toy_scene() {
     Scene scene = *scene_of("kinematic", waters.front().second);
-    scene.fluid.model = toy_kind;
+    scene.fluid->model = toy_kind;
     return scene;
 }
 
@@ -225,18 +227,18 @@ TEST_CASE("an estimate is told in units that a reader can use", "[estimate]") {
 TEST_CASE("an estimate grows with the room for particles and the run, not with dry ground", "[estimate]") {
     const auto of = [](auto&& change) {
         Scene scene = test::tank(4, 2, 1, 0.25);
-        scene.fluid.max_particles = 512;
+        scene.fluid->max_particles = 512;
         change(scene);
         return estimate(scene);
     };
     const Estimate as_is = of([](Scene&) {});
     CHECK(as_is.particles == 512);
-    CHECK(of([](Scene& s) { s.fluid.max_particles = 100000000; }).memory > 2e10);
+    CHECK(of([](Scene& s) { s.fluid->max_particles = 100000000; }).memory > 2e10);
     // Dry ground takes no memory: a channel of 1e5 m x 1e5 m has 3e11 cells, 4 bytes each if they were kept.
-    CHECK(of([](Scene& s) { s.channel.x.hi = s.channel.z.hi = 1e5; }).memory == Approx(as_is.memory).epsilon(0.01));
+    CHECK(of([](Scene& s) { s.channel->x.hi = s.channel->z.hi = 1e5; }).memory == Approx(as_is.memory).epsilon(0.01));
     CHECK(of([](Scene& s) { s.duration *= 10; }).cpu_time == Approx(10 * as_is.cpu_time));
     CHECK(of([](Scene& s) {
-              s.fluid.model = ModelKind::shallow_water;
-              s.fluid.shallow_water.cell_size = 1e-3;
+              s.fluid->model = ModelKind::shallow_water;
+              s.fluid->shallow_water.cell_size = 1e-3;
           }).memory > 1e9);
 }

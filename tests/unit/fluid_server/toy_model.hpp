@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "configs/scene/channel.hpp"
 #include "fluid_server/make_model.hpp"
 
 namespace wade::fluid::test {
@@ -18,7 +19,7 @@ class Toy : public FluidModel {
     explicit Toy(const Scene& scene) : channel_(scene.channel) {}
 
     [[nodiscard]] static Estimate estimate(const Scene& scene) {
-        const auto count = static_cast<std::uint64_t>(scene.channel.x.length());
+        const auto count = static_cast<std::uint64_t>(scene.channel->x.length());
         return {count, empty_server + memory_of_frames(scene, count), 1e-9 * static_cast<double>(count)};
     }
 

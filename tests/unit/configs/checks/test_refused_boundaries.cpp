@@ -1,5 +1,6 @@
 // Bed, top, planes without slip, slope, friction and inflow that cannot be, or that would have no effect.
 
+#include "configs/scene/channel.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -63,7 +64,7 @@ TEST_CASE("periodic lengths follow the support radius of the kernel") {
 
 TEST_CASE("blocks of water may lie above one another") {
     const std::string low = block(), high = block(R"("y_min_m": 1, "depth_m": 1)");
-    CHECK(load_patched(scene(blocks(low + "," + high))).scene.channel.water_blocks.size() == 2);
+    CHECK(load_patched(scene(blocks(low + "," + high))).scene.channel->water_blocks.size() == 2);
     CHECK_THAT(refusal(scene(blocks(low + "," + block(R"("y_min_m": 0.9, "depth_m": 1)")))),
                Contains("/channel/water_blocks/1: overlaps /channel/water_blocks/0"));
     const std::string obstacle =
@@ -172,7 +173,7 @@ TEST_CASE("a slope in a recirculating channel is refused") {
 TEST_CASE("an inflow that changes needs a flow that has one, and times in order") {
     const std::string history =
         R"(, "velocity_history": [{"time_s": 1, "velocity_m_s": 0}, {"time_s": 5, "velocity_m_s": 2}])";
-    CHECK(load_patched(scene(R"("flow": "emitter")" + history)).scene.channel.velocity_history.size() == 2);
+    CHECK(load_patched(scene(R"("flow": "emitter")" + history)).scene.channel->velocity_history.size() == 2);
     CHECK_NOTHROW(load_patched(scene(recirculating + history)));
     CHECK_THAT(refusal(scene(periodic + history)),
                Contains("/channel/velocity_history: nothing sets the speed of a periodic channel"));

@@ -3,6 +3,9 @@
 #include <cmath>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -38,7 +41,7 @@ TEST_CASE("agents and goals outside the world are refused; its edge is inside") 
                "100 m, z 0 to 50 m."));
     CHECK_THAT(refusal(crowd(group("a", 1, 1)), {"/crowd/groups/0/goal/z_m=50.1"}),
                Contains("/crowd/groups/0/goal: the goal of group \"a\" at (x 75 m, z 50.1 m) is outside the world"));
-    CHECK(load_patched(crowd(group("a", 0, 0))).scene.crowd.groups.at(0).goal_z == 50);
+    CHECK(load_patched(crowd(group("a", 0, 0))).scene.crowd->groups.at(0).goal_z == 50);
 }
 
 TEST_CASE("a world with periodic ends has whole cells, people before its end and water that goes round") {
@@ -46,9 +49,9 @@ TEST_CASE("a world with periodic ends has whole cells, people before its end and
     const std::string round =
         R"(, "channel": {"x_min_m": 0, "x_max_m": 40, "flow": "recirculating", "initial_river": "filled"})";
     const LoadedScene loaded = load_patched(crowd(group("a", 1, 1), ring + round), {"/crowd/groups/0/goal/x_m=-4000"});
-    CHECK(loaded.scene.world.period() == 40);
-    CHECK(loaded.scene.crowd.groups.at(0).goal_x == -4000);
-    CHECK(load_patched(crowd(group("a", 1, 1))).scene.world.period() == 0);
+    CHECK(loaded.scene.world->period() == 40);
+    CHECK(loaded.scene.crowd->groups.at(0).goal_x == -4000);
+    CHECK(load_patched(crowd(group("a", 1, 1))).scene.world->period() == 0);
 
     CHECK_THAT(refusal(crowd(group("a", 1, 1), ring + round), {"/world/length_m=41"}),
                Contains("/world/length_m: 41 m cannot be the length of a world with periodic ends; allowed: 6 m, 8 m"));
@@ -69,14 +72,14 @@ TEST_CASE("two agents within a millimetre are refused") {
                "distance >= 0.001 m."));
     CHECK_THAT(refusal(crowd(group("a", 1, 1, R"(, "columns": 2)")), {"/crowd/groups/0/start/pitch_x_m=0"}),
                Contains("agents 0 and 1 start at one place"));
-    CHECK(load_patched(crowd(group("a", 1, 1) + "," + group("b", 1.0011, 1))).scene.crowd.groups.size() == 2);
+    CHECK(load_patched(crowd(group("a", 1, 1) + "," + group("b", 1.0011, 1))).scene.crowd->groups.size() == 2);
 }
 
 TEST_CASE("starts that are drawn at random need no distance on the grid") {
     const std::string heap = crowd(group("a", 1, 1, R"(, "columns": 9)") + "," + group("b", 1, 1));
     CHECK_THAT(refusal(heap), Contains("agents 0 and 9 start at one place"));
     CHECK(load_patched(heap, {"/crowd/groups/0/start/pitch_x_m=0", "/crowd/groups/0/start/jitter_m=2"})
-              .scene.crowd.groups.at(0)
+              .scene.crowd->groups.at(0)
               .count == 9);
     CHECK_THAT(refusal(heap, {"/crowd/groups/1/start/jitter_m=2", "/crowd/groups/0/start/pitch_x_m=0"}),
                Contains("agents 0 and 1 start at one place"));
@@ -89,10 +92,10 @@ TEST_CASE("more agents than places are refused; fewer leave the last row incompl
                "allowed: <= 6."));
     CHECK_THAT(refusal(crowd(group("a", 1, 1, R"(, "columns": 100000, "rows": 100000)"))),
                Contains("/crowd/groups/0/count: 10000000000 is out of range; allowed: >= 1 and <= 1000000."));
-    CHECK(
-        load_patched(crowd(group("a", 1, 1, R"(, "columns": 3, "rows": 2, "count": 4)"))).scene.crowd.groups[0].count ==
-        4);
-    CHECK(load_patched(crowd(group("a", 1, 1, R"(, "columns": 3, "rows": 2)"))).scene.crowd.groups[0].count == 6);
+    CHECK(load_patched(crowd(group("a", 1, 1, R"(, "columns": 3, "rows": 2, "count": 4)")))
+              .scene.crowd->groups[0]
+              .count == 4);
+    CHECK(load_patched(crowd(group("a", 1, 1, R"(, "columns": 3, "rows": 2)"))).scene.crowd->groups[0].count == 6);
 }
 
 TEST_CASE("two groups of one name are refused") {
@@ -106,14 +109,14 @@ TEST_CASE("markers that do not fit into a cell are refused with the largest dist
                Equals("scene.json: /crowd/marker_min_distance_m: 0.2 m is too large for 64 markers to fit at random "
                       "into a cell of "
                       "2 x 2 m; allowed: <= 0.199471 m."));
-    CHECK(load_patched("{}", {"/crowd/marker_min_distance_m=0.199"}).scene.crowd.marker_min_distance == 0.199);
+    CHECK(load_patched("{}", {"/crowd/marker_min_distance_m=0.199"}).scene.crowd->marker_min_distance == 0.199);
 }
 
 TEST_CASE("groups that set no tau, mass or speed take the crowd's") {
     const LoadedScene loaded = load_patched(
         crowd(group("a", 1, 1) + "," + group("b", 5, 5, R"(, "tau": 0.9, "mass_kg": 80, "desired_speed_m_s": 2)")),
         {"/crowd/tau=0.2", "/crowd/mass_kg=70", "/crowd/desired_speed_m_s=1.1"});
-    const auto& groups = loaded.scene.crowd.groups;
+    const auto& groups = loaded.scene.crowd->groups;
     CHECK(groups.at(0).tau == 0.2);
     CHECK(groups.at(0).mass == 70);
     CHECK(groups.at(0).desired_speed == 1.1);
@@ -123,7 +126,7 @@ TEST_CASE("groups that set no tau, mass or speed take the crowd's") {
 }
 
 TEST_CASE("groups are given their own tau, mass or speed over the crowd's") {
-    const auto tau_of = [](const LoadedScene& loaded) { return loaded.scene.crowd.groups.at(0).tau; };
+    const auto tau_of = [](const LoadedScene& loaded) { return loaded.scene.crowd->groups.at(0).tau; };
     const std::string crowd_has_it = R"({"crowd": {"tau": 0.2, "groups": [)" + group("a", 1, 1) + "]}}";
     CHECK(tau_of(load_patched(crowd_has_it, {"/crowd/groups/0/tau=0.9"})) == 0.9);
     CHECK(tau_of(load_patched(crowd_has_it, {"/crowd/tau=0.3"})) == 0.3);
@@ -198,7 +201,7 @@ TEST_CASE("a ragdoll by v_F needs a channel whose velocity the scene sets") {
                Contains("/crowd/ragdoll/condition: \"paper\" asks for v_F, and nothing sets the speed of a closed "
                         "channel; allowed: \"off\", \"local_speed\", \"depth_speed\", or flow"));
     const LoadedScene loaded = load_patched(closed, {"/crowd/ragdoll/condition=depth_speed"});
-    CHECK(loaded.scene.crowd.ragdoll.condition == wade::RagdollCondition::depth_speed);
+    CHECK(loaded.scene.crowd->ragdoll.condition == wade::RagdollCondition::depth_speed);
     CHECK_THAT(refusal("{}", {"/crowd/ragdoll/tau_min=1.5"}), Contains("/crowd/ragdoll/tau_min"));
 }
 
@@ -209,12 +212,12 @@ TEST_CASE("tau and mass are numbers or limits, of the crowd or of a group") {
                             {R"(/crowd/tau={"min":0.4,"max":0.8})", R"(/crowd/mass_kg={"min":40,"max":100})", last});
     };
     const LoadedScene loaded = load("/seed=1");
-    const auto& groups = loaded.scene.crowd.groups;
+    const auto& groups = loaded.scene.crowd->groups;
     CHECK((groups.at(0).tau->lo == 0.4 && groups.at(0).tau->hi == 0.8));
     CHECK((groups.at(1).tau->lo == 0.1 && groups.at(1).tau->hi == 0.2));
     CHECK((groups.at(1).mass.lo == 40 && groups.at(1).mass.hi == 100));
-    CHECK(load("/crowd/tau=0.5").scene.crowd.groups.at(0).tau == 0.5);
-    CHECK(load("/crowd/tau/max=0.9").scene.crowd.groups.at(0).tau->hi == 0.9);
+    CHECK(load("/crowd/tau=0.5").scene.crowd->groups.at(0).tau == 0.5);
+    CHECK(load("/crowd/tau/max=0.9").scene.crowd->groups.at(0).tau->hi == 0.9);
     CHECK(wade::load_scene_text(loaded.canonical_json, "again.json").canonical_json == loaded.canonical_json);
 }
 
@@ -250,5 +253,5 @@ TEST_CASE("sampling the water within a step needs the rule continuous") {
         Equals("scene.json: /coupling/sampling_rate_hz: 120 1/s: the rule \"per_frame\" takes the water once a step; "
                "allowed: 0, or any rate with the rule \"continuous\"."));
     CHECK(load_patched("{}", {"/coupling/rule=continuous", "/coupling/sampling_rate_hz=120"})
-              .scene.coupling.sampling_rate == 120);
+              .scene.coupling->sampling_rate == 120);
 }

@@ -1,6 +1,9 @@
 // What the mixed and the steering model of the water cannot do, and what they need.
 
 #include "configs/scene/choices.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/steering.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -21,13 +24,13 @@ const std::string serial = R"("agents_stream": "serial")";
 }  // namespace
 
 TEST_CASE("the window of mixed water is given, follows people, or follows obstacles") {
-    const wade::MixedWindow given = load_patched(river(R"("x_min_m": 5, "x_max_m": 12)")).scene.fluid.mixed;
+    const wade::MixedWindow given = load_patched(river(R"("x_min_m": 5, "x_max_m": 12)")).scene.fluid->mixed;
     CHECK(given.x_min == 5);
     CHECK(given.x_max == 12);
     CHECK_FALSE(given.margin.has_value());
     CHECK(given.chunk == 4);
     CHECK_FALSE(given.obstacles);
-    CHECK(load_patched(river(R"("margin_m": 2)", "", serial)).scene.fluid.mixed.margin == 2);
+    CHECK(load_patched(river(R"("margin_m": 2)", "", serial)).scene.fluid->mixed.margin == 2);
     const std::string off = R"("agents_stream": "off")";
     CHECK_THAT(refusal(river("", "", off)),
                Contains("/fluid/model: \"mixed\" does not know where particles are needed; "
@@ -37,11 +40,11 @@ TEST_CASE("the window of mixed water is given, follows people, or follows obstac
 
 TEST_CASE("mixed water asks for the people itself where only they can say where particles are needed") {
     using wade::AgentsStream;
-    CHECK(load_patched(river("")).scene.coupling.agents_stream == AgentsStream::serial);
-    CHECK(load_patched(river("", "", R"("agents_stream": "parallel")")).scene.coupling.agents_stream ==
+    CHECK(load_patched(river("")).scene.coupling->agents_stream == AgentsStream::serial);
+    CHECK(load_patched(river("", "", R"("agents_stream": "parallel")")).scene.coupling->agents_stream ==
           AgentsStream::parallel);
-    CHECK(load_patched(river(R"("x_min_m": 5, "x_max_m": 12)")).scene.coupling.agents_stream == AgentsStream::off);
-    CHECK(load_patched("{}").scene.coupling.agents_stream == AgentsStream::off);
+    CHECK(load_patched(river(R"("x_min_m": 5, "x_max_m": 12)")).scene.coupling->agents_stream == AgentsStream::off);
+    CHECK(load_patched("{}").scene.coupling->agents_stream == AgentsStream::off);
 }
 
 TEST_CASE("a model is switched by one key") {
@@ -50,8 +53,8 @@ TEST_CASE("a model is switched by one key") {
         INFO(model);
         CHECK_NOTHROW(wade::load_scene(s04, {{"/fluid/model", model, "--set"}}));
     }
-    CHECK(wade::load_scene(s04, {{"/fluid/model", "auto", "--set"}}).scene.fluid.max_impulse_error == 0.3);
-    CHECK(wade::load_scene(s04, {{"/fluid/model", "dfsph", "--set"}}).scene.fluid.max_impulse_error == 0);
+    CHECK(wade::load_scene(s04, {{"/fluid/model", "auto", "--set"}}).scene.fluid->max_impulse_error == 0.3);
+    CHECK(wade::load_scene(s04, {{"/fluid/model", "dfsph", "--set"}}).scene.fluid->max_impulse_error == 0);
     CHECK_THAT(refusal(R"({"fluid": {"model": "auto", "max_impulse_error": 0}})"),
                Contains("/fluid/max_impulse_error: 0: the model \"auto\" is chosen by the error that is allowed"));
     CHECK_THAT(refusal(R"({"fluid": {"max_impulse_error": 0.1}})"), Contains("has no effect"));
@@ -94,7 +97,7 @@ std::string body(double x, double y, double radius) {
 }  // namespace
 
 TEST_CASE("steering water loads with the weights of the schema") {
-    const wade::Steering s = load_patched(tank()).scene.fluid.steering;
+    const wade::Steering s = load_patched(tank()).scene.fluid->steering;
     CHECK(s.separation.radius > 1);
     CHECK(s.separation.weight > 0);
     CHECK(s.separation.angle == 180);

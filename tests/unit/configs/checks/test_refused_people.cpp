@@ -1,6 +1,7 @@
 // Bodies, hands, ropes and tables of people that cannot be.
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -13,16 +14,16 @@ TEST_CASE("people have bodies of the crowd or of their group, and values may be 
     const LoadedScene loaded =
         load_patched(two, {"/crowd/response=measured", "/crowd/skill=braced", "/crowd/ground_friction=0.3",
                            R"(/crowd/height_m={"min":1.5,"max":2,"mean":1.7,"sd":0.1})"});
-    const auto& groups = loaded.scene.crowd.groups;
+    const auto& groups = loaded.scene.crowd->groups;
     CHECK((!groups.at(0).tau && groups.at(1).tau == 0.1));
     CHECK((groups.at(0).body.skill == wade::Skill::braced && groups.at(1).body.skill == wade::Skill::poor));
     CHECK((!groups.at(0).body.can_swim && groups.at(1).body.can_swim));
     CHECK(groups.at(1).body.ground_friction == 0.3);
     CHECK((groups.at(0).body.height.sd == 0.1 && groups.at(1).body.height.mean == 1.7));
     CHECK(wade::load_scene_text(loaded.canonical_json, "again.json").canonical_json == loaded.canonical_json);
-    CHECK(load_patched(two, {"/crowd/response=measured", "/crowd/tau=0.4"}).scene.crowd.groups.at(0).tau ==
+    CHECK(load_patched(two, {"/crowd/response=measured", "/crowd/tau=0.4"}).scene.crowd->groups.at(0).tau ==
           std::nullopt);
-    CHECK(load_patched(two, {}).scene.crowd.groups.at(0).tau == 0.0);
+    CHECK(load_patched(two, {}).scene.crowd->groups.at(0).tau == 0.0);
 }
 
 TEST_CASE("impossible bodies and unknown skills are refused by name, value and what is allowed") {
@@ -74,8 +75,8 @@ TEST_CASE("tau in time has its points in order, and belongs to who has a tau") {
     const std::string measured = "/crowd/response=measured", of_group = "/crowd/groups/1/tau_history=";
     const auto refused = [&](const std::vector<std::string>& set) { return refusal(two, set); };
     const LoadedScene loaded = load_patched(two, {measured, of_group + points});
-    CHECK((loaded.scene.crowd.groups.at(1).tau_history.size() == 3 && loaded.scene.crowd.groups.at(1).tau == 0.2));
-    CHECK(!loaded.scene.crowd.groups.at(0).tau);  // answers by its body
+    CHECK((loaded.scene.crowd->groups.at(1).tau_history.size() == 3 && loaded.scene.crowd->groups.at(1).tau == 0.2));
+    CHECK(!loaded.scene.crowd->groups.at(0).tau);  // answers by its body
     CHECK(wade::load_scene_text(loaded.canonical_json, "again.json").canonical_json == loaded.canonical_json);
 
     CHECK_THAT(refused({of_group + R"([{"time_s":3,"tau":0.2},{"time_s":2,"tau":1}])"}),
@@ -108,7 +109,7 @@ TEST_CASE("ropes that lead nowhere are refused") {
     CHECK_THAT(refused(from + R"(, "to": {"x_m": 5, "z_m": 6000})"), Contains("outside the world"));
     CHECK_THAT(refused(from + R"(, "free_length_m": -1)"), Contains("/crowd/ropes/0/free_length_m: -1"));
     CHECK(load_patched(one, {"/crowd/response=measured", "/crowd/ropes=[{" + from + R"(, "free_length_m": 3}])"})
-              .scene.crowd.ropes.size() == 1);
+              .scene.crowd->ropes.size() == 1);
 }
 
 TEST_CASE("people come from a table beside the scene, and a bad line is named with file, line, column and value") {
@@ -130,9 +131,9 @@ TEST_CASE("people come from a table beside the scene, and a bad line is named wi
     };
     const LoadedScene loaded =
         load("# of a census\nheight_m, mass_kg, sex,can_swim\n1.2,30,female,true\r\n1.9,90,,false\n");
-    REQUIRE(loaded.scene.crowd.people.size() == 2);
-    CHECK((loaded.scene.crowd.people[0].height == 1.2 && loaded.scene.crowd.people[0].can_swim == true));
-    CHECK((loaded.scene.crowd.people[1].mass == 90.0 && !loaded.scene.crowd.people[1].sex));
+    REQUIRE(loaded.scene.crowd->people.size() == 2);
+    CHECK((loaded.scene.crowd->people[0].height == 1.2 && loaded.scene.crowd->people[0].can_swim == true));
+    CHECK((loaded.scene.crowd->people[1].mass == 90.0 && !loaded.scene.crowd->people[1].sex));
     CHECK(wade::load_scene_text(loaded.canonical_json, "elsewhere.json").canonical_json == loaded.canonical_json);
 
     CHECK_THAT(refused("height_m\n1.7\n5\n"),
@@ -143,7 +144,7 @@ TEST_CASE("people come from a table beside the scene, and a bad line is named wi
     CHECK_THAT(refused("height_m,mass_kg\n1.7\n"), Contains("people.csv, line 2: there are 1 values; allowed: 2"));
     CHECK_THAT(refused("height_m,mass_kg\n1.7,5\n"), Contains("/crowd/people/0/mass_kg: 5 kg with a height of 1.7 m"));
     CHECK_THAT(refused("height_m\n"), Contains("people.csv: there are no people"));
-    const auto with_tau = load("height_m,tau_history\n1.7,0:0.2 5:0.8\n1.8,\n", "paper").scene.crowd.people;
+    const auto with_tau = load("height_m,tau_history\n1.7,0:0.2 5:0.8\n1.8,\n", "paper").scene.crowd->people;
     CHECK((with_tau.at(0).tau_history.at(1).time == 5 && with_tau.at(0).tau_history.at(1).tau == 0.8));
     CHECK(with_tau.at(1).tau_history.empty());
     CHECK_THAT(refused("tau_history\n0:0.2 3:1.5\n"),

@@ -1,6 +1,9 @@
 // Places that cannot be flooded or walked on: each with key, file, feature and remedy.
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "scene_texts.hpp"
 
 namespace wade::refused_place_test {
@@ -106,10 +109,10 @@ TEST_CASE("people who start in a wall or without ground are refused, and so are 
 
 TEST_CASE("gaps between houses that are too narrow for particles are told with the spacing that they need") {
     wade::Scene scene;
-    scene.world.length = 20, scene.world.width = 10;
-    scene.channel.flow = wade::Flow::closed;
-    scene.channel.x = {0, 20}, scene.channel.z = {0, 10};
-    scene.fluid.particle_spacing = 0.5;
+    scene.world->length = 20, scene.world->width = 10;
+    scene.channel->flow = wade::Flow::closed;
+    scene.channel->x = {0, 20}, scene.channel->z = {0, 10};
+    scene.fluid->particle_spacing = 0.5;
     const auto house = [](const std::string& name, wade::MapLine ring) {
         wade::House made;
         made.label = name;
@@ -127,7 +130,7 @@ TEST_CASE("gaps between houses that are too narrow for particles are told with t
     CHECK_THAT(gaps[0], Contains("the gap of 0.5 m between a and b is 1 particle spacings wide"));
     CHECK_THAT(gaps[1], Contains("the gap of 0.7 m between e and the place's edge at x 20"));
     CHECK_THAT(gaps[2], Contains("the gap of 1 m between a and the place's edge at x 0"));
-    scene.fluid.model = wade::ModelKind::shallow_water;
+    scene.fluid->model = wade::ModelKind::shallow_water;
     CHECK(wade::narrow_gaps(scene).empty());
 }
 

@@ -1,6 +1,8 @@
 // Geometry and water that cannot be simulated.
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -89,7 +91,7 @@ TEST_CASE("a capacity too small for the water is refused with what is needed") {
         Equals(
             "scene.json: /fluid/max_particles: 6399 particles are too few for the water of this scene at a spacing of "
             "0.5 m; allowed: >= 6400."));
-    CHECK(load_patched(recirculating_river, {"/fluid/max_particles=6400"}).scene.fluid.max_particles == 6400);
+    CHECK(load_patched(recirculating_river, {"/fluid/max_particles=6400"}).scene.fluid->max_particles == 6400);
     // (40 + 5 * 0.5) m x 20 m x 1 m / (0.5 m)^3 = 6800
     CHECK_THAT(refusal(emitter_river, {"/fluid/max_particles=6799"}), Contains("allowed: >= 6800."));
     CHECK(wade::particles_needed(load_patched(emitter_river).scene) == 6800);
@@ -119,12 +121,12 @@ TEST_CASE("walls too near for a wide kernel are refused") {
         refusal(emitter_river, {wide, "/channel/z_max_m=10.9"}),
         Contains("/channel/z_max_m: the banks are 0.9 m apart, nearer than the kernel's support of 1.5 m allows; "
                  "allowed: >= 2 fluid.particle_spacing_m = 1 m, or the kernel \"cubic_spline\"."));
-    CHECK(load_patched(emitter_river, {wide, "/channel/z_max_m=11"}).scene.channel.z.hi == 11);
-    CHECK(load_patched(emitter_river, {"/channel/z_max_m=10.5"}).scene.channel.z.hi == 10.5);
+    CHECK(load_patched(emitter_river, {wide, "/channel/z_max_m=11"}).scene.channel->z.hi == 11);
+    CHECK(load_patched(emitter_river, {"/channel/z_max_m=10.5"}).scene.channel->z.hi == 10.5);
     const std::string quartic = "/fluid/kernel=quartic_spline";
     CHECK_THAT(refusal(emitter_river, {quartic, "/channel/z_max_m=10.6"}),
                Contains("allowed: >= 1.4 fluid.particle_spacing_m"));
-    CHECK(load_patched(emitter_river, {quartic, "/channel/z_max_m=10.8"}).scene.channel.z.hi == 10.8);
+    CHECK(load_patched(emitter_river, {quartic, "/channel/z_max_m=10.8"}).scene.channel->z.hi == 10.8);
     CHECK_THAT(refusal(emitter_river, {wide, "/channel/depth_m=0.5", "/channel/top=wall", "/channel/height_m=0.7"}),
                Contains("/channel/height_m: bed and lid are 0.7 m apart"));
     CHECK_THAT(refusal(channel_with_blocks(box(5, 7, 11, 13, "depth_m")),
@@ -135,7 +137,7 @@ TEST_CASE("walls too near for a wide kernel are refused") {
 
 TEST_CASE("the support radius is that of the cubic spline") {
     const std::string wider = "/fluid/support_in_spacings=2.1";
-    CHECK(load_patched(emitter_river, {wider}).scene.fluid.support_in_spacings == 2.1);
+    CHECK(load_patched(emitter_river, {wider}).scene.fluid->support_in_spacings == 2.1);
     CHECK_THAT(
         refusal(emitter_river, {wider, "/fluid/kernel=wendland_c2"}),
         Equals("scene.json: /fluid/support_in_spacings: 2.1 is for the kernel \"cubic_spline\", and /fluid/kernel is "
@@ -155,8 +157,8 @@ TEST_CASE("periodic lengths below six spacings are refused") {
                    Contains("allowed: >= 6 fluid.particle_spacing_m = 3 m."));
     CHECK_THAT(refusal(emitter_river, {"/channel/sides=periodic", "/channel/z_max_m=12.9"}),
                Contains("/channel/z_max_m: the width between periodic sides is 2.9 m"));
-    CHECK(load_patched(recirculating_river, {"/channel/x_max_m=3"}).scene.channel.x.hi == 3);
-    CHECK(load_patched(emitter_river, {"/channel/z_max_m=12.9"}).scene.channel.z.hi == 12.9);
+    CHECK(load_patched(recirculating_river, {"/channel/x_max_m=3"}).scene.channel->x.hi == 3);
+    CHECK(load_patched(emitter_river, {"/channel/z_max_m=12.9"}).scene.channel->z.hi == 12.9);
 }
 
 TEST_CASE("flows that cannot be are refused") {
@@ -181,7 +183,7 @@ TEST_CASE("iteration limits that contradict one another are refused") {
         CHECK_THAT(refusal("{}", {pointer + "=0"}), Contains(pointer) && Contains("allowed: >= 1"));
     }
     CHECK(
-        load_patched("{}", {"/fluid/divergence_solve/max_iterations=0"}).scene.fluid.divergence_solve.max_iterations ==
+        load_patched("{}", {"/fluid/divergence_solve/max_iterations=0"}).scene.fluid->divergence_solve.max_iterations ==
         0);
 }
 
@@ -225,13 +227,13 @@ TEST_CASE("a kinematic stream in a closed channel or round an obstacle is refuse
 
 TEST_CASE("gaps of less than three spacings are named, the narrowest first") {
     wade::Scene scene;
-    scene.channel.x = {0, 10}, scene.channel.z = {0, 4};
-    scene.channel.flow = wade::Flow::closed;
-    scene.fluid.particle_spacing = 0.1;
+    scene.channel->x = {0, 10}, scene.channel->z = {0, 4};
+    scene.channel->flow = wade::Flow::closed;
+    scene.fluid->particle_spacing = 0.1;
     // 0.25 m from the bank, 0.2 m from one another; the third is 0.3 m from the second, and none is in the way of the fourth.
     scene.obstacles = {{{2, 3}, {0.25, 2}, 1}, {{3.2, 4}, {1, 2}, 1}, {{4.3, 5}, {1, 2}, 1}, {{5.1, 6}, {2.5, 3}, 1}};
     CHECK(wade::narrow_gaps(scene).empty());  // nor is there water
-    scene.channel.water_blocks = {{{0, 10}, {0, 4}, 1}};
+    scene.channel->water_blocks = {{{0, 10}, {0, 4}, 1}};
     const std::vector<std::string> gaps = wade::narrow_gaps(scene);
     REQUIRE(gaps.size() == 2);
     CHECK_THAT(gaps[0], Contains("0.2 m between /obstacles/0 and /obstacles/1") && Contains("<= 0.0666667."));
@@ -240,6 +242,6 @@ TEST_CASE("gaps of less than three spacings are named, the narrowest first") {
     const std::vector<std::string> many = wade::narrow_gaps(scene);
     REQUIRE(many.size() == 6);
     CHECK_THAT(many[5], Contains("more gaps"));
-    scene.fluid.model = wade::ModelKind::shallow_water;
+    scene.fluid->model = wade::ModelKind::shallow_water;
     CHECK(wade::narrow_gaps(scene).empty());
 }

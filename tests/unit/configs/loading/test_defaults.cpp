@@ -2,7 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_json.hpp"
+#include "configs/scene/world.hpp"
 #include "scene_texts.hpp"
 
 using nlohmann::json;
@@ -14,15 +18,15 @@ TEST_CASE("a scene that states only its channel holds otherwise what a new scene
     const LoadedScene loaded = load_patched("{}");
     Scene fresh;
     fresh.name = "scene";
-    fresh.channel.x = loaded.scene.channel.x;
-    fresh.channel.z = loaded.scene.channel.z;
-    fresh.channel.flow = wade::Flow::closed;
+    fresh.channel->x = loaded.scene.channel->x;
+    fresh.channel->z = loaded.scene.channel->z;
+    fresh.channel->flow = wade::Flow::closed;
     CHECK(wade::written_scene(fresh) == json::parse(loaded.canonical_json));
 }
 
 TEST_CASE("a group that states only its place and goal has the defaults of a group and of the crowd") {
     const Scene scene = load_patched(R"({"crowd": {"groups": [)" + group("a", 1, 1) + "]}}").scene;
-    const wade::AgentGroup& a = scene.crowd.groups.at(0);
+    const wade::AgentGroup& a = scene.crowd->groups.at(0);
     CHECK((a.columns == 1 && a.rows == 1 && a.count == 1));
     CHECK((a.pitch_x == 1 && a.pitch_z == 1));
     CHECK((a.desired_speed == 1.3 && a.mass == 65 && a.tau == 0));
@@ -38,17 +42,17 @@ TEST_CASE("every default is a value that its key allows") {
 
 TEST_CASE("the defaults that come from the paper and its code keep their values", "[configs][defaults]") {
     const Scene scene = load_patched("{}").scene;
-    CHECK(scene.world.gravity == 9.81);
-    CHECK(scene.fluid.rest_density == 1000);
-    CHECK(scene.fluid.particle_spacing == 0.4642);  // 100 kg a particle
-    CHECK(scene.crowd.perception_radius == 1);      // markers within it are claimed
-    CHECK(scene.crowd.ragdoll.tau_min == 0.8);
-    CHECK(scene.crowd.ragdoll.speed == 2);
-    CHECK(scene.crowd.ragdoll.depth_speed == 0.75);
+    CHECK(scene.world->gravity == 9.81);
+    CHECK(scene.fluid->rest_density == 1000);
+    CHECK(scene.fluid->particle_spacing == 0.4642);  // 100 kg a particle
+    CHECK(scene.crowd->perception_radius == 1);      // markers within it are claimed
+    CHECK(scene.crowd->ragdoll.tau_min == 0.8);
+    CHECK(scene.crowd->ragdoll.speed == 2);
+    CHECK(scene.crowd->ragdoll.depth_speed == 0.75);
     // Solver settings at which the suites' reports were made.
-    CHECK(scene.fluid.cfl == 0.5);
-    CHECK(scene.fluid.density_solve.tolerance == 5e-4);
-    CHECK(scene.fluid.divergence_solve.tolerance == 1e-3);
+    CHECK(scene.fluid->cfl == 0.5);
+    CHECK(scene.fluid->density_solve.tolerance == 5e-4);
+    CHECK(scene.fluid->divergence_solve.tolerance == 1e-3);
 }
 
 TEST_CASE("the hash does not depend on how a scene is written") {

@@ -3,6 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -20,8 +23,8 @@ TEST_CASE("objects merge key by key over a chain of files, the nearest file winn
     const LoadedScene loaded = wade::load_scene(top);
     CHECK(loaded.scene.seed == 5);
     CHECK(loaded.scene.duration == 9);
-    CHECK(loaded.scene.world.length == 60);
-    CHECK(loaded.scene.world.width == 30);
+    CHECK(loaded.scene.world->length == 60);
+    CHECK(loaded.scene.world->width == 30);
 }
 
 TEST_CASE("arrays are replaced") {
@@ -93,24 +96,25 @@ TEST_CASE("a mistake in a parent is reported with the parent's name, even where 
 
 TEST_CASE("comments of both kinds are allowed") {
     const LoadedScene loaded = wade::load_scene_text("// one\n{ /* two */ " + dry_scene.substr(1), "scene.json");
-    CHECK(loaded.scene.channel.x.hi == 40);
+    CHECK(loaded.scene.channel->x.hi == 40);
 }
 
 TEST_CASE("--set changes a value after the merge, and makes missing parents") {
     CHECK(load_patched(R"({"seed": 1})", {"/seed=7"}).scene.seed == 7);
-    CHECK(load_patched("{}", {"/fluid/density_solve/tolerance=0.001"}).scene.fluid.density_solve.tolerance == 0.001);
-    CHECK(load_patched("{}", {"/coupling/contact_rule=sum"}).scene.coupling.contact_rule == wade::ContactRule::sum);
-    CHECK(load_patched("{}", {"/coupling/contact_rule=\"sum\""}).scene.coupling.contact_rule == wade::ContactRule::sum);
+    CHECK(load_patched("{}", {"/fluid/density_solve/tolerance=0.001"}).scene.fluid->density_solve.tolerance == 0.001);
+    CHECK(load_patched("{}", {"/coupling/contact_rule=sum"}).scene.coupling->contact_rule == wade::ContactRule::sum);
+    CHECK(load_patched("{}", {"/coupling/contact_rule=\"sum\""}).scene.coupling->contact_rule ==
+          wade::ContactRule::sum);
     CHECK(load_patched("{}", {"/name=7"}).scene.name == "7");
     CHECK(load_patched("{}", {"/seed=7", "/seed=8"}).scene.seed == 8);
 }
 
 TEST_CASE("--set reaches into arrays and appends to them") {
     const std::string one = R"({"crowd": {"groups": [)" + group("a", 1, 1) + "]}}";
-    CHECK(load_patched(one, {"/crowd/groups/0/tau=0.5"}).scene.crowd.groups.at(0).tau == 0.5);
+    CHECK(load_patched(one, {"/crowd/groups/0/tau=0.5"}).scene.crowd->groups.at(0).tau == 0.5);
     const LoadedScene loaded =
         load_patched(one, {"/crowd/groups/1=" + group("b", 5, 5), "/events/0/tau=1", "/events/0/frame=3"});
-    CHECK(loaded.scene.crowd.groups.at(1).name == "b");
+    CHECK(loaded.scene.crowd->groups.at(1).name == "b");
     CHECK(loaded.scene.events.at(0).frame == 3);
 }
 

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "scene_texts.hpp"
 
 namespace wade::place_test {
@@ -53,9 +57,9 @@ TEST_CASE("a place without all else: its raster is the world, and the water is s
     const Folder folder;
     const wade::Scene scene = wade::load_scene(folder.scene(ground + "}")).scene;
     REQUIRE(scene.place);
-    CHECK((scene.world.length == 20 && scene.world.width == 10));
-    CHECK((scene.channel.x.hi == 20 && scene.channel.z.hi == 10 && scene.channel.flow == wade::Flow::closed));
-    CHECK(scene.fluid.model == wade::ModelKind::shallow_water);
+    CHECK((scene.world->length == 20 && scene.world->width == 10));
+    CHECK((scene.channel->x.hi == 20 && scene.channel->z.hi == 10 && scene.channel->flow == wade::Flow::closed));
+    CHECK(scene.fluid->model == wade::ModelKind::shallow_water);
     CHECK((scene.place->epsg == 32756 && scene.place->origin_x == 500100 && scene.place->origin_z == 6000200));
     const wade::Raster& raster = *scene.place->ground.raster;
     CHECK((raster.x == 0 && raster.z == 0 && raster.at(3, 2) == 10.23));
@@ -65,7 +69,7 @@ TEST_CASE("ways of a large place have a million cells unless the scene says how 
     const auto cell_of = [](const std::string& more) {
         const Folder folder;
         const std::string level = R"({"ground": {"level_m": 0}})";
-        return wade::load_scene(folder.scene(level, more)).scene.crowd.navigation.cell;
+        return wade::load_scene(folder.scene(level, more)).scene.crowd->navigation.cell;
     };
     CHECK(cell_of(R"(, "world": {"length_m": 4000, "width_m": 1000})") == 2);
     CHECK(cell_of(R"(, "world": {"length_m": 400, "width_m": 300})") == 0.5);
@@ -177,7 +181,7 @@ TEST_CASE("a plane or points are a ground without files") {
     const Folder folder;
     const wade::Scene plane =
         wade::load_scene(folder.scene(R"({"ground": {"level_m": 3, "slope_x": 0.1}})", more)).scene;
-    CHECK((plane.place->ground.level == 3 && plane.place->ground.slope_x == 0.1 && plane.world.length == 30));
+    CHECK((plane.place->ground.level == 3 && plane.place->ground.slope_x == 0.1 && plane.world->length == 30));
     const wade::Scene points =
         wade::load_scene(folder.scene(R"({"ground": {"points": [[0, 1, 0], [30, 2, 0], [0, 3, 20]]}})", more)).scene;
     CHECK(points.place->ground.points[2] == std::array<double, 3>{0, 3, 20});

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "configs/errors/problems.hpp"
+#include "configs/scene/channel.hpp"
 #include "scene_texts.hpp"
 
 using Catch::Matchers::Contains;
@@ -192,7 +193,7 @@ TEST_CASE("a chain of files that extend one another has an end") {
     const auto name = [](int i) { return "f" + std::to_string(i) + ".json"; };
     folder.write(name(0), dry_scene);
     for (int i = 1; i <= 40; ++i) folder.write(name(i), R"({"extends": ")" + name(i - 1) + R"("})");
-    CHECK(wade::load_scene(folder.path() / name(31)).scene.channel.x.hi == 40);
+    CHECK(wade::load_scene(folder.path() / name(31)).scene.channel->x.hi == 40);
     CHECK_THAT(refusal_of_file(folder.path() / name(32)), Contains("/extends: more than 32 files extend one another"));
     CHECK_THAT(refusal_of_file(folder.path() / name(40)), Contains("/extends: more than 32 files extend one another"));
 }

@@ -1,5 +1,6 @@
 // Which kernel "auto" takes for a scene.
 
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/kernel_choice.hpp"
 #include "scene_texts.hpp"
 
@@ -14,7 +15,7 @@ const std::vector<std::string> by_itself{"/fluid/kernel=auto"};
 KernelKind chosen(const std::string& scene, std::vector<std::string> assignments = {}) {
     std::vector<wade::SceneOverride> overrides{wade::parse_override(by_itself[0])};
     for (const std::string& one : assignments) overrides.push_back(wade::parse_override(one));
-    return wade::load_scene(std::filesystem::path(WADE_SCENES) / (scene + ".json"), overrides).scene.fluid.kernel;
+    return wade::load_scene(std::filesystem::path(WADE_SCENES) / (scene + ".json"), overrides).scene.fluid->kernel;
 }
 
 const std::string river = R"({"channel": {"flow": "recirculating", "initial_river": "filled"}})";
@@ -52,7 +53,7 @@ TEST_CASE("a scene by itself is the same scene as with the kernel that it takes"
 TEST_CASE("a tank is still if its blocks fill it to one level and rest") {
     const std::string half = R"({"x_min_m": 0, "x_max_m": 20, "z_min_m": 10, "z_max_m": 30, "depth_m": 2})";
     const std::string other = R"({"x_min_m": 20, "x_max_m": 40, "z_min_m": 10, "z_max_m": 30, "depth_m": )";
-    const auto kernel_of = [](const std::string& patch) { return load_patched(patch, by_itself).scene.fluid.kernel; };
+    const auto kernel_of = [](const std::string& patch) { return load_patched(patch, by_itself).scene.fluid->kernel; };
     CHECK(kernel_of(tank(half + "," + other + "2}")) == KernelKind::quartic_spline);
     CHECK(kernel_of(tank(half)) == KernelKind::cubic_spline);
     CHECK(kernel_of(tank(half + "," + other + "1}")) == KernelKind::cubic_spline);
@@ -67,7 +68,7 @@ TEST_CASE("a kernel that reaches too far for the walls gives way to a nearer one
         const std::string z_max = "/channel/z_max_m=" + std::to_string(10 + width);
         return load_patched(river,
                             {z_max, "/fluid/particle_spacing_m=1", "/fluid/max_particles=1000", by_itself[0], more})
-            .scene.fluid.kernel;
+            .scene.fluid->kernel;
     };
     CHECK(in_width(1.5, "/seed=1") == KernelKind::quartic_spline);
     CHECK(in_width(1.3, "/seed=1") == KernelKind::cubic_spline);
@@ -76,7 +77,7 @@ TEST_CASE("a kernel that reaches too far for the walls gives way to a nearer one
     CHECK(load_patched(R"({"channel": {"flow": "recirculating", "initial_river": "filled", "top": "periodic",
                            "height_m": 8, "depth_m": 8}, "fluid": {"particle_spacing_m": 1}, "world": {"gravity_m_s2": 0}})",
                        by_itself)
-              .scene.fluid.kernel == KernelKind::quartic_spline);
+              .scene.fluid->kernel == KernelKind::quartic_spline);
 }
 
 }  // namespace wade::kernel_choice_test

@@ -1,5 +1,6 @@
 // When the crowd takes its steps, in frames and ticks of the water.
 
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene_frames.hpp"
 #include "scene_texts.hpp"
 
@@ -10,7 +11,7 @@ namespace {
 wade::Scene with_rates(double frames, double steps) {
     wade::Scene scene;
     scene.frame_rate = frames;
-    scene.crowd.step_rate = steps;
+    scene.crowd->step_rate = steps;
     return scene;
 }
 
@@ -18,7 +19,7 @@ wade::Scene with_rates(double frames, double steps) {
 
 TEST_CASE("the crowd steps once a frame unless the scene says otherwise") {
     const wade::Scene scene = load_patched(R"({"frame_rate_hz": 25})").scene;
-    CHECK(scene.crowd.step_rate == 25);
+    CHECK(scene.crowd->step_rate == 25);
 }
 
 TEST_CASE("at equal rates one step is due with each frame, whatever the rate") {

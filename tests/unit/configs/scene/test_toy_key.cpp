@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "configs/scene/channel.hpp"
 #include "configs/scene/scene_documents.hpp"
 #include "configs/scene/scene_json.hpp"
 #include "scene_texts.hpp"

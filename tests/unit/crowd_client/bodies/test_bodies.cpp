@@ -5,6 +5,10 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "made_up_water.hpp"
@@ -17,11 +21,11 @@ namespace {
 
 Scene scene_with_bodies(double length, double width, BodyRule rule) {
     Scene scene;
-    scene.world.length = length;
-    scene.world.width = width;
-    scene.crowd.markers = MarkerRule::redrawn;
-    scene.crowd.bodies = rule;
-    scene.crowd.goal_radius = 0.5;
+    scene.world->length = length;
+    scene.world->width = width;
+    scene.crowd->markers = MarkerRule::redrawn;
+    scene.crowd->bodies = rule;
+    scene.crowd->goal_radius = 0.5;
     return scene;
 }
 
@@ -42,7 +46,7 @@ AgentGroup grid_of(const std::string& name, int columns, int rows, Vector2d star
 // Smallest distance of two active agents, and of one to an obstacle, less their bodies as they stand; below 0 they overlap.
 double smallest_gap(const CrowdWorld& crowd) {
     const std::vector<double>& radius = crowd.agents.body.radius;
-    const double period = crowd.scene.world.period();
+    const double period = crowd.scene.world->period();
     double gap = 1e9;
     for (std::size_t i = 0; i < crowd.active.size(); ++i) {
         const Vector2d& p = crowd.agents.position[crowd.active[i]];
@@ -71,15 +75,16 @@ double smallest_gap_of_a_walk(CrowdWorld& crowd, int steps, const WaterView& wat
 
 Scene crossing(BodyRule rule) {
     Scene scene = scene_with_bodies(20, 20, rule);
-    scene.crowd.groups = {grid_of("east", 4, 10, {1, 5}, 0.9, {19, 10}), grid_of("north", 10, 4, {5, 1}, 0.9, {10, 19}),
-                          grid_of("west", 4, 10, {16, 5}, 0.9, {1, 10})};
+    scene.crowd->groups = {grid_of("east", 4, 10, {1, 5}, 0.9, {19, 10}),
+                           grid_of("north", 10, 4, {5, 1}, 0.9, {10, 19}),
+                           grid_of("west", 4, 10, {16, 5}, 0.9, {1, 10})};
     return scene;
 }
 
 Scene head_on(BodyRule rule) {
     Scene scene = scene_with_bodies(20, 6, rule);
     scene.obstacles = {{{0, 20}, {0, 2}, 3}, {{0, 20}, {4, 6}, 3}};
-    scene.crowd.groups = {grid_of("east", 1, 1, {2, 3}, 1, {18, 3}), grid_of("west", 1, 1, {18, 3}, 1, {2, 3})};
+    scene.crowd->groups = {grid_of("east", 1, 1, {2, 3}, 1, {18, 3}), grid_of("west", 1, 1, {18, 3}, 1, {2, 3})};
     return scene;
 }
 
@@ -88,7 +93,7 @@ Scene circle(BodyRule rule, int people) {
     for (int k = 0; k < people; ++k) {
         const double angle = 2 * 3.14159265358979 * k / people;
         const Vector2d at = 10 * Vector2d(std::cos(angle), std::sin(angle)), middle(12, 12);
-        scene.crowd.groups.push_back(grid_of(std::to_string(k), 1, 1, middle + at, 1, middle - at));
+        scene.crowd->groups.push_back(grid_of(std::to_string(k), 1, 1, middle + at, 1, middle - at));
     }
     return scene;
 }
@@ -96,23 +101,24 @@ Scene circle(BodyRule rule, int people) {
 Scene door(BodyRule rule) {
     Scene scene = scene_with_bodies(20, 12, rule);
     scene.obstacles = {{{10, 10.5}, {0, 5.5}, 3}, {{10, 10.5}, {6.5, 12}, 3}};
-    scene.crowd.groups = {grid_of("out", 8, 8, {3, 2}, 0.8, {18, 6})};
+    scene.crowd->groups = {grid_of("out", 8, 8, {3, 2}, 0.8, {18, 6})};
     return scene;
 }
 
 Scene corridor(BodyRule rule) {
     Scene scene = scene_with_bodies(20, 6, rule);
-    scene.world.ends = Ends::periodic;
+    scene.world->ends = Ends::periodic;
     scene.obstacles = {{{0, 20}, {0, 1}, 3}, {{0, 20}, {5, 6}, 3}};
-    scene.crowd.groups = {grid_of("east", 24, 3, {0.4, 1.5}, 0.8, {1000, 3}),
-                          grid_of("west", 24, 2, {0.8, 1.9}, 0.8, {-1000, 3})};
+    scene.crowd->groups = {grid_of("east", 24, 3, {0.4, 1.5}, 0.8, {1000, 3}),
+                           grid_of("west", 24, 2, {0.8, 1.9}, 0.8, {-1000, 3})};
     return scene;
 }
 
 // 3.1 people per m2: discs on a grid that leaves them 7 cm.
 Scene dense(BodyRule rule) {
     Scene scene = scene_with_bodies(16, 16, rule);
-    scene.crowd.groups = {grid_of("a", 14, 14, {1, 1}, 0.57, {15, 15}), grid_of("b", 10, 10, {9.3, 9.3}, 0.57, {1, 1})};
+    scene.crowd->groups = {grid_of("a", 14, 14, {1, 1}, 0.57, {15, 15}),
+                           grid_of("b", 10, 10, {9.3, 9.3}, 0.57, {1, 1})};
     return scene;
 }
 
@@ -135,8 +141,8 @@ TEST_CASE("Bodies never overlap, at no step") {
 TEST_CASE("Bodies do not overlap either with fixed markers, or at a coarse rate of steps") {
     Scene scene = crossing(BodyRule::fast);
     const bool fixed = GENERATE(true, false);
-    scene.crowd.markers = fixed ? MarkerRule::fixed : MarkerRule::redrawn;
-    scene.crowd.step_rate = fixed ? 30 : 5;
+    scene.crowd->markers = fixed ? MarkerRule::fixed : MarkerRule::redrawn;
+    scene.crowd->step_rate = fixed ? 30 : 5;
     CrowdWorld crowd = make_crowd(scene);
     CHECK(smallest_gap_of_a_walk(crowd, 300) >= 0);
 }
@@ -158,10 +164,10 @@ TEST_CASE("A crowd gets through a door of 1 m") {
 
 TEST_CASE("Water that pushes a dense crowd against a wall overlaps nobody") {
     Scene scene = scene_with_bodies(12, 8, GENERATE(BodyRule::fast, BodyRule::human));
-    scene.coupling.rule = GENERATE(CouplingRule::per_frame, CouplingRule::continuous);
+    scene.coupling->rule = GENERATE(CouplingRule::per_frame, CouplingRule::continuous);
     scene.obstacles = {{{2, 3}, {2, 6}, 3}};
-    scene.crowd.groups = {grid_of("walkers", 7, 9, {6, 1.5}, 0.6, {11.5, 4})};
-    scene.crowd.groups[0].tau = {0.2, 1.0};
+    scene.crowd->groups = {grid_of("walkers", 7, 9, {6, 1.5}, 0.6, {11.5, 4})};
+    scene.crowd->groups[0].tau = {0.2, 1.0};
     CrowdWorld crowd = make_crowd(scene);
     MadeUpWater water;
     for (double x = 0.15; x < 12; x += 0.3) {
@@ -174,7 +180,7 @@ TEST_CASE("Water that pushes a dense crowd against a wall overlaps nobody") {
 TEST_CASE("The walk of bodies has the same bits for any number of threads") {
     const BodyRule rule = GENERATE(BodyRule::fast, BodyRule::human);
     Scene scene = scene_with_bodies(44, 44, rule);
-    scene.crowd.groups = {grid_of("a", 40, 30, {1, 1}, 1, {40, 40}), grid_of("b", 20, 10, {20, 32}, 1, {1, 1})};
+    scene.crowd->groups = {grid_of("a", 40, 30, {1, 1}, 1, {40, 40}), grid_of("b", 20, 10, {20, 32}, 1, {1, 1})};
     CrowdWorld one = make_crowd(scene), two = one, four = one;
     two.threads = 2;
     four.threads = 4;
@@ -220,7 +226,7 @@ TEST_CASE("People with bodies walk the same way at any rate of steps") {
         for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
             Scene scene = door(rule);
             scene.seed = seed;
-            scene.crowd.step_rate = rate;
+            scene.crowd->step_rate = rate;
             CrowdWorld crowd = make_crowd(scene);
             CHECK(smallest_gap_of_a_walk(crowd, static_cast<int>(120 * rate)) >= 0);
             CHECK(crowd.arrived == crowd.agents.size());
@@ -240,11 +246,11 @@ TEST_CASE("People with bodies walk the same way at any rate of steps") {
 
 TEST_CASE("Fast water carries people with bodies as far in long steps as in short ones") {
     Scene scene = scene_with_bodies(60, 8, BodyRule::fast);
-    scene.world.ends = Ends::open;
-    scene.crowd.groups = {grid_of("carried", 1, 5, {4, 1}, 1.5, {59, 4})};
-    scene.crowd.groups[0].tau = {1, 1};
+    scene.world->ends = Ends::open;
+    scene.crowd->groups = {grid_of("carried", 1, 5, {4, 1}, 1.5, {59, 4})};
+    scene.crowd->groups[0].tau = {1, 1};
     const auto places = [&](double rate) {
-        scene.crowd.step_rate = rate;
+        scene.crowd->step_rate = rate;
         CrowdWorld crowd = make_crowd(scene);
         MadeUpWater water;
         for (double x = 0.15; x < 60; x += 0.3) {
@@ -265,8 +271,8 @@ TEST_CASE("Fast water carries people with bodies as far in long steps as in shor
 TEST_CASE("The walk of bodies does not depend on the order in which people are stored") {
     const BodyRule rule = GENERATE(BodyRule::fast, BodyRule::human);
     Scene scene = crossing(rule);
-    for (AgentGroup& group : scene.crowd.groups) group.start_jitter = 0.15;  // no two are equally far from a marker
-    scene.crowd.goal_radius = 1e-3;                                          // nobody leaves
+    for (AgentGroup& group : scene.crowd->groups) group.start_jitter = 0.15;  // no two are equally far from a marker
+    scene.crowd->goal_radius = 1e-3;                                          // nobody leaves
     CrowdWorld crowd = make_crowd(scene), shuffled = crowd;
     const std::size_t n = crowd.agents.size();
     std::vector<std::size_t> from(n);
@@ -288,14 +294,14 @@ TEST_CASE("The walk of bodies does not depend on the order in which people are s
 TEST_CASE("People who start too close to one another or to a wall are moved apart") {
     Scene scene = scene_with_bodies(10, 10, BodyRule::fast);
     scene.obstacles = {{{4, 6}, {4, 6}, 3}};
-    scene.crowd.groups = {grid_of("close", 6, 6, {1, 1}, 0.3, {9, 9}), grid_of("at wall", 1, 1, {3.9, 5}, 1, {9, 9})};
+    scene.crowd->groups = {grid_of("close", 6, 6, {1, 1}, 0.3, {9, 9}), grid_of("at wall", 1, 1, {3.9, 5}, 1, {9, 9})};
     const CrowdWorld crowd = make_crowd(scene);
     CHECK(smallest_gap(crowd) >= 0);
 }
 
 TEST_CASE("Starts without room for bodies are refused with group, place and radius") {
     Scene scene = scene_with_bodies(4, 4, BodyRule::fast);
-    scene.crowd.groups = {grid_of("crush", 12, 12, {0.2, 0.2}, 0.3, {3, 3})};
+    scene.crowd->groups = {grid_of("crush", 12, 12, {0.2, 0.2}, 0.3, {3, 3})};
     CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("/crowd/groups/0/start") && Catch::Contains("0.25 m") &&
                                              Catch::Contains("/crowd/body_radius_m") && Catch::Contains("allowed"));
 }

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/biocrowds.hpp"
 
 using namespace wade;

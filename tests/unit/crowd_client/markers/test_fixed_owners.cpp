@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/biocrowds.hpp"
 
 using namespace wade;
@@ -54,8 +55,8 @@ Vector2d motion_by_the_equations(const std::vector<Vector2d>& own, const Vector2
 
 TEST_CASE("The motion of a walker is Eq. 1-3 of its fixed markers, bit for bit", "[eq1][eq2][eq3]") {
     Scene scene;
-    scene.world.length = 30;
-    scene.world.width = 20;
+    scene.world->length = 30;
+    scene.world->width = 20;
     const double radius = GENERATE(0.4, 1.0, 1.7);
     const int threads = GENERATE(1, 3);
     const Markers markers = place_markers(scene);

@@ -4,6 +4,9 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/markers/markers.hpp"
 
@@ -14,8 +17,8 @@ namespace {
 
 Scene small_world() {
     Scene scene;
-    scene.world.length = 21;
-    scene.world.width = 13;
+    scene.world->length = 21;
+    scene.world->width = 13;
     return scene;
 }
 
@@ -47,8 +50,8 @@ TEST_CASE("Each cell has its number of markers, on the world and round it") {
     // The border is a cell of 2 m; within 0.5 m of its outer edge a cell of 64 markers has one.
     CHECK(*x_lo < -1.5);
     CHECK(*z_lo < -1.5);
-    CHECK(*x_hi > scene.world.length + 1.5);
-    CHECK(*z_hi > scene.world.width + 1.5);
+    CHECK(*x_hi > scene.world->length + 1.5);
+    CHECK(*z_hi > scene.world->width + 1.5);
 }
 
 TEST_CASE("Markers lie in the cell that lists them") {
@@ -86,8 +89,8 @@ TEST_CASE("Obstacles hold no markers and do not change those around them") {
 
 TEST_CASE("Markers are spread evenly") {
     Scene scene;
-    scene.world.length = 40;
-    scene.world.width = 40;
+    scene.world->length = 40;
+    scene.world->width = 40;
     const Markers markers = place_markers(scene);
     // Chi square over the four quarters of all cells: 3 degrees of freedom, 21.1 is exceeded once in 10,000 seeds (the
     // minimum distance makes the counts more even than that).
@@ -105,15 +108,15 @@ TEST_CASE("Markers are spread evenly") {
 
 TEST_CASE("Markers that cannot fit are refused with the keys and values") {
     Scene scene = small_world();
-    scene.crowd.markers_per_cell = 900;
+    scene.crowd->markers_per_cell = 900;
     CHECK_THROWS_WITH(place_markers(scene), Catch::Contains("/crowd/markers_per_cell: 900") &&
                                                 Catch::Contains("0.1 m (/crowd/marker_min_distance_m)"));
-    scene.crowd.markers_per_cell = 64;
-    scene.crowd.perception_radius = 2.5;
+    scene.crowd->markers_per_cell = 64;
+    scene.crowd->perception_radius = 2.5;
     CHECK_THROWS_WITH(place_markers(scene),
                       Catch::Contains("/crowd/perception_radius_m is 2.5") && Catch::Contains("up to 2"));
-    scene.crowd.perception_radius = 1;
-    scene.world.length = scene.world.width = 100000;
+    scene.crowd->perception_radius = 1;
+    scene.world->length = scene.world->width = 100000;
     CHECK_THROWS_WITH(place_markers(scene),
                       Catch::Contains("64 markers in each of the 2500") && Catch::Contains("make the world smaller"));
 }

@@ -2,6 +2,10 @@
 #include <cmath>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/markers/placed_boxes.hpp"
@@ -90,12 +94,12 @@ TEST_CASE("A crowd goes the same ways bit for bit whether its obstacles are foun
     const BodyRule bodies = GENERATE(BodyRule::none, BodyRule::human);
     const NavigationRule navigation = GENERATE(NavigationRule::straight, NavigationRule::travel_time);
     Scene scene;
-    scene.world.length = scene.world.width = 60;
-    scene.world.ends = GENERATE(Ends::open, Ends::periodic);
-    scene.crowd.markers = MarkerRule::redrawn;
-    scene.crowd.bodies = bodies;
-    scene.crowd.navigation.rule = navigation;
-    scene.crowd.step_rate = 5;  // long steps, which meet more
+    scene.world->length = scene.world->width = 60;
+    scene.world->ends = GENERATE(Ends::open, Ends::periodic);
+    scene.crowd->markers = MarkerRule::redrawn;
+    scene.crowd->bodies = bodies;
+    scene.crowd->navigation.rule = navigation;
+    scene.crowd->step_rate = 5;  // long steps, which meet more
     // Between the places where people start, which are 2 m apart.
     for (int i = 0; i < 14; ++i) {
         for (int j = 0; j < 14; ++j) {
@@ -111,7 +115,7 @@ TEST_CASE("A crowd goes the same ways bit for bit whether its obstacles are foun
     group.pitch_x = group.pitch_z = 2;
     group.goal_x = 57;
     group.goal_z = 40;
-    scene.crowd.groups = {group};
+    scene.crowd->groups = {group};
     CrowdWorld crowd = make_crowd(scene), one_by_one = crowd;
     for (PlacedBoxes* boxes :
          {&one_by_one.walls.boxes, &one_by_one.markers.drawn.obstacles, &one_by_one.navigation.sight.boxes}) {

@@ -7,6 +7,8 @@
 #include <csignal>
 #include <set>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/outputs/run_folder.hpp"
 #include "crowd_client/outputs/writers/danger.hpp"
 #include "crowd_client/results/output_file.hpp"
@@ -21,10 +23,10 @@ constexpr Record everything{.water_interval = 0.1, .danger_window = 0.5, .trajec
 
 Scene scene_with_all() {
     Scene scene = one_agent_scene(50, 25, 75, 50, 0.9);
-    scene.crowd.groups[0].count = scene.crowd.groups[0].columns = 10;
-    scene.channel.velocity = 2.5;
-    scene.crowd.paths.rate = scene.crowd.pose_rate = scene.crowd.step_rate;
-    scene.crowd.ragdoll.condition = RagdollCondition::paper;
+    scene.crowd->groups[0].count = scene.crowd->groups[0].columns = 10;
+    scene.channel->velocity = 2.5;
+    scene.crowd->paths.rate = scene.crowd->pose_rate = scene.crowd->step_rate;
+    scene.crowd->ragdoll.condition = RagdollCondition::paper;
     return scene;
 }
 

@@ -7,6 +7,9 @@
 #include <fstream>
 #include <set>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "crowd_client/outputs/run_folder.hpp"
 #include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/outputs/writers/water_snapshots.hpp"
@@ -68,9 +71,9 @@ TEST_CASE("Snapshots hold the depth of each cell") {
     TemporaryFolder folder;
     const fs::path file = folder.path / "water.bin";
     Scene scene;
-    scene.channel.x = {10, 12};
-    scene.channel.z = {20, 21.5};
-    scene.fluid.particle_spacing = 0.25;
+    scene.channel->x = {10, 12};
+    scene.channel->z = {20, 21.5};
+    scene.fluid->particle_spacing = 0.25;
     {
         WaterSnapshots snapshots(file, scene);
         testing::MadeUpWater water;
@@ -110,7 +113,7 @@ TEST_CASE("A run folder is complete at the end, and says 'running' until then") 
     TemporaryFolder folder;
     Scene scene = one_agent_scene(74, 46, 75, 50, 0.2);
     scene.duration = 2;
-    scene.crowd.paths.rate = scene.crowd.step_rate;
+    scene.crowd->paths.rate = scene.crowd->step_rate;
     CrowdRun one{.crowd = make_crowd(scene)};
     CrowdWorld& crowd = one.crowd;
     RunLabels labels;
@@ -175,11 +178,11 @@ TEST_CASE("Events of a run are on the disk at once, as lines and as a scene") {
 TEST_CASE("Ragdolls and levels of danger have files of their own, if they are asked for") {
     TemporaryFolder folder;
     Scene scene = one_agent_scene(50, 25, 75, 50, 0.9);
-    scene.channel.velocity = 2.5;
-    scene.channel.z = {12, 38};  // whole cells of 2 m
-    scene.crowd.ragdoll.condition = RagdollCondition::paper;
+    scene.channel->velocity = 2.5;
+    scene.channel->z = {12, 38};  // whole cells of 2 m
+    scene.crowd->ragdoll.condition = RagdollCondition::paper;
     scene.duration = 1;
-    scene.crowd.paths.rate = 10;
+    scene.crowd->paths.rate = 10;
     CrowdWorld crowd = make_crowd(scene);
     const testing::MadeUpWater water = testing::uniform_water(30, 70, 15, 35, 1, 0.25, -2.5, 0);
     RunFolder run(folder.path, crowd, RunLabels{}, {.danger_window = 0.5});
@@ -200,7 +203,7 @@ TEST_CASE("Ragdolls and levels of danger have files of their own, if they are as
     CHECK_THAT(content_of(folder.path / "danger.csv"), Catch::Contains(",very_high,1,2.5,2.5,0,0,0,0,1\n"));
 
     // A run without them in the same folder leaves none of an earlier one.
-    scene.crowd.ragdoll.condition = RagdollCondition::off;
+    scene.crowd->ragdoll.condition = RagdollCondition::off;
     crowd = make_crowd(scene);
     RunFolder again(folder.path, crowd, RunLabels{}, Record{});
     again.finish(crowd, summary, RunLabels{});
@@ -211,10 +214,10 @@ TEST_CASE("Ragdolls and levels of danger have files of their own, if they are as
 TEST_CASE("Poses are rows of all on their way, from the start to where each ends, with those whom they hold") {
     TemporaryFolder folder;
     Scene scene = one_agent_scene(50, 25, 60, 25, 0);
-    scene.fluid.particle_spacing = 0.25;
-    scene.crowd.response = ResponseKind::measured;
-    scene.crowd.pose_rate = 20;  // so 15: each second step
-    AgentGroup& group = scene.crowd.groups[0];
+    scene.fluid->particle_spacing = 0.25;
+    scene.crowd->response = ResponseKind::measured;
+    scene.crowd->pose_rate = 20;  // so 15: each second step
+    AgentGroup& group = scene.crowd->groups[0];
     group.tau.reset();
     group.rows = group.count = 3;
     group.pitch_z = 0.7;

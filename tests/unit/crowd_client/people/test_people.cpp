@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/people/people.hpp"
 
 using namespace wade;

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <set>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "made_up_water.hpp"
 
@@ -25,11 +27,11 @@ double fastest(double pace, double apart) {
 // A man of 1.70 m and 65 kg in an even river, who walks across it at 1.3 m/s on dry ground.
 Scene crossing(double rate, Skill skill) {
     Scene scene = one_agent_scene(50, 16, 50, 36, 0);
-    scene.fluid.particle_spacing = 0.25;
-    scene.crowd.response = ResponseKind::measured;
-    scene.crowd.step_rate = scene.frame_rate = rate;
-    scene.crowd.pose_rate = rate;
-    AgentGroup& group = scene.crowd.groups[0];
+    scene.fluid->particle_spacing = 0.25;
+    scene.crowd->response = ResponseKind::measured;
+    scene.crowd->step_rate = scene.frame_rate = rate;
+    scene.crowd->pose_rate = rate;
+    AgentGroup& group = scene.crowd->groups[0];
     group.tau.reset();
     group.body.sex = SexRule::male;
     group.body.skill = skill;
@@ -217,7 +219,7 @@ TEST_CASE(
 TEST_CASE("Who floats goes with the surface; who swims lies in the water") {
     for (const bool can_swim : {false, true}) {
         Scene scene = crossing(30, Skill::normal);
-        scene.crowd.groups[0].body.can_swim = can_swim;
+        scene.crowd->groups[0].body.can_swim = can_swim;
         CrowdWorld crowd = make_crowd(scene);
         const MadeUpWater deep = stream(1.6, 0.1);
         std::set<Posture> seen;
@@ -239,8 +241,8 @@ TEST_CASE(
     "gone") {
     for (const double rate : {10.0, 30.0, 60.0}) {
         Scene scene = crossing(rate, Skill::normal);
-        scene.crowd.response = ResponseKind::paper;
-        scene.crowd.groups[0].tau = 0.9;
+        scene.crowd->response = ResponseKind::paper;
+        scene.crowd->groups[0].tau = 0.9;
         CrowdWorld crowd = make_crowd(scene);
         const MadeUpWater fast = stream(1, 2.5);
         Changes changes;
@@ -264,7 +266,7 @@ TEST_CASE(
 
 TEST_CASE("Who stands does not turn, however the water flickers, and a turn round takes a second or more") {
     Scene scene = crossing(30, Skill::braced);
-    scene.crowd.groups[0].desired_speed = 0;
+    scene.crowd->groups[0].desired_speed = 0;
     CrowdWorld crowd = make_crowd(scene);
     for (int i = 0; i < 150; ++i) step(crowd, stream(0.5, i % 2 == 0 ? 0.5 : -0.5).view());
     CHECK(crowd.poses[0].heading.value == Approx(pi / 2).margin(1e-12));
@@ -284,10 +286,10 @@ TEST_CASE("Who stands does not turn, however the water flickers, and a turn roun
 TEST_CASE("Poses change no path") {
     for (const ResponseKind response : {ResponseKind::paper, ResponseKind::measured}) {
         Scene scene = crossing(30, Skill::normal);
-        scene.crowd.response = response;
-        if (response == ResponseKind::paper) scene.crowd.groups[0].tau = 0.5;
+        scene.crowd->response = response;
+        if (response == ResponseKind::paper) scene.crowd->groups[0].tau = 0.5;
         CrowdWorld with = make_crowd(scene);
-        scene.crowd.pose_rate = 0;
+        scene.crowd->pose_rate = 0;
         CrowdWorld without = make_crowd(scene);
         const MadeUpWater water = stream(1, 1.2);
         for (int i = 0; i < 60; ++i) {

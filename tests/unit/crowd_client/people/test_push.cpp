@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/people/push.hpp"
 #include "crowd_client/pushing.hpp"
 

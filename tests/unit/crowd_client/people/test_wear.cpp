@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/people/people.hpp"
 
 namespace wade::crowd::wear_test {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/water/contacts.hpp"
 #include "made_up_water.hpp"
@@ -25,7 +27,7 @@ struct People {
     std::vector<FeltWater> felt;
 
     [[nodiscard]] FrozenCrowd frozen() const {
-        return {scene, 1 / scene.crowd.step_rate, agents, active, positions, walking, contacts, water, felt};
+        return {scene, 1 / scene.crowd->step_rate, agents, active, positions, walking, contacts, water, felt};
     }
 };
 
@@ -104,7 +106,7 @@ void check_walks_on(const Response& response, People p) {
     const NextVelocities now = answer(response, p);
     for (std::size_t k = 0; k < p.active.size(); ++k) REQUIRE((now.mean[k] - p.walking[k]).norm() < 1e-12);
     for (const std::uint32_t id : p.active) p.agents.momentary[id] = {5, -5};
-    const int steps = static_cast<int>(10 * p.scene.crowd.step_rate);
+    const int steps = static_cast<int>(10 * p.scene.crowd->step_rate);
     for (int i = 0; i < steps; ++i) go_on(p, answer(response, p));
     const NextVelocities later = answer(response, p);
     for (std::size_t k = 0; k < p.active.size(); ++k) REQUIRE((later.mean[k] - p.walking[k]).norm() < 1e-6);
@@ -114,19 +116,19 @@ void check_walks_on(const Response& response, People p) {
 
 std::vector<Scene> coupled_scenes() {
     Scene scene = one_agent_scene(25, 15, 75, 50, 0.5);
-    scene.crowd.groups[0].count = scene.crowd.groups[0].columns = people;
+    scene.crowd->groups[0].count = scene.crowd->groups[0].columns = people;
     std::vector<Scene> scenes;
     for (const CouplingRule rule : {CouplingRule::per_frame, CouplingRule::continuous}) {
         for (const ContactRule contact : {ContactRule::difference, ContactRule::sum}) {
             for (const double sampling : {0.0, 240.0}) {
-                scene.coupling.rule = rule;
-                scene.coupling.contact_rule = contact;
-                scene.coupling.sampling_rate = sampling;
-                scene.crowd.response = ResponseKind::paper;
-                scene.crowd.groups[0].tau = 0.5;
+                scene.coupling->rule = rule;
+                scene.coupling->contact_rule = contact;
+                scene.coupling->sampling_rate = sampling;
+                scene.crowd->response = ResponseKind::paper;
+                scene.crowd->groups[0].tau = 0.5;
                 scenes.push_back(scene);
-                scene.crowd.response = ResponseKind::measured;
-                scene.crowd.groups[0].tau.reset();
+                scene.crowd->response = ResponseKind::measured;
+                scene.crowd->groups[0].tau.reset();
                 scenes.push_back(scene);
             }
         }
@@ -138,7 +140,7 @@ std::string name_of(const Scene& scene) {
     const Coupling& coupling = scene.coupling;
     return std::string(coupling.rule == CouplingRule::continuous ? "continuous" : "per_frame") +
            (coupling.contact_rule == ContactRule::sum ? ", sum" : ", difference") + ", sampled at " +
-           std::to_string(coupling.sampling_rate) + " Hz" + (scene.crowd.groups[0].tau ? "" : ", no tau");
+           std::to_string(coupling.sampling_rate) + " Hz" + (scene.crowd->groups[0].tau ? "" : ", no tau");
 }
 
 void check_response(const RegisteredResponse& entry, const Scene& scene) {
@@ -163,7 +165,7 @@ void check_response(const RegisteredResponse& entry, const Scene& scene) {
     CHECK(backwards.at_end == next.at_end);
 
     check_walks_on(*response, people_in(scene, MadeUpWater{}));
-    if (scene.crowd.groups[0].tau) {
+    if (scene.crowd->groups[0].tau) {
         People unmoved = p;
         std::fill(unmoved.agents.tau.begin(), unmoved.agents.tau.end(), 0.0);
         check_walks_on(*response, unmoved);

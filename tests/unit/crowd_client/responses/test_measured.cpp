@@ -4,6 +4,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/standing.hpp"
 #include "crowd_client/water/water_met.hpp"
@@ -20,9 +23,9 @@ namespace {
 // A person of 1.70 m and 65 kg who stands in a river.
 Scene standing_in_a_river() {
     Scene scene = one_agent_scene(50, 25, 50, 50, 0);
-    scene.fluid.particle_spacing = 0.25;
-    scene.crowd.response = ResponseKind::measured;
-    AgentGroup& group = scene.crowd.groups[0];
+    scene.fluid->particle_spacing = 0.25;
+    scene.crowd->response = ResponseKind::measured;
+    AgentGroup& group = scene.crowd->groups[0];
     group.tau.reset();
     group.desired_speed = 0;
     group.body.sex = SexRule::male;
@@ -37,7 +40,7 @@ MadeUpWater stream(double depth, double speed) {
 }
 
 CrowdWorld crowd_at(Scene scene, double rate) {
-    scene.crowd.step_rate = scene.frame_rate = rate;
+    scene.crowd->step_rate = scene.frame_rate = rate;
     return make_crowd(scene);
 }
 
@@ -83,8 +86,8 @@ TEST_CASE("In a metre of water at 2.5 m/s one slides after 0.1 s, topples at 0.3
 
 TEST_CASE("Who slides goes as fast as drag and friction balance, and its tau is that of its slip demand") {
     Scene scene = standing_in_a_river();
-    scene.crowd.groups[0].body.skill = Skill::braced;  // who slides before it topples
-    scene.crowd.groups[0].body.ground_friction = 0.3;
+    scene.crowd->groups[0].body.skill = Skill::braced;  // who slides before it topples
+    scene.crowd->groups[0].body.ground_friction = 0.3;
     CrowdWorld crowd = crowd_at(scene, 30);
     const MadeUpWater water = stream(0.7, 1.5);
     for (int i = 0; i < 300; ++i) step(crowd, water.view());
@@ -118,9 +121,9 @@ TEST_CASE("Drift, time to topple and arrival are the same at 15 to 120 steps a s
         }
         result.drift = 50 - stands.agents.position[0].x();
         Scene scene = standing_in_a_river();
-        scene.crowd.groups[0].desired_speed = 1.3;
-        scene.crowd.groups[0].goal_z = 35;
-        scene.crowd.goal_radius = 0.5;
+        scene.crowd->groups[0].desired_speed = 1.3;
+        scene.crowd->groups[0].goal_z = 35;
+        scene.crowd->goal_radius = 0.5;
         CrowdWorld crosses = crowd_at(scene, rate);
         const MadeUpWater ford = stream(0.5, 1);
         while (crosses.arrived == 0 && static_cast<double>(crosses.steps) < 60 * rate) step(crosses, ford.view());
@@ -142,8 +145,8 @@ TEST_CASE("Drift, time to topple and arrival are the same at 15 to 120 steps a s
 
 TEST_CASE("People walk slower in water, and as fast as before out of it") {
     Scene scene = standing_in_a_river();
-    scene.crowd.groups[0].desired_speed = 1.3;
-    scene.crowd.groups[0].goal_z = 45;
+    scene.crowd->groups[0].desired_speed = 1.3;
+    scene.crowd->groups[0].goal_z = 45;
     const auto way_of = [](CrowdWorld& crowd, const MadeUpWater& water) {
         for (int i = 0; i < 60; ++i) step(crowd, water.view());
         const Vector2d from = crowd.agents.position[0];
@@ -161,14 +164,14 @@ TEST_CASE("People walk slower in water, and as fast as before out of it") {
 
 TEST_CASE("Who walks in a file through still water is faster in the lee of those before it, with shelter alone") {
     Scene scene = standing_in_a_river();
-    AgentGroup& group = scene.crowd.groups[0];
+    AgentGroup& group = scene.crowd->groups[0];
     group.desired_speed = 1.3;
     group.columns = group.count = 10;
     group.start_x = 40;
     group.pitch_x = 0.6;
     group.goal_x = 90;
     const auto speeds = [&](Shelter shelter) {
-        scene.coupling.shelter = shelter;
+        scene.coupling->shelter = shelter;
         CrowdWorld crowd = crowd_at(scene, 30);
         for (Vector2d& velocity : crowd.agents.velocity) velocity = {0.65, 0};
         step(crowd, stream(0.6, 0).view());
@@ -184,14 +187,14 @@ TEST_CASE("Who walks in a file through still water is faster in the lee of those
 
 TEST_CASE("Who has a given tau, or gets one, answers as the paper's, beside those who answer by their bodies") {
     Scene scene = standing_in_a_river();
-    AgentGroup paper = scene.crowd.groups[0];
+    AgentGroup paper = scene.crowd->groups[0];
     paper.name = "paper";
     paper.start_x = 45;
     paper.tau = 0.5;
-    scene.crowd.groups.push_back(paper);
+    scene.crowd->groups.push_back(paper);
     Scene alone = scene;
-    alone.crowd.response = ResponseKind::paper;
-    alone.crowd.groups.erase(alone.crowd.groups.begin());
+    alone.crowd->response = ResponseKind::paper;
+    alone.crowd->groups.erase(alone.crowd->groups.begin());
     TauEvent event;
     event.frame = 10;
     event.agent = 0;
@@ -213,10 +216,10 @@ TEST_CASE("Who has a given tau, or gets one, answers as the paper's, beside thos
 
 TEST_CASE("Who floats and cannot swim drowns after a minute and is dead, who can swim gets across") {
     Scene scene = standing_in_a_river();
-    scene.crowd.groups[0].desired_speed = 1;
-    scene.crowd.groups[0].goal_z = 39;
+    scene.crowd->groups[0].desired_speed = 1;
+    scene.crowd->groups[0].goal_z = 39;
     CrowdWorld sinks = crowd_at(scene, 30);
-    scene.crowd.groups[0].body.can_swim = true;
+    scene.crowd->groups[0].body.can_swim = true;
     CrowdWorld swims = crowd_at(scene, 30);
     const MadeUpWater lake = stream(2, 0);
     for (int i = 0; i < 62 * 30; ++i) {
@@ -233,7 +236,7 @@ TEST_CASE("Who floats and cannot swim drowns after a minute and is dead, who can
 
 TEST_CASE("The water carries people over the fall, nobody walks over it") {
     Scene scene = standing_in_a_river();
-    scene.crowd.groups[0].start_x = 3;
+    scene.crowd->groups[0].start_x = 3;
     CrowdWorld crowd = crowd_at(scene, 30);
     MadeUpWater water = uniform_water(0, 20, 15, 35, 1, 0.25, -2.5, 0);
     for (int i = 0; i < 150; ++i) step(crowd, water.view());
@@ -255,15 +258,15 @@ TEST_CASE("People in water deeper than that of the flumes are counted") {
 TEST_CASE("Bodies, threads and how a step is divided do not keep people from answering") {
     for (const BodyRule bodies : {BodyRule::none, BodyRule::fast, BodyRule::human}) {
         Scene scene = standing_in_a_river();
-        AgentGroup& group = scene.crowd.groups[0];
+        AgentGroup& group = scene.crowd->groups[0];
         group.columns = 5;
         group.rows = 4;
         group.count = 20;
         group.start_x = 44;
         group.start_z = 20;
         group.desired_speed = 1.3;
-        scene.crowd.markers = MarkerRule::redrawn;
-        scene.crowd.bodies = bodies;
+        scene.crowd->markers = MarkerRule::redrawn;
+        scene.crowd->bodies = bodies;
         for (const double rate : {2.0, 30.0}) {
             CrowdWorld crowd = crowd_at(scene, rate);
             const MadeUpWater water = stream(1, 2.5);
@@ -291,7 +294,7 @@ TEST_CASE("Whom a stream does not topple it topples when the legs are tired, aft
     const double strength = (demand - of_dummy) / (1 - of_dummy), f = 0.015, r = 0.00149, end = f / (f + r);
     const double held = std::log(f * demand / (f * demand - r * (1 - demand))) / r;
     const double yields = std::log((end - (1 - demand)) / (end - (1 - strength))) / (f + r);
-    scene.crowd.fatigue = true;
+    scene.crowd->fatigue = true;
     for (const double rate : rates) {
         CrowdWorld crowd = crowd_at(scene, rate);
         double toppled = 0;
@@ -307,8 +310,8 @@ TEST_CASE("Whom a stream does not topple it topples when the legs are tired, aft
 TEST_CASE(
     "Who cannot stand up where it is counts as standing, and the warning names the water and the keys of people") {
     Scene scene = standing_in_a_river();
-    scene.crowd.groups[0].desired_speed = 1.3;
-    scene.crowd.groups[0].body.skill = Skill::unaware;
+    scene.crowd->groups[0].desired_speed = 1.3;
+    scene.crowd->groups[0].body.skill = Skill::unaware;
     CrowdWorld crowd = crowd_at(scene, 10);
     const MadeUpWater water = stream(0.8, 1);
     for (int i = 0; i < 450; ++i) step(crowd, water.view());  // 30 s in its place, after the fall

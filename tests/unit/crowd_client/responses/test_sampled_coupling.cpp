@@ -2,6 +2,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/responses/sampled_coupling.hpp"
 #include "crowd_client/water/contacts.hpp"
@@ -16,11 +19,11 @@ namespace {
 
 Scene sampled_scene(double step_rate, double sampling_rate, double transport = 1) {
     Scene scene = one_agent_scene(50, 25, 50, 50, 0.5);
-    scene.frame_rate = scene.crowd.step_rate = step_rate;
-    scene.coupling.rule = CouplingRule::continuous;
-    scene.coupling.sampling_rate = sampling_rate;
-    scene.fluid.model = ModelKind::kinematic;
-    scene.fluid.kinematic.transport_factor = transport;
+    scene.frame_rate = scene.crowd->step_rate = step_rate;
+    scene.coupling->rule = CouplingRule::continuous;
+    scene.coupling->sampling_rate = sampling_rate;
+    scene.fluid->model = ModelKind::kinematic;
+    scene.fluid->kinematic.transport_factor = transport;
     return scene;
 }
 
@@ -50,7 +53,7 @@ TEST_CASE("The samples in a step are its length times the rate, rounded up") {
     CHECK(sampling_of(sampled_scene(120, 120)).samples == 1);
     CHECK(sampling_of(sampled_scene(15, 120, 2.6)).transport == 2.6);
     Scene solved = sampled_scene(15, 120, 2.6);
-    solved.fluid.model = ModelKind::dfsph;
+    solved.fluid->model = ModelKind::dfsph;
     CHECK(sampling_of(solved).transport == 1);
 }
 
@@ -93,8 +96,8 @@ TEST_CASE("Without samples the contact is that of the frame") {
 
 TEST_CASE("A sampled agent that the water carries over the fall is dead") {
     Scene scene = sampled_scene(15, 120);
-    scene.crowd.groups[0].start_x = 0.05;
-    scene.crowd.groups[0].tau = {1, 1};
+    scene.crowd->groups[0].start_x = 0.05;
+    scene.crowd->groups[0].tau = {1, 1};
     CrowdWorld crowd = make_crowd(scene);
     const MadeUpWater water = testing::uniform_water(0, 4, 15, 35, 1, 0.25, -2.5, 0);
     for (int i = 0; i < 15 && crowd.dead == 0; ++i) step(crowd, water.view());

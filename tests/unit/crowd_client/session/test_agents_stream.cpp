@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"
 #include "shm_protocol/inside/bytes/hash.hpp"
@@ -32,19 +34,19 @@ MadeUpWater no_water(std::uint64_t) {
 // Three agents: one walks, one arrives in the first step, one is washed over the fall in the first step.
 Scene three_fates(wade::AgentsStream lag) {
     Scene scene = one_agent_scene(10, 25, 75, 50, 0.2);
-    AgentGroup group = scene.crowd.groups[0];
+    AgentGroup group = scene.crowd->groups[0];
     group.name = "near";
     group.start_x = 75.0;
     group.start_z = 46.98;
-    scene.crowd.groups.push_back(group);
+    scene.crowd->groups.push_back(group);
     group.name = "swept";
     group.start_x = 0.01;
     group.start_z = 30;
     group.mass = 40;
     group.tau = 1;
-    scene.crowd.groups.push_back(group);
-    scene.coupling.agents_stream = lag;
-    scene.coupling.agent_radius = 0.6;
+    scene.crowd->groups.push_back(group);
+    scene.coupling->agents_stream = lag;
+    scene.coupling->agent_radius = 0.6;
     scene.hash = 42;
     scene.duration = 0.5;
     return scene;
@@ -187,8 +189,8 @@ TEST_CASE("Each frame has all agents with what they are and what became of them"
 TEST_CASE(
     "People who push the water say in each frame what it gave them since the frame before, to the last bit in sum") {
     Scene scene = three_fates(wade::AgentsStream::parallel);
-    scene.coupling.two_way = true;
-    scene.crowd.step_rate = 60;
+    scene.coupling->two_way = true;
+    scene.crowd->step_rate = 60;
     scene.hash = 42;
     MadeUpSource source(1000, [](std::uint64_t) { return testing::uniform_water(5, 15, 20, 30, 1, 0.25, -1, 0.5); });
     const RunWithAgents run("impulses", scene, source);

@@ -66,7 +66,7 @@ TEST_CASE("What a crowd sets is set in the order in which it is written") {
     REQUIRE(crowds[0].loaded.scene.events.size() == 11);
     CHECK(crowds[0].loaded.scene.events[10].frame == 10);
     CHECK(crowds_of(R"([{"name": "a", "set": {"/crowd/tau": {"min": 0, "max": 1}, "/crowd/tau/max": 0.5}}])")[0]
-              .loaded.scene.crowd.groups[0]
+              .loaded.scene.crowd->groups[0]
               .tau->hi == 0.5);
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene_frames.hpp"
 #include "crowd_client/session/frame_time.hpp"
 
@@ -17,7 +18,7 @@ Scene scene_of(double frame_rate, double step_rate, double duration = 400) {
     Scene scene;
     scene.duration = duration;
     scene.frame_rate = frame_rate;
-    scene.crowd.step_rate = step_rate;
+    scene.crowd->step_rate = step_rate;
     return scene;
 }
 

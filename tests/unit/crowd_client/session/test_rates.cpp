@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"
 
@@ -22,7 +23,7 @@ MadeUpWater numbered_water(std::uint64_t frame) {
 
 Scene scene_with(double step_rate, double duration) {
     Scene scene = one_agent_scene(10, 25, 75, 50, 0.2);
-    scene.crowd.step_rate = step_rate;
+    scene.crowd->step_rate = step_rate;
     scene.duration = duration;
     return scene;
 }
@@ -108,7 +109,7 @@ TEST_CASE("A run whose last step is due after the last frame is completed all th
 TEST_CASE("Nobody walks on in the middle of a frame once the run is over") {
     Scene scene = one_agent_scene(74, 46, 75, 50, 0);
     scene.duration = 100;
-    scene.crowd.step_rate = 300;
+    scene.crowd->step_rate = 300;
     CrowdRun one{.crowd = make_crowd(scene)};
     MadeUpSource source(100'000, numbered_water);
     steps_of_run(one, source);

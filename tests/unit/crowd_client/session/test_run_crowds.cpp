@@ -6,6 +6,8 @@
 #include <memory>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/session/run_crowds.hpp"
@@ -31,13 +33,13 @@ MadeUpWater wild_water(std::uint64_t frame) {
 
 Scene rows_of_agents(std::uint64_t seed, double tau, double step_rate = 30) {
     Scene scene = one_agent_scene(4, 12, 10, 40, tau);
-    AgentGroup& group = scene.crowd.groups[0];
+    AgentGroup& group = scene.crowd->groups[0];
     group.columns = 6;
     group.rows = 3;
     group.count = 18;
     scene.seed = seed;
     scene.duration = 2;
-    scene.crowd.step_rate = step_rate;
+    scene.crowd->step_rate = step_rate;
     return scene;
 }
 
@@ -195,7 +197,7 @@ TEST_CASE("A crowd whose last files fail changes no other, not even one that is 
 
 TEST_CASE("A signal is obeyed between two steps of a frame") {
     Scene scene = one_agent_scene(10, 25, 75, 50, 0);
-    scene.crowd.step_rate = 3000;  // 100 steps a frame
+    scene.crowd->step_rate = 3000;  // 100 steps a frame
     for (const int threads : {1, 2}) {
         std::vector<CrowdRun> runs = runs_of({scene, scene});
         MadeUpSource source(1000, [](std::uint64_t) { return MadeUpWater{}; });

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/session/run_crowds.hpp"
 #include "made_up_water.hpp"
 
@@ -77,7 +78,7 @@ TEST_CASE("A run ends when no agent is active, if the scene says so") {
 
 TEST_CASE("A scene without agents runs for its whole duration") {
     Scene scene = short_scene(1);
-    scene.crowd.groups.clear();
+    scene.crowd->groups.clear();
     CrowdRun one{.crowd = make_crowd(scene)};
     MadeUpSource source(1000, dry);
     const RunSummary& summary = one.summary;

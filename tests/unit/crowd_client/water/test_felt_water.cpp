@@ -3,6 +3,10 @@
 #include <numbers>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/people/person.hpp"
 #include "crowd_client/water/felt_water.hpp"
@@ -19,14 +23,14 @@ namespace {
 // A channel from z = 11.5 to 38.5 m with boxes, and particles d apart.
 Scene river(double d, std::vector<Obstacle> boxes = {}) {
     Scene scene = one_agent_scene(50, 25, 50, 50, 0);
-    scene.fluid.particle_spacing = d;
+    scene.fluid->particle_spacing = d;
     scene.obstacles = std::move(boxes);
     return scene;
 }
 
 // A metre deep, 1.5 m/s along -x, but none where boxes stand.
 MadeUpWater stream(const Scene& scene, double x_lo = 40, double x_hi = 60) {
-    const MadeUpWater all = uniform_water(x_lo, x_hi, 11.5, 38.5, 1, scene.fluid.particle_spacing, -1.5, 0);
+    const MadeUpWater all = uniform_water(x_lo, x_hi, 11.5, 38.5, 1, scene.fluid->particle_spacing, -1.5, 0);
     MadeUpWater rest;
     for (std::size_t i = 0; i < all.mass.size(); ++i) {
         const double x = static_cast<double>(all.px[i]), z = static_cast<double>(all.pz[i]);
@@ -50,7 +54,7 @@ double counted_ground(const Scene& scene, const Vector2d& place, double spread) 
     for (int j = -half; j < half; ++j) {
         for (int i = -half; i < half; ++i) {
             const Vector2d at = place + spread / half * Vector2d(i + 0.5, j + 0.5);
-            bool open = scene.channel.x.contains(at.x()) && scene.channel.z.contains(at.y());
+            bool open = scene.channel->x.contains(at.x()) && scene.channel->z.contains(at.y());
             for (const Obstacle& box : scene.obstacles)
                 open = open && !(box.x.contains(at.x()) && box.z.contains(at.y()));
             if (open) sum += std::max(0.0, 1 - (at - place).norm() / spread);
@@ -61,7 +65,7 @@ double counted_ground(const Scene& scene, const Vector2d& place, double spread) 
 
 // The mean depth felt in waters whose particles lie anywhere in their cells of the lattice round a place.
 double mean_depth(const Scene& scene, const Vector2d& place) {
-    const double d = scene.fluid.particle_spacing, reach = 1.6;
+    const double d = scene.fluid->particle_spacing, reach = 1.6;
     auto any = [n = std::uint64_t{0}]() mutable { return counter_uniform(1, 1, n++); };
     const int waters =
         std::max(200, static_cast<int>(40000 * d * d));  // the mean depth then is known to 1 % in corners
@@ -155,10 +159,10 @@ TEST_CASE("Without water, beside the channel and far from water people feel none
 
 TEST_CASE("Over the joint of a periodic world people feel what they feel elsewhere") {
     Scene scene = river(0.25, {{{0, 1}, {20, 24}, 3}});
-    scene.world.ends = Ends::periodic;
-    scene.world.length = 20;
-    scene.channel.x = {0, 20};
-    scene.channel.flow = Flow::periodic;
+    scene.world->ends = Ends::periodic;
+    scene.world->length = 20;
+    scene.channel->x = {0, 20};
+    scene.channel->flow = Flow::periodic;
     const MadeUpWater water = stream(scene, 0, 20);
     const Feeling feeling = make_feeling(scene);
     CHECK(felt_at(scene, water, {0, 30}).depth == Approx(felt_at(scene, water, {10, 30}).depth));

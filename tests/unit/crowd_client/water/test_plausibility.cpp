@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
 #include "crowd_client/water/plausibility.hpp"
 #include "made_up_water.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 // A river of 100 x 27 x 1 m.
 Scene river() {
     Scene scene = testing::one_agent_scene(10, 25, 75, 50, 0.2);
-    scene.channel.velocity = 1;
+    scene.channel->velocity = 1;
     return scene;
 }
 
@@ -106,7 +107,7 @@ TEST_CASE("Frames without any particle are told of after ten seconds, where ther
     CHECK(plausibility.look(none.view(), 302, 10.06).empty());
 
     Scene dry = river();
-    dry.channel.velocity = 0;
+    dry.channel->velocity = 0;
     Plausibility of_dry(dry);
     CHECK(of_dry.look(none.view(), 301, 10.03).empty());
     Plausibility drained(river());

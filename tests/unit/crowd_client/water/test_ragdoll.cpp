@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "made_up_water.hpp"
@@ -23,16 +25,16 @@ RagdollRule rule_of(RagdollCondition condition) {
 
 Scene tumbling_scene(RagdollCondition condition, double tau = 0.9, double v_f = 2.5) {
     Scene scene = one_agent_scene(50, 25, 75, 50, tau);
-    scene.channel.velocity = v_f;
-    scene.crowd.ragdoll.condition = condition;
+    scene.channel->velocity = v_f;
+    scene.crowd->ragdoll.condition = condition;
     return scene;
 }
 
 // The same of somebody whom nothing moves, after half a second of the same water.
 std::vector<Ragdoll> ragdolls_of(Scene scene, const MadeUpWater& water) {
-    scene.crowd.ragdoll.tau_min = 0;
-    scene.crowd.groups[0].tau = 0;
-    scene.crowd.groups[0].desired_speed = 0;
+    scene.crowd->ragdoll.tau_min = 0;
+    scene.crowd->groups[0].tau = 0;
+    scene.crowd->groups[0].desired_speed = 0;
     CrowdWorld crowd = make_crowd(scene);
     for (int i = 0; i < 15; ++i) step(crowd, water.view());
     return crowd.ragdolls;
@@ -126,7 +128,7 @@ TEST_CASE("Without a particle in contact there is no ragdoll") {
 
 TEST_CASE("v_F is that of the time of the step") {
     Scene scene = tumbling_scene(RagdollCondition::paper);
-    scene.channel.velocity_history = {{0, 1}, {2.0, 3}};  // 2 m/s after a second
+    scene.channel->velocity_history = {{0, 1}, {2.0, 3}};  // 2 m/s after a second
     CrowdWorld crowd = make_crowd(scene);
     const MadeUpWater water = uniform_water(40, 60, 15, 35, 1, 0.2, -1, 0);
     for (int i = 0; i < 31; ++i) step(crowd, water.view());

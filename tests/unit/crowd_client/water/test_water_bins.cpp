@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "configs/scene/coupling.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_bins.hpp"

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "configs/scene/channel.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/water/water_met.hpp"
 #include "made_up_water.hpp"
@@ -15,8 +16,8 @@ namespace {
 // An agent that tau = 0 keeps from drifting, on its way to z = 50; the channel lies from z = 11.5 to 38.5.
 CrowdWorld walker_from(double z) {
     Scene scene = one_agent_scene(50, z, 50, 50, 0);
-    scene.channel.x = {0, 100};
-    scene.channel.z = {11.5, 38.5};
+    scene.channel->x = {0, 100};
+    scene.channel->z = {11.5, 38.5};
     return make_crowd(scene);
 }
 

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/ways/evasion.hpp"
 #include "made_up_water.hpp"
@@ -59,7 +60,7 @@ TEST_CASE("who has water all round goes on towards the goal; dry ground changes 
 TEST_CASE("people step back from the front where evasion is on, and walk into the water where it is off") {
     const auto walk = [](EvasionRule rule) {
         Scene scene = one_agent_scene(50, 8, 50, 50, 0);
-        scene.crowd.evasion.rule = rule;
+        scene.crowd->evasion.rule = rule;
         CrowdWorld crowd = make_crowd(scene);
         double furthest = -100;
         for (int frame = 0; frame < 240; ++frame) {

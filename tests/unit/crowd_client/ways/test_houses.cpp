@@ -3,6 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "crowd_client/bodies/obstacles_near.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
@@ -106,7 +109,7 @@ TEST_CASE("Walls of touching houses are slid along without a stop at the seam") 
 TEST_CASE("A house that is a rectangle along the axes stops, hides and feels as the box does") {
     Scene boxed = dry_scene(100, 50, {{{40, 50}, {20, 30}, 1}});
     Scene built = place_of(100, 50, {rectangle(40, 50, 20, 30)});
-    built.fluid.shallow_water.cell_size = boxed.fluid.particle_spacing;  // so that both feel as far
+    built.fluid->shallow_water.cell_size = boxed.fluid->particle_spacing;  // so that both feel as far
     const Walls box = make_walls(boxed), house = make_walls(built);
     const Feeling felt_box = make_feeling(boxed), felt_house = make_feeling(built);
     const Sight seen_box{place_boxes(boxed.obstacles), 0, {}}, seen_house{{}, 0, house.houses};
@@ -143,11 +146,11 @@ TEST_CASE("No markers stand in a turned house, and all beside it") {
     Plan plan;
     for (const Vector2d& p : rectangle(10, 20, 12, 18)) plan.push_back(turned(p, 30, {15, 15}));
     scene.place->houses.emplace_back().polygon = polygon_of(plan);
-    scene.crowd.groups = {row_of_people(1, {2, 2}, 1, {28, 28})};
+    scene.crowd->groups = {row_of_people(1, {2, 2}, 1, {28, 28})};
     const std::size_t all = place_markers(dry_scene(30, 30)).size(), left = place_markers(scene).size();
     // 16 markers a square metre, thrown at random: 60 m2 of house take 960, within five deviations of a Poisson process.
     CHECK(static_cast<double>(all - left) == Approx(960).margin(155));
-    scene.crowd.markers = MarkerRule::redrawn;
+    scene.crowd->markers = MarkerRule::redrawn;
     Markers drawn = place_markers(scene);
     redraw(drawn.drawn, 3);
     MarkerLanes<float> lanes;
@@ -174,12 +177,12 @@ TEST_CASE("Bodies in a street turned by 30 degrees touch no wall and walk as fas
         for (const Vector2d& p : rectangle(20, 60, 20, 28)) below.push_back(turned(p, degrees, {40, 30}));
         for (const Vector2d& p : rectangle(20, 60, 32, 40)) above.push_back(turned(p, degrees, {40, 30}));
         Scene scene = place_of(80, 60, {below, above});
-        scene.crowd.bodies = rule;
-        scene.crowd.markers = MarkerRule::redrawn;
+        scene.crowd->bodies = rule;
+        scene.crowd->markers = MarkerRule::redrawn;
         for (int row = 0; row < 4; ++row) {
             for (int column = 0; column < 6; ++column) {
                 const Vector2d start = turned(Vector2d(22 + column, 28.8 + 0.8 * row), degrees, {40, 30});
-                scene.crowd.groups.push_back(row_of_people(1, start, 1, turned({56, 30}, degrees, {40, 30})));
+                scene.crowd->groups.push_back(row_of_people(1, start, 1, turned({56, 30}, degrees, {40, 30})));
             }
         }
         CrowdWorld crowd = make_crowd(scene);

@@ -6,6 +6,10 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/ways/way_fields.hpp"
@@ -19,11 +23,11 @@ namespace {
 
 Scene navigated_scene(double length, double width, std::vector<Obstacle> obstacles) {
     Scene scene;
-    scene.world.length = length;
-    scene.world.width = width;
+    scene.world->length = length;
+    scene.world->width = width;
     scene.obstacles = std::move(obstacles);
-    scene.crowd.goal_radius = 1;
-    scene.crowd.navigation.rule = NavigationRule::travel_time;
+    scene.crowd->goal_radius = 1;
+    scene.crowd->navigation.rule = NavigationRule::travel_time;
     return scene;
 }
 
@@ -46,7 +50,7 @@ Scene court(double thickness) {
     Scene scene = navigated_scene(
         30, 20,
         {{{16 - thickness, 16}, {5, 15}, 3}, {{8, 16}, {5, 5 + thickness}, 3}, {{8, 16}, {15 - thickness, 15}, 3}});
-    scene.crowd.groups = {people("inside", 4, 3, {11, 8.7}, 1, {26, 10})};
+    scene.crowd->groups = {people("inside", 4, 3, {11, 8.7}, 1, {26, 10})};
     return scene;
 }
 
@@ -57,7 +61,7 @@ Scene rooms(double door) {
                                    {{10, 10.2}, {4 + door / 2, 20}, 3},
                                    {{7, 7.3}, {6, 6.3}, 3},
                                    {{7, 7.3}, {8, 8.3}, 3}});
-    scene.crowd.groups = {people("left", 1, 1, {3, 16}, 1, {17, 16})};
+    scene.crowd->groups = {people("left", 1, 1, {3, 16}, 1, {17, 16})};
     return scene;
 }
 
@@ -69,7 +73,7 @@ Scene village() {
             scene.obstacles.push_back({{x, x + 6}, {z, z + 6}, 3});
         }
     }
-    scene.crowd.groups = {people("east", 1, 1, {1, 1}, 1, {38, 28})};
+    scene.crowd->groups = {people("east", 1, 1, {1, 1}, 1, {38, 28})};
     return scene;
 }
 
@@ -78,7 +82,7 @@ void take_steps(CrowdWorld& crowd, int steps) {
 }
 
 Vector2d some_place(const Scene& scene, std::uint64_t k) {
-    return {scene.world.length * counter_uniform(7, 1, k), scene.world.width * counter_uniform(7, 2, k)};
+    return {scene.world->length * counter_uniform(7, 1, k), scene.world->width * counter_uniform(7, 2, k)};
 }
 
 bool is_free(const Scene& scene, const Vector2d& p, double clearance) {
@@ -94,13 +98,13 @@ TEST_CASE("Out of a court that is open at the back people find by travel times, 
     const double thickness = GENERATE(1.0, 0.1);
     const BodyRule bodies = GENERATE(BodyRule::none, BodyRule::fast, BodyRule::human);
     Scene scene = court(thickness);
-    scene.crowd.bodies = bodies;
-    if (bodies != BodyRule::none) scene.crowd.markers = MarkerRule::redrawn;
+    scene.crowd->bodies = bodies;
+    if (bodies != BodyRule::none) scene.crowd->markers = MarkerRule::redrawn;
     // The way is 29 m or less, 23 s.
     CrowdWorld crowd = make_crowd(scene);
     take_steps(crowd, 60 * 30);
     CHECK(crowd.arrived == crowd.agents.size());
-    scene.crowd.navigation.rule = NavigationRule::straight;
+    scene.crowd->navigation.rule = NavigationRule::straight;
     CrowdWorld straight = make_crowd(scene);
     take_steps(straight, 60 * 30);
     CHECK(straight.arrived == 0);
@@ -147,19 +151,19 @@ TEST_CASE("What is in sight does not depend on how the boxes are found") {
 // Half a metre of detour is the clearance and the cells that it is rounded up to; a lone agent's way wavers by its markers.
 TEST_CASE("A lone agent's way is hardly longer than a taut string") {
     Scene scene = court(1);
-    scene.crowd.groups = {people("one", 1, 1, {12, 10.5}, 1, {26, 10})};
+    scene.crowd->groups = {people("one", 1, 1, {12, 10.5}, 1, {26, 10})};
     CrowdWorld crowd = make_crowd(scene);
     take_steps(crowd, 60 * 30);
     REQUIRE(crowd.arrived == 1);
-    const double taut = std::hypot(4, 4.5) + 8 + std::hypot(10, 5) - scene.crowd.goal_radius;
+    const double taut = std::hypot(4, 4.5) + 8 + std::hypot(10, 5) - scene.crowd->goal_radius;
     CHECK(crowd.agents.path_length[0] > taut - 0.1);
     CHECK(crowd.agents.path_length[0] < 1.1 * taut + 0.5);
 }
 
 TEST_CASE("From every free place the ways lead to the goal, and at no place into an obstacle") {
     Scene scene = GENERATE(court(1), court(0.1), rooms(1.2), village());
-    scene.crowd.navigation.cell = GENERATE(0.2, 0.5, 0.8);
-    scene.crowd.body_radius = 0.2;
+    scene.crowd->navigation.cell = GENERATE(0.2, 0.5, 0.8);
+    scene.crowd->body_radius = 0.2;
     const Agents agents = make_agents(scene);
     const Navigation navigation = make_navigation(scene, agents);
     const Walls walls = make_walls(scene);
@@ -189,19 +193,19 @@ TEST_CASE("From every free place the ways lead to the goal, and at no place into
 
 TEST_CASE("A gap that is too narrow for bodies is no way") {
     Scene scene = rooms(0.4);
-    scene.crowd.body_radius = 0.25;
+    scene.crowd->body_radius = 0.25;
     CHECK_THROWS_AS(make_crowd(scene), ConfigurationError);
-    scene.crowd.body_radius = 0.1;
-    scene.crowd.navigation.cell = 0.2;
+    scene.crowd->body_radius = 0.1;
+    scene.crowd->navigation.cell = 0.2;
     CHECK_NOTHROW(make_crowd(scene));
 }
 
 TEST_CASE("With the goal in sight, people walk as they do straight, to the bit") {
     Scene scene = navigated_scene(40, 20, {{{18, 20}, {0, 6}, 3}, {{18, 20}, {14, 20}, 3}});
-    scene.crowd.groups = {people("through", 4, 4, {2, 8.5}, 1, {38, 10})};
+    scene.crowd->groups = {people("through", 4, 4, {2, 8.5}, 1, {38, 10})};
     CrowdWorld crowd = make_crowd(scene);
     CHECK(finds_ways(crowd.navigation));
-    scene.crowd.navigation.rule = NavigationRule::straight;
+    scene.crowd->navigation.rule = NavigationRule::straight;
     CrowdWorld straight = make_crowd(scene);
     CHECK_FALSE(finds_ways(straight.navigation));
     for (int k = 0; k < 300; ++k) {
@@ -213,17 +217,17 @@ TEST_CASE("With the goal in sight, people walk as they do straight, to the bit")
 
 TEST_CASE("Without obstacles and crowding there are no fields") {
     Scene scene = navigated_scene(40, 20, {});
-    scene.crowd.groups = {people("a", 4, 4, {2, 8}, 1, {38, 10})};
+    scene.crowd->groups = {people("a", 4, 4, {2, 8}, 1, {38, 10})};
     CHECK_FALSE(finds_ways(make_crowd(scene).navigation));
-    scene.crowd.navigation.crowding = 1;
+    scene.crowd->navigation.crowding = 1;
     CHECK(finds_ways(make_crowd(scene).navigation));
 }
 
 TEST_CASE("With crowding the way leads through the door at which fewer people wait") {
     Scene scene = navigated_scene(30, 20, {{{15, 16}, {0, 4}, 3}, {{15, 16}, {6, 14}, 3}, {{15, 16}, {16, 20}, 3}});
-    scene.crowd.groups = {people("one", 1, 1, {8, 9.5}, 1, {22, 9}), people("waiting", 6, 6, {12, 3.7}, 0.5, {29, 5})};
+    scene.crowd->groups = {people("one", 1, 1, {8, 9.5}, 1, {22, 9}), people("waiting", 6, 6, {12, 3.7}, 0.5, {29, 5})};
     const auto way = [&](double crowding) {
-        scene.crowd.navigation.crowding = crowding;
+        scene.crowd->navigation.crowding = crowding;
         const CrowdWorld crowd = make_crowd(scene);
         const Vector2d rest = crowd.agents.goal[0] - crowd.agents.position[0];
         return *way_from(crowd.navigation, crowd.navigation.fields[0], crowd.agents.position[0], rest);
@@ -236,9 +240,9 @@ TEST_CASE("With crowding the way leads through the door at which fewer people wa
 TEST_CASE("Fields with crowding are solved again where people have moved, once with every_s 0") {
     const double every = GENERATE(0.0, 0.5);
     Scene scene = navigated_scene(30, 20, {{{15, 16}, {0, 9}, 3}, {{15, 16}, {11, 20}, 3}});
-    scene.crowd.groups = {people("a", 5, 5, {2, 3}, 0.7, {28, 10})};
-    scene.crowd.navigation.crowding = 1;
-    scene.crowd.navigation.every = every;
+    scene.crowd->groups = {people("a", 5, 5, {2, 3}, 0.7, {28, 10})};
+    scene.crowd->navigation.crowding = 1;
+    scene.crowd->navigation.every = every;
     CrowdWorld crowd = make_crowd(scene);
     const std::vector<double> first = crowd.navigation.fields[0].travel;
     take_steps(crowd, 14);
@@ -249,12 +253,12 @@ TEST_CASE("Fields with crowding are solved again where people have moved, once w
 
 TEST_CASE("Crowds that find their ways have the same bits for any number of threads") {
     Scene scene = navigated_scene(60, 44, {{{28, 30}, {0, 18}, 3}, {{28, 30}, {24, 44}, 3}, {{40, 44}, {16, 26}, 3}});
-    scene.crowd.markers = MarkerRule::redrawn;
-    scene.crowd.bodies = BodyRule::fast;
-    scene.crowd.navigation.crowding = 1;
-    scene.crowd.navigation.every = 0.5;
-    scene.crowd.groups = {people("a", 15, 40, {1, 1}, 1, {58, 22}), people("b", 9, 40, {46, 1}, 1, {2, 30}),
-                          people("c", 4, 20, {18, 5}, 1, {58, 40})};
+    scene.crowd->markers = MarkerRule::redrawn;
+    scene.crowd->bodies = BodyRule::fast;
+    scene.crowd->navigation.crowding = 1;
+    scene.crowd->navigation.every = 0.5;
+    scene.crowd->groups = {people("a", 15, 40, {1, 1}, 1, {58, 22}), people("b", 9, 40, {46, 1}, 1, {2, 30}),
+                           people("c", 4, 20, {18, 5}, 1, {58, 40})};
     CrowdWorld one = make_crowd(scene);
     for (int k = 0; k < 32; ++k) step(one, {});
     for (const int threads : {2, 4}) {
@@ -269,13 +273,13 @@ TEST_CASE("In a periodic world ways lead over the joint, lap by lap") {
     const int direction = GENERATE(1, -1);
     // Two walls across the corridor, each with a door on another side; the joint lies between two of them.
     Scene scene = navigated_scene(20, 10, {{{5, 6}, {2, 10}, 3}, {{15, 16}, {0, 8}, 3}});
-    scene.world.ends = Ends::periodic;
-    scene.crowd.groups = {people("round", 1, 1, {10, 5}, 1, {10.0 + direction * 50, 5})};
+    scene.world->ends = Ends::periodic;
+    scene.crowd->groups = {people("round", 1, 1, {10, 5}, 1, {10.0 + direction * 50, 5})};
     CrowdWorld crowd = make_crowd(scene);
     take_steps(crowd, 150 * 30);
     CHECK(crowd.arrived == 1);
     CHECK(crowd.agents.laps[0] == (direction > 0 ? 2 : -2));
-    scene.crowd.navigation.rule = NavigationRule::straight;
+    scene.crowd->navigation.rule = NavigationRule::straight;
     CrowdWorld straight = make_crowd(scene);
     take_steps(straight, 150 * 30);
     CHECK(straight.arrived == 0);
@@ -287,14 +291,14 @@ TEST_CASE("An agent without a way to its goal is refused with its number, group 
     CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("/crowd/groups/0") && Catch::Contains("agent 0") &&
                                              Catch::Contains("group \"inside\"") && Catch::Contains("(26, 10) m") &&
                                              Catch::Contains("/crowd/body_radius_m") && Catch::Contains("allowed"));
-    scene.crowd.navigation.rule = NavigationRule::straight;
+    scene.crowd->navigation.rule = NavigationRule::straight;
     CHECK_NOTHROW(make_crowd(scene));
 }
 
 TEST_CASE("More cells than memory should hold are refused") {
     Scene scene = court(1);
-    scene.world.length = 20000;
-    scene.world.width = 20000;
+    scene.world->length = 20000;
+    scene.world->width = 20000;
     CHECK_THROWS_WITH(make_crowd(scene),
                       Catch::Contains("/crowd/navigation/cell_m is 0.5") && Catch::Contains("allowed"));
 }

@@ -6,6 +6,9 @@
 #include <vector>
 
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/crowd.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "made_up_water.hpp"
@@ -19,30 +22,30 @@ namespace {
 // Four people, three of them before a box.
 Scene one_box() {
     Scene scene = dry_scene(20, 20, {{{5, 11}, {5, 8}, 3}});
-    scene.crowd.groups = {row_of_people(4, {4, 2}, 1, {12, 14})};
+    scene.crowd->groups = {row_of_people(4, {4, 2}, 1, {12, 14})};
     return scene;
 }
 
 // Eleven people before a house.
 Scene house() {
     Scene scene = dry_scene(40, 30, {{{15, 23}, {10, 18}, 3}});
-    scene.crowd.groups = {row_of_people(11, {10, 2}, 2, {20, 28})};
+    scene.crowd->groups = {row_of_people(11, {10, 2}, 2, {20, 28})};
     return scene;
 }
 
 // The paper's village, or a periodic lap of it, without its water.
 Scene village(Ends ends) {
     Scene scene = load_scene(WADE_SCENES "/paper/village.json").scene;
-    scene.world.ends = ends;
-    scene.crowd.navigation.rule = NavigationRule::automatic;
-    scene.frame_rate = scene.crowd.step_rate = 10;
+    scene.world->ends = ends;
+    scene.crowd->navigation.rule = NavigationRule::automatic;
+    scene.frame_rate = scene.crowd->step_rate = 10;
     return scene;
 }
 
 // A wall with a door that only fine cells find, and a way round that is far longer.
 Scene door(double width) {
     Scene scene = dry_scene(20, 30, {{{10, 10.2}, {0, 3 - width / 2}, 3}, {{10, 10.2}, {3 + width / 2, 25}, 3}});
-    scene.crowd.groups = {row_of_people(3, {3, 6}, 1, {17, 6.2})};
+    scene.crowd->groups = {row_of_people(3, {3, 6}, 1, {17, 6.2})};
     return scene;
 }
 
@@ -70,8 +73,8 @@ TEST_CASE("With the default rule people find a narrow door, and what bodies do n
         for (const double length : crowd.agents.path_length) CHECK(length < 20);
     }
     Scene scene = door(0.34);  // shoulders turned, bodies need 0.36 m
-    scene.crowd.bodies = BodyRule::fast;
-    scene.crowd.markers = MarkerRule::redrawn;
+    scene.crowd->bodies = BodyRule::fast;
+    scene.crowd->markers = MarkerRule::redrawn;
     const CrowdWorld round = walked(scene, 60);
     REQUIRE(round.arrived == 3);
     for (const double length : round.agents.path_length) CHECK(length > 40);
@@ -80,9 +83,9 @@ TEST_CASE("With the default rule people find a narrow door, and what bodies do n
 TEST_CASE(
     "With the default rule there is no field where no obstacle is in the way, and the bits are those of straight") {
     Scene scene = dry_scene(40, 20, {{{18, 20}, {0, 6}, 3}, {{18, 20}, {14, 20}, 3}});
-    scene.crowd.groups = {row_of_people(8, {2, 10}, 1, {38, 10})};
+    scene.crowd->groups = {row_of_people(8, {2, 10}, 1, {38, 10})};
     CrowdWorld crowd = make_crowd(scene);
-    scene.crowd.navigation.rule = NavigationRule::straight;
+    scene.crowd->navigation.rule = NavigationRule::straight;
     CrowdWorld straight = make_crowd(scene);
     while (!straight.active.empty()) {
         step(crowd, {});
@@ -97,7 +100,7 @@ TEST_CASE("Fields are made for the goals that somebody does not see, and for no 
     Scene scene = house();
     AgentGroup beside = row_of_people(2, {30, 2}, 2, {32, 28});
     beside.name = "beside";
-    scene.crowd.groups.push_back(beside);
+    scene.crowd->groups.push_back(beside);
     const CrowdWorld crowd = make_crowd(scene);
     REQUIRE(crowd.navigation.fields.size() == 2);
     CHECK(crowd.navigation.fields[0].is_solved());
@@ -109,7 +112,7 @@ TEST_CASE("Ways are looked for every 0.1 s at any rate of steps, and kept in bet
     const auto [rate, decisions] =
         GENERATE(std::pair{30.0, 3}, std::pair{60.0, 6}, std::pair{10.0, 1}, std::pair{2.0, 1});
     Scene scene = house();
-    scene.frame_rate = scene.crowd.step_rate = rate;
+    scene.frame_rate = scene.crowd->step_rate = rate;
     CrowdWorld crowd = make_crowd(scene);
     REQUIRE(crowd.navigation.solved == 1);
     // Of people who are all in the same place, farther on in each decision.
@@ -131,14 +134,14 @@ TEST_CASE("Ways are looked for every 0.1 s at any rate of steps, and kept in bet
 
 TEST_CASE("Who is pushed behind a house finds round it, with the same bits for any number of threads") {
     Scene scene = dry_scene(60, 30, {{{10, 20}, {12, 18}, 3}});
-    scene.channel.flow = Flow::recirculating;
+    scene.channel->flow = Flow::recirculating;
     AgentGroup group = row_of_people(20, {26, 2}, 0.7, {30, 28});
     group.rows = 60;
     group.count = 1200;
     group.pitch_z = 0.08;
     group.tau = 1;
-    scene.crowd.groups = {group};
-    scene.crowd.markers = MarkerRule::redrawn;
+    scene.crowd->groups = {group};
+    scene.crowd->markers = MarkerRule::redrawn;
     std::vector<CrowdWorld> crowds;
     for (const int threads : {1, 3}) {
         CrowdWorld crowd = make_crowd(scene);
@@ -157,11 +160,11 @@ TEST_CASE("Who is pushed behind a house finds round it, with the same bits for a
 
 TEST_CASE("With the default rule somebody without a way walks as near as it gets, and crowding asks for fields") {
     Scene scene = dry_scene(20, 20, {{{10, 11}, {0, 20}, 3}});
-    scene.crowd.groups = {row_of_people(1, {3, 10}, 1, {17, 10})};
+    scene.crowd->groups = {row_of_people(1, {3, 10}, 1, {17, 10})};
     const CrowdWorld crowd = walked(scene, 30);
     CHECK(crowd.arrived == 0);
     CHECK(crowd.agents.position[0].x() > 9.5);
     scene.obstacles.clear();
-    scene.crowd.navigation.crowding = 1;
+    scene.crowd->navigation.crowding = 1;
     CHECK(make_crowd(scene).navigation.solved == 1);
 }

@@ -4,6 +4,10 @@
 #include <limits>
 #include <numbers>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
 #include "crowd_client/ways/obstacles.hpp"
 
@@ -105,9 +109,9 @@ TEST_CASE("No step, however long and wherever it starts, ends in a box or crosse
 
 TEST_CASE("Steps end at the same bits whether boxes are found by cells or asked one by one") {
     Scene scene;
-    scene.world.length = 120;
-    scene.world.width = 40;
-    scene.world.ends = GENERATE(Ends::open, Ends::periodic);
+    scene.world->length = 120;
+    scene.world->width = 40;
+    scene.world->ends = GENERATE(Ends::open, Ends::periodic);
     for (std::uint64_t i = 0; i < 150; ++i) {
         // On a lattice of a quarter of a metre, so that many touch and overlap, and steps meet corners; some walls.
         const auto draw = [&](std::uint64_t k, double most) {
@@ -140,7 +144,7 @@ TEST_CASE("Steps end at the same bits whether boxes are found by cells or asked 
             REQUIRE(to == slide(one_by_one, p, step, ends));
             if (to != p + step) ++bent;
             p = to;
-            p.x() = std::clamp(p.x(), 0.0, scene.world.length);
+            p.x() = std::clamp(p.x(), 0.0, scene.world->length);
             if (const auto near = place_outside(walls, p); near) p = *near;
         }
     }
@@ -158,29 +162,29 @@ TEST_CASE("The world's edges stop a step, except the fall where that is allowed"
 TEST_CASE("Water carries nobody over x = 0 where the channel is closed, and over the fall elsewhere") {
     Scene scene;
     scene.world = {30, 10, 9.81, Ends::open};
-    scene.channel.z = {1, 9};
+    scene.channel->z = {1, 9};
     const auto ends = [&](bool carried_down) { return ends_for(make_walls(scene), {6, 5}, 20, carried_down); };
     for (const Interval& x : {Interval{0, 30}, Interval{5, 25}}) {
-        scene.channel.x = x;
+        scene.channel->x = x;
         for (const Flow flow : {Flow::emitter, Flow::recirculating, Flow::periodic}) {
-            scene.channel.flow = flow;
+            scene.channel->flow = flow;
             CHECK(same(ends(true), Interval{-nowhere, 30}));
             CHECK(same(ends(false), Interval{0, 30}));
         }
-        scene.channel.flow = Flow::closed;
+        scene.channel->flow = Flow::closed;
         CHECK(same(ends(true), x));
         CHECK(same(ends(false), x));
     }
-    scene.world.ends = Ends::periodic;
+    scene.world->ends = Ends::periodic;
     CHECK(same(ends(true), Interval{-nowhere, nowhere}));
 }
 
 TEST_CASE("The ends of a closed channel keep who is in it and has its goal there, and nobody else") {
     Scene scene;
     scene.world = {30, 10, 9.81, Ends::open};
-    scene.channel.flow = Flow::closed;
-    scene.channel.x = {5, 25};
-    scene.channel.z = {1, 9};
+    scene.channel->flow = Flow::closed;
+    scene.channel->x = {5, 25};
+    scene.channel->z = {1, 9};
     const Walls walls = make_walls(scene);
     for (const bool carried_down : {false, true}) {
         CHECK(same(ends_for(walls, {5, 5}, 20, carried_down), Interval{5, 25}));

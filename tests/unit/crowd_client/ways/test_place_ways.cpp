@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/ways/place_ways.hpp"
 #include "made_up_water.hpp"
@@ -25,11 +26,11 @@ Scene two_shelters(int room_left) {
     scene.place.emplace();
     scene.place->houses.emplace_back().polygon = square(30, 20, 8);
     scene.place->shelters = {shelter("left", 6, 20, room_left), shelter("right", 54, 20, 0)};
-    scene.crowd.navigation.every = 1;
+    scene.crowd->navigation.every = 1;
     AgentGroup group = row_of_people(8, {10, 35}, 1, {0, 0});
     group.name = "people";
     group.goals = GoalRule::shelters;
-    scene.crowd.groups = {group};
+    scene.crowd->groups = {group};
     return scene;
 }
 
@@ -67,10 +68,10 @@ TEST_CASE("Water that nobody may stand in closes a way, and is gone round once i
     Scene scene = two_shelters(0);
     scene.place->houses[0].polygon = {{{{20, 14}, {40, 14}, {40, 26}, {20, 26}}}};
     scene.place->shelters = {shelter("right", 54, 10, 0)};
-    scene.crowd.groups[0] = row_of_people(1, {10, 12}, 1, {0, 0});
-    scene.crowd.groups[0].goals = GoalRule::shelters;
-    scene.crowd.response = ResponseKind::measured;
-    scene.crowd.groups[0].tau.reset();
+    scene.crowd->groups[0] = row_of_people(1, {10, 12}, 1, {0, 0});
+    scene.crowd->groups[0].goals = GoalRule::shelters;
+    scene.crowd->response = ResponseKind::measured;
+    scene.crowd->groups[0].tau.reset();
     const auto highest = [&](const MadeUpWater& water) {
         CrowdWorld crowd = make_crowd(scene);
         double z = 0;
@@ -88,7 +89,7 @@ TEST_CASE("Water that nobody may stand in closes a way, and is gone round once i
     // 0.1 m of still water is walked through.
     CHECK(highest(pond(20, 40, 0, 14, 0.1, 0)) < 14);
     // But who does not enter more than 0.05 m goes round it.
-    scene.crowd.navigation.enters_up_to = 0.05;
+    scene.crowd->navigation.enters_up_to = 0.05;
     CHECK(highest(pond(20, 40, 0, 14, 0.1, 0)) > 26);
 }
 
@@ -96,9 +97,9 @@ TEST_CASE("Who is cut off waits at the water's edge, and who is caught in it com
     Scene scene = two_shelters(0);
     scene.place->houses.clear();
     scene.place->shelters = {shelter("right", 54, 20, 0)};
-    scene.crowd.navigation.enters_up_to = 0.3;
-    scene.crowd.groups[0] = row_of_people(1, {10, 20}, 1, {0, 0});
-    scene.crowd.groups[0].goals = GoalRule::shelters;
+    scene.crowd->navigation.enters_up_to = 0.3;
+    scene.crowd->groups[0] = row_of_people(1, {10, 20}, 1, {0, 0});
+    scene.crowd->groups[0].goals = GoalRule::shelters;
     const MadeUpWater water = pond(30, 40, 0, 40, 0.5, 0);
     CrowdWorld crowd = make_crowd(scene);
     walk(crowd, 40, water.view());
@@ -106,7 +107,7 @@ TEST_CASE("Who is cut off waits at the water's edge, and who is caught in it com
     CHECK(crowd.agents.position[0].x() < 30);
     CHECK(is_waiting(crowd.navigation, 0));
 
-    scene.crowd.groups[0].start_x = 36;
+    scene.crowd->groups[0].start_x = 36;
     CrowdWorld caught = make_crowd(scene);
     walk(caught, 60, water.view());
     CHECK(caught.sheltered == 1);
@@ -116,13 +117,13 @@ TEST_CASE("Who is not warned walks on until it sees the water, and then goes rou
     Scene scene = two_shelters(0);
     scene.place->houses[0].polygon = {{{{20, 14}, {40, 14}, {40, 26}, {20, 26}}}};
     scene.place->shelters = {shelter("right", 54, 10, 0)};
-    scene.crowd.groups[0] = row_of_people(1, {10, 12}, 1, {0, 0});
-    scene.crowd.groups[0].goals = GoalRule::shelters;
-    scene.crowd.navigation.enters_up_to = 0.1;
-    scene.crowd.navigation.sight = 4;
+    scene.crowd->groups[0] = row_of_people(1, {10, 12}, 1, {0, 0});
+    scene.crowd->groups[0].goals = GoalRule::shelters;
+    scene.crowd->navigation.enters_up_to = 0.1;
+    scene.crowd->navigation.sight = 4;
     const MadeUpWater water = pond(30, 40, 0, 14, 0.5, 0);
     const auto farthest_below = [&](bool warned) {
-        scene.crowd.groups[0].warned = warned;
+        scene.crowd->groups[0].warned = warned;
         CrowdWorld crowd = make_crowd(scene);
         double x = 0;
         for (int k = 0; k < 900 && !crowd.active.empty(); ++k) {
@@ -142,12 +143,12 @@ TEST_CASE("High ground is a shelter, and slopes slow people down as Tobler says"
     scene.place->houses.clear();
     scene.place->shelters.clear();
     scene.place->ground.slope_x = 0.1;
-    scene.crowd.navigation.safe_above = 5;
-    scene.crowd.navigation.slope = SlopeRule::tobler;
-    scene.crowd.groups[0] = row_of_people(1, {10, 20}, 1, {0, 0});
-    scene.crowd.groups[0].goals = GoalRule::shelters;
+    scene.crowd->navigation.safe_above = 5;
+    scene.crowd->navigation.slope = SlopeRule::tobler;
+    scene.crowd->groups[0] = row_of_people(1, {10, 20}, 1, {0, 0});
+    scene.crowd->groups[0].goals = GoalRule::shelters;
     const auto walked = [&](SlopeRule rule) {
-        scene.crowd.navigation.slope = rule;
+        scene.crowd->navigation.slope = rule;
         CrowdWorld crowd = make_crowd(scene);
         walk(crowd, 20);
         return crowd.agents.position[0].x() - 10;
@@ -165,7 +166,7 @@ TEST_CASE("Whom no way leads to a shelter is named") {
     scene.place->shelters = {shelter("inside", 30, 20, 0)};
     scene.place->houses[0].polygon = {
         {{{20, 10}, {40, 10}, {40, 30}, {20, 30}}, {{21, 11}, {39, 11}, {39, 29}, {21, 29}}}};
-    scene.crowd.navigation.rule = NavigationRule::travel_time;
+    scene.crowd->navigation.rule = NavigationRule::travel_time;
     CHECK_THROWS_WITH(make_crowd(scene),
                       Catch::Contains("agent 0 of group \"people\" starts at (10, 35) m without a way "
                                       "to any shelter, as do 7 more"));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "configs/scene/obstacle.hpp"
 #include "crowd_client/ways/travel_time.hpp"
 
 using namespace wade;

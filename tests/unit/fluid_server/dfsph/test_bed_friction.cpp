@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/dfsph/bed_friction.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "scenes.hpp"
@@ -15,15 +17,15 @@ namespace {
 // A wide uniform stream, 6 m of it, periodic along and across.
 Scene stream(double depth, double velocity, double slope, double manning_n) {
     Scene scene;
-    scene.channel.x = {0, 6};
-    scene.channel.z = {0, 2};
-    scene.channel.flow = Flow::periodic;
-    scene.channel.sides = Sides::periodic;
-    scene.channel.initial_river = InitialRiver::filled;
-    scene.channel.depth = depth;
-    scene.channel.velocity = velocity;
-    scene.channel.slope = slope;
-    scene.channel.manning_n = manning_n;
+    scene.channel->x = {0, 6};
+    scene.channel->z = {0, 2};
+    scene.channel->flow = Flow::periodic;
+    scene.channel->sides = Sides::periodic;
+    scene.channel->initial_river = InitialRiver::filled;
+    scene.channel->depth = depth;
+    scene.channel->velocity = velocity;
+    scene.channel->slope = slope;
+    scene.channel->manning_n = manning_n;
     scene.fluid = test::fluid_of(0.25, 2000);
     return scene;
 }
@@ -114,8 +116,8 @@ TEST_CASE("friction gives the same bits for any number of threads", "[fluid][fri
     const auto speed = [](int threads) {
         omp_set_num_threads(threads);
         Scene scene = stream(1, 1, 0.01, 0.05);
-        scene.channel.x.hi = 40;
-        scene.fluid.max_particles = 6000;
+        scene.channel->x.hi = 40;
+        scene.fluid->max_particles = 6000;
         FluidWorld world(scene);
         run(world, 0.5);
         return mean_speed(world.particles());

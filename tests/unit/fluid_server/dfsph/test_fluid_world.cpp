@@ -8,6 +8,9 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/numbers/fnv1a.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "scenes.hpp"
 
@@ -72,12 +75,12 @@ TEST_CASE("sub-steps obey the time step limit and end exactly on the frame", "[f
 
 TEST_CASE("no CFL number lets pressure or speed move a particle too far in a step", "[fluid][time_step]") {
     Scene scene = test::tank(1, 1, 1, 0.1);
-    scene.fluid.cfl = 2;
+    scene.fluid->cfl = 2;
     const double wave = std::sqrt(9.81 * 1);
     FluidWorld still(scene);
     CHECK(still.step(1).dt == Approx(0.5 * 0.1 / wave).epsilon(0.04));  // a whole number of steps ends with the second
     for (const double speed : {0.5 * wave, 0.8 * wave, 3 * wave}) {
-        scene.channel.water_blocks[0].velocity = {0, 0, speed};
+        scene.channel->water_blocks[0].velocity = {0, 0, speed};
         FluidWorld world(scene);
         const double dt = world.step(1).dt;
         CHECK(dt <= 0.5 * 0.1 / wave);
@@ -88,10 +91,10 @@ TEST_CASE("no CFL number lets pressure or speed move a particle too far in a ste
 
 TEST_CASE("a velocity that is not finite ends the run as a numerical failure", "[fluid][errors]") {
     Scene scene = test::tank(1, 1, 1, 0.1);
-    scene.channel.water_blocks.clear();
-    scene.channel.flow = Flow::recirculating;
-    scene.channel.initial_river = InitialRiver::filled;
-    scene.channel.velocity = std::numeric_limits<double>::infinity();
+    scene.channel->water_blocks.clear();
+    scene.channel->flow = Flow::recirculating;
+    scene.channel->initial_river = InitialRiver::filled;
+    scene.channel->velocity = std::numeric_limits<double>::infinity();
     FluidWorld world(scene);
     try {
         world.step(1.0 / 30);
@@ -105,10 +108,10 @@ TEST_CASE("a velocity that is not finite ends the run as a numerical failure", "
 TEST_CASE("what is said to drive a river is what its velocities got, to the last bit", "[fluid][people]") {
     const auto driven = [](double speed) {
         Scene scene = test::tank(1, 1, 1, 0.1);
-        scene.channel.water_blocks.clear();
-        scene.channel.flow = Flow::recirculating;
-        scene.channel.initial_river = InitialRiver::filled;
-        scene.channel.velocity = speed;
+        scene.channel->water_blocks.clear();
+        scene.channel->flow = Flow::recirculating;
+        scene.channel->initial_river = InitialRiver::filled;
+        scene.channel->velocity = speed;
         FluidWorld world(scene);
         world.set_velocity([](const std::array<double, 3>&) { return std::array<double, 3>{-1, 0, 0}; });
         const StepReport step = world.step(1.0 / 30);
@@ -122,11 +125,11 @@ TEST_CASE("what is said to drive a river is what its velocities got, to the last
 
 TEST_CASE("a world without particles and one with a single particle step without harm", "[fluid]") {
     Scene scene = test::tank(1, 1, 1, 0.1);
-    scene.channel.water_blocks.clear();
+    scene.channel->water_blocks.clear();
     FluidWorld empty(scene);
     CHECK(empty.step(0.01).mean_density_error == 0);
 
-    scene.channel.water_blocks = {{{0.4, 0.5}, {0.4, 0.5}, 0.1}};
+    scene.channel->water_blocks = {{{0.4, 0.5}, {0.4, 0.5}, 0.1}};
     FluidWorld one(scene);
     REQUIRE(one.particles().count == 1);
     for (int n = 0; n < 200; ++n) {
@@ -139,7 +142,7 @@ TEST_CASE("a world without particles and one with a single particle step without
 
 TEST_CASE("water that runs round and over an obstacle neither enters it nor leaves the channel", "[fluid][solids]") {
     Scene scene = test::tank(6, 3, 1, 0.2);
-    scene.channel.water_blocks = {{{3.6, 6}, {0, 3}, 1.4}};
+    scene.channel->water_blocks = {{{3.6, 6}, {0, 3}, 1.4}};
     scene.obstacles = {{{1.5, 2.5}, {0.8, 1.8}, 0.5}, {{0, 0.4}, {0, 3}, 0.3}};
     FluidWorld world(scene);
     const auto count = world.particles().count;
@@ -169,7 +172,7 @@ TEST_CASE("water that runs round and over an obstacle neither enters it nor leav
 // 40 layers that are let go: a Jacobi iteration alone takes 738 iterations here and does not end twice.
 TEST_CASE("the pressure of deep water is found in fewer iterations than Jacobi's", "[fluid][deep]") {
     Scene scene = test::tank(0.6, 0.6, 4, 0.1);
-    scene.fluid.kinematic_viscosity = 0;
+    scene.fluid->kinematic_viscosity = 0;
     FluidWorld world(scene);
     int iterations = 0, given_up = 0;
     for (int frame = 0; frame < 15; ++frame) {
@@ -177,7 +180,7 @@ TEST_CASE("the pressure of deep water is found in fewer iterations than Jacobi's
             const StepReport report = world.step(left);
             left -= report.dt;
             iterations += report.divergence.iterations;
-            given_up += report.divergence.iterations == scene.fluid.divergence_solve.max_iterations ? 1 : 0;
+            given_up += report.divergence.iterations == scene.fluid->divergence_solve.max_iterations ? 1 : 0;
         }
     }
     CHECK(iterations < 600);

@@ -2,6 +2,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/dfsph/midpoint.hpp"
 #include "scenes.hpp"
@@ -17,18 +20,18 @@ constexpr double k = 2 * std::numbers::pi;
 // Without gravity and viscosity, periodic along all axes.
 Scene square_of_water(double cfl) {
     Scene scene;
-    scene.world.gravity = 0;
-    scene.channel.x = {0, 1};
-    scene.channel.z = {0, 9.0 / across};
-    scene.channel.flow = Flow::periodic;
-    scene.channel.sides = Sides::periodic;
-    scene.channel.top = Top::periodic;
-    scene.channel.height = scene.channel.depth = 1;
-    scene.channel.initial_river = InitialRiver::filled;
+    scene.world->gravity = 0;
+    scene.channel->x = {0, 1};
+    scene.channel->z = {0, 9.0 / across};
+    scene.channel->flow = Flow::periodic;
+    scene.channel->sides = Sides::periodic;
+    scene.channel->top = Top::periodic;
+    scene.channel->height = scene.channel->depth = 1;
+    scene.channel->initial_river = InitialRiver::filled;
     scene.fluid = test::fluid_of(1.0 / across, across * across * 9);
-    scene.fluid.kernel = KernelKind::wendland_c2;
-    scene.fluid.kinematic_viscosity = 0;
-    scene.fluid.cfl = cfl;
+    scene.fluid->kernel = KernelKind::wendland_c2;
+    scene.fluid->kinematic_viscosity = 0;
+    scene.fluid->cfl = cfl;
     return scene;
 }
 
@@ -87,11 +90,11 @@ TEST_CASE("vortices of water without viscosity lose less than Euler steps alone 
 // the solves that are thrown from step to step would not stop there.
 TEST_CASE("the weight of water under a lid does not shake it to pieces", "[fluid][midpoint]") {
     Scene scene = test::tank(1, 1, 1, 0.1);
-    scene.channel.top = Top::wall;
-    scene.channel.height = 1;
-    scene.fluid.kernel = KernelKind::wendland_c2;
-    scene.fluid.kinematic_viscosity = 0;
-    scene.fluid.cfl = 0.5;
+    scene.channel->top = Top::wall;
+    scene.channel->height = 1;
+    scene.fluid->kernel = KernelKind::wendland_c2;
+    scene.fluid->kinematic_viscosity = 0;
+    scene.fluid->cfl = 0.5;
     FluidWorld world(scene);
     REQUIRE(world.particles().count == 1000);
     for (int frame = 0; frame < 60; ++frame) {

@@ -5,6 +5,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/dfsph/stabler_settings.hpp"
 #include "fluid_server/dfsph/step_measures.hpp"
 #include "fluid_server/dfsph/time_step.hpp"

@@ -2,7 +2,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/dfsph/viscosity.hpp"
@@ -16,11 +19,11 @@ using namespace wade::fluid;
 
 TEST_CASE("the driving acceleration brings the mean velocity to the bulk speed within the step", "[fluid][forces]") {
     Scene scene;
-    scene.channel.x = {0, 8};
-    scene.channel.z = {0, 4};
-    scene.channel.flow = Flow::recirculating;
-    scene.channel.velocity = 1.5;
-    scene.channel.initial_river = InitialRiver::filled;
+    scene.channel->x = {0, 8};
+    scene.channel->z = {0, 4};
+    scene.channel->flow = Flow::recirculating;
+    scene.channel->velocity = 1.5;
+    scene.channel->initial_river = InitialRiver::filled;
     scene.fluid = test::fluid_of(0.25, 3000);
     FluidWorld world(scene);
     for (int n = 0; n < 20; ++n) {
@@ -36,16 +39,16 @@ TEST_CASE("the driving acceleration brings the mean velocity to the bulk speed w
 TEST_CASE("a vertical layer of shear decays at the rate of its viscosity", "[fluid][forces]") {
     // v_x = sin(k z) in a box without gravity: dv/dt = -nu k^2 v.
     Scene scene;
-    scene.world.gravity = 0;
-    scene.channel.x = {0, 2};
-    scene.channel.z = {0, 2};
-    scene.channel.flow = Flow::recirculating;
-    scene.channel.sides = Sides::periodic;
-    scene.channel.depth = 1;
-    scene.channel.initial_river = InitialRiver::filled;
+    scene.world->gravity = 0;
+    scene.channel->x = {0, 2};
+    scene.channel->z = {0, 2};
+    scene.channel->flow = Flow::recirculating;
+    scene.channel->sides = Sides::periodic;
+    scene.channel->depth = 1;
+    scene.channel->initial_river = InitialRiver::filled;
     scene.fluid = test::fluid_of(0.1, 5000);
-    scene.fluid.kinematic_viscosity = 0.05;
-    const auto h = static_cast<float>(2 * scene.fluid.particle_spacing);
+    scene.fluid->kinematic_viscosity = 0.05;
+    const auto h = static_cast<float>(2 * scene.fluid->particle_spacing);
     const float dt = 0.01F;
     Particles p(5000);
     CellGrid grid(scene, h);
@@ -69,7 +72,7 @@ TEST_CASE("a vertical layer of shear decays at the rate of its viscosity", "[flu
     const double before = amplitude();
     for (int n = 0; n < 100; ++n) {
         compute_density_and_diagonal(p, CubicSpline(h), 1e-3F, true, lists, fields);
-        apply_viscosity(p, fields, static_cast<float>(scene.fluid.kinematic_viscosity), dt);
+        apply_viscosity(p, fields, static_cast<float>(scene.fluid->kinematic_viscosity), dt);
     }
     // The free surface has no neighbours above and so no shear there. The lattice sum of the operator is 2 % off in k^2
     // (virial of the cubic spline at two spacings: 1.02), and (k d)^2 / 12 of truncation is 1 %.
@@ -86,10 +89,10 @@ constexpr float viscosity = 1;  // over the second moment of the kernel, m^2/s
 // Largest viscous acceleration, m/s2, of a lattice that fills 1 x 1 x 1 m between bed and lid, u_x(y) given.
 template <typename Profile>
 float largest_acceleration(Scene scene, Profile&& profile) {
-    scene.channel.flow = Flow::periodic;
-    scene.channel.sides = Sides::periodic;
-    scene.channel.top = Top::wall;
-    scene.channel.height = 1;
+    scene.channel->flow = Flow::periodic;
+    scene.channel->sides = Sides::periodic;
+    scene.channel->top = Top::wall;
+    scene.channel->height = 1;
     Particles p(1000);
     for (int n = 0; n < 1000; ++n) {
         const auto at = [](int i) { return (static_cast<float>(i) + 0.5F) * static_cast<float>(d); };
@@ -114,19 +117,19 @@ float largest_acceleration(Scene scene, Profile&& profile) {
 
 TEST_CASE("a linear profile between planes that move with it feels no viscous force", "[fluid][no_slip]") {
     Scene scene = test::tank(1, 1, 1, d);
-    scene.fluid.kernel = GENERATE(KernelKind::cubic_spline, KernelKind::quartic_spline, KernelKind::wendland_c2);
-    scene.channel.no_slip = {{Plane::bed, {0.5, 0, 0}}, {Plane::top, {2.5, 0, 0}}};
+    scene.fluid->kernel = GENERATE(KernelKind::cubic_spline, KernelKind::quartic_spline, KernelKind::wendland_c2);
+    scene.channel->no_slip = {{Plane::bed, {0.5, 0, 0}}, {Plane::top, {2.5, 0, 0}}};
     CHECK(largest_acceleration(scene, [](float y) { return 0.5F + 2 * y; }) < 1e-3F);
     // The same profile between planes at rest is held up by both.
-    scene.channel.no_slip = {{Plane::bed, {}}, {Plane::top, {}}};
+    scene.channel->no_slip = {{Plane::bed, {}}, {Plane::top, {}}};
     CHECK(largest_acceleration(scene, [](float y) { return 0.5F + 2 * y; }) > 10);
 }
 
 TEST_CASE("free-slip planes let a uniform stream pass", "[fluid][no_slip]") {
     Scene scene = test::tank(1, 1, 1, d);
     CHECK(largest_acceleration(scene, [](float) { return 3.0F; }) < 1e-4F);
-    scene.channel.no_slip = {{Plane::bed, {3, 0, 0}}};
+    scene.channel->no_slip = {{Plane::bed, {3, 0, 0}}};
     CHECK(largest_acceleration(scene, [](float) { return 3.0F; }) < 1e-4F);
-    scene.channel.no_slip = {{Plane::bed, {}}};
+    scene.channel->no_slip = {{Plane::bed, {}}};
     CHECK(largest_acceleration(scene, [](float) { return 3.0F; }) > 10);
 }

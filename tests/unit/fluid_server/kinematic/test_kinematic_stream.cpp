@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/kinematic/kinematic_stream.hpp"
 #include "fluid_server/kinematic/velocity_profile.hpp"
 #include "frame_arrays.hpp"
@@ -23,11 +25,11 @@ constexpr std::uint64_t ticks_per_frame = 100'000;
 
 Scene stream_scene(Flow flow, InitialRiver river) {
     Scene scene = test::emitter_channel(1.5, 9.81, 10000);
-    scene.fluid.model = wade::ModelKind::kinematic;
-    scene.channel.x = {20, 60};
-    scene.channel.z = {11.5, 20};
-    scene.channel.flow = flow;
-    scene.channel.initial_river = river;
+    scene.fluid->model = wade::ModelKind::kinematic;
+    scene.channel->x = {20, 60};
+    scene.channel->z = {11.5, 20};
+    scene.channel->flow = flow;
+    scene.channel->initial_river = river;
     return scene;
 }
 Scene dry_scene() {
@@ -54,7 +56,7 @@ test::FrameArrays frame_at(const Scene& scene, std::uint64_t f, shm::Diagnostics
 }
 
 double bed_area(const Scene& scene) {
-    return scene.channel.x.length() * scene.channel.z.length();
+    return scene.channel->x.length() * scene.channel->z.length();
 }
 
 }  // namespace
@@ -62,9 +64,9 @@ double bed_area(const Scene& scene) {
 TEST_CASE("a recirculating kinematic stream holds the mass of its depth to half a particle", "[fluid][kinematic]") {
     for (const double depth : {0.5, 0.7, 1.0, 1.3}) {
         Scene scene = round_scene();
-        scene.channel.depth = depth;
+        scene.channel->depth = depth;
         const double wanted = 1000 * depth * bed_area(scene);
-        const double particle = 1000 * std::pow(scene.fluid.particle_spacing, 3);
+        const double particle = 1000 * std::pow(scene.fluid->particle_spacing, 3);
         INFO(depth);
         CHECK(std::abs(frame_at(scene, 7).mass() - wanted) <= 0.501 * particle);
     }
@@ -74,7 +76,7 @@ TEST_CASE("a kinematic stream through a channel holds the mass of its depth in t
           "[fluid][kinematic]") {
     for (const double depth : {0.5, 0.7, 1.0, 1.3}) {
         Scene scene = filled_scene();
-        scene.channel.depth = depth;
+        scene.channel->depth = depth;
         KinematicStream stream(scene);
         test::FrameArrays arrays(stream);
         double mass = 0;
@@ -90,14 +92,14 @@ TEST_CASE("a kinematic stream through a channel holds the mass of its depth in t
 
 TEST_CASE("the front of a dry start is at transport factor times velocity times time", "[fluid][kinematic]") {
     Scene scene = dry_scene();
-    scene.fluid.kinematic.transport_factor = 2.6;
+    scene.fluid->kinematic.transport_factor = 2.6;
     for (const std::uint64_t f : {30U, 90U, 200U}) {
         const auto x = frame_at(scene, f).x();
         const double front = 60 - 2.6 * 1.5 * static_cast<double>(f) / 30;
         const double foremost = static_cast<double>(*std::min_element(x.begin(), x.end()));
         INFO(f);
         CHECK(foremost >= front - 1e-4);
-        CHECK(foremost <= front + scene.fluid.particle_spacing);  // the nearest of some forty first cells
+        CHECK(foremost <= front + scene.fluid->particle_spacing);  // the nearest of some forty first cells
     }
 }
 
@@ -115,14 +117,14 @@ TEST_CASE("nothing of a dry start is there before it enters, nothing stays when 
         // What has come through the opening is there or was recycled; 50 cells may be a particle ahead or behind.
         const double entered = 1.5 * static_cast<double>(f) / 30 * 8.5;  // m3
         const double particles = static_cast<double>(arrays.count) + static_cast<double>(d.recycled_particles);
-        REQUIRE(std::abs(particles * std::pow(scene.fluid.particle_spacing, 3) - entered) < 4);
+        REQUIRE(std::abs(particles * std::pow(scene.fluid->particle_spacing, 3) - entered) < 4);
     }
     CHECK(arrays.count > 0);
 }
 
 TEST_CASE("a kinematic stream publishes the velocity without the transport factor", "[fluid][kinematic]") {
     Scene scene = filled_scene();
-    scene.fluid.kinematic.transport_factor = 2.6;
+    scene.fluid->kinematic.transport_factor = 2.6;
     shm::Diagnostics d;
     const auto particles = frame_at(scene, 12, &d).particles();
     CHECK(std::all_of(particles[1].begin(), particles[1].end(), [](float v) { return v == -1.5F; }));
@@ -134,10 +136,10 @@ TEST_CASE("a kinematic stream publishes the velocity without the transport facto
 TEST_CASE("the layers of a logarithmic stream have its velocity as their mean and move each at their own",
           "[fluid][kinematic]") {
     Scene scene = round_scene();
-    scene.fluid.particle_spacing = 0.25;
-    scene.fluid.max_particles = 100000;
-    scene.fluid.kinematic.profile = VelocityProfile::logarithmic;
-    scene.fluid.kinematic.transport_factor = 2;
+    scene.fluid->particle_spacing = 0.25;
+    scene.fluid->max_particles = 100000;
+    scene.fluid->kinematic.profile = VelocityProfile::logarithmic;
+    scene.fluid->kinematic.transport_factor = 2;
     shm::Diagnostics d;
     const auto before = frame_at(scene, 1).particles();
     const auto after = frame_at(scene, 2, &d).particles();
@@ -157,7 +159,7 @@ TEST_CASE("the layers of a logarithmic stream have its velocity as their mean an
 TEST_CASE("a recirculating kinematic stream comes back after a round", "[fluid][kinematic]") {
     // 40 m at 1.6 m/s are 25 s or 750 frames.
     Scene scene = round_scene();
-    scene.channel.velocity = 1.6;
+    scene.channel->velocity = 1.6;
     const auto once = frame_at(scene, 10).particles();
     const auto again = frame_at(scene, 760).particles();
     REQUIRE(once[0].size() == again[0].size());
@@ -191,8 +193,8 @@ TEST_CASE("a frame of a kinematic stream is a function of its tick alone", "[flu
 TEST_CASE("a kinematic stream is the same for any number of threads and another for another seed",
           "[fluid][kinematic]") {
     Scene scene = filled_scene();
-    scene.fluid.particle_spacing = 0.25;
-    scene.fluid.max_particles = 100000;
+    scene.fluid->particle_spacing = 0.25;
+    scene.fluid->max_particles = 100000;
     const int threads = omp_get_max_threads();
     omp_set_num_threads(1);
     const auto alone = frame_at(scene, 30).particles();
@@ -209,7 +211,7 @@ TEST_CASE("particles that pass the end of a filled stream are counted as recycle
     const Scene scene = filled_scene();
     shm::Diagnostics d;
     frame_at(scene, 300, &d);
-    const double passed = 1.5 * 10 * 8.5 / std::pow(scene.fluid.particle_spacing, 3);
+    const double passed = 1.5 * 10 * 8.5 / std::pow(scene.fluid->particle_spacing, 3);
     CHECK(static_cast<double>(d.recycled_particles) == Approx(passed).margin(20));
 }
 
@@ -247,8 +249,8 @@ constexpr double lattice_strip = 8.5 / 19;  // m, of 0.4642 m of spacing and lay
 // The recirculating stream with two layers of particles in a lattice, as 0.46 m makes of 1 m.
 Scene lattice_scene(double jitter) {
     Scene scene = round_scene();
-    scene.fluid.kinematic.arrangement = Arrangement::lattice;
-    scene.fluid.kinematic.jitter = jitter;
+    scene.fluid->kinematic.arrangement = Arrangement::lattice;
+    scene.fluid->kinematic.jitter = jitter;
     return scene;
 }
 
@@ -297,7 +299,7 @@ TEST_CASE("the particles of a lattice deviate by up to half of the jitter", "[fl
 TEST_CASE("a lattice keeps the mass of its depth and its cells whatever its jitter", "[fluid][kinematic]") {
     for (const double jitter : {0.0, 0.5, 0.8, 1.0}) {
         Scene scene = lattice_scene(jitter);
-        scene.channel.flow = Flow::emitter;
+        scene.channel->flow = Flow::emitter;
         KinematicStream stream(scene);
         test::FrameArrays arrays(stream);
         double mass = 0;

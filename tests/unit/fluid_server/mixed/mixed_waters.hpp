@@ -6,6 +6,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/mixed/mixed_world.hpp"
 #include "fluid_server/mixed/model.hpp"
 
@@ -14,32 +17,32 @@ namespace wade::fluid::mixed {
 // Four layers of particles in water 1 m deep, 6 m wide, on cells of 0.5 m; the window from x_min to x_max.
 inline Scene channel(double length, double x_min, double x_max, Flow flow) {
     Scene scene;
-    scene.world.length = length, scene.world.width = 6;
-    scene.channel.x = {0, length}, scene.channel.z = {0, 6};
-    scene.channel.flow = flow;
-    scene.channel.depth = 1;
-    scene.fluid.model = wade::ModelKind::mixed;
-    scene.fluid.shallow_water.cell_size = 0.5;
-    scene.fluid.particle_spacing = 0.25;
-    scene.fluid.max_particles = 20000;
-    scene.fluid.kinematic_viscosity = 0.01;
-    scene.fluid.cfl = 0.5;
-    scene.fluid.density_solve = {5e-4, 2, 100};
-    scene.fluid.divergence_solve = {1e-3, 1, 100};
-    if (x_min < x_max) scene.fluid.mixed.x_min = x_min, scene.fluid.mixed.x_max = x_max;
+    scene.world->length = length, scene.world->width = 6;
+    scene.channel->x = {0, length}, scene.channel->z = {0, 6};
+    scene.channel->flow = flow;
+    scene.channel->depth = 1;
+    scene.fluid->model = wade::ModelKind::mixed;
+    scene.fluid->shallow_water.cell_size = 0.5;
+    scene.fluid->particle_spacing = 0.25;
+    scene.fluid->max_particles = 20000;
+    scene.fluid->kinematic_viscosity = 0.01;
+    scene.fluid->cfl = 0.5;
+    scene.fluid->density_solve = {5e-4, 2, 100};
+    scene.fluid->divergence_solve = {1e-3, 1, 100};
+    if (x_min < x_max) scene.fluid->mixed.x_min = x_min, scene.fluid->mixed.x_max = x_max;
     return scene;
 }
 
 inline Scene basin(double length, double x_min, double x_max, double depth = 1) {
     Scene scene = channel(length, x_min, x_max, Flow::closed);
-    scene.channel.water_blocks = {{{0, length}, {0, 6}, depth}};
+    scene.channel->water_blocks = {{{0, length}, {0, 6}, depth}};
     return scene;
 }
 
 inline Scene river(double length, double x_min, double x_max, double velocity) {
     Scene scene = channel(length, x_min, x_max, Flow::recirculating);
-    scene.channel.initial_river = InitialRiver::filled;
-    scene.channel.velocity = velocity;
+    scene.channel->initial_river = InitialRiver::filled;
+    scene.channel->velocity = velocity;
     return scene;
 }
 
@@ -59,7 +62,7 @@ inline Section section(const MixedWorld& world, double from, double to) {
     const shallow_water::ShallowWater& shallow = world.grid_water();
     const shallow_water::Grid& grid = shallow.grid;
     double volume = 0, flow = 0;
-    const double particle = std::pow(shallow.scene.fluid.particle_spacing, 3);
+    const double particle = std::pow(shallow.scene.fluid->particle_spacing, 3);
     const auto part = [&](double lo, double hi) { return std::max(0.0, std::min(hi, to) - std::max(lo, from)); };
     for (std::size_t k = 0; k < grid.nz; ++k) {
         for (std::size_t i = 0; i < grid.nx; ++i) {
@@ -71,7 +74,7 @@ inline Section section(const MixedWorld& world, double from, double to) {
         }
     }
     const Particles& p = world.particle_water().particles();
-    const double d = shallow.scene.fluid.particle_spacing;
+    const double d = shallow.scene.fluid->particle_spacing;
     // A particle is as long as the spacing; what of it lies outside the window is the grid's.
     const double lo = std::max(from, world.ends()[0].x), hi = std::min(to, world.ends()[1].x);
     for (std::size_t i = 0; i < p.count && !world.window().empty(); ++i) {

@@ -3,6 +3,9 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/fluid.hpp"
 #include "mixed_waters.hpp"
 
 using namespace wade;
@@ -21,7 +24,7 @@ TEST_CASE("still water stays at rest across the ends of the window", "[mixed]") 
     run(world, 6);
     // A lattice of still DFSPH water settles with a shake in any tank: here it may be half as strong again, no more.
     Scene tank = basin(6, 1, 0);
-    tank.fluid.model = wade::ModelKind::dfsph;
+    tank.fluid->model = wade::ModelKind::dfsph;
     FluidWorld still(tank);
     for (int f = 0; f < 180; ++f) {
         for (double left = 1.0 / 30; left > 1e-9;) left -= still.step(left).dt;
@@ -65,7 +68,7 @@ TEST_CASE("a uniform river keeps depth and speed through the window", "[.long]")
 
 TEST_CASE("what drives a river round its window is what people take from it", "[mixed]") {
     Scene scene = river(20, 6, 14, 1);
-    scene.coupling.two_way = true;
+    scene.coupling->two_way = true;
     MixedWorld world(scene);
     PeopleInWater& people = world.people();
     people.told = true;
@@ -80,7 +83,7 @@ TEST_CASE("what drives a river round its window is what people take from it", "[
             driven += step.driving_acceleration * step.dt;
         }
     }
-    const double took = -people.account.taken[0] / scene.fluid.rest_density;  // m^4/s
+    const double took = -people.account.taken[0] / scene.fluid->rest_density;  // m^4/s
     CHECK(took == Approx(0.15).epsilon(1e-5));  // 1 s of it, rounding of velocities to float32
     // What the last step took drives the next one: a step of some 65.
     CHECK(driven * world.volume() == Approx(took).epsilon(0.03));
@@ -95,10 +98,10 @@ TEST_CASE("what drives a river round its window is what people take from it", "[
 
 TEST_CASE("a river of eight layers does not speed up before its window", "[mixed]") {
     Scene scene = river(8, 2, 6, 1);
-    scene.fluid.particle_spacing = scene.fluid.shallow_water.cell_size = 0.125;
-    scene.channel.z = {scene.channel.z.lo, scene.channel.z.lo + 1};
-    scene.fluid.max_particles = 20000;
-    scene.channel.flow = Flow::emitter;
+    scene.fluid->particle_spacing = scene.fluid->shallow_water.cell_size = 0.125;
+    scene.channel->z = {scene.channel->z.lo, scene.channel->z.lo + 1};
+    scene.fluid->max_particles = 20000;
+    scene.channel->flow = Flow::emitter;
     MixedWorld world(scene);
     run(world, 4);
     const Particles& p = world.particle_water().particles();
@@ -136,7 +139,7 @@ TEST_CASE("a long wave passes through the window", "[.long]") {
 TEST_CASE("the front of a dam break passes a window on dry ground", "[mixed]") {
     const auto run_dam = [](double x_min, double x_max) {
         Scene scene = channel(30, x_min, x_max, Flow::closed);
-        scene.channel.water_blocks = {{{20, 30}, {0, 6}, 1}};
+        scene.channel->water_blocks = {{{20, 30}, {0, 6}, 1}};
         MixedWorld world(scene);
         const double volume = world.volume();
         run(world, 4);

@@ -6,6 +6,9 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "mixed_waters.hpp"
 #include "shm_protocol/layout.hpp"
 #include "tests/unit/fluid_server/frame_arrays.hpp"
@@ -35,8 +38,8 @@ FrameInterval frame(std::uint64_t number) {
 
 Scene followed_river() {
     Scene scene = river(60, 1, 0, 1.5);  // no place of its own
-    scene.coupling.agents_stream = AgentsStream::serial;
-    scene.fluid.particle_spacing = 0.4642;
+    scene.coupling->agents_stream = AgentsStream::serial;
+    scene.fluid->particle_spacing = 0.4642;
     return scene;
 }
 
@@ -45,7 +48,7 @@ std::vector<float> walk_along(const Scene& scene) {
     MixedModel model(scene);
     FrameArrays arrays(model);
     Someone agent;
-    const double volume = model.world().volume(), density = scene.fluid.rest_density;
+    const double volume = model.world().volume(), density = scene.fluid->rest_density;
     std::vector<float> seen;
     std::vector<std::size_t> begins;
     for (std::uint64_t f = 1; f <= 360; ++f) {
@@ -108,9 +111,9 @@ TEST_CASE("no people, no particles", "[mixed]") {
 TEST_CASE("the window keeps its guards out of obstacles and inside the channel", "[mixed]") {
     Scene scene = river(60, 1, 0, 1.5);
     scene.obstacles = {{{20, 22}, {2, 4}, 2}};
-    scene.fluid.mixed.obstacles = true;
-    scene.fluid.mixed.margin = 0;
-    scene.fluid.max_particles = 40000;
+    scene.fluid->mixed.obstacles = true;
+    scene.fluid->mixed.margin = 0;
+    scene.fluid->max_particles = 40000;
     MixedWorld world(scene);
     const auto& grid = world.grid_water().grid;
     CHECK(grid.face_x(world.window().begin) < 20);

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/fluid.hpp"
 #include "open_scenes.hpp"
 
 using namespace wade;
@@ -96,8 +97,8 @@ TEST_CASE("a model without a row for a kind of water is no candidate, nor is one
 TEST_CASE("the scene as chosen needs no choice and is known to the crowd by the hash of the scene as written") {
     const LoadedScene written = scene_with(river);
     const LoadedScene chosen = scene_as(written, front_for(written)[1]);
-    CHECK(chosen.scene.fluid.model == wade::ModelKind::dfsph);
-    CHECK(chosen.scene.fluid.particle_spacing == 0.4);
+    CHECK(chosen.scene.fluid->model == wade::ModelKind::dfsph);
+    CHECK(chosen.scene.fluid->particle_spacing == 0.4);
     CHECK(chosen.scene.hash == written.scene.hash);
     const LoadedScene again = load_scene_text(chosen.canonical_json, "chosen.json");
     CHECK(again.canonical_json == chosen.canonical_json);

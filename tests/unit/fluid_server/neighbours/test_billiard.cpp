@@ -10,6 +10,7 @@
 #include <memory>
 #include <random>
 
+#include "configs/scene/world.hpp"
 #include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
@@ -327,7 +328,7 @@ TEST_CASE("a tank of a place sees what the same tank of a channel sees", "[billi
     find_neighbours(grid, Solids(channel), particles, h, of_channel);
     compute_density_and_diagonal(particles, make_kernel(channel.fluid), 1e-3F, false, of_channel, expected);
     Scene place = channel;
-    place.world.length = place.world.width = 1.2;
+    place.world->length = place.world->width = 1.2;
     place.place = Place{};
     const Seen seen(place, test::solids_of(place), particles, 0.1);
     // The grid of a place is higher, which changes the order.

@@ -7,6 +7,9 @@
 #include <random>
 #include <tuple>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "fluid_server/neighbours/cluster_places.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/neighbours/sight.hpp"
@@ -19,14 +22,14 @@ using namespace wade::fluid;
 namespace {
 
 Particles random_particles(const Scene& scene, std::size_t n) {
-    Particles particles(static_cast<std::size_t>(scene.fluid.max_particles));
+    Particles particles(static_cast<std::size_t>(scene.fluid->max_particles));
     std::mt19937 random(7);
     const auto in = [&](double lo, double hi) {
         return static_cast<float>(std::uniform_real_distribution<double>(lo, hi)(random));
     };
     for (std::size_t i = 0; i < n; ++i) {
         particles.add(
-            {in(scene.channel.x.lo, scene.channel.x.hi), in(0, 2), in(scene.channel.z.lo, scene.channel.z.hi)},
+            {in(scene.channel->x.lo, scene.channel->x.hi), in(0, 2), in(scene.channel->z.lo, scene.channel->z.hi)},
             {static_cast<float>(i), 0, 0}, Kind::fluid);
     }
     return particles;
@@ -42,10 +45,10 @@ TEST_CASE("the search finds exactly the pairs that a double loop finds", "[fluid
     Scene scene = test::tank(6, 5, 1, 0.3);
     const bool periodic = GENERATE(false, true);
     if (periodic) {
-        scene.channel.flow = Flow::recirculating;
-        scene.channel.sides = Sides::periodic;
-        scene.channel.top = Top::periodic;
-        scene.channel.height = 2;
+        scene.channel->flow = Flow::recirculating;
+        scene.channel->sides = Sides::periodic;
+        scene.channel->top = Top::periodic;
+        scene.channel->height = 2;
     }
     const float h = 0.6F;
     Particles p = random_particles(scene, 2000);
@@ -172,9 +175,9 @@ TEST_CASE("sorting gives the same order for any number of threads, and keeps an 
 TEST_CASE("a grid of pages in use sorts and finds as a grid of all cells does", "[fluid][neighbours]") {
     const float h = 0.9284F;
     Scene scene = test::tank(1000, 150, 1, 0.4642);  // 2 million cells
-    scene.fluid.max_particles = 6000;
+    scene.fluid->max_particles = 6000;
     Scene roomy = scene;
-    roomy.fluid.max_particles = 300000;  // so that all cells are kept
+    roomy.fluid->max_particles = 300000;  // so that all cells are kept
     const auto far_apart = [&] {
         Particles p(6000);
         std::mt19937 random(5);
@@ -288,7 +291,7 @@ Scene scene_with_boxes(std::mt19937& random) {
 }
 Particles particles_beside(const Solids& solids, const Scene& scene, std::mt19937& random, std::size_t n = 700) {
     const auto in = [&](float lo, float hi) { return std::uniform_real_distribution<float>(lo, hi)(random); };
-    Particles p(static_cast<std::size_t>(scene.fluid.max_particles));
+    Particles p(static_cast<std::size_t>(scene.fluid->max_particles));
     const std::vector<BedFacet> bed = bed_facets(scene.channel);
     while (p.count < n) {
         const Vec3 x{in(0.01F, 5.99F), in(0.01F, 1.2F), in(0.01F, 4.99F)};
@@ -311,7 +314,7 @@ TEST_CASE("the search among boxes finds the images and shares that asking every 
     std::size_t in_part = 0, in_faces = 0;
     for (int trial = 0; trial < 6; ++trial) {
         Scene scene = scene_with_boxes(random);
-        if (trial == 5) scene.channel.top = Top::wall, scene.channel.height = 1.25;
+        if (trial == 5) scene.channel->top = Top::wall, scene.channel->height = 1.25;
         const Solids solids(scene);
         Particles p = particles_beside(solids, scene, random);
         CellGrid grid(scene, h);
@@ -364,10 +367,10 @@ TEST_CASE("whom a particle sees among boxes does not depend on who is in its clu
     std::size_t in_part = 0;
     for (int trial = 0; trial < 6; ++trial) {
         Scene scene = scene_with_boxes(random);
-        scene.fluid.kernel = h < 0.7F ? KernelKind::cubic_spline : KernelKind::quartic_spline;
+        scene.fluid->kernel = h < 0.7F ? KernelKind::cubic_spline : KernelKind::quartic_spline;
         for (Obstacle& box : scene.obstacles) box.height = std::uniform_real_distribution<double>(0.1, 0.9)(random);
-        if (trial % 3 == 1) scene.channel.bed_points = {{1.5, 0}, {2, 0.25}, {2.5, 0}, {3.5, 0}, {4, 0.25}, {4.5, 0}};
-        if (trial % 3 == 2) scene.channel.flow = Flow::recirculating, scene.channel.sides = Sides::periodic;
+        if (trial % 3 == 1) scene.channel->bed_points = {{1.5, 0}, {2, 0.25}, {2.5, 0}, {3.5, 0}, {4, 0.25}, {4.5, 0}};
+        if (trial % 3 == 2) scene.channel->flow = Flow::recirculating, scene.channel->sides = Sides::periodic;
         const Solids solids(scene);
         Particles p = particles_beside(solids, scene, random, 4000);
         CellGrid grid(scene, h);

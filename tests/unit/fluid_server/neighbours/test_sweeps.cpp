@@ -6,6 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/neighbours/gradient_correction.hpp"
@@ -34,7 +36,7 @@ struct Corner {
           particles(600),
           lists(600),
           fields(600) {
-        scene.fluid.kernel = kind;
+        scene.fluid->kernel = kind;
         kernel = make_kernel(scene.fluid);
         h = static_cast<float>(support_radius_of(scene.fluid));
         std::mt19937 random(11);
@@ -208,10 +210,10 @@ struct Packing {
     static Scene scene_in_tank() {
         Scene scene;
         scene.world = {.length = 6, .width = 6};
-        scene.channel.x = {0, 6};
-        scene.channel.z = {0, 6};
-        scene.channel.flow = Flow::closed;
-        scene.channel.height = 6;
+        scene.channel->x = {0, 6};
+        scene.channel->z = {0, 6};
+        scene.channel->flow = Flow::closed;
+        scene.channel->height = 6;
         scene.fluid = test::fluid_of(static_cast<double>(d), n * n * n);
         return scene;
     }

@@ -8,6 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "fluid_server/particles/box_index.hpp"
 #include "fluid_server/particles/solids.hpp"
 #include "fluid_server/particles/water_depth.hpp"
@@ -198,7 +202,7 @@ constexpr double spacing = 0.05;
 // A stream 0.4 m deep in a channel 4 m long and 0.6 m wide.
 Scene stream() {
     Scene scene = test::tank(4, 0.6, 0.4, spacing);
-    scene.fluid.max_particles = 60000;
+    scene.fluid->max_particles = 60000;
     return scene;
 }
 
@@ -241,7 +245,7 @@ TEST_CASE("a thin sheet does not count as deep water", "[fluid][depth]") {
 
 TEST_CASE("ten layers and fewer are never measured", "[fluid][depth]") {
     Scene scene = stream();
-    scene.channel.water_blocks.at(0).depth = 0.1;
+    scene.channel->water_blocks.at(0).depth = 0.1;
     WaterDepth depth(scene);
     Particles particles(60000);
     add_box(particles, {0, 4}, 0.5, {0, 0.6});  // five times as deep: ten layers

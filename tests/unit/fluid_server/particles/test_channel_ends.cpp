@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/particles/emitter.hpp"
 #include "fluid_server/particles/make_channel_ends.hpp"
@@ -28,7 +30,7 @@ Particles two_particles() {
 
 TEST_CASE("nothing happens at the ends of closed and periodic channels", "[fluid][ends]") {
     Scene scene = test::tank(4, 2, 1, 0.25);
-    scene.channel.flow = GENERATE(Flow::closed, Flow::periodic);
+    scene.channel->flow = GENERATE(Flow::closed, Flow::periodic);
     Particles p = two_particles();
     const auto ends = make_channel_ends(scene, p);
     ends->begin_step(p, 0, 0.1);
@@ -44,8 +46,8 @@ TEST_CASE("nothing happens at the ends of closed and periodic channels", "[fluid
 
 TEST_CASE("a recirculating channel is driven to its velocity within the step", "[fluid][ends]") {
     Scene scene = test::tank(4, 2, 1, 0.25);
-    scene.channel.flow = Flow::recirculating;
-    scene.channel.velocity = 2.5;
+    scene.channel->flow = Flow::recirculating;
+    scene.channel->velocity = 2.5;
     const Particles p = two_particles();
     Particles filled = p;
     const auto ends = make_channel_ends(scene, filled);
@@ -111,7 +113,7 @@ TEST_CASE("the emitter delivers the mass flow of its opening and speed", "[fluid
         emitter.take_out(particles.count - kept);
         particles.count = kept;
     }
-    const double d3 = std::pow(scene.fluid.particle_spacing, 3);
+    const double d3 = std::pow(scene.fluid->particle_spacing, 3);
     const double emitted =
         (static_cast<double>(before - emitter.state()->stock) + static_cast<double>(emitter.state()->recycled)) * d3;
     const double expected = 1.5 * 1 * 4 * steps / 30.0;
@@ -156,8 +158,8 @@ TEST_CASE("an emitter without stock waits and goes on when particles return", "[
 TEST_CASE("an emitter whose lattice is denser than rest does not burst", "[fluid][emitter]") {
     Scene scene = test::emitter_channel(1.5, 9.81, 400);
     // By 0.9 % where 1.7 spacings fit into the depth, by 0.065 % with 2.2, the depth of the paper.
-    scene.channel.depth = GENERATE(0.8, 1.0);
-    scene.fluid.cfl = 0.5;
+    scene.channel->depth = GENERATE(0.8, 1.0);
+    scene.fluid->cfl = 0.5;
     FluidWorld world(scene);
     int most_iterations = 0;
     for (int frame = 0; frame < 90; ++frame) {

@@ -7,6 +7,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/particles/bed_profile.hpp"
 #include "fluid_server/particles/filling.hpp"
@@ -24,8 +27,8 @@ namespace {
 // A tank of 8 x 0.8 m with a bump of 0.2 m between 2 and 6 m.
 Scene bump_tank() {
     Scene scene = test::tank(8, 0.8, 2, 0.1);
-    scene.channel.sides = Sides::periodic;
-    scene.channel.bed_points = {{2, 0}, {3, 0.15}, {4, 0.2}, {5, 0.15}, {6, 0}};
+    scene.channel->sides = Sides::periodic;
+    scene.channel->bed_points = {{2, 0}, {3, 0.15}, {4, 0.2}, {5, 0.15}, {6, 0}};
     return scene;
 }
 
@@ -89,9 +92,9 @@ TEST_CASE("two particles see one another in a facet or neither does, at the same
 
 TEST_CASE("water over a bump stays at rest, above the bed", "[fluid][bed]") {
     Scene scene = bump_tank();
-    scene.channel.water_blocks = {{{0, 8}, {0, 0.8}, 0.5}};
-    scene.fluid.density_solve.tolerance = 1e-4;
-    scene.fluid.divergence_solve.tolerance = 1e-4;
+    scene.channel->water_blocks = {{{0, 8}, {0, 0.8}, 0.5}};
+    scene.fluid->density_solve.tolerance = 1e-4;
+    scene.fluid->divergence_solve.tolerance = 1e-4;
     FluidWorld world(scene);
     const std::vector<BedFacet> bed = bed_facets(scene.channel);
     // Volume: 8 x 0.5 m less the trapezia of the bump, 0.5 m2, times 0.8 m.
@@ -172,23 +175,23 @@ TEST_CASE("a block whose sides are multiples of the spacing becomes a perfect cu
 
 TEST_CASE("water on a slope starts with the pressure of the gravity across the bed", "[fluid][filling]") {
     Scene scene = test::tank(4, 1, 1, 0.25);
-    scene.channel.flow = Flow::periodic;
-    scene.channel.slope = 0.75;  // gravity across the bed is 4/5 of g
+    scene.channel->flow = Flow::periodic;
+    scene.channel->slope = 0.75;  // gravity across the bed is 4/5 of g
     Particles particles(1000);
     fill_scene(particles, scene);
     REQUIRE(particles.count == 16 * 4 * 4);
     for (std::size_t i = 0; i < particles.count; ++i) {
-        const double rest = 0.8 * scene.world.gravity * (1 - static_cast<double>(particles.y[i]));
+        const double rest = 0.8 * scene.world->gravity * (1 - static_cast<double>(particles.y[i]));
         CHECK(static_cast<double>(particles.pressure[i]) == Approx(rest));
     }
 }
 
 TEST_CASE("water is filled round an obstacle and starts without a jolt", "[fluid][filling]") {
     Scene scene;
-    scene.channel.x = {0, 10};
-    scene.channel.z = {0, 5};
-    scene.channel.flow = Flow::recirculating;
-    scene.channel.initial_river = InitialRiver::filled;
+    scene.channel->x = {0, 10};
+    scene.channel->z = {0, 5};
+    scene.channel->flow = Flow::recirculating;
+    scene.channel->initial_river = InitialRiver::filled;
     scene.obstacles = {{{3.1, 5.02}, {1.93, 3.3}, 2}};  // faces that no lattice meets
     scene.fluid = test::fluid_of(0.25, 4000);
     FluidWorld world(scene);

@@ -4,6 +4,8 @@
 #include <functional>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
 #include "fluid_server/particles/emitter.hpp"
 #include "fluid_server/particles/inflow.hpp"
@@ -25,7 +27,7 @@ double way(double t) {
 
 Scene emitter_scene(const std::vector<VelocityPoint>& history, int capacity) {
     Scene scene = test::emitter_channel(0, 9.81, capacity);
-    scene.channel.velocity_history = history;
+    scene.channel->velocity_history = history;
     return scene;
 }
 
@@ -89,7 +91,7 @@ TEST_CASE("an emitter delivers the integral of v_F, layer by layer", "[fluid][in
     emitter.emit(p, 0);
     const std::size_t layer = 2 * 9;  // 1 m x 4 m at 0.4642 m
     REQUIRE(p.count == 4 * layer);
-    const double pitch = static_cast<double>(layer) * std::pow(scene.fluid.particle_spacing, 3) / 4;
+    const double pitch = static_cast<double>(layer) * std::pow(scene.fluid->particle_spacing, 3) / 4;
     double t = 0;
     const double dt = 0.01;
     for (int n = 0; n < 600; ++n, t += dt) {
@@ -111,7 +113,7 @@ TEST_CASE("an emitter delivers the integral of v_F, layer by layer", "[fluid][in
 
 TEST_CASE("the waiting layers reach further than the kernel", "[fluid][inflow][emitter]") {
     Scene scene = emitter_scene({{0, 1}}, 5000);
-    scene.fluid.kernel = KernelKind::wendland_c2;
+    scene.fluid->kernel = KernelKind::wendland_c2;
     Particles p(5000);
     Emitter emitter(scene, 0);
     emitter.emit(p, 0);
@@ -132,7 +134,7 @@ TEST_CASE("a river that starts from nothing, stops and starts again gets the mas
     const Scene scene = emitter_scene(stop_and_go, 2000);
     FluidWorld world(scene);
     const std::size_t layer = 2 * 9;
-    const double volume = std::pow(scene.fluid.particle_spacing, 3);
+    const double volume = std::pow(scene.fluid->particle_spacing, 3);
     run_frames(world, 200, [&] {
         const Particles& p = world.particles();
         REQUIRE(p.count + world.emitter().stock == 2000);
@@ -155,7 +157,7 @@ TEST_CASE("a river that starts from nothing, stops and starts again gets the mas
 TEST_CASE("a history of one velocity is that velocity, to the bit", "[fluid][inflow]") {
     const auto final_state = [](double velocity, const std::vector<VelocityPoint>& history) {
         Scene scene = emitter_scene(history, 2000);
-        scene.channel.velocity = velocity;
+        scene.channel->velocity = velocity;
         FluidWorld world(scene);
         run_frames(world, 60, [] {});
         return world.particles().x;
@@ -165,10 +167,10 @@ TEST_CASE("a history of one velocity is that velocity, to the bit", "[fluid][inf
 
 TEST_CASE("a recirculating river follows v_F in time", "[fluid][inflow]") {
     Scene scene = test::tank(4, 2, 1, 0.25);
-    scene.channel.water_blocks.clear();
-    scene.channel.flow = Flow::recirculating;
-    scene.channel.initial_river = InitialRiver::filled;
-    scene.channel.velocity_history = {{0, 0}, {1, 2}};
+    scene.channel->water_blocks.clear();
+    scene.channel->flow = Flow::recirculating;
+    scene.channel->initial_river = InitialRiver::filled;
+    scene.channel->velocity_history = {{0, 0}, {1, 2}};
     FluidWorld world(scene);
     run_frames(world, 60, [&] {
         double speed = 0;
@@ -196,7 +198,7 @@ TEST_CASE("an inflow that jumps up does not outrun the time step", "[fluid][infl
 
 TEST_CASE("what leaves at the outlet does not come back, also when the water turns round", "[fluid][emitter]") {
     Scene scene = test::emitter_channel(0.5, 9.81, 2000);
-    scene.channel.initial_river = InitialRiver::filled;
+    scene.channel->initial_river = InitialRiver::filled;
     FluidWorld world(scene);
     for (int round = 0; round < 3; ++round) {
         // All of the water moves away from the outlet, piles up at the emitter, and comes back as a wave.

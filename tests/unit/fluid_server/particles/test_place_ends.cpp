@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/particles/place/place_ends.hpp"
 
 namespace wade::fluid::place_ends_test {
@@ -10,8 +12,8 @@ namespace wade::fluid::place_ends_test {
 // 10 m x 10 m, particles of 0.5 m; a source with 0.5 m3/s, four particles a second, that rises to twice that within 10 s.
 Scene place_with(Source source) {
     Scene scene;
-    scene.world.length = scene.world.width = 10;
-    scene.fluid.particle_spacing = 0.5;
+    scene.world->length = scene.world->width = 10;
+    scene.fluid->particle_spacing = 0.5;
     scene.place.emplace();
     scene.place->ground.level = 3;
     source.discharge = {{0, 0.5}, {10, 1}};

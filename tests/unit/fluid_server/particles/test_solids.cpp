@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/obstacle.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
@@ -71,7 +73,7 @@ TEST_CASE("a lattice has rest density at bed, banks, end walls and in their corn
 // Mean density below the surface of a lattice in a channel `across` spacings wide.
 double density_between_banks(KernelKind kind, int across) {
     Scene scene = test::tank(3, across * d, 3, d);
-    scene.fluid.kernel = kind;
+    scene.fluid->kernel = kind;
     const Densities lattice = densities_of_lattice(scene, 12, 12, across);
     double sum = 0;
     int count = 0;

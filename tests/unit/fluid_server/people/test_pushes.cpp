@@ -8,7 +8,10 @@
 #include <memory>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/scene_capacity.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/make_model.hpp"
 #include "fluid_server/mixed/model.hpp"
 #include "fluid_server/people/pushes.hpp"
@@ -27,15 +30,15 @@ constexpr double frame_time = 1.0 / 30;
 // A river of 1 m/s, 1 m deep, 12 x 6 m, periodic along x; particles of 0.25 m, cells of 0.5 m, a window from 4 to 8 m.
 Scene river(ModelKind model) {
     Scene scene;
-    scene.world.length = 12, scene.world.width = 6;
-    scene.channel.x = {0, 12}, scene.channel.z = {0, 6};
-    scene.channel.flow = Flow::recirculating;
-    scene.channel.initial_river = InitialRiver::filled;
-    scene.channel.depth = 1, scene.channel.velocity = 1;
+    scene.world->length = 12, scene.world->width = 6;
+    scene.channel->x = {0, 12}, scene.channel->z = {0, 6};
+    scene.channel->flow = Flow::recirculating;
+    scene.channel->initial_river = InitialRiver::filled;
+    scene.channel->depth = 1, scene.channel->velocity = 1;
     scene.fluid = test::fluid_of(0.25, 20000);
-    scene.fluid.model = model;
-    scene.fluid.shallow_water.cell_size = 0.5;
-    if (model == ModelKind::mixed) scene.fluid.mixed.x_min = 4, scene.fluid.mixed.x_max = 8;
+    scene.fluid->model = model;
+    scene.fluid->shallow_water.cell_size = 0.5;
+    if (model == ModelKind::mixed) scene.fluid->mixed.x_min = 4, scene.fluid->mixed.x_max = 8;
     return scene;
 }
 
@@ -85,7 +88,7 @@ GroundVector momentum(const shallow_water::ShallowWater& world) {
         const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
         for (std::size_t i = c; i < c + grid.nx; ++i) sum[0] += world.water.qx[i], sum[1] += world.water.qz[i];
     }
-    const double mass_of_depth = world.scene.fluid.rest_density * grid.cell_area();
+    const double mass_of_depth = world.scene.fluid->rest_density * grid.cell_area();
     return {mass_of_depth * sum[0], mass_of_depth * sum[1]};
 }
 
@@ -214,7 +217,7 @@ TEST_CASE("Cells lose what people take to 1e-13 of it") {
 
 TEST_CASE("The weight of cells changes smoothly as a person walks, and is a whole cone wherever it stands") {
     Scene scene = river(ModelKind::shallow_water);
-    scene.fluid.shallow_water.cell_size = 0.25;
+    scene.fluid->shallow_water.cell_size = 0.25;
     const shallow_water::ShallowWater world(scene);
     double last = 0;
     for (int k = 0; k <= 50; ++k) {

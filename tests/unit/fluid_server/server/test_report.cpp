@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "configs/scene/channel.hpp"
 #include "fluid_server/server/report.hpp"
 #include "toy_model.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 // Of a run of 1 h at 30 frames a second after its first 10 s.
 std::string line_of(const shm::Diagnostics& d, std::uint32_t particles) {
     Scene scene;
-    scene.channel.x = {0, 24};
+    scene.channel->x = {0, 24};
     scene.frame_rate = 30;
     scene.duration = 3600;
     test::Toy model(scene);

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "configs/scene/coupling.hpp"
 #include "fluid_server/dfsph/dfsph_model.hpp"
 #include "fluid_server/server/run_server.hpp"
 #include "fluid_server/server/threads_in_use.hpp"
@@ -219,7 +220,7 @@ TEST_CASE("a server sends nothing before as many consumers have joined as it was
 TEST_CASE("serial coupling computes frame f with agents f, parallel coupling with agents f - 1", "[server][agents]") {
     const std::uint32_t lag = GENERATE(0U, 1U);
     Scene scene = short_scene(30, 0.2);
-    scene.coupling.agents_stream = lag == 1 ? AgentsStream::parallel : AgentsStream::serial;
+    scene.coupling->agents_stream = lag == 1 ? AgentsStream::parallel : AgentsStream::serial;
     const std::string session = session_of_its_own();
     Counter model;
     shm::Publisher publisher(session, stream_info(scene, model), patient());

@@ -8,6 +8,9 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/coupling.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/shallow_water/model.hpp"
 #include "tests/validation/place_scenes.hpp"
 #include "waters.hpp"
@@ -154,7 +157,7 @@ void check_bits(const Scene& scene, std::uint64_t frames, std::uint64_t rate,
 // Water that falls down between houses, with all that comes and goes, through a gate that opens.
 Scene place_with_all() {
     Scene scene = validation::empty_place(30, 20, 0.5);
-    scene.fluid.model = wade::ModelKind::shallow_water;
+    scene.fluid->model = wade::ModelKind::shallow_water;
     const validation::Turn turn(15, 10, 25);
     Place& place = *scene.place;
     place.ground.slope_x = -0.1, place.ground.level = 4;
@@ -178,7 +181,7 @@ TEST_CASE("a place over ranks gives the bits of one process", "[bands]") {
 
 TEST_CASE("what the first rank has of water that runs away is what was last there", "[bands]") {
     Scene scene = validation::empty_place(40, 12, 0.5);
-    scene.fluid.model = wade::ModelKind::shallow_water;
+    scene.fluid->model = wade::ModelKind::shallow_water;
     Place& place = *scene.place;
     place.ground.slope_x = -0.2, place.ground.level = 8;
     place.roughness.n = 0;  // so that lines fall dry
@@ -191,9 +194,9 @@ TEST_CASE("channels over ranks give the bits of one process", "[bands]") {
     Scene scene = river(20, 12, 1, 1, 1.5);
     scene.obstacles.push_back({{8, 10}, {3, 7.2}, 2});
     for (const Flow flow : {Flow::recirculating, Flow::emitter, Flow::closed, Flow::periodic}) {
-        scene.channel.flow = flow;
-        scene.channel.sides = flow == Flow::periodic ? Sides::periodic : scene.channel.sides;
-        if (flow == Flow::closed) scene.channel.water_blocks = {{{0, 6}, {0, 5}, 2}};
+        scene.channel->flow = flow;
+        scene.channel->sides = flow == Flow::periodic ? Sides::periodic : scene.channel->sides;
+        if (flow == Flow::closed) scene.channel->water_blocks = {{{0, 6}, {0, 5}, 2}};
         INFO("flow " << static_cast<int>(flow));
         bands_test::check_bits(scene, 3, 6, {3});
     }
@@ -206,7 +209,7 @@ TEST_CASE("what cannot go over ranks is refused by name", "[bands]") {
     ShallowWaterModel narrow(scene);
     CHECK_THROWS_WITH(narrow.spread_over(alone), Catch::Contains("3 rows") && Catch::Contains("4 rows a rank"));
     scene = basin(4, 4, 0.5);
-    scene.coupling.two_way = true;
+    scene.coupling->two_way = true;
     ShallowWaterModel pushed(scene);
     CHECK_THROWS_WITH(pushed.spread_over(alone), Catch::Contains("/coupling/two_way"));
 }

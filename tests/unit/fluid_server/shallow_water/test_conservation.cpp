@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "configs/scene/channel.hpp"
 #include "waters.hpp"
 
 using namespace wade;
@@ -29,8 +30,8 @@ Unrest unrest(const ShallowWater& world, double height) {
 Scene uneven_lake() {
     Scene scene = basin(20, 6, 0.5);
     // A shore on either side, a bar under water, slopes of all sizes.
-    scene.channel.bed_points = {{0, 1.4}, {3.3, 0.2}, {6, 0}, {8, 0.7}, {9.1, 0.65}, {11, 0.05}, {16, 0.3}, {20, 1.7}};
-    scene.channel.water_blocks = {{{0, 20}, {0, 6}, 1.0}};
+    scene.channel->bed_points = {{0, 1.4}, {3.3, 0.2}, {6, 0}, {8, 0.7}, {9.1, 0.65}, {11, 0.05}, {16, 0.3}, {20, 1.7}};
+    scene.channel->water_blocks = {{{0, 20}, {0, 6}, 1.0}};
     return scene;
 }
 
@@ -57,7 +58,7 @@ TEST_CASE("a lake round a box that stands out of it and over one that does not s
 TEST_CASE("water below the top of a box does not pass it", "[shallow_water]") {
     Scene scene = basin(12, 2, 0.5);
     scene.obstacles = {{{5, 6}, {0, 2}, 3.0}};  // from bank to bank
-    scene.channel.water_blocks = {{{8, 12}, {0, 2}, 1.0}};
+    scene.channel->water_blocks = {{{8, 12}, {0, 2}, 1.0}};
     ShallowWater world(scene);
     const double before = volume(world);
     run_until(world, 5);
@@ -97,10 +98,10 @@ TEST_CASE("a stream against a box rises as before a wall", "[shallow_water]") {
 TEST_CASE("a closed and a periodic channel keep their mass to rounding", "[shallow_water]") {
     Scene closed = uneven_lake();
     closed.obstacles = {{{12, 14}, {1, 3.5}, 0.6}};
-    closed.channel.water_blocks = {{{13, 20}, {1, 5}, 1.5}};
+    closed.channel->water_blocks = {{{13, 20}, {1, 5}, 1.5}};
     Scene round = river(20, 6, 0.5, 1, 2);
-    round.channel.sides = Sides::periodic;
-    round.channel.bed_points = {{3, 0}, {8, 0.5}, {15, 0}};
+    round.channel->sides = Sides::periodic;
+    round.channel->bed_points = {{3, 0}, {8, 0.5}, {15, 0}};
     for (const Scene& scene : {closed, round}) {
         ShallowWater world(scene);
         const double before = volume(world);
@@ -111,9 +112,9 @@ TEST_CASE("a closed and a periodic channel keep their mass to rounding", "[shall
 
 TEST_CASE("what the emitter brings and the fall takes closes the budget of mass", "[shallow_water]") {
     Scene scene = basin(20, 4, 0.5);
-    scene.channel.flow = Flow::emitter;
-    scene.channel.depth = 1, scene.channel.velocity = 1.5;
-    scene.channel.velocity_history = {{0, 0}, {3, 2}, {6, 5}, {7, 5}, {7, 1}};
+    scene.channel->flow = Flow::emitter;
+    scene.channel->depth = 1, scene.channel->velocity = 1.5;
+    scene.channel->velocity_history = {{0, 0}, {3, 2}, {6, 5}, {7, 5}, {7, 1}};
     ShallowWater world(scene);
     double in = 0, out = 0;
     for (double left = 20; left > 1e-9;) {
@@ -129,7 +130,7 @@ TEST_CASE("what the emitter brings and the fall takes closes the budget of mass"
 TEST_CASE("a flow with a mirror plane stays its own mirror image", "[shallow_water]") {
     Scene scene = basin(15, 8, 0.5);
     scene.obstacles = {{{6, 7}, {3, 5}, 2.0}};
-    scene.channel.water_blocks = {{{10, 15}, {0, 8}, 1.0}};
+    scene.channel->water_blocks = {{{10, 15}, {0, 8}, 1.0}};
     ShallowWater world(scene);
     run_until(world, 6);
     double worst = 0;
@@ -146,8 +147,8 @@ TEST_CASE("a flow with a mirror plane stays its own mirror image", "[shallow_wat
 
 TEST_CASE("the same flow along x and across is the same", "[shallow_water]") {
     Scene along = basin(20, 4, 0.5), across = basin(4, 20, 0.5);
-    along.channel.water_blocks = {{{12, 20}, {0, 4}, 1.0}};
-    across.channel.water_blocks = {{{0, 4}, {12, 20}, 1.0}};
+    along.channel->water_blocks = {{{12, 20}, {0, 4}, 1.0}};
+    across.channel->water_blocks = {{{0, 4}, {12, 20}, 1.0}};
     ShallowWater a(along), b(across);
     run_until(a, 3), run_until(b, 3);
     double worst = 0;
@@ -161,8 +162,8 @@ TEST_CASE("the same flow along x and across is the same", "[shallow_water]") {
 TEST_CASE("shallow water has the same bits for any number of threads", "[shallow_water]") {
     Scene scene = basin(50, 45, 0.5);  // 9000 cells
     scene.obstacles = {{{20, 25}, {20, 26}, 2.0}, {{10, 12}, {5, 9}, 0.2}};
-    scene.channel.water_blocks = {{{30, 50}, {0, 45}, 1.0}};
-    scene.channel.manning_n = 0.03;
+    scene.channel->water_blocks = {{{30, 50}, {0, 45}, 1.0}};
+    scene.channel->manning_n = 0.03;
     const int before = omp_get_max_threads();
     std::vector<Water> results;
     for (const int threads : {1, 2, 3}) {
@@ -182,7 +183,7 @@ TEST_CASE("shallow water has the same bits for any number of threads", "[shallow
 TEST_CASE("depths stay positive and finite where water meets dry slopes and steps", "[shallow_water]") {
     Scene scene = uneven_lake();
     scene.obstacles = {{{8, 9}, {1, 3}, 1.2}, {{12, 14}, {1, 3.5}, 0.4}};
-    scene.channel.water_blocks = {{{14, 20}, {0, 3}, 4.0, 0, {-6, 0, 2}}};
+    scene.channel->water_blocks = {{{14, 20}, {0, 3}, 4.0, 0, {-6, 0, 2}}};
     ShallowWater world(scene);
     const double before = volume(world);
     double least = 1, fastest = 0;

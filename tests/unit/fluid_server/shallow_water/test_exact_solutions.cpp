@@ -5,6 +5,9 @@
 #include <functional>
 #include <numbers>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/interval.hpp"
+#include "configs/scene/world.hpp"
 #include "tests/validation/open_channel.hpp"
 #include "tests/validation/shallow_water_exact.hpp"
 #include "waters.hpp"
@@ -37,8 +40,8 @@ Errors against(const ShallowWater& world, double dam_x, const std::function<Flow
 // A dam of 1 m at x = 70 m, its reservoir 50 m long; the worst of several times.
 Errors dam_break(double depth_before, const std::function<FlowState(double s, double t)>& exact) {
     Scene scene = basin(120, 0.5, 0.5);
-    scene.channel.water_blocks = {{{70, 120}, {0, 0.5}, 1.0}};
-    if (depth_before > 0) scene.channel.water_blocks.push_back({{0, 70}, {0, 0.5}, depth_before});
+    scene.channel->water_blocks = {{{70, 120}, {0, 0.5}, 1.0}};
+    if (depth_before > 0) scene.channel->water_blocks.push_back({{0, 70}, {0, 0.5}, depth_before});
     ShallowWater world(scene);
     Errors worst;
     for (double t = 4; t <= 10; t += 2) {
@@ -140,9 +143,9 @@ TEST_CASE("Thacker's plane surface swings in a parabolic bowl", "[shallow_water]
     const double omega = std::sqrt(2 * g * depth) / a, period = 2 * std::numbers::pi / omega;
     Scene scene = basin(length, 0.25, 0.25);
     for (double x = 0; x <= length; x += 0.125) {
-        scene.channel.bed_points.push_back({x, depth * std::pow((x - 20) / a, 2)});
+        scene.channel->bed_points.push_back({x, depth * std::pow((x - 20) / a, 2)});
     }
-    scene.channel.water_blocks = {{{0, length}, {0, 0.25}, depth}};
+    scene.channel->water_blocks = {{{0, length}, {0, 0.25}, depth}};
     ShallowWater world(scene);
     // u = -s w sin(w t); the surface is h_0 + h_0 (2 s cos(w t) (x - 20) - s^2 cos^2(w t)) / a^2, s the swing of the
     // middle of the water.
@@ -178,8 +181,8 @@ TEST_CASE("subcritical flow over a bump", "[shallow_water][exact]") {
     double mean_depth = 0, mean_surface = validation::mean_surface(flow, 0, origin);
     for (int i = 0; i < 10000; ++i) mean_depth += flow.depth((i + 0.5) * origin / 10000) / 10000;
     Scene scene = river(origin, cell, cell, mean_surface, q / mean_depth);
-    scene.channel.flow = Flow::recirculating;
-    scene.channel.bed_points = bump_points(origin);
+    scene.channel->flow = Flow::recirculating;
+    scene.channel->bed_points = bump_points(origin);
     ShallowWater world(scene);
     set_water(
         world, [&](double x, double) { return flow.depth(origin - x); },
@@ -196,10 +199,10 @@ TEST_CASE("transcritical flow over a bump, from the inflow to the fall", "[shall
     const double q = 1.53, origin = 16;
     const validation::BumpFlow flow = validation::transcritical_bump_flow(q, g);
     Scene scene = basin(12, cell, cell);
-    scene.channel.flow = Flow::emitter;
-    scene.channel.depth = flow.depth(0), scene.channel.velocity = q / flow.depth(0);
-    scene.channel.initial_river = InitialRiver::filled;
-    scene.channel.bed_points = bump_points(origin);
+    scene.channel->flow = Flow::emitter;
+    scene.channel->depth = flow.depth(0), scene.channel->velocity = q / flow.depth(0);
+    scene.channel->initial_river = InitialRiver::filled;
+    scene.channel->bed_points = bump_points(origin);
     ShallowWater world(scene);
     run_until(world, 60);
     const SteadyErrors errors = steady_errors(world, {1, 11}, origin, flow);
@@ -213,7 +216,7 @@ TEST_CASE("a uniform river on a slope holds the depth and speed of Manning's for
     const double slope = 0.002, n = 0.03;
     const double truth = std::sqrt(slope) / n;  // of 1 m
     Scene scene = river(10, 6, 0.5, 1, 0.8 * truth);
-    scene.channel.slope = slope, scene.channel.manning_n = n;
+    scene.channel->slope = slope, scene.channel->manning_n = n;
     ShallowWater world(scene);
     run_until(world, 240);
     const std::size_t c = world.grid.row(3) + 7;
@@ -226,8 +229,8 @@ TEST_CASE("a uniform river on a slope holds the depth and speed of Manning's for
 
 TEST_CASE("a river that is driven holds its speed, and its history of speeds", "[shallow_water][exact]") {
     Scene scene = river(20, 4, 0.5, 1, 1.5);
-    scene.channel.flow = Flow::recirculating;
-    scene.channel.velocity_history = {{0, 1.5}, {5, 1.5}, {10, 2}};
+    scene.channel->flow = Flow::recirculating;
+    scene.channel->velocity_history = {{0, 1.5}, {5, 1.5}, {10, 2}};
     ShallowWater world(scene);
     run_until(world, 4);
     CHECK(-world.primitive.u[world.grid.row(2) + 5] == Approx(1.5).epsilon(1e-12));
@@ -239,9 +242,9 @@ TEST_CASE("a river that is driven holds its speed, and its history of speeds", "
 
 TEST_CASE("the inflow of a slow stream onto dry ground is critical", "[shallow_water][exact]") {
     Scene scene = basin(60, 0.5, 0.5);
-    scene.world.gravity = 0.98;
-    scene.channel.flow = Flow::emitter;
-    scene.channel.depth = 1, scene.channel.velocity = 0.5;
+    scene.world->gravity = 0.98;
+    scene.channel->flow = Flow::emitter;
+    scene.channel->depth = 1, scene.channel->velocity = 0.5;
     ShallowWater world(scene);
     run_until(world, 25);
     // A fan of waves from the opening: u + 2 c = 3 c_0 with c_0 = (q g)^(1/3) = 0.788 m/s, u - c = s / t.

@@ -10,6 +10,8 @@
 #include <set>
 #include <vector>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/make_model.hpp"
 #include "fluid_server/shallow_water/model.hpp"
 #include "tests/unit/fluid_server/frame_arrays.hpp"
@@ -23,17 +25,17 @@ using wade::fluid::test::FrameArrays;
 namespace {
 
 Scene with_room(Scene scene) {
-    scene.fluid.max_particles = 100000;
-    scene.fluid.rest_density = 1000;
+    scene.fluid->max_particles = 100000;
+    scene.fluid->rest_density = 1000;
     return scene;
 }
 
 // A dam that breaks askew over an uneven, partly dry bed, round an obstacle.
 Scene uneven_dam() {
     Scene scene = with_room(basin(20, 12, 0.5));
-    scene.channel.bed_points = {{3, 0}, {6, 0.4}, {9, 0}, {18, 0.5}};
+    scene.channel->bed_points = {{3, 0}, {6, 0.4}, {9, 0}, {18, 0.5}};
     scene.obstacles = {{{6, 7}, {3, 5}, 2.0}};
-    scene.channel.water_blocks = {{{11, 20}, {4, 12}, 1.5}};
+    scene.channel->water_blocks = {{{11, 20}, {4, 12}, 1.5}};
     return scene;
 }
 
@@ -68,7 +70,7 @@ Totals of(const ShallowWater& world) {
 TEST_CASE("the particles carry mass and momentum of the grid to rounding", "[shallow_water][particles]") {
     const double spacing = GENERATE(0.4642, 0.15, 0.9);
     Scene scene = uneven_dam();
-    scene.fluid.particle_spacing = spacing;
+    scene.fluid->particle_spacing = spacing;
     ShallowWaterModel model(scene);
     FrameArrays arrays(model);
     for (std::uint64_t f = 1; f <= 60; ++f) {
@@ -185,7 +187,7 @@ TEST_CASE("frames have the same bits for any number of threads, and another seed
         omp_set_num_threads(threads);
         Scene scene = with_room(river(60, 45, 0.5, 1, 1.5));
         scene.seed = seed;
-        scene.channel.bed_points = {{20, 0}, {30, 0.5}, {40, 0}};
+        scene.channel->bed_points = {{20, 0}, {30, 0.5}, {40, 0}};
         ShallowWaterModel model(scene);
         FrameArrays arrays(model);
         for (std::uint64_t f = 1; f <= 5; ++f) model.advance_frame(frame(f));
@@ -201,8 +203,8 @@ TEST_CASE("frames have the same bits for any number of threads, and another seed
 
 TEST_CASE("more water than max_particles makes larger particles", "[shallow_water][particles]") {
     Scene scene = uneven_dam();
-    scene.fluid.particle_spacing = 0.1;
-    scene.fluid.max_particles = 3000;
+    scene.fluid->particle_spacing = 0.1;
+    scene.fluid->max_particles = 3000;
     ShallowWaterModel model(scene);
     FrameArrays arrays(model);
     arrays.take(model);
@@ -213,7 +215,7 @@ TEST_CASE("more water than max_particles makes larger particles", "[shallow_wate
 
 TEST_CASE("the diagnostics of a driven river are those of its water", "[shallow_water]") {
     Scene scene = with_room(river(20, 4, 0.5, 1, 1.5));
-    scene.channel.flow = Flow::recirculating;
+    scene.channel->flow = Flow::recirculating;
     const std::unique_ptr<fluid::FluidModel> model = fluid::make_fluid_model(scene);
     CHECK(model->name() == "shallow_water");
     const shm::Diagnostics d = model->advance_frame(frame(1));

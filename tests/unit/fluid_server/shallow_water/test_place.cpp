@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/shallow_water/place/map_cover.hpp"
 #include "fluid_server/shallow_water/place/place_ground.hpp"
 #include "tests/validation/place_scenes.hpp"
@@ -316,7 +317,7 @@ TEST_CASE("water keeps its normal depth and speed down a slope, whatever the tim
     const double depth = 0.2, n = 0.05, slope = 0.02, u = std::sqrt(slope) * std::pow(depth, 2.0 / 3) / n;
     for (const double cfl : {0.5, 0.1}) {
         Scene scene = empty_place(60, 4, 0.5);
-        scene.fluid.cfl = cfl;
+        scene.fluid->cfl = cfl;
         scene.place->roughness.n = n;
         scene.place->ground.slope_x = -slope, scene.place->ground.level = 2;
         ShallowWater world(scene);

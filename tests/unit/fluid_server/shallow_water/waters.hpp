@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstddef>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/shallow_water/step.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -11,22 +14,22 @@ namespace wade::fluid::shallow_water {
 // A closed channel of the length and width with a level bed and no water.
 inline Scene basin(double length, double width, double cell) {
     Scene scene;
-    scene.world.length = length, scene.world.width = width;
-    scene.channel.x = {0, length}, scene.channel.z = {0, width};
-    scene.channel.flow = Flow::closed;
-    scene.fluid.model = wade::ModelKind::shallow_water;
-    scene.fluid.shallow_water.cell_size = cell;
-    scene.fluid.particle_spacing = 0.4642;
-    scene.fluid.cfl = 0.5;
+    scene.world->length = length, scene.world->width = width;
+    scene.channel->x = {0, length}, scene.channel->z = {0, width};
+    scene.channel->flow = Flow::closed;
+    scene.fluid->model = wade::ModelKind::shallow_water;
+    scene.fluid->shallow_water.cell_size = cell;
+    scene.fluid->particle_spacing = 0.4642;
+    scene.fluid->cfl = 0.5;
     return scene;
 }
 
 // Periodic along x, filled to the depth.
 inline Scene river(double length, double width, double cell, double depth, double velocity) {
     Scene scene = basin(length, width, cell);
-    scene.channel.flow = Flow::periodic;
-    scene.channel.initial_river = InitialRiver::filled;
-    scene.channel.depth = depth, scene.channel.velocity = velocity;
+    scene.channel->flow = Flow::periodic;
+    scene.channel->initial_river = InitialRiver::filled;
+    scene.channel->depth = depth, scene.channel->velocity = velocity;
     return scene;
 }
 

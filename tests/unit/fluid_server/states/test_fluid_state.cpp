@@ -3,6 +3,9 @@
 #include <string>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "fluid_server/dfsph/dfsph_model.hpp"
 #include "fluid_server/kinematic/kinematic_stream.hpp"
 #include "scenes.hpp"
@@ -43,12 +46,12 @@ Scene short_channel() {
 // Six metres of water that are thrown against a wall, with a solve that may not iterate.
 Scene failing_column() {
     Scene scene = test::tank(3, 1, 6, 0.2);
-    WaterBlock& water = scene.channel.water_blocks[0];
+    WaterBlock& water = scene.channel->water_blocks[0];
     water.x.lo = 2;
     water.velocity = {-20, 0, 0};
-    scene.fluid.cfl = 2;
-    scene.fluid.density_solve = {0.1, 1, 1};
-    scene.fluid.divergence_solve.max_iterations = 0;
+    scene.fluid->cfl = 2;
+    scene.fluid->density_solve = {0.1, 1, 1};
+    scene.fluid->divergence_solve.max_iterations = 0;
     return scene;
 }
 
@@ -77,13 +80,13 @@ TEST_CASE("the stock takes up another max_particles", "[fluid][state]") {
     FluidState state;
     world.capture(state);
     const std::uint64_t stock = world.emitter().stock;
-    scene.fluid.max_particles += 500;
+    scene.fluid->max_particles += 500;
     FluidWorld larger(scene);
     larger.restore(state, "test");
     CHECK(larger.emitter().stock == stock + 500);
     CHECK(larger.particles().count + larger.emitter().stock == 2500);
 
-    scene.fluid.max_particles = static_cast<int>(state.particles.count);
+    scene.fluid->max_particles = static_cast<int>(state.particles.count);
     FluidWorld exact(scene);
     exact.restore(state, "test");
     CHECK(exact.emitter().stock == 0);
@@ -92,9 +95,9 @@ TEST_CASE("the stock takes up another max_particles", "[fluid][state]") {
 TEST_CASE("a state of a place goes on with the same bits, and on no other ground, among no other houses",
           "[fluid][state]") {
     Scene scene;
-    scene.world.length = 8, scene.world.width = 6;
-    scene.channel.flow = Flow::closed;
-    scene.channel.x = {0, 8}, scene.channel.z = {0, 6};
+    scene.world->length = 8, scene.world->width = 6;
+    scene.channel->flow = Flow::closed;
+    scene.channel->x = {0, 8}, scene.channel->z = {0, 6};
     scene.fluid = test::fluid_of(0.25, 8000);
     Place& place = scene.place.emplace();
     place.ground.slope_x = 0.05;
@@ -146,31 +149,31 @@ TEST_CASE("a state is refused where its water cannot go on, with key and both va
         CHECK_THROWS_WITH(world.restore(state, "test"), Contains(text));
     };
     refused(
-        [](Scene& s) { s.fluid.particle_spacing = 0.5; },
+        [](Scene& s) { s.fluid->particle_spacing = 0.5; },
         "test: /fluid/particle_spacing_m is 0.4642 in this file and 0.5 in the scene; allowed in the scene: 0.4642");
-    refused([](Scene& s) { s.fluid.rest_density = 900; }, "/fluid/rest_density_kg_m3 is 1000 in this file and 900");
+    refused([](Scene& s) { s.fluid->rest_density = 900; }, "/fluid/rest_density_kg_m3 is 1000 in this file and 900");
     refused(
-        [](Scene& s) { s.fluid.kernel = KernelKind::wendland_c2; },
+        [](Scene& s) { s.fluid->kernel = KernelKind::wendland_c2; },
         "/fluid/kernel is cubic_spline in this file and wendland_c2 in the scene; allowed in the scene: cubic_spline");
-    refused([](Scene& s) { s.fluid.support_in_spacings = 2.1; },
+    refused([](Scene& s) { s.fluid->support_in_spacings = 2.1; },
             "/fluid/support_in_spacings is 2 in this file and 2.1 in the scene; allowed in the scene: 2");
-    refused([](Scene& s) { s.channel.x.lo = -1; },
+    refused([](Scene& s) { s.channel->x.lo = -1; },
             "/channel/x_min_m is 0 in this file and -1 in the scene; allowed in the scene: 0");
-    refused([](Scene& s) { s.channel.z.hi = 5; },
+    refused([](Scene& s) { s.channel->z.hi = 5; },
             "/channel/z_max_m is 4 in this file and 5 in the scene; allowed in the scene: 4");
-    refused([](Scene& s) { s.channel.flow = Flow::closed; },
+    refused([](Scene& s) { s.channel->flow = Flow::closed; },
             "/channel/flow is emitter in this file and closed in the scene; allowed in the scene: emitter");
-    refused([](Scene& s) { s.channel.depth = 0.5; }, "/channel/depth_m is 1 in this file and 0.5");
+    refused([](Scene& s) { s.channel->depth = 0.5; }, "/channel/depth_m is 1 in this file and 0.5");
     refused([](Scene& s) { s.obstacles.clear(); },
             "/obstacles has 1 entries in this file and 0 in the scene; allowed in the scene: 1");
     refused([](Scene& s) { s.obstacles[0].x.hi = 7; },
             "/obstacles/0/x_max_m is 6 in this file and 7 in the scene; allowed in the scene: 6");
 
     Scene small = scene;
-    small.fluid.max_particles = static_cast<int>(state.particles.count) - 1;
+    small.fluid->max_particles = static_cast<int>(state.particles.count) - 1;
     CHECK_THROWS_WITH(
         check_state_fits(state, small, "test"),
-        Contains("/fluid/max_particles is 2000 in this file and " + std::to_string(small.fluid.max_particles)) &&
+        Contains("/fluid/max_particles is 2000 in this file and " + std::to_string(small.fluid->max_particles)) &&
             Contains("at least " + std::to_string(state.particles.count)));
 }
 
@@ -178,11 +181,11 @@ TEST_CASE("solver settings, viscosity and length of the run may differ from thos
     Scene scene = short_channel();
     DfsphModel model(scene);
     run_frames(model, 3);
-    scene.fluid.cfl = 0.2;
-    scene.fluid.density_solve = {1e-4, 3, 200};
-    scene.fluid.kinematic_viscosity = 0.02;
+    scene.fluid->cfl = 0.2;
+    scene.fluid->density_solve = {1e-4, 3, 200};
+    scene.fluid->kinematic_viscosity = 0.02;
     scene.duration = 10;
-    scene.channel.velocity = 1;
+    scene.channel->velocity = 1;
     DfsphModel other(scene);
     other.restore(*model.state(), "test");
     run_frames(other, 1);
@@ -194,7 +197,7 @@ TEST_CASE("water that is not solved has no state", "[fluid][state]") {
     DfsphModel model(scene);
     const FluidState state = *model.state();
     scene.obstacles.clear();
-    scene.fluid.model = wade::ModelKind::kinematic;
+    scene.fluid->model = wade::ModelKind::kinematic;
     KinematicStream stream(scene);
     CHECK(stream.state() == nullptr);
     CHECK(stream.states_before_failure().frame_begin == nullptr);
@@ -227,8 +230,8 @@ TEST_CASE("a frame that fails says so and keeps the state at its begin and the l
         CHECK(same_bits(*again.states_before_failure().frame_begin, *states.frame_begin));
     }
     Scene better = scene;
-    better.fluid.cfl = 0.5;
-    better.fluid.density_solve = test::tank(1, 1, 6, 0.2).fluid.density_solve;
+    better.fluid->cfl = 0.5;
+    better.fluid->density_solve = test::tank(1, 1, 6, 0.2).fluid->density_solve;
     DfsphModel healed(better);
     healed.restore(*states.last_sound, "test");
     CHECK_NOTHROW(run_frames(healed, 60));
@@ -239,7 +242,7 @@ TEST_CASE("a particle that leaps over its neighbours in one step is a numerical 
     // Five particles almost at one place: the gradients that should part them all but vanish, so the pressure does not.
     // The others, alone, keep the mean compression small.
     Scene scene = test::tank(10, 10, 1, 0.25);
-    scene.world.gravity = 1;
+    scene.world->gravity = 1;
     FluidWorld world(scene);
     FluidState state;
     world.capture(state);

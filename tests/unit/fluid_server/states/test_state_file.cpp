@@ -10,6 +10,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/dfsph/dfsph_model.hpp"
 #include "fluid_server/make_model.hpp"
 #include "fluid_server/server/state_options.hpp"
@@ -160,7 +161,7 @@ TEST_CASE("a place for a state is checked before the run", "[fluid][state]") {
     CHECK_NOTHROW(check_can_save_state(model, "a.state"));
     CHECK_THROWS_WITH(check_can_save_state(model, folder.path / "no" / "a.state"), Contains("--save-state"));
     CHECK_THROWS_WITH(check_can_save_state(model, folder.path), Contains("--save-state"));
-    loaded.scene.fluid.model = wade::ModelKind::kinematic;
+    loaded.scene.fluid->model = wade::ModelKind::kinematic;
     const auto stream = make_fluid_model(loaded.scene);
     CHECK_THROWS_WITH(check_can_save_state(*stream, folder.path / "a.state"), Contains("/fluid/model is kinematic"));
 }

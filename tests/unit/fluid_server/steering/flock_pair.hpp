@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "../scenes.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "fluid_server/steering/steering_world.hpp"
 
 namespace wade::fluid::test {
@@ -31,12 +33,12 @@ inline steering::Settings quiet_settings() {
 
 inline std::vector<Vec3> accelerations(const Vehicles& vehicles, const steering::Settings& settings) {
     Scene scene = tank(20, 20, 1, 1);
-    scene.channel.sides = Sides::periodic;
-    scene.channel.top = Top::periodic;
-    scene.channel.height = 20;
-    scene.channel.flow = Flow::periodic;
+    scene.channel->sides = Sides::periodic;
+    scene.channel->top = Top::periodic;
+    scene.channel->height = 20;
+    scene.channel->flow = Flow::periodic;
     Particles p(100);
-    scene.fluid.max_particles = 100;
+    scene.fluid->max_particles = 100;
     for (std::size_t i = 0; i < vehicles.place.size(); ++i) p.add(vehicles.place[i], vehicles.velocity[i], Kind::fluid);
     for (std::size_t i = 0; i < p.count; ++i) {
         steering::radius_factors(p)[i] = vehicles.radius.empty() ? 1 : vehicles.radius[i];
@@ -68,9 +70,9 @@ inline std::vector<Vec3> accelerations(const Vehicles& vehicles, const steering:
 // A tank of steering water with the weights of the schema, and some cohesion.
 inline Scene steering_tank(double length, double width, double depth, double spacing) {
     Scene scene = tank(length, width, depth, spacing);
-    scene.fluid.model = wade::ModelKind::steering;
-    scene.fluid.cfl = 0.5;
-    wade::Steering& s = scene.fluid.steering;
+    scene.fluid->model = wade::ModelKind::steering;
+    scene.fluid->cfl = 0.5;
+    wade::Steering& s = scene.fluid->steering;
     s.separation = {1.12, 180, 4};
     s.alignment = {2, 180, 0};
     s.cohesion = {2, 180, 0.002};

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "flock_pair.hpp"
 #include "fluid_server/steering/bodies.hpp"
 
@@ -14,7 +16,7 @@ namespace {
 // A tank with a sphere over it.
 Scene tank_with_sphere(double density) {
     Scene scene = steering_tank(0.8, 0.8, 0.6, 0.08);
-    scene.fluid.steering.bodies = {{{0.4, 0.9, 0.4}, {0, 0, 0}, 0.5, 0.15, density}};
+    scene.fluid->steering.bodies = {{{0.4, 0.9, 0.4}, {0, 0, 0}, 0.5, 0.15, density}};
     return scene;
 }
 
@@ -70,8 +72,8 @@ TEST_CASE("a heavy sphere sinks, a light one floats, and the water closes over t
 
 TEST_CASE("a sphere on a periodic border displaces water on both sides of it", "[steering]") {
     Scene scene = steering_tank(0.9, 0.8, 0.6, 0.1);
-    scene.channel.flow = Flow::periodic;
-    scene.fluid.steering.bodies = {{{0.15, 0.3, 0.4}, {-0.5, 0, 0}, 0, 0.15, 1000}};
+    scene.channel->flow = Flow::periodic;
+    scene.fluid->steering.bodies = {{{0.15, 0.3, 0.4}, {-0.5, 0, 0}, 0, 0.15, 1000}};
     steering::SteeringWorld world(scene);
     for (int k = 0; k < 30; ++k) {
         for (double left = 1.0 / 30; left > 1e-9;) left -= world.step(left).dt;

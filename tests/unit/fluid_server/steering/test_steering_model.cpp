@@ -2,6 +2,8 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "flock_pair.hpp"
 #include "fluid_server/make_model.hpp"
 #include "fluid_server/states/fluid_state.hpp"
@@ -13,8 +15,8 @@ using namespace wade::fluid::test;
 
 TEST_CASE("the steering water is a model of the server: frames, masses, no state", "[steering]") {
     Scene scene = steering_tank(0.8, 0.8, 0.5, 0.1);
-    scene.fluid.max_particles = 400;
-    scene.fluid.steering.classes = {{0.5, 1, 2}};
+    scene.fluid->max_particles = 400;
+    scene.fluid->steering.classes = {{0.5, 1, 2}};
     const auto model = make_fluid_model(scene);
     CHECK(model->name() == "steering");
     CHECK(model->capacity() == 400);
@@ -43,9 +45,9 @@ TEST_CASE("the steering water is a model of the server: frames, masses, no state
 
 TEST_CASE("particles beyond the outflow are in no frame", "[steering]") {
     Scene scene = emitter_channel(2, 9.81, 1500);
-    scene.fluid.steering = steering_tank(1, 1, 1, 0.5).fluid.steering;
-    scene.fluid.model = wade::ModelKind::steering;
-    scene.channel.x = {2, 8};
+    scene.fluid->steering = steering_tank(1, 1, 1, 0.5).fluid->steering;
+    scene.fluid->model = wade::ModelKind::steering;
+    scene.channel->x = {2, 8};
     SteeringModel model(scene);
     std::vector<std::vector<float>> fields(7, std::vector<float>(1500));
     shm::FrameFields slot;

@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
 #include "flock_pair.hpp"
 
 using namespace wade;
@@ -21,12 +23,12 @@ void advance(SteeringWorld& world, double time) {
 
 Scene steering_river(Flow flow) {
     Scene scene = steering_tank(6, 3, 0.9, 0.3);
-    scene.channel.flow = flow;
-    scene.channel.water_blocks.clear();
-    scene.channel.depth = 0.9;
-    scene.channel.velocity = 1.5;
-    if (flow == Flow::recirculating) scene.channel.initial_river = InitialRiver::filled;
-    scene.fluid.max_particles = 1200;
+    scene.channel->flow = flow;
+    scene.channel->water_blocks.clear();
+    scene.channel->depth = 0.9;
+    scene.channel->velocity = 1.5;
+    if (flow == Flow::recirculating) scene.channel->initial_river = InitialRiver::filled;
+    scene.fluid->max_particles = 1200;
     return scene;
 }
 
@@ -52,8 +54,8 @@ TEST_CASE("a container comes to rest: the kinetic energy falls by 1e4 within 20 
 
 TEST_CASE("the same bits for any number of threads", "[steering]") {
     Scene scene = steering_tank(2.4, 1.6, 1.0, 0.1);  // 3840 particles, 15 blocks
-    scene.fluid.steering.bodies = {{{1.2, 1.4, 0.8}, {0, 0, 0}, 0, 0.2, 3000}};
-    scene.fluid.steering.classes = {{0.3, 1.1, 0.8}};
+    scene.fluid->steering.bodies = {{{1.2, 1.4, 0.8}, {0, 0, 0}, 0, 0.2, 3000}};
+    scene.fluid->steering.classes = {{0.3, 1.1, 0.8}};
     const auto run = [&](int threads) {
         omp_set_num_threads(threads);
         SteeringWorld world(scene);
@@ -91,7 +93,7 @@ TEST_CASE("a recirculating river keeps its bulk speed and its particles", "[stee
 
 TEST_CASE("lists that serve several steps hold all neighbours all the while", "[steering]") {
     Scene scene = steering_river(Flow::recirculating);
-    scene.fluid.steering.classes = {{0.5, 1.2, 1}};
+    scene.fluid->steering.classes = {{0.5, 1.2, 1}};
     SteeringWorld world(scene);
     int reused = 0;
     for (int k = 0; k < 60; ++k) {
@@ -117,8 +119,8 @@ TEST_CASE("lists that serve several steps hold all neighbours all the while", "[
 
 TEST_CASE("no particle is faster than max_speed or is accelerated by more than max_force and gravity", "[steering]") {
     Scene scene = steering_tank(0.8, 0.8, 0.8, 0.1);
-    scene.channel.water_blocks[0].y_min = 3;
-    scene.fluid.steering.max_speed = 0.5;
+    scene.channel->water_blocks[0].y_min = 3;
+    scene.fluid->steering.max_speed = 0.5;
     SteeringWorld world(scene);
     advance(world, 1.2);
     const auto fastest = static_cast<double>(world.settings().max_speed);
@@ -134,8 +136,8 @@ TEST_CASE("no particle is faster than max_speed or is accelerated by more than m
 
     // Two in nearly one place, with the smallest force: in one step they part no faster than it allows.
     scene = steering_tank(0.8, 0.8, 0.1, 0.1);
-    scene.channel.water_blocks = {{{0.3, 0.4}, {0.3, 0.4}, 0.1, 0.3}};
-    scene.fluid.steering.max_force = 0.01;
+    scene.channel->water_blocks = {{{0.3, 0.4}, {0.3, 0.4}, 0.1, 0.3}};
+    scene.fluid->steering.max_force = 0.01;
     SteeringWorld few(scene);
     few.particles().add({few.particles().x[0] + 0.02F, few.particles().y[0], few.particles().z[0]}, {0, 0, 0},
                         Kind::fluid);
@@ -148,7 +150,7 @@ TEST_CASE("no particle is faster than max_speed or is accelerated by more than m
 
 TEST_CASE("of two liquids the one of smaller mass ends above the other", "[steering]") {
     Scene scene = steering_tank(0.8, 0.8, 0.8, 0.1);
-    scene.fluid.steering.classes = {{0.5, 1, 0.25}};
+    scene.fluid->steering.classes = {{0.5, 1, 0.25}};
     SteeringWorld world(scene);
     const auto mean_heights = [&] {
         std::array<double, 2> sum{}, n{};

@@ -1,5 +1,8 @@
 #include <catch2/catch.hpp>
 
+#include "configs/scene/channel.hpp"
+#include "configs/scene/fluid.hpp"
+#include "configs/scene/steering.hpp"
 #include "flock_pair.hpp"
 #include "fluid_server/steering/walls.hpp"
 
@@ -53,7 +56,7 @@ TEST_CASE("walls take speed, most at the face", "[steering]") {
 
 TEST_CASE("the bed's facets push along their normal", "[steering]") {
     Scene scene = tank(10, 8, 2, 0.5);
-    scene.channel.bed_points = {{0, 0}, {10, 7.5}};
+    scene.channel->bed_points = {{0, 0}, {10, 7.5}};
     steering::Settings s = quiet_settings();
     s.wall = 1;
     const steering::Walls walls(Solids(scene), scene.channel, s);
@@ -65,7 +68,7 @@ TEST_CASE("the bed's facets push along their normal", "[steering]") {
 TEST_CASE("as a constraint walls let nobody through; as a force alone they hold water at rest", "[steering]") {
     for (const SteeringWalls rule : {SteeringWalls::constraint, SteeringWalls::force}) {
         Scene scene = steering_tank(0.6, 0.6, 0.5, 0.1);
-        scene.fluid.steering.walls = rule;
+        scene.fluid->steering.walls = rule;
         steering::SteeringWorld world(scene);
         for (int k = 0; k < 30; ++k) world.step(1.0 / 30);
         const double nearest = rule == SteeringWalls::constraint ? 0.04 - 1e-5 : 0.0;

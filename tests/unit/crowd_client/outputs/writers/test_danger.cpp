@@ -3,6 +3,7 @@
 #include <limits>
 #include <sstream>
 
+#include "configs/scene/channel.hpp"
 #include "crowd_client/outputs/writers/danger.hpp"
 #include "made_up_water.hpp"
 
@@ -16,8 +17,8 @@ namespace {
 // A scene whose channel has two cells of 2 x 2 m, side by side along x from (10, 20), and an agent in the first.
 Scene two_cells() {
     Scene scene = one_agent_scene(11, 21, 75, 50, 0.5);
-    scene.channel.x = {10, 14};
-    scene.channel.z = {20, 22};
+    scene.channel->x = {10, 14};
+    scene.channel->z = {20, 22};
     return scene;
 }
 
@@ -150,8 +151,8 @@ TEST_CASE("An obstacle takes its share of a cell") {
 
 TEST_CASE("A lattice has its depth in every cell, whatever its spacing") {
     Scene scene = two_cells();
-    scene.channel.x = {10, 22};
-    scene.channel.z = {20, 26};
+    scene.channel->x = {10, 22};
+    scene.channel->z = {20, 26};
     const double d = 0.4;  // 5 particles along a cell
     for (const double offset : {0.05, 0.2, 0.37}) {
         Recorded run(scene, 1.0 / 30);
@@ -172,8 +173,8 @@ TEST_CASE("A lattice has its depth in every cell, whatever its spacing") {
 
 TEST_CASE("A particle counts in the cells that it covers, and its water beside an obstacle not under it") {
     Scene scene = two_cells();
-    scene.channel.x = {10, 16};
-    scene.channel.z = {20, 24};
+    scene.channel->x = {10, 16};
+    scene.channel->z = {20, 24};
     MadeUpWater water;
     water.add(11.875, 21.75, 125, 0, 1);  // 0.5 m wide: 3/4 of it along x, all across in the first cell
     Recorded run(scene, 1.0 / 30);
@@ -198,7 +199,7 @@ TEST_CASE("A particle of whatever mass at the corner of the channel counts in it
     CHECK(run.record.cells()[1].largest == DangerLevel::none);
 
     Scene scene = two_cells();
-    scene.channel.x = {10, 90};
+    scene.channel->x = {10, 90};
     Recorded heavy(scene, 1.0 / 30);
     MadeUpWater lump;
     lump.add(50, 21, 1e12, 0, 0);

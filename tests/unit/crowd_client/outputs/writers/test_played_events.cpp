@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/scene_frames.hpp"
 #include "crowd_client/outputs/writers/played_events.hpp"
 #include "made_up_water.hpp"
@@ -38,7 +39,7 @@ TEST_CASE("At other rates the event's frame leads back to the first step that a 
     for (const auto& [frames, steps] : {std::pair{30.0, 45.0}, {30.0, 10.0}, {7.0, 3.0}, {29.97, 1000.0}}) {
         Scene scene = one_agent_scene(10, 25, 75, 50, 0.2);
         scene.frame_rate = frames;
-        scene.crowd.step_rate = steps;
+        scene.crowd->step_rate = steps;
         CrowdWorld crowd = make_crowd(scene);
         for (crowd.steps = 0; crowd.steps < 500; ++crowd.steps) {
             const std::uint64_t frame = event_of(crowd, tau_of_all(0.5)).frame;
@@ -55,7 +56,7 @@ TEST_CASE("At other rates the event's frame leads back to the first step that a 
 
 TEST_CASE("A command acts after the scene's events of the same step, and commands act in their order") {
     Scene scene = one_agent_scene(10, 25, 75, 50, 0.2);
-    scene.crowd.step_rate = 10;  // frames 4, 5 and 6 lead to step 2
+    scene.crowd->step_rate = 10;  // frames 4, 5 and 6 lead to step 2
     scene.events.push_back({6, std::nullopt, std::nullopt, 0.6});
     scene.events.push_back({7, std::nullopt, std::nullopt, 0.7});
     CrowdWorld crowd = crowd_after(scene, 1);

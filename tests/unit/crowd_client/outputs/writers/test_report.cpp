@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "configs/loading/scene_loader.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/session/run_labels.hpp"
 #include "made_up_water.hpp"
@@ -119,7 +120,7 @@ TEST_CASE("Reproducible texts hold no time and no host") {
 
 TEST_CASE("agents.csv has one line an agent with the columns that scripts rely on") {
     Finished run;
-    run.crowd.scene.crowd.groups[0].name = "a, \"b\"";
+    run.crowd.scene.crowd->groups[0].name = "a, \"b\"";
     run.crowd.agents.position[0] = Vector2d(0.1, 50);
     run.crowd.agents.path_length[0] = 1.0 / 3;
     run.crowd.agents.wet_steps[0] = 2;
@@ -160,7 +161,7 @@ TEST_CASE("Who stands is counted among the active, and named in agents.csv") {
 TEST_CASE("Times are those of the crowd's steps, whatever the rate of the frames") {
     Finished run;
     run.crowd.scene.frame_rate = 10;
-    run.crowd.scene.crowd.step_rate = 45;
+    run.crowd.scene.crowd->step_rate = 45;
     const json outcome = json::parse(outcome_json(run.crowd, run.summary, run.labels));
     CHECK(outcome["frame_rate_hz"] == 10.0);
     CHECK(outcome["step_rate_hz"] == 45.0);

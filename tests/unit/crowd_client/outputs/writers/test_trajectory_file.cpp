@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/outputs/run_folder.hpp"
 #include "crowd_client/outputs/writers/trajectory_file.hpp"
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 Scene at_every_step(Scene scene) {
-    scene.crowd.paths.rate = scene.crowd.step_rate;
+    scene.crowd->paths.rate = scene.crowd->step_rate;
     return scene;
 }
 
@@ -226,11 +227,11 @@ TEST_CASE("Trajectories have JuPedSim's tables, version 2, and one file remains"
     TemporaryFolder folder;
     const fs::path file = folder.path / "trajectories.sqlite";
     Scene scene = one_agent_scene(10, 25, 75, 50, 0.2);
-    scene.crowd.groups[0].count = scene.crowd.groups[0].columns = 2;
+    scene.crowd->groups[0].count = scene.crowd->groups[0].columns = 2;
     scene.obstacles.push_back({{60, 67}, {21.5, 28.5}, 1});
     CrowdWorld crowd = make_crowd(scene);
-    scene.crowd.step_rate = 45;
-    scene.crowd.paths.rate = 22.5;
+    scene.crowd->step_rate = 45;
+    scene.crowd->paths.rate = 22.5;
     TrajectoryFile trajectories(file, scene);
     trajectories.write(0, crowd.agents);
     crowd.agents.outcome[0] = Outcome::arrived;
@@ -261,7 +262,7 @@ TEST_CASE("When the database cannot grow, the error says so and the frames writt
     TemporaryFolder folder;
     const fs::path file = folder.path / "trajectories.sqlite";
     Scene scene = one_agent_scene(10, 1, 75, 50, 0.2);
-    scene.crowd.groups[0].columns = scene.crowd.groups[0].count = 20;
+    scene.crowd->groups[0].columns = scene.crowd->groups[0].count = 20;
     const CrowdWorld crowd = make_crowd(scene);
     std::uint64_t frame = 0;
     std::string message;
@@ -288,8 +289,8 @@ TEST_CASE("A row takes less than 49 bytes once the file is closed, however many 
     TemporaryFolder folder;
     const fs::path file = folder.path / "it's trajectories.sqlite";
     Scene scene = at_every_step(one_agent_scene(10, 1, 75, 50, 0.2));
-    scene.crowd.groups[0].columns = scene.crowd.groups[0].count = 1000;
-    scene.crowd.groups[0].pitch_x = 0.05;
+    scene.crowd->groups[0].columns = scene.crowd->groups[0].count = 1000;
+    scene.crowd->groups[0].pitch_x = 0.05;
     CrowdWorld crowd = make_crowd(scene);
     const std::uint64_t frames = GENERATE(20U, 300U);
     {
@@ -315,8 +316,8 @@ TEST_CASE("Files that may not grow further count as a full disk, and the frames 
         const rlimit limit{600'000, RLIM_INFINITY};
         ::setrlimit(RLIMIT_FSIZE, &limit);
         Scene scene = at_every_step(one_agent_scene(10, 1, 75, 50, 0.2));
-        scene.crowd.groups[0].columns = scene.crowd.groups[0].count = 500;
-        scene.crowd.groups[0].pitch_x = 0.1;
+        scene.crowd->groups[0].columns = scene.crowd->groups[0].count = 500;
+        scene.crowd->groups[0].pitch_x = 0.1;
         const CrowdWorld crowd = make_crowd(scene);
         TrajectoryFile trajectories(file, scene);
         try {
@@ -338,10 +339,10 @@ TEST_CASE("Frames come at the rate of the paths, and everybody's first and last 
                                 Rates{30, 100, 30, 1}, Rates{2, 4, 2, 1}, Rates{25, 10, 25.0 / 3, 3});
     TemporaryFolder folder;
     Scene scene = one_agent_scene(20, 20, 20, 25, 0.2);
-    scene.crowd.groups[0].count = scene.crowd.groups[0].columns = 4;
-    scene.crowd.groups[0].pitch_x = 4;  // so that they arrive at different times, the last ones not at all
-    scene.crowd.step_rate = scene.frame_rate = rates.steps;
-    scene.crowd.paths.rate = rates.paths;
+    scene.crowd->groups[0].count = scene.crowd->groups[0].columns = 4;
+    scene.crowd->groups[0].pitch_x = 4;  // so that they arrive at different times, the last ones not at all
+    scene.crowd->step_rate = scene.frame_rate = rates.steps;
+    scene.crowd->paths.rate = rates.paths;
     CrowdWorld crowd = make_crowd(scene);
     const std::vector<Vector2d> first = crowd.agents.position;
     RunFolder run(folder.path, crowd, RunLabels{}, Record{});

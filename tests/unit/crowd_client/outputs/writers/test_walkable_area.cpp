@@ -3,6 +3,7 @@
 #include <boost/geometry/geometries/polygon.hpp>
 #include <catch2/catch.hpp>
 
+#include "configs/scene/world.hpp"
 #include "crowd_client/outputs/writers/trajectory_file.hpp"
 
 using namespace wade;
@@ -22,7 +23,7 @@ TEST_CASE("Holes of the walkable area touch neither its edge nor one another") {
 
 TEST_CASE("Houses of a place that touch, overlap and have courtyards are holes of the walkable area") {
     Scene scene;
-    scene.world.length = 20, scene.world.width = 10;
+    scene.world->length = 20, scene.world->width = 10;
     const auto house = [](std::vector<MapLine> rings) {
         House made;
         made.polygon.rings = std::move(rings);
