@@ -3,27 +3,29 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/raster_file.hpp"
 #include "configs/files/text_file.hpp"
+#include "configs/json/json.hpp"
 
 namespace wade {
 
 namespace {
 
-using nlohmann::json;
+std::string shown(const Json& value) {
+    return value.dump({.sorted = true}).substr(0, 60);
+}
 
 class JsonReader {
  public:
     JsonReader(const std::string& name, bool plan) : name_(name), plan_(plan) {}
 
-    MapFeatures read(const json& document) {
+    MapFeatures read(const Json& document) {
         const std::string type = type_of(document);
         read_system(document);
         if (type == "FeatureCollection") {
-            const json features = document.value("features", json());
+            const Json& features = document["features"];
             if (!features.is_array()) fail("", "a FeatureCollection without features");
             for (std::size_t i = 0; i < features.size(); ++i) add(features[i], i);
         } else if (type == "Feature") {
@@ -40,18 +42,15 @@ class JsonReader {
         throw ConfigurationError(name_ + ": " + (feature.empty() ? "" : feature + ": ") + sentence);
     }
 
-    [[nodiscard]] std::string type_of(const json& object) const {
+    [[nodiscard]] std::string type_of(const Json& object) const {
         if (!object.is_object() || !object.contains("type") || !object["type"].is_string())
             fail("", "it is no GeoJSON: there is no \"type\". Remedy: wade place import, or ogr2ogr -f GeoJSON.");
         return object["type"].get<std::string>();
     }
 
     // {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32756"}}, of the edition of 2008 and of GDAL.
-    void read_system(const json& document) {
-        const json crs = document.value("crs", json());
-        if (!crs.is_object()) return;
-        const json properties = crs.value("properties", json::object());
-        const json text = properties.is_object() ? properties.value("name", json()) : json();
+    void read_system(const Json& document) {
+        const Json& text = document["crs"]["properties"]["name"];
         if (!text.is_string()) return;
         const auto name = text.get<std::string>();
         if (name.find("CRS84") != std::string::npos)
@@ -65,19 +64,19 @@ class JsonReader {
         found_.epsg = number;
     }
 
-    void add(const json& feature, std::size_t i) {
+    void add(const Json& feature, std::size_t i) {
         MapFeature made;
         made.label = "feature " + std::to_string(i);
         if (type_of(feature) != "Feature") fail(made.label, "its type is no \"Feature\".");
-        const json properties = feature.value("properties", json());
+        const Json& properties = feature["properties"];
         if (properties.is_object()) take_properties(properties, made);
-        const json geometry = feature.value("geometry", json());
+        const Json& geometry = feature["geometry"];
         if (geometry.is_null()) return;
         take_geometry(geometry, made);
         found_.features.push_back(std::move(made));
     }
 
-    void take_properties(const json& properties, MapFeature& made) const {
+    void take_properties(const Json& properties, MapFeature& made) const {
         for (const auto& [key, value] : properties.items()) {
             if (value.is_number()) made.numbers[key] = value.get<double>();
             if (value.is_string()) made.words[key] = value.get<std::string>();
@@ -87,24 +86,24 @@ class JsonReader {
             made.name = name->second;
             made.label += " (" + made.name + ")";
         }
-        const json doors = properties.value("doors", json());
+        const Json& doors = properties["doors"];
         if (doors.is_array()) made.doors = line_of(doors, made);
     }
 
-    void take_geometry(const json& geometry, MapFeature& made) const {
+    void take_geometry(const Json& geometry, MapFeature& made) const {
         const std::string type = type_of(geometry);
-        const json coordinates = geometry.value("coordinates", json());
+        const Json& coordinates = geometry["coordinates"];
         if (type == "Polygon") {
             take_rings(coordinates, made);
         } else if (type == "MultiPolygon") {
             if (!coordinates.is_array()) fail(made.label, "a MultiPolygon without coordinates.");
-            for (const json& polygon : coordinates) take_rings(polygon, made);
+            for (const Json& polygon : coordinates) take_rings(polygon, made);
         } else if (type == "LineString") {
             made.line = line_of(coordinates, made);
         } else if (type == "MultiLineString" && coordinates.is_array() && coordinates.size() == 1) {
             made.line = line_of(coordinates[0], made);
         } else if (type == "Point") {
-            made.line = line_of(json::array({coordinates}), made);
+            made.line = line_of(Json::array({coordinates}), made);
             made.is_point = true;
         } else {
             fail(made.label,
@@ -115,9 +114,9 @@ class JsonReader {
         if (made.polygon.rings.empty() && made.line.empty()) fail(made.label, "its geometry has no points.");
     }
 
-    void take_rings(const json& rings, MapFeature& made) const {
+    void take_rings(const Json& rings, MapFeature& made) const {
         if (!rings.is_array()) fail(made.label, "a polygon without rings.");
-        for (const json& points : rings) {
+        for (const Json& points : rings) {
             MapLine ring = line_of(points, made);
             const auto same = [](const MapPoint& a, const MapPoint& b) { return a.x == b.x && a.z == b.z; };
             ring.erase(std::unique(ring.begin(), ring.end(), same), ring.end());
@@ -129,15 +128,15 @@ class JsonReader {
         }
     }
 
-    [[nodiscard]] MapLine line_of(const json& points, const MapFeature& made) const {
+    [[nodiscard]] MapLine line_of(const Json& points, const MapFeature& made) const {
         if (!points.is_array()) fail(made.label, "its coordinates are no array of points.");
         MapLine line;
-        for (const json& point : points) {
+        for (const Json& point : points) {
             if (!point.is_array() || point.size() < 2 || !point[0].is_number() || !point[1].is_number())
-                fail(made.label, point.dump().substr(0, 60) + " is no point; allowed: [easting, northing].");
+                fail(made.label, shown(point) + " is no point; allowed: [easting, northing].");
             const MapPoint place{point[0].get<double>(), point[1].get<double>()};
             if (!(std::abs(place.x) < 1e9 && std::abs(place.z) < 1e9))
-                fail(made.label, point.dump().substr(0, 60) + " is no place on a map.");
+                fail(made.label, shown(point) + " is no place on a map.");
             line.push_back(place);
         }
         return line;
@@ -170,21 +169,15 @@ class JsonReader {
 }  // namespace
 
 MapFeatures parse_geojson(std::string_view text, const std::string& name, bool plan) {
-    constexpr int deepest = 50;
-    bool too_deep = false;
-    const auto watch = [&too_deep](int depth, json::parse_event_t, json&) {
-        too_deep = too_deep || depth > deepest;
-        return !too_deep;
-    };
     try {
-        const json document = json::parse(text.begin(), text.end(), watch);
-        if (too_deep)
-            throw ConfigurationError(name + ": its arrays are nested more than " + std::to_string(deepest) + " deep.");
-        return JsonReader(name, plan).read(document);
-    } catch (const json::parse_error& error) {
-        throw ConfigurationError(name + ": not valid JSON at byte " + std::to_string(error.byte) +
-                                 ": it is damaged, cut short or no GeoJSON.");
-    } catch (const json::exception&) {
+        return JsonReader(name, plan).read(Json::parse(text));
+    } catch (const JsonError& error) {
+        if (error.fault == JsonError::Fault::syntax)
+            throw ConfigurationError(name + ": not valid JSON at byte " + std::to_string(error.byte) +
+                                     ": it is damaged, cut short or no GeoJSON.");
+        if (error.fault == JsonError::Fault::nesting)
+            throw ConfigurationError(name + ": its arrays are nested more than " + std::to_string(Json::max_depth) +
+                                     " deep.");
         throw ConfigurationError(name + ": not valid JSON: a number is too large or a text is not UTF-8.");
     }
 }

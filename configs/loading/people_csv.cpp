@@ -4,20 +4,19 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "configs/json/json.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/scene/keys.hpp"
 
 namespace wade {
 
 namespace {
-
-using nlohmann::json;
 
 constexpr const char* key_of_files = "people_csv";
 
@@ -38,18 +37,18 @@ std::vector<std::string> cells_of(std::string_view line) {
 }
 
 // A number, true or false, or else a text, so that the rules of keys say what is wrong with it.
-json value_of(const std::string& cell) {
+Json value_of(const std::string& cell) {
     if (cell == "true" || cell == "false") return cell == "true";
     double number = 0;
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
     if (error != std::errc() || end != cell.data() + cell.size()) return cell;
     const bool is_whole = std::trunc(number) == number && std::abs(number) < 1e15;
-    return is_whole ? json(static_cast<std::int64_t>(number)) : json(number);
+    return is_whole ? Json(static_cast<std::int64_t>(number)) : Json(number);
 }
 
 // "0:0.2 30:0.8" as a list of points; what is none stays a text.
-json history_of(const std::string& cell) {
-    json points = json::array();
+Json history_of(const std::string& cell) {
+    Json points = Json::array();
     std::istringstream words(cell);
     for (std::string word; words >> word;) {
         const std::size_t colon = word.find(':');
@@ -65,8 +64,8 @@ class Table {
         : name_(file.string()), text_(read_text_file(file, context)), problems_(problems) {}
 
     // An array of objects; an empty cell sets nothing.
-    json people() {
-        json people = json::array();
+    Json people() {
+        Json people = Json::array();
         std::vector<std::string> columns;
         std::size_t number = 0;
         for (std::string_view rest = text_; !rest.empty();) {
@@ -87,10 +86,10 @@ class Table {
     }
 
  private:
-    json person(const std::vector<std::string>& columns, const std::vector<std::string>& cells, std::size_t line) {
+    Json person(const std::vector<std::string>& columns, const std::vector<std::string>& cells, std::size_t line) {
         static const KeyNode& keys = *scene_keys().find("crowd")->find("people");
         const std::string source = name_ + ", line " + std::to_string(line);
-        json person = json::object();
+        Json person = Json::object();
         if (cells.size() != columns.size()) {
             problems_.note(source + ": there are " + std::to_string(cells.size()) +
                            " values; allowed: " + std::to_string(columns.size()) + ", one for each column.");
@@ -111,9 +110,9 @@ class Table {
     Problems& problems_;
 };
 
-void take_people_of(json& object, const std::string& pointer, const std::filesystem::path& scene_file,
+void take_people_of(Json& object, const std::string& pointer, const std::filesystem::path& scene_file,
                     Problems& problems) {
-    if (!object.is_object() || !object.contains(key_of_files) || !object[key_of_files].is_string()) return;
+    if (!std::as_const(object)[key_of_files].is_string()) return;
     const std::filesystem::path file =
         (scene_file.parent_path() / object[key_of_files].get<std::string>()).lexically_normal();
     object.erase(key_of_files);
@@ -124,11 +123,12 @@ void take_people_of(json& object, const std::string& pointer, const std::filesys
 
 }  // namespace
 
-void take_people(json& document, const std::filesystem::path& scene_file, Problems& problems) {
-    if (!document.is_object() || !document.contains("crowd") || !document["crowd"].is_object()) return;
-    json& crowd = document["crowd"];
+void take_people(Json& document, const std::filesystem::path& scene_file, Problems& problems) {
+    Json* const found = document.find("crowd");
+    if (found == nullptr || !found->is_object()) return;
+    Json& crowd = *found;
     take_people_of(crowd, "/crowd", scene_file, problems);
-    if (!crowd.contains("groups") || !crowd["groups"].is_array()) return;
+    if (!std::as_const(crowd)["groups"].is_array()) return;
     for (std::size_t g = 0; g < crowd["groups"].size(); ++g) {
         take_people_of(crowd["groups"][g], "/crowd/groups/" + std::to_string(g), scene_file, problems);
     }

@@ -1,10 +1,9 @@
 #include "configs/loading/scene_file.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
@@ -13,8 +12,6 @@
 namespace wade {
 
 namespace {
-
-using nlohmann::json;
 
 // "line L, column C" of the byte with the given number, counted from 1.
 std::string line_and_column(std::string_view text, std::size_t byte) {
@@ -29,44 +26,6 @@ std::string line_and_column(std::string_view text, std::size_t byte) {
     }
     return "line " + std::to_string(line) + ", column " + std::to_string(column);
 }
-
-// The parser's message without its own number and position.
-std::string reason_of(const json::exception& error) {
-    const std::string text = error.what();
-    const std::size_t column = text.find("column ");
-    const std::size_t start = column == std::string::npos ? text.find("] ") : text.find(": ", column);
-    return start == std::string::npos ? text : text.substr(start + 2);
-}
-
-// Finds what the parser itself lets pass: keys that stand twice in one object, and nesting deeper than any scene needs
-// (which would exhaust the stack of all that walks through a document).
-class Watch {
- public:
-    bool operator()(int depth, json::parse_event_t event, const json& value) {
-        if (depth > deepest_allowed) {
-            too_deep_ = true;
-            return false;
-        }
-        if (event == json::parse_event_t::object_start) {
-            open_.emplace_back();
-        } else if (event == json::parse_event_t::object_end) {
-            open_.pop_back();
-        } else if (event == json::parse_event_t::key) {
-            const auto key = value.get<std::string>();
-            if (!open_.back().insert(key).second && !first_) first_ = key;
-        }
-        return true;
-    }
-    [[nodiscard]] const std::optional<std::string>& duplicate() const { return first_; }
-    [[nodiscard]] bool too_deep() const { return too_deep_; }
-
-    static constexpr int deepest_allowed = 50;
-
- private:
-    bool too_deep_ = false;
-    std::vector<std::set<std::string>> open_;
-    std::optional<std::string> first_;
-};
 
 // The same file under whatever name, to recognise a cycle.
 std::filesystem::path identity(const std::filesystem::path& file) {
@@ -107,31 +66,19 @@ class Chain {
 
 }  // namespace
 
-json parse_scene_text(std::string_view text, const std::string& source) {
-    Watch watch;
-    json document;
+Json parse_scene_text(std::string_view text, const std::string& source) {
     try {
-        document = json::parse(
-            text.begin(), text.end(),
-            [&watch](int depth, json::parse_event_t event, json& value) { return watch(depth, event, value); },
-            /*allow_exceptions=*/true, /*ignore_comments=*/true);
-    } catch (const json::parse_error& error) {
-        throw ConfigurationError(source + ": not valid JSON at " + line_and_column(text, error.byte) + ": " +
-                                 reason_of(error) + ".");
-    } catch (const json::exception& error) {
-        throw ConfigurationError(source + ": not valid JSON: " + reason_of(error) + ".");
+        return Json::parse(text, {.comments = true, .unique_keys = true});
+    } catch (const JsonError& error) {
+        const std::string place = error.fault == JsonError::Fault::syntax
+                                      ? "not valid JSON at " + line_and_column(text, error.byte) + ": "
+                                  : error.fault == JsonError::Fault::number ? "not valid JSON: "
+                                                                            : "";
+        throw ConfigurationError(source + ": " + place + error.what() + ".");
     }
-    if (watch.too_deep()) {
-        throw ConfigurationError(source + ": objects and arrays are nested more than " +
-                                 std::to_string(Watch::deepest_allowed) + " deep.");
-    }
-    if (watch.duplicate()) {
-        throw ConfigurationError(source + ": the key \"" + *watch.duplicate() + "\" stands twice in one object.");
-    }
-    return document;
 }
 
-void merge_over(json& lower, const json& upper) {
+void merge_over(Json& lower, const Json& upper) {
     if (!lower.is_object() || !upper.is_object()) {
         lower = upper;
         return;
@@ -145,23 +92,23 @@ void merge_over(json& lower, const json& upper) {
     }
 }
 
-std::vector<json> scene_layers(std::string_view text, const std::filesystem::path& file) {
+std::vector<Json> scene_layers(std::string_view text, const std::filesystem::path& file) {
     Problems problems;
     Chain chain;
-    std::vector<json> layers;
+    std::vector<Json> layers;
     problems.attempt([&] {
         chain.add(file, file.string());
         std::string current(text);
         std::filesystem::path current_file = file;
         while (true) {
             const std::string source = current_file.string();
-            json document = parse_scene_text(current, source);
+            Json document = parse_scene_text(current, source);
             check_keys(document, scene_keys(), "", {source, problems});
             take_people(document, current_file, problems);
             make_paths_absolute(document, current_file.parent_path());
-            const json extends = document.is_object() ? document.value("extends", json()) : json();
+            const Json extends = std::as_const(document)["extends"];
             layers.push_back(std::move(document));
-            if (!extends.is_string() || extends.get_ref<const std::string&>().empty()) break;
+            if (!extends.is_string() || extends.get<std::string>().empty()) break;
             const std::filesystem::path parent =
                 (current_file.parent_path() / extends.get<std::string>()).lexically_normal();
             chain.add(parent, source);
@@ -174,9 +121,9 @@ std::vector<json> scene_layers(std::string_view text, const std::filesystem::pat
     return layers;
 }
 
-json merge_layers(const std::vector<json>& layers) {
-    json merged = json::object();
-    for (const json& layer : layers) {
+Json merge_layers(const std::vector<Json>& layers) {
+    Json merged = Json::object();
+    for (const Json& layer : layers) {
         // A scene that took over its parent's name would write its results under that name.
         merged.erase("name");
         merged.erase("description");

@@ -2,39 +2,39 @@
 // From text to one merged JSON document: parsing, and the chain of files that extend one another.
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "configs/errors/problems.hpp"
 #include "configs/files/text_file.hpp"
+#include "configs/json/json.hpp"
 
 namespace wade {
 
 // Parses JSON with // and /* */ comments; refuses keys that stand twice in one object. Errors give line and column.
-[[nodiscard]] nlohmann::json parse_scene_text(std::string_view text, const std::string& source);
+[[nodiscard]] Json parse_scene_text(std::string_view text, const std::string& source);
 
 // Lays `upper` over `lower`: objects merge key by key, everything else is replaced.
-void merge_over(nlohmann::json& lower, const nlohmann::json& upper);
+void merge_over(Json& lower, const Json& upper);
 
 // Parses the text of `file` and reads the files that it extends, at most 32, each checked against the keys on its own; `file`
 // is the last. Throws one ConfigurationError for all mistakes of keys and values in them.
-[[nodiscard]] std::vector<nlohmann::json> scene_layers(std::string_view text, const std::filesystem::path& file);
+[[nodiscard]] std::vector<Json> scene_layers(std::string_view text, const std::filesystem::path& file);
 
 // Merges each over those before it. name and description are those of the last alone; the result has neither "extends"
 // nor "$schema".
-[[nodiscard]] nlohmann::json merge_layers(const std::vector<nlohmann::json>& layers);
+[[nodiscard]] Json merge_layers(const std::vector<Json>& layers);
 
 // Puts the people of each table that `people_csv` names, of the crowd or of a group, in its place: a file with keys of
 // /crowd/people in its first line and a person in each other. Paths are relative to the folder of `scene_file`. Notes what is
 // wrong with file, line, column, value and what is allowed.
-void take_people(nlohmann::json& document, const std::filesystem::path& scene_file, Problems& problems);
+void take_people(Json& document, const std::filesystem::path& scene_file, Problems& problems);
 
 // Makes the paths that keys of `document` name absolute: they are relative to `folder`.
-void make_paths_absolute(nlohmann::json& document, const std::filesystem::path& folder);
+void make_paths_absolute(Json& document, const std::filesystem::path& folder);
 
 // Puts a hash of the contents of the file in the place of each path, so that scenes of equal contents have equal texts.
-void put_contents_for_paths(nlohmann::json& document);
+void put_contents_for_paths(Json& document);
 
 }  // namespace wade

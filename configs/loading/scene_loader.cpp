@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
-#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/problems.hpp"
+#include "configs/json/json.hpp"
 #include "configs/loading/place_reader.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/loading/scene_override.hpp"
@@ -20,15 +21,15 @@ namespace {
 
 // Whether a value of the crowd, if every group has it itself, is an oversight: it is where it was written with the groups'
 // or over them, not where groups were given their own over an extended scene or by an override.
-bool must_be_used(const std::string& key, const std::vector<nlohmann::json>& layers,
-                  const std::vector<SceneOverride>& overrides, const nlohmann::json& merged) {
-    if (!merged.contains("crowd") || !merged["crowd"].contains(key)) return false;
+bool must_be_used(const std::string& key, const std::vector<Json>& layers, const std::vector<SceneOverride>& overrides,
+                  const Json& merged) {
+    if (!merged["crowd"].contains(key)) return false;
     std::ptrdiff_t crowd = -1, groups = -1;  // the last layer that sets it; the overrides are one behind the others
     const auto last = static_cast<std::ptrdiff_t>(layers.size());
     for (std::ptrdiff_t k = 0; k < last; ++k) {
-        const nlohmann::json its = layers[static_cast<std::size_t>(k)].value("crowd", nlohmann::json::object());
+        const Json& its = layers[static_cast<std::size_t>(k)]["crowd"];
         if (its.contains(key)) crowd = k;
-        for (const auto& group : its.value("groups", nlohmann::json::array())) {
+        for (const auto& group : its["groups"]) {
             if (group.contains(key)) groups = k;
         }
     }
@@ -48,13 +49,12 @@ std::vector<std::string> inherited_by_groups() {
     return names;
 }
 
-void note_if_unused(const std::string& key, const nlohmann::json& crowd, const std::string& source,
-                    Problems& problems) {
-    const nlohmann::json groups = crowd.value("groups", nlohmann::json::array());
+void note_if_unused(const std::string& key, const Json& crowd, const std::string& source, Problems& problems) {
+    const Json& groups = crowd["groups"];
     const bool used =
         std::any_of(groups.begin(), groups.end(), [&](const auto& group) { return !group.contains(key); });
     if (groups.empty() || used) return;
-    problems.note(source + ": /crowd/" + key + ": " + crowd[key].dump() +
+    problems.note(source + ": /crowd/" + key + ": " + crowd[key].dump({.sorted = true}) +
                   " has no effect, as every group sets its own; set /crowd/groups/0/" + key + " instead.");
 }
 
@@ -65,25 +65,20 @@ void note_beside_place(const std::string& key, const std::string& source, Proble
                   ": a place stands instead of the channel and its obstacles; allowed: none beside /place, also in the "
                   "scenes that it extends. Houses are /place/houses.");
 }
-void drop_channel_beside_place(nlohmann::json& document, const std::string& source, Problems& problems) {
+void drop_channel_beside_place(Json& document, const std::string& source, Problems& problems) {
     if (!document.contains("place") || !document.contains("channel")) return;
-    const nlohmann::json& channel = document["channel"];
-    if (channel.contains("flow") && channel["flow"] == "closed") return;
+    if (std::as_const(document)["channel"]["flow"] == "closed") return;
     note_beside_place("channel", source, problems);
     document.erase("channel");
 }
 
-SetByScene set_by(const nlohmann::json& document) {
-    const auto sets = [&](const char* object, const char* key) {
-        return document.contains(object) && document[object].contains(key);
-    };
-    const bool ways = document.contains("crowd") && document["crowd"].contains("navigation") &&
-                      document["crowd"]["navigation"].contains("cell_m");
+SetByScene set_by(const Json& document) {
+    const auto sets = [&](const char* object, const char* key) { return document[object].contains(key); };
+    const bool ways = document["crowd"]["navigation"].contains("cell_m");
     return {sets("world", "length_m"), sets("world", "width_m"), sets("fluid", "model"), ways};
 }
 
-void place_instead_of_channel(const nlohmann::json& document, Scene& scene, const std::string& source,
-                              Problems& problems) {
+void place_instead_of_channel(const Json& document, Scene& scene, const std::string& source, Problems& problems) {
     const std::string as_written = written_scene(scene)["channel"].dump();
     read_place(scene, set_by(document), source, problems);
     if (!scene.obstacles.empty()) note_beside_place("obstacles", source, problems);
@@ -110,11 +105,11 @@ std::string name_from(const std::filesystem::path& file) {
 }
 
 // What a scene is called does not change what happens in it.
-std::uint64_t scene_hash(nlohmann::json document) {
+std::uint64_t scene_hash(Json document) {
     document.erase("name");
     document.erase("description");
     put_contents_for_paths(document);
-    return fnv1a(document.dump());
+    return fnv1a(document.dump({.sorted = true}));
 }
 
 }  // namespace
@@ -122,8 +117,8 @@ std::uint64_t scene_hash(nlohmann::json document) {
 LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& file,
                             const std::vector<SceneOverride>& overrides) {
     const std::string source = file.string();
-    const std::vector<nlohmann::json> layers = scene_layers(text, file);
-    nlohmann::json document = merge_layers(layers);
+    const std::vector<Json> layers = scene_layers(text, file);
+    Json document = merge_layers(layers);
     Problems problems;
     for (const SceneOverride& change : overrides) problems.attempt([&] { apply_override(document, change); });
     problems.throw_if_any();
@@ -141,9 +136,9 @@ LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& 
     problems.throw_if_any();
     choose_kernel(loaded.scene);
     check_scene(loaded.scene, source);
-    const nlohmann::json resolved = written_scene(loaded.scene);
+    const Json resolved = written_scene(loaded.scene);
     loaded.scene.hash = scene_hash(resolved);
-    loaded.canonical_json = resolved.dump(2) + "\n";
+    loaded.canonical_json = resolved.dump({.indent = 2, .sorted = true}) + "\n";
     return loaded;
 }
 

@@ -1,7 +1,7 @@
 #include "configs/loading/scene_override.hpp"
 
 #include <charconv>
-#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/errors/problems.hpp"
@@ -10,8 +10,6 @@
 namespace wade {
 
 namespace {
-
-using nlohmann::json;
 
 // The keys of a JSON pointer (RFC 6901), unescaped.
 std::vector<std::string> keys_of(const SceneOverride& change) {
@@ -34,7 +32,7 @@ std::vector<std::string> keys_of(const SceneOverride& change) {
     return keys;
 }
 
-std::size_t index_of(const std::string& key, const json& array, const std::string& pointer,
+std::size_t index_of(const std::string& key, const Json& array, const std::string& pointer,
                      const SceneOverride& change) {
     std::size_t index = 0;
     const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), index);
@@ -49,33 +47,21 @@ std::size_t index_of(const std::string& key, const json& array, const std::strin
 
 bool is_utf8(const std::string& text) {
     try {
-        return !json(text).dump().empty();
-    } catch (const json::type_error&) {
+        return !Json(text).dump().empty();
+    } catch (const JsonError&) {
         return false;
     }
 }
 
-// The value as JSON, or discarded if it is none; a scene needs no deeper nesting than the limit.
-json parsed(const std::string& text) {
-    constexpr int deepest_allowed = 50;
-    bool too_deep = false;
-    const auto watch = [&too_deep](int depth, json::parse_event_t, const json&) {
-        too_deep = too_deep || depth > deepest_allowed;
-        return !too_deep;
-    };
-    json value = json::parse(text, watch, /*allow_exceptions=*/false);
-    return too_deep ? json(json::value_t::discarded) : value;
-}
-
 // JSON if it is, else the text itself; a key that takes a string takes any text as it stands, quoted or not.
-json value_of(const SceneOverride& change, const Key& key) {
+Json value_of(const SceneOverride& change, const Key& key) {
     if (!is_utf8(change.value)) {
         throw ConfigurationError(change.source + ": the value is not valid UTF-8 text.");
     }
     const bool takes_words = key.kind == KeyKind::text || key.kind == KeyKind::choice;
-    json value = parsed(change.value);
-    if (value.is_discarded() || (takes_words && !value.is_string())) return change.value;
-    return value;
+    const std::optional<Json> value = Json::try_parse(change.value);
+    if (!value || (takes_words && !value->is_string())) return change.value;
+    return *value;
 }
 
 // What to write for a value that may be an object and is none.
@@ -84,7 +70,7 @@ std::string object_form(const KeyNode& node, const std::string& pointer) {
     return "; it may be an object: " + pointer + R"(={"min":...,"max":...})";
 }
 
-bool holds_keys(const KeyNode& node, const json& place) {
+bool holds_keys(const KeyNode& node, const Json& place) {
     return node.key.kind == KeyKind::object || (node.key.kind == KeyKind::spread && place.is_object());
 }
 
@@ -101,19 +87,19 @@ SceneOverride parse_override(const std::string& assignment) {
     return {assignment.substr(0, equals), assignment.substr(equals + 1), source};
 }
 
-void apply_override(json& document, const SceneOverride& change) {
+void apply_override(Json& document, const SceneOverride& change) {
     Problems problems;
     const Reading reading{change.source, problems};
     KeyNode element;  // of a list that was entered: a nameless object
     const KeyNode* node = &scene_keys();
-    json* place = &document;
+    Json* place = &document;
     std::string pointer;
     for (const std::string& key : keys_of(change)) {
         if (node->key.kind == KeyKind::list) {
             const std::size_t index = index_of(key, *place, pointer, change);
             element = {{"", KeyKind::object, ""}, {}, std::vector<KeyNode>(node->inside)};
             node = &element;
-            if (index == place->size()) place->push_back(json::object());
+            if (index == place->size()) place->push_back(Json::object());
             place = &(*place)[index];
         } else if (holds_keys(*node, *place)) {
             const KeyNode* const inner = node->find(key);
@@ -123,8 +109,8 @@ void apply_override(json& document, const SceneOverride& change) {
             }
             node = inner;
             place = &(*place)[key];
-            if (place->is_null() && node->key.kind == KeyKind::object) *place = json::object();
-            if (place->is_null() && node->key.kind == KeyKind::list) *place = json::array();
+            if (place->is_null() && node->key.kind == KeyKind::object) *place = Json::object();
+            if (place->is_null() && node->key.kind == KeyKind::list) *place = Json::array();
         } else {
             throw ConfigurationError(change.source + ": " + pointer +
                                      " is no object and no array, so that nothing lies below it" +

@@ -1,8 +1,9 @@
 #pragma once
 // Applies values from the command line to a merged scene document.
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
+
+#include "configs/json/json.hpp"
 
 namespace wade {
 
@@ -18,6 +19,6 @@ struct SceneOverride {
 
 // Sets one value; its pointer must exist in the schema, missing objects on the way are made. In an array the index may
 // be that of an element or, to append, the number of elements.
-void apply_override(nlohmann::json& document, const SceneOverride& change);
+void apply_override(Json& document, const SceneOverride& change);
 
 }  // namespace wade

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
@@ -62,8 +61,7 @@ std::string words(Found found) {
 
 }  // namespace
 
-std::string nearest_key(const nlohmann::json& present, const KeyNode& node, const std::string& name,
-                        const KeyNode& all) {
+std::string nearest_key(const Json& present, const KeyNode& node, const std::string& name, const KeyNode& all) {
     std::string here;
     std::size_t nearest = std::numeric_limits<std::size_t>::max();
     bool is_set = true;

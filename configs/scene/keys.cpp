@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "configs/errors/nearest_name.hpp"
 #include "configs/scene/fields/lists.hpp"
@@ -10,8 +9,6 @@
 namespace wade {
 
 namespace {
-
-using nlohmann::json;
 
 class Declaring : public Fields {
  public:
@@ -63,21 +60,21 @@ class Declaring : public Fields {
 };
 
 // A value as errors show it; long ones are cut.
-std::string shown(const json& value) {
+std::string shown(const Json& value) {
     constexpr std::size_t longest = 60;
-    std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+    std::string text = value.dump({.sorted = true, .lossy_text = true});
     if (text.size() > longest) text = text.substr(0, longest) + "...";
     return text;
 }
 
-bool is_whole(const json& value) {
+bool is_whole(const Json& value) {
     if (value.is_number_integer()) return true;
     constexpr double exact_up_to = 9007199254740992.0;  // 2^53: above, a double no longer holds every whole number
     return value.is_number_float() && std::trunc(value.get<double>()) == value.get<double>() &&
            std::abs(value.get<double>()) <= exact_up_to;
 }
 
-bool has_type(const json& value, KeyKind kind) {
+bool has_type(const Json& value, KeyKind kind) {
     switch (kind) {
         case KeyKind::number:
             return value.is_number();
@@ -118,16 +115,16 @@ std::string location(const std::string& source, const std::string& pointer) {
 // As a document would write it: 5, 0.5, 1e+06.
 std::string number_text(double value) {
     const bool whole = std::trunc(value) == value && std::abs(value) < 1e15;
-    return whole ? json(static_cast<std::int64_t>(value)).dump() : json(value).dump();
+    return whole ? Json(static_cast<std::int64_t>(value)).dump() : Json(value).dump();
 }
 
-std::string fault_of_point(const json& point, const Key& key) {
+std::string fault_of_point(const Json& point, const Key& key) {
     const bool has_size = point.is_array() && point.size() == key.point_size;
-    if (!has_size || !std::all_of(point.begin(), point.end(), [](const json& v) { return v.is_number(); })) {
+    if (!has_size || !std::all_of(point.begin(), point.end(), [](const Json& v) { return v.is_number(); })) {
         return shown(point) + " is not a point; allowed: " + (key.point_size == 2 ? "[x, z]" : "[x, y, z]") +
                ", numbers.";
     }
-    for (const json& number : point) {
+    for (const Json& number : point) {
         if (!key.range.contains(number.get<double>()))
             return shown(number) + " is out of range; allowed: " + allowed_values(key) + ".";
     }
@@ -135,7 +132,7 @@ std::string fault_of_point(const json& point, const Key& key) {
 }
 
 // What is wrong with a value of the right type; empty if nothing is.
-std::string fault_of(const json& value, const Key& key) {
+std::string fault_of(const Json& value, const Key& key) {
     if (key.kind == KeyKind::choice) {
         const auto text = value.get<std::string>();
         if (std::find(key.choices.begin(), key.choices.end(), text) != key.choices.end()) return "";
@@ -234,9 +231,9 @@ std::string allowed_values(const Key& key) {
     return key.unit.empty() ? text : text + " " + std::string(key.unit);
 }
 
-void note_unknown_key(const json& present, const KeyNode& node, const std::string& key, const std::string& pointer,
+void note_unknown_key(const Json& present, const KeyNode& node, const std::string& key, const std::string& pointer,
                       const Reading& reading) {
-    reading.problems.note(reading.source + ": " + pointer_to(pointer, key) + ": unknown key " + shown(json(key)) +
+    reading.problems.note(reading.source + ": " + pointer_to(pointer, key) + ": unknown key " + shown(Json(key)) +
                           "; " + nearest_key(present, node, key, reading.keys) + ".");
 }
 
@@ -247,13 +244,14 @@ void note_missing_key(const KeyNode& node, const std::string& pointer, const Rea
                           "; allowed: " + allowed_values(key) + "). " + std::string(key.meaning));
 }
 
-void check_keys(const json& value, const KeyNode& node, const std::string& pointer, const Reading& reading) {
+void check_keys(const Json& value, const KeyNode& node, const std::string& pointer, const Reading& reading) {
     const Key& key = node.key;
     if (!has_type(value, key.kind)) {
         reading.problems.note(location(reading.source, pointer) + ": expected " + type_words(key) + ", found " +
                               shown(value) + " (" + value.type_name() + ").");
     } else if (value.is_object()) {
-        for (const auto& [name, member] : value.items()) {
+        for (const JsonMember* const item : value.sorted_items()) {
+            const auto& [name, member] = *item;
             if (const KeyNode* const inner = node.find(name)) {
                 check_keys(member, *inner, pointer_to(pointer, name), reading);
             } else {
@@ -270,7 +268,7 @@ void check_keys(const json& value, const KeyNode& node, const std::string& point
     }
 }
 
-KeyValue key_value(const json& value, const Key& key) {
+KeyValue key_value(const Json& value, const Key& key) {
     switch (key.kind) {
         case KeyKind::number:
             return value.get<double>() + 0.0;
@@ -290,8 +288,8 @@ KeyValue key_value(const json& value, const Key& key) {
                           value.at("mean").get<double>() + 0.0, value.at("sd").get<double>());
         case KeyKind::points: {
             PointList list{key.point_size, {}};
-            for (const json& point : value)
-                for (const json& number : point) list.numbers.push_back(number.get<double>() + 0.0);
+            for (const Json& point : value)
+                for (const Json& number : point) list.numbers.push_back(number.get<double>() + 0.0);
             return list;
         }
         case KeyKind::object:
@@ -301,7 +299,7 @@ KeyValue key_value(const json& value, const Key& key) {
     return {};
 }
 
-json json_of(const KeyValue& value) {
+Json json_of(const KeyValue& value) {
     if (const auto* flag = std::get_if<bool>(&value)) return *flag;
     if (const auto* whole = std::get_if<std::int64_t>(&value)) return *whole;
     if (const auto* number = std::get_if<double>(&value)) return *number;
@@ -314,9 +312,9 @@ json json_of(const KeyValue& value) {
         return {{"min", spread->lo}, {"max", spread->hi}};
     }
     if (const auto* points = std::get_if<PointList>(&value)) {
-        json list = json::array();
+        Json list = Json::array();
         for (std::size_t i = 0; i + points->size <= points->numbers.size(); i += points->size) {
-            list.push_back(json::array());
+            list.push_back(Json::array());
             for (std::size_t k = 0; k < points->size; ++k) list.back().push_back(points->numbers[i + k]);
         }
         return list;

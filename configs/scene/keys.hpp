@@ -2,12 +2,12 @@
 // The keys of a scene as a tree: what the lists of fields declare, to check documents and to speak of keys in messages.
 
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "configs/errors/problems.hpp"
+#include "configs/json/json.hpp"
 #include "configs/scene/fields.hpp"
 #include "configs/scene/key_node.hpp"
 
@@ -31,18 +31,18 @@ struct Reading {
 
 // Notes all unknown keys, wrong types and values out of range of `value`, which is at `pointer` and is to be as `node`
 // says. Required keys may be missing: a file that another extends, or that extends another, is only a part of a scene.
-void check_keys(const nlohmann::json& value, const KeyNode& node, const std::string& pointer, const Reading& reading);
+void check_keys(const Json& value, const KeyNode& node, const std::string& pointer, const Reading& reading);
 
 // Notes that `key` is not known in the object at `pointer`, and what may have been meant: a key of this object, first
 // those that `present` has not set, or else one that stands elsewhere.
-void note_unknown_key(const nlohmann::json& present, const KeyNode& node, const std::string& key,
-                      const std::string& pointer, const Reading& reading);
+void note_unknown_key(const Json& present, const KeyNode& node, const std::string& key, const std::string& pointer,
+                      const Reading& reading);
 
 // "the nearest known key is "z_m"", for `name` in the object `present`, whose keys are `node`'s; or the full pointer of a
 // key that stands elsewhere in `all`, if that is what was written and nothing here is near it (key_names.cpp):
 //   here       a name that differs by a third of its characters or lacks words; of equals one that is not set yet
 //   elsewhere  the same name, or one that differs by a quarter of it; up to three places, the least deep first
-[[nodiscard]] std::string nearest_key(const nlohmann::json& present, const KeyNode& node, const std::string& name,
+[[nodiscard]] std::string nearest_key(const Json& present, const KeyNode& node, const std::string& name,
                                       const KeyNode& all);
 
 // Notes that the key at `pointer` is required and missing.
@@ -55,9 +55,9 @@ void note_missing_key(const KeyNode& node, const std::string& pointer, const Rea
 [[nodiscard]] std::string type_words(const Key& key);
 
 // What a JSON value is as a value of the key, whose type it must have; -0 becomes 0, so that equal scenes have equal texts.
-[[nodiscard]] KeyValue key_value(const nlohmann::json& value, const Key& key);
+[[nodiscard]] KeyValue key_value(const Json& value, const Key& key);
 
 // The value as JSON; null: none.
-[[nodiscard]] nlohmann::json json_of(const KeyValue& value);
+[[nodiscard]] Json json_of(const KeyValue& value);
 
 }  // namespace wade

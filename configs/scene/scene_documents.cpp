@@ -1,23 +1,19 @@
 #include "configs/scene/scene_documents.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 namespace wade {
 
 namespace {
 
-using nlohmann::json;
-using ordered = nlohmann::ordered_json;
-
 // 5 for 5.0, as people write it.
-ordered number(double value) {
+Json number(double value) {
     const bool whole = std::trunc(value) == value && std::abs(value) < 1e15 * 10;
-    return whole ? ordered(static_cast<std::int64_t>(value)) : ordered(value);
+    return whole ? Json(static_cast<std::int64_t>(value)) : Json(value);
 }
 
-ordered preset_of(const KeyNode& node) {
-    if (node.key.kind == KeyKind::list) return ordered::array();
+Json preset_of(const KeyNode& node) {
+    if (node.key.kind == KeyKind::list) return Json::array();
     if (const auto* value = std::get_if<double>(&node.preset)) return number(*value);
     if (const auto* spread = std::get_if<Spread>(&node.preset)) return number(spread->lo);
     return json_of(node.preset);
@@ -27,8 +23,8 @@ bool is_required(const KeyNode& node) {
     return node.key.presence.rule == Presence::Rule::required && node.key.presence.unless.empty();
 }
 
-ordered names_of_required(const KeyNode& node) {
-    ordered names = ordered::array();
+Json names_of_required(const KeyNode& node) {
+    Json names = Json::array();
     for (const KeyNode& inner : node.inside) {
         if (is_required(inner)) names.push_back(inner.key.name);
     }
@@ -56,25 +52,26 @@ const char* type_of(KeyKind kind) {
     return "";
 }
 
-ordered schema_of(const KeyNode& node, bool whole);
+Json schema_of(const KeyNode& node, bool whole);
 
 // `whole`: the object is never merged with another, so that it must have what is required.
-void add_properties(ordered& schema, const KeyNode& node, bool whole) {
+void add_properties(Json& schema, const KeyNode& node, bool whole) {
     schema["additionalProperties"] = false;
-    if (const ordered names = names_of_required(node); whole && !names.empty()) schema["required"] = names;
-    ordered& properties = schema["properties"] = ordered::object();
+    if (const Json names = names_of_required(node); whole && !names.empty()) schema["required"] = names;
+    Json& properties = schema["properties"] = Json::object();
     for (const KeyNode& inner : node.inside) properties[std::string(inner.key.name)] = schema_of(inner, whole);
 }
 
-void add_limits(ordered& schema, const Key& key) {
+void add_limits(Json& schema, const Key& key) {
     if (!key.unit.empty()) schema["x-unit"] = key.unit;
     if (key.kind == KeyKind::points) {
         Key number = key;
         number.kind = KeyKind::number;
         number.unit = {};
-        ordered& point = schema["items"] = {{"type", "array"}};
+        Json& point = schema["items"] = {{"type", "array"}};
         add_limits(point["items"] = {{"type", "number"}}, number);
-        point["minItems"] = point["maxItems"] = key.point_size;
+        point["maxItems"] = key.point_size;
+        point["minItems"] = key.point_size;
         return;
     }
     if (key.kind == KeyKind::choice) schema["enum"] = key.choices;
@@ -88,9 +85,9 @@ void add_limits(ordered& schema, const Key& key) {
         schema["pattern"] = std::string("^[").append(key.text.characters).append(key.text.shortest > 0 ? "]+$" : "]*$");
 }
 
-ordered schema_of(const KeyNode& node, bool whole) {
+Json schema_of(const KeyNode& node, bool whole) {
     const Key& key = node.key;
-    ordered schema;
+    Json schema;
     if (key.kind == KeyKind::spread) {
         schema["type"] = {"number", "object"};
     } else {
@@ -102,7 +99,7 @@ ordered schema_of(const KeyNode& node, bool whole) {
     if (!presence.words.empty()) schema["x-default"] = presence.words;
     schema["description"] = key.meaning;
     if (key.kind == KeyKind::list) {
-        ordered& items = schema["items"] = {{"type", "object"}};
+        Json& items = schema["items"] = {{"type", "object"}};
         add_properties(items, node, true);
     } else if (key.kind == KeyKind::object) {
         add_properties(schema, node, whole);
@@ -113,17 +110,17 @@ ordered schema_of(const KeyNode& node, bool whole) {
 }
 
 // What a whole scene must have of this object and of those below it.
-ordered required_of_whole(const KeyNode& node) {
-    ordered schema = ordered::object();
+Json required_of_whole(const KeyNode& node) {
+    Json schema = Json::object();
     for (const KeyNode& inner : node.inside) {
         const Presence& presence = inner.key.presence;
         if (presence.unless.empty()) continue;
-        schema["anyOf"] = {ordered{{"required", {inner.key.name}}}, ordered{{"required", {presence.unless}}}};
+        schema["anyOf"] = {Json{{"required", {inner.key.name}}}, Json{{"required", {presence.unless}}}};
     }
-    if (const ordered names = names_of_required(node); !names.empty()) schema["required"] = names;
+    if (const Json names = names_of_required(node); !names.empty()) schema["required"] = names;
     for (const KeyNode& inner : node.inside) {
         if (inner.key.kind != KeyKind::object) continue;
-        const ordered its = required_of_whole(inner);
+        const Json its = required_of_whole(inner);
         if (!its.empty()) schema["properties"][std::string(inner.key.name)] = its;
     }
     return schema;
@@ -199,7 +196,7 @@ void add_rows(std::string& table, const KeyNode& node, const std::string& before
 }  // namespace
 
 std::string schema_text(const KeyNode& keys) {
-    ordered schema;
+    Json schema;
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
     schema["title"] = "Wade scene";
     schema["description"] =
@@ -210,7 +207,7 @@ std::string schema_text(const KeyNode& keys) {
     schema["if"] = {{"required", {"extends"}}};
     schema["else"] = required_of_whole(keys);
     add_properties(schema, keys, false);
-    return schema.dump(2) + "\n";
+    return schema.dump({.indent = 2}) + "\n";
 }
 
 std::string keys_table(const KeyNode& keys) {

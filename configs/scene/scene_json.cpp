@@ -1,6 +1,5 @@
 #include "configs/scene/scene_json.hpp"
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "configs/scene/fields/lists.hpp"
@@ -9,11 +8,9 @@ namespace wade {
 
 namespace {
 
-using nlohmann::json;
-
 class Reader : public Fields {
  public:
-    Reader(const json& document, const Reading& reading, const std::string& skipped)
+    Reader(const Json& document, const Reading& reading, const std::string& skipped)
         : Fields(skipped), here_(&document), reading_(reading) {}
 
  private:
@@ -31,7 +28,7 @@ class Reader : public Fields {
         }
     }
 
-    void take(const json& value, const Key& key, const Member& member) {
+    void take(const Json& value, const Key& key, const Member& member) {
         const std::string pointer = pointer_to(pointer_, std::string(key.name));
         if (key.kind == KeyKind::spread && value.is_object()) {
             for (const std::string_view limit : {"min", "max"}) {
@@ -39,7 +36,7 @@ class Reader : public Fields {
                 if (!value.contains(std::string(limit))) note_missing_key({its, {}, {}}, pointer, reading_);
             }
             if (!value.contains("min") || !value.contains("max")) return;
-            if (value["min"] > value["max"]) {
+            if (value["min"].get<double>() > value["max"].get<double>()) {
                 reading_.problems.note(reading_.source + ": " + pointer + ": min " + value["min"].dump() +
                                        " is above max " + value["max"].dump() + "; allowed: min <= max.");
             }
@@ -69,7 +66,7 @@ class Reader : public Fields {
             if (!replaced(key)) note_missing_key({key, {}, {}}, pointer_, reading_);
             return;
         }
-        static const json nothing = json::object();
+        static const Json nothing = Json::object();
         enter(here_->contains(name) ? (*here_)[name] : nothing, name, inside);
     }
 
@@ -88,7 +85,7 @@ class Reader : public Fields {
     void visit_list(const Key& key, const ListMember& member) override {
         const std::string name(key.name);
         if (!here_->contains(name)) return;
-        const json& list = (*here_)[name];
+        const Json& list = (*here_)[name];
         member.resize(list.size());
         enter(list, name, [&] {
             for (std::size_t i = 0; i < list.size(); ++i) {
@@ -103,71 +100,71 @@ class Reader : public Fields {
         }
     }
 
-    void enter(const json& value, const std::string& name, const std::function<void()>& inside) {
-        const json* const outer = std::exchange(here_, &value);
+    void enter(const Json& value, const std::string& name, const std::function<void()>& inside) {
+        const Json* const outer = std::exchange(here_, &value);
         const std::string outer_pointer = std::exchange(pointer_, pointer_to(pointer_, name));
         inside();
         here_ = outer;
         pointer_ = outer_pointer;
     }
 
-    const json* here_;  // the object whose keys are visited, and its place
+    const Json* here_;  // the object whose keys are visited, and its place
     std::string pointer_;
     const Reading& reading_;
 };
 
 class Writer : public Fields {
  public:
-    Writer(json& document, const std::string& skipped) : Fields(skipped), here_(&document) {}
+    Writer(Json& document, const std::string& skipped) : Fields(skipped), here_(&document) {}
 
  private:
     void visit(const Key& key, const Member& member) override {
         if (key.storage != Storage::member) return;
-        json value = json_of(member.get());
+        Json value = json_of(member.get());
         if (!value.is_null()) (*here_)[std::string(key.name)] = std::move(value);
     }
     void visit_object(const Key& key, const std::function<void()>& inside) override {
-        enter((*here_)[std::string(key.name)] = json::object(), inside);
+        enter((*here_)[std::string(key.name)] = Json::object(), inside);
     }
     void visit_optional(const Key& key, const OptionalMember& member) override {
-        if (member.has()) enter((*here_)[std::string(key.name)] = json::object(), member.visit);
+        if (member.has()) enter((*here_)[std::string(key.name)] = Json::object(), member.visit);
     }
     void visit_list(const Key& key, const ListMember& member) override {
-        json& list = (*here_)[std::string(key.name)] = json::array();
+        Json& list = (*here_)[std::string(key.name)] = Json::array();
         for (std::size_t i = 0; i < member.size(); ++i) {
-            list.push_back(json::object());
+            list.push_back(Json::object());
             enter(list.back(), [&] { member.visit(i); });
         }
     }
-    void enter(json& value, const std::function<void()>& inside) {
-        json* const outer = std::exchange(here_, &value);
+    void enter(Json& value, const std::function<void()>& inside) {
+        Json* const outer = std::exchange(here_, &value);
         inside();
         here_ = outer;
     }
 
-    json* here_;
+    Json* here_;
 };
 
 }  // namespace
 
-void read_fields(const json& document, const FieldList& list, const Reading& reading, const std::string& skipped) {
+void read_fields(const Json& document, const FieldList& list, const Reading& reading, const std::string& skipped) {
     Reader reader(document, reading, skipped);
     list(reader);
 }
 
-json written_fields(const FieldList& list, const std::string& skipped) {
-    json document = json::object();
+Json written_fields(const FieldList& list, const std::string& skipped) {
+    Json document = Json::object();
     Writer writer(document, skipped);
     list(writer);
     return document;
 }
 
-void read_scene(const json& document, Scene& scene, const Reading& reading, const std::string& skipped) {
+void read_scene(const Json& document, Scene& scene, const Reading& reading, const std::string& skipped) {
     read_fields(
         document, [&](Fields& f) { fields(scene, f); }, reading, skipped);
 }
 
-json written_scene(const Scene& scene, const std::string& skipped) {
+Json written_scene(const Scene& scene, const std::string& skipped) {
     Scene copy = scene;  // the lists take members that can be set
     return written_fields([&](Fields& f) { fields(copy, f); }, skipped);
 }

@@ -3,13 +3,15 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <ctime>
 #include <exception>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/files/text_file.hpp"
+#include "configs/json/json.hpp"
 #include "crowd_client/outputs/writers/danger.hpp"
 
 namespace wade::crowd {
@@ -42,12 +44,13 @@ void allow_open_files(std::span<const std::size_t> per_crowd) {
 }
 
 std::string earlier_run(const std::filesystem::path& folder) {
-    std::ifstream file(folder / "outcome.json");
-    if (!file) return "";
+    const std::filesystem::path file = folder / "outcome.json";
+    if (!std::ifstream(file)) return "";
     try {
-        const nlohmann::json outcome = nlohmann::json::parse(file);
-        return outcome.at("scene").get<std::string>() + ", " + std::to_string(outcome.at("arrived").get<int>()) +
-               " of " + std::to_string(outcome.at("agents").get<int>()) + " arrived";
+        const Json outcome = Json::parse(read_text_file(file, file.string()));
+        return outcome.at("scene").get<std::string>() + ", " +
+               std::to_string(outcome.at("arrived").get<std::int64_t>()) + " of " +
+               std::to_string(outcome.at("agents").get<std::int64_t>()) + " arrived";
     } catch (const std::exception&) {
         return "an outcome.json that cannot be read";
     }

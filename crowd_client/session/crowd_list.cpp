@@ -2,27 +2,25 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/errors/nearest_name.hpp"
+#include "configs/json/json.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/scene/coupling.hpp"
+#include "configs/scene/key_node.hpp"
 
 namespace wade::crowd {
 namespace {
-
-using nlohmann::json;
 
 constexpr std::size_t longest_name = 100;
 constexpr std::array<std::string_view, 6> own_keys{"/seed", "/name", "/description", "/crowd", "/coupling", "/events"};
 constexpr const char* allowed_keys = "/seed, /name, /description, /events and what lies below /crowd and /coupling";
 
-template <typename Json>
 std::string shown(const Json& value) {
     constexpr std::size_t longest = 60;
-    std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string text = value.dump({.sorted = true, .lossy_text = true});
     if (text.size() > longest) text = text.substr(0, longest) + "...";
     return text;
 }
@@ -49,21 +47,22 @@ bool ends_like_a_file(const std::string& name) {
                        [low = lower_case(name)](std::string_view ending) { return low.ends_with(ending); });
 }
 
-void check_keys(const json& entry, const std::string& where) {
-    for (const auto& [key, value] : entry.items()) {
+void check_keys(const Json& entry, const std::string& where) {
+    for (const JsonMember* const member : entry.sorted_items()) {
+        const std::string& key = member->first;
         if (key == "name" || key == "set" || key == "pictures") continue;
         throw ConfigurationError(where + ": unknown key \"" + key + "\"; the nearest known key is \"" +
                                  nearest_name(key, {"name", "set", "pictures"}) + "\".");
     }
 }
 
-std::string name_of(const json& entry, const std::string& where, std::set<std::string>& taken) {
+std::string name_of(const Json& entry, const std::string& where, std::set<std::string>& taken) {
     if (!entry.is_object()) {
         throw ConfigurationError(where + ": expected an object with \"name\" and \"set\", found " + shown(entry) + ".");
     }
     check_keys(entry, where);
     if (!entry.contains("name")) throw ConfigurationError(where + "/name: required key \"name\" is missing.");
-    const json& name = entry["name"];
+    const Json& name = entry["name"];
     if (!name.is_string() || !is_safe(name.get<std::string>())) {
         throw ConfigurationError(where + "/name: " + shown(name) + " is not allowed; allowed: 1 to " +
                                  std::to_string(longest_name) +
@@ -83,8 +82,9 @@ std::string name_of(const json& entry, const std::string& where, std::set<std::s
     return name.get<std::string>();
 }
 
-bool pictures_of(const json& entry, const std::string& who) {
-    const json pictures = entry.value("pictures", json(true));
+bool pictures_of(const Json& entry, const std::string& who) {
+    if (!entry.contains("pictures")) return true;
+    const Json& pictures = entry["pictures"];
     if (!pictures.is_boolean()) {
         throw ConfigurationError(who + ": /pictures: " + shown(pictures) + " is not allowed; allowed: true or false.");
     }
@@ -97,24 +97,51 @@ bool is_own(const std::string& pointer) {
     });
 }
 
+// A value that differs between two scenes; a null pointer stands for a missing value.
+struct Difference {
+    std::string pointer;
+    const Json* water;
+    const Json* crowd;
+};
+
+// Returns all differences in order of keys and elements.
+std::vector<Difference> differences(const Json& water, const Json& crowd, const std::string& pointer = "") {
+    std::vector<Difference> all;
+    const auto add = [&](const std::string& key, const Json* a, const Json* b) {
+        if (a == nullptr || b == nullptr) return all.push_back({pointer_to(pointer, key), a, b});
+        const std::vector<Difference> inside = differences(*a, *b, pointer_to(pointer, key));
+        all.insert(all.end(), inside.begin(), inside.end());
+    };
+    if (water.is_object() && crowd.is_object()) {
+        for (const JsonMember* const item : water.sorted_items())
+            add(item->first, &item->second, crowd.find(item->first));
+        for (const JsonMember* const item : crowd.sorted_items()) {
+            if (!water.contains(item->first)) add(item->first, nullptr, &item->second);
+        }
+    } else if (water.is_array() && crowd.is_array()) {
+        for (std::size_t i = 0; i < std::max(water.size(), crowd.size()); ++i)
+            add(std::to_string(i), i < water.size() ? &water[i] : nullptr, i < crowd.size() ? &crowd[i] : nullptr);
+    } else if (!(water == crowd)) {
+        all.push_back({pointer, &water, &crowd});
+    }
+    return all;
+}
+
 // What belongs to the water stays; the way back belongs to it, too.
-void demand_same_water(const json& water, const json& crowd, const std::string& who) {
-    for (const json& change : json::diff(water, crowd)) {
-        const auto pointer = change["path"].get<std::string>();
+void demand_same_water(const Json& water, const Json& crowd, const std::string& who) {
+    for (const auto& [pointer, base, value] : differences(water, crowd)) {
         if (is_own(pointer) && pointer != "/coupling/agents_stream") continue;
-        const json::json_pointer place(pointer);
-        const std::string value = crowd.contains(place) ? shown(crowd[place]) : "nothing";
-        const std::string base = water.contains(place) ? shown(water[place]) : "nothing";
-        throw ConfigurationError(who + ": " + pointer + ": " + value + " is not the scene's " + base +
+        throw ConfigurationError(who + ": " + pointer + ": " + (value == nullptr ? "nothing" : shown(*value)) +
+                                 " is not the scene's " + (base == nullptr ? "nothing" : shown(*base)) +
                                  ", but all crowds share one water; allowed to differ: " + allowed_keys + ".");
     }
 }
 
-// entry: in the order in which it is written, as a later key of "set" may need an earlier one: /events/1 that of
-// /events/0.
-LoadedScene load_one(const nlohmann::ordered_json& entry, const std::string& who,
-                     const std::filesystem::path& scene_file, std::vector<SceneOverride> overrides) {
-    const auto set = entry.value("set", nlohmann::ordered_json::object());
+// Applies "set" in the order in which it is written: a later key may need an earlier one, as /events/1 needs /events/0.
+LoadedScene load_one(const Json& entry, const std::string& who, const std::filesystem::path& scene_file,
+                     std::vector<SceneOverride> overrides) {
+    static const Json nothing = Json::object();
+    const Json& set = entry.contains("set") ? entry["set"] : nothing;
     if (!set.is_object()) {
         throw ConfigurationError(who + ": /set: expected an object of JSON pointers and values, found " + shown(set) +
                                  ".");
@@ -134,7 +161,7 @@ std::vector<ListedCrowd> load_crowds_text(std::string_view text, const std::file
                                           const std::filesystem::path& scene_file,
                                           const std::vector<SceneOverride>& overrides, const LoadedScene& water) {
     const std::string source = list.string();
-    const json document = parse_scene_text(text, source);
+    const Json document = parse_scene_text(text, source);
     if (!document.is_array() || document.empty()) {
         throw ConfigurationError(source +
                                  ": expected a list of at least one crowd, each { \"name\": ..., \"set\": ... }, " +
@@ -151,15 +178,14 @@ std::vector<ListedCrowd> load_crowds_text(std::string_view text, const std::file
                                  ": /coupling/agents_stream: many crowds share a water that none of them moves; " +
                                  "allowed with --crowds: \"off\".");
     }
-    const json water_document = parse_scene_text(water.canonical_json, source);
-    const auto in_order = nlohmann::ordered_json::parse(text.begin(), text.end(), nullptr, true, true);
+    const Json water_document = parse_scene_text(water.canonical_json, source);
     std::vector<ListedCrowd> crowds;
     std::set<std::string> taken;
     for (std::size_t i = 0; i < document.size(); ++i) {
         const std::string name = name_of(document[i], source + ": /" + std::to_string(i), taken);
         const std::string who = source + ": crowd \"" + name + "\"";
         const bool pictures = pictures_of(document[i], who);
-        crowds.push_back({name, load_one(in_order[i], who, scene_file, overrides), pictures});
+        crowds.push_back({name, load_one(document[i], who, scene_file, overrides), pictures});
         demand_same_water(water_document, parse_scene_text(crowds.back().loaded.canonical_json, source), who);
     }
     return crowds;

@@ -9,12 +9,12 @@
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "configs/json/json.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "configs/scene/fluid.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
@@ -290,19 +290,19 @@ void write_run(const std::string& scene_file, const std::string& out, double eve
     }
     const auto steps = static_cast<double>(work.steps);
     std::ofstream cost(out + "/cost.json");
-    cost << nlohmann::ordered_json{{"engine", "Wade"},
-                                   {"particles", world.particles().count},
-                                   {"particle_mass_kg", world.particle_mass()},
-                                   {"rest_density_kg_m3", scene.fluid->rest_density},
-                                   {"steps", work.steps},
-                                   {"particle_steps", work.particle_steps},
-                                   {"simulated_s", work.simulated},
-                                   {"solver_cpu_s", work.times.cpu},
-                                   {"solver_wall_s", work.times.wall},
-                                   {"density_iterations", work.density / steps},
-                                   {"divergence_iterations", work.divergence / steps},
-                                   {"mean_density_error", work.mean_error / steps},
-                                   {"max_density_error", work.max_error}}
+    cost << Json{{"engine", "Wade"},
+                 {"particles", world.particles().count},
+                 {"particle_mass_kg", world.particle_mass()},
+                 {"rest_density_kg_m3", scene.fluid->rest_density},
+                 {"steps", work.steps},
+                 {"particle_steps", work.particle_steps},
+                 {"simulated_s", work.simulated},
+                 {"solver_cpu_s", work.times.cpu},
+                 {"solver_wall_s", work.times.wall},
+                 {"density_iterations", work.density / steps},
+                 {"divergence_iterations", work.divergence / steps},
+                 {"mean_density_error", work.mean_error / steps},
+                 {"max_density_error", work.max_error}}
                 .dump()
          << '\n';
     if (!frames.flush() || !cost.flush()) throw std::runtime_error("--frames: " + out + " cannot be written");

@@ -7,9 +7,10 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <thread>
+
+#include "configs/json/json.hpp"
 
 namespace wade::bench {
 
@@ -55,15 +56,15 @@ std::string machine() {
 }
 
 void write_json(const std::string& file, const std::vector<Result>& results) {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    Json list = Json::array();
     for (const Result& r : results) {
-        nlohmann::ordered_json entry{{"name", r.name}, {"size", r.size}, {"threads", r.threads}, {"median", r.median},
-                                     {"min", r.min},   {"max", r.max},   {"unit", r.unit}};
+        Json entry{{"name", r.name}, {"size", r.size}, {"threads", r.threads}, {"median", r.median},
+                   {"min", r.min},   {"max", r.max},   {"unit", r.unit}};
         for (const auto& [name, value] : r.extra) entry[name] = value;
         list.push_back(std::move(entry));
     }
     std::ofstream out(file);
-    out << nlohmann::ordered_json{{"machine", machine()}, {"results", list}}.dump(2) << '\n';
+    out << Json{{"machine", machine()}, {"results", list}}.dump({.indent = 2}) << '\n';
     if (!out.flush()) throw std::runtime_error("--json: " + file + " cannot be written");
 }
 

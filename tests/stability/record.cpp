@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "configs/json/json.hpp"
 #include "tests/reasoned_table.hpp"
 
 namespace wade::stability {
@@ -14,7 +14,7 @@ namespace wade::stability {
 namespace {
 
 // JSON knows no infinity: such a value becomes text.
-nlohmann::json number(double value) {
+Json number(double value) {
     if (std::isfinite(value)) return value;
     return std::isnan(value) ? "nan" : "inf";
 }
@@ -50,7 +50,7 @@ std::string verdict(const Case& hard_case, const Run& run, const Result& result,
 
 std::string record_text(const Case& hard_case, const Run& run, const Result& r,
                         const std::vector<KnownFailure>& known) {
-    nlohmann::ordered_json j;
+    Json j;
     j["case"] = hard_case.name;
     j["trouble"] = hard_case.trouble;
     j["setting"] = run.setting;
@@ -73,7 +73,7 @@ std::string record_text(const Case& hard_case, const Run& run, const Result& r,
     char hash[17];
     std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(r.state_hash));
     j["state_hash"] = hash;
-    j["checks"] = nlohmann::ordered_json::array();
+    j["checks"] = Json::array();
     for (const Check& check : all_checks(r)) {
         j["checks"].push_back({{"name", check.name},
                                {"value", number(check.value)},
@@ -85,7 +85,7 @@ std::string record_text(const Case& hard_case, const Run& run, const Result& r,
     j["remarks"] = r.remarks;
     j["pass"] = passes(r);
     j["verdict"] = verdict(hard_case, run, r, known);
-    return j.dump(2) + "\n";
+    return j.dump({.indent = 2}) + "\n";
 }
 
 void write_record(const std::filesystem::path& file, const std::string& text) {

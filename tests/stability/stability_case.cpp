@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "configs/files/text_file.hpp"
+#include "configs/json/json.hpp"
 #include "configs/loading/scene_loader.hpp"
 
 namespace wade::stability {
@@ -70,8 +70,8 @@ Scene scene_for(const Request& request, const std::string& name, const std::vect
     for (const std::string& text : request.overrides) overrides.push_back(parse_override(text));
     const std::filesystem::path file = std::filesystem::path(WADE_CONFIGS) / "stability" / (name + ".json");
     if (std::filesystem::exists(file)) return load_scene(file, overrides).scene;
-    std::ifstream scenes(WADE_HARD_SCENES);
-    return load_scene_text(nlohmann::json::parse(scenes, nullptr, true, true).at(name).dump(), file, overrides).scene;
+    const std::string scenes = read_text_file(WADE_HARD_SCENES, WADE_HARD_SCENES);
+    return load_scene_text(Json::parse(scenes, {.comments = true}).at(name).dump(), file, overrides).scene;
 }
 
 void check_at_most(Result& result, const std::string& name, double value, double limit) {

@@ -4,9 +4,9 @@
 
 #include <fstream>
 #include <iostream>
-#include <nlohmann/json.hpp>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/json/json.hpp"
 #include "configs/program/command_line.hpp"
 #include "impulse.hpp"
 #include "run.hpp"
@@ -15,8 +15,6 @@ namespace {
 
 using namespace wade;
 using namespace wade::validation;
-using Json = nlohmann::ordered_json;
-
 ProgramDescription description() {
     return {
         "impulse_scene",
@@ -43,12 +41,12 @@ Json document_of(const Scene& scene, const Result& result, const ImpulseRun& run
 
 void write(const Json& document, const std::string& file) {
     if (file.empty()) {
-        std::cout << document.dump(1) << '\n';
+        std::cout << document.dump({.indent = 1}) << '\n';
         return;
     }
     const std::filesystem::path part = file + ".part";
     std::ofstream out(part);
-    out << document.dump(1) << '\n';
+    out << document.dump({.indent = 1}) << '\n';
     out.close();
     if (!out) throw RunError(ExitCode::unexpected, "cannot write " + file + ": is the disk full?");
     std::filesystem::rename(part, file);

@@ -4,17 +4,15 @@
 
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/json/json.hpp"
 #include "configs/program/version.hpp"
 
 namespace wade::validation {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string processor() {
     std::ifstream in("/proc/cpuinfo");
@@ -118,7 +116,7 @@ std::filesystem::path write_record(const std::filesystem::path& folder, const Re
                         {"metrics", metrics},
                         {"curves", curves}};
     const std::filesystem::path file = folder / (stem + ".json");
-    write_whole(file, document.dump(2) + "\n");
+    write_whole(file, document.dump({.indent = 2}) + "\n");
     return file;
 }
 

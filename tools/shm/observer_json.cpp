@@ -1,13 +1,11 @@
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "configs/json/json.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "tools/shm/observer.hpp"
 
 namespace wade {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json number(double value) {
     return std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -96,7 +94,7 @@ Json json_of(const Sample& sample) {
 std::string json_of(const std::vector<Sample>& samples, bool pretty) {
     Json all = Json::array();
     for (const Sample& sample : samples) all.push_back(json_of(sample));
-    return all.dump(pretty ? 2 : -1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return all.dump({.indent = pretty ? 2 : -1, .lossy_text = true}) + "\n";
 }
 
 }  // namespace wade

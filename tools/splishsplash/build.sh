@@ -56,14 +56,15 @@ if [[ ! -f "$make_folder/link.txt" || ! -x "$their_program" ]]; then
 fi
 
 cmake -S "$root" -B "$out/wade" -G Ninja -DCMAKE_BUILD_TYPE=Release -DWADE_BUILD_TESTS=OFF >"$out/wade.log"
-cmake --build "$out/wade" --target shm_ends >>"$out/wade.log"
+cmake --build "$out/wade" --target configs_json shm_ends >>"$out/wade.log"
 
 # Their link line with our objects in place of theirs, in the folder that it was written for.
 read -ra link <<<"$(sed -e 's#[^ ]*main\.cpp\.o#WADE_OBJECTS#' -e 's# -o [^ ]*# -o WADE_OUTPUT#' "$make_folder/link.txt")"
 command=()
 for word in "${link[@]}"; do
   case "$word" in
-    WADE_OBJECTS) command+=("${objects[@]}" "$out"/wade/rooms/shm_protocol/libshm_{ends,inside,bytes}.a) ;;
+    WADE_OBJECTS) command+=("${objects[@]}" "$out"/wade/rooms/configs/libconfigs_json.a
+      "$out"/wade/rooms/shm_protocol/libshm_{ends,inside,bytes}.a) ;;
     WADE_OUTPUT) command+=("$out/splishsplash_producer") ;;
     *) command+=("$word") ;;
   esac

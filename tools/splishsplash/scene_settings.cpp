@@ -1,26 +1,23 @@
 #include "tools/splishsplash/scene_settings.hpp"
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <type_traits>
 
-#if __has_include("extern/json/json.hpp")
-#include "extern/json/json.hpp"  // the copy in SPlisHSPlasH
-#else
-#include <nlohmann/json.hpp>
-#endif
+#include "configs/json/json.hpp"
 
 namespace wade::splishsplash {
 
 namespace {
 
-using nlohmann::json;
-
-[[noreturn]] void refuse(const std::string& key, const json& value, const std::string& allowed) {
-    throw std::invalid_argument("/Wade/" + key + " is " + value.dump() + ", allowed is " + allowed);
+[[noreturn]] void refuse(const std::string& key, const Json& value, const std::string& allowed) {
+    throw std::invalid_argument("/Wade/" + key + " is " + value.dump({.sorted = true}) + ", allowed is " + allowed);
 }
 
-double number(const std::string& key, const json& value, double lo, double hi) {
+double number(const std::string& key, const Json& value, double lo, double hi) {
     if (value.is_number() && value.get<double>() >= lo && value.get<double>() <= hi) return value.get<double>();
     std::ostringstream allowed;
     allowed << "a number from " << lo << " to " << hi;
@@ -28,17 +25,17 @@ double number(const std::string& key, const json& value, double lo, double hi) {
 }
 
 template <typename Number>
-std::array<Number, 3> triple(const std::string& key, const json& value) {
-    const bool three = value.is_array() && value.size() == 3;
-    for (const json& item : three ? value : json::array({nullptr})) {
-        if (std::is_integral_v<Number> ? !item.is_number_integer() : !item.is_number()) {
-            refuse(key, value, std::is_integral_v<Number> ? "three integers" : "three numbers");
-        }
-    }
-    return {value[0].get<Number>(), value[1].get<Number>(), value[2].get<Number>()};
+std::array<Number, 3> triple(const std::string& key, const Json& value) {
+    constexpr bool whole = std::is_integral_v<Number>;
+    const auto fits = [](const Json& item) { return whole ? item.is_number_integer() : item.is_number(); };
+    if (!value.is_array() || value.size() != 3 || !std::all_of(value.begin(), value.end(), fits))
+        refuse(key, value, whole ? "three integers" : "three numbers");
+    using Stored = std::conditional_t<whole, std::int64_t, double>;
+    const auto item = [&](std::size_t i) { return static_cast<Number>(value[i].get<Stored>()); };
+    return {item(0), item(1), item(2)};
 }
 
-void read_key(SceneSettings& settings, const std::string& key, const json& value) {
+void read_key(SceneSettings& settings, const std::string& key, const Json& value) {
     if (key == "session") {
         if (!value.is_string()) refuse(key, value, "a session name");
         settings.session = value.get<std::string>();
@@ -70,10 +67,10 @@ void read_key(SceneSettings& settings, const std::string& key, const json& value
 
 SceneSettings read_settings(std::string_view block) {
     SceneSettings settings;
-    const json object = block.empty() ? json() : json::parse(block, nullptr, false);
-    if (object.is_null()) return settings;
-    if (!object.is_object()) throw std::invalid_argument("/Wade must be an object");
-    for (const auto& [key, value] : object.items()) read_key(settings, key, value);
+    const std::optional<Json> object = block.empty() ? Json() : Json::try_parse(block);
+    if (object && object->is_null()) return settings;
+    if (!object || !object->is_object()) throw std::invalid_argument("/Wade must be an object");
+    for (const JsonMember* const member : object->sorted_items()) read_key(settings, member->first, member->second);
     check(settings.units);
     return settings;
 }

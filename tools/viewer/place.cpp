@@ -3,35 +3,33 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
+#include "configs/json/json.hpp"
 #include "configs/scene/world.hpp"
 #include "tools/viewer/sources.hpp"
 
 namespace wade::view {
 namespace {
 
-using nlohmann::json;
-
 constexpr double max_ground_points = 250000;  // of the ground
-constexpr double parts_of_plane = 64;   // a plane needs no more
+constexpr double parts_of_plane = 64;         // a plane needs no more
 
-json points_of(const MapLine& line) {
-    json list = json::array();
+Json points_of(const MapLine& line) {
+    Json list = Json::array();
     for (const MapPoint& p : line) list.push_back({p.x, p.z});
     return list;
 }
 
 // Its own outline, and those of the holes.
-json rings_of(const MapPolygon& polygon) {
-    json rings = json::array();
+Json rings_of(const MapPolygon& polygon) {
+    Json rings = Json::array();
     for (const MapLine& ring : polygon.rings) rings.push_back(points_of(ring));
     return rings;
 }
 
 template <typename List>
-json flows_of(const List& list) {
-    json flows = json::array();
+Json flows_of(const List& list) {
+    Json flows = Json::array();
     for (const auto& one : list)
         flows.push_back({{"name", one.name}, {"rings", rings_of(one.polygon)}, {"line", points_of(one.line)}});
     return flows;
@@ -54,7 +52,7 @@ float height_or_none(const Ground& ground, const MapPoint& p) {
 }  // namespace
 
 std::string place_json(const Place& place) {
-    json shown{{"houses", json::array()}, {"shelters", json::array()}, {"gates", json::array()}};
+    Json shown{{"houses", Json::array()}, {"shelters", Json::array()}, {"gates", Json::array()}};
     for (const House& house : place.houses)
         shown["houses"].push_back({{"name", house.name}, {"height", house.height}, {"rings", rings_of(house.polygon)}});
     for (const PlaceShelter& shelter : place.shelters)
@@ -66,8 +64,8 @@ std::string place_json(const Place& place) {
         shown["gates"].push_back({{"name", gate.name}, {"opens_at", gate.opens_at}, {"line", points_of(gate.line)}});
     shown["sources"] = flows_of(place.sources);
     shown["outlets"] = flows_of(place.outlets);
-    shown["highest_water"] = place.water.empty() ? json() : json(level);
-    return shown.dump(-1, ' ', false, json::error_handler_t::replace);
+    shown["highest_water"] = place.water.empty() ? Json() : Json(level);
+    return shown.dump({.sorted = true, .lossy_text = true});
 }
 
 Message ground_of(const Scene& scene) {

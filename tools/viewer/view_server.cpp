@@ -13,12 +13,12 @@
 #include <iterator>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/json/json.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "configs/program/program.hpp"
 #include "configs/program/run_control.hpp"
@@ -30,7 +30,6 @@ namespace {
 
 using namespace wade;
 using namespace wade::view;
-using nlohmann::json;
 namespace fs = std::filesystem;
 
 struct Options {
@@ -70,12 +69,17 @@ std::string type_of(const fs::path& file) {
     return file.extension() == ".html" ? "text/html; charset=utf-8" : "text/javascript; charset=utf-8";
 }
 
-json list_of(const auto& words) {
-    return json(std::vector<std::string>(std::begin(words), std::end(words)));
+Json list_of(const auto& words) {
+    return Json(std::vector<std::string>(std::begin(words), std::end(words)));
 }
 
-std::string text_of(const json& value) {
-    return value.dump(-1, ' ', false, json::error_handler_t::replace);
+// Null for a text that is not JSON.
+Json parsed(const std::string& text) {
+    return Json::try_parse(text).value_or(Json());
+}
+
+std::string text_of(const Json& value) {
+    return value.dump({.sorted = true, .lossy_text = true});
 }
 
 std::optional<Answer> answer_with(Message message) {
@@ -83,7 +87,7 @@ std::optional<Answer> answer_with(Message message) {
     return Answer{true, std::move(message)};
 }
 
-std::optional<Answer> answer_with(const json& value) {
+std::optional<Answer> answer_with(const Json& value) {
     return Answer{false, std::make_shared<std::string>(text_of(value))};
 }
 
@@ -128,22 +132,21 @@ class Show {
     }
 
     [[nodiscard]] static std::optional<Question> understand(const std::string& text) {
-        const json asked = json::parse(text, nullptr, false);
-        if (!asked.is_object() || !asked.contains("get") || !asked["get"].is_string()) return std::nullopt;
+        const Json asked = parsed(text);
+        if (!asked["get"].is_string()) return std::nullopt;
         Question question;
-        question.kind = asked["get"];
+        question.kind = asked["get"].get<std::string>();
         const std::array kinds{"live",  "walkers", "water",   "depths",  "people", "paths",
                                "terms", "course",  "command", "changes", "ground"};
         if (std::find(kinds.begin(), kinds.end(), question.kind) == kinds.end()) return std::nullopt;
         const auto number = [&](const char* name, double otherwise) {
-            const double value =
-                asked.contains(name) && asked[name].is_number() ? asked[name].get<double>() : otherwise;
+            const double value = asked[name].is_number() ? asked[name].get<double>() : otherwise;
             return std::isfinite(value) ? std::clamp(value, -1.0, 1e9) : otherwise;
         };
         question.time = number("t", 0);
         question.after = number("after", -1);
         question.id = static_cast<std::uint32_t>(std::max(0.0, number("id", 0)));
-        if (asked.contains("line") && asked["line"].is_string()) question.command = asked["line"];
+        if (asked["line"].is_string()) question.command = asked["line"].get<std::string>();
         return question;
     }
 
@@ -157,7 +160,7 @@ class Show {
         if (q.kind == "water") return recorded_ ? recorded_water(q.time) : std::nullopt;
         if (q.kind == "command") {
             const std::string problem = pass_on(q.command, options_.commands);
-            return answer_with(json{{"command", q.command}, {"problem", problem}});
+            return answer_with(Json{{"command", q.command}, {"problem", problem}});
         }
         if (q.kind == "ground") return ground_ ? answer_with(ground_) : std::nullopt;
         if (!folder_) return std::nullopt;
@@ -165,14 +168,14 @@ class Show {
         if (q.kind == "people") return answer_with(folder_->people(static_cast<std::size_t>(std::max(0.0, q.after))));
         if (q.kind == "paths") return answer_with(folder_->paths(q.time));
         if (q.kind == "terms")
-            return answer_with(json{{"terms", folder_->terms(q.id, q.time)}, {"id", q.id}, {"t", q.time}});
-        if (q.kind == "course") return answer_with(json{{"course", folder_->course(q.id)}, {"id", q.id}});
-        return answer_with(json{{"changes", changes(static_cast<std::size_t>(std::max(0.0, q.after)))}});
+            return answer_with(Json{{"terms", folder_->terms(q.id, q.time)}, {"id", q.id}, {"t", q.time}});
+        if (q.kind == "course") return answer_with(Json{{"course", folder_->course(q.id)}, {"id", q.id}});
+        return answer_with(Json{{"changes", changes(static_cast<std::size_t>(std::max(0.0, q.after)))}});
     }
 
     [[nodiscard]] std::string status() {
-        json s;
-        s["live"] = live_ ? json{{"state", live_->state()}, {"problem", live_->problem()}} : json();
+        Json s;
+        s["live"] = live_ ? Json{{"state", live_->state()}, {"problem", live_->problem()}} : Json();
         const bool walks = walkers_ && walkers_->newest() != nullptr;
         s["walkers"] = walks;
         if (recorded_)
@@ -188,11 +191,11 @@ class Show {
                            {"poses", folder_->has_poses()}};
             s["depths"] = {{"frames", depths}, {"last", depths > 0 ? folder_->snapshot_time(depths - 1) : 0}};
             s["changes"] = folder_->changes().size();
-            const json outcome = json::parse(folder_->text_of("outcome.json"), nullptr, false);
-            s["outcome"] = outcome.is_object() ? outcome.value("status", json("")) : json("");
+            const Json outcome = parsed(folder_->text_of("outcome.json"));
+            s["outcome"] = outcome.contains("status") ? outcome["status"] : "";
             s["events"] = folder_->text_of("events.jsonl");
         }
-        return text_of(json{{"status", s}});
+        return text_of(Json{{"status", s}});
     }
 
     bool work() {
@@ -206,7 +209,7 @@ class Show {
         try {
             return answer_with(recorded_->at(time));
         } catch (const std::exception& error) {
-            return answer_with(json{{"error", error.what()}});
+            return answer_with(Json{{"error", error.what()}});
         }
     }
 
@@ -216,9 +219,9 @@ class Show {
         return head.frame;
     }
 
-    [[nodiscard]] json changes(std::size_t from) const {
+    [[nodiscard]] Json changes(std::size_t from) const {
         constexpr std::size_t most = 20000;
-        json list = json::array();
+        Json list = Json::array();
         const auto& all = folder_->changes();
         for (std::size_t k = from; k < all.size() && k < from + most; ++k)
             list.push_back({all[k].time, all[k].id, state_words[all[k].state]});
@@ -226,14 +229,15 @@ class Show {
     }
 
     // What stays as it is, and the small files as they are now.
-    [[nodiscard]] json description() {
-        json d{
+    [[nodiscard]] Json description() {
+        Json d{
             {"states", list_of(state_words)}, {"postures", list_of(posture_words)}, {"fields", list_of(people_fields)}};
         d["commands"] = !options_.commands.empty();
         d["name"] = fs::path(options_.run.empty() ? options_.recording.empty() ? options_.session : options_.recording
                                                   : options_.run)
                         .lexically_normal()
-                        .filename();
+                        .filename()
+                        .string();
         if (!options_.scene.empty()) d["scene"] = content_of(options_.scene);
         if (folder_)
             for (const char* name : {"manifest.json", "outcome.json", "agents.csv"})
@@ -244,19 +248,20 @@ class Show {
     }
 
     // The place of the scene, from the files that it names, which may be gone by now: then the page says so.
-    void read_place(const json& d) {
-        const json scene = json::parse(d.value("scene", std::string()), nullptr, false);
-        const json manifest =
-            json::parse(d.contains("files") ? d["files"].value("manifest.json", std::string()) : "", nullptr, false);
-        const json& known = scene.is_object() ? scene : manifest.is_object() ? manifest["resolved_scene"] : scene;
-        if (!known.is_object() || !known.contains("place")) return;
+    void read_place(const Json& d) {
+        const auto in_text = [](const Json& text) {
+            return text.is_string() ? parsed(text.get<std::string>()) : Json();
+        };
+        const Json scene = in_text(d["scene"]), manifest = in_text(d["files"]["manifest.json"]);
+        const Json& known = scene.is_object() ? scene : manifest["resolved_scene"];
+        if (!known.contains("place")) return;
         try {
             const Scene read = load_scene_text(text_of(known), "manifest.json").scene;
             if (!read.place) return;
-            place_ = json::parse(place_json(*read.place));
+            place_ = Json::parse(place_json(*read.place));
             ground_ = ground_of(read);
         } catch (const std::exception& error) {
-            place_ = json{{"problem", error.what()}};
+            place_ = Json{{"problem", error.what()}};
         }
     }
 
@@ -265,7 +270,7 @@ class Show {
     std::optional<RunFolder> folder_;
     std::optional<RecordedWater> recorded_;
     std::optional<LiveStream> live_, walkers_;
-    json place_;
+    Json place_;
     Message ground_;
     bool has_more_ = true;
     unsigned ticks_ = 0;

@@ -1,16 +1,14 @@
 #include "crowd_client/outputs/writers/played_events.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/json/json.hpp"
 #include "configs/scene/crowd.hpp"
 #include "configs/scene/scene_frames.hpp"
 
 namespace wade::crowd {
 namespace {
-
-using Json = nlohmann::json;
 
 void check_target(const CrowdWorld& crowd, const TauCommand& command) {
     const std::size_t agents = crowd.agents.size();
@@ -63,13 +61,13 @@ void add_event(CrowdWorld& crowd, const TauEvent& event) {
 }
 
 std::string event_json(const TauEvent& event) {
-    return json_of(event).dump();
+    return json_of(event).dump({.sorted = true});
 }
 
 std::string scene_with_events(const std::string& canonical_scene, std::span<const TauEvent> events) {
     Json scene = Json::parse(canonical_scene);
     for (const TauEvent& event : events) scene["events"].push_back(json_of(event));
-    return scene.dump(2) + "\n";
+    return scene.dump({.indent = 2, .sorted = true}) + "\n";
 }
 
 }  // namespace wade::crowd

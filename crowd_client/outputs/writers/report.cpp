@@ -1,9 +1,9 @@
 #include "crowd_client/outputs/writers/report.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "configs/json/json.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "configs/program/version.hpp"
 #include "configs/scene/choices.hpp"
@@ -15,8 +15,6 @@
 
 namespace wade::crowd {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 template <typename T>
 Json or_null(const std::optional<T>& value) {
@@ -70,7 +68,7 @@ std::string csv_field(const std::string& text) {
 
 // Bytes that are no UTF-8, for example in a file name, become a replacement character instead of an error.
 std::string text_of(const Json& json) {
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json.dump({.indent = 2, .lossy_text = true}) + "\n";
 }
 
 // How many agents are in each state.
@@ -151,7 +149,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
         "mean_dv_m2_s,state,height_m,mean_tau,worst_state,age,skill,"
         "start_x_m,start_z_m,off_feet_s";
-    if (danger != nullptr) csv += std::string(",danger_level,") + exposure_columns;
+    if (danger != nullptr) csv.append(",danger_level,").append(exposure_columns);
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
         const Outcome outcome = agents.outcome[id];
@@ -207,7 +205,7 @@ std::string manifest_json(const CrowdWorld& crowd, const RunSummary& summary, co
         json["started_at"] = labels.started_at;
         json["wall_time_s"] = or_null(labels.wall_time);
     }
-    json["resolved_scene"] = Json::parse(labels.canonical_scene, nullptr, false);
+    json["resolved_scene"] = Json::try_parse(labels.canonical_scene).value_or(Json());
     return text_of(json);
 }
 

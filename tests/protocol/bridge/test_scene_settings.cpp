@@ -1,18 +1,19 @@
 // The block "Wade" of a scene of SPlisHSPlasH, and the scene of S5 that is shipped.
 
 #include <catch2/catch.hpp>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "configs/files/text_file.hpp"
+#include "configs/json/json.hpp"
 #include "tools/splishsplash/scene_settings.hpp"
 
 using namespace wade::splishsplash;
 using Catch::Contains;
+using wade::Json;
 
 namespace {
 
-nlohmann::json shipped_scene() {
-    return nlohmann::json::parse(std::ifstream(WADE_BRIDGE_FOLDER "/s05_river.json"));
+Json shipped_scene() {
+    return Json::parse(wade::read_text_file(WADE_BRIDGE_FOLDER "/s05_river.json", "the shipped scene"));
 }
 
 }  // namespace
@@ -53,22 +54,23 @@ TEST_CASE("a wrong key or value of the block is refused with its place and its v
 }
 
 TEST_CASE("the shipped scene of S5 sends 30 frames of the world a second, one for each time step") {
-    const nlohmann::json scene = shipped_scene();
+    const Json scene = shipped_scene();
     SceneSettings settings = read_settings(scene.at("Wade").dump());
     const auto& configuration = scene.at("Configuration");
     settings.units.frame_rate = configuration.at("dataExportFPS").get<double>();
     CHECK(settings.units.frame_rate / settings.units.time_scale == Approx(30));
-    CHECK(configuration.at("timeStepSize").get<float>() == 1.0F / static_cast<float>(settings.units.frame_rate));
+    CHECK(static_cast<float>(configuration.at("timeStepSize").get<double>()) ==
+          1.0F / static_cast<float>(settings.units.frame_rate));
 }
 
 TEST_CASE("the shipped scene of S5 emits a river 27 m wide and 1 m deep at 1.5 m/s in the crowd's place") {
-    const nlohmann::json scene = shipped_scene();
+    const Json scene = shipped_scene();
     const SceneSettings settings = read_settings(scene.at("Wade").dump());
     const double m = settings.units.metres_per_unit;
-    const auto& emitter = scene.at("Emitters").at(0);
+    const auto& emitter = scene.at("Emitters")[0];
     const double spacing = 2 * scene.at("Configuration").at("particleRadius").get<double>() * m;
     CHECK(emitter.at("width").get<double>() * spacing == Approx(27));
     CHECK(emitter.at("height").get<double>() * spacing == Approx(1));
     CHECK(emitter.at("velocity").get<double>() * m / settings.units.time_scale == Approx(1.5));
-    CHECK(-m * emitter.at("translation").at(2).get<double>() == Approx(25));  // z mirrored; the river's middle
+    CHECK(-m * emitter.at("translation")[2].get<double>() == Approx(25));  // z mirrored; the river's middle
 }

@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "configs/errors/exit_code.hpp"
@@ -27,7 +26,7 @@ std::string refusal_from(const Load& load) {
 }  // namespace
 
 LoadedScene load_patched(const std::string& patch, const std::vector<std::string>& assignments) {
-    nlohmann::json document = parse_scene_text(dry_scene, "dry_scene");
+    Json document = parse_scene_text(dry_scene, "dry_scene");
     merge_over(document, parse_scene_text(patch, "patch"));
     std::vector<SceneOverride> overrides;
     for (const std::string& assignment : assignments) overrides.push_back(parse_override(assignment));

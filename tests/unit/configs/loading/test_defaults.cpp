@@ -1,7 +1,6 @@
 // Defaults, the canonical text and the hash.
 
-#include <nlohmann/json.hpp>
-
+#include "configs/json/json.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/crowd.hpp"
 #include "configs/scene/fluid.hpp"
@@ -9,7 +8,7 @@
 #include "configs/scene/world.hpp"
 #include "scene_texts.hpp"
 
-using nlohmann::json;
+using wade::Json;
 using wade::LoadedScene;
 using wade::Scene;
 using namespace wade::test;
@@ -21,7 +20,7 @@ TEST_CASE("a scene that states only its channel holds otherwise what a new scene
     fresh.channel->x = loaded.scene.channel->x;
     fresh.channel->z = loaded.scene.channel->z;
     fresh.channel->flow = wade::Flow::closed;
-    CHECK(wade::written_scene(fresh) == json::parse(loaded.canonical_json));
+    CHECK(wade::written_scene(fresh) == Json::parse(loaded.canonical_json));
 }
 
 TEST_CASE("a group that states only its place and goal has the defaults of a group and of the crowd") {

@@ -1,7 +1,5 @@
 // extends and --set.
 
-#include <nlohmann/json.hpp>
-
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/coupling.hpp"
 #include "configs/scene/crowd.hpp"

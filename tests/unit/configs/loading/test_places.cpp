@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "configs/json/json.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/crowd.hpp"
 #include "configs/scene/fluid.hpp"
@@ -11,8 +11,6 @@
 #include "scene_texts.hpp"
 
 namespace wade::place_test {
-
-using nlohmann::json;
 
 const std::string grid = "ncols 10\nnrows 5\nxllcorner 500100\nyllcorner 6000200\ncellsize 2\n" + [] {
     std::string values;
@@ -153,7 +151,7 @@ TEST_CASE("paths are relative to the file that names them, also in a scene that 
     const wade::LoadedScene again = wade::load_scene(printed);
     CHECK(again.scene.hash == loaded.scene.hash);
     CHECK(again.canonical_json == loaded.canonical_json);
-    const json resolved = json::parse(loaded.canonical_json);
+    const Json resolved = Json::parse(loaded.canonical_json);
     CHECK(resolved["channel"]["x_max_m"] == 20);
     CHECK((resolved["place"]["epsg"] == 32756 && resolved["place"]["origin_easting_m"] == 500100));
 }
@@ -214,7 +212,7 @@ TEST_CASE("what does not go together on a place is named with key, file and reme
     folder.folder.write("back.csv", "time_s,discharge_m3_s\n5,1\n4,1\n");
     CHECK_THAT(refused(R"("sources": [{"line": [[0, 0], [1, 1]], "hydrograph_csv": "back.csv"}])"),
                Contains("/place/sources/0: ") && Contains("back.csv: line 3: time_s goes back"));
-    json other = json::parse(houses);
+    Json other = Json::parse(houses);
     other["crs"] = {{"type", "name"}, {"properties", {{"name", "EPSG:32755"}}}};
     folder.folder.write("other.geojson", other.dump());
     CHECK_THAT(refused(R"("houses": [{"file": "other.geojson"}])"),

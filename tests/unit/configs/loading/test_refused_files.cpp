@@ -3,7 +3,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "configs/errors/problems.hpp"
 #include "configs/scene/channel.hpp"

@@ -1,14 +1,13 @@
 // Each key of the schema reaches the typed scene, and nothing but its one declaration takes it there.
 
-#include <nlohmann/json.hpp>
-
+#include "configs/json/json.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/scene/fields/lists.hpp"
 #include "configs/scene/scene_documents.hpp"
 #include "configs/scene/scene_json.hpp"
 #include "scene_texts.hpp"
 
-using nlohmann::json;
+using wade::Json;
 using wade::Problems;
 using wade::Scene;
 
@@ -19,7 +18,7 @@ std::string text_of_file(const std::string& name) {
 }
 
 // Every list has an element and every key that may be left out is set in one of them.
-const json everything = json::parse(R"({
+const Json everything = Json::parse(R"({
     "name": "everything", "description": "a", "seed": 3,
     "channel": {"x_min_m": 1, "x_max_m": 40, "z_min_m": 2, "z_max_m": 30, "flow": "emitter",
                 "bed_points": [{"x_m": 3, "y_m": 0.1}], "no_slip": [{"plane": "bed"}],
@@ -50,9 +49,9 @@ const json everything = json::parse(R"({
 })");
 
 // The same with a place.
-const json everything_on_a_place = [] {
-    json document = everything;
-    document["place"] = json::parse(R"({
+const Json everything_on_a_place = [] {
+    Json document = everything;
+    document["place"] = Json::parse(R"({
         "residents_csv": "people.csv", "epsg": 32756, "origin_easting_m": 300000, "origin_northing_m": 6000000,
         "ground": {"file": "ground.asc", "points": [[0, 1, 0], [9, 1, 0], [0, 1, 9]]},
         "houses": [{"name": "mill", "file": "houses.geojson", "polygon": [[1, 1], [2, 1], [2, 2]], "doors": [[1, 1.5]],
@@ -72,37 +71,69 @@ const json everything_on_a_place = [] {
     return document;
 }();
 
-const json& everything_for(const std::string& pattern) {
+const Json& everything_for(const std::string& pattern) {
     return pattern.starts_with("/place") ? everything_on_a_place : everything;
+}
+
+// "/a/0/b" as its keys, none of which is escaped.
+std::vector<std::string> split_pointer(const std::string& pointer) {
+    std::vector<std::string> keys;
+    std::istringstream text(pointer.substr(1));
+    for (std::string key; std::getline(text, key, '/');) keys.push_back(key);
+    return keys;
+}
+
+// Null pointer if there is no such value.
+const Json* value_at(const Json& document, const std::string& pointer) {
+    const Json* value = &document;
+    for (const std::string& key : split_pointer(pointer)) {
+        if (value->is_array()) {
+            if (key.find_first_not_of("0123456789") != std::string::npos || std::stoul(key) >= value->size())
+                return nullptr;
+            value = &(*value)[std::stoul(key)];
+        } else {
+            value = value->find(key);
+        }
+        if (value == nullptr) return nullptr;
+    }
+    return value;
+}
+
+// Adds the keys of objects that are not there.
+Json& made_at(Json& document, const std::string& pointer) {
+    Json* value = &document;
+    for (const std::string& key : split_pointer(pointer))
+        value = value->is_array() ? &(*value)[std::stoul(key)] : &(*value)[key];
+    return *value;
 }
 
 struct Leaf {
     std::string pattern;  // "/crowd/groups/*/tau"
     std::string pointer;  // "/crowd/groups/1/tau"
-    json schema;
+    Json schema;
 };
 
 // The last element that sets the key, or the last that there is.
-std::size_t index_for(const json& list, const std::string& key) {
+std::size_t index_for(const Json& list, const std::string& key) {
     for (std::size_t i = list.size(); i > 0; --i) {
         if (list[i - 1].contains(key)) return i - 1;
     }
     return list.size() - 1;
 }
 
-void collect(const json& schema, const json& value, const std::string& pattern, const std::string& pointer,
+void collect(const Json& schema, const Json& value, const std::string& pattern, const std::string& pointer,
              std::vector<Leaf>& leaves) {
     for (const auto& [key, its] : schema["properties"].items()) {
         const std::string below = pattern + "/" + key;
-        const json member = value.value(key, json());
+        const Json& member = value[key];
         if (its["type"] == "object") {
-            collect(its, member.is_null() ? json::object() : member, below, pointer + "/" + key, leaves);
+            collect(its, member.is_null() ? Json::object() : member, below, pointer + "/" + key, leaves);
         } else if (its["type"] == "array" && its["items"]["type"] == "object") {
             INFO(below);
             REQUIRE(!member.empty());
             for (const auto& [name, inner] : its["items"]["properties"].items()) {
                 const std::size_t i = index_for(member, name);
-                const json one = {{"properties", {{name, inner}}}};
+                const Json one = {{"properties", {{name, inner}}}};
                 collect(one, member[i], below + "/*", pointer + "/" + key + "/" + std::to_string(i), leaves);
             }
         } else {
@@ -113,10 +144,10 @@ void collect(const json& schema, const json& value, const std::string& pattern, 
 
 // Of the schema that editors use; $schema, extends and people_csv tell how a file is read and reach no scene.
 std::vector<Leaf> leaves_of_schema() {
-    json schema = json::parse(text_of_file("configs/scene.schema.json"));
+    Json schema = Json::parse(text_of_file("configs/scene.schema.json"));
     schema["properties"].erase("$schema");
     schema["properties"].erase("extends");
-    json& crowd = schema["properties"]["crowd"]["properties"];
+    Json& crowd = schema["properties"]["crowd"]["properties"];
     crowd.erase("people_csv");
     crowd["groups"]["items"]["properties"].erase("people_csv");
     std::vector<Leaf> leaves;
@@ -125,33 +156,33 @@ std::vector<Leaf> leaves_of_schema() {
 }
 
 // A choice of a single word so far.
-bool has_one_value(const json& schema) {
+bool has_one_value(const Json& schema) {
     return schema.contains("enum") && schema["enum"].size() == 1;
 }
 
 // Another value that the schema allows, the only one where there is no other.
-json other_value(const json& schema, const json& present) {
-    const json& type = schema["type"];
+Json other_value(const Json& schema, const Json& present) {
+    const Json& type = schema["type"];
     if (type == "boolean") return !present.get<bool>();
     if (has_one_value(schema)) return schema["enum"][0];
     if (schema.contains("enum")) return schema["enum"][0] == present ? schema["enum"][1] : schema["enum"][0];
     if (type == "string") return "another";
     if (type == "array") {  // of points
-        const std::size_t size = schema["items"]["minItems"];
-        return json::array({std::vector<int>(size, 3), std::vector<int>(size, 4), std::vector<int>(size, 5)});
+        const auto size = schema["items"]["minItems"].get<std::size_t>();
+        return Json::array({std::vector<int>(size, 3), std::vector<int>(size, 4), std::vector<int>(size, 5)});
     }
-    const double lo = schema.contains("minimum") ? schema["minimum"] : schema["exclusiveMinimum"];
-    const double hi = schema.contains("maximum") ? schema["maximum"] : schema["exclusiveMaximum"];
+    const auto lo = schema[schema.contains("minimum") ? "minimum" : "exclusiveMinimum"].get<double>();
+    const auto hi = schema[schema.contains("maximum") ? "maximum" : "exclusiveMaximum"].get<double>();
     for (const double share : {0.5, 0.25}) {
         const double value = lo + share * (hi - lo);
-        const json other = type == "integer" ? json(static_cast<std::int64_t>(value)) : json(value);
+        const Json other = type == "integer" ? Json(static_cast<std::int64_t>(value)) : Json(value);
         if (other != present) return other;
     }
     FAIL("no other value");
     return {};
 }
 
-json read_and_written(const json& document, const std::string& skipped = "") {
+Json read_and_written(const Json& document, const std::string& skipped = "") {
     Problems problems;
     Scene scene;
     wade::read_scene(document, scene, {"scene.json", problems}, skipped);
@@ -159,12 +190,13 @@ json read_and_written(const json& document, const std::string& skipped = "") {
     return wade::written_scene(scene);
 }
 
-json changed(const Leaf& leaf) {
-    json document = everything_for(leaf.pattern);
-    const json::json_pointer place(leaf.pointer);
-    const json before = read_and_written(document);
-    const json present = document.contains(place) ? document[place] : before.contains(place) ? before[place] : json();
-    document[place] = other_value(leaf.schema, present);
+Json changed(const Leaf& leaf) {
+    Json document = everything_for(leaf.pattern);
+    const Json before = read_and_written(document);
+    const Json* present = value_at(document, leaf.pointer);
+    if (present == nullptr) present = value_at(before, leaf.pointer);
+    const Json other = other_value(leaf.schema, present == nullptr ? Json() : *present);
+    made_at(document, leaf.pointer) = other;
     return document;
 }
 
@@ -172,7 +204,7 @@ bool noted_as_unknown(const std::string& skipped) {
     Problems problems;
     const wade::KeyNode keys =
         wade::declared_keys([scene = Scene()](wade::Fields& f) mutable { fields(scene, f); }, skipped);
-    json document;
+    Json document;
     for (const Leaf& leaf : leaves_of_schema()) {
         if (leaf.pattern == skipped) document = changed(leaf);
     }
@@ -192,31 +224,33 @@ TEST_CASE("the scene with everything keeps the keys' rules") {
 TEST_CASE("another value of any key is allowed, changes the typed scene and is printed") {
     for (const Leaf& leaf : leaves_of_schema()) {
         INFO(leaf.pointer);
-        const json before = read_and_written(everything_for(leaf.pattern));
+        const Json before = read_and_written(everything_for(leaf.pattern));
         if (has_one_value(leaf.schema)) continue;
-        const json document = changed(leaf);
+        const Json document = changed(leaf);
         Problems problems;
         wade::check_keys(document, wade::scene_keys(), "", {"scene.json", problems});
         CHECK_NOTHROW(problems.throw_if_any());
-        const json after = read_and_written(document);
+        const Json after = read_and_written(document);
         CHECK(after != before);
         // A key of the crowd that groups take over, or a time that becomes a frame, is printed where it went.
-        const json::json_pointer place(leaf.pointer);
-        const bool shorthand = !before.contains(place);
-        if (!shorthand) CHECK(after.at(place) == document.at(place));
+        const bool shorthand = value_at(before, leaf.pointer) == nullptr;
+        if (shorthand) continue;
+        const Json *const printed = value_at(after, leaf.pointer), *const written = value_at(document, leaf.pointer);
+        REQUIRE((printed != nullptr && written != nullptr));
+        CHECK(*printed == *written);
     }
 }
 
 TEST_CASE("limits of a spread are keys as well") {
     for (const std::string key : {"tau", "mass_kg"}) {
-        for (const json::json_pointer& place :
-             {json::json_pointer("/crowd/" + key), json::json_pointer("/crowd/groups/1/" + key)}) {
-            json document = everything;
-            document[place] = {{"min", 0.2}, {"max", 0.7}};
-            const json spread = read_and_written(document);
-            document[place]["min"] = 0.3;
-            const json higher = read_and_written(document);
-            document[place]["max"] = 0.8;
+        for (const std::string& pointer : {"/crowd/" + key, "/crowd/groups/1/" + key}) {
+            Json document = everything;
+            Json& limits = made_at(document, pointer);
+            limits = {{"min", 0.2}, {"max", 0.7}};
+            const Json spread = read_and_written(document);
+            limits["min"] = 0.3;
+            const Json higher = read_and_written(document);
+            limits["max"] = 0.8;
             CHECK(spread != higher);
             CHECK(higher != read_and_written(document));
         }
@@ -226,14 +260,13 @@ TEST_CASE("limits of a spread are keys as well") {
 TEST_CASE("without its one declaration a key does nothing and is not known: no other code reads it") {
     for (const Leaf& leaf : leaves_of_schema()) {
         INFO(leaf.pattern);
-        const json& whole_scene = everything_for(leaf.pattern);
+        const Json& whole_scene = everything_for(leaf.pattern);
         CHECK(read_and_written(changed(leaf), leaf.pattern) == read_and_written(whole_scene, leaf.pattern));
         CHECK(noted_as_unknown(leaf.pattern));
-        const json whole = wade::written_scene(Scene());
-        const json without = wade::written_scene(Scene(), leaf.pattern);
-        const json::json_pointer place(
-            leaf.pattern);  // of keys in lists, which a new scene has none of, nothing is printed
-        if (whole.contains(place)) CHECK_FALSE(without.contains(place));
+        const Json whole = wade::written_scene(Scene());
+        const Json without = wade::written_scene(Scene(), leaf.pattern);
+        // Of keys in lists, which a new scene has none of, nothing is printed.
+        if (value_at(whole, leaf.pattern) != nullptr) CHECK(value_at(without, leaf.pattern) == nullptr);
     }
 }
 

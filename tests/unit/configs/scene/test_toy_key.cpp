@@ -1,7 +1,6 @@
 // A key is one line in a list of fields: what the documents say of a scene key, done with toys.
 
-#include <nlohmann/json.hpp>
-
+#include "configs/json/json.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/scene_documents.hpp"
 #include "configs/scene/scene_json.hpp"
@@ -9,8 +8,8 @@
 
 using Catch::Matchers::Contains;
 using Catch::Matchers::Equals;
-using nlohmann::json;
 using wade::Fields;
+using wade::Json;
 using wade::Problems;
 
 namespace toys {
@@ -50,7 +49,7 @@ Boat read(const std::string& text, Problems& problems) {
         fields(fresh, f);
     });
     const wade::Reading reading{"boat.json", problems, keys};
-    const json document = json::parse(text);
+    const Json document = Json::parse(text);
     wade::check_keys(document, keys, "", reading);
     if (problems.none()) wade::read_fields(document, list, reading);
     return boat;
@@ -92,20 +91,20 @@ TEST_CASE("a declared key is written") {
     toys::Boat boat;
     boat.seats = 7;
     boat.flags.resize(1);
-    const json written = wade::written_fields([&](Fields& f) { fields(boat, f); });
-    CHECK(written == json::parse(R"({"draught_m": 0.5, "seats": 7, "sides": "walls", "load_kg": 80.0, "hull": {},
+    const Json written = wade::written_fields([&](Fields& f) { fields(boat, f); });
+    CHECK(written == Json::parse(R"({"draught_m": 0.5, "seats": 7, "sides": "walls", "load_kg": 80.0, "hull": {},
                                      "flags": [{"height_m": 2.0}]})"));
 }
 
 TEST_CASE("a declared key is in the schema with type, unit, range, default and meaning") {
-    const json schema = json::parse(wade::schema_text(toys::keys()))["properties"];
-    CHECK(schema["draught_m"] == json::parse(R"({"type": "number", "x-unit": "m", "minimum": 0, "maximum": 5,
+    const Json schema = Json::parse(wade::schema_text(toys::keys()))["properties"];
+    CHECK(schema["draught_m"] == Json::parse(R"({"type": "number", "x-unit": "m", "minimum": 0, "maximum": 5,
                                                  "default": 0.5, "description": "Depth below the water line."})"));
     CHECK(schema["seats"]["type"] == "integer");
-    CHECK(schema["sides"]["enum"] == json::parse(R"(["walls", "periodic"])"));
-    CHECK(schema["load_kg"]["type"] == json::parse(R"(["number", "object"])"));
+    CHECK(schema["sides"]["enum"] == Json::parse(R"(["walls", "periodic"])"));
+    CHECK(schema["load_kg"]["type"] == Json::parse(R"(["number", "object"])"));
     CHECK(schema["hull"]["properties"]["keel_m"]["x-default"] == "none");
-    CHECK(schema["flags"]["items"]["required"] == json::parse(R"(["height_m"])"));
+    CHECK(schema["flags"]["items"]["required"] == Json::parse(R"(["height_m"])"));
 }
 
 TEST_CASE("a declared key is in the table of the documentation") {

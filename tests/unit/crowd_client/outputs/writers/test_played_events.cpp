@@ -1,7 +1,6 @@
 // Commands for tau become events that repeat the run.
 
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
 #include "configs/loading/scene_loader.hpp"
 #include "configs/scene/crowd.hpp"

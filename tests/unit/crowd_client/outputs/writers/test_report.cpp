@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "configs/json/json.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "configs/scene/crowd.hpp"
 #include "crowd_client/outputs/writers/report.hpp"
@@ -10,7 +10,6 @@
 
 using namespace wade;
 using namespace wade::crowd;
-using nlohmann::json;
 using wade::crowd::testing::one_agent_scene;
 
 namespace {
@@ -51,7 +50,7 @@ TEST_CASE("outcome.json has all fields that scripts rely on") {
     run.summary.fluid.depth.add(0.9, 1);
     run.summary.fluid.density_error.add(0.0004, 200);
     run.summary.fluid.max_density_error = 0.01;
-    const json outcome = json::parse(outcome_json(run.crowd, run.summary, run.labels));
+    const Json outcome = Json::parse(outcome_json(run.crowd, run.summary, run.labels));
     CHECK(outcome["scene"] == "one_agent");
     CHECK(outcome["seed"] == 1);
     CHECK(outcome["status"] == "completed");
@@ -68,13 +67,13 @@ TEST_CASE("outcome.json has all fields that scripts rely on") {
     CHECK(outcome["dead"] == 0);
     CHECK(outcome["active"] == 0);
     CHECK(outcome["standing"] == 0);
-    CHECK(outcome["states"] == json{{"walking", 0}, {"standing", 0}, {"arrived", 1}, {"dead", 0}});
-    CHECK(outcome["warnings"] == json::array());
+    CHECK(outcome["states"] == Json{{"walking", 0}, {"standing", 0}, {"arrived", 1}, {"dead", 0}});
+    CHECK(outcome["warnings"] == Json::array());
     CHECK(outcome["last_arrival_s"] == 3.0);
     CHECK(outcome["contact_rule"] == "difference");
     CHECK(outcome["frame_hash"] == "0123456789abcdef");
     CHECK(outcome["agents_hash"] == "00000000000000ff");
-    const json& fluid = outcome["fluid"];
+    const Json& fluid = outcome["fluid"];
     CHECK(fluid["model"] == "dfsph");
     CHECK(fluid["particles_max"] == 27000);
     CHECK(fluid["particle_steps"] == 5000000);
@@ -91,7 +90,7 @@ TEST_CASE("What a producer does not give, and what did not happen, is null") {
     Finished run;
     run.crowd.arrived = 0;
     run.summary.frame_hash = run.summary.agents_hash = 0;
-    const json outcome = json::parse(outcome_json(run.crowd, run.summary, run.labels));
+    const Json outcome = Json::parse(outcome_json(run.crowd, run.summary, run.labels));
     CHECK(outcome["last_arrival_s"].is_null());
     CHECK(outcome["frame_hash"].is_null());
     CHECK(outcome["agents_hash"].is_null());
@@ -149,11 +148,11 @@ TEST_CASE("Who stands is counted among the active, and named in agents.csv") {
     run.crowd.arrived = 0;
     run.crowd.agents.standing[0] = true;
     run.crowd.warnings = {"somebody stands"};
-    const json outcome = json::parse(outcome_json(run.crowd, run.summary, run.labels));
+    const Json outcome = Json::parse(outcome_json(run.crowd, run.summary, run.labels));
     CHECK(outcome["active"] == 1);
     CHECK(outcome["standing"] == 1);
     CHECK(outcome["states"]["standing"] == 1);
-    CHECK(outcome["warnings"] == json{"somebody stands"});
+    CHECK(outcome["warnings"] == Json{"somebody stands"});
     CHECK_THAT(agents_csv(run.crowd),
                Catch::EndsWith(",standing,1.7,0,,30,normal,10,25,\n") && Catch::Contains("0,walkers,active,"));
 }
@@ -162,7 +161,7 @@ TEST_CASE("Times are those of the crowd's steps, whatever the rate of the frames
     Finished run;
     run.crowd.scene.frame_rate = 10;
     run.crowd.scene.crowd->step_rate = 45;
-    const json outcome = json::parse(outcome_json(run.crowd, run.summary, run.labels));
+    const Json outcome = Json::parse(outcome_json(run.crowd, run.summary, run.labels));
     CHECK(outcome["frame_rate_hz"] == 10.0);
     CHECK(outcome["step_rate_hz"] == 45.0);
     CHECK(outcome["sim_time_s"] == 2.0);
@@ -174,7 +173,7 @@ TEST_CASE("A run on the latest frames says so and how many it missed") {
     Finished run;
     run.labels.latest_frames = true;
     run.summary.dropped_frames = 17;
-    const json outcome = json::parse(outcome_json(run.crowd, run.summary, run.labels));
+    const Json outcome = Json::parse(outcome_json(run.crowd, run.summary, run.labels));
     CHECK(outcome["mode"] == "latest");
     CHECK(outcome["dropped_frames"] == 17);
 }
@@ -195,13 +194,13 @@ TEST_CASE("The time of an active agent is that of the last step") {
 TEST_CASE("manifest.json says what made the run") {
     Finished run;
     run.crowd.scene.hash = 0xabc;
-    const json manifest = json::parse(manifest_json(run.crowd, run.summary, run.labels));
+    const Json manifest = Json::parse(manifest_json(run.crowd, run.summary, run.labels));
     for (const char* key : {"git_hash", "compiler", "version", "threads", "host", "started_at"})
         CHECK(manifest.contains(key));
     CHECK(manifest["scene_hash"] == hash_text(0xabc));
     CHECK(manifest["seed"] == 1);
     CHECK(manifest["status"] == "completed");
-    CHECK(manifest["command_line"] == json::array({"crowd_client", "x.json"}));
+    CHECK(manifest["command_line"] == Json::array({"crowd_client", "x.json"}));
     CHECK(manifest["resolved_scene"]["name"] == "x");
 }
 
