@@ -1,5 +1,6 @@
 """tools/run.sh with a recorder, a replay and another producer, and its commands."""
 
+import fcntl
 import json
 import os
 import pty
@@ -183,6 +184,11 @@ class RunScript(Launcher):
         self.assert_ended_well(run_sh)
         self.assertEqual(json.loads(self.output_of(run_sh))["name"], "river_s05")
         self.assert_ends(self.script(RUN, "river/s5"), 2, 'no scene "river/s5"', "river/s05")
+
+    def test_programs_that_are_up_to_date_start_while_another_build_has_the_folder(self):
+        with open(PROGRAMS / ".lock", "ab") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.assert_ended_well(self.script(RUN, SMALL, "--check"))
 
     @unittest.skipIf(os.getuid() != 0, "only root can be another user")
     def test_another_user_runs_what_is_built(self):
