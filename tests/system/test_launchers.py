@@ -185,6 +185,15 @@ class RunScript(Launcher):
         self.assertEqual(json.loads(self.output_of(run_sh))["name"], "river_s05")
         self.assert_ends(self.script(RUN, "river/s5"), 2, 'no scene "river/s5"', "river/s05")
 
+    def test_a_typing_error_is_told_in_a_fresh_clone_before_anything_is_built(self):
+        build = self.folder / "build"
+        for words, text in ((["--treads", "2"], '"--threads"'), (["rivr/s05"], "river/s05"),
+                            (["--set", "/fluid/modle=sph"], '"model"')):
+            with self.subTest(words):
+                run_sh = self.start(RUN, *words, env={**os.environ, "WADE_BUILD": str(build)})
+                self.assert_ends(run_sh, 2, text)
+                self.assertFalse(build.exists())
+
     def test_programs_that_are_up_to_date_start_while_another_build_has_the_folder(self):
         with open(PROGRAMS / ".lock", "ab") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)

@@ -10,7 +10,7 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from wade import build_lock, building
+from wade import build_lock, building, cli
 from wade import UsageError
 from wade.commands import PAIR
 from wade.run import processes
@@ -330,6 +330,26 @@ note("ninja is done")
             for build in tests:
                 build.join(60)
         self.assertEqual(self.log(), ["ninja", "ninja is done"] * 2)
+
+
+class Typing(unittest.TestCase):
+    def test_errors_are_told_before_anything_is_installed_or_built(self):
+        for words, text in (
+            (["--treads", "2"], 'unknown option "--treads"; the nearest is "--threads"'),
+            (["rivr/s05"], "did you mean river/s05"),
+            (["--set", "/fluid/modle=sph"], 'unknown key "modle"; the nearest known key is "model"'),
+            (["--set", "/crowd/tau=2"], "2 is out of range; allowed: >= 0 and <= 1"),
+            (["--threads", "many"], "--threads: many is not allowed; allowed: whole numbers from 0 to 1024"),
+            (["--until-s=-1"], "--until-s -1: /duration_s: -1 is out of range"),
+            ([__file__], "not valid JSON at line 1"),
+        ):
+            said = io.StringIO()
+            with self.subTest(words), mock.patch.object(cli, "bring_up_to_date") as build, \
+                    mock.patch.object(cli, "install_pictures") as install, contextlib.redirect_stderr(said):
+                self.assertEqual(cli.main(["run", *words]), 2)
+                self.assertIn(text, said.getvalue().replace("\n  ", " "))
+                build.assert_not_called()
+                install.assert_not_called()
 
 
 if __name__ == "__main__":
