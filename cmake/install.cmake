@@ -34,7 +34,8 @@ endforeach()
 
 # Man pages are what --help says.
 find_program(WADE_HELP2MAN help2man DOC "Makes man pages from --help")
-if(WADE_HELP2MAN)
+wade_optional(has_help2man "man pages" "the package help2man makes them" COMMAND ${WADE_HELP2MAN} --version)
+if(has_help2man)
   set(pages)
   foreach(program ${installed_programs})
     set(page ${PROJECT_BINARY_DIR}/man/${program}.1)
@@ -52,8 +53,6 @@ if(WADE_HELP2MAN)
     DEPENDS ${pages} tools/python/wade/commands.py COMMENT "Man page of wade" VERBATIM)
   add_custom_target(man_pages ALL DEPENDS ${pages} ${page})
   install(FILES ${pages} ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-else()
-  message(STATUS "No man pages: they need help2man")
 endif()
 
 install(FILES README.md LICENSE CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})

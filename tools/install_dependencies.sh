@@ -136,8 +136,19 @@ if [ "$(id -u)" -ne 0 ]; then
   command -v sudo >/dev/null || fail "needs root or sudo; as root: apt-get install ${missing[*]}"
   as_root=(sudo)
 fi
-# A lock held by another apt, for example that of a machine that just started, is waited for.
+# told COMMAND ...: passes on what apt says on stderr. apt says each second that it waits for the lock of another apt, for
+# example of a machine that just started; that is passed on once.
+told() {
+  local line waits=
+  "$@" 2>&1 | while IFS= read -r line || [ -n "$line" ]; do
+    if [[ "$line" == "Waiting for cache lock"* ]]; then
+      [ -z "$waits" ] || continue
+      waits=1
+    fi
+    printf '%s\n' "$line"
+  done >&2
+}
 apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet -o DPkg::Lock::Timeout=300)
-"${apt[@]}" update >&2 || echo "install_dependencies.sh: warning: apt-get update failed; trying with the lists at hand" >&2
-"${apt[@]}" install --yes --no-install-recommends "${missing[@]}" >&2 ||
+told "${apt[@]}" update || echo "install_dependencies.sh: warning: apt-get update failed; trying with the lists at hand" >&2
+told "${apt[@]}" install --yes --no-install-recommends "${missing[@]}" ||
   fail "apt-get could not install ${missing[*]}; its messages above say why (network, disk space, sources.list?)"

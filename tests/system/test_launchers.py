@@ -1,5 +1,6 @@
 """tools/run.sh with a recorder, a replay and another producer, and its commands."""
 
+import fcntl
 import json
 import os
 import pty
@@ -183,6 +184,20 @@ class RunScript(Launcher):
         self.assert_ended_well(run_sh)
         self.assertEqual(json.loads(self.output_of(run_sh))["name"], "river_s05")
         self.assert_ends(self.script(RUN, "river/s5"), 2, 'no scene "river/s5"', "river/s05")
+
+    def test_a_typing_error_is_told_in_a_fresh_clone_before_anything_is_built(self):
+        build = self.folder / "build"
+        for words, text in ((["--treads", "2"], '"--threads"'), (["rivr/s05"], "river/s05"),
+                            (["--set", "/fluid/modle=sph"], '"model"')):
+            with self.subTest(words):
+                run_sh = self.start(RUN, *words, env={**os.environ, "WADE_BUILD": str(build)})
+                self.assert_ends(run_sh, 2, text)
+                self.assertFalse(build.exists())
+
+    def test_programs_that_are_up_to_date_start_while_another_build_has_the_folder(self):
+        with open(PROGRAMS / ".lock", "ab") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.assert_ended_well(self.script(RUN, SMALL, "--check"))
 
     @unittest.skipIf(os.getuid() != 0, "only root can be another user")
     def test_another_user_runs_what_is_built(self):

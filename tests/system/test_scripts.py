@@ -85,10 +85,10 @@ class Scripts(Launcher):
 
     def test_run_sh_check_asks_both_programs(self):
         for arguments, *texts in (
-            (["--clock", "nosuch"], "fluid_server: --clock", "real_time"),
+            (["--clock", "nosuch"], "wade run: --clock: nosuch", "real_time"),
             (["--from-state", "/nonexistent"], "--from-state: /nonexistent cannot be read"),
             ([f"--from-state={self.folder}"], "--from-state", "cannot be read"),
-            (["--mode", "nosuch"], "crowd_client: --mode", "latest"),
+            (["--mode", "nosuch"], "wade run: --mode: nosuch", "latest"),
         ):
             for question in ("--check", "--print-config"):
                 with self.subTest(arguments, question=question):

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <memory>
 #include <set>
 
 #include "configs/errors/exit_code.hpp"
@@ -21,6 +22,15 @@ using namespace wade::fluid;
 using namespace wade::fluid::test;
 
 namespace {
+
+// A value of its own, as a row of choices.hpp would give it.
+constexpr ModelKind toy_kind = static_cast<ModelKind>(100);
+
+template <typename Model>
+ModelRow row_of(ModelKind kind = toy_kind) {
+    return {kind, [](const Scene& scene) -> std::unique_ptr<FluidModel> { return std::make_unique<Model>(scene); },
+            &Model::estimate};
+}
 
 // Waters that a model may be asked for, small; each may refuse some of them when the scene is read, as in a run.
 const std::vector<std::pair<std::string, std::string>> waters{

@@ -1,17 +1,14 @@
 #pragma once
-// The smallest model of the water: a sheet of particles that drifts with the stream. The recipe of CONTRIBUTING.md made it.
+// The smallest model of the water: a sheet of particles that drifts with the stream.
 
-#include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "configs/scene/channel.hpp"
-#include "fluid_server/make_model.hpp"
+#include "configs/scene/scene.hpp"
+#include "fluid_server/estimate.hpp"
+#include "fluid_server/fluid_model.hpp"
 
-namespace wade::fluid::test {
-
-// A value of its own, as a row of choices.hpp would give it.
-inline constexpr ModelKind toy_kind = static_cast<ModelKind>(100);
+namespace wade::fluid {
 
 // A particle every metre along the channel, all of them where the first is plus whole metres.
 class Toy : public FluidModel {
@@ -23,7 +20,7 @@ class Toy : public FluidModel {
         return {count, empty_server + memory_of_frames(scene, count), 1e-9 * static_cast<double>(count)};
     }
 
-    [[nodiscard]] std::string_view name() const override { return "?"; }  // the word of a kind without one
+    [[nodiscard]] std::string_view name() const override { return "?"; }  // its word in scenes
     [[nodiscard]] std::uint32_t capacity() const override { return static_cast<std::uint32_t>(channel_.x.length()); }
     shm::Diagnostics advance_frame(const FrameInterval& interval) override {
         drift_ = std::fmod(channel_.velocity * interval.end(), 1.0);
@@ -48,10 +45,4 @@ class Toy : public FluidModel {
     double drift_ = 0;  // m
 };
 
-template <typename Model>
-ModelRow row_of(ModelKind kind = toy_kind) {
-    return {kind, [](const Scene& scene) -> std::unique_ptr<FluidModel> { return std::make_unique<Model>(scene); },
-            &Model::estimate};
-}
-
-}  // namespace wade::fluid::test
+}  // namespace wade::fluid

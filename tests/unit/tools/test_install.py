@@ -81,6 +81,18 @@ class Installer(unittest.TestCase):
         self.assertEqual(self.install("pictures").returncode, 0)
         self.assertIn("python3-numpy", self.packages_asked_for())
 
+    def test_the_lock_of_another_apt_is_told_in_one_line(self):
+        self.debian()
+        self.program("apt-get", "for n in 1 2 3; do echo Waiting for cache lock: held by process $n; done; echo end")
+        answer = self.install("build")
+        self.assertEqual(answer.returncode, 0)
+        self.assertEqual([line for line in answer.stderr.splitlines() if line.startswith("Waiting") or line == "end"],
+                         ["Waiting for cache lock: held by process 1", "end"] * 2)
+        self.program("apt-get", "echo no space left; exit 100")
+        answer = self.install("build")
+        self.assertEqual(answer.returncode, 1)
+        self.assertIn("no space left", answer.stderr)
+
     def test_other_systems_are_told_their_names(self):
         self.assertIn("libhwy-dev", self.install("build").stderr.replace("\n", ""))
         self.program("brew", "exit 1")

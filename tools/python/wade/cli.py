@@ -2,7 +2,6 @@
 
 import importlib
 import os
-from contextlib import nullcontext
 
 from wade.building import BuildError, bring_up_to_date, install_pictures, installing_pictures
 from wade.commands import COMMANDS, all_commands, find_command
@@ -35,9 +34,16 @@ def carry_out(command, arguments):
     if runs and command.pictures and not command.draws_last:
         install_pictures()
     module = importlib.import_module(command.module)
-    with installing_pictures() if runs and command.draws_last else nullcontext():
-        if runs and command.programs:
+    if runs and command.programs:
+        try:
             programs = getattr(module, "programs_for", lambda _: command.programs)(arguments)
+        except UsageError as error:  # before anything is installed or built
+            say_error(f"wade {command.name}: {error} (tools/wade {command.name} --help shows the options)")
+            return 2
+        if command.draws_last:
+            bring_up_to_date(programs, command.with_tests, installing_pictures)
+            install_pictures()
+        else:
             bring_up_to_date(programs, command.with_tests)
     return module.main(arguments)
 

@@ -18,7 +18,7 @@ std::string line_of(const shm::Diagnostics& d, std::uint32_t particles) {
     scene.channel->x = {0, 24};
     scene.frame_rate = 30;
     scene.duration = 3600;
-    test::Toy model(scene);
+    Toy model(scene);
     shm::Publisher publisher("test-report-" + std::to_string(::getpid()), stream_info(scene, model), {});
     RunClock clock(scene, Pace::fast);
     TimeLeft left(clock.end(), 4e9);

@@ -12,12 +12,12 @@ import time
 from pathlib import Path
 
 from wade import UsageError
+from wade.commands import PAIR
 from wade.ensembles.folder import FAILURE, EnsembleFolder, fingerprint, is_complete, read_json
 from wade.ensembles.plan import find_scenes, is_plan, plan_text, product, read_plan, scene_name
 from wade.ensembles.waters import is_own_of_crowd, resolve_all, units_of
-from wade.paths import BUILD
 from wade.reports.files import write_whole
-from wade.run.arguments import is_given, options_of, split_arguments, suit_to_latest
+from wade.run.arguments import is_given, split_arguments, suit_to_latest
 from wade.scenes import find_scene
 
 FILES_OF_PROGRAM, FILES_OF_CROWD = 48, 4  # that are open with pictures: crowd_client --crowds
@@ -75,8 +75,7 @@ class Ensemble:
 
     def split_options(self):
         """Sorts the options of all runs by program; water of another producer is that of tools/wade run."""
-        programs = {name: options_of(BUILD / name) for name in ("fluid_server", "crowd_client")}
-        _, own, self.theirs = split_arguments(["scene", *self.common], programs)
+        _, own, self.theirs = split_arguments(["scene", *self.common], PAIR)
         unsuited = [name for name in own if name not in ("--producer", "--replay", "--no-figure")]
         if unsuited:
             raise UsageError(f"{unsuited[0]} is not allowed behind --: the runs would share what each needs for itself")

@@ -1,10 +1,9 @@
-"""The command line of a run: what its --help says, and whose option is whose, read from the programs' own --help."""
+"""The command line of a run: what its --help says, and whose option is whose."""
 
-import re
 import shlex
-import subprocess
 
 from wade import UsageError
+from wade.run.options import OPTIONS, check_option, nearest
 
 HELP = """\
 Usage: tools/wade run [SCENE] [--out DIR] [--no-figure]
@@ -64,13 +63,6 @@ OWN_VALUES = {
 OWN_SWITCHES = ("--no-figure", "--view")
 
 
-def options_of(program):
-    """The options of a program as {name: takes a value}, read from its --help."""
-    text = subprocess.run([program, "--help"], capture_output=True, text=True, check=True).stdout
-    pattern = re.compile(r"^  (?:-\w,)?(--[a-z0-9-]+)( [A-Z][A-Z=]*)?(?:  |$)", re.MULTILINE)
-    return {name: bool(value) for name, value in pattern.findall(text)}
-
-
 def asks_for_help(arguments):
     """Whether -h or --help is among the arguments, up to "--"."""
     own = arguments[: arguments.index("--")] if "--" in arguments else arguments
@@ -125,28 +117,27 @@ def own_value(name, value):
 
 
 def split_arguments(arguments, programs):
-    """Sorts arguments into (scene or None, own options, {program: its arguments}).
+    """Sorts arguments into (scene or None, own options, {program: its arguments}), and checks their values.
 
-    programs: {name: options_of(it)}. An option goes to each program that has it, one that nobody has goes to all, so
-    that they refuse it.
+    programs: names of programs; an option goes to each one that has it. UsageError.
     """
-    takes_value = {name: value for options in programs.values() for name, value in options.items()}
+    takes_value = {name: allowed is not None for program in programs for name, allowed in OPTIONS[program].items()}
     takes_value.update(dict.fromkeys(OWN_VALUES, True))
     takes_value.update(dict.fromkeys(OWN_SWITCHES, False))
     scene, own, theirs = None, {}, {program: [] for program in programs}
-    unknown, surplus = False, None
     rest = list(arguments)
     while rest:
         argument = rest.pop(0)
         if not argument.startswith("-"):
-            if scene is None:
-                scene = argument
-            else:
-                surplus = surplus or argument
+            if scene is not None:
+                raise UsageError(f'unexpected argument "{argument}"; one scene file is allowed')
+            scene = argument
             continue
         name, equals, value = argument.partition("=")
+        if name not in takes_value:
+            raise UsageError(f'unknown option "{argument}"; the nearest is "{nearest(name, takes_value)}"')
         words = [argument]
-        if takes_value.get(name) and not equals:
+        if takes_value[name] and not equals:
             if not rest:
                 raise UsageError(f"{name}: a value is missing")
             value = rest.pop(0)
@@ -159,12 +150,9 @@ def split_arguments(arguments, programs):
                 raise UsageError(f"{name}: no value is allowed")
             own[name] = True
             continue
-        nobody = name not in takes_value
-        unknown = unknown or nobody
-        for program, options in programs.items():
-            if nobody or name in options:
+        for program in programs:
+            if name in OPTIONS[program]:
                 theirs[program] += words
-    # After an unknown option this may be its value; then the programs say what is wrong.
-    if surplus and not unknown:
-        raise UsageError(f'unexpected argument "{surplus}"; one scene file is allowed')
+                if takes_value[name]:
+                    check_option(name, value, OPTIONS[program][name])
     return scene, own, theirs

@@ -7,6 +7,7 @@ Standard library only.
 import importlib.util
 import json
 import os
+import re
 import shlex
 import shutil
 import signal
@@ -18,10 +19,10 @@ from pathlib import Path
 from wade.building import PICTURES, cached, is_built
 from wade import UsageError
 from wade.paths import BUILD, INSTALLED, module_command
-from wade.run.arguments import HELP, asks_for_help, is_given, options_of, split_arguments, suit_to_latest, values_of
+from wade.run.arguments import HELP, asks_for_help, is_given, split_arguments, suit_to_latest, values_of
 from wade.run.folders import new_folder
 from wade.run.outcome import BeforeRun, crowds_summary, has_frames, state_of, summary
-from wade.run.processes import Pair, meaning, wait_for_own_segment, wait_until_joined
+from wade.run.processes import Pair, answer_of, meaning, wait_for_own_segment, wait_until_joined
 from wade.scenes import find_scene
 from wade.terminal import harmless, say_error, tail_of, wrapped
 from wade.view import FIFO, Server, settings_for_view
@@ -32,9 +33,10 @@ SHOWN_OF_LOG = 5  # lines, of a program that failed
 
 
 def programs_for(arguments):
-    """The programs of the build folder that a command line needs."""
-    ranks = [check_ranks(arguments)] if is_given(arguments, "--ranks") else []
-    return [*programs_of(arguments)[1], *ranks, *(["wade_view_server"] if has_view(arguments) else [])]
+    """The programs of the build folder that a command line needs. UsageError for what is wrong without asking them."""
+    run = Run(arguments)
+    ranks = [OVER_RANKS] if "--ranks" in run.own else []
+    return [*run.arguments, *ranks, *(["wade_view_server"] if run.view else [])]
 
 
 def check_ranks(arguments):
@@ -66,15 +68,36 @@ def has_view(arguments):
 
 def resolved_scene(program, scene, arguments):
     """The resolved scene and 0, or None and the exit code if the program refuses it; it says why on stderr."""
-    answer = subprocess.run([program, scene, *arguments, "--print-config"], stdout=subprocess.PIPE, text=True)
-    return (json.loads(answer.stdout), 0) if answer.returncode == 0 else (None, answer.returncode)
+    code, text = answer_of([program, scene, *arguments, "--print-config"])
+    return (json.loads(text), 0) if code == 0 else (None, code)
 
 
-def check_state(arguments):
-    """Refuses a state of the water that cannot be read; what it holds is looked at when the run starts."""
-    for name in values_of(arguments, "--from-state"):
-        if not os.access(name, os.R_OK) or Path(name).is_dir():
-            raise UsageError(f"--from-state: {name} cannot be read; allowed: a state that --save-state FILE has written")
+def without_comments(text):
+    """JSON whose comments, which scenes may have, are blanks."""
+    blank = lambda found: found[0] if found[0].startswith('"') else re.sub(r"[^\n]", " ", found[0])  # noqa: E731
+    return re.sub(r'"(?:\\.|[^"\\\n])*"|//[^\n]*|/\*.*?\*/', blank, text, flags=re.DOTALL)
+
+
+def check_files(scene, own, arguments):
+    """Refuses files that cannot be read, and a scene that is no JSON; what they hold the programs check. UsageError."""
+    named = {name: [file for words in arguments.values() for file in values_of(words, name)]
+             for name in ("--from-state", "--crowds")}
+    named["--replay"] = [own["--replay"]] if "--replay" in own else []
+    allowed = {"--from-state": "a state that --save-state FILE has written", "--crowds": "a JSON list of crowds",
+               "--replay": "a recording"}
+    for name, files in named.items():
+        for file in files:
+            if not os.access(file, os.R_OK) or Path(file).is_dir():
+                raise UsageError(f"{name}: {file} cannot be read; allowed: {allowed[name]}")
+    try:
+        if scene.is_file():
+            json.loads(without_comments(scene.read_text(encoding="utf-8-sig")))
+    except json.JSONDecodeError as error:
+        raise UsageError(f"{scene}: not valid JSON at line {error.lineno}, column {error.colno}: {error.msg}") from error
+    except OSError as error:
+        raise UsageError(f"{scene} cannot be read: {error.strerror}") from error
+    except (ValueError, RecursionError):  # no UTF-8, or too deep
+        pass
 
 
 def producer_command(run, folder, session):
@@ -123,8 +146,7 @@ class Run:
 
     def __init__(self, arguments):
         self.producer, names = programs_of(arguments)
-        options = {name: options_of(BUILD / name) for name in names}
-        scene, self.own, self.arguments = split_arguments(arguments, options)
+        scene, self.own, self.arguments = split_arguments(arguments, names)
         if "--ranks" in self.own:
             check_ranks(arguments)
         suit_to_latest(self.arguments)
@@ -134,7 +156,7 @@ class Run:
         self.scene = find_scene(scene)
         self.resolved = None
         self.suits_view = False
-        check_state(self.arguments.get("fluid_server", []))
+        check_files(self.scene, self.own, self.arguments)
 
     def check_scene(self):
         """Reads the scene as the programs do; returns the exit code of the one that refuses it, else 0."""
@@ -311,11 +333,10 @@ def answer(run):
     said = []
     for name in ("fluid_server", "crowd_client"):
         if name in run.arguments:
-            command = [BUILD / name, run.scene, *run.arguments[name]]
-            program = subprocess.run(command, stdout=subprocess.PIPE, text=True)
-            if program.returncode != 0:
-                return program.returncode
-            lines = program.stdout.splitlines()
+            code, text = answer_of([BUILD / name, run.scene, *run.arguments[name]])
+            if code != 0:
+                return code
+            lines = text.splitlines()
             both = "--check" in run.arguments["crowd_client"]
             said = [*said, *(line for line in lines if line not in said)] if both else lines
     print("\n".join(said))

@@ -1,6 +1,7 @@
 """The processes of a run: started together, signalled together, waited for together; and a look at their segment."""
 
 import ctypes
+import errno
 import json
 import os
 import select
@@ -11,6 +12,7 @@ import time
 from pathlib import Path
 
 from wade import UsageError
+from wade.build_lock import is_locked
 from wade.paths import BUILD
 
 # Exit codes that are only the echo of what happened to the other side: attach time-out, peer dead, peer aborted,
@@ -30,6 +32,28 @@ LIBC = ctypes.CDLL(None)  # once, not in each child
 def end_with_parent():
     """Runs in the child: it gets SIGTERM when this process dies, so that no orphan keeps simulating."""
     LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+def start(command, **options):
+    """Starts a program, a whole one also while another process builds it anew.
+
+    While it is being linked, it is absent, not yet executable or open for writing, and the system starts none of these.
+    """
+    while True:
+        is_built = Path(command[0]).parent == BUILD and is_locked(BUILD)
+        try:
+            return subprocess.Popen(command, **options)
+        except OSError as error:
+            if not is_built or error.errno not in (errno.ENOENT, errno.EACCES, errno.ETXTBSY):
+                raise
+        time.sleep(0.05)
+
+
+def answer_of(command):
+    """(exit code, what it prints) of a program that answers and ends."""
+    with start(command, stdout=subprocess.PIPE, text=True) as program:
+        text, _ = program.communicate()
+    return program.returncode, text
 
 
 class Pair:
@@ -58,7 +82,7 @@ class Pair:
                 process.send_signal(number)
 
     def start(self, command, stdin=subprocess.DEVNULL, **streams):
-        process = subprocess.Popen(command, stdin=stdin, preexec_fn=end_with_parent, **streams)
+        process = start(command, stdin=stdin, preexec_fn=end_with_parent, **streams)
         self.processes.append(process)
         if self.signal:
             self.send(signal.SIGTERM)
@@ -157,10 +181,10 @@ def wait_until_joined(consumer, producer, session):
 
 def resolved(scene, *options):
     """A scene as crowd_client reads it with these options. UsageError for one that it refuses, of which it says itself why."""
-    answer = subprocess.run([BUILD / "crowd_client", scene, *options, "--print-config"], stdout=subprocess.PIPE, text=True)
-    if answer.returncode != 0:
+    code, text = answer_of([BUILD / "crowd_client", scene, *options, "--print-config"])
+    if code != 0:
         raise UsageError(f"the scene {scene} cannot be used")
-    return json.loads(answer.stdout)
+    return json.loads(text)
 
 
 def exit_code(process):
