@@ -265,34 +265,6 @@ std::string Json::dump(const JsonStyle& style) const {
     }
 }
 
-bool Json::is_null() const {
-    return std::holds_alternative<std::monostate>(value_);
-}
-bool Json::is_boolean() const {
-    return std::holds_alternative<bool>(value_);
-}
-bool Json::is_number() const {
-    return is_number_integer() || is_number_float();
-}
-bool Json::is_number_integer() const {
-    return std::holds_alternative<std::int64_t>(value_) || is_number_unsigned();
-}
-bool Json::is_number_unsigned() const {
-    return std::holds_alternative<std::uint64_t>(value_);
-}
-bool Json::is_number_float() const {
-    return std::holds_alternative<double>(value_);
-}
-bool Json::is_string() const {
-    return std::holds_alternative<std::string>(value_);
-}
-bool Json::is_array() const {
-    return std::holds_alternative<Array>(value_);
-}
-bool Json::is_object() const {
-    return std::holds_alternative<JsonObject>(value_);
-}
-
 const char* Json::type_name() const {
     constexpr const char* names[] = {"null", "boolean", "number", "number", "number", "string", "array", "object"};
     return names[value_.index()];
@@ -358,30 +330,15 @@ const Json* Json::begin() const {
 const Json* Json::end() const {
     return is_null() ? nullptr : begin() + size();
 }
-Json* Json::begin() {
-    return const_cast<Json*>(std::as_const(*this).begin());
-}
-Json* Json::end() {
-    return const_cast<Json*>(std::as_const(*this).end());
-}
-
 void Json::push_back(Json value) {
     if (is_null()) value_ = Array();
     if (!is_array()) refuse_use("array", *this);
     std::get<Array>(value_).push_back(std::move(value));
 }
 
-Json& Json::back() {
-    return (*this)[size() - 1];
-}
-
 const Json& Json::operator[](std::size_t index) const {
     if (!is_array()) refuse_use("array", *this);
     return std::get<Array>(value_).at(index);
-}
-
-Json& Json::operator[](std::size_t index) {
-    return const_cast<Json&>(std::as_const(*this)[index]);
 }
 
 const std::vector<JsonMember>& Json::items() const {
@@ -400,10 +357,6 @@ std::vector<const JsonMember*> Json::sorted_items() const {
 const Json* Json::find(std::string_view key) const {
     const JsonObject* const object = std::get_if<JsonObject>(&value_);
     return object == nullptr ? nullptr : object->find(key);
-}
-
-Json* Json::find(std::string_view key) {
-    return const_cast<Json*>(std::as_const(*this).find(key));
 }
 
 const Json& Json::operator[](std::string_view key) const {

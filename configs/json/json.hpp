@@ -112,19 +112,22 @@ class Json {
     // Throws JsonError for a text that is not UTF-8.
     [[nodiscard]] std::string dump(const JsonStyle& style = {}) const;
 
-    [[nodiscard]] bool is_null() const;
-    [[nodiscard]] bool is_boolean() const;
-    [[nodiscard]] bool is_number() const;
-    [[nodiscard]] bool is_number_integer() const;   // signed or unsigned
-    [[nodiscard]] bool is_number_unsigned() const;  // of a text: every integer >= 0
-    [[nodiscard]] bool is_number_float() const;
-    [[nodiscard]] bool is_string() const;
-    [[nodiscard]] bool is_array() const;
-    [[nodiscard]] bool is_object() const;
+    [[nodiscard]] bool is_null() const { return std::holds_alternative<std::monostate>(value_); }
+    [[nodiscard]] bool is_boolean() const { return std::holds_alternative<bool>(value_); }
+    [[nodiscard]] bool is_number() const { return is_number_integer() || is_number_float(); }
+    [[nodiscard]] bool is_number_integer() const {
+        return std::holds_alternative<std::int64_t>(value_) || is_number_unsigned();
+    }
+    // Every integer of a text that is not negative.
+    [[nodiscard]] bool is_number_unsigned() const { return std::holds_alternative<std::uint64_t>(value_); }
+    [[nodiscard]] bool is_number_float() const { return std::holds_alternative<double>(value_); }
+    [[nodiscard]] bool is_string() const { return std::holds_alternative<std::string>(value_); }
+    [[nodiscard]] bool is_array() const { return std::holds_alternative<Array>(value_); }
+    [[nodiscard]] bool is_object() const { return std::holds_alternative<JsonObject>(value_); }
     // "null", "boolean", "number", "string", "array", "object".
     [[nodiscard]] const char* type_name() const;
 
-    // The value as bool, double, std::int64_t, std::uint64_t or std::string; a number as any of the three types of numbers.
+    // The value as bool, double, std::int64_t, std::uint64_t or std::string; a number as any of the three number types.
     // Throws JsonError for another type.
     template <typename Value>
     [[nodiscard]] Value get() const = delete;
@@ -136,20 +139,20 @@ class Json {
     // The elements of an array; none for null. Throws JsonError for another type.
     [[nodiscard]] const Json* begin() const;
     [[nodiscard]] const Json* end() const;
-    [[nodiscard]] Json* begin();
-    [[nodiscard]] Json* end();
+    [[nodiscard]] Json* begin() { return const_cast<Json*>(std::as_const(*this).begin()); }
+    [[nodiscard]] Json* end() { return const_cast<Json*>(std::as_const(*this).end()); }
     // Appends to an array; null becomes one.
     void push_back(Json value);
-    [[nodiscard]] Json& back();
+    [[nodiscard]] Json& back() { return (*this)[size() - 1]; }
     [[nodiscard]] const Json& operator[](std::size_t index) const;
-    [[nodiscard]] Json& operator[](std::size_t index);
+    [[nodiscard]] Json& operator[](std::size_t index) { return const_cast<Json&>(std::as_const(*this)[index]); }
 
     // The members of an object in order of insertion, or by key. Throws JsonError for another type.
     [[nodiscard]] const std::vector<JsonMember>& items() const;
     [[nodiscard]] std::vector<const JsonMember*> sorted_items() const;
     // The value of a key; null pointer if there is none or this is no object.
     [[nodiscard]] const Json* find(std::string_view key) const;
-    [[nodiscard]] Json* find(std::string_view key);
+    [[nodiscard]] Json* find(std::string_view key) { return const_cast<Json*>(std::as_const(*this).find(key)); }
     [[nodiscard]] bool contains(std::string_view key) const { return find(key) != nullptr; }
     // The value of a key; a null value if there is none or this is no object.
     [[nodiscard]] const Json& operator[](std::string_view key) const;
