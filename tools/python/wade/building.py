@@ -170,7 +170,9 @@ def build(targets, with_tests, lock, beside):
     with beside():
         if needs_tests or not (BUILD / "build.ninja").exists():
             print(f"Configuring the release build in {BUILD}", file=sys.stderr)
-            run_tool("cmake", "--preset", "release", "-B", BUILD, f"-DWADE_BUILD_TESTS={'ON' if with_tests else 'OFF'}")
+            developer = "ON" if with_tests else "OFF"
+            run_tool("cmake", "--preset", "release", "-B", BUILD, f"-DWADE_BUILD_TESTS={developer}",
+                     f"-DCMAKE_EXPORT_COMPILE_COMMANDS={developer}")
             left = steps_left(targets)
         what = " ".join(targets) if len(targets) < 4 else f"{len(targets)} programs" if targets else "programs and tests"
         count = sum("Building C" in step for step in left or [])
