@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "configs/scene/scene.hpp"
+#include "configs/scene/fields/people.hpp"
 
 namespace wade {
 

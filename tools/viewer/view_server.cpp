@@ -51,7 +51,7 @@ std::map<std::string, fs::path> files_of(const Options& o) {
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(o.page, error)) {
         const std::string ending = entry.path().extension();
-        if (ending == ".js" || ending == ".html") files["/" + entry.path().filename().string()] = entry.path();
+        if (ending == ".js" || ending == ".html") files["/" / entry.path().filename()] = entry.path();
     }
     if (!files.contains("/index.html"))
         throw ConfigurationError("--page " + o.page + ": there is no index.html in it.");

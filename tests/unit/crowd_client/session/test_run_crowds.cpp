@@ -48,9 +48,9 @@ std::vector<Scene> different_scenes() {
                               rows_of_agents(1, 1),       rows_of_agents(1, 0.2, 75),
                               rows_of_agents(1, 0.5, 10), one_agent_scene(74, 45, 75, 50, 0)};
     scenes.back().duration = 2;
-    scenes[1].coupling.contact_rule = ContactRule::sum;
-    scenes[2].coupling.rule = CouplingRule::continuous;
-    scenes[2].crowd.groups[0].mass = {40, 100};
+    scenes[1].coupling->contact_rule = ContactRule::sum;
+    scenes[2].coupling->rule = CouplingRule::continuous;
+    scenes[2].crowd->groups[0].mass = {40, 100};
     TauEvent event;
     event.frame = 20;
     event.tau = 0.9;

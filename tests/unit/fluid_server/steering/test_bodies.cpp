@@ -20,7 +20,7 @@ Scene tank_with_sphere(double density) {
     return scene;
 }
 
-double advance(steering::SteeringWorld& world, double time) {
+double height_after(steering::SteeringWorld& world, double time) {
     for (int k = 0; k < static_cast<int>(time * 30 + 0.5); ++k) {
         for (double left = 1.0 / 30; left > 1e-9;) left -= world.step(left).dt;
     }
@@ -52,9 +52,9 @@ TEST_CASE("a sphere pushes a particle along the line from its centre and gets th
 
 TEST_CASE("a heavy sphere sinks, a light one floats, and the water closes over the heavy one", "[steering]") {
     steering::SteeringWorld heavy(tank_with_sphere(5000));
-    const double before = advance(heavy, 0.4);
+    const double before = height_after(heavy, 0.4);
     CHECK(before == 0.9);  // it has not appeared yet
-    const double sunk = advance(heavy, 4);
+    const double sunk = height_after(heavy, 4);
     CHECK(sunk < 0.25);
     CHECK(sunk >= 0.15 - 1e-6);
     int above = 0;
@@ -65,7 +65,7 @@ TEST_CASE("a heavy sphere sinks, a light one floats, and the water closes over t
     }
     CHECK(above > 10);
     steering::SteeringWorld light(tank_with_sphere(200));
-    const double floating = advance(light, 4.5);
+    const double floating = height_after(light, 4.5);
     CHECK(floating > 0.5);
     CHECK(floating < 0.8);
 }

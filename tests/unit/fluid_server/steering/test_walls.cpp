@@ -18,7 +18,7 @@ Vec3 at_wall(const steering::Walls& walls, const Vec3& x, const Vec3& v = {0, 0,
     return a;
 }
 
-void check_vector(const Vec3& a, double x, double y, double z) {
+void check_deflected(const Vec3& a, double x, double y, double z) {
     CHECK(static_cast<double>(a[0]) == Approx(x).epsilon(1e-4).margin(1e-6));
     CHECK(static_cast<double>(a[1]) == Approx(y).epsilon(1e-4).margin(1e-6));
     CHECK(static_cast<double>(a[2]) == Approx(z).epsilon(1e-4).margin(1e-6));
@@ -34,15 +34,15 @@ TEST_CASE("planes and boxes push with weight ((radius / distance)^2 - 1) along t
     s.wall = 3;
     const steering::Walls walls(solids, scene.channel, s);
     const double push = 3 * (0.25 / 0.16 - 1);
-    check_vector(at_wall(walls, {1, 0.4F, 1}), 0, push, 0);  // bed
-    check_vector(at_wall(walls, {0.4F, 1, 1}), push, 0, 0);  // ends
-    check_vector(at_wall(walls, {9.6F, 1, 1}), -push, 0, 0);
-    check_vector(at_wall(walls, {1, 1, 7.6F}), 0, 0, -push);                          // bank
-    check_vector(at_wall(walls, {0.4F, 0.4F, 1}), push, push, 0);                     // edge
-    check_vector(at_wall(walls, {3.6F, 0.7F, 4}), -push, 0, 0);                       // box: side
-    check_vector(at_wall(walls, {5, 1.4F, 4}), 0, push, 0);                           // top
-    check_vector(at_wall(walls, {3.76F, 0.7F, 2.68F}), -0.6 * push, 0, -0.8 * push);  // edge
-    check_vector(at_wall(walls, {2, 1, 2}), 0, 0, 0);
+    check_deflected(at_wall(walls, {1, 0.4F, 1}), 0, push, 0);  // bed
+    check_deflected(at_wall(walls, {0.4F, 1, 1}), push, 0, 0);  // ends
+    check_deflected(at_wall(walls, {9.6F, 1, 1}), -push, 0, 0);
+    check_deflected(at_wall(walls, {1, 1, 7.6F}), 0, 0, -push);                          // bank
+    check_deflected(at_wall(walls, {0.4F, 0.4F, 1}), push, push, 0);                     // edge
+    check_deflected(at_wall(walls, {3.6F, 0.7F, 4}), -push, 0, 0);                       // box: side
+    check_deflected(at_wall(walls, {5, 1.4F, 4}), 0, push, 0);                           // top
+    check_deflected(at_wall(walls, {3.76F, 0.7F, 2.68F}), -0.6 * push, 0, -0.8 * push);  // edge
+    check_deflected(at_wall(walls, {2, 1, 2}), 0, 0, 0);
 }
 
 TEST_CASE("walls take speed, most at the face", "[steering]") {
@@ -50,8 +50,8 @@ TEST_CASE("walls take speed, most at the face", "[steering]") {
     steering::Settings s = quiet_settings();
     s.wall_loss = 2;
     const steering::Walls walls(Solids(scene), scene.channel, s);
-    check_vector(at_wall(walls, {5, 0.1F, 4}, {1, -2, 3}), -2 * 0.8 * 1, 2 * 0.8 * 2, -2 * 0.8 * 3);
-    check_vector(at_wall(walls, {5, 0.6F, 4}, {1, -2, 3}), 0, 0, 0);
+    check_deflected(at_wall(walls, {5, 0.1F, 4}, {1, -2, 3}), -2 * 0.8 * 1, 2 * 0.8 * 2, -2 * 0.8 * 3);
+    check_deflected(at_wall(walls, {5, 0.6F, 4}, {1, -2, 3}), 0, 0, 0);
 }
 
 TEST_CASE("the bed's facets push along their normal", "[steering]") {
@@ -62,7 +62,7 @@ TEST_CASE("the bed's facets push along their normal", "[steering]") {
     const steering::Walls walls(Solids(scene), scene.channel, s);
     const double push = 0.25 / 0.04 - 1;
     // 0.2 m above the slope of 3 : 4 at x = 4.
-    check_vector(at_wall(walls, {4 - 0.12F, 3 + 0.16F, 4}), -0.6 * push, 0.8 * push, 0);
+    check_deflected(at_wall(walls, {4 - 0.12F, 3 + 0.16F, 4}), -0.6 * push, 0.8 * push, 0);
 }
 
 TEST_CASE("as a constraint walls let nobody through; as a force alone they hold water at rest", "[steering]") {
