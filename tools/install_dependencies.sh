@@ -14,6 +14,7 @@ build     libboost-dev        boost-devel          boost
 build     nlohmann-json3-dev  json-devel           nlohmann-json
 build     libcli11-dev        cli11-devel          cli11
 build     libhwy-dev          highway-devel        highway
+build     libgeos-dev         geos-devel           geos
 build     libsqlite3-dev      sqlite-devel         sqlite
 build     libzstd-dev         libzstd-devel        zstd
 build     libtiff-dev         libtiff-devel        libtiff

@@ -1,16 +1,14 @@
-// Where people can walk, in well-known text: the geometry of trajectory files.
+// The walkable area of a scene as well-known text: the geometry of trajectory files.
 
-// Coordinates begin at the place's origin, so that they need no rescaling.
-#define BOOST_GEOMETRY_NO_ROBUSTNESS
+#include <geos_c.h>
 
 #include <algorithm>
-#include <boost/geometry.hpp>
-#include <boost/geometry/geometries/multi_polygon.hpp>
-#include <boost/geometry/geometries/point_xy.hpp>
-#include <boost/geometry/geometries/polygon.hpp>
-#include <span>
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "configs/errors/exit_code.hpp"
 #include "configs/scene/interval.hpp"
 #include "configs/scene/obstacle.hpp"
 #include "configs/scene/place.hpp"
@@ -20,11 +18,6 @@
 
 namespace wade::crowd {
 namespace {
-
-namespace geometry = boost::geometry;
-using Point = geometry::model::d2::point_xy<double>;
-using Polygon = geometry::model::polygon<Point, false>;
-using Polygons = geometry::model::multi_polygon<Polygon>;
 
 std::string ring(const Interval& x, const Interval& z) {
     const std::string x0 = csv_number(x.lo), x1 = csv_number(x.hi), z0 = csv_number(z.lo), z1 = csv_number(z.hi);
@@ -43,45 +36,115 @@ bool may_be_a_hole(const Scene& scene, const Obstacle& o) {
     });
 }
 
-Polygons plan_of(const House& house) {
-    Polygons plan;
+struct Destroy {
+    GEOSContextHandle_t context;
+    void operator()(GEOSGeometry* geometry) const { GEOSGeom_destroy_r(context, geometry); }
+};
+using Geometry = std::unique_ptr<GEOSGeometry, Destroy>;
+
+// A context of GEOS, which outlives its geometries. It keeps the message of the last error.
+class Geos {
+ public:
+    Geos() { GEOSContext_setErrorMessageHandler_r(context, keep, &message_); }
+    ~Geos() { GEOS_finish_r(context); }
+    Geos(const Geos&) = delete;
+    Geos& operator=(const Geos&) = delete;
+
+    // Throws ConfigurationError if a call failed. `subject`: the scene key or the house that the call was for.
+    void check(bool succeeded, const std::string& subject) const {
+        if (succeeded) return;
+        throw ConfigurationError(subject + ": the walkable area without houses cannot be computed: " + message_ +
+                                 "; allowed: rings of at least 3 corners that do not cross themselves.");
+    }
+
+    // Takes ownership of what a call returned.
+    [[nodiscard]] Geometry own(GEOSGeometry* result, const std::string& subject) const {
+        check(result != nullptr, subject);
+        return Geometry(result, Destroy{context});
+    }
+
+    const GEOSContextHandle_t context = GEOS_init_r();
+
+ private:
+    static void keep(const char* message, void* kept) { *static_cast<std::string*>(kept) = message; }
+
+    std::string message_;
+};
+
+// Returns the area that a ring encloses, also if the ring touches itself.
+Geometry area_of(const Geos& geos, const MapLine& line, const std::string& subject) {
+    std::vector<double> corners;
+    for (const MapPoint& p : line) corners.insert(corners.end(), {p.x, p.z});
+    if (!line.empty()) corners.insert(corners.end(), {line.front().x, line.front().z});
+    GEOSCoordSequence* const points =
+        GEOSCoordSeq_copyFromBuffer_r(geos.context, corners.data(), static_cast<unsigned>(corners.size() / 2), 0, 0);
+    geos.check(points != nullptr, subject);
+    const Geometry closed = geos.own(GEOSGeom_createLinearRing_r(geos.context, points), subject);  // owns the points
+    const Geometry edges = geos.own(GEOSNode_r(geos.context, closed.get()), subject);
+    return geos.own(GEOSBuildArea_r(geos.context, edges.get()), subject);
+}
+
+// Returns the points inside an odd number of the rings.
+Geometry plan_of(const Geos& geos, const House& house) {
+    Geometry plan = geos.own(GEOSGeom_createEmptyPolygon_r(geos.context), house.label);
     for (const MapLine& line : house.polygon.rings) {
-        Polygon one;
-        for (const MapPoint& p : line) one.outer().emplace_back(p.x, p.z);
-        geometry::correct(one);
-        Polygons with;
-        geometry::sym_difference(plan, one, with);  // what lies in an even number of rings is no house
-        plan = std::move(with);
+        const Geometry area = area_of(geos, line, house.label);
+        plan = geos.own(GEOSSymDifference_r(geos.context, plan.get(), area.get()), house.label);
     }
     return plan;
 }
 
-// Halves first, so that each joint is of few corners.
-Polygons joined(std::span<const House> houses) {
-    if (houses.size() == 1) return plan_of(houses.front());
-    const std::size_t half = houses.size() / 2;
-    Polygons all;
-    geometry::union_(joined(houses.first(half)), joined(houses.subspan(half)), all);
-    return all;
+Geometry united(const Geos& geos, const std::vector<House>& houses, const std::string& subject) {
+    std::vector<Geometry> plans;
+    plans.reserve(houses.size());
+    for (const House& house : houses) plans.push_back(plan_of(geos, house));
+    std::vector<GEOSGeometry*> members;  // which the collection owns
+    members.reserve(plans.size());
+    for (Geometry& plan : plans) members.push_back(plan.release());
+    const Geometry all = geos.own(GEOSGeom_createCollection_r(geos.context, GEOS_GEOMETRYCOLLECTION, members.data(),
+                                                              static_cast<unsigned>(members.size())),
+                                  subject);
+    return geos.own(GEOSUnaryUnion_r(geos.context, all.get()), subject);
 }
 
-std::string ring(const Polygon::ring_type& line) {
+double area_of(const Geos& geos, const GEOSGeometry* part) {
+    double area = 0;
+    GEOSArea_r(geos.context, part, &area);
+    return area;
+}
+
+// Writes the corners in reverse: GEOS' normal form has outer rings clockwise and holes counter-clockwise.
+std::string ring(const Geos& geos, const GEOSGeometry* line) {
+    const GEOSCoordSequence* const points = GEOSGeom_getCoordSeq_r(geos.context, line);
+    unsigned count = 0;
+    GEOSCoordSeq_getSize_r(geos.context, points, &count);
     std::string text;
-    for (const Point& p : line) text += (text.empty() ? "(" : ", ") + csv_number(p.x()) + " " + csv_number(p.y());
+    for (unsigned k = count; k-- > 0;) {
+        double x = 0, z = 0;
+        GEOSCoordSeq_getXY_r(geos.context, points, k, &x, &z);
+        text += (text.empty() ? "(" : ", ") + csv_number(x) + " " + csv_number(z);
+    }
     return text + ")";
 }
 
-// The world less the houses of a place: the largest of its parts.
-std::string streets_wkt(const World& world, std::span<const House> houses) {
-    Polygon ground;
-    geometry::convert(geometry::model::box<Point>({0, 0}, {world.length, world.width}), ground);
-    Polygons parts;
-    geometry::difference(ground, joined(houses), parts);
-    if (parts.empty()) return "POLYGON EMPTY";
-    const auto area = [](const Polygon& part) { return geometry::area(part); };
-    const Polygon& largest = *std::ranges::max_element(parts, {}, area);
-    std::string text = "POLYGON (" + ring(largest.outer());
-    for (const auto& hole : largest.inners()) text += ", " + ring(hole);
+// Returns the largest part of the world without the houses.
+std::string streets_wkt(const World& world, const std::vector<House>& houses) {
+    const std::string subject = "/place/houses";
+    const Geos geos;
+    const Geometry ground =
+        geos.own(GEOSGeom_createRectangle_r(geos.context, 0, 0, world.length, world.width), subject);
+    const Geometry buildings = united(geos, houses, subject);
+    const Geometry parts = geos.own(GEOSDifference_r(geos.context, ground.get(), buildings.get()), subject);
+    geos.check(GEOSNormalize_r(geos.context, parts.get()) == 0, subject);
+    const GEOSGeometry* largest = nullptr;
+    for (int k = 0; k < GEOSGetNumGeometries_r(geos.context, parts.get()); ++k) {
+        const GEOSGeometry* const part = GEOSGetGeometryN_r(geos.context, parts.get(), k);
+        if (largest == nullptr || area_of(geos, part) > area_of(geos, largest)) largest = part;
+    }
+    if (largest == nullptr || GEOSisEmpty_r(geos.context, largest) != 0) return "POLYGON EMPTY";
+    std::string text = "POLYGON (" + ring(geos, GEOSGetExteriorRing_r(geos.context, largest));
+    for (int k = 0; k < GEOSGetNumInteriorRings_r(geos.context, largest); ++k)
+        text += ", " + ring(geos, GEOSGetInteriorRingN_r(geos.context, largest, k));
     return text + ")";
 }
 
