@@ -12,7 +12,7 @@ namespace wade::validation {
 
 namespace {
 
-constexpr double settling = 10;  // s: ten times the way of the stream past the block
+constexpr double block_settling = 10;  // s: ten times the way of the stream past the block
 
 // Momentum of the water towards -x, kg m/s.
 double momentum(const fluid::FluidWorld& world) {
@@ -24,18 +24,18 @@ double momentum(const fluid::FluidWorld& world) {
     return sum * static_cast<double>(world.particle_mass());
 }
 
-Result run(const Request& request) {
+Result run_block(const Request& request) {
     const Scene scene = scene_for(request, "validation/block.json");
     fluid::FluidWorld world(scene);
     const double mass = static_cast<double>(world.particles().count) * static_cast<double>(world.particle_mass());
     Cost cost;
-    advance(world, settling, cost);
+    advance(world, block_settling, cost);
 
     const double before = momentum(world);
     double driving = 0;  // N s
     double drag = 0;     // N s, on the block, towards -x
     Curve curve{"force", {"t_s", "drag_n", "driving_n"}, {}};
-    const int frames = frames_in(scene, scene.duration - settling);
+    const int frames = frames_in(scene, scene.duration - block_settling);
     for (int frame = 1; frame <= frames; ++frame) {
         const double driving_before = driving;
         const double drag_before = drag;
@@ -43,7 +43,7 @@ Result run(const Request& request) {
             driving += mass * step.driving_acceleration * step.dt;
             drag -= world.obstacle_force(0)[0] * step.dt;
         });
-        curve.rows.push_back({settling + frame / scene.frame_rate, (drag - drag_before) * scene.frame_rate,
+        curve.rows.push_back({block_settling + frame / scene.frame_rate, (drag - drag_before) * scene.frame_rate,
                               (driving - driving_before) * scene.frame_rate});
     }
     const double change = momentum(world) - before;
@@ -74,7 +74,7 @@ Case block_case() {
         "bulk speed and the wet front of the block, is reported.";
     c.reference = "momentum budget";
     c.spacings = {0.2, 0.1, 1.0 / 15};
-    c.run = run;
+    c.run = run_block;
     return c;
 }
 

@@ -48,7 +48,7 @@ void sample_speeds(const fluid::Particles& p, Rest& rest) {
     rest.rms_speed = std::max(rest.rms_speed, std::sqrt(sum / static_cast<double>(p.count)));
 }
 
-Result run(const Request& request) {
+Result run_column(const Request& request) {
     const Scene scene = scene_for(request, "validation/column.json");
     fluid::FluidWorld world(scene);
     const double depth = scene.channel->water_blocks.at(0).depth;
@@ -117,7 +117,7 @@ Case column_case() {
         .reference = "rho g (H - y)",
         .spacings = {0.1, 0.05, 0.025},
         .quick = true,
-        .run = run};
+        .run = run_column};
 }
 
 }  // namespace wade::validation

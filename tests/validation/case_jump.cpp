@@ -21,7 +21,7 @@ namespace wade::validation {
 
 namespace {
 
-constexpr double g = 9.81;
+constexpr double gravity = 9.81;
 constexpr double depth_1 = 0.4;  // m, of the stream; the size does not matter, only how many layers it has
 constexpr double wall = 1;       // m, x of the wall's face; the scene has the wall from 0 to there
 
@@ -32,7 +32,7 @@ struct Bore {
     double speed = 0;     // c, m/s, upstream
     explicit Bore(double froude)
         : ratio(belanger_ratio(froude)),
-          velocity(froude * std::sqrt(g * depth_1) * (ratio - 1) / ratio),
+          velocity(froude * std::sqrt(gravity * depth_1) * (ratio - 1) / ratio),
           speed(velocity / (ratio - 1)) {}
     [[nodiscard]] double depth_2() const { return ratio * depth_1; }
 };
@@ -83,7 +83,7 @@ Line fit(const std::vector<double>& x, const std::vector<double>& y) {
 }
 
 // width: of the slice, m
-Result run(const Request& request, double froude, double width) {
+Result run_jump(const Request& request, double froude, double width) {
     const Bore bore(froude);
     const double h2 = bore.depth_2();
     // Jumps run ahead of their calculated place and throw water ahead of them, the more the faster they are: room for that
@@ -147,10 +147,10 @@ Result run(const Request& request, double froude, double width) {
     const double u2 = sum_u2 / n / measured_h2;
     // The speed at which water of both depths conserves mass. That of the front differs while the jump grows longer.
     const double c = (u1 * h1 - u2 * measured_h2) / (measured_h2 - h1);
-    const double relative = (u1 + c) / std::sqrt(g * h1);
+    const double relative = (u1 + c) / std::sqrt(gravity * h1);
     // In the frame of the jump, over the density: velocities with their fluctuations, pressure as if hydrostatic.
-    const double before = g * h1 * h1 / 2 + sum_uu1 / n + (2 * u1 + c) * c * h1;
-    const double after = g * measured_h2 * measured_h2 / 2 + sum_uu2 / n + (2 * u2 + c) * c * measured_h2;
+    const double before = gravity * h1 * h1 / 2 + sum_uu1 / n + (2 * u1 + c) * c * h1;
+    const double after = gravity * measured_h2 * measured_h2 / 2 + sum_uu2 / n + (2 * u2 + c) * c * measured_h2;
     const double fluctuations = sum_uu2 / n - u2 * u2 * measured_h2;
 
     Result result;
@@ -199,17 +199,17 @@ Case jump_case(const char* name, Result (*run_it)(const Request&), std::size_t s
 
 Case jump_fr2_case() {
     return jump_case(
-        "jump_fr2", [](const Request& request) { return run(request, 2, slice_width(request)); }, 5);
+        "jump_fr2", [](const Request& request) { return run_jump(request, 2, slice_width(request)); }, 5);
 }
 Case jump_fr3_case() {
     return jump_case(
-        "jump_fr3", [](const Request& request) { return run(request, 3, slice_width(request)); }, 5);
+        "jump_fr3", [](const Request& request) { return run_jump(request, 3, slice_width(request)); }, 5);
 }
 Case jump_fr5_case() {
-    return jump_case("jump_fr5", [](const Request& request) { return run(request, 5, slice_width(request)); });
+    return jump_case("jump_fr5", [](const Request& request) { return run_jump(request, 5, slice_width(request)); });
 }
 Case jump_fr5_wide_case() {
-    Case c = jump_case("jump_fr5_wide", [](const Request& request) { return run(request, 5, 6 * depth_1); });
+    Case c = jump_case("jump_fr5_wide", [](const Request& request) { return run_jump(request, 5, 6 * depth_1); });
     c.truth +=
         " A slice 2.4 m wide, nearly as wide as the water behind the jump is deep: in a thinner one vortices are as "
         "long as it is wide, feel no third dimension and live on.";

@@ -27,7 +27,7 @@ double centroid(const fluid::Particles& p) {
     return sum / static_cast<double>(p.count);
 }
 
-Result run(const Request& request) {
+Result run_sloshing(const Request& request) {
     const Scene scene = scene_for(request, "validation/sloshing.json", slice_sizes(request, 1));
     fluid::FluidWorld world(scene);
     const double h = scene.channel->water_blocks.at(0).depth;
@@ -87,7 +87,7 @@ Case sloshing_case() {
             .spacings = {0.05, 0.025, 0.0125},
             .quick = true,
             .starts = 5,
-            .run = run};
+            .run = run_sloshing};
 }
 
 }  // namespace wade::validation

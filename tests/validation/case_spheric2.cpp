@@ -17,9 +17,9 @@ namespace wade::validation {
 
 namespace {
 
-constexpr double depth = 0.55;     // m, of the reservoir
-constexpr double end_time = 3;     // s
-constexpr double sampling = 0.02;  // s, between the samples of the experiment
+constexpr double reservoir_depth = 0.55;  // m, of the reservoir
+constexpr double end_time = 3;            // s
+constexpr double sampling = 0.02;         // s, between the samples of the experiment
 
 // Distances from the wall behind the box, m; all in the middle plane of the tank.
 constexpr std::array<double, 4> gauges{0.496, 0.992, 1.488, 2.638};
@@ -105,7 +105,7 @@ void compare(const Readings& readings, const Spheric2Reference& truth, Result& r
     }
     for (std::size_t k = 0; k < gauges.size(); ++k) {
         const double rms = rms_difference(readings.height[k], truth.time, truth.height[k]);
-        metrics.push_back({"height_rms_h" + std::to_string(k + 1), rms / depth, "1"});
+        metrics.push_back({"height_rms_h" + std::to_string(k + 1), rms / reservoir_depth, "1"});
     }
     for (std::size_t k = 0; k < sensors.size(); ++k) {
         const std::string sensor = k == 0 ? "p1" : "p3";
@@ -139,7 +139,7 @@ Curve curve_of(const std::string& name, const std::string& quantity, const Readi
     return curve;
 }
 
-Result run(const Request& request) {
+Result run_spheric2(const Request& request) {
     const Scene scene = scene_for(request, "validation/spheric2.json");
     const Spheric2Reference truth = spheric2_reference();
     fluid::FluidWorld world(scene);
@@ -174,7 +174,7 @@ Case spheric2_case() {
     c.spacings = {0.0282, 0.0189, 0.00878};  // 30,000, 100,000 and 1,000,000 particles
     c.long_from = 2;
     c.starts = 5;
-    c.run = run;
+    c.run = run_spheric2;
     return c;
 }
 

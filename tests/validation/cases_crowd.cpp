@@ -197,7 +197,7 @@ Result run_bodies(const Request& request) {
 // Fifty people on a circle, each wants to the opposite side.
 
 // Sets of markers, each a run of its own: whether a crowd jams is a matter of chance.
-constexpr std::uint64_t seeds = 5;
+constexpr std::uint64_t seed_count = 5;
 
 Scene circle_scene(const Request& request, SpeedRule rule) {
     Scene scene = crowd_scene(request, "validation/crowd_circle.json");
@@ -229,7 +229,7 @@ void measure(const Request& request, SpeedRule rule, const std::string& suffix, 
     double time = 0;  // of all who arrived, s
     double last = 0;  // s
     const std::uint64_t first_seed = scene.seed;
-    for (std::uint64_t run = 0; run < seeds; ++run) {
+    for (std::uint64_t run = 0; run < seed_count; ++run) {
         scene.seed = first_seed + run;
         crowd::CrowdWorld crowd = crowd::make_crowd(scene);
         while (!crowd.active.empty() && static_cast<double>(crowd.steps) * crowd.dt < scene.duration) {
@@ -245,7 +245,7 @@ void measure(const Request& request, SpeedRule rule, const std::string& suffix, 
         last = std::max(last, static_cast<double>(crowd.last_arrival_step) * crowd.dt);
     }
     result.metrics.push_back({"left_behind" + suffix, worst, "1"});
-    result.metrics.push_back({"arrived_share" + suffix, arrived / people / static_cast<double>(seeds), "1"});
+    result.metrics.push_back({"arrived_share" + suffix, arrived / people / static_cast<double>(seed_count), "1"});
     result.metrics.push_back({"mean_time" + suffix, time / arrived / ideal, "1"});
     result.metrics.push_back({"last_time" + suffix, last / ideal, "1"});
     report_overlaps(overlaps, suffix, result);

@@ -40,8 +40,8 @@ Result run_rimea_01(const Request& request) {
 
 // Speed and flow against density in a corridor without ends.
 
-constexpr double settling = 30;   // s
-constexpr double measuring = 60;  // s
+constexpr double rimea_settling = 30;   // s
+constexpr double rimea_measuring = 60;  // s
 
 // Numbers of one speed rule over all densities.
 struct Diagram {
@@ -58,8 +58,8 @@ Diagram measure(const Request& request, SpeedRule rule, const std::vector<double
     for (const double density : densities) {
         crowd::CrowdWorld crowd = corridor_crowd(request, rule, density, false);
         Overlaps unused;
-        mean_progress(crowd, settling, result, unused);
-        const double speed = mean_progress(crowd, measuring, result, diagram.overlaps);
+        mean_progress(crowd, rimea_settling, result, unused);
+        const double speed = mean_progress(crowd, rimea_measuring, result, diagram.overlaps);
         diagram.rms += std::pow(speed - weidmann_speed(density), 2) / static_cast<double>(densities.size());
         if (!diagram.speeds.empty()) {
             diagram.largest_rise = std::max(diagram.largest_rise, speed - diagram.speeds.back());
@@ -221,18 +221,18 @@ Result run_rimea_09(const Request& request) {
 }
 
 // RiMEA test 12: a bottleneck, and its flow against its width.
-constexpr double axis = 6;  // z of the middle of corridor and door, m
+constexpr double corridor_axis = 6;  // z of the middle of corridor and door, m
 
 // A line of the bottleneck's width at x, passed towards +x.
 Gate gate_at(double x, double width) {
-    return {{x, axis - width / 2}, {x, axis + width / 2}, {1, 0}};
+    return {{x, corridor_axis - width / 2}, {x, corridor_axis + width / 2}, {1, 0}};
 }
 
 // People per m2 in the half disc of 2 m radius before (x, axis).
 double density_before(const crowd::CrowdWorld& crowd, double x) {
     double inside = 0;
     for (const std::uint32_t id : crowd.active) {
-        const crowd::Vector2d way = crowd.agents.position[id] - crowd::Vector2d(x, axis);
+        const crowd::Vector2d way = crowd.agents.position[id] - crowd::Vector2d(x, corridor_axis);
         inside += way.x() < 0 && way.squaredNorm() < 4 ? 1 : 0;
     }
     return inside / (2 * std::acos(-1.0));
@@ -283,8 +283,8 @@ Passage pass(const Scene& scene, const Route& route, Result& result, Overlaps& o
 
 // The corridor of another width and no door behind it.
 Scene bottleneck(Scene scene, double width) {
-    scene.obstacles.at(0).z.hi = axis - width / 2;
-    scene.obstacles.at(1).z.lo = axis + width / 2;
+    scene.obstacles.at(0).z.hi = corridor_axis - width / 2;
+    scene.obstacles.at(1).z.lo = corridor_axis + width / 2;
     scene.obstacles.erase(scene.obstacles.begin() + 2, scene.obstacles.begin() + 4);
     return scene;
 }

@@ -60,7 +60,7 @@ Scene scene_of(const Tank& tank, double degrees, double spacing) {
     }
     scene.place->water = {{{}, tank.level}};
     if (tank.filled < tank.length) scene.place->water[0].polygon = turn.box(-a - 1, -a + tank.filled, -b - 1, b + 1);
-    scene.fluid = {};
+    scene.fluid = Fluid();
     scene.fluid->model = ModelKind::dfsph;
     scene.fluid->particle_spacing = spacing;
     scene.fluid->kinematic_viscosity = 0.01;
@@ -282,7 +282,7 @@ Result run_block(const Request& request) {
                        .at_rest = false},
                       request, 4 * request.spacing);
 }
-Result run_street(const Request& request) {
+Result run_turned_street(const Request& request) {
     return run_moving({.length = 4.8,
                        .width = 2.4,
                        .level = 0.8,
@@ -338,7 +338,7 @@ Case turned_street_case() {
     Case street = turned(
         "turned_street",
         "A dam break through a street between four houses, turned by 17 and 45 degrees, does what it does straight.",
-        false, run_street);
+        false, run_turned_street);
     street.starts = 5;
     return street;
 }

@@ -20,7 +20,7 @@ namespace {
 // Start-up of Poiseuille and of Couette flow between planes to which the water sticks: viscosity and no-slip boundaries.
 
 // s; the profiles that Morris et al. (1997) show, the last is steady.
-constexpr std::array times{0.0225, 0.045, 0.1125, 0.225, 1.0};
+constexpr std::array couette_times{0.0225, 0.045, 0.1125, 0.225, 1.0};
 
 // Exact velocity along +x at height y and time t, m/s.
 using Profile = std::function<double(double y, double t)>;
@@ -72,7 +72,7 @@ Result run_start_up(const Scene& scene, const Profile& exact, double peak) {
     double worst = 0;
     double worst_of_peak = 0;
     ProfileError error;
-    for (const double t : times) {
+    for (const double t : couette_times) {
         advance(world, t - now, cost);
         now = t;
         error = profile_error(world.particles(), exact, t, peak);
@@ -133,12 +133,13 @@ Case start_up_case(const std::string& name, const std::string& flow, Result (*ru
 
 // Vortices that decay by viscosity alone: does the solver add or take energy where particles shear past one another?
 
-constexpr double length = 1;  // m, of the periodic square
-constexpr double speed = 1;   // m/s, largest at t = 0
-constexpr double k = 2 * std::numbers::pi / length;
+constexpr double vortex_side = 1;   // m, of the periodic square
+constexpr double vortex_speed = 1;  // m/s, largest at t = 0
+constexpr double wave_number = 2 * std::numbers::pi / vortex_side;
 
 std::array<double, 3> mode(const std::array<double, 3>& x) {
-    return {-std::cos(k * x[0]) * std::sin(k * x[1]), std::sin(k * x[0]) * std::cos(k * x[1]), 0};
+    return {-std::cos(wave_number * x[0]) * std::sin(wave_number * x[1]),
+            std::sin(wave_number * x[0]) * std::cos(wave_number * x[1]), 0};
 }
 
 // Slope of the least-squares line through (t, ln v).
@@ -157,7 +158,7 @@ Result run_taylor_green(const Request& request) {
     fluid::FluidWorld world(scene);
     world.set_velocity([](const std::array<double, 3>& x) {
         const std::array<double, 3> e = mode(x);
-        return std::array<double, 3>{speed * e[0], speed * e[1], speed * e[2]};
+        return std::array<double, 3>{vortex_speed * e[0], vortex_speed * e[1], vortex_speed * e[2]};
     });
 
     Result result;
@@ -171,7 +172,7 @@ Result run_taylor_green(const Request& request) {
             advance_frame(world, cost);
         }
         const double time = frame / scene.frame_rate;
-        const double exact = speed * taylor_green_decay(time, scene.fluid->kinematic_viscosity, length);
+        const double exact = vortex_speed * taylor_green_decay(time, scene.fluid->kinematic_viscosity, vortex_side);
         const fluid::Particles& p = world.particles();
         double off = 0, all = 0, along = 0, squares = 0;
         for (std::size_t i = 0; i < p.count; ++i) {
@@ -188,12 +189,12 @@ Result run_taylor_green(const Request& request) {
         error.rows.push_back({time, off / all});
         l1 += frame > 0 ? off / all / frames : 0;
     }
-    const double truth = -2 * scene.fluid->kinematic_viscosity * k * k;
+    const double truth = -2 * scene.fluid->kinematic_viscosity * wave_number * wave_number;
     const double rate = rate_of(decay.rows, 1), rate_of_mode = rate_of(decay.rows, 2);  // 1/s
     result.metrics.push_back({"decay_rate_error", std::abs(rate / truth - 1), "1"});
     result.metrics.push_back({"mode_decay_rate_error", std::abs(rate_of_mode / truth - 1), "1"});
     // Beyond that of the viscosity, in units of U / L; U L / nu of the viscosity that would take as much is 8 pi^2 over it.
-    result.metrics.push_back({"numerical_decay_rate", (truth - rate) * length / speed, "1"});
+    result.metrics.push_back({"numerical_decay_rate", (truth - rate) * vortex_side / vortex_speed, "1"});
     result.metrics.push_back({"speed_l1", l1, "1"});
     result.metrics.push_back({"speed_l1_at_end", error.rows.back()[1], "1"});
     note_solver(cost, world, result);

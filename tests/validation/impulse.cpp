@@ -70,7 +70,7 @@ bool same_ids(const std::vector<Agent>& a, const std::vector<Agent>& b) {
                       [](const Agent& left, const Agent& right) { return left.id == right.id; });
 }
 
-double length(const Vector2d& v) {
+double length_of(const Vector2d& v) {
     return std::sqrt(v.squaredNorm());
 }
 
@@ -82,7 +82,7 @@ void compare_standing(const ImpulseRun& run, const ImpulseRun& reference, Result
         const StandingAgent& truth = reference.standing[k];
         load += run.standing[k].load;
         true_load += truth.load;
-        if (truth.load > 0) errors.push_back(length(run.standing[k].impulse - truth.impulse) / truth.load);
+        if (truth.load > 0) errors.push_back(length_of(run.standing[k].impulse - truth.impulse) / truth.load);
     }
     result.metrics.push_back({"impulse_median", quantile(errors, 0.5), "1"});
     result.metrics.push_back({"impulse_p95", quantile(errors, 0.95), "1"});
@@ -96,7 +96,7 @@ void compare_walking(const ImpulseRun& run, const ImpulseRun& reference, Result&
     for (std::size_t k = 0; k < run.walking.size(); ++k) {
         const WalkingAgent& agent = run.walking[k];
         const WalkingAgent& truth = reference.walking[k];
-        places.push_back(length(agent.place - truth.place));
+        places.push_back(length_of(agent.place - truth.place));
         if (agent.outcome != truth.outcome) {
             ++changed;
         } else if (agent.outcome != Outcome::active) {
@@ -174,7 +174,8 @@ void compare_impulse(const ImpulseRun& run, const ImpulseRun& reference, Result&
 
 void compare_with_uniform_stream(const ImpulseRun& run, const Vector2d& impulse, Result& result) {
     std::vector<double> errors;
-    for (const StandingAgent& agent : run.standing) errors.push_back(length(agent.impulse - impulse) / length(impulse));
+    for (const StandingAgent& agent : run.standing)
+        errors.push_back(length_of(agent.impulse - impulse) / length_of(impulse));
     result.metrics.push_back({"uniform_stream_median", quantile(errors, 0.5), "1"});
 }
 
