@@ -22,7 +22,6 @@ namespace wade::validation {
 
 namespace {
 
-constexpr double gravity = 9.81;
 constexpr double column_spacings = 2;  // length of a column, spacings: the support radius
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -75,7 +74,7 @@ Result result_of(const Water& water, const Columns& columns, const Cost& cost, c
 Result run_subcritical(const Request& request) {
     constexpr double origin = 25;  // m, as in SWASHES; also the length of the loop
     constexpr double q = 4.42;
-    const BumpFlow flow = subcritical_bump_flow(q, 2, gravity);
+    const BumpFlow flow = subcritical_bump_flow(q, 2, standard_gravity);
     double mean_depth_exact = 0;
     constexpr int points = 10000;
     for (int i = 0; i < points; ++i) {
@@ -101,7 +100,7 @@ Result run_transcritical(const Request& request) {
     constexpr double origin =
         16;  // m: the channel is 12 m of SWASHES' 25 m, s from 4 to 16 m; the rest is uniform flow
     constexpr double q = 1.53;
-    const BumpFlow flow = transcritical_bump_flow(q, gravity);
+    const BumpFlow flow = transcritical_bump_flow(q, standard_gravity);
     std::vector<std::string> sizes = channel_slice(request);
     sizes.push_back(assign("/channel/depth_m", flow.depth(0)));
     sizes.push_back(assign("/channel/velocity_m_s", q / flow.depth(0)));
@@ -112,7 +111,7 @@ Result run_transcritical(const Request& request) {
         average_columns(*water, 0.5 * scene.duration, scene.duration, column_spacings * request.spacing, cost);
     const Interval compared{scene.channel->x.lo + 1, scene.channel->x.hi - 1};
     Result result = result_of(*water, columns, cost, compared, origin, q, depth_over(flow, origin));
-    const CurvedBumpFlow curved = curved_transcritical_bump_flow(q, gravity);
+    const CurvedBumpFlow curved = curved_transcritical_bump_flow(q, standard_gravity);
     const auto curved_depth = [&](double x) { return curved.depth(origin - x); };
     result.metrics.push_back({"depth_l2_curved", depth_error(columns, compared, curved_depth), "1"});
     result.metrics.push_back({"missed_layers", water->missed_layers(), "1"});
@@ -129,8 +128,8 @@ Result run_transcritical(const Request& request) {
 double jump_place(const Columns& columns, double origin, const BumpFlow& flow) {
     const auto surplus = [&](std::size_t k) {
         const double z = bump_height(origin - columns.centre(k));
-        return columns.depth(k) - 0.5 * (supercritical_depth(flow.q, flow.energy_upstream - z, gravity) +
-                                         subcritical_depth(flow.q, flow.energy_downstream - z, gravity));
+        return columns.depth(k) - 0.5 * (supercritical_depth(flow.q, flow.energy_upstream - z, standard_gravity) +
+                                         subcritical_depth(flow.q, flow.energy_downstream - z, standard_gravity));
     };
     for (std::size_t k = columns.count(); k-- > 1;) {
         if (origin - columns.centre(k) > bump_crest && surplus(k) <= 0 && surplus(k - 1) > 0) {
@@ -147,13 +146,14 @@ Result run_with_jump(const Request& request) {
     constexpr double q = 0.18;
     constexpr double depth_downstream = 0.33;
     const Interval plateau{2, 4};  // x where the depth downstream is measured, m: s 13 to 15, the sill begins at s 15.9
-    const BumpFlow nominal = bump_flow_with_jump(q, depth_downstream, gravity);
+    const BumpFlow nominal = bump_flow_with_jump(q, depth_downstream, standard_gravity);
     std::vector<std::string> sizes = channel_slice(request);
     sizes.push_back(assign("/channel/depth_m", nominal.depth(0)));
     sizes.push_back(assign("/channel/velocity_m_s", q / nominal.depth(0)));
     sizes.push_back(assign("/obstacles/0/z_max_m", slice_width(request)));
     // A broad-crested sill carries critical flow: its height is E - 3/2 h_c.
-    sizes.push_back(assign("/obstacles/0/height_m", nominal.energy_downstream - 1.5 * critical_depth(q, gravity)));
+    sizes.push_back(
+        assign("/obstacles/0/height_m", nominal.energy_downstream - 1.5 * critical_depth(q, standard_gravity)));
     const Scene scene = scene_for(request, "validation/bump_jump.json", sizes);
     const std::unique_ptr<Water> water = make_water(scene);
     Cost cost;
@@ -166,7 +166,7 @@ Result run_with_jump(const Request& request) {
     BumpFlow flow = nominal;
     double place = nan;
     try {
-        flow = bump_flow_with_jump(measured_q, measured_depth, gravity);
+        flow = bump_flow_with_jump(measured_q, measured_depth, standard_gravity);
         place = std::abs(jump_place(columns, origin, flow) - flow.jump) / request.spacing;
     } catch (const std::invalid_argument&) {
     }

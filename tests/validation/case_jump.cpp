@@ -21,7 +21,6 @@ namespace wade::validation {
 
 namespace {
 
-constexpr double gravity = 9.81;
 constexpr double depth_1 = 0.4;  // m, of the stream; the size does not matter, only how many layers it has
 constexpr double wall = 1;       // m, x of the wall's face; the scene has the wall from 0 to there
 
@@ -32,7 +31,7 @@ struct Bore {
     double speed = 0;     // c, m/s, upstream
     explicit Bore(double froude)
         : ratio(belanger_ratio(froude)),
-          velocity(froude * std::sqrt(gravity * depth_1) * (ratio - 1) / ratio),
+          velocity(froude * std::sqrt(standard_gravity * depth_1) * (ratio - 1) / ratio),
           speed(velocity / (ratio - 1)) {}
     [[nodiscard]] double depth_2() const { return ratio * depth_1; }
 };
@@ -147,10 +146,11 @@ Result run_jump(const Request& request, double froude, double width) {
     const double u2 = sum_u2 / n / measured_h2;
     // The speed at which water of both depths conserves mass. That of the front differs while the jump grows longer.
     const double c = (u1 * h1 - u2 * measured_h2) / (measured_h2 - h1);
-    const double relative = (u1 + c) / std::sqrt(gravity * h1);
+    const double relative = (u1 + c) / std::sqrt(standard_gravity * h1);
     // In the frame of the jump, over the density: velocities with their fluctuations, pressure as if hydrostatic.
-    const double before = gravity * h1 * h1 / 2 + sum_uu1 / n + (2 * u1 + c) * c * h1;
-    const double after = gravity * measured_h2 * measured_h2 / 2 + sum_uu2 / n + (2 * u2 + c) * c * measured_h2;
+    const double before = standard_gravity * h1 * h1 / 2 + sum_uu1 / n + (2 * u1 + c) * c * h1;
+    const double after =
+        standard_gravity * measured_h2 * measured_h2 / 2 + sum_uu2 / n + (2 * u2 + c) * c * measured_h2;
     const double fluctuations = sum_uu2 / n - u2 * u2 * measured_h2;
 
     Result result;

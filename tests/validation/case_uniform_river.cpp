@@ -57,7 +57,7 @@ double slope(const std::vector<std::vector<double>>& rows, std::size_t first, st
     return (n * tv - t * v) / (n * tt - t * t);
 }
 
-double mean(const std::vector<std::vector<double>>& rows, std::size_t first, std::size_t c) {
+double column_mean(const std::vector<std::vector<double>>& rows, std::size_t first, std::size_t c) {
     double sum = 0;
     for (std::size_t i = first; i < rows.size(); ++i) {
         sum += rows[i][c];
@@ -100,8 +100,8 @@ Result run_river(const Scene& scene, double exact_velocity) {
     water->note(cost, result);
     result.metrics = {
         {"mass", std::abs(areal / channel.depth - 1), "1"},
-        {"depth", std::abs(mean(rows, window, 1) / channel.depth - 1), "1"},
-        {"speed", std::abs(mean(rows, window, 3) / exact_velocity - 1), "1"},
+        {"depth", std::abs(column_mean(rows, window, 1) / channel.depth - 1), "1"},
+        {"speed", std::abs(column_mean(rows, window, 3) / exact_velocity - 1), "1"},
         {"worst_speed", worst_speed, "1"},
         {"worst_tile", tiles.worst(exact_velocity), "1"},
         {"depth_drift", std::abs(60 * slope(rows, rows.size() / 2, 1) / channel.depth), "1/min"},

@@ -5,6 +5,8 @@
 
 namespace wade::validation {
 
+inline constexpr double standard_gravity = 9.81;  // m/s2, of scenes that do not set another
+
 Case column_case();
 Case dam_break_case();
 Case wet_bed_01_case();

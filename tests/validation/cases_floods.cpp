@@ -16,8 +16,6 @@ namespace {
 
 using fluid::shallow_water::ShallowWater;
 
-constexpr double gravity = 9.81;
-
 Scene flood(const Request& request, const std::string& name) {
     return scene_for(request, name, {assign("/fluid/shallow_water/cell_size_m", request.spacing)});
 }
@@ -88,7 +86,7 @@ Result run_merewether(const Request& request) {
         for_each_active(world, [&](std::size_t c) {
             const double h = world.water.h[c], u = std::hypot(world.primitive.u[c], world.primitive.v[c]);
             fastest = std::max(fastest, h > 0.01 ? u : 0);
-            if (h > 0.05) froude = std::max(froude, u / std::sqrt(gravity * h));
+            if (h > 0.05) froude = std::max(froude, u / std::sqrt(standard_gravity * h));
         });
         const std::vector<double> now = stages();
         curve.rows.push_back({world.time, now[0], now[1], now[2], now[3], now[4]});

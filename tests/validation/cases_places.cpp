@@ -16,8 +16,6 @@ namespace {
 
 using fluid::shallow_water::ShallowWater;
 
-constexpr double gravity = 9.81;
-
 // Calls body(x, z, cell) with the centre of each cell that is open.
 template <typename Body>
 void for_each_open(const ShallowWater& world, Body&& body) {
@@ -64,7 +62,7 @@ Balance run_until(ShallowWater& world, double time, Result& result) {
 // J. Fluid Mech. 107 (1981), 499-508, as collected by SWASHES). Depth after one period over its largest value.
 Result run_bowl(const Request& request) {
     constexpr double degrees = 17, size = 4, deep = 0.5, a = 1, lift = 0.5, wide = 1.2;
-    const double omega = std::sqrt(2 * gravity * deep) / a, period = 2 * std::numbers::pi / omega;
+    const double omega = std::sqrt(2 * standard_gravity * deep) / a, period = 2 * std::numbers::pi / omega;
     const Turn turn(size / 2, size / 2, degrees);
     Result result;
     const auto error = [&](bool trough) {
@@ -159,7 +157,7 @@ Result run_street(const Request& request) {
         curve.rows.push_back(
             {static_cast<double>(n) - 13.5, turned.depth[n], straight.depth[n], turned.speed[n], straight.speed[n]});
     }
-    result.metrics = {{"depth_l1", depth, "1"}, {"speed_l1", speed / std::sqrt(gravity), "1"}};
+    result.metrics = {{"depth_l1", depth, "1"}, {"speed_l1", speed / std::sqrt(standard_gravity), "1"}};
     result.curves = {curve};
     return result;
 }
@@ -180,14 +178,14 @@ double transcritical_share(double s) {
 
 double error_of(const LongChannel& channel, double cell, Result& result) {
     constexpr double length = 1000, width = 20, q = 2;
-    const double critical = std::cbrt(q * q / gravity);
+    const double critical = std::cbrt(q * q / standard_gravity);
     const auto depth = [&](double x) { return critical * channel.share(x / length); };
     std::vector<double> bed(static_cast<std::size_t>(length) * 10 + 1, 0);  // every 0.1 m, from the lower end
     for (std::size_t n = bed.size() - 1; n-- > 0;) {
         const double x = (static_cast<double>(n) + 0.5) * 0.1, h = depth(x);
         const double rise = (depth(x + 1e-4) - depth(x - 1e-4)) / 2e-4;
         const double slope =
-            (q * q / (gravity * h * h * h) - 1) * rise - channel.n * channel.n * q * q / std::pow(h, 10.0 / 3);
+            (q * q / (standard_gravity * h * h * h) - 1) * rise - channel.n * channel.n * q * q / std::pow(h, 10.0 / 3);
         bed[n] = bed[n + 1] - 0.1 * slope;
     }
     const auto height = [&](double x) {

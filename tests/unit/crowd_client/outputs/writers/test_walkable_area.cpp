@@ -158,7 +158,7 @@ TEST_CASE("A house that is no polygon is named") {
 
 TEST_CASE("The walkable areas of the sites are those of another library") {
     struct Site {
-        double area;  // m2, by Boost.Geometry 1.74
+        double area;  // m2, recorded before GEOS was used
         std::size_t houses;
     };
     const std::map<std::string, Site> sites{{"hamlet.json", {26818.239699999998, 12}},
