@@ -106,8 +106,14 @@ function(wade_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 endfunction()
 
-# wade_unity_by_folder(DIRECTORY): where CMAKE_UNITY_BUILD is on, up to 12 sources of a folder of a target compile as one unity
-# source, in half of the time. Names at namespace scope must differ between the sources of a folder, those of anonymous
+# wade_unity_size(TARGET COUNT): at most that many sources as one. A unity source should compile within 7 s, so that a change of
+# one line is quick.
+function(wade_unity_size target count)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE ${count})
+endfunction()
+
+# wade_unity_by_folder(DIRECTORY): where CMAKE_UNITY_BUILD is on, the sources of each folder of a target compile as unity
+# sources of up to UNITY_BUILD_BATCH_SIZE (8 by default) each, in half of the time. Names at namespace scope must differ between the sources of a folder, those of anonymous
 # namespaces too. Applies to all targets of the directory and below except those with UNITY_BUILD_BATCH_SIZE 0.
 function(wade_unity_by_folder directory)
   get_property(below DIRECTORY ${directory} PROPERTY SUBDIRECTORIES)
@@ -128,7 +134,7 @@ function(wade_unity_by_folder directory)
       cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
       string(MAKE_C_IDENTIFIER "${folder}" group)
       math(EXPR of_${target}_${group} "0${of_${target}_${group}} + 1")
-      math(EXPR part "(${of_${target}_${group}} - 1) / 12")
+      math(EXPR part "(${of_${target}_${group}} - 1) / ${batch}")
       set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${group}_${part})
     endforeach()
     list(LENGTH sources count)
