@@ -16,6 +16,7 @@ build     libcli11-dev        cli11-devel          cli11
 build     libhwy-dev          highway-devel        highway
 build     libgeos-dev         geos-devel           geos
 build     libsqlite3-dev      sqlite-devel         sqlite
+build     libwslay-dev        wslay-devel          wslay
 build     libzstd-dev         libzstd-devel        zstd
 build     libtiff-dev         libtiff-devel        libtiff
 pictures  python3-numpy       python3-numpy        numpy
