@@ -106,15 +106,16 @@ function(wade_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 endfunction()
 
-# wade_unity_size(TARGET COUNT): at most that many sources as one. A unity source should compile within 7 s, so that a change of
-# one line is quick.
+# wade_unity_size(TARGET COUNT): a unity source of the target includes at most COUNT sources. Less than 8 where a unity source
+# would compile for more than 7 s, so that a change of one line is quick.
 function(wade_unity_size target count)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE ${count})
 endfunction()
 
 # wade_unity_by_folder(DIRECTORY): where CMAKE_UNITY_BUILD is on, the sources of each folder of a target compile as unity
-# sources of up to UNITY_BUILD_BATCH_SIZE (8 by default) each, in half of the time. Names at namespace scope must differ between the sources of a folder, those of anonymous
-# namespaces too. Applies to all targets of the directory and below except those with UNITY_BUILD_BATCH_SIZE 0.
+# sources of up to UNITY_BUILD_BATCH_SIZE (8 by default) each. Names at namespace scope must differ between the sources of a
+# folder, those of anonymous namespaces too. Applies to all targets of the directory and below except those with
+# UNITY_BUILD_BATCH_SIZE 0.
 function(wade_unity_by_folder directory)
   get_property(below DIRECTORY ${directory} PROPERTY SUBDIRECTORIES)
   foreach(one IN LISTS below)
