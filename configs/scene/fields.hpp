@@ -10,6 +10,7 @@
 // writer (scene_json), the table of keys with its checks and messages (keys), the schema and the documents
 // (scene_documents). Lists of the scene's structs: fields/.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -111,8 +112,31 @@ struct Key {
     std::size_t point_size = 2;  // coordinates of one of the points
 };
 
-// The member of a key, whatever its type. Setting "none" empties what may be empty and changes nothing else.
+// The member of a key, whatever its type. Setting "none" empties what may be empty and changes nothing else. Most types have
+// their constructor in fields.cpp, as a list of fields names hundreds of members.
 struct Member {
+    Member(std::function<KeyValue()> its_get, std::function<void(const KeyValue&)> its_set)
+        : get(std::move(its_get)), set(std::move(its_set)) {}
+    Member(double& m);
+    Member(bool& m);
+    Member(int& m);
+    Member(std::uint64_t& m);
+    Member(std::string& m);
+    Member(Spread& m);
+    Member(std::vector<MapPoint>& m);
+    Member(std::vector<std::array<double, 3>>& m);
+    template <typename Choice>
+    requires std::is_enum_v<Choice> Member(Choice& m)
+        : get([&m] { return KeyValue(name_of(m)); }), set([&m](const KeyValue& v) {
+              if (const auto* word = std::get_if<std::string>(&v)) m = choice_named<Choice>(*word).value_or(m);
+          }) {}
+    template <typename T>
+    Member(std::optional<T>& m)
+        : get([&m] { return m ? Member(*m).get() : KeyValue(); }), set([&m](const KeyValue& v) {
+              m.reset();
+              if (!std::holds_alternative<std::monostate>(v)) Member(m.emplace()).set(v);
+          }) {}
+
     std::function<KeyValue()> get;
     std::function<void(const KeyValue&)> set;
 };
@@ -138,85 +162,63 @@ class Fields {
     Fields(const Fields&) = delete;
     Fields& operator=(const Fields&) = delete;
 
-    template <typename T>
-    void number(std::string_view name, T& member, std::string_view unit, Range range, std::string_view meaning,
-                Presence presence = preset) {
-        leaf({name, KeyKind::number, meaning, unit, range, {}, {}, std::move(presence)}, member_of(member));
-    }
-    template <typename T>
-    void whole(std::string_view name, T& member, std::string_view unit, Range range, std::string_view meaning,
-               Presence presence = preset) {
-        leaf({name, KeyKind::whole, meaning, unit, range, {}, {}, std::move(presence)}, member_of(member));
-    }
-    template <typename T>
-    void flag(std::string_view name, T& member, std::string_view meaning, Presence presence = preset) {
-        leaf({name, KeyKind::flag, meaning, {}, {}, {}, {}, std::move(presence)}, member_of(member));
-    }
-    template <typename T>
-    void text(std::string_view name, T& member, TextRule rule, std::string_view meaning, Presence presence = preset) {
-        leaf({name, KeyKind::text, meaning, {}, {}, rule, {}, std::move(presence)}, member_of(member));
-    }
+    void number(std::string_view name, const Member& member, std::string_view unit, const Range& range,
+                std::string_view meaning, const Presence& presence = preset);
+    void whole(std::string_view name, const Member& member, std::string_view unit, const Range& range,
+               std::string_view meaning, const Presence& presence = preset);
+    void flag(std::string_view name, const Member& member, std::string_view meaning, const Presence& presence = preset);
+    void text(std::string_view name, const Member& member, const TextRule& rule, std::string_view meaning,
+              const Presence& presence = preset);
     // The name of a file, relative to the one that it stands in.
-    void path(std::string_view name, std::optional<std::string>& member, std::string_view meaning) {
-        Key key{name, KeyKind::text, meaning, {}, {}, {.shortest = 1}, {}, otherwise("none")};
-        key.is_path = true;
-        leaf(std::move(key), member_of(member));
-    }
+    void path(std::string_view name, std::optional<std::string>& member, std::string_view meaning);
     // [[x, z], ...] or [[x, y, z], ...], as the member's points have two or three coordinates.
     template <typename Point>
-    void points(std::string_view name, std::vector<Point>& member, std::string_view unit, Range range,
+    void points(std::string_view name, std::vector<Point>& member, std::string_view unit, const Range& range,
                 std::string_view meaning) {
-        Key key{name, KeyKind::points, meaning, unit, range};
-        key.point_size = sizeof(Point) / sizeof(double);
-        leaf(std::move(key), member_of(member));
+        points_of(name, member, sizeof(Point) / sizeof(double), unit, range, meaning);
     }
     template <typename Choice>
-    void choice(std::string_view name, Choice& member, std::string_view meaning, Presence presence = preset) {
-        leaf({name, KeyKind::choice, meaning, {}, {}, {}, names_of<Choice>(), std::move(presence)}, member_of(member));
+    void choice(std::string_view name, Choice& member, std::string_view meaning, const Presence& presence = preset) {
+        choice_of(name, member, names_of<Choice>(), meaning, presence);
     }
     template <typename Choice>
     void choice(std::string_view name, std::optional<Choice>& member, std::string_view meaning,
-                Presence presence = preset) {
-        leaf({name, KeyKind::choice, meaning, {}, {}, {}, names_of<Choice>(), std::move(presence)}, member_of(member));
+                const Presence& presence = preset) {
+        choice_of(name, member, names_of<Choice>(), meaning, presence);
     }
     // A number, or {"min": ..., "max": ...}, with "mean" and "sd" if its values are to be normal.
-    template <typename T>
-    void spread(std::string_view name, T& member, std::string_view unit, Range range, std::string_view meaning,
-                Presence presence = preset) {
-        leaf({name, KeyKind::spread, meaning, unit, range, {}, {}, std::move(presence)}, member_of(member));
-    }
+    void spread(std::string_view name, const Member& member, std::string_view unit, const Range& range,
+                std::string_view meaning, const Presence& presence = preset);
 
     // An object whose keys are those of the member's struct, or those that `inside` declares.
     template <typename T>
-    void object(std::string_view name, T&& member, std::string_view meaning, Presence presence = preset) {
+    void object(std::string_view name, T&& member, std::string_view meaning, const Presence& presence = preset) {
         if constexpr (std::is_invocable_v<T>) {
-            branch({name, KeyKind::object, meaning, {}, {}, {}, {}, std::move(presence)}, member);
+            object_of(name, meaning, presence, member);
         } else {
-            branch({name, KeyKind::object, meaning, {}, {}, {}, {}, std::move(presence)},
-                   [&] { fields(member, *this); });
+            object_of(name, meaning, presence, [&] { fields(member, *this); });
         }
     }
     // An object that a scene has or has not.
     template <typename T>
     void object_or_none(std::string_view name, std::optional<T>& member, std::string_view meaning) {
-        const Key key{name, KeyKind::object, meaning, {}, {}, {}, {}, otherwise("none")};
-        branch(key, OptionalMember{[&] { return member.has_value(); }, [&] { member.emplace(); },
-                                   [&] { fields(*member, *this); },
-                                   [&] {
-                                       T fresh{};
-                                       fields(fresh, *this);
-                                   }});
+        optional_object(name, meaning,
+                        {[&] { return member.has_value(); }, [&] { member.emplace(); }, [&] { fields(*member, *this); },
+                         [&] {
+                             T fresh{};
+                             fields(fresh, *this);
+                         }});
     }
     // A list of such objects; `inside` declares the keys of one.
     template <typename T, typename Inside>
     void list(std::string_view name, std::vector<T>& members, std::string_view meaning, const Inside& inside) {
-        items({name, KeyKind::list, meaning},
-              {[&] { return members.size(); }, [&](std::size_t n) { members.resize(n); },
-               [&](std::size_t i) { inside(members[i], *this); },
-               [&] {
-                   T element{};
-                   inside(element, *this);
-               }});
+        list_of(name, meaning,
+                {[&] { return members.size(); }, [&](std::size_t n) { members.resize(n); },
+                 [&](std::size_t i) { inside(members[i], *this); },
+                 [&] {
+                     T element{};
+                     inside(element, *this);
+                 }});
     }
     template <typename T>
     void list(std::string_view name, std::vector<T>& members, std::string_view meaning) {
@@ -231,11 +233,7 @@ class Fields {
         storage_ = before;
     }
     // A text for those who read the file.
-    void of_file(std::string_view name, TextRule rule, std::string_view meaning) {
-        Key key{name, KeyKind::text, meaning, {}, {}, rule, {}, otherwise("")};
-        key.storage = Storage::file;
-        leaf(std::move(key), {[] { return KeyValue(); }, [](const KeyValue&) {}});
-    }
+    void of_file(std::string_view name, const TextRule& rule, std::string_view meaning);
 
     // What is to be done once the keys declared so far in this object were read; a sentence if that cannot be.
     virtual void once_read(const std::function<std::optional<std::string>()>&) {}
@@ -247,77 +245,19 @@ class Fields {
     virtual void visit_list(const Key& key, const ListMember& member) = 0;
 
  private:
+    void points_of(std::string_view name, const Member& member, std::size_t point_size, std::string_view unit,
+                   const Range& range, std::string_view meaning);
+    void choice_of(std::string_view name, const Member& member, std::vector<std::string> names,
+                   std::string_view meaning, const Presence& presence);
+    void object_of(std::string_view name, std::string_view meaning, const Presence& presence,
+                   const std::function<void()>& inside);
+    void optional_object(std::string_view name, std::string_view meaning, const OptionalMember& member);
+    void list_of(std::string_view name, std::string_view meaning, const ListMember& member);
+
     void leaf(Key key, const Member& member);
     void branch(const Key& key, const std::function<void()>& inside);
     void branch(const Key& key, const OptionalMember& member);
     void items(const Key& key, const ListMember& member);
-
-    static Member member_of(double& m) {
-        return {[&m] { return KeyValue(m); }, [&m](const KeyValue& v) { take<double>(v, m); }};
-    }
-    static Member member_of(bool& m) {
-        return {[&m] { return KeyValue(m); }, [&m](const KeyValue& v) { take<bool>(v, m); }};
-    }
-    static Member member_of(std::string& m) {
-        return {[&m] { return KeyValue(m); }, [&m](const KeyValue& v) { take<std::string>(v, m); }};
-    }
-    static Member member_of(Spread& m) {
-        return {[&m] { return KeyValue(m); }, [&m](const KeyValue& v) { take<Spread>(v, m); }};
-    }
-    static Member member_of(std::vector<MapPoint>& m) {
-        return {[&m] {
-                    PointList list{2, {}};
-                    for (const MapPoint& p : m) list.numbers.insert(list.numbers.end(), {p.x, p.z});
-                    return KeyValue(std::move(list));
-                },
-                [&m](const KeyValue& v) {
-                    const auto* list = std::get_if<PointList>(&v);
-                    if (!list) return;
-                    m.clear();
-                    for (std::size_t i = 0; i + 1 < list->numbers.size(); i += 2)
-                        m.push_back({list->numbers[i], list->numbers[i + 1]});
-                }};
-    }
-    static Member member_of(std::vector<std::array<double, 3>>& m) {
-        return {[&m] {
-                    PointList list{3, {}};
-                    for (const auto& p : m) list.numbers.insert(list.numbers.end(), p.begin(), p.end());
-                    return KeyValue(std::move(list));
-                },
-                [&m](const KeyValue& v) {
-                    const auto* list = std::get_if<PointList>(&v);
-                    if (!list) return;
-                    m.clear();
-                    for (std::size_t i = 0; i + 2 < list->numbers.size(); i += 3)
-                        m.push_back({list->numbers[i], list->numbers[i + 1], list->numbers[i + 2]});
-                }};
-    }
-    template <typename T>
-    requires std::is_integral_v<T>
-    static Member member_of(T& m) {
-        return {[&m] { return KeyValue(static_cast<std::int64_t>(m)); },
-                [&m](const KeyValue& v) { take<std::int64_t>(v, m); }};
-    }
-    template <typename T>
-    requires std::is_enum_v<T>
-    static Member member_of(T& m) {
-        return {[&m] { return KeyValue(name_of(m)); },
-                [&m](const KeyValue& v) {
-                    if (const auto* word = std::get_if<std::string>(&v)) m = choice_named<T>(*word).value_or(m);
-                }};
-    }
-    template <typename T>
-    static Member member_of(std::optional<T>& m) {
-        return {[&m] { return m ? member_of(*m).get() : KeyValue(); },
-                [&m](const KeyValue& v) {
-                    m.reset();
-                    if (!std::holds_alternative<std::monostate>(v)) member_of(m.emplace()).set(v);
-                }};
-    }
-    template <typename Held, typename T>
-    static void take(const KeyValue& value, T& member) {
-        if (const auto* held = std::get_if<Held>(&value)) member = static_cast<T>(*held);
-    }
 
     std::string skipped_;
     std::string place_;  // pattern of the object that is visited
