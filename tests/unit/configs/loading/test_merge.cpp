@@ -1,8 +1,10 @@
 // extends and --set.
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/channel.hpp"
 #include "configs/scene/coupling.hpp"
 #include "configs/scene/crowd.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/world.hpp"
 #include "scene_texts.hpp"
 

@@ -48,6 +48,7 @@ const std::string ground = R"({"epsg": 32756, "ground": {"file": "ground.asc"})"
 
 }  // namespace wade::place_test
 
+using wade::Json;
 using namespace wade::place_test;
 using Catch::Matchers::Contains;
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/scene/crowd.hpp"
 #include "crowd_client/session/crowd_list.hpp"
 
 using namespace wade;
