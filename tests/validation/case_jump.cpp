@@ -22,7 +22,7 @@ namespace wade::validation {
 namespace {
 
 constexpr double depth_1 = 0.4;  // m, of the stream; the size does not matter, only how many layers it has
-constexpr double wall = 1;       // m, x of the wall's face; the scene has the wall from 0 to there
+constexpr double wall_face = 1;  // m, x of the wall's face; the scene has the wall from 0 to there
 
 // What the Froude number of the jump, relative to it, means in the frame of the channel: water at rest behind the jump.
 struct Bore {
@@ -87,7 +87,7 @@ Result run_jump(const Request& request, double froude, double width) {
     const double h2 = bore.depth_2();
     // Jumps run ahead of their calculated place and throw water ahead of them, the more the faster they are: room for that
     // keeps the stream that is read away from the emitter.
-    const double length = wall + (travel + 0.5 * jump_length + 1 + froude) * h2;
+    const double length = wall_face + (travel + 0.5 * jump_length + 1 + froude) * h2;
     std::vector<std::string> sizes = channel_slice(request);
     sizes.push_back(assign("/world/width_m", width));
     sizes.push_back(assign("/channel/z_max_m", width));
@@ -123,7 +123,7 @@ Result run_jump(const Request& request, double froude, double width) {
         time.push_back(frame / scene.frame_rate);
         place.push_back(front);
         const Interval ahead{front + 0.5 * jump_length * h2, front + (0.5 * jump_length + 1) * h2};
-        const Interval behind{wall + h2, front - jump_length * h2};
+        const Interval behind{wall_face + h2, front - jump_length * h2};
         sum_h1 += mean_depth(now, ahead);
         sum_u1 += mean_discharge(now, ahead);
         sum_h2 += mean_depth(now, behind);
@@ -133,7 +133,7 @@ Result run_jump(const Request& request, double froude, double width) {
         moving.samples += 1;
         for (std::size_t k = 0; k < moving.count(); ++k) {
             const double x = (front + moving.centre(k) - now.x.lo) / now.length();
-            if (x >= 0 && x < static_cast<double>(now.count()) && front + moving.centre(k) > wall) {
+            if (x >= 0 && x < static_cast<double>(now.count()) && front + moving.centre(k) > wall_face) {
                 moving.volume[k] += now.volume[static_cast<std::size_t>(x)];
                 ++seen[k];
             }

@@ -22,7 +22,7 @@ constexpr double end_time = 3;            // s
 constexpr double sampling = 0.02;         // s, between the samples of the experiment
 
 // Distances from the wall behind the box, m; all in the middle plane of the tank.
-constexpr std::array<double, 4> gauges{0.496, 0.992, 1.488, 2.638};
+constexpr std::array<double, 4> gauges_x{0.496, 0.992, 1.488, 2.638};
 constexpr double middle = 0.5;
 // P1 and P3, on the face of the box that the water strikes.
 constexpr std::array<std::array<double, 3>, 2> sensors{{{0.8245, 0.021, middle}, {0.8245, 0.101, middle}}};
@@ -39,8 +39,8 @@ Readings run_tank(fluid::FluidWorld& world, Cost& cost) {
     Readings readings;
     const auto read_heights = [&](double t) {
         readings.time.push_back(t);
-        for (std::size_t k = 0; k < gauges.size(); ++k) {
-            readings.height[k].push_back(wet_length(world.particles(), gauges[k], middle, d));
+        for (std::size_t k = 0; k < gauges_x.size(); ++k) {
+            readings.height[k].push_back(wet_length(world.particles(), gauges_x[k], middle, d));
         }
     };
     // Two half intervals a sample: the pressure at t is the mean from t - 10 ms to t + 10 ms.
@@ -103,7 +103,7 @@ void compare(const Readings& readings, const Spheric2Reference& truth, Result& r
         const double arrival = arrival_time(readings.time, readings.height[k]);
         metrics.push_back({"arrival_h" + std::to_string(k + 1), std::abs(arrival - truth.arrival[k]), "s"});
     }
-    for (std::size_t k = 0; k < gauges.size(); ++k) {
+    for (std::size_t k = 0; k < gauges_x.size(); ++k) {
         const double rms = rms_difference(readings.height[k], truth.time, truth.height[k]);
         metrics.push_back({"height_rms_h" + std::to_string(k + 1), rms / reservoir_depth, "1"});
     }
@@ -149,7 +149,7 @@ Result run_spheric2(const Request& request) {
     note_cost(cost, world, result);
     compare(readings, truth, result);
     result.metrics.push_back({"max_density_error", cost.max_density_error, "1"});
-    for (std::size_t k = 0; k < gauges.size(); ++k) {
+    for (std::size_t k = 0; k < gauges_x.size(); ++k) {
         const std::string name = "height_h" + std::to_string(k + 1);
         result.curves.push_back(curve_of(name, "height_m", readings, readings.height[k], truth, truth.height[k]));
     }

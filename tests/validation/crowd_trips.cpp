@@ -29,7 +29,7 @@ double depth_in_walls(const crowd::CrowdWorld& crowd, const crowd::Vector2d& p, 
     return depth;
 }
 
-double beyond(const Gate& line, const crowd::Vector2d& p) {
+double distance_beyond(const Gate& line, const crowd::Vector2d& p) {
     return line.forward.dot(p - line.a);
 }
 
@@ -91,9 +91,9 @@ Trip walk_past(crowd::CrowdWorld& crowd, const std::vector<Gate>& lines, Result&
         for (std::size_t id = 0; id < people; ++id) {
             if (!std::isnan(trip.passed_at[id])) continue;
             const Gate& line = lines[std::min<std::size_t>(crowd.agents.group[id], lines.size() - 1)];
-            const double now = beyond(line, crowd.agents.position[id]);
+            const double now = distance_beyond(line, crowd.agents.position[id]);
             if (now < 0) continue;
-            const double then = std::min(beyond(line, before[id]), 0.0);
+            const double then = std::min(distance_beyond(line, before[id]), 0.0);
             trip.passed_at[id] = trip.end - (now > then ? now / (now - then) : 0) * crowd.dt;
             --waiting;
         }

@@ -21,7 +21,7 @@ constexpr double first_point_x = 0.37, first_point_z = 0.61;
 // A column no nearer to a wall than this, in spacings, is filled. With less, rows of a lattice along a wall would begin so near to
 // their own images that relaxing them fails; with half a spacing an oblique wall would cost an eighth of the water of a narrow
 // tank, which the other columns then hold.
-constexpr double clearance = 0.2;
+constexpr double wall_clearance = 0.2;
 
 // Depth that the water at t = 0 would have if there were no walls, m; 0 where there is none.
 double depth_without_walls(const Scene& scene, const PlaceSolids& solids, const MapPoint& p) {
@@ -68,7 +68,7 @@ double volume_of(const Scene& scene, const PlaceSolids& solids, Tile tile, const
     const auto at = [&](double a, double b) {
         return depth_at(scene, solids, tile, {middle.x + a * d, middle.z + b * d});
     };
-    const bool is_cut = tile == Tile::walls && !is_clear(solids, middle, (0.5 * std::sqrt(2.0) + clearance) * d);
+    const bool is_cut = tile == Tile::walls && !is_clear(solids, middle, (0.5 * std::sqrt(2.0) + wall_clearance) * d);
     const auto [least, most] = std::minmax({at(-0.5, -0.5), at(0.5, -0.5), at(-0.5, 0.5), at(0.5, 0.5), at(0, 0)});
     if (!is_cut && (least > 0) == (most > 0)) return d * d * at(0, 0);
     double sum = 0;
@@ -109,7 +109,7 @@ Columns columns_of(const Scene& scene, const PlaceSolids& solids) {
             const MapPoint middle{x.lo + (i + 0.5) * d, z.lo + (k + 0.5) * d};
             columns.water += volume_of(scene, solids, tile, middle);
             if (middle.x >= x.hi || middle.z >= z.hi) continue;
-            if (tile == Tile::walls && !is_clear(solids, middle, clearance * d)) continue;
+            if (tile == Tile::walls && !is_clear(solids, middle, wall_clearance * d)) continue;
             const double depth = depth_at(scene, solids, tile, middle);
             if (depth <= 0) continue;
             columns.filled.push_back({middle, depth});

@@ -79,12 +79,12 @@ CoverMask joined_to_first(const CoverMask& open) {
 unsigned points_on(const CoverMask& mask, std::size_t side) {
     if (side == z_lower) return mask.front();
     if (side == z_upper) return mask.back();
-    unsigned points = 0;
+    unsigned bits = 0;
     for (std::size_t s = 0; s < cover_lines; ++s) {
         const unsigned bit = side == x_lower ? mask[s] & 1U : unsigned{mask[s]} >> (cover_lines - 1);
-        points |= bit << s;
+        bits |= bit << s;
     }
-    return points;
+    return bits;
 }
 
 CoverMask largest_part(const CoverMask& open) {

@@ -16,7 +16,7 @@ using wade::crowd::testing::one_agent_scene;
 
 namespace {
 
-constexpr double mass = 65;
+constexpr double body_mass = 65;
 const Vector2d walking(0.2, 1.25);
 
 Contact contact_of(double its_mass, const Vector2d& velocity) {
@@ -35,7 +35,7 @@ Vector2d place_after_4_s(double rate) {
     Vector2d x = Vector2d::Zero(), v = Vector2d::Zero();
     const int steps = static_cast<int>(std::lround(4 * rate));
     for (int k = 1; k <= steps; ++k) {
-        const RelaxedVelocity step = relaxed_velocity(mass, v, walking, 0.8, fluctuating(k / rate), 1 / rate);
+        const RelaxedVelocity step = relaxed_velocity(body_mass, v, walking, 0.8, fluctuating(k / rate), 1 / rate);
         v = step.at_end;
         x += step.mean / rate;
     }
@@ -48,11 +48,12 @@ TEST_CASE("In constant water the steady state is that of Eq. 9 at any rate", "[e
     for (const double tau : {0.0, 0.2, 1.0}) {
         for (const double contact : {0.0, 100.0, 196.0, 1767.0}) {
             const Contact water = contact_of(contact, {-2.5, 0.3});
-            const Vector2d expected = coupled_velocity(mass, walking, tau, water);
+            const Vector2d expected = coupled_velocity(body_mass, walking, tau, water);
             for (const double rate : {1.0, 15.0, 30.0, 60.0, 120.0, 1000.0}) {
                 Vector2d v(3, -3);
                 // Two seconds are 60 T: what is left of the start is below 1e-25 of it.
-                for (int k = 0; k < 2 * rate; ++k) v = relaxed_velocity(mass, v, walking, tau, water, 1 / rate).at_end;
+                for (int k = 0; k < 2 * rate; ++k)
+                    v = relaxed_velocity(body_mass, v, walking, tau, water, 1 / rate).at_end;
                 CHECK(v.x() == Approx(expected.x()).margin(1e-12));
                 CHECK(v.y() == Approx(expected.y()).margin(1e-12));
             }
@@ -62,12 +63,12 @@ TEST_CASE("In constant water the steady state is that of Eq. 9 at any rate", "[e
 
 TEST_CASE("In constant water velocity and path after a jump are the same for steps of any length", "[eq9]") {
     const Contact water = contact_of(150, {-1.5, 0});
-    const RelaxedVelocity once = relaxed_velocity(mass, {1, 1}, walking, 0.3, water, 1.0 / 15);
+    const RelaxedVelocity once = relaxed_velocity(body_mass, {1, 1}, walking, 0.3, water, 1.0 / 15);
     for (const int steps : {2, 4, 8, 1000}) {
         const double dt = 1.0 / 15 / steps;
         Vector2d v(1, 1), way = Vector2d::Zero();
         for (int k = 0; k < steps; ++k) {
-            const RelaxedVelocity step = relaxed_velocity(mass, v, walking, 0.3, water, dt);
+            const RelaxedVelocity step = relaxed_velocity(body_mass, v, walking, 0.3, water, dt);
             v = step.at_end;
             way += step.mean * dt;
         }
@@ -78,8 +79,8 @@ TEST_CASE("In constant water velocity and path after a jump are the same for ste
 
 TEST_CASE("From rest the velocity tends to v_inf with a time of 1/30 s, and ends 1/30 s behind it", "[eq9]") {
     const Contact water = contact_of(150, {-1.5, 0});
-    const Vector2d steady = coupled_velocity(mass, walking, 0.3, water);
-    const auto from_rest = [&](double dt) { return relaxed_velocity(mass, {0, 0}, walking, 0.3, water, dt); };
+    const Vector2d steady = coupled_velocity(body_mass, walking, 0.3, water);
+    const auto from_rest = [&](double dt) { return relaxed_velocity(body_mass, {0, 0}, walking, 0.3, water, dt); };
     // 1 - 1/e, 1 - e^-0.25 and 1 - e^-2.
     for (const auto& [dt, share] : {std::pair{1.0 / 30, 0.6321205588285577}, std::pair{1.0 / 120, 0.2211992169285951},
                                     std::pair{1.0 / 15, 0.8646647167633873}}) {
@@ -96,10 +97,10 @@ TEST_CASE("In water that fluctuates the mean velocity is that of Eq. 9 for steps
         const int steps = static_cast<int>(1000 * rate);
         for (int k = 1; k <= steps; ++k) {
             const Contact water = fluctuating(k / rate);
-            const RelaxedVelocity step = relaxed_velocity(mass, v, walking, 0.8, water, 1 / rate);
+            const RelaxedVelocity step = relaxed_velocity(body_mass, v, walking, 0.8, water, 1 / rate);
             v = step.at_end;
             mean += step.mean / steps;
-            expected += coupled_velocity(mass, walking, 0.8, water) / steps;
+            expected += coupled_velocity(body_mass, walking, 0.8, water) / steps;
         }
         CHECK((mean - expected).norm() < 2e-4);
     }
@@ -110,7 +111,7 @@ TEST_CASE("Without water or with tau 0 the velocity tends to that of walking, wi
         Vector2d v = Vector2d::Zero();
         for (int k = 0; k < 20; ++k) {
             const Vector2d next =
-                relaxed_velocity(mass, v, walking, tau, contact_of(contact, {-9, 0}), 1.0 / 30).at_end;
+                relaxed_velocity(body_mass, v, walking, tau, contact_of(contact, {-9, 0}), 1.0 / 30).at_end;
             CHECK(next.y() > v.y());
             CHECK(next.y() <= walking.y());
             v = next;
@@ -143,7 +144,7 @@ TEST_CASE("A crowd with the rule takes its velocity from the one before, from it
             const Vector2d before = crowd.agents.momentary[0];
             step(crowd, water.view());
             const RelaxedVelocity expected =
-                relaxed_velocity(mass, before, crowd.walking[0], 0.4, crowd.contacts[0], 1 / rate);
+                relaxed_velocity(body_mass, before, crowd.walking[0], 0.4, crowd.contacts[0], 1 / rate);
             REQUIRE(crowd.agents.momentary[0] == expected.at_end);
             // Up to the rounding of places of 50 m, from which the velocity is read.
             REQUIRE((crowd.agents.velocity[0] - expected.mean).norm() < 1e-11);

@@ -31,8 +31,8 @@ void await_first_consumer(const Session& session) {
     while (__atomic_load_n(&entry.state, __ATOMIC_ACQUIRE) != consumer_joined) std::this_thread::yield();
 }
 
-struct Pair {
-    explicit Pair(std::uint32_t stride = 1)
+struct ReaderPair {
+    explicit ReaderPair(std::uint32_t stride = 1)
         : publisher(session.name(), test_info(1, 2), patient()), reader(session.name(), "viewer", joining(), stride) {}
     std::uint64_t polled() {
         const auto frame = reader.poll();
@@ -78,7 +78,7 @@ void read_freely(std::uint32_t slots, bool hashed, std::uint64_t frames) {
 }  // namespace
 
 TEST_CASE("a producer never waits for a free-running reader, which gets the newest frame") {
-    Pair pair;
+    ReaderPair pair;
     CHECK_FALSE(pair.reader.poll());
     publish(pair.publisher, 100);  // would wait for ever if it waited
     CHECK(pair.polled() == 100);
@@ -87,7 +87,7 @@ TEST_CASE("a producer never waits for a free-running reader, which gets the newe
 }
 
 TEST_CASE("frames missed between two that were taken are counted, those before the first are not") {
-    Pair pair;
+    ReaderPair pair;
     Bytes bytes(pair.session.path());
     const auto& entry = bytes.as<ConsumerEntry>(consumers_offset);
     CHECK(entry.mode == mode_latest);
@@ -105,7 +105,7 @@ TEST_CASE("frames missed between two that were taken are counted, those before t
 }
 
 TEST_CASE("with a stride of n at most every n-th frame is taken, and what the stride leaves out is not missed") {
-    Pair pair(4);
+    ReaderPair pair(4);
     CHECK(Bytes(pair.session.path()).as<ConsumerEntry>(consumers_offset).stride == 4);
     publish(pair.publisher, 1);
     CHECK(pair.polled() == 1);
@@ -121,7 +121,7 @@ TEST_CASE("with a stride of n at most every n-th frame is taken, and what the st
 }
 
 TEST_CASE("a frame that was taken is a copy, which the producer cannot change any more") {
-    Pair pair;
+    ReaderPair pair;
     publish(pair.publisher, 3);
     const auto frame = pair.reader.next();
     REQUIRE(frame);
@@ -131,7 +131,7 @@ TEST_CASE("a frame that was taken is a copy, which the producer cannot change an
 }
 
 TEST_CASE("the last frame is taken, then the stream is over") {
-    Pair pair;
+    ReaderPair pair;
     publish(pair.publisher, 2);
     publish_next(pair.publisher, true);
     pair.publisher.close();
@@ -145,7 +145,7 @@ TEST_CASE("the last frame is taken, then the stream is over") {
 }
 
 TEST_CASE("a reader waits for a newer frame and is woken by it") {
-    Pair pair;
+    ReaderPair pair;
     std::uint64_t seen = 0;
     std::thread reading([&] {
         if (const auto frame = pair.reader.next()) seen = frame->frame;
@@ -156,7 +156,7 @@ TEST_CASE("a reader waits for a newer frame and is woken by it") {
 }
 
 TEST_CASE("a producer that gives up is reported after the newest frame, with its reason") {
-    Pair pair;
+    ReaderPair pair;
     publish(pair.publisher, 4);
     pair.publisher.abort(9, "the solver diverged");
     CHECK(pair.polled() == 4);
@@ -282,7 +282,7 @@ TEST_CASE(
 
 TEST_CASE("a newest frame that lies is refused by a free-running reader") {
     const auto refusal = [](auto&& change, bool sealed = true) {
-        Pair pair;
+        ReaderPair pair;
         const auto fields = pair.publisher.begin_frame();
         fill(*fields, test_count(1));
         pair.publisher.end_frame(test_count(1));

@@ -11,13 +11,13 @@ namespace wade::refused_place_test {
 using test::TemporaryFolder;
 
 // 20 m x 10 m of 2 m cells; `centre` is the height of the cell at x 9 m, z 5 m, `corner` that of the last one.
-std::string grid(const std::string& centre = "10", const std::string& corner = "10") {
+std::string ground_raster(const std::string& centre = "10", const std::string& corner = "10") {
     std::string text = "ncols 10\nnrows 5\nxllcorner 500100\nyllcorner 6000200\ncellsize 2\n";
     for (int k = 0; k < 50; ++k) text += (k == 24 ? centre : k == 49 ? corner : "10") + " ";
     return text;
 }
 
-std::string load_or_refusal(const std::string& more, const std::string& raster = grid(),
+std::string load_or_refusal(const std::string& more, const std::string& raster = ground_raster(),
                             const std::string& beside = "") {
     const TemporaryFolder folder;
     folder.write("ground.asc", raster);
@@ -44,17 +44,18 @@ using namespace wade::refused_place_test;
 using Catch::Matchers::Contains;
 
 TEST_CASE("holes inside the ground are counted; those that reach its edge are the outside") {
-    CHECK_THAT(load_or_refusal("", grid("-9999")),
+    CHECK_THAT(load_or_refusal("", ground_raster("-9999")),
                Contains("/place/ground/file: ") && Contains("ground.asc: 1 cells inside have no height") &&
                    Contains("x 9 m, z 5 m") && Contains("wade place import --fill"));
-    CHECK(load_or_refusal("", grid("10", "-9999")).empty());
-    CHECK_THAT(load_or_refusal("", grid("-32768")),
+    CHECK(load_or_refusal("", ground_raster("10", "-9999")).empty());
+    CHECK_THAT(load_or_refusal("", ground_raster("-32768")),
                Contains("row 3 from the top, column 5 is -32768 m") && Contains("gdal_translate -a_nodata -32768"));
-    CHECK(load_or_refusal("", grid("-9999"), R"(, "world": {"length_m": 8})").empty());  // it lies beyond
+    CHECK(load_or_refusal("", ground_raster("-9999"), R"(, "world": {"length_m": 8})").empty());  // it lies beyond
 }
 
 TEST_CASE("a world beyond its ground is refused") {
-    CHECK_THAT(load_or_refusal("", grid(), R"(, "world": {"length_m": 30})"), Contains("it covers x 0 to 20 m"));
+    CHECK_THAT(load_or_refusal("", ground_raster(), R"(, "world": {"length_m": 30})"),
+               Contains("it covers x 0 to 20 m"));
     CHECK_THAT(load_or_refusal(R"("origin_easting_m": 500000)"), Contains("it covers x 100 to 120 m"));
 }
 
@@ -97,12 +98,12 @@ TEST_CASE("people who start in a wall or without ground are refused, and so are 
         return R"(, "crowd": {"groups": [{"name": "a", "start": {"x_m": )" + std::to_string(x) + R"(, "z_m": )" +
                std::to_string(z) + R"(}, "goal": {"x_m": 18, "z_m": 2}}]})";
     };
-    CHECK_THAT(load_or_refusal(hut, grid(), people(3, 3)),
+    CHECK_THAT(load_or_refusal(hut, ground_raster(), people(3, 3)),
                Contains("/crowd/groups/0/start: agent 0 at x 3 m, z 3 m starts in the house /place/houses/0"));
-    CHECK(load_or_refusal(hut, grid(), people(9, 9)).empty());
-    CHECK_THAT(load_or_refusal(hut, grid("10", "-9999"), people(19.5, 0.5)),
+    CHECK(load_or_refusal(hut, ground_raster(), people(9, 9)).empty());
+    CHECK_THAT(load_or_refusal(hut, ground_raster("10", "-9999"), people(19.5, 0.5)),
                Contains("where the ground has no height"));
-    CHECK_THAT(load_or_refusal("", grid(), R"(, "fluid": {"model": "kinematic"})"),
+    CHECK_THAT(load_or_refusal("", ground_raster(), R"(, "fluid": {"model": "kinematic"})"),
                Contains("/fluid/model: \"kinematic\" knows no ground but a channel's bed; allowed beside /place: "
                         "\"shallow_water\", \"dfsph\""));
 }
@@ -137,18 +138,18 @@ TEST_CASE("gaps between houses that are too narrow for particles are told with t
 TEST_CASE("particles on a place are refused rain, stages, gaps in the ground, and more water than there is room") {
     const std::string particles = R"(, "fluid": {"model": "dfsph", "particle_spacing_m": 0.5})";
     const std::string lake = R"("water": [{"level_m": 12}])";
-    CHECK(load_or_refusal(lake, grid(), particles).empty());
-    CHECK_THAT(load_or_refusal(R"("rain": {"rate_mm_h": 20})", grid(), particles),
+    CHECK(load_or_refusal(lake, ground_raster(), particles).empty());
+    CHECK_THAT(load_or_refusal(R"("rain": {"rate_mm_h": 20})", ground_raster(), particles),
                Contains("/place/rain: particles are too large for drops"));
-    CHECK_THAT(load_or_refusal(R"("outlets": [{"line": [[0, 3], [0, 5]], "kind": "stage", "level_m": 11}])", grid(),
-                               particles),
+    CHECK_THAT(load_or_refusal(R"("outlets": [{"line": [[0, 3], [0, 5]], "kind": "stage", "level_m": 11}])",
+                               ground_raster(), particles),
                Contains("/place/outlets/0/kind: \"stage\": particles only leave"));
-    CHECK_THAT(load_or_refusal(lake, grid("10", "-9999"), particles),
+    CHECK_THAT(load_or_refusal(lake, ground_raster("10", "-9999"), particles),
                Contains("/place/ground/file") && Contains("particles need ground all over"));
-    CHECK_THAT(load_or_refusal(lake, grid(), R"(, "fluid": {"model": "dfsph", "publish": "near_agents"},
+    CHECK_THAT(load_or_refusal(lake, ground_raster(), R"(, "fluid": {"model": "dfsph", "publish": "near_agents"},
                                                "coupling": {"agents_stream": "parallel"})"),
                Contains("/fluid/publish: \"near_agents\" is for columns of water"));
-    CHECK_THAT(load_or_refusal(lake, grid(), R"(, "fluid": {"model": "dfsph", "max_particles": 100})"),
+    CHECK_THAT(load_or_refusal(lake, ground_raster(), R"(, "fluid": {"model": "dfsph", "max_particles": 100})"),
                Contains("/fluid/max_particles: 100 particles are too few"));
 }
 
@@ -160,20 +161,21 @@ TEST_CASE("people of a place without houses, shelters or a group are refused wit
     const std::string shelter = R"(, "shelters": [{"polygon": [[12, 2], [14, 2], [14, 4]]}])";
     const std::string lived_in =
         R"("houses": [{"name": "hut", "polygon": [[2, 2], [8, 2], [8, 8], [2, 8]], "residents": 3}])";
-    CHECK(load_or_refusal(lived_in + shelter, grid(), crowd(in_houses)).empty());
-    CHECK_THAT(load_or_refusal(lived_in, grid(), crowd(in_houses)),
+    CHECK(load_or_refusal(lived_in + shelter, ground_raster(), crowd(in_houses)).empty());
+    CHECK_THAT(load_or_refusal(lived_in, ground_raster(), crowd(in_houses)),
                Contains("/crowd/groups/0/goal/to: \"shelters\": the place has none"));
-    CHECK_THAT(load_or_refusal(hut + shelter, grid(), crowd(in_houses)),
+    CHECK_THAT(load_or_refusal(hut + shelter, ground_raster(), crowd(in_houses)),
                Contains("/crowd/groups/0/start/from: nobody lives in houses of group \"a\""));
     CHECK(load_or_refusal(lived_in + shelter).empty());  // a place without people
-    CHECK_THAT(load_or_refusal(lived_in + shelter, grid(),
+    CHECK_THAT(load_or_refusal(lived_in + shelter, ground_raster(),
                                crowd(R"("start": {"x_m": 1, "z_m": 1}, "goal": {"to": "shelters"})")),
                Contains("the place has residents, and no group starts in houses"));
-    CHECK_THAT(load_or_refusal(hut, grid(), crowd(R"("start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 4, "z_m": 4})")),
-               Contains("/crowd/groups/0/goal: the goal of group \"a\"") && Contains("is in the house"));
-    CHECK_THAT(load_or_refusal(hut, grid(), crowd(R"("start": {"x_m": 1}, "goal": {"x_m": 1, "z_m": 1})")),
+    CHECK_THAT(
+        load_or_refusal(hut, ground_raster(), crowd(R"("start": {"x_m": 1, "z_m": 1}, "goal": {"x_m": 4, "z_m": 4})")),
+        Contains("/crowd/groups/0/goal: the goal of group \"a\"") && Contains("is in the house"));
+    CHECK_THAT(load_or_refusal(hut, ground_raster(), crowd(R"("start": {"x_m": 1}, "goal": {"x_m": 1, "z_m": 1})")),
                Contains("/crowd/groups/0/start: the required key \"z_m\" is missing"));
-    CHECK_THAT(load_or_refusal(lived_in + shelter, grid(),
+    CHECK_THAT(load_or_refusal(lived_in + shelter, ground_raster(),
                                crowd(in_houses + R"(, "leaves": {"rule": "table", "table": [{"time_s": 5, "share": 0.5},
                                                                                     {"time_s": 4, "share": 0.6}]})")),
                Contains("/crowd/groups/0/leaves/table/1: time 4 s, share 0.6 go back"));

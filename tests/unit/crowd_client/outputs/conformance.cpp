@@ -18,7 +18,7 @@
 namespace wade::crowd::testing {
 namespace {
 
-constexpr int steps = 30;
+constexpr int all_steps = 30;
 constexpr Record everything{.water_interval = 0.1, .danger_window = 0.5, .trajectories = true, .terms_interval = 0.1};
 
 Scene scene_with_all() {
@@ -71,7 +71,7 @@ using Files = std::map<std::string, std::string>;
 
 Files run_of(const RegisteredOutput& output, const std::filesystem::path& path) {
     OneOutput run(path, output);
-    run.walk(steps);
+    run.walk(all_steps);
     run.finish();
     return files_in(path);
 }
@@ -94,7 +94,7 @@ bool survives_a_full_disk(const RegisteredOutput& output, const std::filesystem:
         }
         limit_files(bytes);
         try {
-            run->walk(steps);
+            run->walk(all_steps);
         } catch (const OutputError& error) {
             fail_summary(run->summary, error);
         }
@@ -108,12 +108,12 @@ void check_killed(const RegisteredOutput& output) {
     TemporaryFolder half, killed;
     {
         OneOutput run(half.path, output);
-        run.walk(steps / 2);
+        run.walk(all_steps / 2);
         run.finish();
     }
     REQUIRE(in_killed_process([&] {
         auto* const run = new OneOutput(killed.path, output);
-        run->walk(steps / 2);
+        run->walk(all_steps / 2);
     }));
     for (const auto& [name, content] : files_in(half.path)) {
         const std::filesystem::path left = killed.path / name;
@@ -136,7 +136,7 @@ void check_output(const RegisteredOutput& output) {
     const std::set<std::string> names = names_of(output);
     TemporaryFolder first, second;
     OneOutput run(first.path, output);
-    run.walk(steps);
+    run.walk(all_steps);
     run.folder.keep_results(run.crowd, run.summary, run.labels);
     run.finish();
     const Files files = files_in(first.path);

@@ -13,23 +13,23 @@ namespace {
 // The worked example: 1.70 m, 65 kg, mu 0.45, lambda 0.09.
 constexpr Body body{1.7, 65};
 constexpr double friction = 0.45, arm = 0.09 * 1.7;
-constexpr WaterProperties water;
+constexpr WaterProperties fresh_water;
 
 struct Demands {
     double slip, topple;
 };
 
 Demands demands(double depth, double speed) {
-    const double k = drag_upright(body.height, depth, water);
-    const double weight = weight_on_feet(body, depth, water);
+    const double k = drag_upright(body.height, depth, fresh_water);
+    const double weight = weight_on_feet(body, depth, fresh_water);
     return {slip_demand(k, {-speed, 0}, Vector2d::Zero(), friction, weight),
             topple_demand(k, {-speed, 0}, depth, weight, arm)};
 }
 
 Footing footing(double depth) {
     const double share = submerged_share(body.height, depth);
-    return {drag_upright(body.height, depth, water), mass_with_water(body.mass, share, water),
-            friction * weight_on_feet(body, depth, water)};
+    return {drag_upright(body.height, depth, fresh_water), mass_with_water(body.mass, share, fresh_water),
+            friction * weight_on_feet(body, depth, fresh_water)};
 }
 
 struct Walk {
@@ -78,8 +78,8 @@ TEST_CASE("Slip and topple demand are those of the worked example") {
 }
 
 TEST_CASE("In a metre of water feet carry 373.5 N of 65 kg, and nothing where the body floats") {
-    CHECK(weight_on_feet(body, 1, water) == Approx(373.5).margin(0.05));
-    CHECK(weight_on_feet(body, 0, water) == Approx(65 * 9.81));
+    CHECK(weight_on_feet(body, 1, fresh_water) == Approx(373.5).margin(0.05));
+    CHECK(weight_on_feet(body, 0, fresh_water) == Approx(65 * 9.81));
     CHECK(weight_on_feet(body, 2, {1200, 9.81}) == 0);
     CHECK(slip_demand(100, {1, 0}, {0, 0}, friction, 0) > 1e300);
     CHECK(slip_demand(100, {0, 0}, {0, 0}, friction, 0) == 0);
@@ -157,7 +157,7 @@ TEST_CASE("A carried body reaches 0.9 of the water's speed after nine times M / 
 
 TEST_CASE("A swimmer of 45 N in still water goes 0.45 m/s") {
     Vector2d velocity(0, 0);
-    const double depth = 0.87 * body.height, k = drag_upright(body.height, depth, water);
+    const double depth = 0.87 * body.height, k = drag_upright(body.height, depth, fresh_water);
     for (int i = 0; i < 3000; ++i) velocity = step_carried(k, 120, velocity, {45, 0}, {0, 0}, 1 / 30.0).velocity;
     CHECK(velocity.x() == Approx(0.45).margin(0.005));
 }

@@ -89,7 +89,7 @@ double mean_depth(const Scene& scene, const Vector2d& place) {
     return sum;
 }
 
-const std::vector<Obstacle> house{{{45, 50}, {20, 24}, 3}, {{50, 51}, {20, 22}, 3}};  // one wall of both
+const std::vector<Obstacle> two_obstacles{{{45, 50}, {20, 24}, 3}, {{50, 51}, {20, 22}, 3}};  // one wall of both
 
 }  // namespace
 
@@ -114,7 +114,7 @@ TEST_CASE("The cone is 1.5 spacings wide and half a metre at least; wider than t
 
 TEST_CASE("At walls, in corners and beside houses people feel the depth of mid-stream, and the same demands") {
     const double d = GENERATE(0.125, 0.25, 0.4642);
-    const Scene scene = river(d, house);
+    const Scene scene = river(d, two_obstacles);
     const Body body;
     // Of the mean depth, as people fail on means: a single lattice of 1.5 spacings in the cone is off by some per cent.
     const auto demands = [&](const Vector2d& place) {
@@ -133,7 +133,7 @@ TEST_CASE("At walls, in corners and beside houses people feel the depth of mid-s
 }
 
 TEST_CASE("The ground that is not solid is integrated as counted by squares") {
-    const Scene scene = river(0.25, house);
+    const Scene scene = river(0.25, two_obstacles);
     const Feeling feeling = make_feeling(scene);
     for (const Vector2d& place : {Vector2d(55, 30), Vector2d(55, 11.5), Vector2d(55, 11.7), Vector2d(50.2, 22.1),
                                   Vector2d(0, 11.5), Vector2d(51.3, 19.9), Vector2d(47.5, 24)}) {
@@ -172,7 +172,7 @@ TEST_CASE("Over the joint of a periodic world people feel what they feel elsewhe
 }
 
 TEST_CASE("Any number of threads feel the same") {
-    const Scene scene = river(0.25, house);
+    const Scene scene = river(0.25, two_obstacles);
     std::vector<Vector2d> places;
     for (int i = 0; i < 100; ++i) places.emplace_back(45 + 0.1 * i, 12 + 0.25 * i);
     WaterBins bins = empty_bins(scene);

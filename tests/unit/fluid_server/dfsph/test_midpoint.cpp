@@ -15,7 +15,7 @@ using namespace wade::fluid;
 namespace {
 
 constexpr int across = 16;  // particles
-constexpr double k = 2 * std::numbers::pi;
+constexpr double wavenumber = 2 * std::numbers::pi;
 
 // Without gravity and viscosity, periodic along all axes.
 Scene square_of_water(double cfl) {
@@ -73,15 +73,15 @@ TEST_CASE("vortices of water without viscosity lose less than Euler steps alone 
     FluidWorld world(scene);
     REQUIRE(world.particles().count == across * across * 9);
     world.set_velocity([](const std::array<double, 3>& x) {
-        return std::array<double, 3>{-std::cos(k * x[0]) * std::sin(k * x[1]), std::sin(k * x[0]) * std::cos(k * x[1]),
-                                     0};
+        return std::array<double, 3>{-std::cos(wavenumber * x[0]) * std::sin(wavenumber * x[1]),
+                                     std::sin(wavenumber * x[0]) * std::cos(wavenumber * x[1]), 0};
     });
     const double before = squared_speed(world.particles());
     while (world.time() < duration - 1e-9) {
         world.step(duration - world.time());
     }
     const double rate = -std::log(squared_speed(world.particles()) / before) / 2 / duration;
-    const double euler = cfl / across * k * k / 4;
+    const double euler = cfl / across * wavenumber * wavenumber / 4;
     CHECK(rate < 0.8 * euler);
     CHECK(rate > -0.1 * euler);
 }

@@ -83,7 +83,7 @@ TEST_CASE("a vertical layer of shear decays at the rate of its viscosity", "[flu
 // Planes to which viscous water sticks, moving ones too.
 namespace {
 
-constexpr double d = 0.1;
+constexpr double cube_d = 0.1;
 constexpr float viscosity = 1;  // over the second moment of the kernel, m^2/s
 
 // Largest viscous acceleration, m/s2, of a lattice that fills 1 x 1 x 1 m between bed and lid, u_x(y) given.
@@ -95,7 +95,7 @@ float largest_acceleration(Scene scene, Profile&& profile) {
     scene.channel->height = 1;
     Particles p(1000);
     for (int n = 0; n < 1000; ++n) {
-        const auto at = [](int i) { return (static_cast<float>(i) + 0.5F) * static_cast<float>(d); };
+        const auto at = [](int i) { return (static_cast<float>(i) + 0.5F) * static_cast<float>(cube_d); };
         const float y = at(n / 100);
         p.add({at(n % 10), y, at(n / 10 % 10)}, {profile(y), 0, 0}, Kind::fluid);
     }
@@ -105,7 +105,8 @@ float largest_acceleration(Scene scene, Profile&& profile) {
     NeighbourLists lists(p.capacity());
     find_neighbours(grid, Solids(scene), p, h, lists);
     ParticleFields fields(p.capacity());
-    compute_density_and_diagonal(p, make_kernel(scene.fluid), static_cast<float>(d * d * d), true, lists, fields);
+    compute_density_and_diagonal(p, make_kernel(scene.fluid), static_cast<float>(cube_d * cube_d * cube_d), true, lists,
+                                 fields);
     float largest = 0;
     for (std::size_t i = 0; i < p.count; ++i) {
         largest = std::max(largest, 2 * viscosity * std::abs(fields.ax[i]));
@@ -116,7 +117,7 @@ float largest_acceleration(Scene scene, Profile&& profile) {
 }  // namespace
 
 TEST_CASE("a linear profile between planes that move with it feels no viscous force", "[fluid][no_slip]") {
-    Scene scene = test::tank(1, 1, 1, d);
+    Scene scene = test::tank(1, 1, 1, cube_d);
     scene.fluid->kernel = GENERATE(KernelKind::cubic_spline, KernelKind::quartic_spline, KernelKind::wendland_c2);
     scene.channel->no_slip = {{Plane::bed, {0.5, 0, 0}}, {Plane::top, {2.5, 0, 0}}};
     CHECK(largest_acceleration(scene, [](float y) { return 0.5F + 2 * y; }) < 1e-3F);
@@ -126,7 +127,7 @@ TEST_CASE("a linear profile between planes that move with it feels no viscous fo
 }
 
 TEST_CASE("free-slip planes let a uniform stream pass", "[fluid][no_slip]") {
-    Scene scene = test::tank(1, 1, 1, d);
+    Scene scene = test::tank(1, 1, 1, cube_d);
     CHECK(largest_acceleration(scene, [](float) { return 3.0F; }) < 1e-4F);
     scene.channel->no_slip = {{Plane::bed, {3, 0, 0}}};
     CHECK(largest_acceleration(scene, [](float) { return 3.0F; }) < 1e-4F);

@@ -174,7 +174,7 @@ TEST_CASE("the forces between two particles are opposite to the last bit of thei
 namespace wade::fluid {
 namespace {
 
-constexpr float d = 0.1F;
+constexpr float packing_d = 0.1F;
 constexpr int n = 16;  // particles along an axis
 
 // A lattice in the middle of a wide tank: what is read are the particles that see no end of it.
@@ -188,23 +188,24 @@ struct Packing {
     Packing(float noise, float shear)
         : scene(scene_in_tank()), particles(n * n * n), lists(particles.capacity()), fields(particles.capacity()) {
         std::mt19937 random(1);
-        std::uniform_real_distribution<float> jitter(-noise * d, noise * d);
+        std::uniform_real_distribution<float> jitter(-noise * packing_d, noise * packing_d);
         Particles& p = particles;
         for (int i = 0; i < n; ++i) {
             for (int j = 0; j < n; ++j) {
                 for (int k = 0; k < n; ++k) {
-                    const auto y = static_cast<float>(j) * d + jitter(random);
-                    p.x[p.count] = 2 + static_cast<float>(i) * d + jitter(random) + shear * y;
+                    const auto y = static_cast<float>(j) * packing_d + jitter(random);
+                    p.x[p.count] = 2 + static_cast<float>(i) * packing_d + jitter(random) + shear * y;
                     p.y[p.count] = 2 + y;
-                    p.z[p.count] = 2 + static_cast<float>(k) * d + jitter(random);
+                    p.z[p.count] = 2 + static_cast<float>(k) * packing_d + jitter(random);
                     p.kind[p.count++] = Kind::fluid;
                 }
             }
         }
-        CellGrid grid(scene, 2 * d);
+        CellGrid grid(scene, 2 * packing_d);
         REQUIRE(grid.sort(p, -Box::inf) == 0);
-        find_neighbours(grid, Solids(scene), p, 2 * d, lists);
-        compute_density_and_diagonal(p, CubicSpline(2 * d), d * d * d, false, lists, fields);
+        find_neighbours(grid, Solids(scene), p, 2 * packing_d, lists);
+        compute_density_and_diagonal(p, CubicSpline(2 * packing_d), packing_d * packing_d * packing_d, false, lists,
+                                     fields);
     }
 
     static Scene scene_in_tank() {
@@ -214,15 +215,15 @@ struct Packing {
         scene.channel->z = {0, 6};
         scene.channel->flow = Flow::closed;
         scene.channel->height = 6;
-        scene.fluid = test::fluid_of(static_cast<double>(d), n * n * n);
+        scene.fluid = test::fluid_of(static_cast<double>(packing_d), n * n * n);
         return scene;
     }
 
     // Whether particle i is at least `layers` spacings from the faces of the block.
     [[nodiscard]] bool inside(std::size_t i, float layers) const {
         const float y = particles.y[i] - 2;
-        const float lo = layers * d;
-        const float hi = (n - 1) * d - lo;
+        const float lo = layers * packing_d;
+        const float hi = (n - 1) * packing_d - lo;
         const float z = particles.z[i] - 2;
         const float x = particles.x[i] - 2;
         return y > lo && y < hi && z > lo && z < hi && x > lo + 0.3F * hi && x < hi;

@@ -17,9 +17,9 @@ using namespace wade::fluid;
 
 namespace {
 
-constexpr double d = 0.25;
+constexpr double spacing = 0.25;
 
-// Density of every particle of a lattice of spacing d that fills a tank outside of its obstacles.
+// Density of every particle of a lattice that fills a tank outside of its obstacles.
 struct Densities {
     Particles particles{20000};
     ParticleFields fields{20000};
@@ -30,9 +30,9 @@ Densities densities_of_lattice(const Scene& scene, int nx, int ny, int nz) {
     for (int k = 0; k < nz; ++k) {
         for (int j = 0; j < ny; ++j) {
             for (int i = 0; i < nx; ++i) {
-                const double x = (i + 0.5) * d;
-                const double y = (j + 0.5) * d;
-                const double z = (k + 0.5) * d;
+                const double x = (i + 0.5) * spacing;
+                const double y = (j + 0.5) * spacing;
+                const double z = (k + 0.5) * spacing;
                 const bool solid = std::any_of(scene.obstacles.begin(), scene.obstacles.end(), [&](const Obstacle& o) {
                     return o.x.contains(x) && o.z.contains(z) && y < o.height;
                 });
@@ -49,15 +49,15 @@ Densities densities_of_lattice(const Scene& scene, int nx, int ny, int nz) {
     NeighbourLists lists(result.particles.capacity());
     const Solids solids(scene);
     find_neighbours(grid, solids, result.particles, h, lists);
-    compute_density_and_diagonal(result.particles, make_kernel(scene.fluid), static_cast<float>(d * d * d), false,
-                                 lists, result.fields);
+    compute_density_and_diagonal(result.particles, make_kernel(scene.fluid),
+                                 static_cast<float>(spacing * spacing * spacing), false, lists, result.fields);
     return result;
 }
 
 }  // namespace
 
 TEST_CASE("a lattice has rest density at bed, banks, end walls and in their corners", "[fluid][solids]") {
-    const Scene scene = test::tank(4, 3, 2, d);
+    const Scene scene = test::tank(4, 3, 2, spacing);
     const Densities lattice = densities_of_lattice(scene, 16, 8, 12);
     for (std::size_t i = 0; i < lattice.particles.count; ++i) {
         if (lattice.particles.y[i] < 1.5F) {  // below the free surface
@@ -72,7 +72,7 @@ TEST_CASE("a lattice has rest density at bed, banks, end walls and in their corn
 
 // Mean density below the surface of a lattice in a channel `across` spacings wide.
 double density_between_banks(KernelKind kind, int across) {
-    Scene scene = test::tank(3, across * d, 3, d);
+    Scene scene = test::tank(3, across * spacing, 3, spacing);
     scene.fluid->kernel = kind;
     const Densities lattice = densities_of_lattice(scene, 12, 12, across);
     double sum = 0;
@@ -95,14 +95,14 @@ TEST_CASE("a lattice has rest density in a channel as narrow as the scene checks
         CHECK(density_between_banks(KernelKind::quartic_spline, across) == Approx(1).margin(1e-4));
         CHECK(density_between_banks(KernelKind::wendland_c2, across) == Approx(1).margin(1e-4));
     }
-    // The images of images at 2 d are missing here, with the share of the kernel that lies in those planes.
+    // The images of images at two spacings are missing here, with the share of the kernel that lies in those planes.
     const double missing = 1 - density_between_banks(KernelKind::wendland_c2, 1);
-    const WendlandC2 kernel(static_cast<float>(3 * d));
+    const WendlandC2 kernel(static_cast<float>(3 * spacing));
     double share = 0;
     for (int i = -3; i <= 3; ++i) {
         for (int j = -3; j <= 3; ++j) {
-            const double r = d * std::sqrt(static_cast<double>(i * i + j * j + 4));
-            share += 2 * d * d * d * static_cast<double>(kernel.value(static_cast<float>(r)));
+            const double r = spacing * std::sqrt(static_cast<double>(i * i + j * j + 4));
+            share += 2 * spacing * spacing * spacing * static_cast<double>(kernel.value(static_cast<float>(r)));
         }
     }
     CHECK(missing == Approx(share).margin(1e-4));
@@ -110,7 +110,7 @@ TEST_CASE("a lattice has rest density in a channel as narrow as the scene checks
 }
 
 TEST_CASE("a lattice has rest density at the faces, edges and corners of an obstacle", "[fluid][solids]") {
-    Scene scene = test::tank(6, 6, 3, d);
+    Scene scene = test::tank(6, 6, 3, spacing);
     scene.obstacles = {{{2, 4}, {2.5, 4}, 1.5}};
     const Densities lattice = densities_of_lattice(scene, 24, 12, 24);
     float lowest = 2;
@@ -128,13 +128,13 @@ TEST_CASE("a lattice has rest density at the faces, edges and corners of an obst
 }
 
 TEST_CASE("every place round a particle near an obstacle is filled exactly once", "[fluid][solids]") {
-    Scene scene = test::tank(6, 6, 3, d);
+    Scene scene = test::tank(6, 6, 3, spacing);
     scene.obstacles = {{{2, 4}, {2.5, 2.8}, 1}};  // thinner than the support radius in z
     const Solids solids(scene);
     const Box& box = solids.obstacles()[0];
     std::mt19937 random(3);
     const auto in = [&](float lo, float hi) { return std::uniform_real_distribution<float>(lo, hi)(random); };
-    const auto free = [&](const Vec3& v) { return !contains(grown(box, 0.4F * static_cast<float>(d)), v); };
+    const auto free = [&](const Vec3& v) { return !contains(grown(box, 0.4F * static_cast<float>(spacing)), v); };
     std::vector<Mirror> mirrors;
     int tried = 0, in_part = 0, wrong = 0;
     double sum = 0;
@@ -171,7 +171,7 @@ TEST_CASE("every place round a particle near an obstacle is filled exactly once"
 }
 
 TEST_CASE("two particles see as much of one another past an obstacle and in its faces", "[fluid][solids]") {
-    Scene scene = test::tank(6, 6, 3, d);
+    Scene scene = test::tank(6, 6, 3, spacing);
     scene.obstacles = {{{2, 4}, {2.5, 4}, 1}};
     const Solids solids(scene);
     const Box& box = solids.obstacles()[0];
@@ -199,7 +199,7 @@ TEST_CASE("two particles see as much of one another past an obstacle and in its 
 }
 
 TEST_CASE("contact stops a particle before every face and takes only the velocity towards it", "[fluid][solids]") {
-    Scene scene = test::tank(6, 6, 3, d);
+    Scene scene = test::tank(6, 6, 3, spacing);
     scene.obstacles = {{{2, 4}, {2, 4}, 1}};
     const Solids solids(scene);
     const float dt = 0.1F;
@@ -208,7 +208,7 @@ TEST_CASE("contact stops a particle before every face and takes only the velocit
         std::size_t axis;
         float limit;  // the coordinate that must not be passed
     };
-    const float c = 0.4F * static_cast<float>(d);
+    const float c = 0.4F * static_cast<float>(spacing);
     for (const Case& k : {Case{{1, 0.2F, 1}, {0.3F, -5, 0.1F}, 1, c}, Case{{0.15F, 1, 1}, {-5, 0.1F, 0.2F}, 0, c},
                           Case{{1, 1, 5.8F}, {0, 0.1F, 9}, 2, 6 - c}, Case{{1.85F, 0.5F, 3}, {3, 0.1F, 0.2F}, 0, 2 - c},
                           Case{{3, 1.2F, 3}, {0.1F, -4, 0.2F}, 1, 1 + c}}) {
@@ -234,7 +234,7 @@ TEST_CASE("contact stops a particle before every face and takes only the velocit
 }
 
 TEST_CASE("the position clamp moves a point out of solids and leaves others alone", "[fluid][solids]") {
-    Scene scene = test::tank(6, 6, 3, d);
+    Scene scene = test::tank(6, 6, 3, spacing);
     scene.obstacles = {{{2, 4}, {2, 4}, 1}};
     const Solids solids(scene);
     Vec3 free{1, 1, 1};

@@ -14,7 +14,7 @@ using namespace wade::shm::test;
 namespace {
 
 constexpr int kills = 12;  // of each side; each costs a process and up to one slice of waiting
-constexpr std::uint64_t frames = 40;
+constexpr std::uint64_t all_frames = 40;
 
 struct Moment {
     Stage stage;
@@ -24,7 +24,7 @@ struct Moment {
 
 Moment random_moment(std::mt19937& random) {
     const auto pick = [&](unsigned n) { return static_cast<std::uint32_t>(random() % n); };
-    return {static_cast<Stage>(pick(3)), 1 + pick(frames - 1), 1 + pick(3)};
+    return {static_cast<Stage>(pick(3)), 1 + pick(all_frames - 1), 1 + pick(3)};
 }
 
 AtStage kill_at(const Moment& moment) {
@@ -41,7 +41,7 @@ TEST_CASE("a killed producer is noticed by the consumer, which has seen whole fr
         const Moment moment = random_moment(random);
         CAPTURE(static_cast<int>(moment.stage), moment.frame, moment.depth);
         const Session session;
-        Child producer([&] { return produce(session.name(), frames, moment.depth, kill_at(moment)); });
+        Child producer([&] { return produce(session.name(), all_frames, moment.depth, kill_at(moment)); });
         Subscriber subscriber(session.name(), "reader", {.scene_hash = test_scene, .waiting = patient()});
         std::uint64_t seen = 0;
         bool whole = true;
@@ -66,8 +66,8 @@ TEST_CASE("a killed consumer is noticed by the producer, with the frame at which
         const Moment moment = random_moment(random);
         CAPTURE(static_cast<int>(moment.stage), moment.frame, moment.depth);
         const Session session;
-        Child consumer([&] { return consume(session.name(), frames, kill_at(moment)); });
-        const Caught caught = catch_error([&] { (void)produce(session.name(), frames, moment.depth); });
+        Child consumer([&] { return consume(session.name(), all_frames, kill_at(moment)); });
+        const Caught caught = catch_error([&] { (void)produce(session.name(), all_frames, moment.depth); });
         CHECK(consumer.wait() == 128 + SIGKILL);
         CHECK(caught.failure == Failure::peer_dead);
         const std::uint64_t at = moment.stage == Stage::after ? moment.frame + 1 : moment.frame;
@@ -79,23 +79,23 @@ TEST_CASE("a killed consumer is noticed by the producer, with the frame at which
 
 TEST_CASE("a consumer killed while the producer drains is noticed too") {
     const Session session;
-    Child consumer([&] { return consume(session.name(), frames, kill_at({Stage::writing, frames, 1})); });
-    const Caught caught = catch_error([&] { (void)produce(session.name(), frames, 3); });
+    Child consumer([&] { return consume(session.name(), all_frames, kill_at({Stage::writing, all_frames, 1})); });
+    const Caught caught = catch_error([&] { (void)produce(session.name(), all_frames, 3); });
     CHECK(consumer.wait() == 128 + SIGKILL);
     CHECK(caught.failure == Failure::peer_dead);
 }
 
 TEST_CASE("a consumer killed after its last acknowledgement does no harm") {
     const Session session;
-    Child consumer([&] { return consume(session.name(), frames, kill_at({Stage::after, frames, 1})); });
-    CHECK(produce(session.name(), frames, 1) == 0);
+    Child consumer([&] { return consume(session.name(), all_frames, kill_at({Stage::after, all_frames, 1})); });
+    CHECK(produce(session.name(), all_frames, 1) == 0);
     CHECK(consumer.wait() == 128 + SIGKILL);
 }
 
 TEST_CASE("a peer that is killed while stopped is dead, not slow") {
     const Session session;
     Child producer([&] {
-        return produce(session.name(), frames, 1, [](Stage stage, std::uint64_t f) {
+        return produce(session.name(), all_frames, 1, [](Stage stage, std::uint64_t f) {
             if (stage == Stage::before && f == 5) raise(SIGSTOP);
         });
     });
@@ -125,8 +125,8 @@ TEST_CASE("a segment left by a killed producer is taken over, by consumers of th
     CHECK(stale.failure == Failure::attach_timeout);
     CHECK(contains(stale.text, "left by a producer that is dead"));
 
-    Child consumer([&] { return consume(session.name(), frames); });
-    CHECK(produce(session.name(), frames, 1) == 0);
+    Child consumer([&] { return consume(session.name(), all_frames); });
+    CHECK(produce(session.name(), all_frames, 1) == 0);
     CHECK(consumer.wait() == 0);
 }
 

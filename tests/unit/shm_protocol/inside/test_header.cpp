@@ -23,7 +23,7 @@ Caught read_with(Lie&& lie) {
     return catch_error([&] { (void)read_header(h, size); });
 }
 
-void check_refused(const Caught& caught, const std::string& part) {
+void check_header_refused(const Caught& caught, const std::string& part) {
     CAPTURE(caught.text);
     CHECK(caught.failure == Failure::protocol_violation);
     CHECK(contains(caught.text, part));
@@ -141,41 +141,43 @@ TEST_CASE("any single changed bit of the header page is noticed") {
 }
 
 TEST_CASE("a header with a valid checksum is still not believed") {
-    check_refused(read_with([](Header& h) { h.magic ^= 1; }), "magic");
-    check_refused(read_with([](Header& h) { h.version_major = 2; }), "version 2.3, this program version 1.3");
-    check_refused(read_with([](Header& h) { h.endian_tag = 0x04030201; }), "byte order");
-    check_refused(read_with([](Header& h) { h.header_bytes = 8192; }), "header_bytes");
-    check_refused(read_with([](Header& h) { h.required_features = 4; }), "features");
-    check_refused(read_with([](Header& h) { h.total_bytes += 4096; }), "total_bytes");
-    check_refused(read_with([](Header& h) { h.capacity = 0; }), "capacity = 0");
-    check_refused(read_with([](Header& h) { h.capacity = std::uint64_t{1} << 63; }), "capacity = 9223372036854775808");
-    check_refused(read_with([](Header& h) { h.capacity = 0xFFFFFFFF; }), "overlaps");
-    check_refused(read_with([](Header& h) { h.slot_count = 0; }), "slot_count = 0");
-    check_refused(read_with([](Header& h) { h.slot_count = 65; }), "slot_count = 65");
-    check_refused(read_with([](Header& h) { h.slot_count = 64; }), "overlaps");
-    check_refused(read_with([](Header& h) { h.depth = 0; }), "depth = 0");
-    check_refused(read_with([](Header& h) { h.depth = 4; }), "depth = 4");
-    check_refused(read_with([](Header& h) { h.slot_stride = ~std::uint64_t{0} - 4095; }), "which no file can hold");
-    check_refused(read_with([](Header& h) { h.slot_stride = 4097; }), "slot_stride");
-    check_refused(read_with([](Header& h) { h.slots_offset = 0; }), "overlaps");
-    check_refused(read_with([](Header& h) { h.slots_offset = ~std::uint64_t{0} - 4095; }), "outside");
-    check_refused(read_with([](Header& h) { h.slots_offset += 1; }), "offset");
-    check_refused(read_with([](Header& h) { h.control_offset = h.doorbell_offset; }), "overlaps");
-    check_refused(read_with([](Header& h) { h.consumer_count = 17; }), "consumer_count = 17");
-    check_refused(read_with([](Header& h) { h.consumer_stride = 64; }), "consumer_stride");
-    check_refused(read_with([](Header& h) { h.descriptor_stride = 0; }), "descriptor_stride");
-    check_refused(read_with([](Header& h) { h.field_count = 0; }), "field_count = 0");
-    check_refused(read_with([](Header& h) { h.field_count = 17; }), "field_count = 17");
-    check_refused(read_with([](Header& h) { h.field_count = 6; }), "no field 'pz'");
-    check_refused(read_with([](Header& h) { h.fields[1].offset = h.fields[2].offset; }), "'vx'");
-    check_refused(read_with([](Header& h) { h.fields[6].offset = h.slot_stride - 64; }), "'pz'");
-    check_refused(read_with([](Header& h) { h.fields[3].offset = 1; }), "a multiple of 64");
-    check_refused(read_with([](Header& h) { h.fields[3].type = 9; }), "float32");
-    check_refused(read_with([](Header& h) { std::memset(h.fields[0].name, 'x', 16); }), "has no end");
-    check_refused(read_with([](Header& h) { std::memset(h.producer_name, 'x', name_bytes); }), "has no end");
-    check_refused(read_with([](Header& h) { h.ticks_per_second = 0; }), "ticks_per_second");
-    check_refused(read_with([](Header& h) { h.metres_per_unit = std::nan(""); }), "metres_per_unit");
-    check_refused(read_with([](Header& h) { h.stream_kind = 3; }), "stream_kind");
+    check_header_refused(read_with([](Header& h) { h.magic ^= 1; }), "magic");
+    check_header_refused(read_with([](Header& h) { h.version_major = 2; }), "version 2.3, this program version 1.3");
+    check_header_refused(read_with([](Header& h) { h.endian_tag = 0x04030201; }), "byte order");
+    check_header_refused(read_with([](Header& h) { h.header_bytes = 8192; }), "header_bytes");
+    check_header_refused(read_with([](Header& h) { h.required_features = 4; }), "features");
+    check_header_refused(read_with([](Header& h) { h.total_bytes += 4096; }), "total_bytes");
+    check_header_refused(read_with([](Header& h) { h.capacity = 0; }), "capacity = 0");
+    check_header_refused(read_with([](Header& h) { h.capacity = std::uint64_t{1} << 63; }),
+                         "capacity = 9223372036854775808");
+    check_header_refused(read_with([](Header& h) { h.capacity = 0xFFFFFFFF; }), "overlaps");
+    check_header_refused(read_with([](Header& h) { h.slot_count = 0; }), "slot_count = 0");
+    check_header_refused(read_with([](Header& h) { h.slot_count = 65; }), "slot_count = 65");
+    check_header_refused(read_with([](Header& h) { h.slot_count = 64; }), "overlaps");
+    check_header_refused(read_with([](Header& h) { h.depth = 0; }), "depth = 0");
+    check_header_refused(read_with([](Header& h) { h.depth = 4; }), "depth = 4");
+    check_header_refused(read_with([](Header& h) { h.slot_stride = ~std::uint64_t{0} - 4095; }),
+                         "which no file can hold");
+    check_header_refused(read_with([](Header& h) { h.slot_stride = 4097; }), "slot_stride");
+    check_header_refused(read_with([](Header& h) { h.slots_offset = 0; }), "overlaps");
+    check_header_refused(read_with([](Header& h) { h.slots_offset = ~std::uint64_t{0} - 4095; }), "outside");
+    check_header_refused(read_with([](Header& h) { h.slots_offset += 1; }), "offset");
+    check_header_refused(read_with([](Header& h) { h.control_offset = h.doorbell_offset; }), "overlaps");
+    check_header_refused(read_with([](Header& h) { h.consumer_count = 17; }), "consumer_count = 17");
+    check_header_refused(read_with([](Header& h) { h.consumer_stride = 64; }), "consumer_stride");
+    check_header_refused(read_with([](Header& h) { h.descriptor_stride = 0; }), "descriptor_stride");
+    check_header_refused(read_with([](Header& h) { h.field_count = 0; }), "field_count = 0");
+    check_header_refused(read_with([](Header& h) { h.field_count = 17; }), "field_count = 17");
+    check_header_refused(read_with([](Header& h) { h.field_count = 6; }), "no field 'pz'");
+    check_header_refused(read_with([](Header& h) { h.fields[1].offset = h.fields[2].offset; }), "'vx'");
+    check_header_refused(read_with([](Header& h) { h.fields[6].offset = h.slot_stride - 64; }), "'pz'");
+    check_header_refused(read_with([](Header& h) { h.fields[3].offset = 1; }), "a multiple of 64");
+    check_header_refused(read_with([](Header& h) { h.fields[3].type = 9; }), "float32");
+    check_header_refused(read_with([](Header& h) { std::memset(h.fields[0].name, 'x', 16); }), "has no end");
+    check_header_refused(read_with([](Header& h) { std::memset(h.producer_name, 'x', name_bytes); }), "has no end");
+    check_header_refused(read_with([](Header& h) { h.ticks_per_second = 0; }), "ticks_per_second");
+    check_header_refused(read_with([](Header& h) { h.metres_per_unit = std::nan(""); }), "metres_per_unit");
+    check_header_refused(read_with([](Header& h) { h.stream_kind = 3; }), "stream_kind");
     CHECK_FALSE(read_with([](Header&) {}).failure);
 }
 
