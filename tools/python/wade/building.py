@@ -21,7 +21,7 @@ from wade.run.processes import end_with_parent
 from wade.terminal import say_error
 
 PICTURES = ("numpy", "matplotlib", "PIL", "tabulate")
-FULL_BUILD = "three minutes on two processors"
+FULL_BUILD = "two minutes on two processors"
 
 
 class BuildError(Exception):
