@@ -271,7 +271,7 @@ Scene empty_ground(std::uint64_t seed, double rate) {
     Scene scene;
     scene.seed = seed;
     scene.frame_rate = scene.crowd->step_rate = rate;
-    scene.world = {40, 40, 9.81, Ends::open};
+    scene.world = {.length = 40, .width = 40};
     scene.channel->x = scene.channel->z = {0, 40};
     scene.channel->flow = Flow::closed;
     scene.crowd->markers = MarkerRule::redrawn;

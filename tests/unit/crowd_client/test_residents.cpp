@@ -145,7 +145,7 @@ TEST_CASE("A door into a wall is refused by its house") {
 
 TEST_CASE("A hundred thousand residents are made, and who is indoors costs no step") {
     Scene scene = one_house(0);
-    scene.world = {1000, 1000, 9.81, Ends::open};
+    scene.world = {.length = 1000, .width = 1000};
     scene.channel->x = scene.channel->z = {0, 1000};
     scene.crowd->markers = MarkerRule::redrawn;
     scene.crowd->navigation.cell = 5;

@@ -203,7 +203,7 @@ struct Twin {
 Scene scene_of(const Twin& twin, BodyRule bodies, CouplingRule rule, std::uint64_t seed) {
     Scene scene;
     scene.seed = seed;
-    scene.world = {2 * twin.x + length, width, 9.81, Ends::open};
+    scene.world = {.length = 2 * twin.x + length, .width = width};
     scene.channel->x = {twin.x, twin.x + length};
     scene.channel->z = {0, width};
     scene.channel->flow = Flow::closed;

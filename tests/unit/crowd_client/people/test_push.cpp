@@ -141,7 +141,7 @@ TEST_CASE("Wakes are found by cells as by looking at everybody, round a periodic
         drag_width.push_back(k % 7 == 0 ? 0 : 0.3);
     }
     for (const double period : {0.0, 60.0}) {
-        const World world{60, 20, 9.81, period > 0 ? Ends::periodic : Ends::open};
+        const World world{.length = 60, .width = 20, .ends = period > 0 ? Ends::periodic : Ends::open};
         BodyCells cells;
         std::vector<double> deficit;
         find_wakes(world, {positions, stream, drag_width, width}, cells, deficit);

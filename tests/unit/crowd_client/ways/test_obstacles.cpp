@@ -161,7 +161,7 @@ TEST_CASE("The world's edges stop a step, except the fall where that is allowed"
 
 TEST_CASE("Water carries nobody over x = 0 where the channel is closed, and over the fall elsewhere") {
     Scene scene;
-    scene.world = {30, 10, 9.81, Ends::open};
+    scene.world = {.length = 30, .width = 10};
     scene.channel->z = {1, 9};
     const auto ends = [&](bool carried_down) { return ends_for(make_walls(scene), {6, 5}, 20, carried_down); };
     for (const Interval& x : {Interval{0, 30}, Interval{5, 25}}) {
@@ -181,7 +181,7 @@ TEST_CASE("Water carries nobody over x = 0 where the channel is closed, and over
 
 TEST_CASE("The ends of a closed channel keep who is in it and has its goal there, and nobody else") {
     Scene scene;
-    scene.world = {30, 10, 9.81, Ends::open};
+    scene.world = {.length = 30, .width = 10};
     scene.channel->flow = Flow::closed;
     scene.channel->x = {5, 25};
     scene.channel->z = {1, 9};
