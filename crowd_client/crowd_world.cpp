@@ -210,9 +210,9 @@ void choose_walking_velocities(const Step& step) {
             crowd.agents.body.intended[id] =
                 wished_velocity(crowd.bodies, crowd.agents, id, k, crowd.motion, marker_area, rule, step.decision);
         }
-        Vector2d wish = has_bodies(crowd)
-                            ? crowd.agents.body.intended[id]
-                            : walking_velocity(crowd.motion.vector[k], crowd.agents.desired_speed[id], rule, crowd.dt);
+        Vector2d wish = has_bodies(crowd) ? crowd.agents.body.intended[id]
+                                          : walking_velocity(crowd.motion.vector[k], crowd.agents.desired_speed[id],
+                                                             rule, crowd.part_time);
         wish *= share_on_ground(crowd.navigation, id, crowd.positions[k], wish);
         crowd.walking[k] = keep_in_world(crowd.scene.world, crowd.positions[k], wish, crowd.part_time);
     }
@@ -352,7 +352,7 @@ void walk_part(const Step& step) {
     }
 }
 
-// A step has one part, but for people with bodies in long steps (body_clock.hpp).
+// A step has one part, but long steps have more for people with bodies and such as answer the water by theirs (body_clock.hpp).
 void advance(CrowdWorld& crowd, const WaterBins& water) {
     const BodyClock& clock = crowd.clock;
     const auto parts = static_cast<std::uint64_t>(clock.parts);

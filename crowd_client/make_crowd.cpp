@@ -99,6 +99,8 @@ CrowdWorld make_crowd(const Scene& given) {
         make_room_outdoors(crowd);
         begin_bodies(crowd.agents, scene.crowd->body_radius);
         crowd.clock = body_clock(crowd.dt);
+    } else if (scene.crowd->response == ResponseKind::measured) {
+        crowd.clock.parts = body_clock(crowd.dt).parts;
     }
     crowd.agents.stay = crowd.agents.position;
     crowd.navigation = scene.place ? make_place_ways(scene, crowd.agents) : make_navigation(scene, crowd.agents);
