@@ -77,6 +77,18 @@ void wear_out(People& people, std::size_t id, double dt) {
     if (state == PersonState::afloat) wear.swum += dt;
 }
 
+// The body in a posture, as strong and as wide as it is now.
+Stance stance_in(const People& people, std::size_t id, double mass, Rest posture, double depth,
+                 const WaterProperties& water) {
+    return stance_of(posture, body_of(people, id, mass), friction_of(people, id), arm_of(people, id), depth, water,
+                     people.drag[id]);
+}
+
+// Whether what happens next hangs on the postures in which a body could rest.
+bool asks_for_rest(PersonState state) {
+    return state == PersonState::carried || state == PersonState::holding || state == PersonState::recovering;
+}
+
 Strain strain_of(const People& people, std::size_t id, double mass, const Vector2d& velocity,
                  const WaterProperties& water) {
     const double height = people.height[id], depth = people.depth[id], wet = std::min(depth, height);
@@ -86,9 +98,13 @@ Strain strain_of(const People& people, std::size_t id, double mass, const Vector
     e.weight = weight_on_feet(body_of(people, id, mass), depth, water);
     e.slip = slip_demand(k, stream, people.wanted[id], friction_of(people, id), e.weight);
     e.moment = 0.5 * k * (stream - velocity).squaredNorm() * wet;
-    e.moment_at_rest = 0.5 * k * stream.squaredNorm() * wet;
     e.height = height;
     e.arm = arm_of(people, id);
+    if (asks_for_rest(people.condition[id].state)) {
+        for (std::size_t n = 0; n < rests; ++n) {
+            e.at_rest[n] = demand_at_rest(stance_in(people, id, mass, static_cast<Rest>(n), depth, water), stream);
+        }
+    }
     e.depth = depth;
     e.can_swim = swims(people, id);
     if (people.water_temperature) e.air = std::min(air_budget, breath_in(*people.water_temperature));
@@ -267,11 +283,17 @@ PersonInWater person_in_water(const People& people, std::size_t id, double mass,
                           mass_with_water(mass, share, water), 0};
         return person;
     }
+    if (state == PersonState::recovering) {
+        const Stance stance = stance_in(people, id, mass, posture_of(people.condition[id]), felt.depth, water);
+        person.footing = {stance.k, mass_with_water(mass, submerged_share(height, felt.depth), water),
+                          stance.friction * stance.weight};
+        return person;
+    }
     const double share = submerged_share(height, felt.depth);
     const double grip = friction_of(people, id) * weight_on_feet(body_of(people, id, mass), felt.depth, water);
     person.footing = {drag_upright(height, felt.depth, water, people.drag[id]), mass_with_water(mass, share, water),
                       grip};
-    if (state != PersonState::recovering) person.wanted = wanted;
+    person.wanted = wanted;
     if (swims(people, id)) person.swimming = swimming_force_of(people, id) * unit_or(wanted, Vector2d::Zero());
     return person;
 }

@@ -110,11 +110,6 @@ double turn_wanted(const Pose& pose) {
     return std::clamp(turn, -most, most);
 }
 
-Posture getting_up(double time) {
-    constexpr std::array rises{Posture::sitting, Posture::kneeling, Posture::squatting, Posture::rising};
-    return rises[std::min(rises.size() - 1, static_cast<std::size_t>(time / posture_time))];
-}
-
 void feel_water(Pose& pose, const PoseStep& step) {
     const double share = -std::expm1(-step.dt / felt_time);
     pose.depth += (step.depth - pose.depth) * share;
@@ -161,6 +156,7 @@ Pose standing_pose(const People& people, std::size_t id, const Vector2d& heading
 
 Posture posture_of(const People& people, std::size_t id, bool swept) {
     if (people.by_body[id] == 0) return swept ? Posture::lying : Posture::upright;
+    constexpr std::array rises{Posture::sitting, Posture::kneeling, Posture::squatting, Posture::rising};
     const Condition& condition = people.condition[id];
     switch (condition.state) {
         case PersonState::walking:
@@ -172,7 +168,7 @@ Posture posture_of(const People& people, std::size_t id, bool swept) {
         case PersonState::afloat:
             return people.can_swim[id] != 0 ? Posture::swimming : Posture::floating;
         case PersonState::recovering:
-            return getting_up(condition.in_state);
+            return rises[static_cast<std::size_t>(posture_of(condition))];
         case PersonState::carried:
         case PersonState::holding:
         case PersonState::drowned:

@@ -9,19 +9,18 @@ namespace {
 constexpr double effort_from = 0.5, walking_below = 0.45;                               // D
 constexpr double firm_below = 0.9;                                                      // S
 constexpr double slip_time = 0.1, topple_time = 0.3, firm_time = 0.3, lost_time = 0.3;  // s
-constexpr double ground_again = 0.8, lies = 0.25, may_sit = 0.6, mouth_sitting = 0.5;   // of H
-constexpr double sits_below = 0.5;                                                      // T(sit)
-constexpr std::array posture_arm{0.25, 0.15, 0.08};  // of H: sit, kneel, squat [A]; then that of who stands
-constexpr double breathes_in = 3;                    // as fast as air is used up
+constexpr double ground_again = 0.8, lies = 0.25, may_sit = 0.6, mouth_sitting = 0.44;  // of H
+constexpr double feet_down_below = 0.8;                                                 // D(stands)
+constexpr double breathes_in = 3;                                                       // as fast as air is used up
 
 double demand(double moment, double held) {
     if (!(moment > 0)) return 0;
     return held > 0 ? moment / held : std::numeric_limits<double>::infinity();
 }
 
-// Whether a time is over, to the nearest step.
+// Whether a time that has begun is over, to the nearest step.
 bool over(double time, double limit, double dt) {
-    return time >= limit - 0.5 * dt;
+    return time > 0 && time >= limit - 0.5 * dt;
 }
 
 double counted(double time, bool goes_on, double dt) {
@@ -38,32 +37,36 @@ PersonState on_feet(const Condition& now, const Strain& e, double dt) {
     return strains ? PersonState::effort : PersonState::walking;
 }
 
-// T of who gets up, were it still, in a posture.
-double demand_of_posture(const Strain& e, std::size_t posture) {
-    const double arm = posture < posture_arm.size() ? posture_arm[posture] * e.height : e.arm;
-    return demand(e.moment_at_rest, e.weight * arm);
+double demand_in(const Strain& e, Rest posture) {
+    return e.at_rest[static_cast<std::size_t>(posture)];
+}
+
+// Whether who gets up can be in a posture; what nobody need stop in counts if the next one holds.
+bool can_pass(const Strain& e, std::size_t posture) {
+    const bool may_skip = posture == static_cast<std::size_t>(Rest::squats) && demand_in(e, Rest::stands) < 1;
+    return e.at_rest[posture] < 1 || may_skip;
 }
 
 PersonState carried_on(const Strain& e) {
     if (e.can_swim && e.depth >= chin * e.height) return PersonState::afloat;
-    const double sitting = demand_of_posture(e, 0);
-    const bool can_sit =
-        (e.depth < lies * e.height && sitting < 1) || (e.depth < may_sit * e.height && sitting < sits_below);
-    if (can_sit) return PersonState::recovering;
+    const bool feet_down = e.depth < ground_again * e.height && demand_in(e, Rest::stands) < feet_down_below;
+    const bool gets_up =
+        e.depth < may_sit * e.height && (demand_in(e, Rest::sits) < 1 || demand_in(e, Rest::kneels) < 1);
+    const bool floats = e.depth >= lies * e.height;
+    if (gets_up && !(floats && feet_down)) return PersonState::recovering;
+    if (feet_down) return PersonState::sliding;
     return e.hold > 0 ? PersonState::holding : PersonState::carried;
 }
 
-// Up through the postures. Who would topple in one goes back to the highest below that holds, and waits there for the next.
+// Up through the postures. Who cannot rest in one goes back to the highest below that holds, and waits there for the next.
 PersonState getting_up(Condition& now, const Strain& e, double dt) {
     if (e.depth >= chin * e.height) return PersonState::afloat;
-    constexpr std::size_t standing = posture_arm.size();
-    const auto reached = std::min(standing, static_cast<std::size_t>(now.in_state / posture_time));
+    const auto reached = static_cast<std::size_t>(posture_of(now));
     std::size_t posture = reached;
-    while (posture > 0 && demand_of_posture(e, posture) >= 1) --posture;
-    if (demand_of_posture(e, posture) >= 1) return PersonState::carried;
+    while (posture > 0 && !can_pass(e, posture)) --posture;
+    if (!can_pass(e, posture)) return PersonState::carried;
     if (posture < reached) now.in_state = posture_time * static_cast<double>(posture + 1) - 0.5 * dt;
-    const bool is_up = over(now.in_state, posture_time * static_cast<double>(standing + 1), dt);
-    return is_up ? PersonState::effort : PersonState::recovering;
+    return over(now.in_state, posture_time * rests, dt) ? PersonState::effort : PersonState::recovering;
 }
 
 // `now` loses time that was spent in a posture in which it cannot stay.
@@ -76,7 +79,7 @@ PersonState next_state(Condition& now, const Strain& e, double dt) {
         case PersonState::toppled:
             return over(now.in_state, lost_time, dt) ? PersonState::carried : now.state;
         case PersonState::afloat:
-            if (e.depth < ground_again * e.height) return PersonState::recovering;
+            if (e.depth < ground_again * e.height) return PersonState::sliding;
             return !e.can_swim && over(now.in_state, lost_time, dt) ? PersonState::carried : now.state;
         case PersonState::carried:
         case PersonState::holding:
@@ -90,6 +93,11 @@ PersonState next_state(Condition& now, const Strain& e, double dt) {
 }
 
 }  // namespace
+
+Rest posture_of(const Condition& recovering) {
+    const double posture = recovering.in_state / posture_time;
+    return posture < rests - 1 ? static_cast<Rest>(posture) : Rest::stands;
+}
 
 double topple_demand(const Strain& e) {
     return demand(e.moment, e.weight * e.arm + e.hold);
@@ -109,9 +117,12 @@ Condition next_condition(const Condition& before, const Strain& e, double dt) {
     now.air = is_under ? std::max(0.0, std::min(e.air, now.air) - dt) : std::min(e.air, now.air + breathes_in * dt);
     now.state = next_state(now, e, dt);
     if (now.state == before.state) return now;
-    now.in_state = 0;
-    // Who gets up or floats begins anew to slip and topple.
-    if (!has_ground(now.state) || now.state == PersonState::recovering) now.slipping = now.toppling = now.firm = 0;
+    const bool kneels_first = now.state == PersonState::recovering && demand_in(e, Rest::sits) >= 1;
+    now.in_state = kneels_first ? posture_time : 0;
+    // Who comes to the ground or leaves it begins anew to slip and topple.
+    const bool has_stood = has_ground(before.state) && before.state != PersonState::recovering;
+    const bool stands = has_ground(now.state) && now.state != PersonState::recovering;
+    if (!has_stood || !stands) now.slipping = now.toppling = now.firm = 0;
     return now;
 }
 

@@ -6,22 +6,29 @@
 //   effort      slowed, firm           0.5 <= D
 //   sliding     feet slip              D >= 1 for 0.1 s                S < 0.9 for 0.3 s: effort
 //   toppled     fallen                 T >= 1 for 0.3 s                after 0.3 s: carried
-//   afloat      upright, no ground     h >= 0.87 H, the chin           h < 0.8 H: recovering; after 0.3 s who cannot swim: carried
-//   carried     a lying body           see toppled, afloat             h < 0.25 H and T(sit) < 1, or h < 0.6 H and T(sit) < 0.5:
-//                                                                      recovering; who can swim at h >= 0.87 H: afloat
+//   afloat      upright, no ground     h >= 0.87 H, the chin           h < 0.8 H: sliding; after 0.3 s who cannot swim: carried
+//   carried     a lying body           see toppled, afloat             h < 0.8 H and D(stands) < 0.8, feet down [A]: sliding;
+//                                                                      h < 0.6 H and D(sits) < 1 or D(kneels) < 1: recovering;
+//                                                                      who can swim at h >= 0.87 H: afloat
 //   holding     the same, held         carried, and somebody holds     as carried; let go: carried
 //                                      on to it who stands
-//   recovering  sits, kneels, squats,  see carried                     T of who sits >= 1: carried;
+//   recovering  sits, kneels, squats,  see carried                     no posture so far with D < 1: carried;
 //               stands up, 1 s each                                    after 4 s: on its feet
-//               [A], as long as T < 1; else
+//               [A], as long as D < 1; else
 //               it waits in one below
-//   drowned                            carried at h >= 0.25 H, or sits at h >= 0.5 H [A], with no air left        never
+//   drowned                            carried at h >= 0.25 H, or sits at h >= 0.44 H [A], with no air left       never
+//
+// D of a posture is that of a body at rest in it (resting.hpp). Where the water does not carry a body, h < 0.25 H, who can sit or kneel
+// gets up so before anything else. Who can kneel but not sit begins with kneeling, and who can stand but not squat leaves that out. So the
+// fastest stream in which somebody who drifts comes to rest falls with the depth.
 //
 // Air lasts for 60 s [A], less in water of a given temperature (wear.hpp); else it is taken in three times as fast. Times end with the step that is nearest.
 
 #include <array>
 #include <cstdint>
 #include <string_view>
+
+#include "crowd_client/people/resting.hpp"
 
 namespace wade::crowd {
 
@@ -46,7 +53,7 @@ inline constexpr double posture_time = 1;  // of each posture of getting up, s [
 // How it goes with one person, from step to step.
 struct Condition {
     PersonState state = PersonState::walking;
-    double in_state = 0;  // time in this state, s; recovering, that of getting up to its posture
+    double in_state = 0;  // time in this state, s; recovering, the least for its posture
     double slipping = 0;  // how long D >= 1, s
     double toppling = 0;  // how long T >= 1, s
     double firm = 0;      // how long S < 0.9, s
@@ -55,17 +62,20 @@ struct Condition {
 
 // What a person stands against in a step; depth and stream low-passed.
 struct Strain {
-    double slip = 0;            // S
-    double moment = 0;          // |F| min(h, H) / 2, N m, of the water past the person
-    double moment_at_rest = 0;  // the same, were it to stand still
-    double weight = 0;          // N, on the feet
-    double height = 1.7;        // H, m
-    double arm = 0;             // lambda H, m
-    double depth = 0;           // h, m
-    double hold = 0;            // M_hold, N m, of somebody who stands and is held on to
+    double slip = 0;                      // S
+    double moment = 0;                    // |F| min(h, H) / 2, N m, of the water past the person
+    std::array<double, rests> at_rest{};  // D in each posture, were it to rest
+    double weight = 0;                    // N, on the feet
+    double height = 1.7;                  // H, m
+    double arm = 0;                       // lambda H, m
+    double depth = 0;                     // h, m
+    double hold = 0;                      // M_hold, N m, of somebody who stands and is held on to
     bool can_swim = false;
     double air = air_budget;  // that lasts for him in this water, s
 };
+
+// The posture of who recovers.
+[[nodiscard]] Rest posture_of(const Condition& recovering);
 
 // T of who is upright.
 [[nodiscard]] double topple_demand(const Strain& strain);

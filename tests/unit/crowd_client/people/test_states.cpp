@@ -1,6 +1,7 @@
 // Each row of the table of people/states.hpp: what leads into a state and out of it, and when.
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <functional>
 
@@ -12,11 +13,12 @@ namespace {
 
 constexpr double height = 1.7, lever = 0.09 * height, weight = 400;
 
-// S and T as given, the same at rest, in water of a depth.
+// S and T as given, D of a body at rest the larger one in all postures, in water of a depth.
 Strain strain(double slip, double topple, double depth) {
     Strain s;
     s.slip = slip;
-    s.moment = s.moment_at_rest = topple * weight * lever;
+    s.moment = topple * weight * lever;
+    s.at_rest.fill(std::max(slip, topple));
     s.weight = weight;
     s.height = height;
     s.arm = lever;
@@ -53,6 +55,13 @@ struct Row {
 
 using S = PersonState;
 
+// D of who sits, kneels, squats and stands at rest; whoever stands up is firm.
+Strain resting(const std::array<double, rests>& at_rest, double depth) {
+    Strain s = strain(0, 0, depth);
+    s.at_rest = at_rest;
+    return s;
+}
+
 Strain swimming(double depth) {
     Strain s = strain(0, 0, depth);
     s.can_swim = true;
@@ -71,21 +80,26 @@ TEST_CASE("Each state is left for the next when its row says, at any rate of ste
         Row{S::toppled, strain(0, 0, 0.1), S::carried, 0.3}, Row{S::walking, strain(0, 0, 0.87 * height), S::afloat, 0},
         Row{S::sliding, strain(2, 2, 0.88 * height), S::afloat, 0},
         Row{S::afloat, strain(0, 0, 0.81 * height), S::carried, 0.3},
-        Row{S::afloat, strain(0, 0, 0.79 * height), S::recovering, 0}, Row{S::afloat, swimming(2), S::afloat, 1000},
-        Row{S::afloat, swimming(0.79 * height), S::recovering, 0}, Row{S::carried, swimming(1.6), S::afloat, 0},
-        Row{S::carried, strain(0, 2.7, 0.24 * height), S::recovering, 0},
-        Row{S::carried, strain(0, 2.8, 0.24 * height), S::carried, 1000},
-        // T of who sits is that of who stands times lever / 0.25 H = 0.36.
-        Row{S::carried, strain(0, 0.49 / 0.36, 0.59 * height), S::recovering, 0},
-        Row{S::carried, strain(0, 0.51 / 0.36, 0.59 * height), S::drowned, 60},
-        Row{S::carried, strain(0, 0, 0.61 * height), S::drowned, 60},
-        Row{S::carried, strain(0, 0, 0.5 * height), S::recovering, 0},
-        Row{S::recovering, strain(0, 0.3, 0.5), S::effort, 4},
-        Row{S::recovering, strain(0, 1.01 / 0.36, 0.5), S::carried, 0},
-        Row{S::recovering, strain(0, 2, 0.51 * height), S::drowned, 60},
-        Row{S::recovering, strain(0, 2, 0.49 * height), S::recovering, 1000},
-        // Squatting, 0.08 H, is the least stable: who cannot squat goes on kneeling.
-        Row{S::recovering, strain(0, 0.95, 0.5), S::recovering, 1000},
+        Row{S::afloat, strain(0, 0, 0.79 * height), S::sliding, 0}, Row{S::afloat, swimming(2), S::afloat, 1000},
+        Row{S::afloat, swimming(0.79 * height), S::sliding, 0}, Row{S::carried, swimming(1.6), S::afloat, 0},
+        // Sits or kneels where it can, unless the water holds it upright on its feet.
+        Row{S::carried, resting({0.99, 9, 9, 9}, 0.59 * height), S::recovering, 0},
+        Row{S::carried, resting({9, 0.99, 9, 9}, 0.59 * height), S::recovering, 0},
+        Row{S::carried, resting({0.9, 0.9, 0.9, 0.7}, 0.24 * height), S::recovering, 0},
+        Row{S::carried, resting({0.9, 0.9, 0.9, 0.7}, 0.26 * height), S::sliding, 0},
+        Row{S::carried, resting({9, 9, 9, 0.79}, 0.24 * height), S::sliding, 0},
+        Row{S::carried, resting({9, 9, 9, 0.79}, 0.79 * height), S::sliding, 0},
+        Row{S::carried, resting({1.01, 1.01, 0.5, 0.81}, 0.24 * height), S::carried, 1000},
+        Row{S::carried, resting({1.01, 1.01, 0.5, 0.81}, 0.26 * height), S::drowned, 60},
+        Row{S::carried, resting({0.5, 0.5, 0.5, 0.81}, 0.61 * height), S::drowned, 60},
+        Row{S::carried, strain(0, 0, 0.81 * height), S::drowned, 60},
+        Row{S::recovering, resting({0.3, 0.3, 0.3, 0.3}, 0.5), S::effort, 4},
+        Row{S::recovering, resting({1.01, 0.5, 0.5, 0.5}, 0.5), S::carried, 0},
+        Row{S::recovering, resting({0.9, 2, 2, 2}, 0.45 * height), S::drowned, 60},
+        Row{S::recovering, resting({0.9, 2, 2, 2}, 0.43 * height), S::recovering, 1000},
+        // Squatting is the least stable: who can stand leaves it out, and who cannot goes on kneeling.
+        Row{S::recovering, resting({0.5, 0.5, 2, 0.9}, 0.5), S::effort, 4},
+        Row{S::recovering, resting({0.5, 0.5, 2, 1.1}, 0.5), S::recovering, 1000},
         Row{S::recovering, strain(0, 0, 0.9 * height), S::afloat, 0},
         Row{S::drowned, strain(0, 0, 0), S::drowned, 1000});
     for (const double rate : {15.0, 30.0, 120.0}) {
@@ -120,22 +134,23 @@ TEST_CASE("Air comes back three times as fast as it goes, and who is in shallow 
     CHECK(condition.air == air_budget);
 }
 
-// T of a posture is T of who stands times lever over its arm: 0.36 sitting, 0.6 kneeling, 1.125 squatting.
 TEST_CASE("Who can sit but not stand sits until the water lets it stand, and is carried off by more") {
     for (const double rate : {15.0, 30.0, 120.0}) {
         Condition condition = in(S::carried);
-        const auto pass = [&](double topple, double time) {
+        const auto pass = [&](const std::array<double, rests>& at_rest, double time) {
             for (int i = 0; i < std::lround(time * rate); ++i) {
-                condition = next_condition(condition, strain(0, topple, 0.5), 1 / rate);
+                condition = next_condition(condition, resting(at_rest, 0.4), 1 / rate);
             }
             return condition.state;
         };
-        CHECK(pass(1.3, 60) == S::recovering);  // kneels: 0.78
-        CHECK(pass(2, 60) == S::recovering);    // sits: 0.72
-        CHECK(pass(0.4, 2.5) == S::recovering);
-        CHECK(pass(0.4, 1) == S::walking);
+        CHECK(pass({0.5, 0.8, 1.5, 1.3}, 60) == S::recovering);  // kneels
+        CHECK(posture_of(condition) == Rest::kneels);
+        CHECK(pass({0.7, 1.2, 2.2, 2}, 60) == S::recovering);
+        CHECK(posture_of(condition) == Rest::sits);
+        CHECK(pass({0.2, 0.2, 0.4, 0.4}, 2.5) == S::recovering);
+        CHECK(pass({0.2, 0.2, 0.4, 0.4}, 1) == S::walking);
         condition = in(S::recovering);
-        CHECK(pass(2, 10) == S::recovering);
-        CHECK(pass(3, 1 / rate) == S::carried);
+        CHECK(pass({0.7, 1.2, 2.2, 2}, 10) == S::recovering);
+        CHECK(pass({1.1, 1.8, 3.3, 3}, 1 / rate) == S::carried);
     }
 }
