@@ -77,6 +77,7 @@ COMMANDS = {
     "Judge the crowd": (
         Command("verify-crowd", "tests of ISO 20414, RiMEA and IMO, doors, counter-flow, water", "wade.suites.verify_crowd",
                 ("validate",), True),
+        Command("converge", "whether outcomes hang on rates, cells and spacings", "wade.suites.converge", PAIR),
         Command("stability-of-people", "when water takes people off their feet, beside flumes",
                 "wade.suites.stability_of_people", (*PAIR, "person_demands"), True),
     ),

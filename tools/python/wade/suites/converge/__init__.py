@@ -1,0 +1,186 @@
+"""Whether who survives depends on numerics: shares of outcomes and times over rates, cells and spacings, one at a time.
+
+Each scene runs with its reference values and with one numerical factor at another value, by the same seeds. Of each
+share of people (safe, lost, off their feet, no end yet) and of the times by which half and nine tenths of those who have an end had
+it, the paired difference has an interval of 95 % (bootstrap over seeds): equal where it lies within 3 points, or 5 % of the
+time; different where it lies outside; else undecided, which asks for more seeds, up to --most-seeds. --quick: single persons in
+steady water, one seed, whose outcomes and states must be the same.
+
+What is complete is not run again, so that the suite goes on where it was interrupted. Writes DIR/converge.csv and DIR/report.md.
+Exit code 1: a share or a time is different.
+"""
+
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+from wade import UsageError
+from wade.ensembles.plan import PlannedRun, plan_text
+from wade.many import seed_range
+from wade.paths import ROOT, module_command
+from wade.reports.files import say, write_whole
+from wade.reports.options import choose, whole
+from wade.reports.tables import document, markdown, read_csv, section, write_csv
+from wade.statistics.shares import bootstrap_mean
+from wade.suites.converge.cases import CASES
+from wade.terminal import Parser
+
+SAME_POINTS = 3.0  # of 100 people
+SAME_TIME = 0.05  # of a time
+SAME_WALK = 0.02  # of the time of one person, whose way hangs on markers that are drawn in each step
+SHARES = {
+    "safe": lambda row: row["outcome"] in ("arrived", "sheltered"),
+    "lost": lambda row: row["outcome"] == "dead",
+    "off their feet": lambda row: row["off_feet_s"] != "",
+    "no end yet": lambda row: row["outcome"] not in ("arrived", "sheltered", "dead"),
+}
+TIMES = {"half had an end, s": 0.5, "nine tenths had an end, s": 0.9}
+COLUMNS = ("scene", "factor", "value", "reference", "measure", "seeds", "of_reference", "of_value", "difference", "low", "high",
+           "verdict")
+PATIENCE_S = "300"
+
+
+def measures_of(rows):
+    """{measure: value} of the lines of an agents.csv: shares in points, times in s; None where nobody had an end."""
+    found = {name: 100 * sum(map(holds, rows)) / len(rows) for name, holds in SHARES.items()}
+    ends = sorted(float(row["time_s"]) for row in rows if not SHARES["no end yet"](row))
+    for name, share in TIMES.items():
+        found[name] = ends[min(len(ends) - 1, int(share * len(ends)))] if ends else None
+    return found
+
+
+def verdict(measure, reference, values):
+    """(mean difference, low, high, verdict) of paired values; the pairs in which nobody had an end are left out."""
+    pairs = [(a, b) for a, b in zip(reference, values) if a is not None and b is not None]
+    if not pairs:
+        return None, None, None, "equal"
+    mean, low, high = bootstrap_mean([b - a for a, b in pairs])
+    allowed = SAME_TIME * statistics.fmean(a for a, _ in pairs) if measure in TIMES else SAME_POINTS
+    if low is None:  # of one seed
+        low = high = mean
+    if -allowed <= low and high <= allowed:
+        return mean, low, high, "equal"
+    return mean, low, high, "different" if low > allowed or high < -allowed else "undecided"
+
+
+def people_verdict(reference, found):
+    """The verdict on single persons: the same outcomes, states and worst states, and ends within SAME_WALK of the time."""
+    keys = ("outcome", "state", "worst_state")
+    same = [all(a[key] == b[key] for key in keys) and abs(float(a["time_s"]) - float(b["time_s"])) <= SAME_WALK * float(a["time_s"])
+            for a, b in zip(reference, found)]
+    return "equal" if all(same) else "different"
+
+
+def settings_of(case):
+    """{(factor, value in words): what is set}; the reference, which is first, is ("reference", "")."""
+    settings = {("reference", ""): dict(case.reference)}
+    for factor in case.factors:
+        for value in factor.values:
+            settings[factor.name, f"{value:g}"] = {**case.reference, **factor.sets(value)}
+    return settings
+
+
+def run(case, seeds, options):
+    """Runs what is not there yet; {(factor, value): {seed: lines of agents.csv}}."""
+    out = options.out / "runs" / case.name
+    out.parent.mkdir(parents=True, exist_ok=True)
+    places = [(key, seed) for seed in seeds for key in settings_of(case)]
+    plan = [PlannedRun(k + 1, case.scene, seed, settings_of(case)[key]) for k, (key, seed) in enumerate(places)]
+    file = out.with_suffix(".csv")
+    write_whole(file, plan_text(plan))
+    command = [*module_command("wade.many"), file, "--out", out, "--resume", "--reproducible", "--", "--no-trajectories", "--water-every-s",
+               "0", "--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
+    with open(out.with_suffix(".log"), "w", encoding="utf-8") as log:
+        subprocess.run(command, stdout=log, stderr=log, check=False)
+    table = out / "runs.csv"
+    complete = {int(row["index"]) for row in read_csv(table) if row["status"] == "completed"} if table.is_file() else set()
+    found = {}
+    for line, (key, seed) in zip(plan, places):
+        if line.index not in complete:
+            raise UsageError(f"{line} did not end well; {out.with_suffix('.log')} says why")
+        found.setdefault(key, {})[seed] = read_csv(out / "runs" / line.name / "agents.csv")
+    return found
+
+
+def compared(case, found, seeds):
+    """The rows of the table."""
+    reference = found["reference", ""]
+    for (factor, value), runs in found.items():
+        if factor == "reference":
+            continue
+        start = {"scene": case.name, "factor": factor, "value": value, "seeds": len(seeds),
+                 "reference": f"{case.factor(factor).reference:g}"}
+        if case.quick:
+            same = [people_verdict(reference[seed], runs[seed]) for seed in seeds]
+            yield {**start, "measure": "states", "verdict": "equal" if set(same) == {"equal"} else "different"}
+            continue
+        pairs = [(measures_of(reference[seed]), measures_of(runs[seed])) for seed in seeds]
+        for measure in (*SHARES, *TIMES):
+            of_reference, of_value = ([pair[k][measure] for pair in pairs] for k in (0, 1))
+            mean, low, high, word = verdict(measure, of_reference, of_value)
+            known = [[v for v in values if v is not None] for values in (of_reference, of_value)]
+            means = [statistics.fmean(values) if values else None for values in known]
+            yield {**start, "measure": measure, "of_reference": means[0], "of_value": means[1], "difference": mean, "low": low,
+                   "high": high, "verdict": word}
+
+
+def decide(case, options):
+    """The rows of a case, with as many seeds as it takes to decide."""
+    seeds = list(range(1, 2)) if case.quick else list(options.seeds)
+    while True:
+        rows = list(compared(case, run(case, seeds, options), seeds))
+        if all(row["verdict"] != "undecided" for row in rows) or len(seeds) >= options.most_seeds:
+            return rows
+        seeds += range(seeds[-1] + 1, seeds[-1] + 1 + min(len(seeds), options.most_seeds - len(seeds)))
+
+
+def shown(row):
+    def of(value):
+        return "-" if value is None else f"{value:.1f}"
+
+    interval = "" if row.get("low") is None else f"{of(row['difference'])} ({of(row['low'])} to {of(row['high'])})"
+    return (row["factor"], row["value"], row["measure"], of(row.get("of_reference")), of(row.get("of_value")), interval,
+            row["seeds"], row["verdict"])
+
+
+def report(rows, options):
+    """The page: a table a scene of what is not equal, and how many are what."""
+    counts = {word: sum(row["verdict"] == word for row in rows) for word in ("equal", "undecided", "different")}
+    head = (f"# Convergence of outcomes\n\n`{options.command}`: {counts['equal']} equal, {counts['undecided']} undecided, "
+            f"{counts['different']} different.\n\nA share is equal where the 95 % interval of the paired difference lies within "
+            f"{SAME_POINTS:g} points, a time within {100 * SAME_TIME:g} %.\n")
+    sections = []
+    for case in dict.fromkeys(row["scene"] for row in rows):
+        own = [row for row in rows if row["scene"] == case]
+        rest = [shown(row) for row in own if row["verdict"] != "equal"]
+        text = f"{len(own) - len(rest)} of {len(own)} equal.\n"
+        table = markdown(("factor", "value", "measure", "reference", "found", "difference", "seeds", ""), rest) if rest else ""
+        sections.append(section(case, text, *([table] if table else [])))
+    return document(head, *sections)
+
+
+def parse(arguments):
+    parser = Parser("converge", __doc__)
+    parser.add_argument("cases", nargs="*", metavar="CASE", help=f"names or patterns of: {', '.join(c.name for c in CASES)} [all]")
+    parser.add_argument("--quick", action="store_true", help="single persons in steady water alone")
+    parser.add_argument("--seeds", type=seed_range, default=range(1, 21), metavar="A-B", help="to begin with [1-20]")
+    parser.add_argument("--most-seeds", type=whole(1), default=80, metavar="N", help="of what is undecided [80]")
+    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "converge", metavar="DIR", help="[runs/converge in the project]")
+    options = parser.parse_args(arguments)
+    options.command = " ".join(["tools/wade", "converge", *arguments])
+    return options
+
+
+def main(arguments):
+    """tools/wade converge."""
+    options = parse(arguments)
+    chosen = [case for case in choose(CASES, ",".join(options.cases) or None) if case.quick or not options.quick]
+    rows = []
+    for case in chosen:
+        rows += decide(case, options)
+        write_csv(options.out / "converge.csv", COLUMNS, [{key: row.get(key) for key in COLUMNS} for row in rows])
+        write_whole(options.out / "report.md", report(rows, options))
+        print(f"{case.name}: {sum(r['verdict'] != 'equal' for r in rows if r['scene'] == case.name)} not equal", file=sys.stderr)
+    say(report(rows, options))
+    return 1 if any(row["verdict"] == "different" for row in rows) else 0
