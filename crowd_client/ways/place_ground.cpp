@@ -60,16 +60,17 @@ void find_free_ground(Navigation& navigation) {
     place.free.assign(cells.cells(), 1.0);
     constexpr int across = 8;
     for (std::size_t c = 0; c < cells.cells(); ++c) {
+        const std::size_t cell_row = c / cells.columns;
         const double x = cells.x0 + static_cast<double>(c % cells.columns) * cells.step_x;
-        const double z = cells.z0 + static_cast<double>(c / cells.columns) * cells.step_z;
+        const double z = cells.z0 + static_cast<double>(cell_row) * cells.step_z;
         if (!any_near(navigation.sight.houses.grounds, {x, x + cells.step_x}, {z, z + cells.step_z},
                       [](const Obstacle&) { return true; })) {
             continue;
         }
         int inside = 0;
         for (int i = 0; i < across * across; ++i) {
-            const Vector2d p(x + (i % across + 0.5) / across * cells.step_x,
-                             z + (i / across + 0.5) / across * cells.step_z);
+            const int along = i % across, line = i / across;
+            const Vector2d p(x + (along + 0.5) / across * cells.step_x, z + (line + 0.5) / across * cells.step_z);
             if (is_in_a_house(navigation.sight.houses, p)) ++inside;
         }
         place.free[c] = 1 - static_cast<double>(inside) / (across * across);

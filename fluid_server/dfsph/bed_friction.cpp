@@ -136,8 +136,9 @@ void WaterColumns::sum(const Particles& p) {
 }
 
 MapPoint WaterColumns::middle(std::size_t c) const {
-    return {x_.lo + (static_cast<double>(c % nx_) + 0.5) * x_.length() / nx_,
-            z_.lo + (static_cast<double>(c / nx_) + 0.5) * z_.length() / nz_};
+    const std::size_t column = c % nx_, row = c / nx_;
+    return {x_.lo + (static_cast<double>(column) + 0.5) * x_.length() / nx_,
+            z_.lo + (static_cast<double>(row) + 0.5) * z_.length() / nz_};
 }
 
 double WaterColumns::depth(std::size_t c) const {

@@ -68,9 +68,9 @@ DfsphModel::DfsphModel(const Scene& scene)
     std::vector<double> ground(columns_->count());
     for (std::size_t c = 0; c < columns_->count(); ++c) {
         maps_->wall[c] = columns_->is_solid(c);
-        const double column = static_cast<double>(c % columns_->nx()) + 0.5;
-        const double row = static_cast<double>(c / columns_->nx()) + 0.5;
-        ground[c] = ground_({columns_->x().lo + column * dx, columns_->z().lo + row * dz});
+        const std::size_t column = c % columns_->nx(), row = c / columns_->nx();
+        ground[c] = ground_({columns_->x().lo + (static_cast<double>(column) + 0.5) * dx,
+                             columns_->z().lo + (static_cast<double>(row) + 0.5) * dz});
     }
     place_gauges(*maps_, *scene.place, ground);
 }

@@ -83,7 +83,8 @@ Message ground_of(const Scene& scene) {
     Message message = new_message(head);
     const auto heights = array_of(message, head, 0);
     for (std::uint32_t k = 0; k < head.count; ++k) {
-        const MapPoint p{std::min(length, step * (k % head.columns)), std::min(width, step * (k / head.columns))};
+        const std::uint32_t column = k % head.columns, row = k / head.columns;
+        const MapPoint p{std::min(length, step * column), std::min(width, step * row)};
         heights[k] = height_or_none(ground, p);
     }
     return message;
