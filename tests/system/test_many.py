@@ -223,6 +223,14 @@ echo '{{"seed": 1}}'
             self.assertEqual([float(words[key]) for key in ("arrived", "sheltered", "indoors", "upper_floor", "dead")],
                              [4, 2, 1, 1, 1])
 
+    def test_of_two_that_begin_an_ensemble_at_once_one_is_refused(self):
+        first, second = (self.many("--seeds", seeds, SMALL, "--", *SHORT) for seeds in ("1-2", "3-4"))
+        codes = {process.wait(): process for process in (first, second)}
+        self.assertEqual(set(codes), {0, 2}, first.messages() + second.messages())
+        self.assertIn("--resume goes on with it", codes[2].messages())
+        self.assertEqual(len(self.rows()), 2)
+        self.assertEqual({row["status"] for row in self.rows()}, {"completed"})
+
     def test_a_scene_that_is_not_there_stops_all_before_they_start(self):
         self.assert_ends(self.many(SMALL, "s055"), 2, 'no scene "s055"', "s05")
         self.assertFalse((self.folder / "many").exists())

@@ -52,6 +52,11 @@ class Quantiles(unittest.TestCase):
         self.assertAlmostEqual(low, 0.0573, delta=5e-5)
         self.assertAlmostEqual(high, 0.4366, delta=5e-5)
 
+    def test_share_of_runs_is_known_for_thousands(self):
+        self.assertAlmostEqual(share_of_runs(0, 5000)[1], 1 - 0.025 ** (1 / 5000), places=12)
+        low, high = share_of_runs(2500, 5000)  # nearly normal: 1.96 sqrt(0.25 / 5000), and half a run
+        self.assertAlmostEqual(high - low, 2 * (1.96 * (0.25 / 5000) ** 0.5 + 0.5 / 5000), delta=2e-5)
+
 
 class DesignEffect(unittest.TestCase):
     def test_is_one_for_runs_that_vary_no_more_than_independent_agents(self):

@@ -100,6 +100,8 @@ class Ensemble:
     def check_growth(self):
         """A plan that goes on begins as it did: what is there must be of its index."""
         if not self.kept:
+            if read_json(self.folder.settings):
+                raise UsageError(f"--out: {self.options.out} holds an ensemble that was begun just now; --resume goes on with it")
             return
         if self.common != self.kept["options"]:
             raise UsageError(f"--resume: options of every run are {shlex.join(self.common)}, they were "

@@ -153,8 +153,12 @@ def share_of(counts, people):
 def share_of_runs(successes, runs):
     """Exact interval (Clopper and Pearson 1934) of a share of runs, which are independent."""
 
+    def of_exactly(i, p):  # by logarithms, as the factors of thousands of runs are beyond any number
+        ways = math.lgamma(runs + 1) - math.lgamma(i + 1) - math.lgamma(runs - i + 1)
+        return math.exp(ways + i * math.log(p) + (runs - i) * math.log1p(-p))
+
     def at_least(k, p):
-        return sum(math.comb(runs, i) * p**i * (1 - p) ** (runs - i) for i in range(k, runs + 1))
+        return sum(of_exactly(i, p) for i in range(k, runs + 1))
 
     tail = (1 - LEVEL) / 2
     low = 0.0 if successes == 0 else between(0.0, 1.0, lambda p: at_least(successes, p) < tail)
