@@ -47,10 +47,11 @@ def write_plan(folder, lines):
         csv.writer(file).writerows([("index", "scene", "seed", "settings"), *lines])
 
 
-def ensemble_in(folder, seeds=range(1, 25), drowned=lambda seed: 1 + seed % 4):
+def ensemble_in(folder, seeds=range(1, 25), drowned=lambda seed: 1 + seed % 4, all_end=False):
     write_plan(folder, [(seed, "river/s08", seed, "{}") for seed in seeds])
     for seed in seeds:
-        write_run(folder / "runs" / f"{seed:05d}", seed, 10 + seed % 3, drowned(seed))
+        arrive = 20 - drowned(seed) if all_end else 10 + seed % 3
+        write_run(folder / "runs" / f"{seed:05d}", seed, arrive, drowned(seed))
 
 
 def quietly(command, *arguments):
@@ -119,12 +120,27 @@ class Folder(unittest.TestCase):
         ensemble_in(self.folder / "b", range(3, 25), lambda seed: seed % 4)
         quietly(table.main, self.folder / "a", "--against", self.folder / "b", "--out", self.folder, "--no-figures")
         rows = {row["fate"]: row for row in read_csv(self.folder / "compared.csv") if row["by"] == "all"}
-        self.assertEqual(rows["alive"]["pairs"], "22")
-        self.assertAlmostEqual(float(rows["alive"]["difference"]), 0.05)
-        self.assertAlmostEqual(float(rows["alive"]["people_for_one_more"]), 20)
+        self.assertEqual(rows["lost"]["pairs"], "22")
+        self.assertAlmostEqual(float(rows["lost"]["difference"]), -0.05)
+        # Of 20 in a run some 6 still walk: they may all be lost in the first runs and none in the second, or the reverse.
+        walking = float(rows["no end yet"]["share_first"]), float(rows["no end yet"]["share_second"])
+        self.assertAlmostEqual(float(rows["lost, at least"]["difference"]), -0.05 - walking[0])
+        self.assertAlmostEqual(float(rows["lost, at most"]["difference"]), -0.05 + walking[1])
+        self.assertEqual({row["people_for_one_more"] for row in rows.values()}, {""})
+        self.assertEqual(rows["lost"]["why_no_interval"], "who has no end yet decides")
         with self.assertRaisesRegex(UsageError, "no seed in common"):
             ensemble_in(self.folder / "c", range(90, 92))
             quietly(table.main, self.folder / "a", "--against", self.folder / "c", "--no-figures", "--out", self.folder)
+
+    def test_where_all_have_an_end_so_many_people_are_needed_for_one_more(self):
+        ensemble_in(self.folder / "a", all_end=True)
+        ensemble_in(self.folder / "b", drowned=lambda seed: seed % 4, all_end=True)
+        quietly(table.main, self.folder / "a", "--against", self.folder / "b", "--out", self.folder, "--no-figures")
+        rows = {row["fate"]: row for row in read_csv(self.folder / "compared.csv") if row["by"] == "all"}
+        self.assertAlmostEqual(float(rows["lost"]["people_for_one_more"]), 20)
+        self.assertEqual({fate for fate, row in rows.items() if row["people_for_one_more"]}, {"lost"})
+        quietly(page.main, self.folder / "a", "--against", self.folder / "b")
+        self.assertIn("One fewer is lost for 20 people", (self.folder / "a/report.html").read_text())
 
     def test_the_search_begins_where_they_drowned(self):
         ensemble_in(self.folder)
@@ -145,7 +161,8 @@ class Folder(unittest.TestCase):
         self.assertIn("A &lt;b&gt; town", text)
         self.assertEqual(re.findall(r'(?:src|href)="(?!data:image/png;base64,)[^"]*"', text), [], "nothing from elsewhere")
         self.assertEqual(text.count("data:image/png"), 2)
-        for words in ("<b>12.5 of 100</b>die", "10 % of the people (48 of 480)", "about 55 arrive in safety", "20 ("):
+        for words in ("<b>12.5 of 100</b>die", "10 % of the people (48 of 480)", "about 55 arrive in safety",
+                      "depends on those who have no end yet", "on their feet)"):
             self.assertIn(words, text)
 
 

@@ -18,7 +18,8 @@ from wade.reports.tables import listed
 from wade.statistics.ensemble import MISSING, SWEPT_AWAY, classes, fates_of, has_feet, read_ensemble
 from wade.statistics.last_places import SQUARE_M, density_of, search_order
 from wade.statistics.shares import share_of, share_of_runs
-from wade.statistics.table import comparisons_of, compare, percent, refusal_words, stop_text
+from wade.statistics.table import (LEAST, LOST, MOST, NO_END, SAFE, UNDECIDED, comparisons_of, compare, percent,
+                                   refusal_words, stop_text)
 from wade.statistics.times import curves_of
 from wade.terminal import Parser
 
@@ -316,23 +317,46 @@ def case_html(case, level_title, changes):
     return "".join(parts)
 
 
+ROWS = {SAFE: "safe: arrived or in a shelter", LOST: "lost: dead", LEAST: "lost, if all without an end were lost in the first",
+        MOST: "lost, if all without an end were lost in the second", NO_END: "no end yet"}
+
+
+def without_an_end(case):
+    """How many of 100 have no end yet, and as what, in words."""
+    none = ~case.people["safe"] & ~case.people["dead"]
+    kinds = [(fate, share_where(case, none & (case.people["fate"] == fate)).mean) for fate in fates_of(case)]
+    shares = [f"{percent(share)} {fate}" for fate, share in kinds if share > 0]
+    return f"{percent(share_where(case, none).mean)} of 100" + (f" ({', '.join(shares)})" if shares else "")
+
+
+def any_indoors(*cases):
+    return any(case.people["indoors"].any() for case in cases)
+
+
 def comparison_html(first, second):
     """What the second changes, of all people."""
-    rows = []
+    rows, verdict = [], ""
     for _, fate, result in compare(first, second, "all"):
-        if fate not in ("alive", "arrived", "carried", "drowned", SWEPT_AWAY) or result.first == result.second == 0:
+        if result.first == result.second == 0 and fate not in (SAFE, LOST):
             continue
         interval = f"no range: {result.refused}"
         if result.low is not None:
             interval = f"{100 * result.low:+.1f} to {100 * result.high:+.1f}"
-        per = "" if result.per_low is None else f"{result.per:.3g} ({result.per_low:.3g} to {result.per_high:.3g})"
-        rows.append([text(fate), f"{percent(result.first)} of 100", f"{percent(result.second)} of 100",
-                     f"{100 * result.difference:+.1f}", text(interval), per if fate in ("alive", "arrived") else ""])
+        if fate == LOST and result.per is not None:
+            less = "fewer" if result.difference < 0 else "more"
+            verdict = (f"One {less} is lost for {result.per:.3g} people who are warned or protected so ({result.per_low:.3g} to "
+                       f"{result.per_high:.3g}), whatever becomes of those without an end yet.")
+        elif fate == LOST and result.refused == UNDECIDED:
+            but = ", but of those indoors, as the water in houses is not computed" if any_indoors(first, second) else ""
+            verdict = ("Whether fewer are lost depends on those who have no end yet when the simulated time is over: first "
+                       f"{without_an_end(first)}, second {without_an_end(second)}. Longer runs tell{but}. Until then this does not "
+                       "say which is better.")
+        rows.append([text(ROWS.get(fate, fate)), f"{percent(result.first)} of 100", f"{percent(result.second)} of 100",
+                     f"{100 * result.difference:+.1f}", text(interval)])
     return (f"<p>First: {text(first.name)}, {text(first.runs[0].folder.parent)}. Second: {text(second.name)}, "
             f"{text(second.runs[0].folder.parent)}. Both with the same people, seed by seed.</p>"
-            + table(["", "first", "second", "change, of 100", "likely", "people needed for one more"], rows)
-            + '<p class="small">People needed for one more: so many people have to be warned, or protected, so that one more of '
-            "them ends so. It is left out where the change may be nothing.</p>")
+            + table(["", "first", "second", "change, of 100", "likely"], rows)
+            + (f'<p class="warn">{text(verdict)}</p>' if verdict else ""))
 
 
 def page(ensemble, comparisons, title):

@@ -4,6 +4,7 @@ Reads DIR as `tools/wade many` wrote it, or any folder with run folders in it. W
 or into --out. Every number has its runs and people; where no interval can be given, the reason stands in its place.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -146,20 +147,51 @@ def pairs_of(first, second):
     return chosen
 
 
+SAFE, LOST, NO_END = "safe", "lost", "no end yet"
+LEAST, MOST = "lost, at least", "lost, at most"  # change if of those without an end yet all are lost in the first and none in
+# the second, and the reverse
+SUMS = {
+    SAFE: (lambda people: people["safe"],) * 2,
+    LOST: (lambda people: people["dead"],) * 2,
+    LEAST: (lambda people: ~people["safe"], lambda people: people["dead"]),
+    MOST: (lambda people: people["dead"], lambda people: ~people["safe"]),
+    NO_END: (lambda people: ~people["safe"] & ~people["dead"],) * 2,
+}
+UNDECIDED = "who has no end yet decides"
+
+
+def needed(results):
+    """The comparisons of a class, {fate: Comparison}, with the number needed of "lost" alone.
+
+    It is given where the change of "lost" has one sign whatever becomes of those without an end; from the nearest to the farthest
+    end of both intervals.
+    """
+    least, most = results[LEAST], results[MOST]
+    decided = None not in (least.low, most.high) and least.low * most.high > 0
+    for fate, result in results.items():
+        numbers = dict.fromkeys(("per", "per_low", "per_high"))
+        if fate == LOST and decided and result.difference:
+            low, high = sorted((1 / abs(least.low), 1 / abs(most.high)))
+            numbers = {"per": 1 / abs(result.difference), "per_low": low, "per_high": high}
+        refused = UNDECIDED if fate == LOST and result.per_low is not None and not decided else result.refused
+        yield fate, replace(result, **numbers, refused=refused)
+
+
 def compare(first, second, by):
-    """[(class, fate, Comparison)] of all fates and of "alive"."""
+    """[(class, fate, Comparison)] of SUMS and all fates."""
     chosen = pairs_of(first, second)
     others = dict(classes(second, by))
     for name, here in classes(first, by):
         if name not in others:
             continue
-        for fate in ("alive", *dict.fromkeys(fates_of(first) + fates_of(second))):
-            counts = []
-            for case, index, of_class in zip((first, second), chosen, (here, others[name])):
-                having = ~case.people["dead"] if fate == "alive" else case.people["fate"] == fate
-                counts.append(case.counts(of_class & having)[index].tolist())
-            people = first.counts(here)[chosen[0]].tolist()
-            yield name, fate, compared(*counts, people)
+        people, results = first.counts(here)[chosen[0]].tolist(), {}
+        for fate in dict.fromkeys([*SUMS, *fates_of(first), *fates_of(second)]):
+            of_fate = SUMS.get(fate, (lambda all_people, fate=fate: all_people["fate"] == fate,) * 2)
+            counts = [case.counts(of_class & having(case.people))[index].tolist()
+                      for case, index, of_class, having in zip((first, second), chosen, (here, others[name]), of_fate)]
+            results[fate] = compared(*counts, people)
+        for fate, result in needed(results):
+            yield name, fate, result
 
 
 def comparison_text(first, second, bys):
@@ -167,7 +199,7 @@ def comparison_text(first, second, bys):
     lines = []
     for by in bys:
         for name, fate, result in compare(first, second, by):
-            if result.first == result.second == 0 and fate != "alive":
+            if result.first == result.second == 0 and fate not in (SAFE, LOST):
                 continue
             interval = "-" if result.low is None else f"{100 * result.low:+.1f} to {100 * result.high:+.1f}"
             per = "-" if result.per is None else f"{result.per:.3g}"
@@ -177,8 +209,9 @@ def comparison_text(first, second, bys):
                           f"{100 * result.difference:+.1f}", interval, per, result.refused or ""])
     folders = [case.runs[0].folder.parent for case in (first, second)]
     text = (f"First: {first.name} ({folders[0]}). Second: {second.name} ({folders[1]}). Runs of the same seed are pairs; t "
-            "interval of the differences, in points of per cent. *People for one more*: the number needed to "
-            "warn (or to treat otherwise) so that one more ends so, 1 over the difference.\n")
+            "interval of the differences, in points of per cent. *Lost, at least* and *at most*: if of those without an end yet all "
+            "were lost in the first and none in the second, and the reverse. *People for one more*: the number needed to warn (or to "
+            "treat otherwise) so that one more or one less is lost, 1 over the difference; given where both bounds say so.\n")
     return text + "\n" + markdown(["", "", "pairs", "people", "first", "second", "difference", "95 %", "people for one more",
                                    "why no interval"], lines)
 
