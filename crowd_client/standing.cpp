@@ -116,7 +116,8 @@ std::string words_of(StandingReason hold, const Crowd& settings, bool in_place) 
                 return "people are before them; crowds get past one another with /crowd/markers \"redrawn\" and "
                        "/crowd/bodies \"human\"";
             }
-            return "people are before them; /crowd/navigation/crowding leads round crowds";
+            return in_place ? "people are before them"
+                            : "people are before them; /crowd/navigation/crowding leads round crowds";
         case StandingReason::unknown:
             break;
     }

@@ -35,7 +35,7 @@ void fields(NavigationSettings& navigation, Fields& f) {
     f.number("crowding", navigation.crowding, "", from(0).to(10),
              "How much people in the way count: agents expect to walk at the speed of Weidmann's curve for so many "
              "times the density of people there, and choose ways round crowds, also where the goal is in sight. 0: not "
-             "at all. 1: as measured crowds are slowed.");
+             "at all, the only value in a place. 1: as measured crowds are slowed.");
     f.number(
         "every_s", navigation.every, "s", from(0).to(1e6),
         "Time after which the fields are solved again for where people are, and in a place for the water; 0: once, "
