@@ -52,7 +52,9 @@ def main(arguments):
     """Carries out a command line; returns the exit code."""
     open_standard_streams()
     try:
-        return call(arguments)
+        code = call(arguments)
+        sys.stdout.flush()  # here, where a reader that has gone is expected
+        return code
     except UsageError as error:
         say_error(f"wade: {error}")
         return 2
