@@ -2,6 +2,7 @@
 
 import importlib
 import os
+import sys
 
 from wade.building import BuildError, bring_up_to_date, install_pictures, installing_pictures
 from wade.commands import COMMANDS, all_commands, find_command
