@@ -352,7 +352,7 @@ void walk_part(const Step& step) {
     }
 }
 
-// A step has one part, but long steps have more for people with bodies and such as answer the water by theirs (body_clock.hpp).
+// A long step has several parts for people with bodies and for the response `measured` (body_clock.hpp).
 void advance(CrowdWorld& crowd, const WaterBins& water) {
     const BodyClock& clock = crowd.clock;
     const auto parts = static_cast<std::uint64_t>(clock.parts);

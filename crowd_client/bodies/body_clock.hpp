@@ -1,6 +1,6 @@
 #pragma once
-// When people decide and move: about as often at any rate of steps. It is for people with bodies; who answers the water by his
-// body (response `measured`) moves in parts of a step as well.
+// When people with bodies decide and move: about as often at any rate of steps. With the response `measured` people without
+// bodies move in parts of a step, too.
 //
 // They decide every 0.1 s, or a little more often. A step of the crowd that is longer has parts, in each of which they
 // decide and walk through the same water; of shorter ones some pass between two decisions. A motion takes at most 0.06 s.

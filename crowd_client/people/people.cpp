@@ -77,14 +77,14 @@ void wear_out(People& people, std::size_t id, double dt) {
     if (state == PersonState::afloat) wear.swum += dt;
 }
 
-// The body in a posture, as strong and as wide as it is now.
+// Returns the stance in a posture, with the present friction, lever arm and drag of the person.
 Stance stance_in(const People& people, std::size_t id, double mass, Rest posture, double depth,
                  const WaterProperties& water) {
     return stance_of(posture, body_of(people, id, mass), friction_of(people, id), arm_of(people, id), depth, water,
                      people.drag[id]);
 }
 
-// Whether what happens next hangs on the postures in which a body could rest.
+// Returns true if the next state depends on D at rest.
 bool asks_for_rest(PersonState state) {
     return state == PersonState::carried || state == PersonState::holding || state == PersonState::recovering;
 }
@@ -283,17 +283,12 @@ PersonInWater person_in_water(const People& people, std::size_t id, double mass,
                           mass_with_water(mass, share, water), 0};
         return person;
     }
-    if (state == PersonState::recovering) {
-        const Stance stance = stance_in(people, id, mass, posture_of(people.condition[id]), felt.depth, water);
-        person.footing = {stance.k, mass_with_water(mass, submerged_share(height, felt.depth), water),
-                          stance.friction * stance.weight};
-        return person;
-    }
-    const double share = submerged_share(height, felt.depth);
-    const double grip = friction_of(people, id) * weight_on_feet(body_of(people, id, mass), felt.depth, water);
-    person.footing = {drag_upright(height, felt.depth, water, people.drag[id]), mass_with_water(mass, share, water),
-                      grip};
-    person.wanted = wanted;
+    const bool recovers = state == PersonState::recovering;
+    const Stance stance =
+        stance_in(people, id, mass, recovers ? posture_of(people.condition[id]) : Rest::stands, felt.depth, water);
+    person.footing = {stance.k, mass_with_water(mass, submerged_share(height, felt.depth), water),
+                      stance.friction * stance.weight};
+    if (!recovers) person.wanted = wanted;
     if (swims(people, id)) person.swimming = swimming_force_of(people, id) * unit_or(wanted, Vector2d::Zero());
     return person;
 }

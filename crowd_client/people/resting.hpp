@@ -1,7 +1,7 @@
 #pragma once
-// How firmly a body rests on the ground in each posture of getting up, in water that passes it. Pure functions.
+// Stability of a body at rest on the ground in each posture of getting up. Pure functions.
 //
-//   H height, h depth, m     x = h / H     U velocity of the water, m/s     mu friction, lambda arm of who stands (person.hpp)
+//   H height, h depth, m     x = h / H     U velocity of the water, m/s     mu, lambda: standing (person.hpp)
 //
 //   posture  parts of the volume: share, from, to (of H)              top   B / H  l / H   friction
 //   sits     0.678: 0, 0.52;    0.200: 0, 0.10;     0.122: 0, 0.08    0.52  0.21   0.25    min(mu, 0.45), of clothes [A]
@@ -12,8 +12,8 @@
 //   f = sum share clamp((x - from) / (to - from), 0, 1)       N = m g max(0, 1 - f rho / body_density)
 //   k = rho C B min(h, top) / 2      S = k U^2 / (mu N)       T = k U^2 min(h, top) / 2 / (N l)       D = max(S, T)
 //
-// The parts are head, trunk and arms, thighs, shanks and feet, by usual masses of segments; heights, widths and arms are assumed. Under a
-// metre of water somebody of 1.7 m and 70 kg who sits rests with 33 N on the ground, not with the 402 N of who stands.
+// The parts are head, trunk and arms; thighs; shanks and feet. Their fractions are usual segment masses; heights, widths and lever arms
+// are assumed. In 1 m of water a person of 1.7 m and 70 kg presses the ground with 33 N when sitting.
 
 #include <array>
 #include <cstdint>
@@ -25,7 +25,7 @@ namespace wade::crowd {
 enum class Rest : std::uint8_t { sits, kneels, squats, stands };
 inline constexpr std::size_t rests = 4;
 
-// What a body of a given posture has against the water.
+// Terms of the equations above, for one posture.
 struct Stance {
     double k = 0;         // of the drag, kg/m
     double wet = 0;       // height of the body against the stream, m
@@ -34,11 +34,11 @@ struct Stance {
     double arm = 0;       // l, m
 };
 
-// friction, arm: mu and l, m, of who stands; drag: C of who is upright.
+// Computes the stance at a depth, m. friction, arm: mu and l, m, when standing; drag: C of the upright body.
 [[nodiscard]] Stance stance_of(Rest posture, const Body& body, double friction, double arm, double depth,
                                const WaterProperties& water, double drag = body_drag);
 
-// D = max(S, T) of a body at rest in a stream; infinite for one without weight.
+// Computes D = max(S, T) of a body at rest in a stream, m/s; infinite for a body without weight.
 [[nodiscard]] double demand_at_rest(const Stance& stance, const Vector2d& stream);
 
 }  // namespace wade::crowd

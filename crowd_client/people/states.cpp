@@ -41,7 +41,7 @@ double demand_in(const Strain& e, Rest posture) {
     return e.at_rest[static_cast<std::size_t>(posture)];
 }
 
-// Whether who gets up can be in a posture; what nobody need stop in counts if the next one holds.
+// Returns true if a person getting up can be in the posture. Squatting is skipped where standing holds.
 bool can_pass(const Strain& e, std::size_t posture) {
     const bool may_skip = posture == static_cast<std::size_t>(Rest::squats) && demand_in(e, Rest::stands) < 1;
     return e.at_rest[posture] < 1 || may_skip;
@@ -58,7 +58,7 @@ PersonState carried_on(const Strain& e) {
     return e.hold > 0 ? PersonState::holding : PersonState::carried;
 }
 
-// Up through the postures. Who cannot rest in one goes back to the highest below that holds, and waits there for the next.
+// Advances through the postures. A person falls back to the highest posture below that holds, and waits there for the next.
 PersonState getting_up(Condition& now, const Strain& e, double dt) {
     if (e.depth >= chin * e.height) return PersonState::afloat;
     const auto reached = static_cast<std::size_t>(posture_of(now));
@@ -119,7 +119,7 @@ Condition next_condition(const Condition& before, const Strain& e, double dt) {
     if (now.state == before.state) return now;
     const bool kneels_first = now.state == PersonState::recovering && demand_in(e, Rest::sits) >= 1;
     now.in_state = kneels_first ? posture_time : 0;
-    // Who comes to the ground or leaves it begins anew to slip and topple.
+    // The times of slipping and toppling restart when a person starts or stops standing.
     const bool has_stood = has_ground(before.state) && before.state != PersonState::recovering;
     const bool stands = has_ground(now.state) && now.state != PersonState::recovering;
     if (!has_stood || !stands) now.slipping = now.toppling = now.firm = 0;

@@ -18,9 +18,9 @@
 //               it waits in one below
 //   drowned                            carried at h >= 0.25 H, or sits at h >= 0.44 H [A], with no air left       never
 //
-// D of a posture is that of a body at rest in it (resting.hpp). Where the water does not carry a body, h < 0.25 H, who can sit or kneel
-// gets up so before anything else. Who can kneel but not sit begins with kneeling, and who can stand but not squat leaves that out. So the
-// fastest stream in which somebody who drifts comes to rest falls with the depth.
+// D of a posture is that of a body at rest in it (resting.hpp). In h < 0.25 H, where the water does not carry a body, getting up through
+// sitting or kneeling comes before feet down. Getting up begins with kneeling where sitting does not hold, and skips squatting where
+// standing holds. So the fastest stream in which a drifting person comes to rest falls with the depth.
 //
 // Air lasts for 60 s [A], less in water of a given temperature (wear.hpp); else it is taken in three times as fast. Times end with the step that is nearest.
 
@@ -74,7 +74,7 @@ struct Strain {
     double air = air_budget;  // that lasts for him in this water, s
 };
 
-// The posture of who recovers.
+// Returns the posture in the state recovering.
 [[nodiscard]] Rest posture_of(const Condition& recovering);
 
 // T of who is upright.
