@@ -13,7 +13,7 @@ using namespace wade::crowd;
 
 namespace {
 
-// The demands of somebody who rests, of a skill, in a stream.
+// The demands of a person of a skill at rest in a stream.
 Strain at_rest(const Body& person, Skill skill, double depth, double speed) {
     const Bracing bracing = bracing_of(skill);
     Strain strain;
@@ -27,7 +27,7 @@ Strain at_rest(const Body& person, Skill skill, double depth, double speed) {
     return strain;
 }
 
-// The fastest stream, m/s, in which somebody who drifts comes to rest.
+// The fastest stream, m/s, in which a drifting person comes to rest.
 double fastest_stop(const Body& person, Skill skill, double depth) {
     double lo = 0, hi = 20;
     for (int i = 0; i < 50; ++i) {
@@ -43,7 +43,7 @@ double fastest_stop(const Body& person, Skill skill, double depth) {
 }  // namespace
 
 // Worked out by hand from the table of resting.hpp.
-TEST_CASE("Somebody of 1.7 m and 70 kg rests on the ground with what the water leaves of his weight") {
+TEST_CASE("The water takes weight off a body of 1.7 m and 70 kg by its posture") {
     struct Row {
         double depth, speed;
         Rest posture;
@@ -62,14 +62,14 @@ TEST_CASE("Somebody of 1.7 m and 70 kg rests on the ground with what the water l
     CHECK(0.5 * drag * stance.wet / (stance.weight * stance.arm) == Approx(row.topple).epsilon(0.05));
 }
 
-TEST_CASE("Who is wholly under water in a posture has what a body weighs there, and dry ground asks for nothing") {
+TEST_CASE("A body wholly under water has its buoyant weight in each posture, and dry ground has no demand") {
     const auto posture = static_cast<Rest>(GENERATE(0, 1, 2, 3));
     CHECK(stance_of(posture, {1.7, 65}, 0.45, 0.15, 1.7, {}).weight == Approx(65 * 9.81 * (1 - 1000.0 / body_density)));
     CHECK(stance_of(posture, {1.7, 65}, 0.45, 0.15, 0, {}).weight == Approx(65 * 9.81));
     CHECK(demand_at_rest(stance_of(posture, {1.7, 65}, 0.45, 0.15, 0, {}), Vector2d(0, 0)) == 0);
 }
 
-TEST_CASE("The fastest stream in which somebody who drifts comes to rest never grows with the depth") {
+TEST_CASE("The fastest stream in which a drifting person comes to rest never grows with the depth") {
     const Body person = GENERATE(Body{1.7, 70}, Body{1.85, 110}, Body{1.1, 19});
     const Skill skill = GENERATE(Skill::braced, Skill::good, Skill::normal, Skill::unaware, Skill::poor);
     double before = 20;
@@ -82,6 +82,6 @@ TEST_CASE("The fastest stream in which somebody who drifts comes to rest never g
     CHECK(before == Approx(0).margin(1e-6));
 }
 
-TEST_CASE("Nobody comes to rest on the bed of a stream of a metre at 1 m/s") {
+TEST_CASE("A person of normal skill does not come to rest in a stream of 1 m at 1 m/s") {
     CHECK(fastest_stop({1.7, 70}, Skill::normal, 1) < 1);
 }

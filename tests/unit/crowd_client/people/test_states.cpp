@@ -55,7 +55,7 @@ struct Row {
 
 using S = PersonState;
 
-// D of who sits, kneels, squats and stands at rest; whoever stands up is firm.
+// D at rest sitting, kneeling, squatting and standing; an upright person is firm.
 Strain resting(const std::array<double, rests>& at_rest, double depth) {
     Strain s = strain(0, 0, depth);
     s.at_rest = at_rest;
@@ -97,7 +97,7 @@ TEST_CASE("Each state is left for the next when its row says, at any rate of ste
         Row{S::recovering, resting({1.01, 0.5, 0.5, 0.5}, 0.5), S::carried, 0},
         Row{S::recovering, resting({0.9, 2, 2, 2}, 0.45 * height), S::drowned, 60},
         Row{S::recovering, resting({0.9, 2, 2, 2}, 0.43 * height), S::recovering, 1000},
-        // Squatting is the least stable: who can stand leaves it out, and who cannot goes on kneeling.
+        // Squatting is skipped where standing holds; else the person goes on kneeling.
         Row{S::recovering, resting({0.5, 0.5, 2, 0.9}, 0.5), S::effort, 4},
         Row{S::recovering, resting({0.5, 0.5, 2, 1.1}, 0.5), S::recovering, 1000},
         Row{S::recovering, strain(0, 0, 0.9 * height), S::afloat, 0},

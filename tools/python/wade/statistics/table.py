@@ -148,8 +148,8 @@ def pairs_of(first, second):
 
 
 SAFE, LOST, NO_END = "safe", "lost", "no end yet"
-LEAST, MOST = "lost, at least", "lost, at most"  # change if of those without an end yet all are lost in the first and none in
-# the second, and the reverse
+# Changes if all people without an end yet are lost in the first ensemble and none in the second, and the reverse.
+LEAST, MOST = "lost, at least", "lost, at most"
 SUMS = {
     SAFE: (lambda people: people["safe"],) * 2,
     LOST: (lambda people: people["dead"],) * 2,
@@ -163,8 +163,7 @@ UNDECIDED = "who has no end yet decides"
 def needed(results):
     """The comparisons of a class, {fate: Comparison}, with the number needed of "lost" alone.
 
-    It is given where the change of "lost" has one sign whatever becomes of those without an end; from the nearest to the farthest
-    end of both intervals.
+    It is given where both bounds of the change of "lost" have one sign; its interval spans those of both bounds.
     """
     least, most = results[LEAST], results[MOST]
     decided = None not in (least.low, most.high) and least.low * most.high > 0

@@ -1,10 +1,10 @@
-"""Whether who survives depends on numerics: shares of outcomes and times over rates, cells and spacings, one at a time.
+"""How far survival depends on numerics: shares of outcomes and times over rates, cells and spacings, one at a time.
 
 Each scene runs with its reference values and with one numerical factor at another value, by the same seeds. Of each
-share of people (safe, lost, off their feet, no end yet) and of the times by which half and nine tenths of those who have an end had
-it, the paired difference has an interval of 95 % (bootstrap over seeds): equal where it lies within 3 points, or 5 % of the
+share of people (safe, lost, off their feet, no end yet) and of the times by which half and nine tenths of the ends had occurred, the
+paired difference has an interval of 95 % (bootstrap over seeds): equal where it lies within 3 points, or 5 % of the
 time; different where it lies outside; else undecided, which asks for more seeds, up to --most-seeds. --quick: single persons in
-steady water, one seed, whose outcomes and states must be the same.
+steady water, one seed; outcomes and states must be the same.
 
 What is complete is not run again, so that the suite goes on where it was interrupted. Writes DIR/converge.csv and DIR/report.md.
 Exit code 1: a share or a time is different.
@@ -28,7 +28,7 @@ from wade.terminal import Parser
 
 SAME_POINTS = 3.0  # of 100 people
 SAME_TIME = 0.05  # of a time
-SAME_WALK = 0.02  # of the time of one person, whose way hangs on markers that are drawn in each step
+SAME_WALK = 0.02  # of the time of one person; the path depends on markers that are drawn in each step
 SHARES = {
     "safe": lambda row: row["outcome"] in ("arrived", "sheltered"),
     "lost": lambda row: row["outcome"] == "dead",
@@ -42,7 +42,7 @@ PATIENCE_S = "300"
 
 
 def measures_of(rows):
-    """{measure: value} of the lines of an agents.csv: shares in points, times in s; None where nobody had an end."""
+    """{measure: value} of the lines of an agents.csv: shares in points, times in s; None without any end."""
     found = {name: 100 * sum(map(holds, rows)) / len(rows) for name, holds in SHARES.items()}
     ends = sorted(float(row["time_s"]) for row in rows if not SHARES["no end yet"](row))
     for name, share in TIMES.items():
@@ -51,7 +51,7 @@ def measures_of(rows):
 
 
 def verdict(measure, reference, values):
-    """(mean difference, low, high, verdict) of paired values; the pairs in which nobody had an end are left out."""
+    """(mean difference, low, high, verdict) of paired values; pairs without any end are left out."""
     pairs = [(a, b) for a, b in zip(reference, values) if a is not None and b is not None]
     if not pairs:
         return None, None, None, "equal"

@@ -31,7 +31,7 @@ def spacings(reference, *values):
 
 @dataclass(frozen=True)
 class Case:
-    """quick: single persons in steady water, whose states are compared, by one seed."""
+    """quick: single persons in steady water; their states are compared, for one seed."""
 
     name: str
     scene: str
@@ -48,7 +48,7 @@ class Case:
 
 CASES = (
     Case("ford", "converge/ford", (rates(30, 120, 8, 4, 2, 1, 0.5), cells(0.5, 0.25, 1, 2)), quick=True),
-    Case("fallen", "converge/fallen", (rates(30, 120, 8, 4, 2, 1, 0.5), spacings(0.4, 0.25, 0.8)), quick=True),
+    Case("fallen", "converge/fallen", (rates(30, 120, 8, 4, 2, 1, 0.5), spacings(0.4, 0.25, 1)), quick=True),
     Case("crossing", "converge/crossing", (rates(30, 120, 8, 4, 2), cells(0.5, 0.25, 1, 2))),
     Case("village", "places/village/village", (rates(15, 30, 8, 4, 2), cells(1, 2, 4))),
     Case("hamlet", "places/hamlet", (rates(15, 30, 8, 4, 2), cells(1, 2, 4))),
