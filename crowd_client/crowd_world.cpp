@@ -352,7 +352,7 @@ void walk_part(const Step& step) {
     }
 }
 
-// A long step has several parts for people with bodies and for the response `measured` (body_clock.hpp).
+// Divides a long step into parts (body_clock.hpp).
 void advance(CrowdWorld& crowd, const WaterBins& water) {
     const BodyClock& clock = crowd.clock;
     const auto parts = static_cast<std::uint64_t>(clock.parts);

@@ -99,7 +99,7 @@ CrowdWorld make_crowd(const Scene& given) {
         make_room_outdoors(crowd);
         begin_bodies(crowd.agents, scene.crowd->body_radius);
         crowd.clock = body_clock(crowd.dt);
-    } else if (scene.crowd->response == ResponseKind::measured) {
+    } else if (scene.crowd->response == ResponseKind::measured || crowd.dt > longest_of_points * (1 + rounding)) {
         crowd.clock.parts = body_clock(crowd.dt).parts;
     }
     crowd.agents.stay = crowd.agents.position;

@@ -1,6 +1,6 @@
 #pragma once
 // When people with bodies decide and move: about as often at any rate of steps. With the response `measured` people without
-// bodies move in parts of a step, too.
+// bodies move in parts of a step, too, and all others do in steps above 0.5 s.
 //
 // They decide every 0.1 s, or a little more often. A step of the crowd that is longer has parts, in each of which they
 // decide and walk through the same water; of shorter ones some pass between two decisions. A motion takes at most 0.06 s.
@@ -41,7 +41,9 @@ struct Decision {
 inline constexpr double longest_decision = 0.1;  // s
 inline constexpr double longest_whole = 0.118;   // s, of a step that has one part
 inline constexpr double longest_motion = 0.06;   // s
-inline constexpr double rounding = 1e-6;         // of counts, so that 0.1 s at 30 Hz are 3 steps
+// Without bodies and with the response `paper`: at 1.3 m/s 0.65 m a step, within the radius of 1 m in which people perceive markers.
+inline constexpr double longest_of_points = 0.5;  // s
+inline constexpr double rounding = 1e-6;          // of counts, so that 0.1 s at 30 Hz are 3 steps
 
 [[nodiscard]] inline BodyClock body_clock(double dt) {
     BodyClock clock;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
@@ -68,6 +69,26 @@ TEST_CASE("Without water all 50 agents of the paper reach their goal, the last b
     const double last = static_cast<double>(crowd.last_arrival_step) / 30;
     CHECK(last >= 38);
     CHECK(last <= 50);
+}
+
+TEST_CASE("People without bodies arrive by the same way at any rate of steps") {
+    const auto lone_walk = [](double rate) {
+        Scene scene = one_agent_scene(8, 3, 10, 18, 0);
+        scene.frame_rate = scene.crowd->step_rate = rate;
+        CrowdWorld crowd = make_crowd(scene);
+        while (!crowd.active.empty() && static_cast<double>(crowd.steps) < 200 * rate) step(crowd, {});
+        CHECK(crowd.arrived == 1);
+        const double time = static_cast<double>(crowd.agents.end_step[0]) * crowd.dt - crowd.agents.end_before[0];
+        return std::pair(crowd.agents.path_length[0], time);
+    };
+    const auto [path, time] = lone_walk(30);
+    for (const double rate : {0.05, 0.1, 0.5, 1.0, 1.9, 2.0}) {
+        CAPTURE(rate);
+        // Markers bend the way every 1/30 s or every 0.1 s: a tenth of it. From 2 Hz on a step is not divided: 0.5 s more.
+        const auto [its_path, its_time] = lone_walk(rate);
+        CHECK(its_path == Approx(path).epsilon(0.1));
+        CHECK(its_time == Approx(time).epsilon(0.1).margin(0.5));
+    }
 }
 
 TEST_CASE("Paths of agents with tau = 0 are the same bits whatever the water does") {
