@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/crowd.hpp"
 #include "crowd_client/ways/place_ways.hpp"
@@ -42,7 +43,7 @@ int least_markers_per_cell(const Crowd& crowd) {
 }
 
 std::vector<std::string> start_warnings(const Scene& scene, const Agents& agents, const Navigation& navigation) {
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings = rate_warnings(scene);
     if (agents.size() > 0 && has_too_few_markers(scene.crowd)) warnings.push_back(warning_of_markers(scene.crowd));
     const std::string no_way =
         scene.place ? people_cut_off(navigation, scene, agents) : people_without_way(navigation, scene, agents);

@@ -74,6 +74,7 @@ Prepared prepare(ProgramStart& start, Ranks* ranks) {
                  options.scene_file.string() + ": the water (" + text_of(prepared.estimate) + ")",
                  "lower /fluid/max_particles, or take larger particles, larger cells or a smaller channel");
     for (const std::string& gap : narrow_gaps(scene)) prepared.lines.push_back("warning: " + gap);
+    for (const std::string& warning : rate_warnings(scene)) prepared.lines.push_back("warning: " + warning);
     prepared.model = make_fluid_model(scene);
     for (const std::string& line : prepare_states(*prepared.model, options)) prepared.lines.push_back(line);
     if (ranks == nullptr) return prepared;

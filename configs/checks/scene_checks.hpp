@@ -49,6 +49,9 @@ void check_residents(const Scene& scene, const std::string& source, Problems& pr
 // first; of more than five the last sentence tells how many. None if the water does not consist of particles.
 [[nodiscard]] std::vector<std::string> narrow_gaps(const Scene& scene);
 
+// Sentences for frames or steps so rare that what people by their bodies meet of changing water depends on them; of both programs.
+[[nodiscard]] std::vector<std::string> rate_warnings(const Scene& scene);
+
 // Whether the flow brings or starts with water up to channel.depth.
 [[nodiscard]] bool has_river(const Channel& channel);
 

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/scene/channel.hpp"
 #include "configs/scene/choices.hpp"
 #include "configs/scene/coupling.hpp"
 #include "configs/scene/crowd.hpp"
@@ -140,7 +141,37 @@ void check_lodgers(const Scene& scene, const std::string& source, Problems& prob
     }
 }
 
+// Whether the water that people meet changes with time: not given streams, still water and dry ground.
+bool water_changes(const Scene& scene) {
+    if (scene.coupling->two_way) return true;
+    if (scene.fluid->model == ModelKind::kinematic) return scene.channel->initial_river == InitialRiver::dry;
+    if (!scene.place) return scene.channel->flow != Flow::closed || !scene.channel->water_blocks.empty();
+    const Place& place = *scene.place;
+    return !place.sources.empty() || !place.rain.empty() || !place.outlets.empty() || !place.gates.empty() ||
+           place.water_depth || place.water.size() > 1;
+}
+
 }  // namespace
+
+std::vector<std::string> rate_warnings(const Scene& scene) {
+    constexpr double least = 2;  // 1/s
+    std::vector<std::string> warnings;
+    const auto measured = [](const AgentGroup& group) { return !group.tau; };
+    const auto& groups = scene.crowd->groups;
+    if (scene.crowd->response != ResponseKind::measured || std::none_of(groups.begin(), groups.end(), measured) ||
+        !water_changes(scene))
+        return warnings;
+    const auto warn_below = [&](double rate, const std::string& key, const std::string& what) {
+        if (rate >= least) return;
+        warnings.push_back(key + ": " + short_number(rate) + " " + what +
+                           " a second: who survives in water that changes depends on the rate below " +
+                           short_number(least) + " 1/s. Remedy: " + key + " " + short_number(least) + " or more.");
+    };
+    warn_below(scene.frame_rate, "/frame_rate_hz", "frames of the water");
+    if (scene.crowd->step_rate != scene.frame_rate)
+        warn_below(scene.crowd->step_rate, "/crowd/step_rate_hz", "steps of the crowd");
+    return warnings;
+}
 
 void check_events(const Scene& scene, const std::string& source, Problems& problems) {
     std::size_t agents = 0;

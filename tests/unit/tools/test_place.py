@@ -3,6 +3,7 @@
 import contextlib
 import io
 import json
+import re
 import shutil
 import subprocess
 import tempfile
@@ -37,6 +38,10 @@ class Help(unittest.TestCase):
             (Path(folder) / "a.asc").write_text(GRID)
             with self.assertRaisesRegex(UsageError, "apt-get install gdal-bin"):
                 place.main(["import", str(Path(folder) / "a.asc"), "--out", str(Path(folder) / "out")])
+
+    def test_the_scene_has_frames_often_enough_for_people(self):
+        rate = re.search(r'"frame_rate_hz": ([0-9.]+)', place.scene_text("village", True, 1))
+        self.assertGreaterEqual(float(rate[1]), 2)  # below, both programs warn
 
     def test_another_word_than_import_is_refused(self):
         with contextlib.redirect_stderr(io.StringIO()) as told:

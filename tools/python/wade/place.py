@@ -158,7 +158,7 @@ def scene_text(name, houses, cell):
         f'  "name": {json.dumps(name)},',
         '  "description": "",',
         '  "duration_s": 600,',
-        '  "frame_rate_hz": 2,',
+        '  "frame_rate_hz": 10,',
         '  "place": {',
         '    "ground": {"file": "ground.tif"},',
         *(['    // Walls of this height where the file tells none.', '    "houses": [{"file": "houses.geojson", "height_m": 6}],']

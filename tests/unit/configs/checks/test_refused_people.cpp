@@ -1,5 +1,6 @@
 // Bodies, hands, ropes and tables of people that cannot be.
 
+#include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/crowd.hpp"
 #include "scene_texts.hpp"
@@ -154,4 +155,29 @@ TEST_CASE("people come from a table beside the scene, and a bad line is named wi
     CHECK_THAT(refused("tau_history\n3:0.2 2:1\n"), Contains("/crowd/people/0/tau_history/1/time_s: 2 s is earlier"));
     CHECK_THAT(refusal(R"({"crowd": {"people_csv": "none.csv"}})", {}),
                Contains("/crowd/people_csv: the file none.csv cannot be read"));
+}
+
+TEST_CASE("fewer than 2 frames or steps a second are warned of where people by their bodies meet changing water") {
+    const auto warnings = [](std::vector<std::string> assignments) {
+        assignments.emplace_back("/crowd/paths/rate_hz=0.5");
+        return wade::rate_warnings(load_patched(crowd(group("a", 1, 1)), assignments).scene);
+    };
+    const std::string measured = "/crowd/response=measured", solved = "/fluid/model=shallow_water",
+                      river = "/channel/flow=emitter";
+    const auto rare = warnings({measured, solved, river, "/channel/velocity_m_s=1", "/frame_rate_hz=1"});
+    REQUIRE(rare.size() == 1);
+    CHECK_THAT(rare[0],
+               Contains("/frame_rate_hz: 1 frames of the water a second") && Contains("Remedy: /frame_rate_hz 2"));
+    const auto long_steps = warnings({measured, solved, river, "/channel/velocity_m_s=1", "/crowd/step_rate_hz=0.5"});
+    REQUIRE(long_steps.size() == 1);
+    CHECK_THAT(long_steps[0], Contains("/crowd/step_rate_hz: 0.5 steps"));
+    CHECK(warnings({measured, solved, river, "/channel/velocity_m_s=1", "/frame_rate_hz=2"}).empty());
+    CHECK(warnings({solved, river, "/channel/velocity_m_s=1", "/frame_rate_hz=1"}).empty());
+    CHECK(warnings({measured, "/crowd/groups/0/tau=0.5", solved, river, "/channel/velocity_m_s=1", "/frame_rate_hz=1"})
+              .empty());
+    CHECK(warnings({measured, "/fluid/model=kinematic", river, "/channel/initial_river=filled",
+                    "/channel/velocity_m_s=1", "/frame_rate_hz=1"})
+              .empty());
+    CHECK(warnings({measured, "/fluid/model=kinematic", river, "/channel/velocity_m_s=1", "/frame_rate_hz=1"}).size() ==
+          1);
 }

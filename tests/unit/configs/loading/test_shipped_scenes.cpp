@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "configs/checks/scene_checks.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/coupling.hpp"
 #include "configs/scene/crowd.hpp"
@@ -48,6 +49,13 @@ TEST_CASE("every shipped scene loads, and its canonical text loads again to the 
         CHECK(again.scene.hash == loaded.scene.hash);
         CHECK(again.canonical_json == loaded.canonical_json);
         CHECK(again.scene.name == loaded.scene.name);
+    }
+}
+
+TEST_CASE("no shipped scene warns of a rate too low for the outcome of its people") {
+    for (const auto& file : shipped_scenes()) {
+        INFO(file);
+        CHECK(wade::rate_warnings(wade::load_scene(file).scene).empty());
     }
 }
 
