@@ -23,7 +23,7 @@ file(RELATIVE_PATH share_from_bin ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_F
 configure_file(${packaging}/wade.in ${PROJECT_BINARY_DIR}/packaging/wade @ONLY)
 install(PROGRAMS ${PROJECT_BINARY_DIR}/packaging/wade DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY tools/python DESTINATION ${share}/tools FILES_MATCHING PATTERN "*.py")
-install(DIRECTORY configs DESTINATION ${share} FILES_MATCHING PATTERN "*.json")
+install(DIRECTORY configs DESTINATION ${share} FILES_MATCHING PATTERN "*.json" PATTERN "*.def")
 
 # Completion: one function for all, found by the name of the command.
 set(completions ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
@@ -70,5 +70,5 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS python3)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-numpy, python3-matplotlib, python3-pil, python3-tabulate")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-numpy, python3-matplotlib, python3-pil, python3-scipy, python3-tabulate")
 include(CPack)

@@ -1,6 +1,7 @@
 #include "crowd_client/agents.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -210,21 +211,12 @@ void add_lodgers(Agents& agents, const Scene& scene, std::size_t g, const TauLin
 }  // namespace
 
 std::string_view outcome_name(Outcome outcome) {
-    switch (outcome) {
-        case Outcome::arrived:
-            return "arrived";
-        case Outcome::dead:
-            return "dead";
-        case Outcome::sheltered:
-            return "sheltered";
-        case Outcome::indoors:
-            return "indoors";
-        case Outcome::upper_floor:
-            return "upper_floor";
-        case Outcome::active:
-            break;
-    }
-    return "active";
+    static constexpr auto names = std::to_array<std::string_view>({
+        "active",
+#define WADE_OUTCOME(word, kind, end) #word,
+#include "configs/scene/states.def"
+    });
+    return names[static_cast<std::size_t>(outcome)];
 }
 
 Agents make_agents(const Scene& scene) {

@@ -13,13 +13,11 @@
 
 namespace wade::crowd {
 
+// indoors: in a house, from which the agent may come out. upper_floor: of a house, for good.
 enum class Outcome : std::uint8_t {
     active,
-    arrived,
-    dead,
-    sheltered,
-    indoors,     // in a house; may come out
-    upper_floor  // of a house; for good
+#define WADE_OUTCOME(word, kind, end) word,
+#include "configs/scene/states.def"
 };
 
 // "active", "arrived" and so on, as written to agents.csv.

@@ -23,6 +23,7 @@ pictures  python3-numpy       python3-numpy        numpy
 pictures  python3-matplotlib  python3-matplotlib   python-matplotlib
 pictures  python3-pil         python3-pillow       pillow
 pictures  python3-tabulate    python3-tabulate     -
+pictures  python3-scipy       python3-scipy        python-scipy
 tests     catch2              catch2-devel         -
 tests     libbenchmark-dev    google-benchmark-devel  google-benchmark
 tests     spin                -                    -
@@ -37,8 +38,6 @@ tests     clang-format        clang-tools-extra    clang-format
 tests     clang-tidy          clang-tools-extra    llvm
 tests     shellcheck          ShellCheck           shellcheck
 tests     pyflakes3           python3-pyflakes     pyflakes
-sampling  python3-scipy       python3-scipy        python-scipy
-tests     python3-scipy       python3-scipy        python-scipy
 readers   python3-vtk9        -                    -
 readers   python3-meshio      -                    -
 readers   ffmpeg              ffmpeg               ffmpeg
@@ -78,11 +77,11 @@ Usage: tools/install_dependencies.sh [SET]...
 
 Installs, as root or with sudo, what is missing of these sets of Debian's packages; without an
 argument build, pictures and tests. A run needs build and pictures, tests and what CI checks tests,
-too. sampling is for points of tools/wade sensitivity. readers are programs of others that read what
-Wade writes: ffmpeg makes films, the others are for tests, which are skipped without them. viewer:
-npm brings the page of tools/wade view its one package, chromium is for its test. engines: what
-tools/wade many can hand runs to, and MPI for water over ranks (tools/wade run --ranks). On other
-systems it names the packages, which you install yourself:
+too. readers are programs of others that read what Wade writes: ffmpeg makes films, the others are
+for tests, which are skipped without them. viewer: npm brings the page of tools/wade view its one
+package, chromium is for its test. engines: what tools/wade many can hand runs to, and MPI for water
+over ranks (tools/wade run --ranks). On other systems it names the packages, which you install
+yourself:
 
 set       Debian, Ubuntu      Fedora               Homebrew
 $(grep . <<<"$packages")
@@ -96,11 +95,11 @@ HELP
 sets=()
 for argument in "$@"; do
   case "$argument" in
-    build | pictures | tests | sampling | readers | viewer | engines) sets+=("$argument") ;;
+    build | pictures | tests | readers | viewer | engines) sets+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *)
-      echo "install_dependencies.sh: unexpected \"$argument\"; allowed: build, pictures, tests, sampling," >&2
-      echo "  readers, viewer, engines" >&2
+      echo "install_dependencies.sh: unexpected \"$argument\"; allowed: build, pictures, tests, readers," >&2
+      echo "  viewer, engines" >&2
       exit 2
       ;;
   esac

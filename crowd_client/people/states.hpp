@@ -33,18 +33,13 @@
 namespace wade::crowd {
 
 enum class PersonState : std::uint8_t {
-    walking,
-    effort,
-    sliding,
-    toppled,
-    afloat,
-    carried,
-    recovering,
-    holding,
-    drowned
+#define WADE_PERSON_STATE(word, kind, end) word,
+#include "configs/scene/states.def"
 };
-inline constexpr std::array<std::string_view, 9> person_states{"walking", "effort",     "sliding", "toppled", "afloat",
-                                                               "carried", "recovering", "holding", "drowned"};
+inline constexpr std::array person_states = std::to_array<std::string_view>({
+#define WADE_PERSON_STATE(word, kind, end) #word,
+#include "configs/scene/states.def"
+});
 
 inline constexpr double air_budget = 60;   // s [A]
 inline constexpr double chin = 0.87;       // of H: in deeper water one floats

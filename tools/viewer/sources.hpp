@@ -79,9 +79,19 @@ class RecordedWater {
 };
 
 // Words that messages of people give as their place in these lists.
-inline constexpr std::string_view state_words[] = {"walking", "standing", "arrived",   "dead",    "effort",
-                                                   "sliding", "toppled",  "afloat",    "carried", "recovering",
-                                                   "holding", "drowned",  "sheltered", "indoors", "upper_floor"};
+inline constexpr std::string_view state_words[] = {
+#define WADE_PERSON_STATE(word, kind, end) #word,
+#define WADE_OUTCOME WADE_PERSON_STATE
+#define WADE_STATE WADE_PERSON_STATE
+#include "configs/scene/states.def"
+};
+// Of each state: safe, lost or none.
+inline constexpr std::string_view state_ends[] = {
+#define WADE_PERSON_STATE(word, kind, end) #end,
+#define WADE_OUTCOME WADE_PERSON_STATE
+#define WADE_STATE WADE_PERSON_STATE
+#include "configs/scene/states.def"
+};
 inline constexpr std::string_view posture_words[] = {"upright", "falling",  "lying",     "floating", "swimming",
                                                      "sitting", "kneeling", "squatting", "rising"};
 // The arrays of a message of people, in their order; `holds` is the first id that somebody holds, -1: nobody.

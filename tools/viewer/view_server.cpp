@@ -230,8 +230,10 @@ class Show {
 
     // What stays as it is, and the small files as they are now.
     [[nodiscard]] Json description() {
-        Json d{
-            {"states", list_of(state_words)}, {"postures", list_of(posture_words)}, {"fields", list_of(people_fields)}};
+        Json d{{"states", list_of(state_words)},
+               {"ends", list_of(state_ends)},
+               {"postures", list_of(posture_words)},
+               {"fields", list_of(people_fields)}};
         d["commands"] = !options_.commands.empty();
         d["name"] = fs::path(options_.run.empty() ? options_.recording.empty() ? options_.session : options_.recording
                                                   : options_.run)

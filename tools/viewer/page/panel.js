@@ -7,7 +7,7 @@ import { scaleColours } from './water.js';
 // Shape and colour of each state, so that neither is needed alone.
 export const SYMBOLS = {
   walking: null, standing: ['square', '#bbbbbb'], effort: ['bars', '#f0e442'], sliding: ['chevron', '#e69f00'], toppled: ['triangle', '#d55e00'],
-  afloat: ['drop', '#56b4e9'], carried: ['waves', '#0072b2'], recovering: ['plus', '#ffffff'], holding: ['ring', '#cc79a7'],
+  afloat: ['drop', '#56b4e9'], carried: ['waves', '#0072b2'], recovering: ['plus', '#ffffff'], holding: ['ring', '#cc79a7'], pinned: ['wall', '#e69f00'],
   drowned: ['cross', '#16161a'], dead: ['cross', '#16161a'], arrived: ['tick', '#009e73'], sheltered: ['house', '#009e73'],
   indoors: ['house', '#bbbbbb'], upper_floor: ['house', '#56b4e9'],
 };
@@ -39,6 +39,7 @@ export function drawSymbol(c, shape, colour, size) {
   if (shape === 'waves') for (const y of [-9, 6]) { c.moveTo(-18, y); c.bezierCurveTo(-9, y - 12, -6, y + 14, 2, y + 2); c.bezierCurveTo(8, y - 8, 12, y - 6, 18, y + 2); }
   if (shape === 'plus') line([0, -15], [0, 15]), line([-15, 0], [15, 0]);
   if (shape === 'ring') c.arc(0, 0, 13, 0, 2 * Math.PI);
+  if (shape === 'wall') line([-12, -16], [-12, 16]), line([16, 0], [-4, 0]), line([5, -9], [-4, 0], [5, 9]);
   if (shape === 'cross') line([-13, -13], [13, 13]), line([-13, 13], [13, -13]);
   if (shape === 'house') line([-15, 15], [-15, -2], [0, -16], [15, -2], [15, 15], [-15, 15]), c.fill();
   if (shape === 'tick') line([-15, 1], [-4, 13], [15, -12]);
@@ -220,7 +221,6 @@ export function showLegend(legend, mode) {
 
 /** Marks on the time line: who arrived, fell, was carried or died, and each change of tau. */
 export function showEvents(changes, taus, end) {
-  const colours = { arrived: '#009e73', sheltered: '#009e73', dead: '#16161a', drowned: '#16161a', toppled: '#d55e00', carried: '#0072b2', afloat: '#56b4e9' };
   const marks = new Map();
   for (const [time, , state] of changes) {
     if (!TELLING.includes(state)) continue;
@@ -229,7 +229,7 @@ export function showEvents(changes, taus, end) {
   }
   const list = [...marks.values()].map(({ time, state, count }) => {
     const mark = document.createElement('i');
-    mark.style.background = colours[state];
+    mark.style.background = SYMBOLS[state][1];
     mark.title = `${count} ${state} at ${time.toFixed(1)} s`;
     mark.style.left = `${(100 * time) / end}%`;
     mark.style.height = `${Math.min(13, 5 + 2 * count)}px`;

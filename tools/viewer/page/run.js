@@ -61,9 +61,11 @@ export const frameAt = (time) => Math.min(Math.max(0, Math.floor(time * show.sta
 export function asPeople(m) {
   const [id, x, z, vx, vz, , state] = m.arrays, zero = new Float32Array(m.count), none = new Float32Array(m.count).fill(-1);
   const speed = vx.map((v, k) => Math.hypot(v, vz[k])), heading = vx.map((v, k) => Math.atan2(vz[k], v));
-  const words = Float32Array.from(state, (v) => [0, 2, 3][v] ?? 0);
-  return { ...m, arrays: [id, x, z, words, zero, heading, speed, zero, zero, zero, zero, zero, zero, zero, zero, none] };
+  return { ...m, arrays: [id, x, z, state, zero, heading, speed, zero, zero, zero, zero, zero, zero, zero, zero, none] };
 }
+
+/** Whether a state is an end: arrived, sheltered, dead. */
+export const hasEnd = (state) => (show.run?.ends?.[show.run.states.indexOf(state)] ?? 'none') !== 'none';
 
 export const stateShown = (p) => (p.state === 'walking' && p.posture === 'lying' ? 'tumbled' : p.state);
 
@@ -79,7 +81,7 @@ export function countStates() {
   for (const p of show.people.shown) seen.add(p.id), add(stateShown(p));
   // Who has ended is in one more frame; from then on the file says no more of it.
   const ended = new Map();
-  for (const [time, id, state] of show.changes) if (time <= show.time + 1e-6 && ['arrived', 'dead', 'sheltered', 'upper_floor'].includes(state)) ended.set(id, state);
+  for (const [time, id, state] of show.changes) if (time <= show.time + 1e-6 && hasEnd(state)) ended.set(id, state);
   for (const end of endedBy(show.time)) ended.set(end.id, end.state);
   for (const [id, state] of ended) if (!seen.has(id)) add(state);
   const rest_of_all = all - Object.values(counts).reduce((a, b) => a + b, 0);

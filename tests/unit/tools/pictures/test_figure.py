@@ -2,15 +2,17 @@
 
 import contextlib
 import io
+import json
 import resource
+import sqlite3
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 
-from wade.export.sources import Points
-from wade.pictures import figure, render, run_files, texts, top_view
+from wade.export.sources import Points, Thinning
+from wade.pictures import figure, film, render, run_files, texts, top_view
 
 
 def scene(velocity=1.5, history=(), ends="open", goals=((5.0, 9.0),), taus=(0.2,)):
@@ -68,6 +70,42 @@ class Title(unittest.TestCase):
             self.addCleanup(figure.plt.close, drawing)
             figure.add_legend(drawing, ends, scene(), cut_off)
             self.assertIn(label, [text.get_text() for text in drawing.legends[0].get_texts()])
+
+
+class Film(unittest.TestCase):
+    """Two people walk in a place: 0 is sheltered at 0.5 s, between two frames, 1 drowns at 2 s; 2 stays indoors."""
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory(prefix="wade-test-")
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+        described = {**scene(), "place": {"shelters": []}, "obstacles": [], "fluid": {"particle_spacing_m": 0.5}}
+        described["channel"] |= {"x_min_m": 0.0, "x_max_m": 20.0, "z_min_m": 0.0, "z_max_m": 10.0, "depth_m": 1.0}
+        described["crowd"]["groups"] = [{"count": 3, "name": "all", "goal": {"to": "shelters"}}]
+        (self.folder / "manifest.json").write_text(json.dumps({"resolved_scene": described}))
+        rows = [(0, "sheltered", "sheltered", 0.5), (1, "dead", "drowned", 2), (2, "indoors", "indoors", 3)]
+        (self.folder / "agents.csv").write_text("id,outcome,state,time_s,height_m,x_m,z_m\n" + "".join(
+            f"{who},{outcome},{state},{time},1.7,5,5\n" for who, outcome, state, time in rows))
+        with contextlib.closing(sqlite3.connect(self.folder / "trajectories.sqlite")) as paths:
+            paths.execute("CREATE TABLE trajectory_data (frame, id, pos_x, pos_y, ori_x, ori_y)")
+            paths.execute("CREATE TABLE metadata (key, value)")
+            paths.execute("INSERT INTO metadata VALUES ('fps', '1')")
+            paths.executemany("INSERT INTO trajectory_data VALUES (?, ?, 5, 5, 1, 0)", [(0, 0), (0, 1), (1, 1), (2, 1), (3, 1)])
+            paths.commit()
+
+    def test_it_counts_as_agents_csv_at_each_time(self):
+        drawn = film.Film(self.folder, None, Thinning(), 640)
+        self.addCleanup(film.plt.close, drawn.figure)
+        for time, expected in ((0, (2, 0, 0)), (0.6, (1, 1, 0)), (1.9, (1, 1, 0)), (3, (0, 1, 1))):
+            drawn.advance(time)
+            active, sheltered, dead = expected
+            self.assertEqual(drawn.people_at(time), {"active": active, "arrived": 0, "sheltered": sheltered, "dead": dead,
+                                                     "indoors": 1}, time)
+
+    def test_the_top_view_of_the_end_counts_the_same(self):
+        rows = run_files.read_agents(self.folder / "agents.csv")
+        ends, _ = top_view.people_at(rows, {}, 3, True)
+        self.assertEqual({outcome: len(at) for outcome, at in ends.items()}, {"active": 0, "arrived": 0, "sheltered": 1, "dead": 1})
 
 
 class File(unittest.TestCase):
@@ -233,7 +271,7 @@ class Groups(unittest.TestCase):
     def test_outcomes_differ_in_shape_and_their_lightness_from_their_rim(self):
         """Who sees no colours tells them by the shape, and sees the shape by its rim: a contrast of 3 (WCAG 1.4.11)."""
         styles = top_view.OUTCOMES.values()
-        self.assertEqual(len({style["marker"] for style in styles}), 3)
+        self.assertEqual(len({style["marker"] for style in styles}), len(styles))
 
         def luminance(colour):
             rgb = np.array(figure.top_view.plt.matplotlib.colors.to_rgb(colour))

@@ -106,8 +106,12 @@ class Folder(unittest.TestCase):
         of_all = rows["all", "all", "drowned"]
         self.assertEqual((of_all["runs"], of_all["people"], of_all["number"]), ("24", "480", "60"))
         self.assertTrue(float(of_all["low"]) < 0.125 < float(of_all["high"]))
-        self.assertEqual(rows["all", "all", "holding"]["low"], "")
-        self.assertIn("none of 24 runs", rows["all", "all", "holding"]["why_no_interval"])
+        none = rows["all", "all", "sheltered"]
+        self.assertAlmostEqual(float(none["high"]), 1 - 0.05 ** (1 / 24), places=5)
+        self.assertEqual((none["low"], none["why_no_interval"]), ("0", "one-sided: in none of 24 runs"))
+        self.assertIn("below 11.7 %", said)
+        self.assertNotIn(("all", "all", "holding"), rows, "a kind that does not occur is no column")
+        self.assertEqual(rows["all", "all", "no end yet"]["number"], rows["all", "all", "walking"]["number"])
         self.assertEqual(rows["age", "65 and over", "arrived"]["people"], "240")
         self.assertIn("24 runs with 480 people in all: 12.5 %", said)
         curves = {(row["curve"], row["time_s"]): row for row in read_csv(self.folder / "curves.csv")}
@@ -162,7 +166,7 @@ class Folder(unittest.TestCase):
         self.assertEqual(re.findall(r'(?:src|href)="(?!data:image/png;base64,)[^"]*"', text), [], "nothing from elsewhere")
         self.assertEqual(text.count("data:image/png"), 2)
         for words in ("<b>12.5 of 100</b>die", "10 % of the people (48 of 480)", "about 55 arrive in safety",
-                      "depends on those who have no end yet", "on their feet)"):
+                      "depends on those who have no end yet", "walking)"):
             self.assertIn(words, text)
 
 

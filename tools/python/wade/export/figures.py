@@ -5,7 +5,8 @@ import shutil
 
 import numpy as np
 
-from wade.export.sources import CODES, STATES, Spool
+from wade.export.sources import Spool
+from wade.states import CODES, LOST, code_lists
 
 FLOAT, SHORT = 5126, 5123  # component types
 VERTICES, INDICES = 34962, 34963  # targets
@@ -26,7 +27,7 @@ def Xform "wade"
 {{
 """
 
-LYING = [CODES["dead"], CODES["drowned"]]
+LYING = code_lists(LOST)
 HIP, SHOULDER = 0.53, 0.82  # heights, of the body's (Drillis and Contini 1966)
 # (x forward, y up, z to the right hand's side: lower ends, upper ends) of the boxes of each part, about its joint.
 PARTS = {
@@ -374,7 +375,7 @@ class Usd:
                 out.write(f"        float[] widths = [{2 * self.radius:.6g}] (\n"
                           '            interpolation = "constant"\n        )\n')
             else:
-                words = ", ".join(f'"{word}"' for word in STATES)
+                words = ", ".join(f'"{word}"' for word in CODES)
                 out.write(f"        custom uniform token[] states = [{words}]\n"
                           "        rel prototypes = [</wade/people/Figures/figure>]\n")
             for (kind, name), part in self.parts.items():

@@ -9,12 +9,9 @@ import numpy as np
 
 from wade import UsageError
 from wade.export.recording import AGENTS, Recording
+from wade.states import CODES
 from wade.terminal import say_error
 
-# Numbers of the states in files that hold numbers only; the first three are those of the agents stream.
-STATES = ("walking", "arrived", "dead", "standing", "effort", "sliding", "toppled", "afloat", "carried", "recovering",
-          "holding", "drowned", "sheltered", "indoors", "upper_floor")
-CODES = {word: code for code, word in enumerate(STATES)}
 ROW = ("id", "x", "z", "heading", "state", "y", "lean_x", "lean_z")  # of a person in a frame
 CHUNK = 1 << 18  # rows of a Spool that are in memory at once
 BLOCK = 16  # frames of paths that are asked for at once

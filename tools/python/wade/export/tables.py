@@ -7,9 +7,10 @@ import zlib
 import numpy as np
 
 from wade import UsageError
-from wade.export.sources import STATES
+from wade.states import CODES
 
-STATE_WORDS = ", ".join(f"{code} {word}" for code, word in enumerate(STATES))
+STATE_WORDS = ", ".join(f"{code} {word}" for word, code in CODES.items())
+WORDS = tuple(CODES)
 MEANING = {"id": "i4", "state": "i4"}  # types of what is not float32
 
 
@@ -273,7 +274,7 @@ class Csv:
         if not self.begun:
             self.rows.writerow(["frame", "time_s", *(units.get(name, name) for name in names)])
             self.begun = True
-        columns = [[STATES[code] for code in points[name]] if name == "state" else points[name].tolist()
+        columns = [[WORDS[code] for code in points[name]] if name == "state" else points[name].tolist()
                    if name in MEANING else [f"{value:.7g}" for value in points[name].tolist()] for name in names]
         time_s = f"{points.time_s:.9g}"
         self.rows.writerows([points.number, time_s, *row] for row in zip(*columns))

@@ -37,7 +37,7 @@ def add_legend(figure, ends, scene, cut_off="", of_film=False):
             handles.append(Line2D([], [], color=common, marker="o", markerfacecolor="white", markersize=4, linestyle="none",
                                   label="start"))
     for outcome, style in OUTCOMES.items():
-        if ends[outcome]:
+        if ends.get(outcome):
             name = "last seen" if cut_off and outcome == "active" else outcome
             label = name if of_film else f"{name} ({len(ends[outcome])})"
             handles.append(Line2D([], [], linestyle="none", label=label, **style))

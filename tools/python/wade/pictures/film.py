@@ -18,13 +18,14 @@ from matplotlib.collections import LineCollection
 from wade import UsageError, view
 from wade.building import bring_up_to_date
 from wade.export.recording import AGENTS, Recording
-from wade.export.sources import CODES, Thinning, of_run, scene_of
+from wade.export.sources import Thinning, of_run, scene_of
 from wade.pictures import top_view
 from wade.pictures.figure import add_legend, rows_of_groups
 from wade.pictures.render import triple
-from wade.pictures.run_files import RunError, water_snapshots
+from wade.pictures.run_files import RunError, read_agents, water_snapshots
 from wade.pictures.texts import GREY, draw_title, plain, title_of
 from wade.run.processes import end_with_parent
+from wade.states import CODES, LOST, SAFE
 from wade.terminal import Parser, say_error
 
 LONGEST_S = 30.0  # of a film whose speed was not given
@@ -35,7 +36,6 @@ CODECS = {
     ".webp": ("-c:v", "libwebp_anim", "-quality", "75", "-compression_level", "6", "-loop", "0"),
     ".gif": ("-vf", "split[a][b];[a]palettegen=max_colors=128[p];[b][p]paletteuse=dither=bayer", "-loop", "0"),
 }
-KINDS = {"arrived": [CODES["arrived"]], "dead": [CODES["dead"], CODES["drowned"]]}
 
 
 class Snapshots:
@@ -99,6 +99,12 @@ class Film:
         self.scene = scene_of(run)
         self.water = Recorded(water, self.scene) if water else Snapshots(run / "water.bin")
         self.people = of_run(run).points(thinning)
+        rows = read_agents(run / "agents.csv")
+        self.agents = len(rows) or sum(group["count"] for group in self.scene["crowd"]["groups"])
+        # Ends between two frames of the paths count from their own time on.
+        ended = [row["outcome"] in (*SAFE, *LOST) for row in rows]
+        self.ends = np.array([float(row["time_s"]) if has_end else np.inf for row, has_end in zip(rows, ended)])
+        self.outcomes = np.array([CODES[row["outcome"]] if has_end else 0 for row, has_end in zip(rows, ended)])
         self.before, self.after = next(self.people, None), None
         if self.before is None:
             raise UsageError(f"{run} holds no frame in this time")
@@ -124,7 +130,8 @@ class Film:
         for artist in (self.clock, *self.marks.values()):
             artist.set_animated(True)
         self.mesh = self.bar = None
-        add_legend(self.figure, dict.fromkeys(top_view.OUTCOMES, [None]), self.scene, of_film=True)
+        shown = [outcome for outcome in top_view.OUTCOMES if outcome != "sheltered" or self.scene.get("place")]
+        add_legend(self.figure, dict.fromkeys(shown, [None]), self.scene, of_film=True)
 
     def new_water(self, cells):
         if self.mesh:
@@ -177,12 +184,18 @@ class Film:
 
     def people_at(self, time_s):
         """Moves the marks and the clock; {outcome: how many}."""
-        _, places, states = between(self.before, self.after, time_s)
-        kinds = {outcome: np.isin(states, codes) for outcome, codes in KINDS.items()}
-        kinds["active"] = ~np.logical_or(*kinds.values())
-        for outcome, chosen in kinds.items():
+        ids, places, states = between(self.before, self.after, time_s)
+        if len(self.ends):
+            states = np.where(self.ends[ids] <= time_s + 1e-6, self.outcomes[ids], states)
+        counts = {}
+        for outcome, codes in top_view.CODES_OF.items():
+            chosen = np.isin(states, codes)
             self.marks[outcome].set_data(*places[chosen].T)
-        counts = {outcome: int(chosen.sum()) for outcome, chosen in kinds.items()}
+            counts[outcome] = int(chosen.sum())
+        if self.scene.get("place"):  # paths begin at the doors
+            counts["indoors"] = self.agents - sum(counts.values())
+        else:
+            del counts["sheltered"]
         self.clock.set_text(f"t = {time_s:.1f} s   " + "  ".join(f"{n} {outcome}" for outcome, n in counts.items()))
         return counts
 

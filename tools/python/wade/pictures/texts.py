@@ -65,6 +65,11 @@ def title_of(scene, agents, ends, arrivals, cut_off=""):
     result = [f"{len(ends['arrived'])} of {len(agents)} arrived"]
     if arrivals:
         result.append(f"last after {max(arrivals):.0f} s")
+    if ends.get("sheltered"):
+        result.append(f"{len(ends['sheltered'])} sheltered")
+    inside = len(agents) - sum(map(len, ends.values()))
+    if scene.get("place") and inside:
+        result.append(f"{inside} indoors")
     if ends["dead"]:
         result.append(f"{len(ends['dead'])} dead")
     if cut_off:

@@ -11,6 +11,8 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Circle, Rectangle
 from matplotlib.patheffects import withStroke
 
+from wade.states import CODES, IN_HOUSES, STATES
+
 GROUND = "#f1ece1"
 BED = "#ded6c6"
 BANK = "#b5a98f"
@@ -23,8 +25,13 @@ OUTCOMES = {
     "active": {"marker": "D", "markersize": 4.6, "markerfacecolor": "white", "markeredgecolor": DEAD, "markeredgewidth": 1},
     "arrived": {"marker": "^", "markersize": 7.5, "markerfacecolor": "#009e73", "markeredgecolor": "white",
                 "markeredgewidth": 0.7},
+    "sheltered": {"marker": "s", "markersize": 5.5, "markerfacecolor": "#009e73", "markeredgecolor": "white",
+                  "markeredgewidth": 0.7},
     "dead": {"marker": "X", "markersize": 8, "markerfacecolor": DEAD, "markeredgecolor": "white", "markeredgewidth": 0.8},
 }
+# The codes of states (wade.states) that are drawn as each outcome: active where there is no end.
+CODES_OF = {outcome: [CODES[word] for word, state in STATES.items() if word not in IN_HOUSES and outcome == (
+    "active" if state.end == "none" else "dead" if state.end == "lost" else word)] for outcome in OUTCOMES}
 # Of paths and goals where there are several groups: Tol's "muted" colours without the one that is lost on water.
 GROUPS = ("#cc6677", "#332288", "#999933", "#117733", "#aa4499", "#44aa99", "#882255", "#ddcc77")
 DASHES = ("solid", (0, (5, 2)), (0, (1.2, 1.2)))  # of the first eight groups, the next ones, the last ones
@@ -303,12 +310,12 @@ def draw_goals(axes, scene, by_group=True):
 
 
 def people_at(agents, paths, end_time, whole_run):
-    """End points by outcome, and each path with its end point joined on."""
-    ends = {"arrived": [], "dead": [], "active": []}
+    """End points by outcome, and each path with its end point joined on; walls hide people indoors."""
+    ends = {outcome: [] for outcome in OUTCOMES}
     lines = {agent: points[:, 1:] for agent, points in paths.items()}
     for row in agents:
-        agent, outcome = int(row["id"]), "arrived" if row["outcome"] == "sheltered" else row["outcome"]
-        if outcome in ("indoors", "upper_floor"):  # walls hide them
+        agent, outcome = int(row["id"]), row["outcome"]
+        if outcome in IN_HOUSES:
             continue
         point = np.array([float(row["x_m"]), float(row["z_m"])])
         if outcome != "active" and (whole_run or float(row["time_s"]) <= end_time + 1e-9):
@@ -337,7 +344,7 @@ def draw_paths(axes, lines, scene):
 def draw_ends(axes, ends):
     """A mark where each person is in the end, by outcome."""
     for outcome, style in OUTCOMES.items():
-        if len(ends[outcome]):
+        if len(ends.get(outcome, ())):
             axes.plot(*np.array(ends[outcome]).T, linestyle="none", zorder=10, clip_on=False, **style)
 
 

@@ -15,21 +15,12 @@ from wade import UsageError
 from wade.ensembles.folder import EnsembleFolder, has_all_agents
 from wade.ensembles.plan import read_plan
 from wade.reports.tables import read_csv
+from wade.states import ENDS, IN_HOUSES, end_of, kind_of
 
-SWEPT_AWAY = "swept away"  # over the fall, or out with the water
-# How people are at the end: what each state of agents.csv counts as. A state that is not here counts as itself.
-FATES = {
-    "arrived": "arrived",
-    "walking": "on their feet", "standing": "on their feet", "effort": "on their feet", "sliding": "on their feet",
-    "holding": "holding",
-    "toppled": "carried", "afloat": "carried", "carried": "carried", "recovering": "carried",
-    "indoors": "indoors", "upper_floor": "upstairs",
-    "drowned": "drowned", "dead": SWEPT_AWAY,
-}
-ALWAYS = ("arrived", "on their feet", "holding", "carried", "drowned")  # columns of each table; others only if they occur
-SAFE = ("arrived", "sheltered")  # outcomes
-INDOORS = ("indoors", "upper_floor")
-MISSING = ("carried", "holding")  # to be looked for, though not dead
+SWEPT_AWAY = "swept away"  # the kind of those who go over the fall, or out with the water
+# Columns of each table, by the end: all that follows is a part of lost or of no end yet, and a column only if it occurs.
+LOST, NO_END = "lost", "no end yet"
+ALWAYS = ("arrived", "sheltered", LOST, NO_END)
 AGE_CLASSES = ((15, "under 15"), (65, "15 to 64"), (200, "65 and over"))  # those of the United Nations' tables
 SQUARE_M = 20  # side of a place where people start
 NUMBERS = ("time_s", "x_m", "z_m", "max_depth_m", "age", "start_x_m", "start_z_m", "off_feet_s")  # of agents.csv
@@ -129,9 +120,10 @@ def read_people(file, words):
     people = {name: np.array([float(one) if one else np.nan for one in columns.get(name, nothing)]) for name in NUMBERS}
     for name in TEXTS:
         people[name] = np.array([words.setdefault(one, one) for one in columns.get(name, nothing)], dtype=object)
-    people["fate"] = np.array([FATES.get(state, state) for state in people["state"]], dtype=object)
-    people["dead"], people["safe"] = people["outcome"] == "dead", np.isin(people["outcome"].astype(str), SAFE)
-    people["indoors"] = np.isin(people["outcome"].astype(str), INDOORS)
+    people["fate"] = np.array([kind_of(state) for state in people["state"]], dtype=object)
+    ends = np.array([end_of(outcome) for outcome in people["outcome"]])
+    people["dead"], people["safe"] = ends == "lost", ends == "safe"
+    people["indoors"] = np.isin(people["outcome"].astype(str), IN_HOUSES)
     people["skill"][people["worst_state"] == ""] = ""  # who has a given tau has no use for it
     return people
 
@@ -205,5 +197,13 @@ def has_feet(case):
 
 
 def fates_of(case):
-    """The fates in the order of the columns: those of all tables, then what else occurs."""
-    return [*ALWAYS, *sorted(set(case.people["fate"].tolist()) - set(ALWAYS))]
+    """The fates in the order of the columns: those of all tables, then the kinds that occur, the lost first."""
+    there = set(case.people["fate"].tolist())
+    kinds = [kind for end in ("lost", "none") for kind in sorted(there) if ENDS.get(kind, "none") == end]
+    return [*ALWAYS, *kinds]
+
+
+def having(people, fate):
+    """Which people have a fate of fates_of(), as truth values."""
+    sums = {LOST: people["dead"], NO_END: ~people["safe"] & ~people["dead"]}
+    return sums[fate] if fate in sums else people["fate"] == fate

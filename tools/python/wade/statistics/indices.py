@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wade import UsageError
 from wade.statistics.shares import RESAMPLES, SEED
 
 LEVELS = 4  # of Morris' grid; steps of LEVELS / (2 (LEVELS - 1)), so that all levels are met equally often
@@ -58,10 +57,8 @@ def _draws(rows):
 def sobol_points(inputs, count, seed):
     """Saltelli's design (Saltelli et al. 2010) from scrambled Sobol points: (inputs + 2, count, inputs), A, B, then A with
     one column of B each. count: a power of two."""
-    try:
-        from scipy.stats import qmc
-    except ImportError as error:
-        raise UsageError("scipy is missing; tools/install_dependencies.sh sampling installs it") from error
+    from scipy.stats import qmc
+
     points = qmc.Sobol(2 * inputs, scramble=True, seed=seed).random(count)
     a, b = points[:, :inputs], points[:, inputs:]
     mixed = np.repeat(a[None], inputs, axis=0)

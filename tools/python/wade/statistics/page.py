@@ -15,28 +15,36 @@ import numpy as np
 from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.tables import listed
-from wade.statistics.ensemble import MISSING, SWEPT_AWAY, classes, fates_of, has_feet, read_ensemble
+from wade.statistics.ensemble import (LOST, NO_END, SWEPT_AWAY, classes, fates_of, has_feet,
+                                      read_ensemble)
 from wade.statistics.last_places import SQUARE_M, density_of, search_order
 from wade.statistics.shares import share_of, share_of_runs
-from wade.statistics.table import (LEAST, LOST, MOST, NO_END, SAFE, UNDECIDED, comparisons_of, compare, percent,
+from wade.statistics.table import (LEAST, MOST, SAFE, UNDECIDED, comparisons_of, compare, limit_words, percent,
                                    refusal_words, stop_text)
 from wade.statistics.times import curves_of
+from wade.states import MISSING
 from wade.terminal import Parser
 
-COLOURS = {"arrived": "#009e73", "sheltered": "#117733", "indoors": "#cc79a7", "upstairs": "#aa4499",
-           "on their feet": "#56b4e9", "holding": "#e69f00", "carried": "#d55e00", "drowned": "#16161a", SWEPT_AWAY: "#5a5a60"}
+COLOURS = {"arrived": "#009e73", "sheltered": "#117733", "walking": "#56b4e9", "standing": "#88ccee", "recovering": "#ddcc77",
+           "holding": "#e69f00", "pinned": "#f0e442", "carried": "#d55e00", "indoors": "#cc79a7", "upstairs": "#aa4499", "drowned": "#16161a",
+           SWEPT_AWAY: "#5a5a60"}
 # Where the water of a place comes from, by the keys of a scene.
 WATER_OF_A_PLACE = {"water": "stands there at the start", "water_depth_file": "lies there at the start",
                     "gates": "waits behind gates until they open", "sources": "flows in", "rain": "falls as rain"}
 OTHERS = ("#332288", "#999933", "#882255")  # of fates that only some scenes have
 WORDS = {
+    "arrived": "reached the goal",
     "sheltered": "reached a shelter that had room",
-    "indoors": "are still in their houses; whether these hold is not computed",
-    "upstairs": "went to the upper floor of their houses; whether these hold is not computed",
-    "arrived": "reached the place to which they were going",
-    "on their feet": "still stand or walk when the simulated time ends",
+    LOST: "are dead: drowned or swept away",
+    NO_END: "are neither safe nor lost when the simulated time ends",
+    "walking": "are on their feet and on their way",
+    "standing": "have stood in one place for half a minute, for example at the edge of deep water",
+    "recovering": "have fallen, and sit, kneel or squat in water",
     "holding": "lie in the water and hold on to a rope, a line or another person",
-    "carried": "have lost their feet and are carried by the water when the simulated time ends",
+    "carried": "have lost their feet and are carried by the water",
+    "pinned": "are pressed against something by the water",
+    "indoors": "are in their houses; whether these hold is not computed",
+    "upstairs": "are on the upper floor of their houses; whether these hold is not computed",
     "drowned": "were under water for longer than their air lasted",
     SWEPT_AWAY: "were carried over the downstream end, where the simulation loses sight of them; counted as dead",
 }
@@ -92,6 +100,8 @@ def in_hundred(share):
     """"16.6 of 100 (14.6 to 18.9)", or why there is no interval."""
     if share.people == 0:
         return "nobody"
+    if share.limit is not None:
+        return f"{percent(share.mean)} of 100 ({limit_words(share).removesuffix(' %')})"
     if share.low is None:
         return f"{percent(share.mean)} of 100"
     return f"{percent(share.mean)} of 100 ({percent(share.low)} to {percent(share.high)})"
@@ -114,7 +124,7 @@ def tiles(case):
     for words, chosen in (("arrive in safety", people["safe"]), ("die", people["dead"]),
                           ("are carried or hold on when the time ends", is_missing(case))):
         share = share_where(case, chosen)
-        note = "" if share.low is not None else f'<br><span class="small">No range: {text(refusal_words(share))}.</span>'
+        note = "" if share.low is not None or share.limit is not None else f'<br><span class="small">No range: {text(refusal_words(share))}.</span>'
         head, _, more = in_hundred(share).partition(" (")
         cells.append(f'<div class="tile"><b>{head}</b>{words}{f"<br>likely {text(more[:-1])}" if more else ""}{note}</div>')
     low, high = share_of_runs(int((dead > 0).sum()), len(dead))

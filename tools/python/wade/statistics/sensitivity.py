@@ -21,14 +21,14 @@ from wade.reports.options import patterns_of, whole
 from wade.reports.tables import document, markdown, number, section, write_csv
 from wade.run.processes import resolved
 from wade.scenes import find_scene
-from wade.statistics.ensemble import SAFE, planned, read_outcome
+from wade.states import OFF_FEET, SAFE
+from wade.statistics.ensemble import planned, read_outcome
 from wade.statistics.indices import elementary_effects, sobol_indices, sobol_points, trajectories
 from wade.terminal import Parser
 
 DEFAULT_INPUTS = Path(__file__).with_name("inputs.json")
 DESIGN, PLAN = "design.json", "plan.csv"
 NEEDED = ("name", "set", "min", "max", "source")
-OFF_FEET = ("toppled", "afloat", "carried", "holding", "recovering", "drowned")
 # What of a run is looked at: the share of people, in words, and from outcome.json.
 RESULTS = {
     "died": ("who die", lambda o: o["dead"] / o["agents"]),

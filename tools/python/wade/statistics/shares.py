@@ -10,6 +10,7 @@ import statistics
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 LEVEL = 0.95
 FEWEST_RUNS = 10      # with fewer, t-Wilson covers 77 to 92 % where people of a run are alike
@@ -34,38 +35,25 @@ class Share:
     refused: str = ""
 
     @property
+    def limit(self):
+        """One-sided bound of 95 % where no or all people of all runs have it, else None.
+
+        The share of people is at most the share of runs with any, for which 1 - 0.05^(1 / runs) is exact.
+        """
+        if self.people == 0 or (self.runs_with_any and self.runs_with_other):
+            return None
+        bound = 1 - (1 - LEVEL) ** (1 / self.runs)
+        return 1 - bound if self.runs_with_any else bound
+
+    @property
     def width(self):
         return None if self.low is None else self.high - self.low
 
 
-def t_tail(t, degrees):
-    """P(|T| <= t) of Student's t with whole degrees of freedom, a finite sum (Abramowitz and Stegun 26.7.3, 26.7.4)."""
-    angle = math.atan2(t, math.sqrt(degrees))
-    cosine, sine = math.cos(angle), math.sin(angle)
-    odd = degrees % 2
-    term, total = (cosine, cosine) if odd else (1.0, 1.0)
-    for k in range(2 if odd else 1, degrees - 1, 2):
-        term *= cosine * cosine * k / (k + 1)
-        total += term
-    if degrees == 1:
-        total = 0.0
-    return 2 / math.pi * (angle + sine * total) if odd else sine * total
-
-
-def between(low, high, too_low):
-    """Where too_low(x) turns false, by halving down to rounding."""
-    while low < (middle := (low + high) / 2) < high:
-        low, high = (middle, high) if too_low(middle) else (low, middle)
-    return middle
-
-
 @functools.lru_cache(maxsize=4096)
 def t_quantile(degrees, level=LEVEL):
-    """t with P(|T| <= t) = level, T of Student's distribution; beyond 200 degrees by the series in 1 / degrees (26.7.5)."""
-    if degrees <= 200:
-        return between(0.0, 1e4, lambda t: t_tail(t, degrees) < level)
-    z = statistics.NormalDist().inv_cdf((1 + level) / 2)
-    return z + (z**3 + z) / (4 * degrees) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * degrees**2)
+    """t with P(|T| <= t) = level, T of Student's distribution."""
+    return float(special.stdtrit(degrees, (1 + level) / 2))
 
 
 def wilson(successes, trials, quantile=None):
@@ -152,17 +140,9 @@ def share_of(counts, people):
 
 def share_of_runs(successes, runs):
     """Exact interval (Clopper and Pearson 1934) of a share of runs, which are independent."""
-
-    def of_exactly(i, p):  # by logarithms, as the factors of thousands of runs are beyond any number
-        ways = math.lgamma(runs + 1) - math.lgamma(i + 1) - math.lgamma(runs - i + 1)
-        return math.exp(ways + i * math.log(p) + (runs - i) * math.log1p(-p))
-
-    def at_least(k, p):
-        return sum(of_exactly(i, p) for i in range(k, runs + 1))
-
-    tail = (1 - LEVEL) / 2
-    low = 0.0 if successes == 0 else between(0.0, 1.0, lambda p: at_least(successes, p) < tail)
-    high = 1.0 if successes == runs else between(0.0, 1.0, lambda p: 1 - at_least(successes + 1, p) > tail)
+    tail, others = (1 - LEVEL) / 2, runs - successes
+    low = 0.0 if successes == 0 else float(special.betaincinv(successes, others + 1, tail))
+    high = 1.0 if others == 0 else float(special.betaincinv(successes + 1, others, 1 - tail))
     return low, high
 
 

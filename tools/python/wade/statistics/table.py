@@ -13,7 +13,7 @@ from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0, some_of
 from wade.reports.tables import document, markdown, section, write_csv
-from wade.statistics.ensemble import BY, classes, fates_of, read_ensemble
+from wade.statistics.ensemble import BY, LOST, NO_END, classes, fates_of, having, read_ensemble
 from wade.statistics.shares import FIRST_LOOK, compared, runs_needed, share_of, share_of_runs
 from wade.statistics.times import curves_of, fn_curve
 from wade.terminal import Parser
@@ -23,8 +23,9 @@ COLUMNS = ("case,by,class,fate,runs,people,number,share,low,high,why_no_interval
 COMPARED = ("first,second,by,class,fate,pairs,people,share_first,share_second,difference,low,high,people_for_one_more,"
             "people_low,people_high,why_no_interval").split(",")
 HOW = """Intervals are of 95 %, over runs and never over people: Wilson's, with the design effect of the runs and Student's t of
-their number. The people of a run share its water, so that a thousand people in one run are one case. Why a cell has no interval
-stands below the table; the share of runs is exact (Clopper and Pearson)."""
+their number. The people of a run share its water, so that a thousand people in one run are one case. Where something happens in no
+run, or to all people of all runs, the interval is one-sided: *below* or *above*. Why a cell has no interval stands below the table;
+the share of runs is exact (Clopper and Pearson)."""
 CURVES = ("case", "curve", "time_s", "share", "low", "high", "runs", "people")
 MOST_CASES = 12  # with a section and a figure each; more stand in one table
 EPILOG = """Exit code: 0, or 2 for bad usage or a folder without complete runs."""
@@ -41,7 +42,14 @@ def in_words(share, notes):
     """"82.0 % (75.1 to 87.4)", or with the mark of the note that says why there is no interval."""
     if share.low is not None:
         return f"{percent(share.mean)} % ({percent(share.low)} to {percent(share.high)})"
+    if share.limit is not None:
+        return f"{percent(share.mean)} % ({limit_words(share)})"
     return f"{percent(share.mean)} % ({notes.mark(share)})" if share.people else "-"
+
+
+def limit_words(share):
+    """"below 1.5 %" where it happens in no run, "above 98.5 %" where to all people of all runs."""
+    return f"{'above' if share.runs_with_any else 'below'} {percent(share.limit)} %"
 
 
 def refusal_words(share):
@@ -76,7 +84,7 @@ def shares_of(case, by):
         people = case.counts(here)
         of_fate = {}
         for fate in fates_of(case):
-            counts = case.counts(here & (case.people["fate"] == fate))
+            counts = case.counts(here & having(case.people, fate))
             of_fate[fate] = counts, people, share_of(counts.tolist(), people.tolist())
         rows.append((name, of_fate))
     return rows
@@ -88,8 +96,12 @@ def rows_of(case, bys, width):
         for name, of_fate in shares_of(case, by):
             for fate, (counts, people, share) in of_fate.items():
                 needed = runs_needed(counts.tolist(), people.tolist(), width)
-                yield (case.name, by, name, fate, share.runs, share.people, int(counts.sum()), share.mean, share.low,
-                       share.high, share.refused, share.runs_with_any, *share_of_runs(share.runs_with_any, share.runs), needed)
+                low, high, why_not = share.low, share.high, share.refused
+                if share.limit is not None:
+                    low, high = (share.limit, 1.0) if share.runs_with_any else (0.0, share.limit)
+                    why_not = f"one-sided: {share.refused}"
+                yield (case.name, by, name, fate, share.runs, share.people, int(counts.sum()), share.mean, low, high,
+                       why_not, share.runs_with_any, *share_of_runs(share.runs_with_any, share.runs), needed)
 
 
 def class_table(case, by):
@@ -147,7 +159,7 @@ def pairs_of(first, second):
     return chosen
 
 
-SAFE, LOST, NO_END = "safe", "lost", "no end yet"
+SAFE = "safe"
 # Changes if all people without an end yet are lost in the first ensemble and none in the second, and the reverse.
 LEAST, MOST = "lost, at least", "lost, at most"
 SUMS = {
@@ -155,7 +167,7 @@ SUMS = {
     LOST: (lambda people: people["dead"],) * 2,
     LEAST: (lambda people: ~people["safe"], lambda people: people["dead"]),
     MOST: (lambda people: people["dead"], lambda people: ~people["safe"]),
-    NO_END: (lambda people: ~people["safe"] & ~people["dead"],) * 2,
+    NO_END: (lambda people: having(people, NO_END),) * 2,
 }
 UNDECIDED = "who has no end yet decides"
 
@@ -185,9 +197,9 @@ def compare(first, second, by):
             continue
         people, results = first.counts(here)[chosen[0]].tolist(), {}
         for fate in dict.fromkeys([*SUMS, *fates_of(first), *fates_of(second)]):
-            of_fate = SUMS.get(fate, (lambda all_people, fate=fate: all_people["fate"] == fate,) * 2)
-            counts = [case.counts(of_class & having(case.people))[index].tolist()
-                      for case, index, of_class, having in zip((first, second), chosen, (here, others[name]), of_fate)]
+            of_fate = SUMS.get(fate, (lambda all_people, fate=fate: having(all_people, fate),) * 2)
+            counts = [case.counts(of_class & chosen_of(case.people))[index].tolist()
+                      for case, index, of_class, chosen_of in zip((first, second), chosen, (here, others[name]), of_fate)]
             results[fate] = compared(*counts, people)
         for fate, result in needed(results):
             yield name, fate, result

@@ -13,8 +13,9 @@ from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0
 from wade.reports.tables import document, markdown, read_csv, section, write_csv
-from wade.statistics.ensemble import MISSING, SWEPT_AWAY, read_ensemble
+from wade.statistics.ensemble import SWEPT_AWAY, read_ensemble
 from wade.statistics.last_places import SQUARE_M, density_of, drift, search_order, start_drift
+from wade.states import MISSING
 from wade.statistics.table import percent
 from wade.terminal import Parser
 

@@ -21,10 +21,10 @@ from wade.statistics.shares import bootstrap_mean
 from wade.reports.tables import markdown, read_csv, write_csv
 from wade.run.processes import resolved
 from wade.scenes import find_scene
+from wade.states import OFF_FEET
 from wade.terminal import Parser, say_error
 
-LOST = ("toppled", "afloat", "carried", "drowned")
-MEASURES = {"stood firm": ("sliding", *LOST), "kept the feet": LOST}  # the worst states that are too bad for it
+MEASURES = {"stood firm": ("sliding", *OFF_FEET), "kept the feet": OFF_FEET}  # the worst states that are too bad for it
 COLUMNS = ("scene", "group", "measure", "seed", "people", "together", "alone", "only_together", "only_alone")
 PATIENCE_S = "300"  # of either program: many crowds take long to set up, and the machine may be busy
 

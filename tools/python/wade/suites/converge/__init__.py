@@ -22,6 +22,7 @@ from wade.paths import ROOT, module_command
 from wade.reports.files import say, write_whole
 from wade.reports.options import choose, whole
 from wade.reports.tables import document, markdown, read_csv, section, write_csv
+from wade.states import end_of
 from wade.statistics.shares import bootstrap_mean
 from wade.suites.converge.cases import CASES
 from wade.terminal import Parser
@@ -30,10 +31,10 @@ SAME_POINTS = 3.0  # of 100 people
 SAME_TIME = 0.05  # of a time
 SAME_WALK = 0.02  # of the time of one person; the path depends on markers that are drawn in each step
 SHARES = {
-    "safe": lambda row: row["outcome"] in ("arrived", "sheltered"),
-    "lost": lambda row: row["outcome"] == "dead",
+    "safe": lambda row: end_of(row["outcome"]) == "safe",
+    "lost": lambda row: end_of(row["outcome"]) == "lost",
     "off their feet": lambda row: row["off_feet_s"] != "",
-    "no end yet": lambda row: row["outcome"] not in ("arrived", "sheltered", "dead"),
+    "no end yet": lambda row: end_of(row["outcome"]) == "none",
 }
 TIMES = {"half had an end, s": 0.5, "nine tenths had an end, s": 0.9}
 COLUMNS = ("scene", "factor", "value", "reference", "measure", "seeds", "of_reference", "of_value", "difference", "low", "high",

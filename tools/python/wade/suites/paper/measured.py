@@ -6,6 +6,7 @@ from collections import Counter
 from wade.statistics.shares import arrival_interval
 from wade.reports.plots import error_bars, panels, save
 from wade.reports.tables import document, listed, markdown, section
+from wade.states import OFF_FEET
 from wade.suites.paper import plan
 from wade.suites.paper.bands import SET_UPS, in_words, shown
 from wade.suites.paper.plane import level_words
@@ -27,7 +28,6 @@ LEFT_OUT = (
     "Who can sit but not stand up where it is sits until the water lets it stand, or drowns it where its mouth is under (0.5 H): at "
     "400 s the rest is *in the water*. Who keeps the feet and does not arrive stands behind them on the bank.",
     "People are alike, 1.70 m and 65 kg, half of them women, who walk slower in water. The goal radius is that of S1.")
-OFF_FEET = ("toppled", "afloat", "carried", "drowned")
 FATES_AT = (0.5, 0.75, 1.0, 1.5)  # m/s; in faster water nobody keeps on the feet
 FATES = ("kept their feet", "slid", "off their feet", "arrive", "over the fall", "drowned", "in the water")
 
