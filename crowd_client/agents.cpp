@@ -162,6 +162,7 @@ void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d
     if (!scene.place) return;
     agents.leaves.push_back(0);
     agents.goes_up.push_back(0);
+    agents.door_depth.push_back(0);
 }
 
 // When somebody in a house leaves it, and whereto.

@@ -81,6 +81,7 @@ struct Agents {
 
     std::vector<double> leaves;  // when it leaves its house, s; 0 outdoors, infinite: never; empty without a place
     std::vector<std::uint8_t> goes_up;  // then, to the upper floor; empty without a place
+    std::vector<double> door_depth;     // deepest water at the door while in the house, m; empty without a place
 
     std::vector<TauLine> tau_lines;  // of those whose tau changes in time
 

@@ -1,6 +1,9 @@
 #pragma once
 // From velocities to places.
 
+#include <cstddef>
+#include <string>
+
 #include "crowd_client/crowd_state.hpp"
 
 namespace wade::crowd {
@@ -25,6 +28,16 @@ void let_out(CrowdWorld& crowd);
 
 // Whether somebody in a house may still come out.
 [[nodiscard]] bool may_come_out(const CrowdWorld& crowd);
+
+// Records the depth at the doors of people in houses, of the cells of the site's routes, at each update of the routes.
+void note_depth_at_doors(CrowdWorld& crowd);
+
+// Returns the number of people indoors, not upstairs, with more than deep_at_door of water at their door so far.
+inline constexpr double deep_at_door = 0.5;  // m
+[[nodiscard]] std::size_t count_behind_deep_water(const CrowdWorld& crowd);
+
+// Returns a sentence on them; "" where there is none.
+[[nodiscard]] std::string warning_of_deep_water(const CrowdWorld& crowd);
 
 [[nodiscard]] bool goes_to_shelters(const CrowdWorld& crowd, std::uint32_t id);
 

@@ -150,7 +150,8 @@ void solve_fields(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     if (crowd.navigation.place) {
         if (!are_place_ways_due(crowd.navigation, step.number)) return;
-        return update_place_ways(crowd.navigation, crowd.scene, step.water, crowd.threads);
+        update_place_ways(crowd.navigation, crowd.scene, step.water, crowd.threads);
+        return note_depth_at_doors(crowd);
     }
     if (!is_due(crowd.navigation, step.number)) return;
     go_straight(crowd);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <unordered_map>
 
 #include "configs/scene/crowd.hpp"
@@ -103,6 +104,45 @@ void let_out(CrowdWorld& crowd) {
         return true;
     });
     if (crowd.active.size() > before) std::sort(crowd.active.begin(), crowd.active.end());
+}
+
+void note_depth_at_doors(CrowdWorld& crowd) {
+    const PlaceWays& place = *crowd.navigation.place;
+    if (!place.is_wet) return;
+    Agents& agents = crowd.agents;
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        if (agents.outcome[id] != Outcome::indoors && agents.outcome[id] != Outcome::upper_floor) continue;
+        const auto depth = static_cast<double>(place.depth[place.cell_at(agents.position[id])]);
+        agents.door_depth[id] = std::max(agents.door_depth[id], depth);
+    }
+}
+
+namespace {
+
+template <typename Visit>
+void for_each_behind_deep_water(const Agents& agents, Visit&& visit) {
+    for (std::size_t id = 0; id < agents.door_depth.size(); ++id) {
+        if (agents.outcome[id] == Outcome::indoors && agents.door_depth[id] > deep_at_door) visit(id);
+    }
+}
+
+}  // namespace
+
+std::size_t count_behind_deep_water(const CrowdWorld& crowd) {
+    std::size_t count = 0;
+    for_each_behind_deep_water(crowd.agents, [&](std::size_t) { ++count; });
+    return count;
+}
+
+std::string warning_of_deep_water(const CrowdWorld& crowd) {
+    double largest = 0;
+    for_each_behind_deep_water(crowd.agents,
+                               [&](std::size_t id) { largest = std::max(largest, crowd.agents.door_depth[id]); });
+    if (largest == 0) return "";
+    std::ostringstream text;
+    text << count_behind_deep_water(crowd) << " people are indoors behind " << deep_at_door << " to "
+         << std::ceil(10 * largest) / 10 << " m of water; houses are not modelled, so they are neither safe nor lost";
+    return text.str();
 }
 
 bool goes_to_shelters(const CrowdWorld& crowd, std::uint32_t id) {

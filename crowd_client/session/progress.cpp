@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "configs/program/time_left.hpp"
+#include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/standing.hpp"
 
 namespace wade::crowd {
@@ -81,6 +82,7 @@ std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, dou
     if (const std::size_t standing = count_standing(crowd); standing > 0)
         text += print(", %zu of them stand", standing);
     text += "\n";
+    if (const std::string deep = warning_of_deep_water(crowd); !deep.empty()) text += "warning: " + deep + "\n";
     text += print("%.1f s simulated in %.1f s of wall time", time, wall_time);
     if (wall_time > 0) text += print(" (%.2f s a second)", time / wall_time);
     if (summary.dropped_frames > 0) {

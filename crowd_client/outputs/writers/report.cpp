@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "configs/json/json.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "configs/program/version.hpp"
 #include "configs/scene/choices.hpp"
 #include "configs/scene/crowd.hpp"
+#include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/rescue.hpp"
 #include "crowd_client/results/output_file.hpp"
 #include "crowd_client/standing.hpp"
@@ -118,6 +120,7 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
         json["sheltered"] = crowd.sheltered;
         json["indoors"] = crowd.indoors.inside;
         json["upper_floor"] = crowd.indoors.upstairs;
+        json["indoors_behind_deep_water"] = count_behind_deep_water(crowd);
     }
     json["standing"] = count_standing(crowd);
     json["states"] = states_json(crowd);
@@ -127,7 +130,9 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
         json["rescue"] = {
             {"rescuers", rescue.rescuers}, {"saved", rescue.saved}, {"rescuers_lost_feet", rescue.lost_feet}};
     }
-    json["warnings"] = crowd.warnings;
+    std::vector<std::string> warnings = crowd.warnings;
+    if (std::string deep = warning_of_deep_water(crowd); !deep.empty()) warnings.push_back(std::move(deep));
+    json["warnings"] = warnings;
     json["last_arrival_s"] = crowd.arrived > 0 ? Json(time_of(crowd, crowd.last_arrival_step)) : Json(nullptr);
     json["contact_rule"] = name_of(crowd.scene.coupling->contact_rule);
     json["momentum_balance_n_s"] = summary.momentum ? Json(summary.momentum->difference()) : Json(nullptr);
@@ -148,7 +153,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     std::string csv =
         "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
         "mean_dv_m2_s,state,height_m,mean_tau,worst_state,age,skill,"
-        "start_x_m,start_z_m,off_feet_s";
+        "start_x_m,start_z_m,off_feet_s,door_depth_m";
     if (danger != nullptr) csv.append(",danger_level,").append(exposure_columns);
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -169,6 +174,8 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         csv += ',' + csv_number(agents.people.age[id]) + ',' + std::string(name_of(agents.people.skill[id]));
         csv += ',' + csv_number(agents.start[id].x()) + ',' + csv_number(agents.start[id].y()) + ',';
         if (const std::uint64_t lost = agents.lost_feet_step[id]; lost > 0) csv += csv_number(time_of(crowd, lost));
+        csv += ',';
+        if (!agents.door_depth.empty()) csv += csv_number(agents.door_depth[id]);
         if (danger != nullptr) {
             const Exposure& met = danger->agents()[id];
             csv += ',' + std::string(danger_name(met.largest)) + ',' + exposure_times(met, crowd.dt);

@@ -10,6 +10,7 @@
 #include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/placed_houses.hpp"
+#include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/results/run_summary.hpp"
 #include "made_up_water.hpp"
 
@@ -130,6 +131,28 @@ TEST_CASE("Bodies that come out of a house never overlap, and nobody of them is 
         }
     }
     CHECK(crowd.sheltered + crowd.active.size() > 15);  // one each 0.5 m at 1.3 m/s is 2.6 a second
+}
+
+TEST_CASE("People behind deep water are counted, and the deepest water at their door is kept") {
+    Scene scene = one_house(3);
+    scene.place->houses[0].doors = {{20, 15}};
+    scene.crowd->groups[0].leaving.after = 1e6;
+    CrowdWorld crowd = make_crowd(scene);
+    const MadeUpWater deep = uniform_water(20, 30, 0, 40, 1.25, 0.25, 0, 0);
+    step(crowd, deep.view());
+    CHECK(count_behind_deep_water(crowd) == 3);
+    CHECK(crowd.agents.door_depth[0] == Approx(1.25));
+    for (int k = 0; k < 40; ++k) step(crowd, {});  // the water falls
+    CHECK(count_behind_deep_water(crowd) == 3);
+    CHECK_THAT(warning_of_deep_water(crowd), Catch::StartsWith("3 people are indoors behind 0.5 to 1.3 m of water"));
+    CHECK(outcome_json(crowd, RunSummary{}, RunLabels{}).find("\"indoors_behind_deep_water\": 3") != std::string::npos);
+    crowd.agents.outcome[0] = Outcome::upper_floor;
+    CHECK(count_behind_deep_water(crowd) == 2);
+
+    CrowdWorld shallow = make_crowd(scene);
+    step(shallow, uniform_water(20, 30, 0, 40, 0.25, 0.25, 0, 0).view());
+    CHECK(count_behind_deep_water(shallow) == 0);
+    CHECK(warning_of_deep_water(shallow).empty());
 }
 
 TEST_CASE("A door into a wall is refused by its house") {

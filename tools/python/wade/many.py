@@ -166,7 +166,8 @@ def short(scene):
 def told_of(row, folder):
     words = f"{short(row['scene'])} seed {row['seed']}: {row['status']}"
     if row["status"] == "completed":
-        return f"{words}, {row['arrived']} of {row['agents']} arrived"
+        sheltered = f", {row['sheltered']} sheltered" if "sheltered" in row else ""
+        return f"{words}, {row['arrived']} of {row['agents']} arrived{sheltered}, {row['dead']} dead"
     return f"{words}, see {folder.run(row['index'])}"
 
 

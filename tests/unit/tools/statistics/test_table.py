@@ -19,7 +19,7 @@ from wade.statistics.indices import trajectories
 
 HEAD = ("id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,mean_dv_m2_s,state,"
         "height_m,mean_tau,worst_state,age,skill,start_x_m,start_z_m,off_feet_s")
-SCENE = {"crowd": {"response": "measured", "groups": [{"name": "walkers"}]},
+SCENE = {"crowd": {"response": "measured", "goal_radius_m": 2, "groups": [{"name": "walkers", "goal": {"x_m": 90, "z_m": 45}}]},
          "channel": {"flow": "open", "x_min_m": 0, "x_max_m": 100, "z_min_m": 10, "z_max_m": 40, "velocity_m_s": 1.0, "depth_m": 1.0,
                      "velocity_history": [], "water_blocks": []},
          "world": {"length_m": 100, "width_m": 50, "ends": "open"}, "obstacles": []}
@@ -52,6 +52,21 @@ def ensemble_in(folder, seeds=range(1, 25), drowned=lambda seed: 1 + seed % 4, a
     for seed in seeds:
         arrive = 20 - drowned(seed) if all_end else 10 + seed % 3
         write_run(folder / "runs" / f"{seed:05d}", seed, arrive, drowned(seed))
+
+
+def flooded_in(folder, seeds, people=20):
+    """Runs of people indoors with 0.4 m of water at the door, or 2.4 m (the last five), of 5 to 80 years."""
+    write_plan(folder, [(seed, "village", seed, "{}") for seed in seeds])
+    for seed in seeds:
+        write_run(folder / "runs" / f"{seed:05d}", seed, 0, 0, people)
+        file = folder / "runs" / f"{seed:05d}" / "agents.csv"
+        head, *lines = file.read_text().splitlines()
+        rows = []
+        for k, line in enumerate(lines):
+            cells = dict(zip(head.split(","), line.split(",")))
+            cells |= {"outcome": "indoors", "state": "indoors", "age": 5 + 75 * k // (people - 1), "height_m": 1.1 + 0.03 * k}
+            rows.append(",".join(map(str, [*cells.values(), 0.4 if k < people - 5 else 2.4])))
+        file.write_text("\n".join([f"{head},door_depth_m", *rows]) + "\n")
 
 
 def quietly(command, *arguments):
@@ -131,7 +146,7 @@ class Folder(unittest.TestCase):
         self.assertAlmostEqual(float(rows["lost, at least"]["difference"]), -0.05 - walking[0])
         self.assertAlmostEqual(float(rows["lost, at most"]["difference"]), -0.05 + walking[1])
         self.assertEqual({row["people_for_one_more"] for row in rows.values()}, {""})
-        self.assertEqual(rows["lost"]["why_no_interval"], "who has no end yet decides")
+        self.assertEqual(rows["lost"]["why_no_interval"], "people without an end yet decide")
         with self.assertRaisesRegex(UsageError, "no seed in common"):
             ensemble_in(self.folder / "c", range(90, 92))
             quietly(table.main, self.folder / "a", "--against", self.folder / "c", "--no-figures", "--out", self.folder)
@@ -164,10 +179,54 @@ class Folder(unittest.TestCase):
         text = (self.folder / "a/report.html").read_text()
         self.assertIn("A &lt;b&gt; town", text)
         self.assertEqual(re.findall(r'(?:src|href)="(?!data:image/png;base64,)[^"]*"', text), [], "nothing from elsewhere")
-        self.assertEqual(text.count("data:image/png"), 2)
+        self.assertEqual(text.count("data:image/png"), 3)
         for words in ("<b>12.5 of 100</b>die", "10 % of the people (48 of 480)", "about 55 arrive in safety",
-                      "depends on those who have no end yet", "walking)"):
+                      "depends on those without an end yet", "first 32.5 walking of 100; second 37.5 walking of 100"):
             self.assertIn(words, text)
+
+
+    def test_people_in_flooded_houses_are_told_apart_and_no_longer_run_decides_for_them(self):
+        flooded_in(self.folder, range(1, 12))
+        _, said = quietly(table.main, self.folder, "--no-figures")
+        rows = {row["fate"]: row for row in read_csv(self.folder / "table.csv") if row["by"] == "all"}
+        self.assertEqual({fate: int(rows[fate]["number"]) for fate in ("no end yet", "indoors", "in flooded houses")},
+                         {"no end yet": 220, "indoors": 165, "in flooded houses": 55})
+        text = " ".join(said.split())
+        self.assertIn("No longer run decides for those who are in flooded houses and indoors, as houses are not modelled.", text)
+        self.assertIn("up to 2.4 m of water at their door", text)
+        self.assertNotIn("Longer runs decide", text)
+
+    def test_the_page_describes_the_people_as_they_ran(self):
+        flooded_in(self.folder, (7,))
+        quietly(page.main, self.folder)
+        text = (self.folder / "report.html").read_text()
+        for words in ("<td class=l>5 to 80 years, median 42</td>", "1.10 to 1.67 m, median 1.39", "normal (100.0 %)", "1 simulated run<",
+                      "There is only 1 run.", "No person is lost in these runs."):
+            self.assertIn(words, text)
+        for words in ("0 obstacles", "of all floods like this"):
+            self.assertNotIn(words, text)
+
+    def test_losses_are_counted_by_place_and_by_minute(self):
+        ensemble_in(self.folder)
+        _, said = quietly(table.main, self.folder)
+        self.assertEqual(read_csv(self.folder / "losses.csv"), [{
+            "case": "river/s08", "x_m": "20", "z_m": "20", "lost_a_run": "2.5", "share": "1", "runs_with_any": "24"}])
+        self.assertIn("| 20 to 40 | 20 to 40 | 2.5 | 100.0 % | 24 |", said)
+        self.assertIn("| 1 to 2 | 2.5 | 100.0 % | 100.0 % |", said)
+        self.assertTrue((self.folder / "losses.png").exists())
+
+    def test_a_varied_value_is_one_table_and_one_figure(self):
+        lines = [(k + 1, "river/s08", 1 + k % 12, json.dumps({"/crowd/tau": k // 12 / 5})) for k in range(60)]
+        write_plan(self.folder, lines)
+        for k, _, seed, _ in lines:
+            write_run(self.folder / "runs" / f"{k:05d}", seed, 8, (k - 1) // 12 * (1 + seed % 3))
+        _, said = quietly(table.main, self.folder)
+        self.assertLess(len(said.splitlines()), 40)
+        self.assertEqual(re.findall(r"^\| (0\.?\d*) \| 12 \|", said, re.MULTILINE), ["0.0", "0.2", "0.4", "0.6", "0.8"])
+        self.assertTrue((self.folder / "values.png").exists())
+        quietly(page.main, self.folder)
+        text = (self.folder / "report.html").read_text()
+        self.assertEqual(text.count("What was assumed"), 1)
 
 
 class Sensitivity(unittest.TestCase):

@@ -173,8 +173,8 @@ def draw_water(axes, cells, scene):
                            edgecolors="none", antialiased=False, rasterized=True, zorder=3)
 
 
-def draw_depth_bar(figure, axes, mesh):
-    """A slim colour bar of the depth of the water beside the map."""
+def draw_depth_bar(figure, axes, mesh, label="depth of the water, m"):
+    """A slim colour bar beside the map."""
     wide, high = figure.get_size_inches()
     room = axes.get_subplotspec().get_position(figure)  # in shares of the figure
     place = (room.x1 + 0.1 / wide, room.y0, 0.12 / wide, min(room.height, 4.0 / high))
@@ -182,7 +182,7 @@ def draw_depth_bar(figure, axes, mesh):
     deeper = np.max(mesh.get_array()) > full
     bar = figure.colorbar(mesh, cax=figure.add_axes(place), extend="max" if deeper else "neither",
                           ticks=np.linspace(0, full, 6))
-    bar.set_label("depth of the water, m", fontsize=8, color=INK)
+    bar.set_label(label, fontsize=8, color=INK)
     bar.ax.tick_params(labelsize=8, colors=INK, length=3)
     bar.outline.set_visible(False)
 

@@ -23,9 +23,13 @@ LOST, NO_END = "lost", "no end yet"
 ALWAYS = ("arrived", "sheltered", LOST, NO_END)
 AGE_CLASSES = ((15, "under 15"), (65, "15 to 64"), (200, "65 and over"))  # those of the United Nations' tables
 SQUARE_M = 20  # side of a place where people start
-NUMBERS = ("time_s", "x_m", "z_m", "max_depth_m", "age", "start_x_m", "start_z_m", "off_feet_s")  # of agents.csv
+FLOODED, DEEP_M = "in flooded houses", 0.5  # the kind of people indoors with more water than that at their door
+IN_A_HOUSE = ("indoors", FLOODED, "upstairs")  # kinds that no longer run decides, as houses are not modelled
+NUMBERS = ("time_s", "x_m", "z_m", "tau", "mass_kg", "max_depth_m", "height_m", "age", "start_x_m", "start_z_m", "off_feet_s",
+           "door_depth_m")  # of agents.csv
 TEXTS = ("group", "outcome", "state", "skill", "worst_state")
-OLDER = ("age", "skill", "worst_state", "start_x_m", "start_z_m", "off_feet_s")  # agents.csv has had these for a shorter time
+# agents.csv has had these for a shorter time.
+OLDER = ("age", "skill", "worst_state", "start_x_m", "start_z_m", "off_feet_s", "door_depth_m")
 
 
 @dataclass
@@ -121,6 +125,7 @@ def read_people(file, words):
     for name in TEXTS:
         people[name] = np.array([words.setdefault(one, one) for one in columns.get(name, nothing)], dtype=object)
     people["fate"] = np.array([kind_of(state) for state in people["state"]], dtype=object)
+    people["fate"][(people["fate"] == "indoors") & (people["door_depth_m"] > DEEP_M)] = FLOODED
     ends = np.array([end_of(outcome) for outcome in people["outcome"]])
     people["dead"], people["safe"] = ends == "lost", ends == "safe"
     people["indoors"] = np.isin(people["outcome"].astype(str), IN_HOUSES)
@@ -196,11 +201,20 @@ def has_feet(case):
     return bool((~np.isnan(case.people["off_feet_s"])).any())
 
 
-def fates_of(case):
+def fates_of(*cases):
     """The fates in the order of the columns: those of all tables, then the kinds that occur, the lost first."""
-    there = set(case.people["fate"].tolist())
-    kinds = [kind for end in ("lost", "none") for kind in sorted(there) if ENDS.get(kind, "none") == end]
-    return [*ALWAYS, *kinds]
+    there = {fate for case in cases for fate in case.people["fate"].tolist()}
+    order = [*ENDS]
+    order.insert(order.index("indoors"), FLOODED)
+    known = [kind for kind in order if kind in there] + sorted(there - set(order))
+    return [*ALWAYS, *(kind for end in ("lost", "none") for kind in known if ENDS.get(kind, "none") == end)]
+
+
+def open_kinds(*cases):
+    """{kind: mean share of the people} of those without an end yet; of several cases of all their people."""
+    people = sum(len(case.people["run"]) for case in cases)
+    counts = Counter(fate for case in cases for fate in case.people["fate"][having(case.people, NO_END)].tolist())
+    return {kind: counts[kind] / people for kind in fates_of(*cases) if counts[kind]}
 
 
 def having(people, fate):

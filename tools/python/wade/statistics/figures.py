@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from wade.reports.plots import COLOURS, panels, save
+from wade.reports.plots import COLOURS, error_bars, panels, save
 from wade.statistics.times import fn_curve
 
 MOST_POINTS = 2000  # of a drawn curve
@@ -49,3 +49,31 @@ def draw_fn(axes, case):
                   markersize=3.5, linewidth=1, capsize=2)
     axes.set(title="FN: runs with N dead or more", xlabel="N", ylabel="of all runs, %", ylim=(-2, 102))
     axes.xaxis.get_major_locator().set_params(integer=True)
+
+
+def draw_values(cases, keys, file):
+    """values.png: the shares safe, lost and without an end yet over the values that tell cases apart."""
+    from wade.statistics.ensemble import LOST, NO_END, having
+    from wade.statistics.shares import share_of
+    from wade.statistics.table import SAFE, bounds_of, label_of
+
+    labels = [label_of(case, keys) for case in cases]
+    numbers = len(keys) == 1 and all(isinstance(case.settings.get(keys[0]), (int, float)) for case in cases)
+    xs = [case.settings[keys[0]] for case in cases] if numbers else range(len(cases))
+    order = np.argsort(xs, kind="stable")
+    figure, (axes,) = panels(1, (6.4, 4.2))
+    for index, fate in enumerate((SAFE, LOST, NO_END)):
+        intervals = []
+        for case in cases:
+            chosen = case.people["safe"] if fate == SAFE else having(case.people, fate)
+            ends = bounds_of(share_of(case.counts(chosen).tolist(), np.bincount(case.people["run"]).tolist()))
+            intervals.append([None if end is None else 100 * end for end in ends])
+        error_bars(axes, [xs[k] for k in order], [intervals[k] for k in order], fate, (2, 1, 7)[index], "-" if numbers else "none")
+    if not numbers:
+        axes.set_xticks(list(xs), labels, rotation=30, ha="right")
+    axes.set(xlabel=", ".join(key.removeprefix("/") for key in keys), ylabel="of all people, %", ylim=(-2, 102))
+    axes.legend()
+    runs = sorted({len(case.runs) for case in cases})
+    axes.set_title(f"{cases[0].scene}: {' to '.join(map(str, dict.fromkeys((runs[0], runs[-1]))))} runs each; bars: 95 % over runs",
+                   fontsize=9)
+    save(figure, file)

@@ -15,23 +15,25 @@ import numpy as np
 from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.tables import listed
-from wade.statistics.ensemble import (LOST, NO_END, SWEPT_AWAY, classes, fates_of, has_feet,
+from wade.statistics import losses
+from wade.statistics.ensemble import (FLOODED, LOST, NO_END, SWEPT_AWAY, classes, fates_of, has_feet, having,
                                       read_ensemble)
+from wade.statistics.figures import draw_values
 from wade.statistics.last_places import SQUARE_M, density_of, search_order
 from wade.statistics.shares import share_of, share_of_runs
-from wade.statistics.table import (LEAST, MOST, SAFE, UNDECIDED, comparisons_of, compare, limit_words, percent,
-                                   refusal_words, stop_text)
+from wade.statistics.table import (LEAST, MOST, MOST_SECTIONS, SAFE, compare, comparisons_of, interval_words, label_of, limit_words,
+                                   open_text, percent, refusal_words, stop_text, told_apart_by, verdict, what_decides)
 from wade.statistics.times import curves_of
 from wade.states import MISSING
 from wade.terminal import Parser
 
 COLOURS = {"arrived": "#009e73", "sheltered": "#117733", "walking": "#56b4e9", "standing": "#88ccee", "recovering": "#ddcc77",
-           "holding": "#e69f00", "pinned": "#f0e442", "carried": "#d55e00", "indoors": "#cc79a7", "upstairs": "#aa4499", "drowned": "#16161a",
-           SWEPT_AWAY: "#5a5a60"}
+           "holding": "#e69f00", "pinned": "#f0e442", "carried": "#d55e00", "indoors": "#cc79a7", FLOODED: "#882255",
+           "upstairs": "#aa4499", "drowned": "#16161a", SWEPT_AWAY: "#5a5a60"}
 # Where the water of a place comes from, by the keys of a scene.
 WATER_OF_A_PLACE = {"water": "stands there at the start", "water_depth_file": "lies there at the start",
                     "gates": "waits behind gates until they open", "sources": "flows in", "rain": "falls as rain"}
-OTHERS = ("#332288", "#999933", "#882255")  # of fates that only some scenes have
+OTHERS = ("#332288", "#999933", "#44aa99")  # of fates that only some scenes have
 WORDS = {
     "arrived": "reached the goal",
     "sheltered": "reached a shelter that had room",
@@ -44,6 +46,7 @@ WORDS = {
     "carried": "have lost their feet and are carried by the water",
     "pinned": "are pressed against something by the water",
     "indoors": "are in their houses; whether these hold is not computed",
+    FLOODED: "are in houses with more than 0.5 m of water at the door; whether these hold, and whether water comes in, is not computed",
     "upstairs": "are on the upper floor of their houses; whether these hold is not computed",
     "drowned": "were under water for longer than their air lasted",
     SWEPT_AWAY: "were carried over the downstream end, where the simulation loses sight of them; counted as dead",
@@ -122,7 +125,7 @@ def tiles(case):
     dead = case.counts(people["dead"])
     cells = []
     for words, chosen in (("arrive in safety", people["safe"]), ("die", people["dead"]),
-                          ("are carried or hold on when the time ends", is_missing(case))):
+                          ("have no end yet when the time ends", having(people, NO_END))):
         share = share_where(case, chosen)
         note = "" if share.low is not None or share.limit is not None else f'<br><span class="small">No range: {text(refusal_words(share))}.</span>'
         head, _, more = in_hundred(share).partition(" (")
@@ -130,7 +133,7 @@ def tiles(case):
     low, high = share_of_runs(int((dead > 0).sum()), len(dead))
     cells.append(f'<div class="tile"><b>{dead.min()} to {dead.max()}</b>dead of {size.max()} people, from run to run<br>'
                  f'<span class="small">{int((dead > 0).sum())} of {len(dead)} runs have any (likely {percent(low)} to '
-                 f"{percent(high)} % of all floods like this)</span></div>")
+                 f"{percent(high)} % of all runs {of_what(case)})</span></div>")
     return f'<div class="tiles">{"".join(cells)}</div>'
 
 
@@ -139,17 +142,32 @@ def about(share):
     return "none" if share == 0 else "less than 1" if share < 1 else f"about {share:.0f}"
 
 
+def of_what(case):
+    """What differs from run to run, in words."""
+    return "with other people in other floods of this kind" if flood_differs(case) else "of this flood with other people"
+
+
+def flood_differs(case):
+    """Whether the water differs between runs: by their hashes of all frames, which a seed of the water changes."""
+    hashes = {run.outcome.get("frame_hash") for run in case.runs}
+    two_way = (case.manifest()["resolved_scene"].get("coupling") or {}).get("two_way")
+    return len(hashes) > 1 and not two_way
+
+
 def first_words(case):
     """The answer in two sentences."""
     people = case.people
-    ways = {"arrive in safety": people["safe"], "die": people["dead"], "have stayed in their houses": people["indoors"],
-            "are carried by the water or hold on to something when the time ends": is_missing(case)}
-    ways["are still on their way then"] = ~np.logical_or.reduce(list(ways.values()))
-    shares = {words: 100 * share_where(case, chosen).mean for words, chosen in ways.items()}
-    told = [f"{about(share)} {words}" for words, share in shares.items() if share > 0 or words in ("arrive in safety", "die")]
+    shares = {words: 100 * share_where(case, chosen).mean
+              for words, chosen in (("arrive in safety", people["safe"]), ("die", people["dead"]))}
+    told = [f"{about(share)} {words}" for words, share in shares.items()]
+    none = 100 * share_where(case, having(people, NO_END)).mean
+    told += [f"{about(none)} have no end yet"] if none else []
     end = max(run.outcome["sim_time_s"] for run in case.runs)
-    return (f"<p>Of 100 people {listed(told)}, after {end:.0f} seconds at most. This is the mean of {len(case.runs)} simulated "
-            "runs that differ only by chance: in who the people are and in which way each of them steps.</p>")
+    differ = "in who the people are and in which way each of them steps" + (", and in the water" if flood_differs(case) else "")
+    runs = (f"This is the mean of {len(case.runs)} simulated runs {'of one flood ' if not flood_differs(case) else ''}that differ "
+            f"only by chance: {differ}." if len(case.runs) > 1 else "This is one simulated run, which tells nothing of chance.")
+    warn = f'<p class="warn">{text(open_text(case))}</p>' if none else ""
+    return f"<p>Of 100 people {listed(told)}, after {end:.0f} seconds at most. {runs}</p>{warn}"
 
 
 def bars(case):
@@ -176,24 +194,26 @@ def bars(case):
     return f'<p class="small">{key}</p>' + "".join(parts)
 
 
-def glossary(case):
-    rows = [[text(fate), text(WORDS.get(fate, "a state of the program's own")) + "."] for fate in fates_of(case)
-            if (case.people["fate"] == fate).any()]
+def glossary(*cases):
+    there = {fate for case in cases for fate in case.people["fate"].tolist()}
+    rows = [[text(fate), text(WORDS.get(fate, "a state of the program's own")) + "."] for fate in fates_of(*cases)
+            if fate in there or fate in (LOST, NO_END)]
     return table(["word", "they ..."], rows, (0, 1))
 
 
-def spread(value, unit=""):
-    """A number or a range of the scene in words."""
-    if isinstance(value, dict):
-        return f"{value['min']:g} to {value['max']:g}{unit}"
-    return f"{value:g}{unit}" if isinstance(value, (int, float)) else str(value)
+def ran(case, column, unit, form="g"):
+    """The range and the median of a column of agents.csv, over the people of all runs."""
+    values = case.people[column][np.isfinite(case.people[column])]
+    if len(values) == 0:
+        return "not known"
+    low, middle, high = (f"{value:{form}}" for value in np.quantile(values, [0, 0.5, 1]))
+    return f"{low}{unit}" if low == high else f"{low} to {high}{unit}, median {middle}"
 
 
-def of_groups(scene, key, unit=""):
-    """What the groups have for a key, each once."""
-    crowd = scene["crowd"]
-    values = [group.get(key, crowd.get(key)) for group in crowd.get("groups", [])]
-    return ", ".join(dict.fromkeys(spread(value, unit) for value in values if value is not None)) or "-"
+def parts_of(case, column):
+    """The texts of a column of agents.csv with their shares of the people."""
+    words, counts = np.unique(case.people[column].astype(str), return_counts=True)
+    return ", ".join(f"{word} ({percent(count / counts.sum())} %)" for word, count in zip(words, counts) if word)
 
 
 def assumed(case):
@@ -201,11 +221,13 @@ def assumed(case):
     manifest = case.manifest()
     scene, run = manifest["resolved_scene"], case.runs[0]
     world, crowd = scene["world"], scene["crowd"]
-    rows = [["place", f"{world['length_m']:g} x {world['width_m']:g} m, {len(scene.get('obstacles') or [])} obstacles"]]
+    boxes = len(scene.get("obstacles") or [])
+    rows = [["ground", f"{world['length_m']:g} x {world['width_m']:g} m" + (f", {boxes} obstacles" if boxes else "")]]
     channel = scene.get("channel")
     if scene.get("place"):
         from wade.pictures.top_view import polygons_of
-        rows.append(["ground", f"a map, with {len(polygons_of(scene, 'houses'))} houses"])
+        houses = len(polygons_of(scene, "houses"))
+        rows[0][1] += f", a map with {houses} house{'s' if houses != 1 else ''}"
         came = [words for key, words in WATER_OF_A_PLACE.items() if scene["place"].get(key)]
         rows.append(["water", ", ".join(came) or "none"])
     elif channel:
@@ -216,18 +238,24 @@ def assumed(case):
     if met is not None and np.isfinite(met).any():
         rows.append(["water that people met", f"up to {np.nanmax(met):.1f} m deep"])
     rows.append(["how the water is computed", fluid.get("model", "-")])
-    by_body = crowd.get("response") == "measured"
-    rows.append(["how people answer the water", "by their bodies, as measured in flumes" if by_body else
-                 "by a given endurance tau of the paper, 0 not moved to 1 carried; it is not measured"])
-    rows += [["people", f"{run.outcome['agents']} a run, {len(crowd['groups'])} groups"],
-             ["age, height, mass", "; ".join((of_groups(scene, "age", " years"), of_groups(scene, "height_m", " m"),
-                                              of_groups(scene, "mass_kg", " kg")))],
-             ["walking speed on dry ground", of_groups(scene, "desired_speed_m_s", " m/s")]]
-    if by_body:
-        rows += [["bracing", of_groups(scene, "skill")], ["walking in water", str(crowd.get("walking_in_water", "-"))]]
+    people = case.people
+    by_body = people["worst_state"] != ""
+    answers = (["by their bodies, as measured in flumes"] if by_body.any() else []) + (
+        ["by a given endurance tau of the paper, 0 not moved to 1 carried, which is not measured"] if not by_body.all() else [])
+    rows.append(["how people answer the water", "; ".join(answers)])
+    if not by_body.all():
+        rows.append(["tau", ran(case, "tau", "")])
+    groups = len(set(people["group"].tolist()))
+    rows += [["people", f"{listed(map(str, sorted(set(np.bincount(people['run']).tolist()))))} a run, "
+              f"{groups} group{'s' if groups != 1 else ''}"],
+             ["age", ran(case, "age", " years", ".0f")], ["height", ran(case, "height_m", " m", ".2f")],
+             ["mass", ran(case, "mass_kg", " kg", ".0f")]]
+    if by_body.any():
+        rows += [["bracing", parts_of(case, "skill")], ["walking in water", str(crowd.get("walking_in_water", "-"))]]
     end = max(one.outcome["sim_time_s"] for one in case.runs)
     rows += [["simulated time", f"up to {end:.0f} s"],
-             ["runs", f"{len(case.runs)}, seeds {min(case.seeds)} to {max(case.seeds)}"],
+             ["runs", f"{len(case.runs)}, seeds {min(case.seeds)} to {max(case.seeds)}" if len(case.runs) > 1 else
+              f"1, seed {case.seeds[0]}"],
              ["program", f"Wade {manifest.get('version', '')}, commit {manifest.get('git_hash', '-')}"]]
     return table(["", ""], [[text(name), text(value)] for name, value in rows], (0, 1))
 
@@ -264,7 +292,8 @@ def beyond(case):
 
 def stays_in_words(case):
     if len(case.runs) < ENOUGH:
-        return (f'<p class="warn">There are only {len(case.runs)} runs. Ranges need 10 at least, and a decision should rest on '
+        there = "is only 1 run" if len(case.runs) == 1 else f"are only {len(case.runs)} runs"
+        return (f'<p class="warn">There {there}. Ranges need 10 at least, and a decision should rest on '
                 f"{ENOUGH} or more.</p>")
     lines = [line[2:] for line in stop_text(case, 0.1).splitlines() if "more runs" in line]
     return f'<p class="warn">For ranges at most 10 of 100 wide: {text("; ".join(lines))}.</p>' if lines else ""
@@ -278,8 +307,10 @@ def draw_all(case, folder):
     from wade.statistics.victims import draw as draw_map
     from wade.statistics.victims import sought
 
-    files = {"curves": folder / "curves.png", "run": None, "search": None}
+    files = {"curves": folder / "curves.png", "run": None, "search": None, "losses": folder / "losses.png"}
     draw_curves(case, curves_of(case), files["curves"])
+    if case.people["dead"].any():
+        losses.draw(case, files["losses"])
     with_paths = next((run for run in case.runs if (run.folder / "trajectories.sqlite").exists()), None)
     if with_paths:
         try:
@@ -296,6 +327,30 @@ def draw_all(case, folder):
     return files
 
 
+def flows(case):
+    """A sentence on the direction of a channel's water; "" of a map."""
+    scene = case.manifest()["resolved_scene"]
+    channel = scene.get("channel") or {"flow": "closed"}
+    return "" if scene.get("place") or channel["flow"] == "closed" else " The water flows to the left."
+
+
+def losses_html(case, file):
+    """Where and when people are lost: a map and two tables."""
+    squares, minutes = losses.by_square(case), losses.by_minute(case)
+    if not squares:
+        return "<h2>Where people are lost</h2><p>No person is lost in these runs.</p>"
+    shown = squares[: losses.MOST_ROWS]
+    rest = f'<p class="small">{len(squares) - len(shown)} more squares hold the rest.</p>' if len(squares) > len(shown) else ""
+    side = losses.SQUARE_M
+    return ("<h2>Where people are lost</h2>" + picture(file, "map of losses") + table(
+        ["x, m", "z, m", "lost a run", "of 100 lost", "runs with any"],
+        [[f"{x:g} to {x + side:g}", f"{z:g} to {z + side:g}", f"{number:.2g}", percent(share), runs]
+         for x, z, number, share, runs in shown], ()) + rest + "<h3>By time</h3>" + table(
+        ["minutes", "lost a run", "of 100 lost", "so far"],
+        [[f"{start} to {end}", f"{number:.2g}", percent(share), percent(so_far)]
+         for start, end, number, share, so_far in minutes], ()))
+
+
 def case_html(case, level_title, changes):
     """All of a case; changes: what a second one changes, as HTML."""
     with tempfile.TemporaryDirectory(prefix="wade-report-") as name:
@@ -304,14 +359,15 @@ def case_html(case, level_title, changes):
         parts += ["<h2>What the change brings</h2>", changes] if changes else []
         if files["run"]:
             parts += ["<h2>One of the runs</h2>", picture(files["run"][0], "map of one run"),
-                      f'<p class="small">Seen from above, the run with seed {files["run"][1]}. The water flows to the left unless '
-                      "the map shows otherwise. The other runs look alike but not the same.</p>"]
+                      f'<p class="small">Seen from above, the run with seed {files["run"][1]}.{flows(case)} The other runs look '
+                      "alike but not the same.</p>"]
         parts += ["<h2>Who</h2>", bars(case), "<h2>When</h2>", picture(files["curves"], "curves over time"),
                   '<p class="small">Left: how many have arrived and died by each time.'
                   + (" Middle: how many have been taken off their feet, and have arrived without that; green, of those still "
                      "under way, who has never been." if has_feet(case) else "")
                   + " Right: in how many of the runs a number N of people or more die. Shaded, and bars: the range in which the "
                   "true value lies with 95 %, at each point by itself.</p>"]
+        parts.append(losses_html(case, files["losses"]))
         if files["search"]:
             file, areas, over, rows = files["search"]
             squares = table(["", "x, m", "z, m", "expected there", "so far"], [
@@ -331,60 +387,67 @@ ROWS = {SAFE: "safe: arrived or in a shelter", LOST: "lost: dead", LEAST: "lost,
         MOST: "lost, if all without an end were lost in the second", NO_END: "no end yet"}
 
 
-def without_an_end(case):
-    """How many of 100 have no end yet, and as what, in words."""
-    none = ~case.people["safe"] & ~case.people["dead"]
-    kinds = [(fate, share_where(case, none & (case.people["fate"] == fate)).mean) for fate in fates_of(case)]
-    shares = [f"{percent(share)} {fate}" for fate, share in kinds if share > 0]
-    return f"{percent(share_where(case, none).mean)} of 100" + (f" ({', '.join(shares)})" if shares else "")
-
-
-def any_indoors(*cases):
-    return any(case.people["indoors"].any() for case in cases)
-
-
 def comparison_html(first, second):
     """What the second changes, of all people."""
-    rows, verdict = [], ""
+    rows = []
     for _, fate, result in compare(first, second, "all"):
         if result.first == result.second == 0 and fate not in (SAFE, LOST):
             continue
         interval = f"no range: {result.refused}"
         if result.low is not None:
             interval = f"{100 * result.low:+.1f} to {100 * result.high:+.1f}"
-        if fate == LOST and result.per is not None:
-            less = "fewer" if result.difference < 0 else "more"
-            verdict = (f"One {less} is lost for {result.per:.3g} people who are warned or protected so ({result.per_low:.3g} to "
-                       f"{result.per_high:.3g}), whatever becomes of those without an end yet.")
-        elif fate == LOST and result.refused == UNDECIDED:
-            but = ", but of those indoors, as the water in houses is not computed" if any_indoors(first, second) else ""
-            verdict = ("Whether fewer are lost depends on those who have no end yet when the simulated time is over: first "
-                       f"{without_an_end(first)}, second {without_an_end(second)}. Longer runs tell{but}. Until then this does not "
-                       "say which is better.")
         rows.append([text(ROWS.get(fate, fate)), f"{percent(result.first)} of 100", f"{percent(result.second)} of 100",
                      f"{100 * result.difference:+.1f}", text(interval)])
     return (f"<p>First: {text(first.name)}, {text(first.runs[0].folder.parent)}. Second: {text(second.name)}, "
             f"{text(second.runs[0].folder.parent)}. Both with the same people, seed by seed.</p>"
             + table(["", "first", "second", "change, of 100", "likely"], rows)
-            + (f'<p class="warn">{text(verdict)}</p>' if verdict else ""))
+            + (f'<p class="warn">{text(told)}</p>' if (told := verdict(first, second)) else ""))
+
+
+def values_html(cases, comparisons):
+    """All of three cases and more: one figure, one table, what each changes, and what was assumed for the first."""
+    keys, fates = told_apart_by(cases), fates_of(*cases)
+    head = ", ".join(key.rpartition("/")[2] for key in keys)
+    rows = [[text(label_of(case, keys)), len(case.runs),
+             *(in_hundred(share_where(case, having(case.people, fate))) for fate in fates)] for case in cases]
+    with tempfile.TemporaryDirectory(prefix="wade-report-") as name:
+        draw_values(cases, keys, Path(name) / "values.png")
+        parts = [picture(Path(name) / "values.png", "shares over the values"), table([text(head), "runs", *fates], rows)]
+    changes = []
+    for first, second in comparisons:
+        of_fate = {fate: result for _, fate, result in compare(first, second, "all")}
+        cells = [f"{100 * of_fate[fate].difference:+.1f}{interval_words(of_fate[fate])}" for fate in (SAFE, LOST, LEAST, MOST)]
+        lost = of_fate[LOST]
+        needed = lost.refused if lost.per_low is None else f"{lost.per:.3g} ({lost.per_low:.3g} to {lost.per_high:.3g})"
+        changes.append([text(label_of(second, keys)), *cells, text(needed)])
+    if changes:
+        parts += [f"<h2>What each changes against {text(label_of(cases[0], keys))}, of 100</h2>",
+                  table([text(head), *(ROWS[fate] for fate in (SAFE, LOST, LEAST, MOST)), "people for one more"], changes, (0, 5))]
+    warns = dict.fromkeys(filter(None, (what_decides(case) for case in cases)))
+    return "".join([*(f'<p class="warn">{text(warn)}</p>' for warn in warns), *parts, stays_in_words(cases[0]),
+                    f"<h2>What was assumed{f' for {text(label_of(cases[0], keys))}' if keys else ''}</h2>", assumed(cases[0]),
+                    "<h2>What lies outside of what is known</h2>", beyond(cases[0]),
+                    "<h2>What the words mean</h2>", glossary(*cases)])
 
 
 def page(ensemble, comparisons, title):
     """The page."""
-    several = len(ensemble.cases) > 1
-    changes = "".join(comparison_html(*pair) for pair in comparisons)
+    cases = ensemble.cases
     left = "; ".join(f"{number} {words}" for words, number in ensemble.left_out.items())
     warn = f'<p class="warn">Runs that are not counted: {text(left)}.</p>' if left else ""
-    runs = sum(len(case.runs) for case in ensemble.cases)
-    body = "".join(case_html(case, case.name if several else "", changes if case is ensemble.cases[0] else "")
-                   for case in ensemble.cases)
+    runs = sum(len(case.runs) for case in cases)
+    if len(cases) > MOST_SECTIONS:
+        body = values_html(cases, comparisons)
+    else:
+        changes = "".join(comparison_html(*pair) for pair in comparisons)
+        body = "".join(case_html(case, case.name if len(cases) > 1 else "", changes if case is cases[0] else "") for case in cases)
     how = ("<p>Each run is a simulation of the whole flood with all people. <b>Likely</b> ranges hold the true mean of this "
            "model with 95 %; they come from the differences between runs, since the people of one run share its water. No range "
            "is given where it would not hold. Numbers are of the model: how near it is to people and floods is the matter of "
            "the sections on what was assumed and what is not known.</p>")
     return (f'<!doctype html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
             f"<title>{text(title)}</title><style>{STYLE}</style></head><body><h1>{text(title)}</h1>"
-            f'<p class="small">{runs} simulated runs</p>{warn}{body}'
+            f'<p class="small">{runs} simulated run{"s" if runs != 1 else ""}</p>{warn}{body}'
             f"<h2>How to read the numbers</h2>{how}</body></html>\n")
 
 

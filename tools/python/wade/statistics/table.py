@@ -1,9 +1,10 @@
-"""Who arrives, stands, holds on, is carried, drowned: a table of an ensemble with intervals over its runs.
+"""Who arrives, is sheltered, lost, or has no end yet: a table of an ensemble with intervals over its runs.
 
 Reads DIR as `tools/wade many` wrote it, or any folder with run folders in it. Writes table.csv, table.md and figures there
 or into --out. Every number has its runs and people; where no interval can be given, the reason stands in its place.
 """
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,8 +13,10 @@ import numpy as np
 from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0, some_of
-from wade.reports.tables import document, markdown, section, write_csv
-from wade.statistics.ensemble import BY, LOST, NO_END, classes, fates_of, having, read_ensemble
+from wade.reports.tables import document, listed, markdown, section, write_csv
+from wade.statistics import losses
+from wade.statistics.ensemble import (BY, FLOODED, IN_A_HOUSE, LOST, NO_END, SQUARE_M, classes, fates_of, having, open_kinds,
+                                      read_ensemble)
 from wade.statistics.shares import FIRST_LOOK, compared, runs_needed, share_of, share_of_runs
 from wade.statistics.times import curves_of, fn_curve
 from wade.terminal import Parser
@@ -27,7 +30,7 @@ their number. The people of a run share its water, so that a thousand people in 
 run, or to all people of all runs, the interval is one-sided: *below* or *above*. Why a cell has no interval stands below the table;
 the share of runs is exact (Clopper and Pearson)."""
 CURVES = ("case", "curve", "time_s", "share", "low", "high", "runs", "people")
-MOST_CASES = 12  # with a section and a figure each; more stand in one table
+MOST_SECTIONS = 2  # of cases with a section and a figure each; more stand in one table and one figure
 EPILOG = """Exit code: 0, or 2 for bad usage or a folder without complete runs."""
 
 
@@ -169,22 +172,23 @@ SUMS = {
     MOST: (lambda people: people["dead"], lambda people: ~people["safe"]),
     NO_END: (lambda people: having(people, NO_END),) * 2,
 }
-UNDECIDED = "who has no end yet decides"
+UNDECIDED = "people without an end yet decide"
 
 
 def needed(results):
     """The comparisons of a class, {fate: Comparison}, with the number needed of "lost" alone.
 
-    It is given where both bounds of the change of "lost" have one sign; its interval spans those of both bounds.
+    It is given where the intervals of both bounds of the change of "lost" have one sign; its interval spans both.
     """
-    least, most = results[LEAST], results[MOST]
-    decided = None not in (least.low, most.high) and least.low * most.high > 0
+    bounds = [end for bound in (results[LEAST], results[MOST]) for end in (bound.low, bound.high)]
+    decided = None not in bounds and (min(bounds) > 0 or max(bounds) < 0)
     for fate, result in results.items():
         numbers = dict.fromkeys(("per", "per_low", "per_high"))
         if fate == LOST and decided and result.difference:
-            low, high = sorted((1 / abs(least.low), 1 / abs(most.high)))
+            low, high = sorted((1 / abs(min(bounds)), 1 / abs(max(bounds))))
             numbers = {"per": 1 / abs(result.difference), "per_low": low, "per_high": high}
-        refused = UNDECIDED if fate == LOST and result.per_low is not None and not decided else result.refused
+        undecided = fate == LOST and not decided and results[NO_END].first + results[NO_END].second > 0
+        refused = UNDECIDED if undecided else result.refused
         yield fate, replace(result, **numbers, refused=refused)
 
 
@@ -196,13 +200,51 @@ def compare(first, second, by):
         if name not in others:
             continue
         people, results = first.counts(here)[chosen[0]].tolist(), {}
-        for fate in dict.fromkeys([*SUMS, *fates_of(first), *fates_of(second)]):
+        for fate in dict.fromkeys([*SUMS, *fates_of(first, second)]):
             of_fate = SUMS.get(fate, (lambda all_people, fate=fate: having(all_people, fate),) * 2)
             counts = [case.counts(of_class & chosen_of(case.people))[index].tolist()
                       for case, index, of_class, chosen_of in zip((first, second), chosen, (here, others[name]), of_fate)]
             results[fate] = compared(*counts, people)
         for fate, result in needed(results):
             yield name, fate, result
+
+
+def what_decides(*cases):
+    """Sentences on what tells the end of those without one, by their kinds; "" if all have an end."""
+    kinds = open_kinds(*cases)
+    houses = [kind for kind in kinds if kind in IN_A_HOUSE]
+    others = [kind for kind in kinds if kind not in IN_A_HOUSE]
+    text = f"Longer runs decide for those who are {listed(others)}." if others else ""
+    if houses:
+        text += f" No longer run decides for those who are {listed(houses)}, as houses are not modelled."
+    return text.strip()
+
+
+def open_text(case):
+    """The people without an end yet by kind, and what would tell their end; "" if all have one."""
+    kinds = open_kinds(case)
+    if not kinds:
+        return ""
+    shares = ", ".join(f"{percent(share)} % {kind}" for kind, share in kinds.items())
+    flooded = case.people["fate"] == FLOODED
+    deep = f" People {FLOODED} have up to {case.people['door_depth_m'][flooded].max():.1f} m of water at their door, and count as " \
+           "neither safe nor lost." if flooded.any() else ""
+    return f"Without an end yet at the end of the runs: {shares}. {what_decides(case)}{deep}\n"
+
+
+def verdict(first, second):
+    """What the comparison says of the lost, in words."""
+    result = next(result for _, fate, result in compare(first, second, "all") if fate == LOST)
+    if result.per is not None:
+        less = "fewer" if result.difference < 0 else "more"
+        return (f"One {less} is lost for {result.per:.3g} people who are warned or protected so ({result.per_low:.3g} to "
+                f"{result.per_high:.3g}), whatever becomes of those without an end yet.")
+    if result.refused != UNDECIDED:
+        return ""
+    ends = (", ".join(f"{percent(share)} {kind}" for kind, share in open_kinds(case).items()) or "none" for case in (first, second))
+    words = " of 100; ".join(f"{name} {kinds}" for name, kinds in zip(("first", "second"), ends))
+    return (f"Whether fewer are lost depends on those without an end yet ({words} of 100). {what_decides(first, second)} Until then "
+            "this does not say which is better.")
 
 
 def comparison_text(first, second, bys):
@@ -223,7 +265,8 @@ def comparison_text(first, second, bys):
             "interval of the differences, in points of per cent. *Lost, at least* and *at most*: if of those without an end yet all "
             "were lost in the first and none in the second, and the reverse. *People for one more*: the number needed to warn (or to "
             "treat otherwise) so that one more or one less is lost, 1 over the difference; given where both bounds say so.\n")
-    return text + "\n" + markdown(["", "", "pairs", "people", "first", "second", "difference", "95 %", "people for one more",
+    told = verdict(first, second)
+    return text + (f"\n{told}\n" if told else "") + "\n" + markdown(["", "", "pairs", "people", "first", "second", "difference", "95 %", "people for one more",
                                    "why no interval"], lines)
 
 
@@ -267,28 +310,87 @@ def deaths_line(case):
     """How many die, in a line."""
     counts, size = case.counts(case.people["dead"]), np.bincount(case.people["run"])
     share = share_of(counts.tolist(), size.tolist())
-    why = f" No interval: {refusal_words(share)}." if share.low is None else ""
-    interval = "" if share.low is None else f" ({percent(share.low)} to {percent(share.high)})"
-    return (f"{len(case.runs)} runs with {share.people} people in all: {percent(share.mean)} %{interval} die, {counts.min()} to "
+    why = f" No interval: {refusal_words(share)}." if share.low is None and share.limit is None else ""
+    interval = f" ({percent(share.low)} to {percent(share.high)})" if share.low is not None else (
+        f" ({limit_words(share)})" if share.limit is not None else "")
+    runs = "1 run" if len(case.runs) == 1 else f"{len(case.runs)} runs"
+    return (f"{runs} with {share.people} people in all: {percent(share.mean)} %{interval} die, {counts.min()} to "
             f"{counts.max()} of {size.mean():g} a run.{why}\n")
+
+
+def losses_text(case):
+    """Where and when people are lost, as tables."""
+    squares, minutes = losses.by_square(case), losses.by_minute(case)
+    if not squares:
+        return ""
+    shown = squares[: losses.MOST_ROWS]
+    rest = f"\n{len(squares) - len(shown)} more squares hold the rest.\n" if len(squares) > len(shown) else ""
+    of_place = markdown(["x, m", "z, m", "lost a run", "of all lost", "runs with any"], [
+        [f"{x:g} to {x + SQUARE_M:g}", f"{z:g} to {z + SQUARE_M:g}", f"{number:.3g}", f"{percent(share)} %", runs]
+        for x, z, number, share, runs in shown])
+    of_time = markdown(["minutes", "lost a run", "of all lost", "so far"], [
+        [f"{start} to {end}", f"{number:.3g}", f"{percent(share)} %", f"{percent(so_far)} %"]
+        for start, end, number, share, so_far in minutes])
+    return f"{of_place}{rest}\n{of_time}"
 
 
 def case_section(case, bys, width, pictures):
     figures = "".join(f"![{words}]({name})\n\n" for name, words in pictures)
-    return section(case.name, deaths_line(case), *(class_table(case, by) for by in bys),
+    return section(case.name, deaths_line(case), open_text(case), *(class_table(case, by) for by in bys),
+                   section("Where and when people are lost", losses_text(case), level=3),
                    section("Are there enough runs?", stop_text(case, width), level=3),
                    section("Many at once", fn_text(case), level=3), figures)
 
 
-def cases_table(cases):
-    """A line a case, of plans with many settings."""
-    fates, notes = list(dict.fromkeys(fate for case in cases for fate in fates_of(case))), Notes()
+def varied_keys(cases):
+    """The keys of scenes whose values differ between cases."""
+    keys = dict.fromkeys(key for case in cases for key in case.settings)
+    return [key for key in keys if len({json.dumps(case.settings.get(key)) for case in cases}) > 1]
+
+
+def label_of(case, keys):
+    """What tells a case from others: the values of these keys, or its name."""
+    values = [case.settings.get(key) for key in keys]
+    return ", ".join(value if isinstance(value, str) else json.dumps(value) for value in values) if keys else case.name
+
+
+def told_apart_by(cases):
+    """The keys whose values tell all cases apart; none where names must."""
+    keys = varied_keys(cases)
+    return keys if len({label_of(case, keys) for case in cases}) == len(cases) else []
+
+
+def bounds_of(share):
+    """(mean, low, high) of a share, one-sided where it must be; ends None where there is none."""
+    if share.limit is not None:
+        return (share.mean, share.limit, 1.0) if share.runs_with_any else (share.mean, 0.0, share.limit)
+    return share.mean, share.low, share.high
+
+
+def interval_words(result):
+    """" (-3.1 to +0.2)" of a comparison; "" without an interval."""
+    return "" if result.low is None else f" ({100 * result.low:+.1f} to {100 * result.high:+.1f})"
+
+
+def cases_section(cases, comparisons, picture):
+    """A line a case, and a line a comparison with the first, of plans with many settings."""
+    fates, notes, keys = fates_of(*cases), Notes(), told_apart_by(cases)
     lines = []
     for case in cases:
         of_fate = shares_of(case, "all")[0][1]
         cells = [in_words(of_fate[fate][2], notes) if fate in of_fate else "-" for fate in fates]
-        lines.append([case.name, len(case.runs), len(case.people["run"]), *cells])
-    return section("All cases", markdown(["", "runs", "people", *fates], lines), notes.text())
+        lines.append([label_of(case, keys), len(case.runs), len(case.people["run"]), *cells])
+    head = ", ".join(key.rpartition("/")[2] for key in keys)
+    changes = []
+    for first, second in comparisons:
+        of_fate = {fate: result for _, fate, result in compare(first, second, "all") if fate in SUMS}
+        cells = [f"{100 * result.difference:+.1f}{interval_words(result)}" for result in of_fate.values()]
+        lost = of_fate[LOST]
+        changes.append([label_of(second, keys), *cells, lost.refused if lost.per_low is None else f"{lost.per:.3g}"])
+    against = [f"Change against {label_of(cases[0], keys)}, in points of per cent, with t intervals of 95 % over pairs of one seed.",
+               markdown([head, *SUMS, "people for one more"], changes)] if changes else []
+    return "\n".join([section("All settings", markdown([head, "runs", "people", *fates], lines), notes.text(), picture),
+                      section("What each changes", *against)])
 
 
 def parse(arguments):
@@ -313,20 +415,26 @@ def main(arguments):
     ensemble = read_ensemble(options.folder)
     against = read_ensemble(options.against) if options.against else None
     comparisons = comparisons_of(ensemble, against)
-    pictures = {}
-    apart = len(ensemble.cases) <= MOST_CASES
-    curves = {case.name: curves_of(case) for case in ensemble.cases if apart}
-    if apart and not options.no_figures:
-        from wade.statistics.figures import draw_curves  # needs matplotlib
+    pictures, values = {}, ""
+    apart = len(ensemble.cases) <= MOST_SECTIONS
+    curves = {case.name: curves_of(case) for case in ensemble.cases}
+    if not options.no_figures:
+        from wade.statistics.figures import draw_curves, draw_values  # needs matplotlib
 
-        for number, case in enumerate(ensemble.cases, 1):
-            name = "curves.png" if len(ensemble.cases) == 1 else f"curves_{number}.png"
-            draw_curves(case, curves[case.name], options.out / name)
-            pictures[case.name] = [(name, f"When it happens: {case.name}")]
+        for number, case in enumerate(ensemble.cases if apart else [], 1):
+            ending = "" if len(ensemble.cases) == 1 else f"_{number}"
+            draw_curves(case, curves[case.name], options.out / f"curves{ending}.png")
+            pictures[case.name] = [(f"curves{ending}.png", f"When it happens: {case.name}")]
+            if case.people["dead"].any():
+                losses.draw(case, options.out / f"losses{ending}.png")
+                pictures[case.name].append((f"losses{ending}.png", f"Where people are lost: {case.name}"))
+        if not apart:
+            draw_values(ensemble.cases, told_apart_by(ensemble.cases), options.out / "values.png")
+            values = "![Shares over the values](values.png)"
     text = document(
         f"# Who survives\n\n{HOW}\n\n{left_out_text(ensemble)}",
         *(case_section(case, options.by, options.width, pictures.get(case.name, ())) for case in ensemble.cases if apart),
-        "" if apart else cases_table(ensemble.cases),
+        "" if apart else cases_section(ensemble.cases, comparisons, values),
         section("What the second changes", *(comparison_text(*pair, options.by) for pair in comparisons if apart)))
     try:
         write_csv(options.out / "table.csv", COLUMNS,
@@ -335,6 +443,8 @@ def main(arguments):
         if comparisons:
             write_csv(options.out / "compared.csv", COMPARED,
                       [row for pair in comparisons for row in compared_rows(*pair, options.by)])
+        write_csv(options.out / "losses.csv", ("case", "x_m", "z_m", "lost_a_run", "share", "runs_with_any"),
+                  [(case.name, *row) for case in ensemble.cases for row in losses.by_square(case)])
         write_whole(options.out / "table.md", text)
     except OSError as error:
         raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error
