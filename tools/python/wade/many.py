@@ -11,6 +11,7 @@ import os
 import re
 import shlex
 import shutil
+import time
 from pathlib import Path
 
 from wade import UsageError
@@ -138,24 +139,64 @@ def hand_out(ensemble, signals):
 
 
 class Progress:
-    """Tells of runs that have ended; of engines that do not say which, how many."""
+    """Tells of runs that have ended and of the time left; of engines that do not say which runs, the count."""
+
+    CROWDS = re.compile(r"^t ([\d.]+) s  (\d+) of (\d+) crowds walk.* ([\d.]+) x real time$", re.MULTILINE)
 
     def __init__(self, ensemble):
-        self.ensemble, self.done = ensemble, set()
+        self.ensemble, self.told = ensemble, set()
         self.runs = {run.index: run for run in ensemble.plan}
         self.total = len(ensemble.plan)
+        self.done = self.those_there()
+        self.started, self.before = time.monotonic(), len(self.done)
+
+    def those_there(self):
+        return {run.index for run in self.ensemble.plan if self.ensemble.folder.run(run.index).is_dir()}
+
+    def left(self):
+        """", 5 min left" at the pace since the start; "" before the first run has ended, and after the last."""
+        made = len(self.done) - self.before
+        passed = time.monotonic() - self.started
+        return f", {duration(passed * (self.total - len(self.done)) / made)} left" if 0 < made and len(self.done) < self.total else ""
 
     def __call__(self, index):
         if index is None:
-            there = sum(1 for run in self.ensemble.plan if self.ensemble.folder.run(run.index).is_dir())
-            if there != len(self.done):
-                self.done = set(range(there))
-                complain(f"[{there}/{self.total}]")
+            there = self.those_there()
+            if there != self.done:
+                self.done = there
+                complain(f"[{len(there)}/{self.total}]{self.left()}")
+            self.tell_of_waters()
             return
         unit = read_json(self.ensemble.folder.unit(index))
-        for row in rows_of(self.ensemble, [self.runs[run["index"]] for run in unit["runs"]]):
+        rows = rows_of(self.ensemble, [self.runs[run["index"]] for run in unit["runs"]])
+        for row in rows:
             self.done.add(row["index"])
-            complain(f"[{len(self.done)}/{self.total}] {told_of(row, self.ensemble.folder)}")
+            left = self.left() if row is rows[-1] else ""  # runs of one water end together
+            complain(f"[{len(self.done)}/{self.total}] {told_of(row, self.ensemble.folder)}{left}")
+
+    def tell_of_waters(self):
+        """Tells how far runs are that share a water, from what their crowds print."""
+        for log in sorted(self.ensemble.folder.work.glob("*/water/crowd_client.log")):
+            lines = self.CROWDS.findall(log.read_text("utf-8", "replace"))
+            if not lines or (log, lines[-1]) in self.told:
+                continue
+            self.told.add((log, lines[-1]))
+            now, walking, crowds, pace = lines[-1]
+            scene = read_json(log.parent / name_of_first(log.parent) / "manifest.json") or {}
+            end = scene.get("resolved_scene", {}).get("duration_s")
+            left = f", at most {duration((end - float(now)) / float(pace))} left" if end and float(pace) > 0 else ""
+            complain(f"[{len(self.done)}/{self.total}] {int(crowds) - int(walking)} of {crowds} runs of one water have ended, "
+                     f"t {float(now):g} s{f' of {end:g} s' if end else ''}{left}")
+
+
+def name_of_first(folder):
+    """The name of the first run in the folder of a water."""
+    return min((made.name for made in folder.iterdir() if made.is_dir()), default="")
+
+
+def duration(seconds):
+    """A time in words: "40 s", "12 min", "3.5 h"."""
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
 
 
 def short(scene):

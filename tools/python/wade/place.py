@@ -18,6 +18,7 @@ import subprocess
 import tempfile
 
 from wade import UsageError
+from wade.reports.files import write_whole
 from wade.run.folders import file_name
 from wade.terminal import Parser, say_error
 
@@ -146,8 +147,7 @@ def import_houses(files, epsg, box, target):
         kept.append({"type": "Feature", "properties": {k: v for k, v in own.items() if v is not None}, "geometry": geometry})
     system = {"type": "name", "properties": {"name": f"urn:ogc:def:crs:EPSG::{epsg}"}}
     text = ",\n".join(json.dumps(feature, ensure_ascii=False) for feature in kept)
-    target.write_text(f'{{"type": "FeatureCollection", "crs": {json.dumps(system)}, "features": [\n{text}\n]}}\n',
-                      encoding="utf-8")
+    write_whole(target, f'{{"type": "FeatureCollection", "crs": {json.dumps(system)}, "features": [\n{text}\n]}}\n')
     return len(kept)
 
 
@@ -211,8 +211,7 @@ def import_place(options):
     lower_left, upper_right = info["cornerCoordinates"]["lowerLeft"], info["cornerCoordinates"]["upperRight"]
     houses = import_houses(vectors, epsg, (*lower_left, *upper_right), options.out / "houses.geojson") if vectors else 0
     cell = info["geoTransform"][1]
-    (options.out / "scene.json").write_text(scene_text(file_name(options.out.resolve().name), houses, cell),
-                                            encoding="utf-8")
+    write_whole(options.out / "scene.json", scene_text(file_name(options.out.resolve().name), houses, cell))
     width, height = info["size"]
     holes = heights.size - there.size
     print(f"{ground}: {width} x {height} cells of {cell:.6g} m, EPSG:{epsg}, {box_words(info)}, heights "

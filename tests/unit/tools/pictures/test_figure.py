@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from wade import UsageError
 from wade.export.sources import Points, Thinning
 from wade.pictures import figure, film, render, run_files, texts, top_view
 
@@ -106,6 +107,15 @@ class Film(unittest.TestCase):
         rows = run_files.read_agents(self.folder / "agents.csv")
         ends, _ = top_view.people_at(rows, {}, 3, True)
         self.assertEqual({outcome: len(at) for outcome, at in ends.items()}, {"active": 0, "arrived": 0, "sheltered": 1, "dead": 1})
+
+
+    def test_times_after_the_end_are_refused(self):
+        for status, refused in (("completed", True), ("running", False)):
+            (self.folder / "outcome.json").write_text(json.dumps({"sim_time_s": 3.0, "status": status}))
+            run_files.check_time(self.folder, 3.0)
+            with self.assertRaisesRegex(UsageError, "after the end of the run; allowed: 0 to 3 s") if refused \
+                    else contextlib.nullcontext():
+                run_files.check_time(self.folder, 3.1)
 
 
 class File(unittest.TestCase):

@@ -7,12 +7,14 @@ import signal
 import sys
 import time
 import traceback
+from pathlib import Path
 
 from wade.conformance import (checks_consumers, checks_ends, checks_frames, checks_object, checks_plausible,
                               checks_repeat)
 from wade.conformance.bench import Bench, CannotStart
 from wade.conformance.expectation import PATIENCE_S, NotApplicable, Violation
 from wade.conformance.layout import KINDS
+from wade.reports.files import write_whole
 from wade.terminal import Parser, harmless, say_error, wrapped
 
 CHECKS = (checks_object.FIRST + checks_frames.ALL + checks_plausible.ALL + checks_consumers.ALL + checks_repeat.ALL +
@@ -112,7 +114,5 @@ def conclude(options, results):
     counts = {verdict: sum(r["verdict"] == verdict for r in results) for verdict in ("pass", "FAIL", "skip")}
     print(f"{counts['pass']} passed, {counts['FAIL']} failed, {counts['skip']} skipped")
     if options.report:
-        with open(options.report, "w", encoding="utf-8") as file:
-            json.dump({"command": options.command, "checks": results}, file, indent=2)
-            file.write("\n")
+        write_whole(Path(options.report), json.dumps({"command": options.command, "checks": results}, indent=2) + "\n")
     return 1 if counts["FAIL"] or not counts["pass"] else 0

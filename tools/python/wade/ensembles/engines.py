@@ -1,6 +1,7 @@
 """Engines: ways to hand out indices. What is done under an index, and whether it is complete, no engine knows."""
 
 import os
+import select
 import shlex
 import shutil
 import signal
@@ -15,6 +16,7 @@ from wade.run.processes import end_with_parent
 
 LARGEST_ARRAY = 1000  # Slurm's MaxArraySize less one
 LOOK_EVERY_S = (0.5, 15)  # at the queue: at first, and later
+TELL_EVERY_S = 10  # of runs that share a water while none of them ends
 
 
 class Signals:
@@ -60,6 +62,22 @@ def fork_worker(unit):
     return pid
 
 
+def ended_of(running, seconds):
+    """The numbers of those worker processes that have ended; waits for one, at most so long."""
+    watched = {os.pidfd_open(pid): pid for pid in running}
+    try:
+        poll = select.poll()
+        for file in watched:
+            poll.register(file, select.POLLIN)
+        ended = [watched[file] for file, _ in poll.poll(1000 * seconds)]
+    finally:
+        for file in watched:
+            os.close(file)
+    for pid in ended:
+        os.waitpid(pid, 0)
+    return ended
+
+
 def local(ensemble, indices, options, signals, tell):
     """Processes of this machine, so many at a time."""
     waiting, running = list(indices), {}
@@ -69,9 +87,8 @@ def local(ensemble, indices, options, signals, tell):
             index = waiting.pop(0)
             running[fork_worker(read_unit(ensemble, index))] = index
             signal.pthread_sigmask(signal.SIG_UNBLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
-        pid, _ = os.wait()
-        if pid in running:
-            tell(running.pop(pid))
+        for pid in ended_of(running, TELL_EVERY_S) or [None]:
+            tell(running.pop(pid, None))
 
 
 def needs(program, package):

@@ -13,6 +13,7 @@ import argparse
 import pathlib
 
 from wade import UsageError
+from wade.reports.files import whole_folder
 from wade.terminal import Parser
 
 
@@ -87,16 +88,18 @@ def streams_of(options):
 
 
 def export(stream, writer, thinning):
-    """Writes one stream; returns how many frames."""
+    """Writes one stream; returns how many frames. UsageError if there is none in this time."""
     count = 0
     for points in stream.points(thinning):
         writer.add(points)
         count += 1
+    if count == 0 and (thinning.from_s > 0 or thinning.until_s < float("inf")):
+        raise UsageError(f"--from-s, --until-s: there are no {stream.name} in this time")
     writer.finish()
     return count
 
 
-def export_depths(options, thinning):
+def export_depths(options, thinning, folder):
     """For vtk without particles: the depths that a run folder has."""
     from wade.export.tables import Depths
     from wade.pictures.run_files import RunError, water_snapshots
@@ -106,10 +109,10 @@ def export_depths(options, thinning):
     except RunError as error:
         raise UsageError(str(error)) from error
     if records is not None:
-        print(f"depth: {Depths(options.out, grid, records).write(thinning)} frames")
+        print(f"depth: {Depths(folder, grid, records).write(thinning)} frames")
 
 
-def export_geotiff(options, thinning):
+def export_geotiff(options, thinning, folder):
     """The water of a run folder on its cells: of --water, else the depths of its snapshots; and the maps of a place."""
     from wade.export import sources, tables
     from wade.pictures.run_files import RunError, water_snapshots
@@ -120,7 +123,7 @@ def export_geotiff(options, thinning):
     maps = options.source / "maps"
     maps = maps if (maps / "max_depth_m.tif").exists() else None
     try:
-        writer = tables.GeoTiff(options.out, sources.scene_of(options.source), maps, options.region)
+        writer = tables.GeoTiff(folder, sources.scene_of(options.source), maps, options.region)
         thinning.region = None  # whole cells, which the writer chooses
         if options.water:
             print(f"water: {export(sources.of_recording(options.water), writer, thinning)} frames")
@@ -131,7 +134,17 @@ def export_geotiff(options, thinning):
     except RunError as error:
         raise UsageError(str(error)) from error
     if maps:
-        print(f"maps: {', '.join(tables.copy_maps(maps, options.out))}")
+        print(f"maps: {', '.join(tables.copy_maps(maps, folder))}")
+
+
+def check_end(options):
+    """Refuses an export that begins after the end of a run."""
+    from wade.pictures.run_files import RunError, check_time
+
+    try:
+        check_time(options.source, options.from_s, "--from-s")
+    except RunError as error:
+        raise UsageError(str(error)) from error
 
 
 def main(arguments):
@@ -146,17 +159,19 @@ def main(arguments):
         made.error(f"--from-s {options.from_s:g} is after --until-s {options.until_s:g}")
     from wade.export.sources import Thinning
 
+    if options.from_s and options.source.is_dir():
+        check_end(options)
     thinning = Thinning(options.every, options.interval_s, options.from_s, options.until_s, options.region)
     streams = streams_of(options) if options.to != "geotiff" else []
     try:
-        options.out.mkdir(parents=True, exist_ok=True)
-        if options.to == "geotiff":
-            export_geotiff(options, thinning)
-        for stream in streams:
-            count = export(stream, formats()[options.to][0](options.out, stream), thinning)
-            print(f"{stream.name}: {count} frames")
-        if options.to == "vtk" and options.source.is_dir() and not options.water:
-            export_depths(options, thinning)
+        with whole_folder(options.out) as folder:
+            if options.to == "geotiff":
+                export_geotiff(options, thinning, folder)
+            for stream in streams:
+                count = export(stream, formats()[options.to][0](folder, stream), thinning)
+                print(f"{stream.name}: {count} frames")
+            if options.to == "vtk" and options.source.is_dir() and not options.water:
+                export_depths(options, thinning, folder)
     except OSError as error:
         raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error
     print(f"{options.to}: {options.out}")

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from wade.pictures import top_view
-from wade.pictures.run_files import ENDINGS, RunError, read_agents, read_json, read_paths, read_water, save_picture
+from wade.pictures.run_files import ENDINGS, RunError, check_time, read_agents, read_json, read_paths, read_water, save_picture
 from wade.pictures.texts import draw_legend, draw_title, group_names, subtitle_of, title_of
 from wade.pictures.top_view import INK, OUTCOMES, PATH, STAR, far_goals
 from wade.terminal import Parser, say_error
@@ -65,6 +65,8 @@ def rows_of_groups(scene, of_film=False):
 
 
 def draw(run, time, output, width_px=None):
+    if time is not None:
+        check_time(run, time)
     manifest = read_json(run / "manifest.json")
     outcome = read_json(run / "outcome.json")
     scene = manifest["resolved_scene"]

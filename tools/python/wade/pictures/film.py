@@ -6,7 +6,6 @@ which knows it between the snapshots of water.bin, too. Needs ffmpeg; the viewer
 """
 
 import json
-import os
 import pathlib
 import shutil
 import subprocess
@@ -24,6 +23,7 @@ from wade.pictures.figure import add_legend, rows_of_groups
 from wade.pictures.render import triple
 from wade.pictures.run_files import RunError, read_agents, water_snapshots
 from wade.pictures.texts import GREY, draw_title, plain, title_of
+from wade.reports.files import whole_file, write_whole
 from wade.run.processes import end_with_parent
 from wade.states import CODES, LOST, SAFE
 from wade.terminal import Parser, say_error
@@ -215,9 +215,8 @@ def times_of(run, thinning, speed, rate):
 
 def write(frames, form, rate, output):
     """Pipes frames through ffmpeg, which is told their form, into a file, which is there whole or not at all."""
-    part = output.with_name(f".{output.stem}-{os.getpid()}{output.suffix}")
-    command = ["ffmpeg", "-y", "-loglevel", "error", *form, "-r", f"{rate:g}", "-i", "-", *CODECS[output.suffix.lower()], part]
-    try:
+    with whole_file(output) as part:
+        command = ["ffmpeg", "-y", "-loglevel", "error", *form, "-r", f"{rate:g}", "-i", "-", *CODECS[output.suffix.lower()], part]
         with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as ffmpeg:
             try:
                 for frame in frames:
@@ -228,9 +227,6 @@ def write(frames, form, rate, output):
             said = ffmpeg.stderr.read().decode("utf-8", "backslashreplace").strip()
         if ffmpeg.returncode != 0:
             raise RunError(f"ffmpeg ended with exit code {ffmpeg.returncode}: {said or 'it said nothing'}")
-        part.replace(output)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def seen_pictures(address, times, size, page, panels):
@@ -255,7 +251,7 @@ def write_seen(address, times, options, output):
     page = f"dark=0&mode={options.colour}" + (f"&eye={eye}" if eye else "")
     size = options.width_px, options.height_px or 2 * round(options.width_px * 9 / 32)
     if output.suffix.lower() == ".png":
-        output.write_bytes(b"".join(seen_pictures(address, times[:1], size, page, options.panels)))
+        write_whole(output, b"".join(seen_pictures(address, times[:1], size, page, options.panels)))
     else:
         pictures = seen_pictures(address, times, size, page, options.panels)
         write(pictures, ("-f", "image2pipe", "-c:v", "png"), options.rate_hz, output)

@@ -249,6 +249,8 @@ def main(arguments):
     """tools/wade render."""
     from wade import UsageError
     from wade.export.sources import scene_of
+    from wade.pictures.run_files import RunError, check_time
+    from wade.reports.files import write_whole
     from wade.terminal import Parser, say_error
 
     parser = Parser("render", __doc__)
@@ -269,6 +271,10 @@ def main(arguments):
     if output.suffix.lower() != ".png":
         parser.error(f"--out: {output}, allowed are names that end in .png")
     scene_of(options.run)
+    try:
+        check_time(options.run, options.time)
+    except RunError as error:
+        raise UsageError(str(error)) from error
     if not shutil.which("blender"):
         raise UsageError("renderings need Blender, which is not installed; Debian: apt-get install blender")
     with tempfile.TemporaryDirectory(prefix="wade-render-") as folder:
@@ -282,7 +288,7 @@ def main(arguments):
             say_error("wade render: Blender made no picture; it said:\n" + "\n".join(done.stdout.splitlines()[-8:]))
             return 1
         try:
-            shutil.move(picture, output)
+            write_whole(output, picture.read_bytes())
         except OSError as error:
             raise UsageError(f"--out: cannot write {output}: {error.strerror}") from error
     print(output)

@@ -8,6 +8,9 @@ import struct
 
 import numpy as np
 
+from wade import UsageError
+from wade.reports.files import whole_file
+
 ENDINGS = (".png", ".pdf", ".eps", ".ps")  # of pictures that can be written
 
 
@@ -81,11 +84,13 @@ def read_water(path, time):
 
 
 def save_picture(figure, output):
-    """Writes a picture whole or not at all: under another name first, so that a full disk leaves no part of it."""
-    part = output.with_name(f".{output.stem}-{os.getpid()}{output.suffix}")
-    try:
-        # No date or version in the file, so that the same run gives the same bytes.
+    """Writes a picture whole or not at all, without date or version: the same run gives the same bytes."""
+    with whole_file(output) as part:
         figure.savefig(part, metadata={"Software": None})
-        part.replace(output)
-    finally:
-        part.unlink(missing_ok=True)
+
+
+def check_time(run, time_s, option="--time"):
+    """Refuses a time after the end of a run; of a run that was killed the end is not known."""
+    outcome = read_json(run / "outcome.json")
+    if time_s > outcome["sim_time_s"] + 1e-9 and outcome["status"] != "running":
+        raise UsageError(f"{option}: {time_s:g} s is after the end of the run; allowed: 0 to {outcome['sim_time_s']:g} s")

@@ -1,5 +1,6 @@
-"""Files that nobody meets half written, lines that a gone reader cannot break, and what is published of a report."""
+"""Files that appear whole or not at all, lines that a gone reader cannot break, and what is published of a report."""
 
+import contextlib
 import os
 import re
 import shutil
@@ -12,12 +13,46 @@ PUBLISHED = ROOT / "docs" / "reports"
 PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+\.png)\)")
 
 
+@contextlib.contextmanager
+def whole_file(file):
+    """Gives a name beside the file to write under. The file appears by a rename at the end; an error leaves no part of it."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    part = file.with_name(f".{file.stem}-{os.getpid()}{file.suffix}")
+    try:
+        yield part
+        to_disk(part)
+        part.replace(file)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def whole_folder(folder):
+    """Gives a folder to write files in. They move to `folder` at the end; an error leaves none of them there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    part = folder / f".part-{os.getpid()}"
+    part.mkdir()
+    try:
+        yield part
+        files = sorted(part.iterdir())
+        for file in files:
+            to_disk(file)
+        for file in files:
+            file.replace(folder / file.name)
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+
+
+def to_disk(file):
+    """Waits until a file is on the disk, so that its name never stands for less than all of it."""
+    with open(file, "rb") as written:
+        os.fsync(written.fileno())
+
+
 def write_whole(file, data):
     """Writes text or bytes whole or not at all, with the folder that it needs."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(f"{file.name}.part{os.getpid()}")
-    part.write_bytes(data if isinstance(data, bytes) else data.encode())
-    part.replace(file)
+    with whole_file(file) as part:
+        part.write_bytes(data if isinstance(data, bytes) else data.encode())
 
 
 def say(text, stream=None):

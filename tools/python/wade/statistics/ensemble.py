@@ -5,6 +5,7 @@ Only runs that are complete count; each scene with its settings is a case of its
 
 import csv
 import json
+import os
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -89,8 +90,16 @@ def planned(folder):
 
 def found(folder):
     """The same of run folders anywhere in a folder without a plan; runs of the same scene are one case."""
-    folders = sorted(file.parent for file in folder.glob("**/outcome.json"))
-    return [(run, None, {}, None, "") for run in folders]
+    seen, folders = set(), []
+    for path, inner, files in os.walk(folder, followlinks=True):
+        inner.sort()
+        real = os.path.realpath(path)
+        if real in seen:  # a link that leads round
+            inner.clear()
+        elif "outcome.json" in files:
+            folders.append(Path(path))
+        seen.add(real)
+    return [(run, None, {}, None, "") for run in sorted(folders)]
 
 
 def read_outcome(folder, seed=None):
