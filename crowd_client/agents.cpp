@@ -30,6 +30,7 @@ enum Draw : std::uint64_t {
     draw_leaves,
     draw_stays,
     draw_goes_up,
+    draw_drowns,
     draw_start = 16
 };
 
@@ -156,7 +157,7 @@ void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d
     const bool by_body = scene.crowd->response == ResponseKind::measured && !group.tau;
     add_person(agents.people, group, person, by_body,
                {random_of(scene, id, draw_sex), random_of(scene, id, draw_height), random_of(scene, id, draw_age),
-                random_of(scene, id, draw_friction)});
+                random_of(scene, id, draw_friction), random_of(scene, id, draw_drowns)});
     agents.group.push_back(static_cast<std::uint32_t>(g));
     agents.outcome.push_back(Outcome::active);
     if (!scene.place) return;

@@ -315,6 +315,17 @@ void check_keys_of_measured(const Crowd& crowd, const std::string& source) {
     const std::string allowed = ", or the response \"measured\".";
     if (crowd.helping) refuse(source, "/crowd/helping", "true" + by_tau + "hold nobody; allowed: false" + allowed);
     if (crowd.fatigue) refuse(source, "/crowd/fatigue", "true" + by_tau + "do not tire; allowed: false" + allowed);
+    const Crowd preset;
+    const DriftHazard& drift = crowd.drift_hazard;
+    if (drift.is_under || drift.best != preset.drift_hazard.best) {
+        refuse(source, "/crowd/drift_hazard_per_s",
+               (drift.is_under ? "\"under\"" : short_number(drift.best) + " 1/s") + by_tau +
+                   "do not drown; allowed: the default" + allowed);
+    }
+    if (crowd.air_budget != preset.air_budget) {
+        refuse(source, "/crowd/air_budget_s",
+               short_number(crowd.air_budget) + " s" + by_tau + "do not drown; allowed: the default" + allowed);
+    }
     if (!crowd.water_temperature) return;
     refuse(source, "/crowd/water_temperature_c",
            short_number(*crowd.water_temperature) + " C" + by_tau + "feel no cold; allowed: none" + allowed);

@@ -63,6 +63,12 @@ struct EvasionSettings {
     double prediction = 1;  // longest time ahead, s
 };
 
+// Hazard of drowning of people adrift, 1/s: an estimate and its limits. `best` acts, the limits are for reports.
+struct DriftHazard {
+    double low = 0.002, best = 0.006, high = 0.02;
+    bool is_under = false;  // in place of a hazard: a drifting mouth counts as under water, that of a swimmer never
+};
+
 enum class ResponseKind { paper, measured };     // people answer the water by a given tau, or by their bodies
 enum class WalkingLaw { relative, bernardini };  // speed in water: by that on dry ground, or by age
 
@@ -71,7 +77,9 @@ struct Crowd {
     WalkingLaw walking_in_water = WalkingLaw::relative;
     bool fatigue = false;                     // legs and hands tire
     std::optional<double> water_temperature;  // C; none: it is not cold
-    bool helping = false;                     // who stands takes hold of whom the water carries past
+    DriftHazard drift_hazard;
+    double air_budget = 60;  // for which a mouth can be under water, s
+    bool helping = false;    // who stands takes hold of whom the water carries past
     std::vector<Rope> ropes;
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second

@@ -49,6 +49,19 @@ Member::Member(int& m) : Member(member_of<std::int64_t>(m)) {}
 Member::Member(std::uint64_t& m) : Member(member_of<std::int64_t>(m)) {}
 Member::Member(std::string& m) : Member(member_of<std::string>(m)) {}
 Member::Member(Spread& m) : Member(member_of<Spread>(m)) {}
+Member::Member(DriftHazard& m)
+    : Member(
+          [&m] {
+              if (m.is_under) return KeyValue(std::string("under"));
+              if (m.low == m.high) return KeyValue(m.best);
+              return KeyValue(PointList{1, {m.low, m.best, m.high}});
+          },
+          [&m](const KeyValue& v) {
+              if (std::holds_alternative<std::string>(v)) m = {.is_under = true};
+              if (const auto* number = std::get_if<double>(&v)) m = {*number, *number, *number};
+              const auto* list = std::get_if<PointList>(&v);
+              if (list && list->numbers.size() == 3) m = {list->numbers[0], list->numbers[1], list->numbers[2]};
+          }) {}
 Member::Member(std::vector<MapPoint>& m)
     : Member(member_of_points(
           m, 2,
@@ -105,6 +118,11 @@ void Fields::choice_of(std::string_view name, const Member& member, std::vector<
 void Fields::spread(std::string_view name, const Member& member, std::string_view unit, const Range& range,
                     std::string_view meaning, const Presence& presence) {
     leaf({name, KeyKind::spread, meaning, unit, range, {}, {}, presence}, member);
+}
+
+void Fields::estimate(std::string_view name, const Member& member, std::string_view unit, const Range& range,
+                      std::string_view word, std::string_view meaning) {
+    leaf({name, KeyKind::estimate, meaning, unit, range, {}, {std::string(word)}}, member);
 }
 
 void Fields::of_file(std::string_view name, const TextRule& rule, std::string_view meaning) {

@@ -27,11 +27,11 @@
 
 namespace wade {
 
-enum class KeyKind { number, whole, flag, text, choice, spread, points, object, list };
+enum class KeyKind { number, whole, flag, text, choice, spread, estimate, points, object, list };
 
 // Points of as many coordinates each, one after the other.
 struct PointList {
-    std::size_t size = 2;  // of a point
+    std::size_t size = 2;  // of a point; 1: numbers
     std::vector<double> numbers;
 };
 
@@ -123,6 +123,7 @@ struct Member {
     Member(std::uint64_t& m);
     Member(std::string& m);
     Member(Spread& m);
+    Member(DriftHazard& m);
     Member(std::vector<MapPoint>& m);
     Member(std::vector<std::array<double, 3>>& m);
     template <typename Choice>
@@ -189,6 +190,10 @@ class Fields {
     // A number, or {"min": ..., "max": ...}, with "mean" and "sd" if its values are to be normal.
     void spread(std::string_view name, const Member& member, std::string_view unit, const Range& range,
                 std::string_view meaning, const Presence& presence = preset);
+
+    // A number, [low, best, high] in this order, or `word`.
+    void estimate(std::string_view name, const Member& member, std::string_view unit, const Range& range,
+                  std::string_view word, std::string_view meaning);
 
     // An object whose keys are those of the member's struct, or those that `inside` declares.
     template <typename T>

@@ -87,6 +87,8 @@ bool has_type(const Json& value, KeyKind kind) {
             return value.is_string();
         case KeyKind::spread:
             return value.is_number() || value.is_object();
+        case KeyKind::estimate:
+            return value.is_number() || value.is_array() || value.is_string();
         case KeyKind::object:
             return value.is_object();
         case KeyKind::points:
@@ -131,9 +133,20 @@ std::string fault_of_point(const Json& point, const Key& key) {
     return "";
 }
 
+// [low, best, high].
+std::string fault_of_estimate(const Json& limits, const Key& key) {
+    const auto is_allowed = [&](const Json& v) { return v.is_number() && key.range.contains(v.get<double>()); };
+    const bool are_allowed = limits.size() == 3 && std::all_of(limits.begin(), limits.end(), is_allowed);
+    const auto number = [&](std::size_t i) { return limits[i].get<double>(); };
+    if (are_allowed && number(0) <= number(1) && number(1) <= number(2)) return "";
+    return shown(limits) + " is not allowed; allowed: [low, best, high], low <= best <= high, each " +
+           allowed_values(key) + ".";
+}
+
 // What is wrong with a value of the right type; empty if nothing is.
 std::string fault_of(const Json& value, const Key& key) {
-    if (key.kind == KeyKind::choice) {
+    if (key.kind == KeyKind::estimate && value.is_array()) return fault_of_estimate(value, key);
+    if (key.kind == KeyKind::choice || (key.kind == KeyKind::estimate && value.is_string())) {
         const auto text = value.get<std::string>();
         if (std::find(key.choices.begin(), key.choices.end(), text) != key.choices.end()) return "";
         return shown(value) + " is not allowed; allowed: " + allowed_values(key) + "; the nearest is \"" +
@@ -190,6 +203,8 @@ std::string type_words(const Key& key) {
             return "a string";
         case KeyKind::spread:
             return R"(a number or an object {"min": ..., "max": ...})";
+        case KeyKind::estimate:
+            return "a number, an array [low, best, high] or \"" + key.choices.at(0) + "\"";
         case KeyKind::points:
             return key.point_size == 2 ? "an array of points [x, z]" : "an array of points [x, y, z]";
         case KeyKind::object:
@@ -222,6 +237,7 @@ std::string allowed_values(const Key& key) {
         case KeyKind::number:
         case KeyKind::whole:
         case KeyKind::spread:
+        case KeyKind::estimate:
         case KeyKind::points:
             break;
     }
@@ -286,6 +302,13 @@ KeyValue key_value(const Json& value, const Key& key) {
             }
             return Spread(value.at("min").get<double>() + 0.0, value.at("max").get<double>() + 0.0,
                           value.at("mean").get<double>() + 0.0, value.at("sd").get<double>());
+        case KeyKind::estimate: {
+            if (value.is_string()) return value.get<std::string>();
+            if (value.is_number()) return value.get<double>() + 0.0;
+            PointList list{1, {}};
+            for (const Json& number : value) list.numbers.push_back(number.get<double>() + 0.0);
+            return list;
+        }
         case KeyKind::points: {
             PointList list{key.point_size, {}};
             for (const Json& point : value)
@@ -313,6 +336,10 @@ Json json_of(const KeyValue& value) {
     }
     if (const auto* points = std::get_if<PointList>(&value)) {
         Json list = Json::array();
+        if (points->size == 1) {
+            for (const double number : points->numbers) list.push_back(number);
+            return list;
+        }
         for (std::size_t i = 0; i + points->size <= points->numbers.size(); i += points->size) {
             list.push_back(Json::array());
             for (std::size_t k = 0; k < points->size; ++k) list.back().push_back(points->numbers[i + k]);

@@ -35,6 +35,7 @@ const char* type_of(KeyKind kind) {
     switch (kind) {
         case KeyKind::number:
         case KeyKind::spread:
+        case KeyKind::estimate:
             return "number";
         case KeyKind::whole:
             return "integer";
@@ -74,6 +75,15 @@ void add_limits(Json& schema, const Key& key) {
         point["minItems"] = key.point_size;
         return;
     }
+    if (key.kind == KeyKind::estimate) {
+        Key number = key;
+        number.kind = KeyKind::number;
+        number.unit = {};
+        add_limits(schema["items"] = {{"type", "number"}}, number);
+        schema["maxItems"] = 3;
+        schema["minItems"] = 3;
+        schema["pattern"] = "^" + key.choices.at(0) + "$";
+    }
     if (key.kind == KeyKind::choice) schema["enum"] = key.choices;
     if (std::isfinite(key.range.lo))
         schema[key.range.without_lo ? "exclusiveMinimum" : "minimum"] = number(key.range.lo);
@@ -90,6 +100,8 @@ Json schema_of(const KeyNode& node, bool whole) {
     Json schema;
     if (key.kind == KeyKind::spread) {
         schema["type"] = {"number", "object"};
+    } else if (key.kind == KeyKind::estimate) {
+        schema["type"] = {"number", "array", "string"};
     } else {
         schema["type"] = type_of(key.kind);
     }
@@ -146,6 +158,8 @@ std::string range_of(const Key& key) {
             return interval(key.range);
         case KeyKind::spread:
             return interval(key.range) + ", or `min` and `max`, or these with `mean` and `sd`";
+        case KeyKind::estimate:
+            return interval(key.range) + ", `[low, best, high]` or " + code(key.choices.at(0));
         case KeyKind::whole:
             return "whole, " + interval(key.range);
         case KeyKind::flag:

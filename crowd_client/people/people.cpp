@@ -107,7 +107,16 @@ Strain strain_of(const People& people, std::size_t id, double mass, const Vector
     }
     e.depth = depth;
     e.can_swim = swims(people, id);
-    if (people.water_temperature) e.air = std::min(air_budget, breath_in(*people.water_temperature));
+    e.air = people.water_temperature ? std::min(people.air, breath_in(*people.water_temperature)) : people.air;
+    e.drifts_under = people.drift_hazard.is_under;
+    e.drowns_at = people.drowns_at[id];
+    const Condition& condition = people.condition[id];
+    if (is_adrift(condition.state)) {
+        if (!e.drifts_under) e.hazard = people.drift_hazard.best;
+        const double speed = std::sqrt(stream.squaredNorm());
+        e.drift_weight = drift_weight({height, e.can_swim, speed, depth, water.gravity}) *
+                         cold_weight(people.water_temperature, condition.drift.time);
+    }
     e.hold = people.hold[id];
     return e;
 }
@@ -147,7 +156,7 @@ Bracing bracing_of(Skill skill) {
 }
 
 void add_person(People& people, const AgentGroup& group, const PersonRow& row, bool by_body,
-                const std::array<double, 4>& random) {
+                const std::array<double, 5>& random) {
     const BodySettings& body = group.body;
     const SexRule sex = row.sex.value_or(body.sex);
     const bool is_male = sex == SexRule::any ? random[0] >= 0.5 : sex == SexRule::male;
@@ -175,9 +184,13 @@ void add_person(People& people, const AgentGroup& group, const PersonRow& row, b
     people.condition.push_back({});
     people.worst.push_back(PersonState::walking);
     people.beyond.push_back(0);
+    people.drowns_at.push_back(-std::log1p(-random[4]));
 }
 
 void start_wear(People& people, const Crowd& crowd) {
+    people.drift_hazard = crowd.drift_hazard;
+    people.air = crowd.air_budget;
+    for (Condition& condition : people.condition) condition.air = people.air;
     people.tires = crowd.fatigue;
     people.water_temperature = crowd.water_temperature;
     if (people.tires || people.water_temperature) people.wear.resize(people.size());
@@ -254,7 +267,8 @@ void note_condition(People& people, std::size_t id, double mass, const Vector2d&
     if (people.depth[id] == 0 && condition.state == PersonState::walking) {  // on dry ground, as most are
         people.slip[id] = people.topple[id] = 0;
         condition.slipping = condition.toppling = 0;
-        condition.air = air_budget;
+        condition.air = people.air;
+        breathe(condition.drift, felt.dt);
         if (!people.wear.empty()) people.wear[id].load = 0;
         return;
     }

@@ -37,10 +37,13 @@ struct People {
     std::vector<Condition> condition;
     std::vector<PersonState> worst;  // state so far, in the order of PersonState; recovering and holding do not count
     std::vector<double> beyond;      // time on its feet beyond what was measured, s
+    std::vector<double> drowns_at;   // E of drift.hpp
 
     std::vector<Wear> wear;  // empty where nobody tires and the water is not cold
     bool tires = false;
     std::optional<double> water_temperature;  // C
+    DriftHazard drift_hazard;
+    double air = air_budget;  // that lasts, s
 
     [[nodiscard]] std::size_t size() const { return height.size(); }
 };
@@ -61,9 +64,9 @@ struct Bracing {
 };
 [[nodiscard]] Bracing bracing_of(Skill skill);
 
-// Adds a person, of a table or drawn; `random` gives the number of [0, 1) of its sex, height, age and friction in turn.
+// Adds a person, of a table or drawn; `random` gives the number of [0, 1) of its sex, height, age, friction and of drowning in turn.
 void add_person(People& people, const AgentGroup& group, const PersonRow& row, bool by_body,
-                const std::array<double, 4>& random);
+                const std::array<double, 5>& random);
 
 // Lets time act upon people, as the scene says.
 void start_wear(People& people, const Crowd& crowd);

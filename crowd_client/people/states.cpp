@@ -69,8 +69,15 @@ PersonState getting_up(Condition& now, const Strain& e, double dt) {
     return over(now.in_state, posture_time * rests, dt) ? PersonState::effort : PersonState::recovering;
 }
 
+// Returns true if the exposure adrift has reached the limit of the person.
+bool drowns_adrift(const Condition& now, const Strain& e) {
+    const double reached = e.hazard * now.drift.exposure;
+    return is_adrift(now.state) && reached > 0 && reached >= e.drowns_at;
+}
+
 // `now` loses time that was spent in a posture in which it cannot stay.
 PersonState next_state(Condition& now, const Strain& e, double dt) {
+    if (drowns_adrift(now, e)) return PersonState::drowned;
     switch (now.state) {
         case PersonState::walking:
         case PersonState::effort:
@@ -90,6 +97,25 @@ PersonState next_state(Condition& now, const Strain& e, double dt) {
             break;
     }
     return PersonState::drowned;
+}
+
+DriftEnd end_of_drift(PersonState next) {
+    switch (next) {
+        case PersonState::afloat:
+        case PersonState::carried:
+        case PersonState::drowned:
+            return DriftEnd::adrift;
+        case PersonState::recovering:
+            return DriftEnd::got_up;
+        case PersonState::holding:
+            return DriftEnd::held;
+        case PersonState::walking:
+        case PersonState::effort:
+        case PersonState::sliding:
+        case PersonState::toppled:
+            break;
+    }
+    return DriftEnd::feet_down;
 }
 
 }  // namespace
@@ -112,10 +138,13 @@ Condition next_condition(const Condition& before, const Strain& e, double dt) {
     now.firm = counted(now.firm, e.slip < firm_below, dt);
     const bool sits = now.state == PersonState::recovering &&
                       now.in_state < posture_time + 1.25 * dt;  // a step later, not by rounding
-    const bool is_under = (now.state == PersonState::carried && e.depth >= lies * e.height) ||
+    const bool is_deep = e.depth >= lies * e.height;
+    const bool is_under = (e.drifts_under && now.state == PersonState::carried && is_deep) ||
                           (sits && e.depth >= mouth_sitting * e.height);
     now.air = is_under ? std::max(0.0, std::min(e.air, now.air) - dt) : std::min(e.air, now.air + breathes_in * dt);
+    is_adrift(now.state) ? drift_on(now.drift, e.drift_weight, is_deep, dt) : breathe(now.drift, dt);
     now.state = next_state(now, e, dt);
+    if (is_adrift(now.state) || is_adrift(before.state)) now.drift.end = end_of_drift(now.state);
     if (now.state == before.state) return now;
     const bool kneels_first = now.state == PersonState::recovering && demand_in(e, Rest::sits) >= 1;
     now.in_state = kneels_first ? posture_time : 0;

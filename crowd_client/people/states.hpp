@@ -16,18 +16,21 @@
 //               stands up, 1 s each                                    after 4 s: on its feet
 //               [A], as long as D < 1; else
 //               it waits in one below
-//   drowned                            carried at h >= 0.25 H, or sits at h >= 0.44 H [A], with no air left       never
+//   drowned                            adrift, by the hazard of drift.hpp; or with no air left                    never
 //
 // D of a posture is that of a body at rest in it (resting.hpp). In h < 0.25 H, where the water does not carry a body, getting up through
 // sitting or kneeling comes before feet down. Getting up begins with kneeling where sitting does not hold, and skips squatting where
 // standing holds. So the fastest stream in which a drifting person comes to rest falls with the depth.
 //
-// Air lasts for 60 s [A], less in water of a given temperature (wear.hpp); else it is taken in three times as fast. Times end with the step that is nearest.
+// Air lasts for 60 s [A], less in water of a given temperature (wear.hpp), while the mouth is held under: sitting at h >= 0.44 H [A].
+// Else it is taken in three times as fast. With /crowd/drift_hazard_per_s "under" the mouth of a carried person at h >= 0.25 H counts
+// as held under, in place of the hazard. Times end with the step that is nearest.
 
 #include <array>
 #include <cstdint>
 #include <string_view>
 
+#include "crowd_client/people/drift.hpp"
 #include "crowd_client/people/resting.hpp"
 
 namespace wade::crowd {
@@ -41,7 +44,7 @@ inline constexpr std::array person_states = std::to_array<std::string_view>({
 #include "configs/scene/states.def"
 });
 
-inline constexpr double air_budget = 60;   // s [A]
+inline constexpr double air_budget = 60;   // s [A], where the scene sets no other
 inline constexpr double chin = 0.87;       // of H: in deeper water one floats
 inline constexpr double posture_time = 1;  // of each posture of getting up, s [A]
 
@@ -53,6 +56,7 @@ struct Condition {
     double toppling = 0;  // how long T >= 1, s
     double firm = 0;      // how long S < 0.9, s
     double air = air_budget;
+    Drift drift;
 };
 
 // What a person stands against in a step; depth and stream low-passed.
@@ -66,7 +70,11 @@ struct Strain {
     double depth = 0;                     // h, m
     double hold = 0;                      // M_hold, N m, of somebody who stands and is held on to
     bool can_swim = false;
-    double air = air_budget;  // that lasts for him in this water, s
+    double air = air_budget;    // that lasts for the person in this water, s
+    bool drifts_under = false;  // the mouth of a carried person counts as held under
+    double hazard = 0;          // lambda of drowning adrift, 1/s
+    double drift_weight = 1;    // M
+    double drowns_at = 1;       // E
 };
 
 // Returns the posture in the state recovering.
@@ -81,6 +89,10 @@ struct Strain {
 // On its feet, and goes where it wants.
 [[nodiscard]] inline bool is_firm(PersonState state) {
     return state == PersonState::walking || state == PersonState::effort;
+}
+
+[[nodiscard]] inline bool is_adrift(PersonState state) {
+    return state == PersonState::afloat || state == PersonState::carried;
 }
 
 [[nodiscard]] inline bool has_ground(PersonState state) {

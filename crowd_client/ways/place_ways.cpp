@@ -129,7 +129,7 @@ void add_group(Navigation& navigation, const Scene& scene, const Agents& agents,
     mean.age = members.empty() ? 30 : age / n;
     ways.mass = members.empty() ? 65 : ways.mass / n;
     ways.men /= n;
-    add_person(ways.person, group, mean, true, {0, 0, 0, 0});
+    add_person(ways.person, group, mean, true, {0, 0, 0, 0, 0});
     for (int k = 0; k < 2; ++k) {
         WayField& field = navigation.fields.emplace_back();
         field.has_point = !ways.to_shelters;

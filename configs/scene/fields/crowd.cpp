@@ -120,9 +120,11 @@ void fields(BodySettings& body, Fields& f, const BodySettings* of_crowd) {
              otherwise("that of crowd, or of the skill", [=] {
                  return of_crowd == nullptr || !of_crowd->bracing_arm ? KeyValue() : KeyValue(*of_crowd->bracing_arm);
              }));
-    f.flag("can_swim", body.can_swim,
-           "Whether people who float swim towards their goal, at 0.45 m/s through the water, and do not drown.",
-           unless_set(&BodySettings::can_swim));
+    f.flag(
+        "can_swim", body.can_swim,
+        "Whether people who float swim towards their goal, at 0.45 m/s through the water. Their hazard of drowning is "
+        "then a quarter.",
+        unless_set(&BodySettings::can_swim));
 }
 
 // The two coordinates of a point that some groups have; a sentence if one is missing.
@@ -301,6 +303,14 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
         "Response measured: cold water weakens legs and hands in time, leaves less air to who goes under, and ends "
         "how long one swims.",
         otherwise("it is not cold"));
+    f.estimate("drift_hazard_per_s", crowd.drift_hazard, "1/s", from(0).to(1), "under",
+               "Response measured: hazard of drowning of people adrift, afloat or carried where the depth is a quarter "
+               "of their height or more, after the first 20 s of a drift. Best acts; low and high are for reports. "
+               "Multipliers: docs/people_in_water.md. under: a drifting mouth counts as under water, that of a swimmer "
+               "never.");
+    f.number("air_budget_s", crowd.air_budget, "s", from(20).to(90),
+             "Response measured: how long air lasts for people whose mouth is held under water; in water of a given "
+             "temperature at most 15.01 + 0.92 s a degree.");
     f.flag("helping", crowd.helping,
            "Response measured: who stands and has a hand free takes hold of whoever is carried past within 0.8 m.");
     f.list("ropes", crowd.ropes,

@@ -96,6 +96,33 @@ std::string_view worst_state(const People& people, std::size_t id) {
     return people.by_body[id] != 0 ? person_states[static_cast<std::size_t>(people.worst[id])] : "";
 }
 
+// How the last drift ended; "adrift" of people who drift at the end.
+std::string_view drift_end(const CrowdWorld& crowd, std::size_t id) {
+    const Condition& condition = crowd.agents.people.condition[id];
+    switch (condition.drift.end) {
+        case DriftEnd::none:
+            return "";
+        case DriftEnd::feet_down:
+            return "feet_down";
+        case DriftEnd::got_up:
+            return "got_up";
+        case DriftEnd::held:
+            return "held";
+        case DriftEnd::adrift:
+            break;
+    }
+    if (condition.state == PersonState::drowned) return "drowned";
+    const Outcome outcome = crowd.agents.outcome[id];
+    return outcome == Outcome::dead ? "swept_away" : outcome == Outcome::arrived ? "arrived" : "adrift";
+}
+
+// Time adrift, exposure to drowning and the end of the last drift, of people who answer by their bodies.
+std::string drift_columns(const CrowdWorld& crowd, std::size_t id) {
+    if (crowd.agents.people.by_body[id] == 0) return ",,,";
+    const Drift& drift = crowd.agents.people.condition[id].drift;
+    return ',' + csv_number(drift.time) + ',' + csv_number(drift.exposure) + ',' + std::string(drift_end(crowd, id));
+}
+
 }  // namespace
 
 std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels) {
@@ -153,7 +180,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     std::string csv =
         "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
         "mean_dv_m2_s,state,height_m,mean_tau,worst_state,age,skill,"
-        "start_x_m,start_z_m,off_feet_s,door_depth_m";
+        "start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,exposure_s,drift_end";
     if (danger != nullptr) csv.append(",danger_level,").append(exposure_columns);
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -176,6 +203,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         if (const std::uint64_t lost = agents.lost_feet_step[id]; lost > 0) csv += csv_number(time_of(crowd, lost));
         csv += ',';
         if (!agents.door_depth.empty()) csv += csv_number(agents.door_depth[id]);
+        csv += drift_columns(crowd, id);
         if (danger != nullptr) {
             const Exposure& met = danger->agents()[id];
             csv += ',' + std::string(danger_name(met.largest)) + ',' + exposure_times(met, crowd.dt);

@@ -67,7 +67,32 @@ TEST_CASE("hands that no one has or that do not reach are refused, and keys of b
                Contains("/crowd/water_temperature_c: 5 C: people who answer"));
     CHECK_THAT(refused({"/crowd/water_temperature_c=-3", measured}),
                Contains("/crowd/water_temperature_c: -3 is out of range; allowed: >= 0"));
+    CHECK_THAT(refused({"/crowd/drift_hazard_per_s=under"}),
+               Contains("/crowd/drift_hazard_per_s: \"under\": people who answer") && Contains("\"measured\""));
+    CHECK_THAT(refused({"/crowd/air_budget_s=40"}), Contains("/crowd/air_budget_s: 40 s: people who answer"));
+    CHECK_THAT(refused({"/crowd/air_budget_s=10", measured}),
+               Contains("/crowd/air_budget_s: 10 is out of range; allowed: >= 20 and <= 90 s"));
     CHECK_NOTHROW(load_patched(two, {"/crowd/fatigue=true", "/crowd/water_temperature_c=5", measured}));
+}
+
+TEST_CASE("a hazard is a number, low, best and high, or a word") {
+    const std::string one = crowd(group("a", 1, 1)), measured = "/crowd/response=measured";
+    const auto set = [&](const std::string& value) { return "/crowd/drift_hazard_per_s=" + value; };
+    const auto hazard = [&](const std::string& value) {
+        return load_patched(one, {measured, set(value)}).scene.crowd->drift_hazard;
+    };
+    CHECK((hazard("0.01").low == 0.01 && hazard("0.01").best == 0.01 && hazard("0.01").high == 0.01));
+    CHECK((hazard("[0, 0.01, 0.1]").low == 0 && hazard("[0, 0.01, 0.1]").high == 0.1));
+    CHECK((hazard("under").is_under && hazard("under").best == 0.006 && !hazard("0").is_under));
+    const LoadedScene loaded = load_patched(one, {measured, set("[0, 0.01, 0.1]")});
+    CHECK(wade::load_scene_text(loaded.canonical_json, "again.json").canonical_json == loaded.canonical_json);
+    const auto refused = [&](const std::string& value) { return refusal(one, {measured, set(value)}); };
+    CHECK_THAT(refused("2"), Contains("/crowd/drift_hazard_per_s: 2 is out of range; allowed: >= 0 and <= 1 1/s"));
+    CHECK_THAT(refused("above"), Contains("\"above\" is not allowed") && Contains("\"under\""));
+    CHECK_THAT(refused("true"), Contains("expected a number, an array [low, best, high] or \"under\", found true"));
+    for (const std::string value : {"[0.01, 0.002, 0.02]", "[0.002, 0.006]", "[0.002, \"b\", 0.02]", "[0, 0.5, 3]"}) {
+        CHECK_THAT(refused(value), Contains("is not allowed; allowed: [low, best, high], low <= best <= high, each"));
+    }
 }
 
 TEST_CASE("tau in time has its points in order, and belongs to who has a tau") {

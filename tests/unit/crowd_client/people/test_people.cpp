@@ -57,7 +57,7 @@ People one_person(const BodySettings& settings = {}) {
     People people;
     AgentGroup group;
     group.body = settings;
-    add_person(people, group, {}, true, {0.9, 0.5, 0.5, 0.5});
+    add_person(people, group, {}, true, {0.9, 0.5, 0.5, 0.5, 0.5});
     return people;
 }
 

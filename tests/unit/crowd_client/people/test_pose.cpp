@@ -157,7 +157,7 @@ TEST_CASE("Who braces leans against the stream as far as the drag asks, and not 
     People people;
     AgentGroup group;
     group.body.skill = Skill::braced;
-    add_person(people, group, {}, true, {0.9, 0.5, 0.5, 0.5});
+    add_person(people, group, {}, true, {0.9, 0.5, 0.5, 0.5, 0.5});
     const auto lean_in = [&](double speed) {
         Pose pose = standing_pose(people, 0, {0, 1});
         PoseStep step{1.0 / 30, 1, {-speed, 0}, 0, {0, 0}, {0, 0}, 65, {}};
@@ -272,7 +272,7 @@ TEST_CASE("Who stands does not turn, however the water flickers, and a turn roun
     CHECK(crowd.poses[0].heading.value == Approx(pi / 2).margin(1e-12));
 
     People people;
-    add_person(people, AgentGroup{}, {}, true, {0.9, 0.5, 0.5, 0.5});
+    add_person(people, AgentGroup{}, {}, true, {0.9, 0.5, 0.5, 0.5, 0.5});
     Pose pose = standing_pose(people, 0, {1, 0});
     PoseStep back{1.0 / 30, 0, {0, 0}, 0, {-1, 0}, {-1.3, 0.01}, 65, {}};
     double time = 0;

@@ -23,6 +23,7 @@ Strain strain(double slip, double topple, double depth) {
     s.height = height;
     s.arm = lever;
     s.depth = depth;
+    s.drifts_under = true;
     return s;
 }
 

@@ -123,8 +123,9 @@ People one_in_the_cold(std::optional<double> temperature, bool can_swim) {
     People people;
     AgentGroup group;
     group.body.can_swim = can_swim;
-    add_person(people, group, {}, true, {0.9, 0.5, 0.5, 0.5});
+    add_person(people, group, {}, true, {0.9, 0.5, 0.5, 0.5, 0.5});
     Crowd crowd;
+    crowd.drift_hazard.is_under = true;  // all drown when the air ends
     crowd.water_temperature = temperature;
     start_wear(people, crowd);
     return people;
