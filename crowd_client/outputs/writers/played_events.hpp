@@ -1,6 +1,7 @@
 #pragma once
 // Changes of tau that a user asks for while the run goes on, as events of the scene, so that the run can be repeated.
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,7 +28,7 @@ void add_event(CrowdWorld& crowd, const TauEvent& event);
 [[nodiscard]] std::string scene_with_events(const std::string& canonical_scene, std::span<const TauEvent> events);
 
 // events.jsonl: each tau command as an event of the scene, absent if there was none. scene_as_played.json: the scene with
-// these events, which repeats the run; rewritten as a whole with each.
+// these events, which repeats the run; rewritten as a whole after the step that obeys new ones, however many they are.
 class EventsFile final : public OutputWriter {
  public:
     explicit EventsFile(const OutputPlace& place)
@@ -37,14 +38,21 @@ class EventsFile final : public OutputWriter {
         played_.push_back(event);
         if (!lines_) lines_.emplace(folder_ / "events.jsonl");
         lines_->append(event_json(event) + "\n");
-        write_whole_file(folder_ / "scene_as_played.json", scene_with_events(canonical_scene_, played_));
     }
-    void finish(const RunView&) override {}
+    void on_step(const CrowdWorld&, const WaterView&) override { rewrite(); }
+    void finish(const RunView&) override { rewrite(); }
 
  private:
+    void rewrite() {
+        if (played_.size() == written_) return;
+        write_whole_file(folder_ / "scene_as_played.json", scene_with_events(canonical_scene_, played_));
+        written_ = played_.size();
+    }
+
     std::filesystem::path folder_;
     std::string canonical_scene_;
     std::vector<TauEvent> played_;
+    std::size_t written_ = 0;  // events of scene_as_played.json
     std::optional<AppendFile> lines_;
 };
 

@@ -161,7 +161,7 @@ TEST_CASE("A run whose files cannot all be written has failed, and those that ca
     }
 }
 
-TEST_CASE("Events of a run are on the disk at once, as lines and as a scene") {
+TEST_CASE("Events of a run are on the disk at once as lines, and after their step as a scene") {
     TemporaryFolder folder;
     const CrowdWorld crowd = make_crowd(one_agent_scene(10, 25, 75, 50, 0.2));
     RunLabels labels;
@@ -176,6 +176,8 @@ TEST_CASE("Events of a run are on the disk at once, as lines and as a scene") {
                               R"({"agent":0,"frame":7,"tau":1.0})"
                               "\n";
     CHECK(content_of(folder.path / "events.jsonl") == lines);
+    CHECK_FALSE(fs::exists(folder.path / "scene_as_played.json"));
+    run.record(crowd, {});
     const std::string scene = content_of(folder.path / "scene_as_played.json");
     CHECK(scene.find("\"frame\": 3") < scene.find("\"group\": \"walkers\""));
     CHECK(scene.find("\"group\": \"walkers\"") < scene.find("\"agent\": 0"));

@@ -120,9 +120,13 @@ def depth_scale(scene):
     named = [block["depth_m"] for block in channel["water_blocks"]]
     if channel["flow"] != "closed":
         named.append(channel["depth_m"])
-    wanted = 1.5 * max(named, default=1.0)
-    power = 10.0 ** math.floor(math.log10(wanted) + 1e-9)
-    return power * next(step for step in ROUND_STEPS if step * power >= wanted * (1 - 1e-9))
+    return rounded_up(1.5 * max(named, default=1.0))
+
+
+def rounded_up(value):
+    """The least round number that is not below a value above 0."""
+    power = 10.0 ** math.floor(math.log10(value) + 1e-9)
+    return power * next(step for step in ROUND_STEPS if step * power >= value * (1 - 1e-9))
 
 
 def edges_of(start, cell, count, end):

@@ -29,6 +29,7 @@ from wade.view import FIFO, Server, settings_for_view
 
 OVER_RANKS = "fluid_server_ranks"
 ANSWERS = ("--check", "--print-config", "--version")  # one program answers and nothing is run
+PATIENCE_S = "300"  # of the water until its crowd has joined
 SHOWN_OF_LOG = 5  # lines, of a program that failed
 
 
@@ -111,8 +112,10 @@ def producer_command(run, folder, session):
         if "--ranks" in own:
             mpirun = ["mpirun", "-q", *shlex.split(own.get("--mpirun", "")), "-np", own["--ranks"]]
             server = [*mpirun, BUILD / OVER_RANKS, run.scene]
+        # The pair ends with its first program, so that a crowd that takes long to set up is waited for.
+        patience = [] if is_given(arguments["fluid_server"], "--attach-timeout-s") else ["--attach-timeout-s", PATIENCE_S]
         # Its log is our redirection to the same file; after a numerical failure it leaves the water's state there.
-        return [*server, *counted, *arguments["fluid_server"], "--session", session, "--out", folder]
+        return [*server, *counted, *patience, *arguments["fluid_server"], "--session", session, "--out", folder]
     if run.producer == "shm_replay":
         coupling = run.resolved.get("coupling", {})
         way_back = coupling.get("agents_stream", "off") != "off"

@@ -58,7 +58,8 @@ def draw(case, file):
     lines = [np.arange(0, size + SQUARE_M, SQUARE_M) for size in (length, width)]
     counts = np.histogram2d(np.clip(z, 0, width), np.clip(x, 0, length), lines[::-1])[0] / len(case.runs)
     figure, axes = top_view.new_map(scene, right=0.85, above=0.75, below=0.55)
-    mesh = axes.pcolormesh(*lines, np.ma.masked_equal(counts, 0), cmap="YlOrRd", vmin=0, zorder=3, alpha=0.8, rasterized=True)
+    mesh = axes.pcolormesh(*lines, np.ma.masked_equal(counts, 0), cmap="YlOrRd", vmin=0,
+                           vmax=top_view.rounded_up(counts.max()), zorder=3, alpha=0.8, rasterized=True)
     top_view.draw_obstacles(axes, scene)
     top_view.draw_goals(axes, scene)
     for chosen, marker in ((~swept, "x"), (swept, "o")):

@@ -133,25 +133,13 @@ def tiles(case):
     low, high = share_of_runs(int((dead > 0).sum()), len(dead))
     cells.append(f'<div class="tile"><b>{dead.min()} to {dead.max()}</b>dead of {size.max()} people, from run to run<br>'
                  f'<span class="small">{int((dead > 0).sum())} of {len(dead)} runs have any (likely {percent(low)} to '
-                 f"{percent(high)} % of all runs {of_what(case)})</span></div>")
+                 f"{percent(high)} % of all runs of this flood)</span></div>")
     return f'<div class="tiles">{"".join(cells)}</div>'
 
 
 def about(share):
     """So many of 100 in words."""
     return "none" if share == 0 else "less than 1" if share < 1 else f"about {share:.0f}"
-
-
-def of_what(case):
-    """What differs from run to run, in words."""
-    return "with other people in other floods of this kind" if flood_differs(case) else "of this flood with other people"
-
-
-def flood_differs(case):
-    """Whether the water differs between runs: by their hashes of all frames, which a seed of the water changes."""
-    hashes = {run.outcome.get("frame_hash") for run in case.runs}
-    two_way = (case.manifest()["resolved_scene"].get("coupling") or {}).get("two_way")
-    return len(hashes) > 1 and not two_way
 
 
 def first_words(case):
@@ -163,9 +151,8 @@ def first_words(case):
     none = 100 * share_where(case, having(people, NO_END)).mean
     told += [f"{about(none)} have no end yet"] if none else []
     end = max(run.outcome["sim_time_s"] for run in case.runs)
-    differ = "in who the people are and in which way each of them steps" + (", and in the water" if flood_differs(case) else "")
-    runs = (f"This is the mean of {len(case.runs)} simulated runs {'of one flood ' if not flood_differs(case) else ''}that differ "
-            f"only by chance: {differ}." if len(case.runs) > 1 else "This is one simulated run, which tells nothing of chance.")
+    runs = (f"This is the mean of {len(case.runs)} simulated runs of one flood, which differ only by chance: in the people and in the "
+            "way in which each of them steps." if len(case.runs) > 1 else "This is one simulated run, which tells nothing of chance.")
     warn = f'<p class="warn">{text(open_text(case))}</p>' if none else ""
     return f"<p>Of 100 people {listed(told)}, after {end:.0f} seconds at most. {runs}</p>{warn}"
 
