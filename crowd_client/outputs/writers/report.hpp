@@ -13,7 +13,7 @@ namespace wade::crowd {
 [[nodiscard]] std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);
 
 // agents.csv: id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,mean_dv_m2_s,state,
-// height_m,mean_tau,worst_state,age,skill,start_x_m,start_z_m,off_feet_s,door_depth_m.
+// height_m,mean_tau,worst_state,age,skill,start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,exposure_s,drift_end,can_swim.
 // Numbers have as many digits as it takes to read back the same bits. time_s: of arrival, of death or of the last step. With a record of danger,
 // its columns follow: the largest level that the agent met, and the time in each.
 [[nodiscard]] std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger = nullptr);

@@ -27,10 +27,11 @@ SQUARE_M = 20  # side of a place where people start
 FLOODED, DEEP_M = "in flooded houses", 0.5  # the kind of people indoors with more water than that at their door
 IN_A_HOUSE = ("indoors", FLOODED, "upstairs")  # kinds that no longer run decides, as houses are not modelled
 NUMBERS = ("time_s", "x_m", "z_m", "tau", "mass_kg", "max_depth_m", "height_m", "age", "start_x_m", "start_z_m", "off_feet_s",
-           "door_depth_m")  # of agents.csv
-TEXTS = ("group", "outcome", "state", "skill", "worst_state")
+           "door_depth_m", "adrift_s", "exposure_s", "can_swim")  # of agents.csv
+TEXTS = ("group", "outcome", "state", "skill", "worst_state", "drift_end")
 # agents.csv has had these for a shorter time.
-OLDER = ("age", "skill", "worst_state", "start_x_m", "start_z_m", "off_feet_s", "door_depth_m")
+OLDER = ("age", "skill", "worst_state", "start_x_m", "start_z_m", "off_feet_s", "door_depth_m", "adrift_s", "exposure_s",
+         "drift_end", "can_swim")
 
 
 @dataclass

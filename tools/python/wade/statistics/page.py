@@ -21,8 +21,9 @@ from wade.statistics.ensemble import (FLOODED, LOST, NO_END, SWEPT_AWAY, classes
 from wade.statistics.figures import draw_values
 from wade.statistics.last_places import SQUARE_M, density_of, search_order
 from wade.statistics.shares import share_of, share_of_runs
-from wade.statistics.table import (LEAST, MOST, MOST_SECTIONS, SAFE, compare, comparisons_of, interval_words, label_of, limit_words,
-                                   open_text, percent, refusal_words, stop_text, told_apart_by, verdict, what_decides)
+from wade.statistics.table import (HAZARD_NOTE, LEAST, MOST, MOST_SECTIONS, SAFE, adrift_warning, compare, comparisons_of,
+                                   drifts_rows, hazard_rows, interval_words, label_of, limit_words, open_text, percent,
+                                   refusal_words, stop_text, told_apart_by, verdict, what_decides)
 from wade.statistics.times import curves_of
 from wade.states import MISSING
 from wade.terminal import Parser
@@ -48,7 +49,7 @@ WORDS = {
     "indoors": "are in their houses; whether these hold is not computed",
     FLOODED: "are in houses with more than 0.5 m of water at the door; whether these hold, and whether water comes in, is not computed",
     "upstairs": "are on the upper floor of their houses; whether these hold is not computed",
-    "drowned": "were under water for longer than their air lasted",
+    "drowned": "drowned adrift, or were held under water for longer than their air lasted",
     SWEPT_AWAY: "were carried over the downstream end, where the simulation loses sight of them; counted as dead",
 }
 BY = {"group": "By group", "age": "By age", "skill": "By how well they brace themselves against the water"}
@@ -127,7 +128,8 @@ def tiles(case):
     for words, chosen in (("arrive in safety", people["safe"]), ("die", people["dead"]),
                           ("have no end yet when the time ends", having(people, NO_END))):
         share = share_where(case, chosen)
-        note = "" if share.low is not None or share.limit is not None else f'<br><span class="small">No range: {text(refusal_words(share))}.</span>'
+        has_range = share.low is not None or share.limit is not None
+        note = "" if has_range else f'<br><span class="small">No range: {text(refusal_words(share))}.</span>'
         head, _, more = in_hundred(share).partition(" (")
         cells.append(f'<div class="tile"><b>{head}</b>{words}{f"<br>likely {text(more[:-1])}" if more else ""}{note}</div>')
     low, high = share_of_runs(int((dead > 0).sum()), len(dead))
@@ -272,7 +274,7 @@ def beyond(case):
         "ranges on this page; a sensitivity study tells that.",
         "Children are computed as small adults. Panic, debris, vehicles, clothes and help from outside are not in it unless the "
         "scene has them.",
-        "Drowning is a time without air, 60 s unless the water's temperature is given; injuries and cold afterwards are not "
+        "How soon people drown adrift is assumed: no source gives deaths against time adrift. Injuries and cold afterwards are not "
         "counted."]
     return "<ul>" + "".join(f"<li>{text(line)}</li>" for line in lines) + "</ul>"
 
@@ -338,6 +340,20 @@ def losses_html(case, file):
          for start, end, number, share, so_far in minutes], ()))
 
 
+def drifts_html(case):
+    """People adrift, and the lost at other hazards of drowning."""
+    rows = drifts_rows(case)
+    if not rows:
+        return ""
+    warning, lost = adrift_warning(case), hazard_rows(case)
+    parts = [f'<p class="warn">{text(warning)}</p>' if warning else "", table(["", ""], [[text(a), text(b)] for a, b in rows], (0, 1))]
+    if lost:
+        parts += ["<h3>Lost at other hazards of drowning</h3>",
+                  table(["", "hazard", "of all people"], [[text(cell) for cell in row] for row in lost], (0, 1)),
+                  f'<p class="small">{text(HAZARD_NOTE)}</p>']
+    return "<h2>People adrift</h2>" + "".join(parts)
+
+
 def case_html(case, level_title, changes):
     """All of a case; changes: what a second one changes, as HTML."""
     with tempfile.TemporaryDirectory(prefix="wade-report-") as name:
@@ -354,7 +370,7 @@ def case_html(case, level_title, changes):
                      "under way, who has never been." if has_feet(case) else "")
                   + " Right: in how many of the runs a number N of people or more die. Shaded, and bars: the range in which the "
                   "true value lies with 95 %, at each point by itself.</p>"]
-        parts.append(losses_html(case, files["losses"]))
+        parts += [losses_html(case, files["losses"]), drifts_html(case)]
         if files["search"]:
             file, areas, over, rows = files["search"]
             squares = table(["", "x, m", "z, m", "expected there", "so far"], [

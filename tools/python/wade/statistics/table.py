@@ -14,7 +14,7 @@ from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0, some_of
 from wade.reports.tables import document, listed, markdown, section, write_csv
-from wade.statistics import losses
+from wade.statistics import drifts, losses
 from wade.statistics.ensemble import (BY, FLOODED, IN_A_HOUSE, LOST, NO_END, SQUARE_M, classes, fates_of, having, open_kinds,
                                       read_ensemble)
 from wade.statistics.shares import FIRST_LOOK, compared, runs_needed, share_of, share_of_runs
@@ -125,7 +125,7 @@ def stop_text(case, width):
     rows = shares_of(case, "all")[0][1]
     runs = len(case.runs)
     if runs < FIRST_LOOK:
-        return f"How many runs are needed can be told from {FIRST_LOOK} runs on; there are {runs}.\n"
+        return f"How many runs are needed can be told from {FIRST_LOOK} runs on; there {'is' if runs == 1 else 'are'} {runs}.\n"
     lines = []
     for fate, (counts, people, share) in rows.items():
         needed = runs_needed(counts.tolist(), people.tolist(), width)
@@ -266,8 +266,8 @@ def comparison_text(first, second, bys):
             "were lost in the first and none in the second, and the reverse. *People for one more*: the number needed to warn (or to "
             "treat otherwise) so that one more or one less is lost, 1 over the difference; given where both bounds say so.\n")
     told = verdict(first, second)
-    return text + (f"\n{told}\n" if told else "") + "\n" + markdown(["", "", "pairs", "people", "first", "second", "difference", "95 %", "people for one more",
-                                   "why no interval"], lines)
+    head = ["", "", "pairs", "people", "first", "second", "difference", "95 %", "people for one more", "why no interval"]
+    return text + (f"\n{told}\n" if told else "") + "\n" + markdown(head, lines)
 
 
 def compared_rows(first, second, bys):
@@ -334,10 +334,59 @@ def losses_text(case):
     return f"{of_place}{rest}\n{of_time}"
 
 
+def drifts_rows(case):
+    """[(what, number)] of people adrift; [] where none drifted."""
+    of = drifts.drifts_of(case)
+    if of is None:
+        return []
+    runs, (middle, most) = len(case.runs), of.times
+    low, high = drifts.SWEPT_DEAD
+    rows = [["off their feet, a run", f"{of.off_feet / runs:.3g}"], ["adrift, a run", f"{of.drifted / runs:.3g}"],
+            ["time adrift", f"{middle:.0f} s in the median, 90 % at most {most:.0f} s"]]
+    rows += [[f"drifts that ended: {words}", f"{percent(of.ends[how] / of.drifted)} %"] for how, words in drifts.ENDS.items()
+             if of.ends[how]]
+    rows += [["drowned adrift; held under, a run", f"{of.drowned_adrift / runs:.3g}; {of.held_under / runs:.3g}"],
+             ["dead of those adrift", f"{percent(of.dead / of.drifted)} %; reports of floods: {100 * low:.0f} to {100 * high:.0f} %"]]
+    return rows
+
+
+def hazard_rows(case):
+    """[(rule, hazard, share lost)] of lost_by_rules(), in words."""
+    rows = []
+    for name, rule, (share, low, high) in drifts.lost_by_rules(case):
+        hazard = f"air for {drifts.air_of(case):.0f} s, swimmers never" if rule == "under" else f"{rule:g} 1/s [A]"
+        rows.append([name, hazard, f"{percent(share)} %" + ("" if low is None else f" ({percent(low)} to {percent(high)})")])
+    return rows
+
+
+HAZARD_NOTE = ("The hazard of drowning adrift is assumed [A]; the other rows are estimated from the exposures of these runs, where no "
+               "person reacts to the dead. Runs of the same seeds with another /crowd/drift_hazard_per_s tell them exactly.")
+
+
+def adrift_warning(case):
+    """A sentence where many are still adrift; "" elsewhere."""
+    of = drifts.drifts_of(case)
+    if of is None or of.still <= drifts.STILL_ADRIFT:
+        return ""
+    return (f"{percent(of.still)} % of those who drifted are still adrift at the end of the runs and count as without an end: longer "
+            "runs lose more.")
+
+
+def drifts_text(case):
+    """People adrift as a section's text."""
+    rows = drifts_rows(case)
+    if not rows:
+        return ""
+    warning, lost = adrift_warning(case), hazard_rows(case)
+    text = markdown(["people adrift", ""], rows) + (f"\n{warning}\n" if warning else "")
+    return text + (f"\n{markdown(['lost', 'hazard of drowning', 'of all people'], lost)}\n{HAZARD_NOTE}\n" if lost else "")
+
+
 def case_section(case, bys, width, pictures):
     figures = "".join(f"![{words}]({name})\n\n" for name, words in pictures)
     return section(case.name, deaths_line(case), open_text(case), *(class_table(case, by) for by in bys),
                    section("Where and when people are lost", losses_text(case), level=3),
+                   section("People adrift", drifts_text(case), level=3),
                    section("Are there enough runs?", stop_text(case, width), level=3),
                    section("Many at once", fn_text(case), level=3), figures)
 

@@ -1,8 +1,8 @@
 """Where to search: a map of the last places of the dead and the missing over all runs of an ensemble.
 
 Contours hold 50 and 90 % of what is expected; squares of 10 m stand in the order in which a party should search them.
-Writes victims.png, victims.csv (the squares) and victims.md. The missing are those who are carried or hold on to something
-when a run ends. --drift-s lets the bodies go on with the water of the end.
+Writes victims.png, victims.csv (the squares) and victims.md. The missing are carried, hold on, recover or are
+pinned when a run ends. --drift-s lets the bodies go on with the water of the end.
 """
 
 from pathlib import Path
