@@ -187,8 +187,9 @@ def needed(results):
         if fate == LOST and decided and result.difference:
             low, high = sorted((1 / abs(min(bounds)), 1 / abs(max(bounds))))
             numbers = {"per": 1 / abs(result.difference), "per_low": low, "per_high": high}
-        undecided = fate == LOST and not decided and results[NO_END].first + results[NO_END].second > 0
-        refused = UNDECIDED if undecided else result.refused
+        refused = result.refused
+        if fate == LOST and not decided and results[NO_END].first + results[NO_END].second > 0:
+            refused = results[LEAST].refused or results[MOST].refused if None in bounds else UNDECIDED
         yield fate, replace(result, **numbers, refused=refused)
 
 
@@ -239,12 +240,14 @@ def verdict(first, second):
         less = "fewer" if result.difference < 0 else "more"
         return (f"One {less} is lost for {result.per:.3g} people who are warned or protected so ({result.per_low:.3g} to "
                 f"{result.per_high:.3g}), whatever becomes of those without an end yet.")
-    if result.refused != UNDECIDED:
+    if not open_kinds(first, second):
         return ""
     ends = (", ".join(f"{percent(share)} {kind}" for kind, share in open_kinds(case).items()) or "none" for case in (first, second))
     words = " of 100; ".join(f"{name} {kinds}" for name, kinds in zip(("first", "second"), ends))
-    return (f"Whether fewer are lost depends on those without an end yet ({words} of 100). {what_decides(first, second)} Until then "
-            "this does not say which is better.")
+    if result.refused == UNDECIDED:
+        return (f"Whether fewer are lost depends on those without an end yet ({words} of 100). {what_decides(first, second)} Until "
+                "then this does not say which is better.")
+    return f"Whether fewer are lost is not told: {result.refused}. Without an end yet: {words} of 100. {what_decides(first, second)}"
 
 
 def comparison_text(first, second, bys):
