@@ -15,7 +15,7 @@ import numpy as np
 from wade import UsageError
 from wade.reports.files import say, write_whole
 from wade.reports.tables import listed
-from wade.statistics import losses
+from wade.statistics import drifts, losses
 from wade.statistics.ensemble import (FLOODED, LOST, NO_END, SWEPT_AWAY, classes, fates_of, has_feet, having,
                                       read_ensemble)
 from wade.statistics.figures import draw_values
@@ -120,6 +120,15 @@ def is_missing(case):
     return np.isin(case.people["fate"].astype(str), MISSING)
 
 
+def hazard_note(case):
+    """The lost at a low and a high hazard of drowning, as a line of a tile."""
+    lost = {name: share for name, _, (share, _, _) in drifts.lost_by_rules(case)}
+    if not {"low", "high"} <= set(lost):
+        return ""
+    return (f'<br><span class="small">{percent(lost["low"])} to {percent(lost["high"])} at a low and a high hazard of drowning, which '
+            "is assumed</span>")
+
+
 def tiles(case):
     """The three numbers that matter."""
     people, size = case.people, np.bincount(case.people["run"])
@@ -131,6 +140,7 @@ def tiles(case):
         has_range = share.low is not None or share.limit is not None
         note = "" if has_range else f'<br><span class="small">No range: {text(refusal_words(share))}.</span>'
         head, _, more = in_hundred(share).partition(" (")
+        note += hazard_note(case) if words == "die" else ""
         cells.append(f'<div class="tile"><b>{head}</b>{words}{f"<br>likely {text(more[:-1])}" if more else ""}{note}</div>')
     low, high = share_of_runs(int((dead > 0).sum()), len(dead))
     cells.append(f'<div class="tile"><b>{dead.min()} to {dead.max()}</b>dead of {size.max()} people, from run to run<br>'
@@ -415,6 +425,9 @@ def values_html(cases, comparisons):
              *(in_hundred(share_where(case, having(case.people, fate))) for fate in fates)] for case in cases]
     with tempfile.TemporaryDirectory(prefix="wade-report-") as name:
         draw_values(cases, keys, Path(name) / "values.png")
+        if cases[0].people["dead"].any():
+            losses.draw(cases[0], Path(name) / "losses.png")
+        of_first = f"<h2>{text(label_of(cases[0], keys))}</h2>{losses_html(cases[0], Path(name) / 'losses.png')}{drifts_html(cases[0])}"
         parts = [picture(Path(name) / "values.png", "shares over the values"), table([text(head), "runs", *fates], rows)]
     changes = []
     for first, second in comparisons:
@@ -427,7 +440,7 @@ def values_html(cases, comparisons):
         parts += [f"<h2>What each changes against {text(label_of(cases[0], keys))}, of 100</h2>",
                   table([text(head), *(ROWS[fate] for fate in (SAFE, LOST, LEAST, MOST)), "people for one more"], changes, (0, 5))]
     warns = dict.fromkeys(filter(None, (what_decides(case) for case in cases)))
-    return "".join([*(f'<p class="warn">{text(warn)}</p>' for warn in warns), *parts, stays_in_words(cases[0]),
+    return "".join([*(f'<p class="warn">{text(warn)}</p>' for warn in warns), *parts, stays_in_words(cases[0]), of_first,
                     f"<h2>What was assumed{f' for {text(label_of(cases[0], keys))}' if keys else ''}</h2>", assumed(cases[0]),
                     "<h2>What lies outside of what is known</h2>", beyond(cases[0]),
                     "<h2>What the words mean</h2>", glossary(*cases)])
