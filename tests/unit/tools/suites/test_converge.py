@@ -1,9 +1,10 @@
 """Measures and verdicts of `wade converge`; runs nothing."""
 
+import argparse
 import unittest
 
-from wade.suites.converge import COLUMNS, compared, measures_of, people_verdict, settings_of, verdict
-from wade.suites.converge.cases import CASES, Case, rates
+from wade.suites.converge import COLUMNS, compared, measures_of, people_verdict, report, settings_of, verdict
+from wade.suites.converge.cases import CASES, WALKING, Case, rates
 
 
 def person(outcome="arrived", time=10.0, off="", state="arrived", worst="walking"):
@@ -56,6 +57,17 @@ class Table(unittest.TestCase):
         rows = list(compared(case, {("reference", ""): people, ("rate, 1/s", "8"): people}, [1, 2]))
         self.assertEqual({row["verdict"] for row in rows}, {"equal"})
         self.assertTrue(all(set(row) <= set(COLUMNS) for row in rows))
+
+    def test_physical_choices_are_reported_without_a_limit(self):
+        case = Case("toy", "toy", (rates(30, 8),), quick=True, choices=(WALKING,))
+        settings = settings_of(case)
+        self.assertEqual(settings["reference", ""]["/crowd/walking_in_water"], "relative")
+        key = ("walking law", "bernardini")
+        self.assertEqual(settings[key]["/crowd/walking_in_water"], "bernardini")
+        rows = list(compared(case, {("reference", ""): {1: [person()]}, key: {1: [person("dead", 5)]}}, [1]))
+        self.assertEqual({row["verdict"] for row in rows}, {"reported"})
+        self.assertEqual({row["measure"]: row["difference"] for row in rows}["lost"], 100)
+        self.assertIn("100.0", report(rows, argparse.Namespace(command="")))
 
     def test_each_case_varies_a_factor_by_four_at_least(self):
         for case in CASES:

@@ -6,10 +6,14 @@ paired difference has an interval of 95 % (bootstrap over seeds): equal where it
 time; different where it lies outside; else undecided, which asks for more seeds, up to --most-seeds. --quick: single persons in
 steady water, one seed; outcomes and states must be the same.
 
+Physical choices (the law of walking in water, one or two ways, bodies) are varied likewise; their differences are reported with
+intervals and have no limit. --factors 'walking law' runs one of them alone.
+
 What is complete is not run again, so that the suite goes on where it was interrupted. Writes DIR/converge.csv and DIR/report.md.
 Exit code 1: a share or a time is different.
 """
 
+import shlex
 import statistics
 import subprocess
 import sys
@@ -40,6 +44,8 @@ TIMES = {"half had an end, s": 0.5, "nine tenths had an end, s": 0.9}
 COLUMNS = ("scene", "factor", "value", "reference", "measure", "seeds", "of_reference", "of_value", "difference", "low", "high",
            "verdict")
 PATIENCE_S = "300"
+FACTORS = list({factor.name: factor for case in CASES for factor in case.varied}.values())
+FACTOR_NAMES = [factor.name for factor in FACTORS]
 
 
 def measures_of(rows):
@@ -73,21 +79,30 @@ def people_verdict(reference, found):
     return "equal" if all(same) else "different"
 
 
-def settings_of(case):
-    """{(factor, value in words): what is set}; the reference, which is first, is ("reference", "")."""
+def settings_of(case, varied=None):
+    """{(factor, value in words): what is set}; the reference, which is first, is ("reference", ""). varied: all by default."""
     settings = {("reference", ""): dict(case.reference)}
-    for factor in case.factors:
+    for factor in case.varied if varied is None else varied:
         for value in factor.values:
-            settings[factor.name, f"{value:g}"] = {**case.reference, **factor.sets(value)}
+            settings[factor.name, factor.word(value)] = {**case.reference, **factor.sets(value)}
     return settings
+
+
+def varied_in(case, options):
+    """The factors that --factors and --quick leave of a case."""
+    all_of_them = case.factors if options.quick else case.varied
+    return tuple(factor for factor in all_of_them if factor.name in options.factor_names)
 
 
 def run(case, seeds, options):
     """Runs what is not there yet; {(factor, value): {seed: lines of agents.csv}}."""
-    out = options.out / "runs" / case.name
+    varied = varied_in(case, options)
+    chosen = "-".join([case.name, *(factor.name.replace(" ", "_") for factor in varied)]) if options.factors else case.name
+    out = options.out / "runs" / chosen
     out.parent.mkdir(parents=True, exist_ok=True)
-    places = [(key, seed) for seed in seeds for key in settings_of(case)]
-    plan = [PlannedRun(k + 1, case.scene, seed, settings_of(case)[key]) for k, (key, seed) in enumerate(places)]
+    settings = settings_of(case, varied)
+    places = [(key, seed) for seed in seeds for key in settings]
+    plan = [PlannedRun(k + 1, case.scene, seed, settings[key]) for k, (key, seed) in enumerate(places)]
     file = out.with_suffix(".csv")
     write_whole(file, plan_text(plan))
     command = [*module_command("wade.many"), file, "--out", out, "--resume", "--reproducible", "--", "--no-trajectories", "--water-every-s",
@@ -110,9 +125,10 @@ def compared(case, found, seeds):
     for (factor, value), runs in found.items():
         if factor == "reference":
             continue
+        has_limit = case.factor(factor) in case.factors
         start = {"scene": case.name, "factor": factor, "value": value, "seeds": len(seeds),
-                 "reference": f"{case.factor(factor).reference:g}"}
-        if case.quick:
+                 "reference": case.factor(factor).word(case.factor(factor).reference)}
+        if case.quick and has_limit:
             same = [people_verdict(reference[seed], runs[seed]) for seed in seeds]
             yield {**start, "measure": "states", "verdict": "equal" if set(same) == {"equal"} else "different"}
             continue
@@ -123,7 +139,7 @@ def compared(case, found, seeds):
             known = [[v for v in values if v is not None] for values in (of_reference, of_value)]
             means = [statistics.fmean(values) if values else None for values in known]
             yield {**start, "measure": measure, "of_reference": means[0], "of_value": means[1], "difference": mean, "low": low,
-                   "high": high, "verdict": word}
+                   "high": high, "verdict": word if has_limit else "reported"}
 
 
 def decide(case, options):
@@ -149,15 +165,16 @@ def report(rows, options):
     """The page: a table a scene of what is not equal, and how many are what."""
     counts = {word: sum(row["verdict"] == word for row in rows) for word in ("equal", "undecided", "different")}
     head = (f"# Convergence of outcomes\n\n`{options.command}`: {counts['equal']} equal, {counts['undecided']} undecided, "
-            f"{counts['different']} different.\n\nA share is equal where the 95 % interval of the paired difference lies within "
+            f"{counts['different']} different.\n\nPhysical choices are reported and have no limit. A share is equal where the 95 % interval of the paired difference lies within "
             f"{SAME_POINTS:g} points, a time within {100 * SAME_TIME:g} %.\n")
     sections = []
     for case in dict.fromkeys(row["scene"] for row in rows):
         own = [row for row in rows if row["scene"] == case]
         rest = [shown(row) for row in own if row["verdict"] != "equal"]
-        text = f"{len(own) - len(rest)} of {len(own)} equal.\n"
+        limited = [row for row in own if row["verdict"] != "reported"]
+        text = f"{sum(row['verdict'] == 'equal' for row in limited)} of {len(limited)} equal.\n" if limited else ""
         table = markdown(("factor", "value", "measure", "reference", "found", "difference", "seeds", ""), rest) if rest else ""
-        sections.append(section(case, text, *([table] if table else [])))
+        sections.append(section(case, *(part for part in (text, table) if part)))
     return document(head, *sections)
 
 
@@ -165,23 +182,27 @@ def parse(arguments):
     parser = Parser("converge", __doc__)
     parser.add_argument("cases", nargs="*", metavar="CASE", help=f"names or patterns of: {', '.join(c.name for c in CASES)} [all]")
     parser.add_argument("--quick", action="store_true", help="single persons in steady water alone")
+    parser.add_argument("--factors", metavar="LIST", help="names or patterns, comma-separated, of: "
+                        + ", ".join(f"'{name}'" for name in FACTOR_NAMES) + " [all]")
     parser.add_argument("--seeds", type=seed_range, default=range(1, 21), metavar="A-B", help="to begin with [1-20]")
     parser.add_argument("--most-seeds", type=whole(1), default=80, metavar="N", help="of what is undecided [80]")
     parser.add_argument("--out", type=Path, default=ROOT / "runs" / "converge", metavar="DIR", help="[runs/converge in the project]")
     options = parser.parse_args(arguments)
-    options.command = " ".join(["tools/wade", "converge", *arguments])
+    options.factor_names = [factor.name for factor in choose(FACTORS, options.factors, "--factors")]
+    options.command = shlex.join(["tools/wade", "converge", *arguments])
     return options
 
 
 def main(arguments):
     """tools/wade converge."""
     options = parse(arguments)
-    chosen = [case for case in choose(CASES, ",".join(options.cases) or None) if case.quick or not options.quick]
+    chosen = [case for case in choose(CASES, ",".join(options.cases) or None)
+              if (case.quick or not options.quick) and varied_in(case, options)]
     rows = []
     for case in chosen:
         rows += decide(case, options)
         write_csv(options.out / "converge.csv", COLUMNS, [{key: row.get(key) for key in COLUMNS} for row in rows])
         write_whole(options.out / "report.md", report(rows, options))
-        print(f"{case.name}: {sum(r['verdict'] != 'equal' for r in rows if r['scene'] == case.name)} not equal", file=sys.stderr)
+        print(f"{case.name}: {sum(r['verdict'] in ('undecided', 'different') for r in rows if r['scene'] == case.name)} not equal", file=sys.stderr)
     say(report(rows, options))
     return 1 if any(row["verdict"] == "different" for row in rows) else 0

@@ -1,4 +1,4 @@
-"""The cases of `wade converge`: scenes, their reference values, and the numerical factors that are varied."""
+"""The cases of `wade converge`: scenes, their reference values, numerical factors and physical choices that are varied."""
 
 from dataclasses import dataclass
 
@@ -14,6 +14,33 @@ class Factor:
 
     def sets(self, value):
         return {pointer: value for pointer in self.pointers}
+
+    @staticmethod
+    def word(value):
+        return f"{value:g}"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A physical choice: {word: what is set}, the reference first. Its differences are reported and have no limit."""
+
+    name: str
+    options: dict
+
+    @property
+    def reference(self):
+        return next(iter(self.options))
+
+    @property
+    def values(self):
+        return tuple(self.options)[1:]
+
+    def sets(self, value):
+        return self.options[value]
+
+    @staticmethod
+    def word(value):
+        return value
 
 
 def rates(reference, *values):
@@ -31,25 +58,34 @@ def spacings(reference, *values):
 
 @dataclass(frozen=True)
 class Case:
-    """quick: single persons in steady water; their states are compared, for one seed."""
+    """quick: single persons in steady water; their states are compared over numerical factors, for one seed."""
 
     name: str
     scene: str
     factors: tuple
     quick: bool = False
+    choices: tuple = ()
+
+    @property
+    def varied(self):
+        return self.factors + self.choices
 
     @property
     def reference(self):
-        return {pointer: value for factor in self.factors for pointer, value in factor.sets(factor.reference).items()}
+        return {pointer: value for factor in self.varied for pointer, value in factor.sets(factor.reference).items()}
 
     def factor(self, name):
-        return next(factor for factor in self.factors if factor.name == name)
+        return next(factor for factor in self.varied if factor.name == name)
 
+
+WALKING = Choice("walking law", {law: {"/crowd/walking_in_water": law} for law in ("relative", "bernardini")})
+WAYS = Choice("ways", {"one": {"/coupling/two_way": False}, "two": {"/coupling/two_way": True}})
+BODIES = Choice("bodies", {rule: {"/crowd/bodies": rule, "/crowd/markers": "redrawn"} for rule in ("human", "none")})
 
 CASES = (
-    Case("ford", "converge/ford", (rates(30, 120, 8, 4, 2, 1, 0.5), cells(0.5, 0.25, 1, 2)), quick=True),
+    Case("ford", "converge/ford", (rates(30, 120, 8, 4, 2, 1, 0.5), cells(0.5, 0.25, 1, 2)), quick=True, choices=(WALKING,)),
     Case("fallen", "converge/fallen", (rates(30, 120, 8, 4, 2, 1, 0.5), spacings(0.4, 0.25, 1)), quick=True),
-    Case("crossing", "converge/crossing", (rates(30, 120, 8, 4, 2), cells(0.5, 0.25, 1, 2))),
-    Case("village", "places/village/village", (rates(15, 30, 8, 4, 2), cells(1, 2, 4))),
-    Case("hamlet", "places/hamlet", (rates(15, 30, 8, 4, 2), cells(1, 2, 4))),
+    Case("crossing", "converge/crossing", (rates(30, 120, 8, 4, 2), cells(0.5, 0.25, 1, 2)), choices=(WALKING, WAYS)),
+    Case("village", "places/village/village", (rates(15, 30, 8, 4, 2), cells(1, 2, 4)), choices=(WALKING, WAYS, BODIES)),
+    Case("hamlet", "places/hamlet", (rates(15, 30, 8, 4, 2), cells(1, 2, 4)), choices=(WALKING,)),
 )
