@@ -4,12 +4,14 @@ The hazard of drowning is assumed and acts on the exposure x of a person adrift 
 show x up to their death only. A run with the hazard lambda tells of another one where nothing reacts to the dead:
 
   larger    all that are lost, and of each other person 1 - exp(-(larger - lambda) x)
-  smaller   of each person not drowned adrift, lost otherwise or not, 1 - exp(-smaller x), with the weight exp(lambda x), as so many
-            met that exposure (Horvitz and Thompson 1952)
-  under     the rule of earlier versions, with the same weights: death after the air budget adrift, never of swimmers
+  smaller   all that are lost but the drowned adrift; of each of these the share of people who, adrift for longer than x, were lost
+            otherwise or met an exposure of lambda x / smaller and more. Weights exp(lambda x): as many met that exposure (Horvitz
+            and Thompson 1952)
+  under     the rule of earlier versions, an upper bound: death after the air budget adrift, never of swimmers. All drifts of a
+            person count as one, and of the drowned adrift all are lost
 
-The weights have no variance where lambda times the mean exposure exceeds 1. So smaller hazards and the earlier rule are told of runs
-with the best hazard or a smaller one alone.
+The weights have no variance where lambda times the mean exposure exceeds 1. So smaller hazards are told of runs with the best hazard
+or a smaller one alone.
 """
 
 from dataclasses import dataclass
@@ -73,30 +75,37 @@ def air_of(case):
     return budget if temperature is None else min(budget, 15.01 + 0.92 * temperature)
 
 
-def _shares(case, rule):
-    """(numerator, denominator) of the share lost, by run; rule: a hazard, 1/s, or "under"."""
+def _lost(case, rule):
+    """The probability of each person to be lost; rule: a hazard, 1/s, or "under"."""
     people, acts = case.people, acting(case)
-    x, dead = np.nan_to_num(people["exposure_s"]), people["dead"]
-    adrift = (people["fate"] == "drowned") & (people["drift_end"] == "drowned")
-
-    def by_run(values):
-        return np.bincount(people["run"], values, len(case.runs))
-
-    if rule != "under" and rule >= acts:
-        lost = np.where(dead, 1.0, -np.expm1(-(rule - acts) * x))
-        return by_run(lost), by_run(np.ones(len(x)))
-    weight = np.where(adrift, 0.0, np.exp(acts * x))
+    x, lost = np.nan_to_num(people["exposure_s"]), people["dead"].astype(float)
     if rule == "under":
-        drowns = ((people["adrift_s"] >= air_of(case)) & (people["can_swim"] != 1)).astype(float)
-    else:
-        drowns = -np.expm1(-rule * x)
-    return by_run(weight * np.where(dead, 1.0, drowns)), by_run(weight)
+        return np.where((people["adrift_s"] >= air_of(case)) & (people["can_swim"] != 1), 1.0, lost)
+    if rule >= acts:
+        return np.where(people["dead"], 1.0, -np.expm1(-(rule - acts) * x))
+    drowned = (people["fate"] == "drowned") & (people["drift_end"] == "drowned")
+    order = np.argsort(x[~drowned])
+    others, weight = x[~drowned][order], np.exp(acts * x[~drowned][order])
+    dies = weight * lost[~drowned][order]
+
+    def beyond(values, least):
+        """Sums of the values of others with exposures of at least so much."""
+        sums = np.append(np.cumsum(values[::-1])[::-1], 0)
+        return sums[np.searchsorted(others, least)]
+
+    longer = beyond(weight, x[drowned])
+    reach = acts / rule * x[drowned] if rule > 0 else np.full(drowned.sum(), np.inf)
+    # Lost otherwise before that exposure, or with that exposure.
+    share = beyond(dies, x[drowned]) - beyond(dies, reach) + beyond(weight, reach)
+    lost[drowned] = np.divide(share, longer, out=np.ones_like(share), where=longer > 0)
+    return lost
 
 
 def lost_at(case, rule):
     """(share lost, low, high) of 95 % over runs; the ends None with fewer than 10 runs."""
-    above, below = _shares(case, rule)
-    share, runs = float(above.sum() / below.sum()), len(above)
+    runs = len(case.runs)
+    above, below = np.bincount(case.people["run"], _lost(case, rule), runs), np.bincount(case.people["run"], minlength=runs)
+    share = float(above.sum() / below.sum())
     if runs < FEWEST_RUNS:
         return share, None, None
     draws = np.random.default_rng(SEED).integers(0, runs, size=(4 * RESAMPLES, runs))
@@ -112,4 +121,4 @@ def lost_by_rules(case):
         return []
     rules = [*zip(("low", "best", "high"), HAZARDS), *([("as run", acts)] if acts not in HAZARDS else []), ("earlier rule", "under")]
     return [(name, rule, lost_at(case, rule)) for name, rule in rules
-            if acts <= HAZARDS[1] or (rule != "under" and rule >= acts)]
+            if rule == "under" or acts <= HAZARDS[1] or rule >= acts]

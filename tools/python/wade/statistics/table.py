@@ -358,7 +358,8 @@ def hazard_rows(case):
     rows = []
     for name, rule, (share, low, high) in drifts.lost_by_rules(case):
         hazard = f"air for {drifts.air_of(case):.0f} s, swimmers never" if rule == "under" else f"{rule:g} 1/s [A]"
-        rows.append([name, hazard, f"{percent(share)} %" + ("" if low is None else f" ({percent(low)} to {percent(high)})")])
+        most = "at most " if rule == "under" else ""
+        rows.append([name, hazard, f"{most}{percent(share)} %" + ("" if low is None else f" ({percent(low)} to {percent(high)})")])
     return rows
 
 
