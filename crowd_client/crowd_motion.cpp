@@ -116,6 +116,10 @@ void move_agents(CrowdWorld& crowd) {
         agents.path_length[id] += length;
         if (length > 0) agents.heading[id] = way / length;
         if (period > 0) wrap(agents.position[id], agents.laps[id], period);
+        if (agents.people.by_body[id] != 0) {
+            const Vector2d counted_on = agents.position[id] + Vector2d(agents.laps[id] * period, 0);
+            note_stop(agents.people, id, counted_on, way, wanted, crowd.part_time);
+        }
     }
 }
 

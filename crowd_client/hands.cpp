@@ -25,6 +25,11 @@ bool stands(const People& people, std::uint32_t id) {
     return has_ground(people.condition[id].state);
 }
 
+bool drifts(const People& people, std::uint32_t id) {
+    const PersonState state = people.condition[id].state;
+    return state == PersonState::carried || state == PersonState::pinned;
+}
+
 // Firm on its feet, so that it holds on to something because it wants to.
 bool is_firm(const People& people, std::uint32_t id) {
     return is_firm(people.condition[id].state);
@@ -37,12 +42,12 @@ void let_go_of_who_ended(CrowdWorld& crowd) {
     std::erase_if(crowd.links, [&](const Link& link) { return !walks(link.a) || !walks(link.b); });
 }
 
-// Whoever drifts past is held by the nearest who stands with a hand free, in the order of their ids.
+// Whoever drifts past, or is pinned, is held by the nearest who stands with a hand free, in the order of their ids.
 void take_hold(CrowdWorld& crowd) {
     const People& people = crowd.agents.people;
     std::vector<std::uint32_t> drifting;
     for (const std::uint32_t id : crowd.active) {
-        if (people.by_body[id] != 0 && people.condition[id].state == PersonState::carried) drifting.push_back(id);
+        if (people.by_body[id] != 0 && drifts(people, id)) drifting.push_back(id);
     }
     if (drifting.empty()) return;
     std::vector<std::uint8_t> used = hands_in_use(crowd);
@@ -56,7 +61,7 @@ void take_hold(CrowdWorld& crowd) {
             const std::uint32_t other = crowd.active[k];
             const double square = dx * dx + dz * dz;
             if (square >= nearest || other == id || people.by_body[other] == 0) return;
-            if (!stands(people, other) || used[other] >= hands_of_one) return;
+            if (!is_on_feet(people.condition[other].state) || used[other] >= hands_of_one) return;
             nearest = square;
             helper = other;
         });
@@ -241,6 +246,16 @@ void note_holds(CrowdWorld& crowd) {
         const bool is_rope = link.kind == LinkKind::rope;
         if (is_rope || (link.kind == LinkKind::hands && stands(people, link.b))) steady(link.a, link.grip);
         if (!is_rope && stands(people, link.a)) steady(link.b, link.grip);
+    }
+    // Along a chain without ground the hold goes on from hand to hand.
+    for (bool is_passed_on = true; is_passed_on;) {
+        is_passed_on = false;
+        for (const Link& link : crowd.links) {
+            const bool a = people.hold[link.a] > 0, b = people.hold[link.b] > 0;
+            if (a == b || stands(people, link.a) || stands(people, link.b)) continue;
+            steady(a ? link.b : link.a, link.grip);
+            is_passed_on = true;
+        }
     }
 }
 

@@ -109,7 +109,9 @@ std::vector<std::uint32_t> people_to_rescue(const CrowdWorld& crowd) {
     for (const std::uint32_t id : crowd.active) {
         const PersonState state = crowd.agents.people.condition[id].state;
         if (crowd.agents.people.by_body[id] == 0) continue;
-        if (state == PersonState::carried || state == PersonState::holding) found.push_back(id);
+        const bool is_lost =
+            state == PersonState::carried || state == PersonState::holding || state == PersonState::pinned;
+        if (is_lost) found.push_back(id);
     }
     return found;
 }
@@ -217,7 +219,7 @@ bool acts(CrowdWorld& crowd, Rescuer& rescuer) {
     const std::uint32_t id = rescuer.id;
     const bool is_there = crowd.agents.outcome[id] == Outcome::active && crowd.agents.people.by_body[id] != 0;
     const PersonState state = crowd.agents.people.condition[id].state;
-    const bool has_feet = has_ground(state) && state != PersonState::recovering;
+    const bool has_feet = is_on_feet(state);
     if (is_there && has_feet) return true;
     rescuer.lost_feet = rescuer.lost_feet || !has_feet;
     std::erase_if(crowd.links, [&](const Link& link) { return link.kind == LinkKind::line && link.a == id; });

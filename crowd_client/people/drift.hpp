@@ -23,7 +23,7 @@ namespace wade::crowd {
 inline constexpr double struggle_time = 20;  // t0, s [A]
 
 // How a drift ended, or that it goes on.
-enum class DriftEnd : std::uint8_t { none, adrift, feet_down, got_up, held };
+enum class DriftEnd : std::uint8_t { none, adrift, feet_down, got_up, held, pinned };
 
 // What a person has been through adrift.
 struct Drift {

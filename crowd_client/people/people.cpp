@@ -15,6 +15,9 @@ constexpr double mean_time = 0.3;  // of what people feel, s
 constexpr double dry = 1e-6;       // m; a depth that fades away ends here
 constexpr double gain_in_lee =
     0.11;  // eta: between what two depths of Li et al. 2024 give, 0.134 at 0.60 m and 0.092 at 0.35 m
+constexpr double stays_within = 1;     // m, of one position
+constexpr double pinned_after = 10;    // s [A]
+constexpr double stays_pressed = 1;    // after a motion that was cut, s [A]
 constexpr double swimming_force = 45;  // N [A], of 30 to 60: 0.45 m/s through the water
 
 // Between these laws of standing were measured, by Abt, Karvonen and Xia; m.
@@ -68,7 +71,7 @@ void wear_out(People& people, std::size_t id, double dt) {
     constexpr double knee = 0.25, hand = 0.5;  // of H [A]
     Wear& wear = people.wear[id];
     const PersonState state = people.condition[id].state;
-    const bool upright = has_ground(state) && state != PersonState::recovering;
+    const bool upright = is_on_feet(state);
     if (people.tires && upright) wear.legs = tired_after(wear.legs, wear.load, knee_rates, dt);
     if (!people.water_temperature) return;
     const double depth = people.depth[id], height = people.height[id];
@@ -86,7 +89,7 @@ Stance stance_in(const People& people, std::size_t id, double mass, Rest posture
 
 // Returns true if the next state depends on D at rest.
 bool asks_for_rest(PersonState state) {
-    return state == PersonState::carried || state == PersonState::holding || state == PersonState::recovering;
+    return !is_on_feet(state) && state != PersonState::toppled;
 }
 
 Strain strain_of(const People& people, std::size_t id, double mass, const Vector2d& velocity,
@@ -118,6 +121,9 @@ Strain strain_of(const People& people, std::size_t id, double mass, const Vector
                          cold_weight(people.water_temperature, condition.drift.time);
     }
     e.hold = people.hold[id];
+    const Stop& stop = people.stop[id];
+    const bool is_held = stop.pressed > 0 || condition.state == PersonState::pinned;
+    e.is_pressed = is_held && stop.time >= pinned_after;
     return e;
 }
 
@@ -185,6 +191,7 @@ void add_person(People& people, const AgentGroup& group, const PersonRow& row, b
     people.worst.push_back(PersonState::walking);
     people.beyond.push_back(0);
     people.drowns_at.push_back(-std::log1p(-random[4]));
+    people.stop.emplace_back();
 }
 
 void start_wear(People& people, const Crowd& crowd) {
@@ -253,10 +260,9 @@ double demand_at(const People& people, std::size_t id, double mass, const Vector
     const double speed = std::sqrt(felt.stream.squaredNorm());
     const Vector2d walking =
         people.dry_speed[id] * walking_speed_ratio(people.sex[id], depth, speed, water.gravity) * along;
-    const double k = drag_upright(height, depth, water, people.drag[id]);
-    const double weight = weight_on_feet(body_of(people, id, mass), depth, water);
-    return std::max(slip_demand(k, felt.stream, walking, people.friction[id], weight),
-                    topple_demand(k, felt.stream - walking, depth, weight, people.arm[id]));
+    const Stance stance = stance_in(people, id, mass, Rest::stands, depth, water);
+    return std::max(slip_demand(stance.k, felt.stream, walking, stance.friction, stance.weight),
+                    topple_demand(stance.k, felt.stream - walking, stance.wet, stance.weight, stance.arm));
 }
 
 void note_condition(People& people, std::size_t id, double mass, const Vector2d& velocity, const Vector2d& wanted,
@@ -280,6 +286,24 @@ void note_condition(People& people, std::size_t id, double mass, const Vector2d&
     const bool is_worse = condition.state > people.worst[id];
     if (is_worse && !is_on_its_way_back(condition.state)) people.worst[id] = condition.state;
     if (is_beyond_measured(condition, people.depth[id])) people.beyond[id] += felt.dt;
+}
+
+void note_stop(People& people, std::size_t id, const Vector2d& position, const Vector2d& motion, const Vector2d& wanted,
+               double dt) {
+    Stop& stop = people.stop[id];
+    const PersonState state = people.condition[id].state;
+    const Vector2d lost = wanted - motion;
+    const bool is_cut = lost.squaredNorm() > 0.25 * wanted.squaredNorm() && lost.dot(people.flow[id]) > 0;
+    stop.pressed = is_cut ? stays_pressed : std::max(0.0, stop.pressed - dt);
+    if (is_on_feet(state) || (position - stop.at).squaredNorm() > stays_within * stays_within) {
+        stop.at = position;
+        stop.time = 0;
+        return;
+    }
+    stop.time += dt;
+    if (stop.time <= stop.longest || state == PersonState::drowned) return;
+    stop.longest = stop.time;
+    stop.state = state;
 }
 
 PersonInWater person_in_water(const People& people, std::size_t id, double mass, const Vector2d& wanted,

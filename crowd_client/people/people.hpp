@@ -13,6 +13,16 @@
 
 namespace wade::crowd {
 
+// How long a person off its feet stays within a metre of one position. A person is pressed where a solid or others cut more than half
+// of a motion, against the stream, within the last second.
+struct Stop {
+    Vector2d at = Vector2d::Zero();            // m
+    double time = 0;                           // so far, s
+    double pressed = 0;                        // time left in which it counts as pressed, s
+    double longest = 0;                        // of all, s
+    PersonState state = PersonState::walking;  // at the end of the longest one
+};
+
 struct People {
     std::vector<double> height;  // H, m
     std::vector<Sex> sex;
@@ -38,6 +48,7 @@ struct People {
     std::vector<PersonState> worst;  // state so far, in the order of PersonState; recovering and holding do not count
     std::vector<double> beyond;      // time on its feet beyond what was measured, s
     std::vector<double> drowns_at;   // E of drift.hpp
+    std::vector<Stop> stop;
 
     std::vector<Wear> wear;  // empty where nobody tires and the water is not cold
     bool tires = false;
@@ -96,6 +107,10 @@ void feel(People& people, std::size_t id, const FeltStep& felt);
 // S, T and the state after a step, of somebody who goes at `velocity` and wants to walk at `wanted`.
 void note_condition(People& people, std::size_t id, double mass, const Vector2d& velocity, const Vector2d& wanted,
                     const WaterProperties& water, const FeltStep& felt);
+
+// Takes a motion of a step of dt, s, that ends at a position, m, in place of a wanted one.
+void note_stop(People& people, std::size_t id, const Vector2d& position, const Vector2d& motion, const Vector2d& wanted,
+               double dt);
 
 // The person as it is in the step, wanting to walk at `wanted`; stream and depth as felt, raw.
 [[nodiscard]] PersonInWater person_in_water(const People& people, std::size_t id, double mass, const Vector2d& wanted,

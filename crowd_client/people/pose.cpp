@@ -171,6 +171,7 @@ Posture posture_of(const People& people, std::size_t id, bool swept) {
             return rises[static_cast<std::size_t>(posture_of(condition))];
         case PersonState::carried:
         case PersonState::holding:
+        case PersonState::pinned:
         case PersonState::drowned:
             break;
     }

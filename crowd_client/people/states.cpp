@@ -48,14 +48,16 @@ bool can_pass(const Strain& e, std::size_t posture) {
 }
 
 PersonState carried_on(const Strain& e) {
-    if (e.can_swim && e.depth >= chin * e.height) return PersonState::afloat;
+    const bool is_pinned = e.is_pressed && demand_in(e, Rest::stands) >= 1;
+    if (e.can_swim && e.depth >= chin * e.height) return is_pinned ? PersonState::pinned : PersonState::afloat;
     const bool feet_down = e.depth < ground_again * e.height && demand_in(e, Rest::stands) < feet_down_below;
     const bool gets_up =
         e.depth < may_sit * e.height && (demand_in(e, Rest::sits) < 1 || demand_in(e, Rest::kneels) < 1);
     const bool floats = e.depth >= lies * e.height;
     if (gets_up && !(floats && feet_down)) return PersonState::recovering;
     if (feet_down) return PersonState::sliding;
-    return e.hold > 0 ? PersonState::holding : PersonState::carried;
+    if (e.hold > 0) return PersonState::holding;
+    return is_pinned ? PersonState::pinned : PersonState::carried;
 }
 
 // Advances through the postures. A person falls back to the highest posture below that holds, and waits there for the next.
@@ -87,9 +89,11 @@ PersonState next_state(Condition& now, const Strain& e, double dt) {
             return over(now.in_state, lost_time, dt) ? PersonState::carried : now.state;
         case PersonState::afloat:
             if (e.depth < ground_again * e.height) return PersonState::sliding;
+            if (e.is_pressed && demand_in(e, Rest::stands) >= 1) return PersonState::pinned;
             return !e.can_swim && over(now.in_state, lost_time, dt) ? PersonState::carried : now.state;
         case PersonState::carried:
         case PersonState::holding:
+        case PersonState::pinned:
             return now.air > 0 ? carried_on(e) : PersonState::drowned;
         case PersonState::recovering:
             return now.air > 0 ? getting_up(now, e, dt) : PersonState::drowned;
@@ -109,6 +113,8 @@ DriftEnd end_of_drift(PersonState next) {
             return DriftEnd::got_up;
         case PersonState::holding:
             return DriftEnd::held;
+        case PersonState::pinned:
+            return DriftEnd::pinned;
         case PersonState::walking:
         case PersonState::effort:
         case PersonState::sliding:
@@ -140,6 +146,7 @@ Condition next_condition(const Condition& before, const Strain& e, double dt) {
                       now.in_state < posture_time + 1.25 * dt;  // a step later, not by rounding
     const bool is_deep = e.depth >= lies * e.height;
     const bool is_under = (e.drifts_under && now.state == PersonState::carried && is_deep) ||
+                          (now.state == PersonState::pinned && is_deep) ||
                           (sits && e.depth >= mouth_sitting * e.height);
     now.air = is_under ? std::max(0.0, std::min(e.air, now.air) - dt) : std::min(e.air, now.air + breathes_in * dt);
     is_adrift(now.state) ? drift_on(now.drift, e.drift_weight, is_deep, dt) : breathe(now.drift, dt);
@@ -149,9 +156,7 @@ Condition next_condition(const Condition& before, const Strain& e, double dt) {
     const bool kneels_first = now.state == PersonState::recovering && demand_in(e, Rest::sits) >= 1;
     now.in_state = kneels_first ? posture_time : 0;
     // The times of slipping and toppling restart when a person starts or stops standing.
-    const bool has_stood = has_ground(before.state) && before.state != PersonState::recovering;
-    const bool stands = has_ground(now.state) && now.state != PersonState::recovering;
-    if (!has_stood || !stands) now.slipping = now.toppling = now.firm = 0;
+    if (!is_on_feet(before.state) || !is_on_feet(now.state)) now.slipping = now.toppling = now.firm = 0;
     return now;
 }
 

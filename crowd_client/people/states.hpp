@@ -10,8 +10,11 @@
 //   carried     a lying body           see toppled, afloat             h < 0.8 H and D(stands) < 0.8, feet down [A]: sliding;
 //                                                                      h < 0.6 H and D(sits) < 1 or D(kneels) < 1: recovering;
 //                                                                      who can swim at h >= 0.87 H: afloat
-//   holding     the same, held         carried, and somebody holds     as carried; let go: carried
-//                                      on to it who stands
+//   holding     the same, held         carried, and held by a rope, a  as carried; let go: carried
+//                                      line or a person with ground
+//   pinned      the same, pressed on   carried or afloat, D(stands)    as carried; after a metre: carried
+//               a solid or on bodies   >= 1, at rest for 10 s [A]
+//                                      (people.hpp)
 //   recovering  sits, kneels, squats,  see carried                     no posture so far with D < 1: carried;
 //               stands up, 1 s each                                    after 4 s: on its feet
 //               [A], as long as D < 1; else
@@ -22,7 +25,8 @@
 // sitting or kneeling comes before feet down. Getting up begins with kneeling where sitting does not hold, and skips squatting where
 // standing holds. So the fastest stream in which a drifting person comes to rest falls with the depth.
 //
-// Air lasts for 60 s [A], less in water of a given temperature (wear.hpp), while the mouth is held under: sitting at h >= 0.44 H [A].
+// Air lasts for 60 s [A], less in water of a given temperature (wear.hpp), while the mouth is held under: sitting at h >= 0.44 H [A],
+// pinned at h >= 0.25 H.
 // Else it is taken in three times as fast. With /crowd/drift_hazard_per_s "under" the mouth of a carried person at h >= 0.25 H counts
 // as held under, in place of the hazard. Times end with the step that is nearest.
 
@@ -70,6 +74,7 @@ struct Strain {
     double depth = 0;                     // h, m
     double hold = 0;                      // M_hold, N m, of somebody who stands and is held on to
     bool can_swim = false;
+    bool is_pressed = false;    // at rest for 10 s, and pressed by the water on a solid or on others
     double air = air_budget;    // that lasts for the person in this water, s
     bool drifts_under = false;  // the mouth of a carried person counts as held under
     double hazard = 0;          // lambda of drowning adrift, 1/s
@@ -96,8 +101,12 @@ struct Strain {
 }
 
 [[nodiscard]] inline bool has_ground(PersonState state) {
-    return state != PersonState::toppled && state != PersonState::afloat && state != PersonState::carried &&
-           state != PersonState::holding && state != PersonState::drowned;
+    return state <= PersonState::sliding || state == PersonState::recovering;
+}
+
+// Returns true for a person that stands, walks or slides.
+[[nodiscard]] inline bool is_on_feet(PersonState state) {
+    return state <= PersonState::sliding;
 }
 
 }  // namespace wade::crowd

@@ -23,7 +23,7 @@ TIMES = [f"{level}_s" for level in LEVELS]
 BODIES = ["--set", "/crowd/response=measured", "--set", "/channel/velocity_m_s=2", "--set", "/crowd/poses/rate_hz=30"]
 SHALLOW = ["--set", "/fluid/model=shallow_water", "--set", "/fluid/particle_spacing_m=0.25"]
 SHALLOW += ["--set", "/fluid/max_particles=8000", "--until-s", "6"]
-FROM_STATE = {"toppled": {"falling"}, "carried": {"lying"}, "holding": {"lying"}, "drowned": {"lying"}}
+FROM_STATE = {"toppled": {"falling"}, "carried": {"lying"}, "holding": {"lying"}, "pinned": {"lying"}, "drowned": {"lying"}}
 FROM_STATE["recovering"] = {"sitting", "kneeling", "squatting", "rising"}
 
 

@@ -108,6 +108,8 @@ std::string_view drift_end(const CrowdWorld& crowd, std::size_t id) {
             return "got_up";
         case DriftEnd::held:
             return "held";
+        case DriftEnd::pinned:
+            return "pinned";
         case DriftEnd::adrift:
             break;
     }
@@ -116,12 +118,16 @@ std::string_view drift_end(const CrowdWorld& crowd, std::size_t id) {
     return outcome == Outcome::dead ? "swept_away" : outcome == Outcome::arrived ? "arrived" : "adrift";
 }
 
-// Time adrift, exposure to drowning, the end of the last drift and the ability to swim, of people who answer by their bodies.
+// Time adrift, exposure to drowning, the end of the last drift, the ability to swim, the longest time at rest off the feet and the
+// state then, of people who answer by their bodies.
 std::string drift_columns(const CrowdWorld& crowd, std::size_t id) {
-    if (crowd.agents.people.by_body[id] == 0) return ",,,,";
-    const Drift& drift = crowd.agents.people.condition[id].drift;
+    const People& people = crowd.agents.people;
+    if (people.by_body[id] == 0) return ",,,,,,";
+    const Drift& drift = people.condition[id].drift;
+    const Stop& stop = people.stop[id];
+    const std::string_view state = stop.longest > 0 ? person_states[static_cast<std::size_t>(stop.state)] : "";
     return ',' + csv_number(drift.time) + ',' + csv_number(drift.exposure) + ',' + std::string(drift_end(crowd, id)) +
-           (crowd.agents.people.can_swim[id] != 0 ? ",1" : ",0");
+           (people.can_swim[id] != 0 ? ",1," : ",0,") + csv_number(stop.longest) + ',' + std::string(state);
 }
 
 }  // namespace
@@ -181,7 +187,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     std::string csv =
         "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
         "mean_dv_m2_s,state,height_m,mean_tau,worst_state,age,skill,"
-        "start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,exposure_s,drift_end,can_swim";
+        "start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,exposure_s,drift_end,can_swim,rest_s,rest_state";
     if (danger != nullptr) csv.append(",danger_level,").append(exposure_columns);
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {

@@ -160,6 +160,36 @@ TEST_CASE("Whoever is carried past is held by who stands, and is carried on wher
     }
 }
 
+// A tall person stands, two short ones float.
+TEST_CASE("Along a chain in the stream the hold goes on from hand to hand") {
+    Scene scene = side_by_side(1, HandInHand::along_x);
+    AgentGroup& group = scene.crowd->groups[0];
+    group.columns = group.count = 3;
+    group.pitch_x = 0.7;
+    group.desired_speed = 0;
+    PersonRow firm, weak;
+    firm.skill = Skill::braced;
+    firm.ground_friction = 2;
+    firm.bracing_arm = 0.5;
+    firm.height = 2;
+    firm.mass = 100;
+    weak.skill = Skill::poor;
+    weak.height = 1.45;
+    weak.mass = 40;
+    weak.sex = SexRule::male;
+    group.people = {weak, weak, firm};
+    CrowdWorld crowd = make_crowd(scene);
+    const MadeUpWater water = stream(0.6, 1.3);
+    for (int i = 0; i < 35 * 30; ++i) step(crowd, water.view());
+    const People& people = crowd.agents.people;
+    REQUIRE(crowd.links.size() == 2);
+    CHECK(is_on_feet(people.condition[2].state));
+    CHECK(people.condition[1].state == PersonState::holding);
+    CHECK(people.condition[0].state == PersonState::holding);
+    CHECK(people.stop[0].longest > 20);
+    CHECK(people.stop[0].state == PersonState::holding);
+}
+
 // A hand that bears a share of its grip bears it for the endurance time of a hand, then lets go.
 TEST_CASE("Who holds somebody in the stream lets go when the hand is tired, at any rate of steps") {
     Scene scene = side_by_side(1, HandInHand::none);

@@ -358,3 +358,51 @@ TEST_CASE(
     REQUIRE(count_standing(crowd) == 1);
     CHECK_THAT(crowd.warnings.back(), Catch::Contains("keeps them from walking") && Catch::Contains("skill"));
 }
+
+// A wall across the stream, 8 m below the person. Its air ends 60 s after it is pinned.
+TEST_CASE("A body that the stream presses on a wall is pinned after 10 s at rest, and drowns when the air ends") {
+    Scene scene = standing_in_a_river();
+    scene.crowd->groups[0].body.skill = Skill::unaware;
+    scene.crowd->groups[0].desired_speed = 1.3;
+    scene.obstacles.push_back({{41, 42}, {0, 50}, 3});
+    scene.crowd->markers = MarkerRule::redrawn;
+    scene.crowd->bodies = GENERATE(BodyRule::none, BodyRule::human);
+    const MadeUpWater water = stream(1.2, 1.5);
+    for (const double rate : {2.0, 15.0, 60.0}) {
+        CrowdWorld crowd = crowd_at(scene, rate);
+        double pinned = 0, drowned = 0;
+        for (int i = 1; i <= 100 * rate && drowned == 0; ++i) {
+            step(crowd, water.view());
+            if (state_of(crowd) == PersonState::pinned && pinned == 0) pinned = i / rate;
+            if (state_of(crowd) == PersonState::drowned) drowned = i / rate;
+            if (std::lround(60 * rate) == i) CHECK(count_standing(crowd) == 1);
+        }
+        const Stop& stop = crowd.agents.people.stop[0];
+        CAPTURE(rate);
+        CHECK((pinned > 15 && pinned < 30));
+        CHECK(drowned == Approx(pinned + 60).margin(2 / rate + 0.1));
+        CHECK(stop.state == PersonState::pinned);
+        CHECK(stop.longest > 60);
+        CHECK(crowd.agents.people.condition[0].drift.end == DriftEnd::pinned);
+    }
+}
+
+TEST_CASE("A body beside a wall in still water, in a stream along it or in a stream without walls is not pinned") {
+    Scene scene = standing_in_a_river();
+    scene.crowd->drift_hazard = {0, 0, 0};
+    scene.crowd->groups[0].desired_speed = 0.5;
+    scene.crowd->groups[0].body.can_swim = GENERATE(false, true);
+    struct Case {
+        double speed;
+        Obstacle wall;
+    };
+    const Case given = GENERATE(Case{0, {{51, 52}, {0, 50}, 3}}, Case{0.5, {{0, 100}, {25.5, 26}, 3}},
+                                Case{0.02, {{90, 91}, {0, 1}, 3}});
+    scene.obstacles.push_back(given.wall);
+    CrowdWorld crowd = crowd_at(scene, 15);
+    const MadeUpWater water = stream(1.8, given.speed);
+    for (int i = 0; i < 40 * 15; ++i) {
+        step(crowd, water.view());
+        REQUIRE(state_of(crowd) != PersonState::pinned);
+    }
+}

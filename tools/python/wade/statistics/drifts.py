@@ -24,8 +24,8 @@ HAZARDS = (0.002, 0.006, 0.02)  # 1/s: low, best, high [A]
 SWEPT_DEAD = (0.20, 0.45)  # of people swept off their feet, reports of floods
 STILL_ADRIFT = 0.10  # of those who drifted: above, the lost are counted too low
 ENDS = {"feet_down": "feet down", "got_up": "sat or knelt up", "held": "held by a rope, a line or a person",
-        "arrived": "came to the goal", "drowned": "drowned", "swept_away": "left the map with the water",
-        "adrift": "still adrift at the end"}
+        "pinned": "pinned on a solid or on others", "arrived": "came to the goal", "drowned": "drowned",
+        "swept_away": "left the map with the water", "adrift": "still adrift at the end"}
 
 
 @dataclass(frozen=True)
