@@ -20,7 +20,7 @@ namespace wade::shm {
 
 inline constexpr std::uint64_t magic = 0x314D485345444157;  // the bytes "WADESHM1" in a little-endian file
 inline constexpr std::uint32_t version_major = 1;
-inline constexpr std::uint32_t version_minor = 3;
+inline constexpr std::uint32_t version_minor = 4;
 inline constexpr std::uint32_t minor_with_checks = 2;  // from here on a descriptor has a check of its own
 inline constexpr std::uint32_t minor_with_further_hash = 3;
 inline constexpr std::uint32_t endian_tag = 0x01020304;
@@ -136,7 +136,8 @@ struct Header {
     std::uint64_t slots_offset;
     std::uint64_t slot_stride;
     char producer_name[name_bytes];
-    std::uint8_t reserved0[224];
+    double column_width[2];  // since 1.4: along world x and z, m, see StreamInfo; 0 = particles are points
+    std::uint8_t reserved0[208];
     FieldEntry fields[max_fields];
     std::uint8_t reserved1[3072];
 };
@@ -273,7 +274,8 @@ WADE_SHM_AT(Header, descriptor_stride, 200);
 WADE_SHM_AT(Header, slots_offset, 208);
 WADE_SHM_AT(Header, slot_stride, 216);
 WADE_SHM_AT(Header, producer_name, 224);
-WADE_SHM_AT(Header, reserved0, 288);
+WADE_SHM_AT(Header, column_width, 288);
+WADE_SHM_AT(Header, reserved0, 304);
 WADE_SHM_AT(Header, fields, 512);
 WADE_SHM_AT(Header, reserved1, 1024);
 static_assert(sizeof(Header) == page_bytes);

@@ -42,6 +42,7 @@ StreamInfo from_c(const wade_stream& stream) {
     info.coupling_lag = stream.coupling_lag;
     info.particle_radius = stream.particle_radius;
     info.rest_density = stream.rest_density;
+    std::copy_n(stream.column_width, 2, info.column_width.begin());
     info.scene_hash = stream.scene_hash;
     info.hash_frames = stream.hash_frames != 0;
     info.group_access = stream.group_access != 0;
@@ -93,6 +94,7 @@ wade_stream to_c(const StreamInfo& info) {
     std::copy_n(info.axes.begin(), 3, stream.axes);
     stream.coupling_lag = info.coupling_lag;
     stream.particle_radius = info.particle_radius;
+    std::copy_n(info.column_width.begin(), 2, stream.column_width);
     stream.rest_density = info.rest_density;
     stream.scene_hash = info.scene_hash;
     stream.session_id = info.session_id;

@@ -27,7 +27,7 @@
 extern "C" {
 #endif
 
-#define WADE_ABI_VERSION 1 /* rises when a struct or a signature changes */
+#define WADE_ABI_VERSION 2 /* rises when a struct or a signature changes */
 
 enum wade_result {
     WADE_NOTHING_NEW = -2, /* wade_latest_poll: no newer frame at the moment */
@@ -67,6 +67,8 @@ typedef struct wade_stream { /* StreamInfo */
     uint64_t session_id;   /* output only */
     uint32_t hash_frames;  /* 1 or 0 */
     uint32_t group_access; /* 0 or 1 */
+    /* Depth-averaged water: width of the columns along world x and z, m, at most 2; 0, 0 = points. See wade_columns(). */
+    double column_width[2];
 } wade_stream;
 
 typedef struct wade_waiting { /* Waiting */

@@ -48,6 +48,14 @@ bool is_not_negative(double v) {
     return std::isfinite(v) && v >= 0;
 }
 
+// Wider columns would reach people from beyond the 2 m cells into which a crowd sorts the water.
+constexpr double widest_column = 2;  // m
+constexpr const char* allowed_column_widths = "both 0, or both above 0 and at most 2 m; split wider cells";
+bool is_column_width(const double* width) {
+    const bool none = width[0] == 0 && width[1] == 0;
+    return none || (width[0] > 0 && width[0] <= widest_column && width[1] > 0 && width[1] <= widest_column);
+}
+
 void check_arguments(const StreamInfo& info) {
     require_argument(!info.producer_name.empty() && info.producer_name.size() < name_bytes, "producer_name",
                      "'" + info.producer_name + "'", "1 to 63 bytes");
@@ -65,6 +73,8 @@ void check_arguments(const StreamInfo& info) {
     require_argument(is_not_negative(info.particle_radius), "particle_radius", number(info.particle_radius),
                      "0 or more");
     require_argument(is_not_negative(info.rest_density), "rest_density", number(info.rest_density), "0 or more");
+    require_argument(is_column_width(info.column_width.data()), "column_width",
+                     number(info.column_width[0]) + ", " + number(info.column_width[1]), allowed_column_widths);
     require_argument(info.kind == stream_fluid || info.kind == stream_agents, "kind", std::to_string(info.kind),
                      "stream_fluid or stream_agents");
     require_argument(!info.impulses || info.kind == stream_agents, "impulses", "true", "false for a stream of water");
@@ -143,6 +153,8 @@ void check_values(const Header& h, std::uint64_t file_bytes) {
            "1, 2 and 3 in any order, negative where mirrored");
     demand(is_not_negative(h.particle_radius), "particle_radius", number(h.particle_radius), "0 or more");
     demand(is_not_negative(h.rest_density), "rest_density", number(h.rest_density), "0 or more");
+    demand(is_column_width(h.column_width), "column_width",
+           number(h.column_width[0]) + ", " + number(h.column_width[1]), allowed_column_widths);
     demand(h.field_count >= 1 && h.field_count <= max_fields, "field_count", h.field_count, "1 to 16");
     demand(h.consumer_count >= 1 && h.consumer_count <= max_consumers, "consumer_count", h.consumer_count, "1 to 16");
     demand(h.consumer_stride >= sizeof(ConsumerEntry) && h.consumer_stride % page_bytes == 0, "consumer_stride",
@@ -207,6 +219,7 @@ StreamInfo info_of(const Header& h) {
     std::copy_n(h.axes, 3, info.axes.begin());
     info.particle_radius = h.particle_radius;
     info.rest_density = h.rest_density;
+    std::copy_n(h.column_width, 2, info.column_width.begin());
     info.scene_hash = h.scene_hash;
     info.kind = static_cast<StreamKind>(h.stream_kind);
     info.coupling_lag = h.coupling_lag;
@@ -264,6 +277,7 @@ Header make_header(const StreamInfo& given, std::uint64_t session_id) {
     std::copy_n(info.axes.begin(), 3, h.axes);
     h.particle_radius = info.particle_radius;
     h.rest_density = info.rest_density;
+    std::copy_n(info.column_width.begin(), 2, h.column_width);
     h.control_offset = control_offset;
     h.doorbell_offset = doorbell_offset;
     h.consumers_offset = consumers_offset;

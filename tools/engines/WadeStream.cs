@@ -29,7 +29,7 @@ namespace Wade
 
     public sealed class Stream : IDisposable
     {
-        const int Ok = 0, AtEnd = -1, NothingNew = -2, AbiVersion = 1;
+        const int Ok = 0, AtEnd = -1, NothingNew = -2, AbiVersion = 2;
 
         struct Join // wade_join
         {
@@ -39,7 +39,7 @@ namespace Wade
             public IntPtr Interrupted, Warn, Context;
         }
 
-        [StructLayout(LayoutKind.Explicit, Size = 184)]
+        [StructLayout(LayoutKind.Explicit, Size = 200)]
         struct Info // wade_stream, as far as it is read here
         {
             [FieldOffset(80)] public ulong TicksPerSecond;
@@ -82,7 +82,7 @@ namespace Wade
         /// <summary>Joins a session. people: its agents (scenes with /coupling/agents_stream), else the water.</summary>
         public Stream(string session, bool people = false, double attachTimeoutS = 10, uint stride = 1)
         {
-            if (wade_abi_version() != AbiVersion) throw new StreamException(2, "libwade_shm has another ABI than version 1.");
+            if (wade_abi_version() != AbiVersion) throw new StreamException(2, "libwade_shm has another ABI than version 2.");
             wade_join_defaults(out Join join);
             agents = people;
             join.Kind = people ? 2u : 1u;

@@ -17,7 +17,7 @@ import os
 U32, U64, F64, I32 = ctypes.c_uint32, ctypes.c_uint64, ctypes.c_double, ctypes.c_int32
 FIELDS = ("mass", "vx", "vy", "vz", "px", "py", "pz")
 OF_PEOPLE = ("radius", "height", "state")
-OK, END, NOTHING_NEW, ABI_VERSION = 0, -1, -2, 1
+OK, END, NOTHING_NEW, ABI_VERSION = 0, -1, -2, 2
 
 # Of each program: the axes of the world that its x, y, z are, with their signs, and its units in a metre.
 PROGRAMS = {
@@ -43,7 +43,8 @@ class _Info(ctypes.Structure):
     _fields_ = [("producer_name", ctypes.c_char * 64), ("kind", U32), ("capacity", U32), ("depth", U32), ("slots", U32),
                 ("ticks_per_second", U64), ("ticks_per_frame", U64), ("metres_per_unit", F64), ("origin", F64 * 3),
                 ("axes", I32 * 3), ("coupling_lag", U32), ("particle_radius", F64), ("rest_density", F64),
-                ("scene_hash", U64), ("session_id", U64), ("hash_frames", U32), ("group_access", U32)]
+                ("scene_hash", U64), ("session_id", U64), ("hash_frames", U32), ("group_access", U32),
+                ("column_width", F64 * 2)]
 
 
 class _Frame(ctypes.Structure):

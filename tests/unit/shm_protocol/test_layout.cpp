@@ -48,6 +48,7 @@ const std::map<std::string, std::size_t> offsets{
     MEMBER(Header, slots_offset),
     MEMBER(Header, slot_stride),
     MEMBER(Header, producer_name),
+    MEMBER(Header, column_width),
     MEMBER(Header, fields),
     MEMBER(FieldEntry, name),
     MEMBER(FieldEntry, type),

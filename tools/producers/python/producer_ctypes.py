@@ -11,7 +11,7 @@ from pathlib import Path
 import known_stream
 import numpy as np
 
-ABI_VERSION = 1
+ABI_VERSION = 2
 OK, END, UNEXPECTED, USAGE = 0, -1, 1, 2
 U32, U64, F64 = ctypes.c_uint32, ctypes.c_uint64, ctypes.c_double
 FIELDS = ("mass", "vx", "vy", "vz", "px", "py", "pz")
@@ -25,6 +25,7 @@ class Stream(ctypes.Structure):
         ("ticks_per_second", U64), ("ticks_per_frame", U64), ("metres_per_unit", F64), ("origin", F64 * 3),
         ("axes", ctypes.c_int32 * 3), ("coupling_lag", U32), ("particle_radius", F64), ("rest_density", F64),
         ("scene_hash", U64), ("session_id", U64), ("hash_frames", U32), ("group_access", U32),
+        ("column_width", F64 * 2),
     ]  # fmt: skip
 
 

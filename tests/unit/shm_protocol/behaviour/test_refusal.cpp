@@ -76,7 +76,7 @@ TEST_CASE("a producer of another version is refused at once, with both versions"
     const Publisher publisher(session.name(), test_info(), patient());
     Bytes bytes(session.path());
     bytes.as<Header>(0).version_major = 9;
-    check_refused(try_to_join(session), "version 9.3, this program version 1.3");
+    check_refused(try_to_join(session), "version 9.4, this program version 1.4");
 }
 
 TEST_CASE("another scene is refused at once on both sides, with both hashes") {

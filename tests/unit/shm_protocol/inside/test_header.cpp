@@ -142,7 +142,7 @@ TEST_CASE("any single changed bit of the header page is noticed") {
 
 TEST_CASE("a header with a valid checksum is still not believed") {
     check_header_refused(read_with([](Header& h) { h.magic ^= 1; }), "magic");
-    check_header_refused(read_with([](Header& h) { h.version_major = 2; }), "version 2.3, this program version 1.3");
+    check_header_refused(read_with([](Header& h) { h.version_major = 2; }), "version 2.4, this program version 1.4");
     check_header_refused(read_with([](Header& h) { h.endian_tag = 0x04030201; }), "byte order");
     check_header_refused(read_with([](Header& h) { h.header_bytes = 8192; }), "header_bytes");
     check_header_refused(read_with([](Header& h) { h.required_features = 4; }), "features");

@@ -48,6 +48,8 @@ def check_values(header):
     demand(header, "axes", lambda v: sorted(map(abs, v)) == [1, 2, 3], "a permutation of 1 2 3 with signs")
     for name in "particle_radius", "rest_density":
         demand(header, name, lambda v: math.isfinite(v) and v >= 0, "0 or above")
+    demand(header, "column_width", lambda v: v == (0, 0) or all(0 < width <= 2 for width in v),
+           "0, 0 for points, or the width of columns, above 0 and at most 2 m")
     demand(header, "field_count", lambda v: 1 <= v <= MAX_FIELDS, "1 .. 16")
     demand(header, "producer_name", lambda v: 0 in v, "a zero-terminated text")
 
@@ -97,7 +99,7 @@ def check_apart(regions, room, whole):
 
 def check_reserved(header):
     """Reserved bytes are zero as far as this minor version is known."""
-    if header.version_minor > 3:
+    if header.version_minor > 4:
         return
     entries = FIELD_ENTRY[0] + header.field_count * FIELD_ENTRY[1]
     for start, end in RESERVED_IN_HEADER + ((entries, 1024),):

@@ -62,9 +62,9 @@ HEADER_WORDS = {
     "control_offset": (160, "Q"), "doorbell_offset": (168, "Q"), "consumers_offset": (176, "Q"),
     "consumer_stride": (184, "I"), "consumer_count": (188, "I"), "descriptors_offset": (192, "Q"),
     "descriptor_stride": (200, "Q"), "slots_offset": (208, "Q"), "slot_stride": (216, "Q"),
-    "producer_name": (224, "64s"),
+    "producer_name": (224, "64s"), "column_width": (288, "2d"),
 }
-RESERVED_IN_HEADER = ((288, 512), (1024, 4096))
+RESERVED_IN_HEADER = ((304, 512), (1024, 4096))
 FIELD_ENTRY = (512, 32)  # the first one, bytes of each
 
 
