@@ -99,7 +99,7 @@ void find_felt_water(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     if (!crowd.feeling) return;
     feel_water(*crowd.feeling, step.water, crowd.positions, threads_for(crowd), crowd.felt);
-    if (crowd.scene.coupling->two_way) note_discs(crowd.scene, crowd.active, crowd.felt, crowd.agents);
+    if (crowd.scene.coupling->two_way) note_discs(crowd.scene, *crowd.feeling, crowd.active, crowd.felt, crowd.agents);
     if (crowd.scene.coupling->shelter == Shelter::wake) {
         shelter(crowd.scene, crowd.agents, crowd.active, crowd.positions, crowd.shelters, crowd.felt);
     }

@@ -1,6 +1,7 @@
 #pragma once
 // What one does with a crowd: make it, take a step.
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -12,9 +13,16 @@ namespace wade::crowd {
 // Sets up markers, agents and walls. Throws ConfigurationError for what the crowd cannot work with.
 [[nodiscard]] CrowdWorld make_crowd(const Scene& scene);
 
-// People of a scene that leaves the model of the water open feel and push that of `model`, whose particles are `spacing` m apart, 0:
-// not known. Before the first step. Throws ConfigurationError for a spacing that is too wide for people.
-void suit_to_model(CrowdWorld& crowd, ModelKind model, double spacing);
+// What a stream says of its water and a scene may leave open.
+struct StreamWater {
+    std::optional<ModelKind> model;      // of a producer of this project
+    double spacing = 0;                  // of particles, m, 0: not known
+    Vector2d column = Vector2d::Zero();  // width of columns along x and z, m, 0: points
+};
+
+// Makes people sample and push the water of this stream. Model and spacing matter where the scene leaves the model open. Before the
+// first step. Throws ConfigurationError for a spacing that is too wide for people.
+void suit_to_stream(CrowdWorld& crowd, const StreamWater& water);
 
 // Takes the next step, through the water as it is: Eq. 1-9 once, whatever the rate of the water's frames.
 // The new state of each agent is computed from the frozen old state of all, so the order of the agents does not matter.

@@ -65,12 +65,12 @@ void make_room_outdoors(CrowdWorld& crowd) {
     for (std::size_t k = 0; k < crowd.active.size(); ++k) crowd.agents.position[crowd.active[k]] = outdoors.position[k];
 }
 
-void feel_and_push(const Scene& scene, CrowdWorld& crowd) {
+void feel_and_push(const Scene& scene, const Vector2d& column, CrowdWorld& crowd) {
     const bool has_poses = scene.crowd->pose_rate > 0;
     if (scene.crowd->response == ResponseKind::measured || scene.coupling->two_way || has_poses) {
-        crowd.feeling = make_feeling(scene);
+        crowd.feeling = make_feeling(scene, column);
     }
-    if (scene.coupling->two_way) crowd.pushing = start_pushing(scene, crowd.feeling->spread, crowd.agents);
+    if (scene.coupling->two_way) crowd.pushing = start_pushing(scene, *crowd.feeling, crowd.agents);
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ CrowdWorld make_crowd(const Scene& given) {
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);
     crowd.water = empty_bins(scene);
-    feel_and_push(scene, crowd);
+    feel_and_push(scene, Vector2d::Zero(), crowd);
     for (std::size_t id = 0; scene.crowd->pose_rate > 0 && id < crowd.agents.size(); ++id) {
         crowd.poses.push_back(standing_pose(crowd.agents.people, id, crowd.agents.heading[id]));
     }
@@ -120,10 +120,13 @@ CrowdWorld make_crowd(const Scene& given) {
     return crowd;
 }
 
-void suit_to_model(CrowdWorld& crowd, ModelKind model, double spacing) {
-    crowd.scene.fluid->model = model;
-    if (spacing > 0) crowd.scene.fluid->particle_spacing = spacing;
-    feel_and_push(crowd.scene, crowd);
+void suit_to_stream(CrowdWorld& crowd, const StreamWater& water) {
+    if (!crowd.feeling) return;
+    if (crowd.scene.fluid->model == ModelKind::automatic && water.model) {
+        crowd.scene.fluid->model = *water.model;
+        if (water.spacing > 0) crowd.scene.fluid->particle_spacing = water.spacing;
+    }
+    feel_and_push(crowd.scene, water.column, crowd);
 }
 
 }  // namespace wade::crowd

@@ -13,26 +13,26 @@ namespace wade::crowd {
 
 namespace {
 
-void note_disc(const Scene& scene, double spread, const Stream& stream, People& people, std::size_t id) {
-    people.disc_width[id] = disc_width_share(scene.fluid->model, stream) * spread;
+void note_disc(const Scene& scene, double radius, const Stream& stream, People& people, std::size_t id) {
+    people.disc_width[id] = disc_width_share(scene.fluid->model, stream) * radius;
     people.drag[id] = drag_on_slowed_stream(body_drag, body_width_share * people.height[id], people.disc_width[id]);
 }
 
 }  // namespace
 
-Pushing start_pushing(const Scene& scene, double spread, Agents& agents) {
+Pushing start_pushing(const Scene& scene, const Feeling& feeling, Agents& agents) {
     const Stream usual{1, 1, scene.world->gravity};  // until they have been in the water
-    for (std::size_t id = 0; id < agents.size(); ++id) note_disc(scene, spread, usual, agents.people, id);
+    for (std::size_t id = 0; id < agents.size(); ++id) note_disc(scene, feeling.disc_radius, usual, agents.people, id);
     return {std::vector<Vector2d>(agents.size(), Vector2d::Zero()), std::vector<double>(agents.size(), 0),
             std::vector<bool>(agents.size(), false)};
 }
 
-void note_discs(const Scene& scene, std::span<const std::uint32_t> active, std::span<const FeltWater> felt,
-                Agents& agents) {
+void note_discs(const Scene& scene, const Feeling& feeling, std::span<const std::uint32_t> active,
+                std::span<const FeltWater> felt, Agents& agents) {
     for (std::size_t k = 0; k < active.size(); ++k) {
         if (!(felt[k].depth > 0)) continue;
         const Stream stream{std::sqrt(felt[k].velocity.squaredNorm()), felt[k].depth, scene.world->gravity};
-        note_disc(scene, felt[k].spread, stream, agents.people, active[k]);
+        note_disc(scene, feeling.disc_radius, stream, agents.people, active[k]);
     }
 }
 

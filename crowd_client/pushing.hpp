@@ -18,11 +18,11 @@ struct Pushing {
     std::vector<bool> wet;          // it is in the water
 };
 // Gives people the W_e and C of a usual stream.
-[[nodiscard]] Pushing start_pushing(const Scene& scene, double spread, Agents& agents);
+[[nodiscard]] Pushing start_pushing(const Scene& scene, const Feeling& feeling, Agents& agents);
 
 // Gives those in the water the W_e and C of the stream there, before others' wakes are taken from it.
-void note_discs(const Scene& scene, std::span<const std::uint32_t> active, std::span<const FeltWater> felt,
-                Agents& agents);
+void note_discs(const Scene& scene, const Feeling& feeling, std::span<const std::uint32_t> active,
+                std::span<const FeltWater> felt, Agents& agents);
 
 // Who makes wakes: everybody in the water. Place k of all lists is the same person.
 struct WakeMakers {

@@ -8,6 +8,7 @@
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/world.hpp"
 #include "crowd_client/water/contacts.hpp"
+#include "crowd_client/water/near_water.hpp"
 
 namespace wade::crowd {
 
@@ -29,9 +30,14 @@ Contact contact_after(const WaterBins& bins, const World& world, const Vector2d&
         const std::size_t first = bins.cell_start[bins.grid.index(column - 1, r)];
         const std::size_t end = bins.cell_start[bins.grid.index(column + 1, r) + 1];
         for (std::size_t k = first; k < end; ++k) {
-            const WaterParticle particle = bins.particle(k);
-            const Vector2d offset = Vector2d(bins.x[k], bins.z[k]) + ahead * particle.velocity - at;
-            if (!(offset.squaredNorm() < distance * distance)) continue;
+            WaterParticle particle = bins.particle(k);
+            const Vector2d moved = ahead * particle.velocity, offset = Vector2d(bins.x[k], bins.z[k]) + moved - at;
+            if (bins.has_columns()) {
+                particle.mass *= share_in_disc(bins, column_seen_from(bins, k, at - moved, distance), distance);
+                if (!(particle.mass > 0)) continue;
+            } else if (!(offset.squaredNorm() < distance * distance)) {
+                continue;
+            }
             sum.mass += particle.mass;
             sum.momentum += particle.mass * particle.velocity;
         }

@@ -137,15 +137,15 @@ class Voyage {
         if (has_way_back()) open_way_back(waiting);
     }
 
-    // What the scene leaves open, "auto", its stream says: people feel and push water by its model and its spacing.
+    // People sample and push the water as its stream describes it.
     void suit_to_water() {
         const shm::StreamInfo& info = source_->info();
-        const std::optional<ModelKind> model = choice_named<ModelKind>(info.producer_name);
+        const StreamWater water{choice_named<ModelKind>(info.producer_name),
+                                2 * info.particle_radius,
+                                {info.column_width[0], info.column_width[1]}};
         for (CrowdRun& run : party_.runs) {
-            CrowdWorld& crowd = run.crowd;
-            if (crowd.scene.fluid->model != ModelKind::automatic || !crowd.feeling || !model) continue;
             try {
-                suit_to_model(crowd, *model, 2 * info.particle_radius);
+                suit_to_stream(run.crowd, water);
             } catch (const std::exception& error) {
                 source_->abort(exit_code_of<shm::Error>(error), error.what());
                 throw;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "configs/numbers/kernel_area.hpp"
 #include "crowd_client/equations.hpp"
 #include "crowd_client/water/water_bins.hpp"
 
@@ -20,8 +21,11 @@ struct CellWater {
 // r_a + r_p (`sum`, as their text says), m.
 [[nodiscard]] double contact_distance(const Coupling& coupling);
 
-// Eq. 5 over the particles closer than `distance` in the ground plane, of the 3 x 3 cells round the agent.
-// Needs distance <= 2 m. `touching` is working memory.
+// Returns the fraction of a column that lies within `distance` of the point from which it is seen (column_seen_from).
+[[nodiscard]] double share_in_disc(const WaterBins& bins, const Rectangle& column, double distance);
+
+// Eq. 5 over the particles closer than `distance` in the ground plane, of the 3 x 3 cells round the agent; of a column over the part
+// of it that is closer. Needs distance <= 2 m less half a column's width. `touching` is working memory.
 [[nodiscard]] Contact find_contact(const WaterBins& bins, const Vector2d& agent, double distance,
                                    std::vector<WaterParticle>& touching);
 
@@ -35,7 +39,7 @@ struct TouchingMean {
 // As find_contact; needs bins with heights.
 [[nodiscard]] TouchingMean mean_of_touching(const WaterBins& bins, const Vector2d& agent, double distance);
 
-// The water in the agent's own cell.
+// The water in the agent's own cell, or in the column where the agent stands.
 [[nodiscard]] CellWater water_at(const WaterBins& bins, const Vector2d& agent, double rest_density);
 
 }  // namespace wade::crowd

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 #include "configs/errors/exit_code.hpp"
@@ -74,6 +75,7 @@ double open_cone(const Solids& solids) {
     constexpr std::array<double, 2> node{0.339981043584856, 0.861136311594053};
     constexpr std::array<double, 2> weight{0.652145154862546, 0.347854845137454};
     const double lo = std::max(-1.0, solids.z.lo), hi = std::min(1.0, solids.z.hi);
+    if (!(lo < hi)) return 0;
     std::vector<double> edges{lo, hi, std::clamp(0.0, lo, hi)};
     for (const Obstacle& box : solids.boxes) {
         for (const double z : {box.z.lo, box.z.hi}) edges.push_back(std::clamp(z, lo, hi));
@@ -131,25 +133,51 @@ std::vector<std::vector<HouseSide>> houses_seen_from(const Feeling& feeling, con
     return seen;
 }
 
+// What is solid near a position; the ground between the ends of the world.
+Solids solids_near(const Feeling& feeling, const Vector2d& position) {
+    const double r = feeling.spread;
+    Solids solids{seen_from(feeling.x, position.x(), r),
+                  seen_from(feeling.z, position.y(), r),
+                  {},
+                  houses_seen_from(feeling, position)};
+    for_each_near(feeling.boxes, within(position.x(), r), within(position.y(), r), [&](const Obstacle& box) {
+        solids.boxes.push_back({seen_from(box.x, position.x(), r), seen_from(box.z, position.y(), r), box.height});
+    });
+    return solids;
+}
+
 bool is_over_a_box(const Feeling& feeling, double x, double z) {
     return any_near(feeling.boxes, {x, x}, {z, z}, [](const Obstacle&) { return true; });
 }
 
-}  // namespace
-
-Feeling make_feeling(const Scene& scene) {
-    Feeling feeling;
+double spread_of_points(const Scene& scene) {
     // Of shallow water on a place each cell is a particle.
     const double spacing = scene.place && scene.fluid->model == ModelKind::shallow_water
                                ? std::min(scene.fluid->shallow_water.cell_size, largest_spread / spread_in_spacings)
                                : scene.fluid->particle_spacing;
-    feeling.spread = std::max(least_spread, spread_in_spacings * spacing);
-    if (feeling.spread > largest_spread) {
+    const double spread = std::max(least_spread, spread_in_spacings * spacing);
+    if (spread > largest_spread) {
         std::ostringstream message;
-        message << "/fluid/particle_spacing_m: people feel the water within 1.5 spacings, and " << feeling.spread
+        message << "/fluid/particle_spacing_m: people feel the water within 1.5 spacings, and " << spread
                 << " m is too far; allowed: a spacing <= " << largest_spread / spread_in_spacings << " m";
         throw ConfigurationError(message.str());
     }
+    return spread;
+}
+
+// The cone is integrated over columns, so that a body's width will do. The particles of the mixed model want more.
+double spread_of_columns(const Scene& scene, const Vector2d& column) {
+    if (scene.fluid->model != ModelKind::mixed) return least_spread;
+    return std::clamp(spread_in_spacings * scene.fluid->particle_spacing, least_spread,
+                      largest_spread - 0.5 * column.maxCoeff());
+}
+
+}  // namespace
+
+Feeling make_feeling(const Scene& scene, const Vector2d& column) {
+    Feeling feeling;
+    feeling.spread = column.x() > 0 ? spread_of_columns(scene, column) : spread_of_points(scene);
+    feeling.disc_radius = std::max(feeling.spread, column.maxCoeff());
     feeling.rest_density = scene.fluid->rest_density;
     feeling.x = scene.channel->x;
     feeling.z = scene.channel->z;
@@ -175,50 +203,84 @@ double open_ground(const Feeling& feeling, const Vector2d& place) {
                                near_z.hi <= feeling.z.hi;
     if (far_from_ends && !has_boxes_near(feeling, place) && !has_sides_near(feeling, place))
         return std::numbers::pi * r * r / 3;
-    Solids solids{
-        seen_from(feeling.x, place.x(), r), seen_from(feeling.z, place.y(), r), {}, houses_seen_from(feeling, place)};
-    for_each_near(feeling.boxes, near_x, near_z, [&](const Obstacle& box) {
-        solids.boxes.push_back({seen_from(box.x, place.x(), r), seen_from(box.z, place.y(), r), box.height});
-    });
-    return r * r * open_cone(solids);
+    return r * r * open_cone(solids_near(feeling, place));
 }
+
+namespace {
+
+// Sums over the particles near a position, w the weight of each.
+struct ConeSums {
+    double mass = 0, squares = 0;  // of w m and w^2 m, kg
+    double momentum_x = 0, momentum_z = 0;
+
+    void add(const WaterBins& bins, std::size_t k, double w) {
+        const double weighed = w * static_cast<double>(bins.mass[k]);
+        mass += weighed;
+        squares += w * weighed;
+        momentum_x += weighed * static_cast<double>(bins.vx[k]);
+        momentum_z += weighed * static_cast<double>(bins.vz[k]);
+    }
+};
+
+// Each column counts with the mean of the cone over its rectangle, taken as 0 where something solid stands.
+ConeSums sum_of_columns(const Feeling& feeling, const WaterBins& bins, const Vector2d& place) {
+    const double r = feeling.spread, per_area = r * r / (bins.column.x() * bins.column.y());
+    std::optional<Solids> solids;
+    if (has_boxes_near(feeling, place) || has_sides_near(feeling, place)) solids = solids_near(feeling, place);
+    ConeSums sums;
+    for_each_column_near(bins, place, r, [&](std::size_t k) {
+        const Rectangle column = column_seen_from(bins, k, place, r);
+        if (solids) {
+            solids->x = {column.x_lo, column.x_hi};
+            solids->z = {column.z_lo, column.z_hi};
+        }
+        const double w = per_area * (solids ? open_cone(*solids) : cone_over(column));
+        if (w > 0) sums.add(bins, k, w);
+    });
+    return sums;
+}
+
+ConeSums sum_of_points(const Feeling& feeling, const WaterBins& bins, const Vector2d& place) {
+    const bool has_boxes = has_boxes_near(feeling, place);
+    const double per_spread = 1 / feeling.spread;
+    ConeSums sums;
+    for_each_particle_near(bins, place, feeling.spread, [&](std::size_t k) {
+        const double dx = bins.x[k] - place.x(), dz = bins.z[k] - place.y();
+        if (has_boxes && is_over_a_box(feeling, bins.x[k], bins.z[k])) return;
+        sums.add(bins, k, 1 - std::sqrt(dx * dx + dz * dz) * per_spread);
+    });
+    return sums;
+}
+
+}  // namespace
 
 FeltWater feel_water(const Feeling& feeling, const WaterBins& bins, const Vector2d& place) {
     FeltWater felt;
     felt.spread = feeling.spread;
     if (bins.x.empty() || !feeling.x.contains(place.x()) || !feeling.z.contains(place.y())) return felt;
-    const bool has_boxes = has_boxes_near(feeling, place);
-    const double per_spread = 1 / feeling.spread;
-    double sum = 0, squares = 0, momentum_x = 0, momentum_z = 0;
-    for_each_particle_near(bins, place, feeling.spread, [&](std::size_t k) {
-        const double dx = bins.x[k] - place.x(), dz = bins.z[k] - place.y();
-        if (has_boxes && is_over_a_box(feeling, bins.x[k], bins.z[k])) return;
-        const double w = 1 - std::sqrt(dx * dx + dz * dz) * per_spread;
-        const double weighed = w * static_cast<double>(bins.mass[k]);
-        sum += weighed;
-        squares += w * weighed;
-        momentum_x += weighed * static_cast<double>(bins.vx[k]);
-        momentum_z += weighed * static_cast<double>(bins.vz[k]);
-    });
-    const double ground = sum > 0 ? open_ground(feeling, place) : 0;
+    const ConeSums sums =
+        bins.has_columns() ? sum_of_columns(feeling, bins, place) : sum_of_points(feeling, bins, place);
+    const double ground = sums.mass > 0 ? open_ground(feeling, place) : 0;
     if (!(ground > 0)) return felt;
-    felt.velocity = {bins.scale_x * momentum_x / sum, bins.scale_z * momentum_z / sum};
-    felt.depth = sum / (feeling.rest_density * ground);
-    felt.weight = sum;
-    felt.theta = squares / sum;
+    felt.velocity = {bins.scale_x * sums.momentum_x / sums.mass, bins.scale_z * sums.momentum_z / sums.mass};
+    felt.depth = sums.mass / (feeling.rest_density * ground);
+    felt.weight = sums.mass;
+    felt.theta = sums.squares / sums.mass;
     return felt;
 }
 
 double spin_of_water(const Feeling& feeling, const WaterBins& bins, const Vector2d& place) {
     if (bins.x.empty() || !feeling.x.contains(place.x()) || !feeling.z.contains(place.y())) return 0;
+    // A gradient needs some columns in reach.
+    const double radius = std::max(feeling.spread, std::min(1.5 * bins.column.maxCoeff(), largest_spread));
     // Sums of w m, w m r, w m r r^T and w m v r^T, r the way from the place, v the velocity.
     double sum = 0;
     Vector2d way = Vector2d::Zero(), velocity = Vector2d::Zero();
     Eigen::Matrix2d spread = Eigen::Matrix2d::Zero(), shear = Eigen::Matrix2d::Zero();
-    for_each_particle_near(bins, place, feeling.spread, [&](std::size_t k) {
+    for_each_particle_near(bins, place, radius, [&](std::size_t k) {
         const Vector2d r(bins.x[k] - place.x(), bins.z[k] - place.y());
         const WaterParticle p = bins.particle(k);
-        const double w = (1 - std::sqrt(r.squaredNorm()) / feeling.spread) * p.mass;
+        const double w = (1 - std::sqrt(r.squaredNorm()) / radius) * p.mass;
         sum += w;
         way += w * r;
         velocity += w * p.velocity;
@@ -229,7 +291,7 @@ double spin_of_water(const Feeling& feeling, const WaterBins& bins, const Vector
     spread -= way * way.transpose() / sum;
     shear -= velocity * way.transpose() / sum;
     // Particles in a line, or close to one another, tell of no gradient: of an even cone the spread is 0.15 R^2 along any axis.
-    const double even = 0.15 * sum * feeling.spread * feeling.spread;
+    const double even = 0.15 * sum * radius * radius;
     const double determinant = spread(0, 0) * spread(1, 1) - spread(0, 1) * spread(1, 0);
     if (determinant < 1e-4 * even * even) return 0;
     const double dx_dz = shear(0, 1) * spread(0, 0) - shear(0, 0) * spread(0, 1);

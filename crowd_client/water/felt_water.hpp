@@ -1,8 +1,10 @@
 #pragma once
 // The water that a person feels: means over a cone round it, of the whole column.
 //
-//   w(r) = max(0, 1 - r / R),  R = max(0.5 m, 1.5 d)     r: distance in the ground plane, m; d: spacing of the particles,
-//                                                     on a place that of the cells, with R up to 2 m
+//   w(r) = max(0, 1 - r / R)                             r: distance in the ground plane, m
+//   R     = 0.5 m                         of columns (StreamInfo::column_width); w_i is the mean of w over the rectangle of column i,
+//                                         less what is solid, so that the sampled depth does not depend on the width of the columns
+//   R     = max(0.5 m, 1.5 d)             of points, d their spacing (on a place that of the cells, with R up to 2 m)
 //   S     = sum w_i m_i                   kg
 //   theta = sum w_i^2 m_i / S             0.5 in even water; F / S * theta is how fast a force F slows U
 //   U     = sum w_i m_i v_i / S           m/s
@@ -34,15 +36,17 @@ struct FeltWater {
 
 // Where and how people feel water; the same for all of a run.
 struct Feeling {
-    double spread = 0.5;      // R, m
-    double rest_density = 0;  // rho, kg/m3
-    Interval x, z;            // ground of the channel, m; without ends along x where the world is periodic
-    PlacedBoxes boxes;        // those of a periodic world three times, a world's length apart
-    PlacedHouses houses;      // whose cells may hold the water of those that they cut
+    double spread = 0.5;       // R, m
+    double disc_radius = 0.5;  // of the water that a person slows: R, but no less than the width of a column, m
+    double rest_density = 0;   // rho, kg/m3
+    Interval x, z;             // ground of the channel, m; without ends along x where the world is periodic
+    PlacedBoxes boxes;         // those of a periodic world three times, a world's length apart
+    PlacedHouses houses;       // whose cells may hold the water of those that they cut
 };
 
-// Throws ConfigurationError for a spacing of more than 4/3 m, whose cone would reach beyond the sorted water.
-[[nodiscard]] Feeling make_feeling(const Scene& scene);
+// column: width of the columns along x and z, m, 0 for points. Throws ConfigurationError for points more than 4/3 m apart, whose
+// cone would reach beyond the sorted water.
+[[nodiscard]] Feeling make_feeling(const Scene& scene, const Vector2d& column = Vector2d::Zero());
 
 // I for a place in the channel: the integral of w over what is not solid, m2; pi R^2 / 3 in the open.
 [[nodiscard]] double open_ground(const Feeling& feeling, const Vector2d& place);

@@ -1,5 +1,6 @@
 #pragma once
-// The ground that a particle covers: a square as wide as its volume is, (m / rho)^(1/3), round its place.
+// The ground that a particle covers: the rectangle of its column, or a square as wide as its volume is, (m / rho)^(1/3), round
+// its position.
 //
 // Counted in the one cell that it lies in, a particle would make even water uneven: of particles 0.46 m apart 4 or 5 fit
 // into a cell of 2 m. Dealt to cells by the part of its square in each, a lattice has its depth in cells of any size, but for
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "crowd_client/equations.hpp"
 #include "crowd_client/markers/ground_cells.hpp"
 
 namespace wade::crowd {
@@ -33,9 +35,15 @@ struct CellRange {
 // Deals particles to the cells of a grid.
 class Footprints {
  public:
-    // density: of rest, kg/m3
-    Footprints(const GroundCells& grid, double density)
-        : grid_(grid), density_(density), per_x_(1 / grid.step_x), per_z_(1 / grid.step_z) {}
+    // density: of rest, kg/m3; column: width of the columns, m, 0 for points
+    Footprints(const GroundCells& grid, double density, const Vector2d& column)
+        : grid_(grid),
+          density_(density),
+          per_x_(1 / grid.step_x),
+          per_z_(1 / grid.step_z),
+          columns_(column.x() * per_x_),
+          rows_(column.y() * per_z_),
+          fixed_(column.x() > 0) {}
 
     // Calls add(cell, share, own) for the cells that the square of a particle at (x, z), m, of this mass, kg, meets; own: the
     // cell that it lies in. The shares sum up to 1; none if it does not lie in the grid.
@@ -44,7 +52,7 @@ class Footprints {
         const double column = (x - grid_.x0) * per_x_, row = (z - grid_.z0) * per_z_;
         if (!(column >= 0 && column < static_cast<double>(grid_.columns))) return;
         if (!(row >= 0 && row < static_cast<double>(grid_.rows))) return;
-        if (mass != mass_) find_width(mass);
+        if (!fixed_ && mass != mass_) find_width(mass);
         const CellRange along(column, columns_, grid_.columns), across(row, rows_, grid_.rows);
         const std::size_t own = static_cast<std::size_t>(row) * grid_.columns + static_cast<std::size_t>(column);
         const std::size_t left = along.first(), right = along.last(), low = across.first(), high = across.last();
@@ -69,9 +77,10 @@ class Footprints {
 
     const GroundCells& grid_;
     double density_;
-    double per_x_, per_z_;           // cells a metre
-    double mass_ = 0;                // kg
-    double columns_ = 0, rows_ = 0;  // width of its square, in cells
+    double per_x_, per_z_;   // cells a metre
+    double mass_ = 0;        // kg
+    double columns_, rows_;  // width of its rectangle, in cells
+    bool fixed_;             // for all particles
 };
 
 }  // namespace wade::crowd

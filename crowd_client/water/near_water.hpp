@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 
+#include "configs/numbers/kernel_area.hpp"
 #include "crowd_client/water/water_bins.hpp"
 
 namespace wade::crowd {
@@ -25,7 +26,8 @@ std::size_t find_close(const WaterBins& bins, const Vector2d& agent, double limi
     return beyond > 0 ? beyond : 0;
 }
 
-// Calls visit(k) for each particle k of the bins that is closer than `distance`, at most 2 m, in the ground plane.
+// Calls visit(k) for each particle k of the bins that is closer than `distance` in the ground plane and at most 2 m away along
+// each axis.
 template <typename Visit>
 void for_each_particle_near(const WaterBins& bins, const Vector2d& agent, double distance, Visit&& visit) {
     const int column = GroundGrid::line_of(agent.x());
@@ -48,6 +50,22 @@ void for_each_particle_near(const WaterBins& bins, const Vector2d& agent, double
             for (std::size_t c = 0; c < count; ++c) visit(close[c]);
         }
     }
+}
+
+// Returns the rectangle of column k as a kernel of this radius, m, round a position has it.
+[[nodiscard]] inline Rectangle column_seen_from(const WaterBins& bins, std::size_t k, const Vector2d& position,
+                                                double radius) {
+    const Vector2d half = 0.5 * bins.column / radius;
+    const double x = (bins.x[k] - position.x()) / radius, z = (bins.z[k] - position.y()) / radius;
+    return {x - half.x(), x + half.x(), z - half.y(), z + half.y()};
+}
+
+// Calls visit(k) for each column whose rectangle may reach into the circle of this radius, m, round a position. Needs radius and
+// half a width of at most 2 m together.
+template <typename Visit>
+void for_each_column_near(const WaterBins& bins, const Vector2d& position, double radius, Visit&& visit) {
+    const Vector2d reach = Vector2d::Constant(radius) + 0.5 * bins.column;
+    for_each_particle_near(bins, position, reach.norm(), visit);
 }
 
 }  // namespace wade::crowd

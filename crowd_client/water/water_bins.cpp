@@ -175,6 +175,7 @@ void sort_marked(WaterBins& bins, const WaterView& water) {
     count_by_cell(bins, kept);
     bins.scale_x = water.scale_x;
     bins.scale_z = water.scale_z;
+    bins.column = water.column;
     for (std::vector<double>* v : {&bins.x, &bins.z}) v->resize(kept);
     for (std::vector<float>* v : {&bins.mass, &bins.vx, &bins.vz}) v->resize(kept);
     for (std::vector<double>* v : {&bins.y, &bins.vy}) v->resize(bins.with_heights ? kept : 0);

@@ -21,6 +21,7 @@ struct WaterBins {
     std::vector<float> mass;                // kg
     std::vector<float> vx, vz;              // stored units per second, see scale_x
     double scale_x = 1, scale_z = 1;        // m per stored unit, negative for a mirrored axis
+    Vector2d column = Vector2d::Zero();     // width of the columns along x and z, m; 0: the particles are points
     bool with_heights = false;              // whether y and vy are filled, too
     std::vector<double> y, vy;              // m, m/s
     std::vector<std::uint32_t> cell_start;  // particles of cell c: [cell_start[c], cell_start[c + 1])
@@ -32,6 +33,7 @@ struct WaterBins {
     std::vector<std::uint32_t> kept_particle, kept_cell;  // working memory, as they came
     std::vector<std::uint32_t> order;                     // the kept particles of the frame, ordered by cell
 
+    [[nodiscard]] bool has_columns() const { return column.x() > 0; }
     [[nodiscard]] WaterParticle particle(std::size_t k) const {
         return {static_cast<double>(mass[k]),
                 {scale_x * static_cast<double>(vx[k]), scale_z * static_cast<double>(vz[k])}};

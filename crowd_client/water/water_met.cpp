@@ -40,7 +40,7 @@ void note_water_met(Agents& agents, const Scene& scene, std::span<const std::uin
         const CellWater met = water_at(water, positions[k], scene.fluid->rest_density);
         agents.max_depth[id] = std::max(agents.max_depth[id], met.depth);
         agents.max_dv[id] = std::max(agents.max_dv[id], met.depth * met.speed);
-        const double share = channel_share(scene.channel, positions[k]);
+        const double share = water.has_columns() ? 1.0 : channel_share(scene.channel, positions[k]);
         if (!(met.depth > 0) || !(share > 0)) continue;
         ++agents.wet_steps[id];
         agents.depth_sum[id] += met.depth / share;

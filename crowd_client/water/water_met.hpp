@@ -14,7 +14,7 @@ namespace wade::crowd {
 // Both are those of the agent's 2 x 2 m cell (water_at()). A single step holds few particles, so that the largest value is
 // above the depth of the stream, and a cell that a bank cuts reads less. The means are free of both: they count the steps
 // in which the agent is in the channel and its cell holds water, and take the depth over the cell's part that is in the
-// channel. An obstacle in the cell counts as ground.
+// channel. An obstacle in the cell counts as ground. Of columns all are those of the column where the agent stands.
 void note_water_met(Agents& agents, const Scene& scene, std::span<const std::uint32_t> active,
                     std::span<const Vector2d> positions, const WaterBins& water);
 

@@ -28,6 +28,7 @@ WaterView ground_view(const shm::Frame& frame, const shm::StreamInfo& info) {
     view.origin_x = info.origin[0];
     view.origin_y = info.origin[1];
     view.origin_z = info.origin[2];
+    view.column = {info.column_width[0], info.column_width[1]};
     return view;
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 
+#include "crowd_client/equations.hpp"
 #include "shm_protocol/stream.hpp"
 
 namespace wade::crowd {
@@ -18,6 +19,7 @@ struct WaterView {
     // m per stored unit, negative for a mirrored axis
     double scale_x = 1, scale_y = 1, scale_z = 1;
     double origin_x = 0, origin_y = 0, origin_z = 0;  // m
+    Vector2d column = Vector2d::Zero();               // width of a particle's column along x and z, m; 0: a point
 
     [[nodiscard]] std::size_t size() const { return mass.size(); }
 };

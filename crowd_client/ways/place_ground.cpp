@@ -6,6 +6,7 @@
 #include "configs/scene/crowd.hpp"
 #include "configs/scene/obstacle.hpp"
 #include "configs/scene/place.hpp"
+#include "crowd_client/water/footprint.hpp"
 #include "crowd_client/ways/place_ways.hpp"
 
 namespace wade::crowd {
@@ -81,12 +82,19 @@ void find_free_ground(Navigation& navigation) {
 bool find_water(PlaceWays& place, const WaterBins& water, double rest_density) {
     const std::size_t cells = place.cells.cells();
     std::vector<Contact> sums(cells);
+    Footprints footprints(place.cells, rest_density, water.column);
     for (std::size_t k = 0; k < water.x.size(); ++k) {
-        const std::size_t c = place.cells.cell_of(water.x[k], water.z[k]);
-        if (c == cells) continue;
         const WaterParticle p = water.particle(k);
-        sums[c].mass += p.mass;
-        sums[c].momentum += p.mass * p.velocity;
+        const auto add = [&](std::size_t cell, double share) {
+            sums[cell].mass += share * p.mass;
+            sums[cell].momentum += share * p.mass * p.velocity;
+        };
+        if (water.has_columns()) {
+            footprints.deal(water.x[k], water.z[k], p.mass,
+                            [&](std::size_t cell, double share, std::size_t) { add(cell, share); });
+        } else if (const std::size_t c = place.cells.cell_of(water.x[k], water.z[k]); c != cells) {
+            add(c, 1);
+        }
     }
     constexpr double least_free = 0.0625;  // of a cell; the little water in less counts as if it filled that
     const double of_cell = rest_density * place.cells.step_x * place.cells.step_z;
@@ -94,7 +102,9 @@ bool find_water(PlaceWays& place, const WaterBins& water, double rest_density) {
     place.depth.assign(cells, 0.0F);
     place.speed.assign(cells, 0.0F);
     for (std::size_t c = 0; c < cells; ++c) {
-        const double depth = sums[c].mass / (of_cell * std::max(place.free[c], least_free));
+        // A column has its depth on the whole of its rectangle.
+        const double free = water.has_columns() ? 1.0 : std::max(place.free[c], least_free);
+        const double depth = sums[c].mass / (of_cell * free);
         if (!(depth > wet)) continue;
         any = true;
         place.depth[c] = static_cast<float>(depth);

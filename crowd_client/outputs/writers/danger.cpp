@@ -97,7 +97,7 @@ DangerRecord::DangerRecord(const Scene& scene, std::size_t agents, double window
 void DangerRecord::sum_up(const WaterView& water) {
     std::fill(mass_.begin(), mass_.end(), 0.0);
     std::fill(momentum_.begin(), momentum_.end(), Vector2d::Zero());
-    Footprints footprints(grid_, rest_density_);
+    Footprints footprints(grid_, rest_density_, water.column);
     for (std::size_t i = 0; i < water.size(); ++i) {
         const double x = water.origin_x + water.scale_x * static_cast<double>(water.px[i]);
         const double z = water.origin_z + water.scale_z * static_cast<double>(water.pz[i]);

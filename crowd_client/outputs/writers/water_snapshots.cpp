@@ -69,14 +69,15 @@ WaterSnapshots::WaterSnapshots(const std::filesystem::path& file, const Scene& s
 
 void WaterSnapshots::write(std::uint64_t step, double time, const WaterView& water) {
     std::fill(mass_.begin(), mass_.end(), 0.0);
-    Footprints footprints(grid_, rest_density_);
+    Footprints footprints(grid_, rest_density_, water.column);
+    const bool of_one_cell = has_columns_ && !(water.column.x() > 0);
     for (std::size_t i = 0; i < water.size(); ++i) {
         const double mass = static_cast<double>(water.mass[i]);
-        // A column of a place is as wide as its cell, whatever its volume.
+        // A column of a place without a width is as wide as its cell, whatever its volume.
         footprints.deal(water.origin_x + water.scale_x * static_cast<double>(water.px[i]),
                         water.origin_z + water.scale_z * static_cast<double>(water.pz[i]), mass,
                         [&](std::size_t cell, double share, std::size_t own) {
-                            if (!has_columns_)
+                            if (!of_one_cell)
                                 mass_[cell] += share * mass;
                             else if (cell == own)
                                 mass_[cell] += mass;

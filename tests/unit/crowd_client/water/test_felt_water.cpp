@@ -89,6 +89,24 @@ double mean_depth(const Scene& scene, const Vector2d& place) {
     return sum;
 }
 
+// Columns c m wide over the width of the channel, 0.8 m deep.
+MadeUpWater columns(double c) {
+    MadeUpWater water;
+    for (double x = 30 + 0.5 * c; x < 70; x += c) {
+        for (double z = 11.5 + 0.5 * c; z < 38.5; z += c) water.add(x, z, 1000 * 0.8 * c * c, -1.2, 0.3);
+    }
+    return water;
+}
+
+FeltWater felt_of_columns(const Scene& scene, double c, const Vector2d& place) {
+    WaterBins bins = empty_bins(scene);
+    const MadeUpWater water = columns(c);
+    WaterView view = water.view();
+    view.column = {c, c};
+    bin_water(bins, view, {&place, 1});
+    return feel_water(make_feeling(scene, view.column), bins, place);
+}
+
 const std::vector<Obstacle> two_obstacles{{{45, 50}, {20, 24}, 3}, {{50, 51}, {20, 22}, 3}};  // one wall of both
 
 }  // namespace
@@ -212,4 +230,20 @@ TEST_CASE(
     WaterBins bins = empty_bins(scene);
     bin_water(bins, line.view(), {&place, 1});
     CHECK(spin_of_water(make_feeling(scene), bins, {50, 25}) == 0);
+}
+
+TEST_CASE("Of columns of any width people sample the same water, in mid-stream, at banks and beside boxes") {
+    const double c = GENERATE(0.25, 0.5, 0.75, 1.0, 1.5, 2.0);
+    const Scene scene = river(0.4642, two_obstacles);
+    for (const Vector2d& place : {Vector2d(55, 30), Vector2d(55.3, 29.1), Vector2d(56, 31), Vector2d(54.03, 11.5),
+                                  Vector2d(54.7, 11.8), Vector2d(52, 20.01), Vector2d(44.7, 22)}) {
+        CAPTURE(c, place.x(), place.y());
+        const FeltWater felt = felt_of_columns(scene, c, place);
+        CHECK(felt.spread == 0.5);
+        // Exact in the open; beside a box by the rule of four points a line.
+        CHECK(felt.depth == Approx(0.8).epsilon(0.01));
+        CHECK(felt.velocity.x() == Approx(-1.2));
+        CHECK(felt.velocity.y() == Approx(0.3));
+        CHECK(felt.weight == Approx(800 * open_ground(make_feeling(scene, {c, c}), place)).epsilon(0.01));
+    }
 }
