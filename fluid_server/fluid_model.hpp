@@ -1,6 +1,7 @@
 #pragma once
 // What the server asks of a model of the water, a few calls a frame. All the rest of the server is the same for each.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -63,6 +64,9 @@ class FluidModel {
 
     // The most particles that a frame can hold, at least 1.
     [[nodiscard]] virtual std::uint32_t capacity() const = 0;
+
+    // Width of the columns that a frame holds along x and z, m (shm::StreamInfo::column_width).
+    [[nodiscard]] virtual std::array<double, 2> column_width() const { return {}; }
 
     // Before the first frame: the same model in several processes works as one, of which the first has the water of all
     // after advance_frame() and alone writes frames and results. Throws ConfigurationError where a model or a scene cannot.

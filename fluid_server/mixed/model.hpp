@@ -27,6 +27,7 @@ class MixedModel final : public FluidModel {
 
     [[nodiscard]] std::string_view name() const override { return "mixed"; }
     [[nodiscard]] std::uint32_t capacity() const override;
+    [[nodiscard]] std::array<double, 2> column_width() const override { return world_.columns().width(); }
     void take_agents(const AgentsView& agents) override {
         needed_ = world_.rule().needed_by(agents);
         take_pushes(agents, world_.people());

@@ -89,6 +89,7 @@ shm::StreamInfo stream_info(const Scene& scene, const FluidModel& model) {
     info.ticks_per_second = ticks.per_second;
     info.particle_radius = 0.5 * scene.fluid->particle_spacing;
     info.rest_density = scene.fluid->rest_density;
+    info.column_width = model.column_width();
     info.scene_hash = scene.hash;
     info.coupling_lag = scene.coupling->agents_stream == AgentsStream::parallel ? 1 : 0;
     return info;

@@ -30,19 +30,34 @@ std::uint32_t generator_of(std::uint32_t n) {
 
 constexpr double square = 10;  // m; water that somebody feels in the next frames is nearer
 
-std::size_t room_for(const ShallowWater& world) {
+constexpr double widest_column = 2;  // m
+
+// Parts of a cell along one axis.
+std::uint32_t parts_of(double cell, double widest) {
+    return static_cast<std::uint32_t>(std::max(1.0, std::ceil(cell / widest - 1e-9)));
+}
+
+// Half of the radius within which people sample particles of the mixed model, see crowd_client/water/felt_water.hpp.
+double widest_beside_particles(const Fluid& fluid) {
+    return 0.5 * std::max(0.5, 1.5 * fluid.particle_spacing);
+}
+
+std::size_t room_for(const ShallowWater& world, std::size_t of_cell) {
     std::size_t cells = world.grid.cells();
     if (world.scene.fluid->publish == Publish::near_agents) {
         double agents = 0;
         for (const AgentGroup& group : world.scene.crowd->groups) agents += group.count;
         const double near = (std::ceil(3 * square / world.grid.dx) + 1) * (std::ceil(3 * square / world.grid.dz) + 1);
         if (agents * near < static_cast<double>(cells))
-            return std::max<std::size_t>(1, static_cast<std::size_t>(agents * near));
+            return std::max<std::size_t>(of_cell, 1) *
+                   std::max<std::size_t>(1, static_cast<std::size_t>(agents * near));
     }
-    if (!world.place) return static_cast<std::size_t>(std::max(world.scene.fluid->max_particles, 0)) + cells;
-    if (!world.openings.any()) return cells;
+    const auto particles = static_cast<std::size_t>(std::max(world.scene.fluid->max_particles, 0));
+    if (!world.place) return of_cell > 0 ? of_cell * cells : particles + cells;
+    of_cell = std::max<std::size_t>(of_cell, 1);
+    if (!world.openings.any()) return of_cell * cells;
     const auto closed = std::count(world.openings.share.begin(), world.openings.share.end(), 0.0);
-    return cells - static_cast<std::size_t>(closed);
+    return of_cell * (cells - static_cast<std::size_t>(closed));
 }
 
 // The largest float below v, so that a place at the end of the channel is in it.
@@ -58,12 +73,20 @@ ColumnParticles::ColumnParticles(const ShallowWater& world)
     : rest_density_(world.scene.fluid->rest_density),
       particle_volume_(particle_volume(world.scene.fluid)),
       start_across_(unit_fraction(mix_bits(world.scene.seed + 2 * splitmix_step))),
-      capacity_(static_cast<std::uint32_t>(room_for(world))),
       drift_x_(world.grid.cells(), 0),
       drift_z_(world.grid.cells(), 0),
       particles_(world.grid.cells(), 0),
       row_begin_(world.grid.nz + 1, 0) {
-    all_ = world.scene.fluid->publish == Publish::all;
+    const Scene& scene = world.scene;
+    if (scene.crowd->response == ResponseKind::measured) {
+        const bool mixed = scene.fluid->model == ModelKind::mixed;
+        const double widest = mixed ? widest_beside_particles(scene.fluid) : widest_column;
+        split_x_ = parts_of(world.grid.dx, widest);
+        split_z_ = parts_of(world.grid.dz, widest);
+        width_ = {world.grid.dx / split_x_, world.grid.dz / split_z_};
+    }
+    capacity_ = static_cast<std::uint32_t>(room_for(world, split_x_ * split_z_));
+    all_ = scene.fluid->publish == Publish::all;
     if (!all_) {
         squares_x_ = static_cast<std::size_t>(std::ceil(world.grid.x.hi / square)) + 1;
         shown_.assign(squares_x_ * (static_cast<std::size_t>(std::ceil(world.grid.z.hi / square)) + 1), 0);
@@ -78,6 +101,7 @@ ColumnParticles::ColumnParticles(const ShallowWater& world)
 }
 
 void ColumnParticles::drift(const ShallowWater& world, double dt) {
+    if (split_x_ > 0) return;
     const Grid& grid = world.grid;
     for (std::size_t k = world.band.begin; k < world.band.end; ++k) {
         const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k)), first = k * grid.nx;
@@ -136,6 +160,7 @@ void ColumnParticles::show_near(const AgentsView& agents) {
 void ColumnParticles::count_wet(const ShallowWater& world) {
     const Grid& grid = world.grid;
     const double per_square = grid.dx / square;
+    const std::uint32_t of_cell = std::max(1U, split_x_ * split_z_);
     std::fill(particles_.begin(), particles_.end(), 0);
     for (std::size_t k = 0; k < grid.nz; ++k) {
         const double* const h = world.water.h.data() + grid.row(static_cast<std::ptrdiff_t>(k));
@@ -145,7 +170,8 @@ void ColumnParticles::count_wet(const ShallowWater& world) {
             for (std::size_t i = begin; i < begin + n; ++i) {
                 const bool seen =
                     all_ || shown_[row + static_cast<std::size_t>(static_cast<double>(i) * per_square)] != 0;
-                particles_[k * grid.nx + i] = seen && h[i] > world.constants.dry ? 1 : 0;
+                const bool hidden = i >= hidden_begin_ && i < hidden_end_;
+                particles_[k * grid.nx + i] = seen && !hidden && h[i] > world.constants.dry ? of_cell : 0;
                 sum += particles_[k * grid.nx + i];
             }
         });
@@ -154,7 +180,7 @@ void ColumnParticles::count_wet(const ShallowWater& world) {
 }
 
 void ColumnParticles::count(const ShallowWater& world) {
-    if (world.place) {
+    if (world.place || split_x_ > 0) {
         count_wet(world);
         across_of_.resize(2, 1);
         return;
@@ -170,8 +196,32 @@ void ColumnParticles::count(const ShallowWater& world) {
 std::uint32_t ColumnParticles::write(const ShallowWater& world, const shm::FrameFields& slot) const {
     const auto rows = static_cast<std::ptrdiff_t>(world.grid.nz);
 #pragma omp parallel for schedule(static) if (row_begin_.back() >= 4096)
-    for (std::ptrdiff_t k = 0; k < rows; ++k) write_row(world, static_cast<std::size_t>(k), slot);
+    for (std::ptrdiff_t k = 0; k < rows; ++k) {
+        const auto row = static_cast<std::size_t>(k);
+        split_x_ > 0 ? write_columns(world, row, slot) : write_row(world, row, slot);
+    }
     return static_cast<std::uint32_t>(row_begin_.back());
+}
+
+void ColumnParticles::write_columns(const ShallowWater& world, std::size_t k, const shm::FrameFields& slot) const {
+    const Grid& grid = world.grid;
+    const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k));
+    const double z_lo = grid.z.lo + static_cast<double>(k) * grid.dz;
+    const double mass_of_depth = rest_density_ * width_[0] * width_[1];
+    std::uint64_t to = row_begin_[k];
+    for (std::size_t i = 0; i < grid.nx; ++i) {
+        if (particles_[k * grid.nx + i] == 0) continue;
+        const double h = world.water.h[c + i], x_lo = grid.x.lo + static_cast<double>(i) * grid.dx;
+        for (std::uint32_t part = 0; part < split_x_ * split_z_; ++part, ++to) {
+            slot.mass[to] = static_cast<float>(mass_of_depth * h);
+            slot.vx[to] = static_cast<float>(world.primitive.u[c + i]);
+            slot.vy[to] = 0;
+            slot.vz[to] = static_cast<float>(world.primitive.v[c + i]);
+            slot.px[to] = static_cast<float>(x_lo + (part % split_x_ + 0.5) * width_[0]);
+            slot.py[to] = static_cast<float>(world.bed.height[c + i] + 0.5 * h);
+            slot.pz[to] = static_cast<float>(z_lo + (part / split_x_ + 0.5) * width_[1]);
+        }
+    }
 }
 
 void ColumnParticles::write_row(const ShallowWater& world, std::size_t k, const shm::FrameFields& slot) const {

@@ -14,7 +14,10 @@
 //
 // On a place each wet cell is one particle, whatever the spacing, and films are not shown.
 //
-// So the mass in contact with an agent is that of the water column in the mean over time, wherever the agent stands: the
+// People with the response `measured` integrate their sampling kernel over columns (shm::StreamInfo::column_width). For them each wet
+// cell is divided into equal columns at fixed positions, which are at most 2 m wide, in the mixed model half a sampling radius.
+//
+// For the response `paper` the mass in contact with an agent is that of the water column in the mean over time, wherever the agent stands: the
 // stream brings particles past it at all distances.
 
 #include <array>
@@ -31,8 +34,12 @@ class ColumnParticles {
  public:
     explicit ColumnParticles(const ShallowWater& world);
 
-    // Room that a frame needs at most: max_particles of the scene and one more a cell; of a place one a cell that is open.
+    // Room that a frame needs at most: max_particles of the scene and one more a cell; of a place one a cell that is open; the
+    // columns of all cells for people who integrate over them.
     [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
+
+    // Width of the columns along x and z, m; 0 of particles that drift.
+    [[nodiscard]] std::array<double, 2> width() const { return width_; }
 
     // Moves the places on by dt, s, at the velocities that the water has.
     void drift(const ShallowWater& world, double dt);
@@ -61,16 +68,19 @@ class ColumnParticles {
  private:
     void count_with(const ShallowWater& world, double volume);
     void count_wet(const ShallowWater& world);
+    void write_columns(const ShallowWater& world, std::size_t k, const shm::FrameFields& slot) const;
     void write_row(const ShallowWater& world, std::size_t k, const shm::FrameFields& slot) const;
 
     double rest_density_;
     double particle_volume_;  // d^3, m^3
     double start_across_;     // in cells, by the seed
     std::uint32_t capacity_;
-    std::vector<double> drift_x_, drift_z_;  // by cell, in cells since t = 0
-    std::vector<std::uint32_t> particles_;   // by cell
-    std::vector<std::uint64_t> row_begin_;   // of its particles in the frame, and their number behind the last
-    std::vector<std::uint32_t> across_of_;   // a, by n
+    std::array<double, 2> width_{};            // m
+    std::uint32_t split_x_ = 0, split_z_ = 0;  // columns of a cell along x and z
+    std::vector<double> drift_x_, drift_z_;    // by cell, in cells since t = 0
+    std::vector<std::uint32_t> particles_;     // by cell
+    std::vector<std::uint64_t> row_begin_;     // of its particles in the frame, and their number behind the last
+    std::vector<std::uint32_t> across_of_;     // a, by n
     std::size_t hidden_begin_ = 0, hidden_end_ = 0;
     bool all_ = true;                  // columns are shown
     std::size_t squares_x_ = 0;        // along x

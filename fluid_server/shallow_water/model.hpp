@@ -19,6 +19,7 @@ class ShallowWaterModel final : public FluidModel {
 
     [[nodiscard]] std::string_view name() const override { return "shallow_water"; }
     [[nodiscard]] std::uint32_t capacity() const override { return particles_.capacity(); }
+    [[nodiscard]] std::array<double, 2> column_width() const override { return particles_.width(); }
     void spread_over(Ranks& ranks) override;
     void take_agents(const AgentsView& agents) override {
         take_pushes(agents, people_);

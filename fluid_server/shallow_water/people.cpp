@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "configs/numbers/kernel_area.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/interval.hpp"
@@ -11,19 +12,11 @@ namespace wade::fluid::shallow_water {
 
 namespace {
 
-constexpr int points = 4;  // of a cell each way
-
 // Mean of the cone over a cell whose centre is (dx, dz) from the person, m.
 double mean_cone(const Grid& grid, double dx, double dz, double spread) {
-    double sum = 0;
-    for (int k = 0; k < points; ++k) {
-        const double z = dz + ((k + 0.5) / points - 0.5) * grid.dz;
-        for (int i = 0; i < points; ++i) {
-            const double x = dx + ((i + 0.5) / points - 0.5) * grid.dx;
-            sum += std::max(0.0, 1 - std::sqrt(x * x + z * z) / spread);
-        }
-    }
-    return sum / (points * points);
+    const double half_x = 0.5 * grid.dx, half_z = 0.5 * grid.dz;
+    return spread * spread / grid.cell_area() *
+           cone_over({(dx - half_x) / spread, (dx + half_x) / spread, (dz - half_z) / spread, (dz + half_z) / spread});
 }
 
 // Calls body(cell, distance of its centre) for the cells along one axis that reach into [place - reach, place + reach].

@@ -1,8 +1,7 @@
 #pragma once
 // People take their impulses from the cells of the grid.
 //
-// The weight of a cell is the mean of the cone over 4 x 4 points of it, which changes smoothly as a person walks; its mass is
-// rho h A. q_x -= w J' h / S and q_z alike, so that rho A q summed up loses J'. Dry cells and obstacles have no part.
+// The weight of a cell is the mean of the cone over it; its mass is rho h A. q_x -= w J' h / S and q_z alike, so that rho A q summed up loses J'. Dry cells and obstacles have no part.
 
 #include <vector>
 
