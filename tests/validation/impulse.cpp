@@ -114,7 +114,8 @@ ImpulseRun run_impulse(const Scene& scene, Result& result) {
     check_rates(scene);
     const std::unique_ptr<fluid::FluidModel> water = fluid::make_fluid_model(scene);
     crowd::CrowdWorld people = crowd::make_crowd(scene);
-    FrameMemory memory(water->capacity());
+    FrameMemory memory(*water);
+    suit_to_stream(people, {{}, 0, memory.ground_view().column});
     WayBack way_back;
     std::vector<Vector2d> impulse(people.agents.size(), Vector2d::Zero());
     std::vector<double> load(people.agents.size(), 0);
@@ -200,7 +201,8 @@ PeopleRun run_people(const Scene& scene, Result& result, const Look& look) {
     PeopleRun run;
     run.water = fluid::make_fluid_model(scene);
     crowd::CrowdWorld people = crowd::make_crowd(scene);
-    FrameMemory memory(run.water->capacity());
+    FrameMemory memory(*run.water);
+    suit_to_stream(people, {{}, 0, memory.ground_view().column});
     WayBack way_back;
     constexpr std::uint64_t ticks = 1000000;
     const auto per_second = static_cast<std::uint64_t>(std::llround(scene.frame_rate * static_cast<double>(ticks)));

@@ -12,6 +12,7 @@
 // By Eq. 9 the velocity of an agent depends on the water through p_a and the mass in contact alone, so I_a is what the
 // walking of agents is sensitive to; I_a divided by the duration is the mean momentum in contact with the agent.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -77,7 +78,8 @@ void compare_with_uniform_stream(const ImpulseRun& run, const crowd::Vector2d& i
 // A frame in memory of our own, in place of the shared one.
 class FrameMemory {
  public:
-    explicit FrameMemory(std::uint32_t capacity) {
+    explicit FrameMemory(const fluid::FluidModel& model) : column_(model.column_width()) {
+        const std::uint32_t capacity = model.capacity();
         for (std::vector<float>* v : {&mass_, &vx_, &vy_, &vz_, &px_, &py_, &pz_}) v->resize(capacity);
     }
     void take(const fluid::FluidModel& model, std::uint64_t frame) {
@@ -95,10 +97,12 @@ class FrameMemory {
         view.mass = some(mass_);
         view.px = some(px_), view.pz = some(pz_);
         view.vx = some(vx_), view.vz = some(vz_);
+        view.column = {column_[0], column_[1]};
         return view;
     }
 
  private:
+    std::array<double, 2> column_;  // width along x and z, m
     std::vector<float> mass_, vx_, vy_, vz_, px_, py_, pz_;
     std::size_t count_ = 0;
 };
