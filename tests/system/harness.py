@@ -65,15 +65,12 @@ def unwrapped(text):
 
 def children_of(pid):
     """The processes below a process, itself not included."""
-    found = []
-    for task in Path(f"/proc/{pid}/task").glob("*/children"):
-        try:
-            children = task.read_text().split()
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        for child in map(int, children):
-            found += [child, *children_of(child)]
-    return found
+    try:
+        lists = [task.read_text() for task in Path(f"/proc/{pid}/task").glob("*/children")]
+    except (FileNotFoundError, ProcessLookupError):  # it has ended meanwhile
+        return []
+    children = [int(child) for text in lists for child in text.split()]
+    return children + [below for child in children for below in children_of(child)]
 
 
 def alive(pid):
