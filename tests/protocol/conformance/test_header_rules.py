@@ -74,7 +74,7 @@ class HeaderRules(unittest.TestCase):
                 self.refused(self.changed(offset, form, value), text)
 
     def test_reserved_bytes_and_checksum_are_checked(self):
-        for offset in (288, 511, 1024, 4095, 512 + 7 * 32):
+        for offset in (304, 511, 1024, 4095, 512 + 7 * 32):
             self.refused(self.changed(offset, "B", 1), "reserved")
         self.refused(self.page[:300] + b"x" + self.page[301:], "crc32c")
 
