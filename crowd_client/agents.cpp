@@ -151,13 +151,13 @@ void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d
     const bool to_shelters = scene.place && group.goals == GoalRule::shelters;
     agents.goal.push_back(to_shelters ? nearest_shelter(scene, place) : Vector2d(group.goal_x, group.goal_z));
     agents.desired_speed.push_back(group.desired_speed);
-    agents.mass.push_back(person.mass.value_or(group.mass.at(random_of(scene, id, draw_mass))));
     agents.tau.push_back(group.tau ? group.tau->at(random_of(scene, id, draw_tau)) : 0);
     add_tau_line(agents, id, person, line);
     const bool by_body = scene.crowd->response == ResponseKind::measured && !group.tau;
-    add_person(agents.people, group, person, by_body,
-               {random_of(scene, id, draw_sex), random_of(scene, id, draw_height), random_of(scene, id, draw_age),
-                random_of(scene, id, draw_friction), random_of(scene, id, draw_drowns)});
+    const auto draw = [&](Draw which) { return random_of(scene, id, which); };
+    agents.mass.push_back(add_person(
+        agents.people, group, person, by_body,
+        {draw(draw_sex), draw(draw_height), draw(draw_age), draw(draw_friction), draw(draw_drowns), draw(draw_mass)}));
     agents.group.push_back(static_cast<std::uint32_t>(g));
     agents.outcome.push_back(Outcome::active);
     if (!scene.place) return;

@@ -1,5 +1,6 @@
 // Whether the agents have places, goals and markers, and whether events name what exists.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -11,10 +12,13 @@
 #include "configs/scene/choices.hpp"
 #include "configs/scene/coupling.hpp"
 #include "configs/scene/crowd.hpp"
+#include "configs/scene/fields/residents.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/interval.hpp"
 #include "configs/scene/near_places.hpp"
 #include "configs/scene/obstacle.hpp"
+#include "configs/scene/person_size.hpp"
+#include "configs/scene/place.hpp"
 #include "configs/scene/time_lines.hpp"
 #include "configs/scene/world.hpp"
 
@@ -177,36 +181,49 @@ void check_ends(const Scene& scene, const std::vector<StartPlace>& places, const
                " m with flow \"recirculating\" or \"periodic\", or a dry one: flow \"closed\" without water_blocks.");
 }
 
-// Mass over the square of the height, kg/m2: 8 and 100 are beyond what people lived with.
-void check_mass(double mass, double height, const std::string& source, const std::string& pointer) {
-    constexpr double least = 8, most = 100;
-    const double square = height * height, index = mass / square;
-    if (index >= least && index <= most) return;
-    refuse(source, pointer + "/mass_kg",
-           short_number(mass) + " kg with a height of " + short_number(height) + " m is no body of a person, " +
-               short_number(std::round(10 * index) / 10) +
-               " kg/m2; allowed: " + short_number(std::round(10 * least * square) / 10) + " to " +
-               short_number(std::round(10 * most * square) / 10) +
-               " kg for this height, or groups of their own for children.");
+// What is wrong with the size of a person of a table, in the group that it belongs to.
+std::optional<SizeFault> fault_of_person(const AgentGroup& group, const PersonRow& row) {
+    const Spread& ages = group.body.age;
+    const Interval age = row.age ? Interval{*row.age, *row.age} : Interval{ages.lo, ages.hi};
+    const bool of_group = are_children(ages) == (age.hi < adult_age);
+    std::optional<Spread> height, mass;
+    if (row.height || (of_group && group.body.height)) height = row.height ? Spread(*row.height) : group.body.height;
+    if (row.mass || (of_group && group.mass)) mass = row.mass ? Spread(*row.mass) : group.mass;
+    const bool of_adults = !row.age && !row.height && !row.mass && !are_children(ages);
+    return fault_of_size(of_adults ? Interval{std::max(age.lo, adult_age), age.hi} : age, height, mass);
+}
+
+void check_size(const std::optional<SizeFault>& fault, const std::string& source, const std::string& pointer) {
+    if (fault) refuse(source, pointer + (fault->is_mass ? "/mass_kg" : "/height_m"), fault->sentence);
 }
 
 void check_table(const std::vector<PersonRow>& people, const AgentGroup& group, const std::string& source,
                  const std::string& pointer, Problems& problems) {
     for (std::size_t i = 0; i < people.size(); ++i) {
-        problems.attempt([&] {
-            const double height = people[i].height.value_or(group.body.height.lo);
-            check_mass(people[i].mass.value_or(group.mass.lo), height, source,
-                       pointer + "/people/" + std::to_string(i));
-        });
+        problems.attempt(
+            [&] { check_size(fault_of_person(group, people[i]), source, pointer + "/people/" + std::to_string(i)); });
     }
 }
 
+// The people of the place's table of residents who are in a group.
+void check_sizes_of_residents(const Scene& scene, std::size_t g, const std::string& source, Problems& problems) {
+    for_each_resident(scene, g, [&](const Resident& one) {
+        const auto fault = fault_of_person(scene.crowd->groups[g], one.person);
+        if (!fault) return;
+        const std::string file = scene.place_keys->residents.value_or("");
+        problems.note(source + ": /place/residents_csv: " + file + ": line " + std::to_string(one.line) + ": " +
+                      (fault->is_mass ? "mass" : "height") + ": " + fault->sentence);
+    });
+}
+
 // Mass and height are drawn apart, so that the heaviest may be the smallest.
-void check_bodies(const Crowd& crowd, std::size_t g, const std::string& source, Problems& problems) {
+void check_bodies(const Scene& scene, std::size_t g, const std::string& source, Problems& problems) {
+    const Crowd& crowd = scene.crowd;
     const AgentGroup& group = crowd.groups[g];
     const std::string pointer = "/crowd/groups/" + std::to_string(g);
-    problems.attempt([&] { check_mass(group.mass.hi, group.body.height.lo, source, pointer); });
-    problems.attempt([&] { check_mass(group.mass.lo, group.body.height.hi, source, pointer); });
+    if (crowd.response == ResponseKind::measured)
+        problems.attempt([&] { check_size(fault_of_person(group, {}), source, pointer); });
+    check_sizes_of_residents(scene, g, source, problems);
     if (group.people.empty()) {
         check_table(crowd.people, group, source, "/crowd", problems);
     } else {
@@ -303,9 +320,6 @@ void check_measured(const Scene& scene, const std::string& source, Problems& pro
                    " m: with the response measured people feel the water within "
                    "1.5 spacings, and 2 m is the most; allowed: <= 1.3333 m.");
     });
-    for (std::size_t g = 0; g < scene.crowd->groups.size(); ++g) {
-        check_bodies(scene.crowd, g, source, problems);
-    }
 }
 
 // Keys that say nothing where people answer by tau.
@@ -375,6 +389,7 @@ void check_crowd(const Scene& scene, const std::string& source, Problems& proble
     check_measured(scene, source, problems);
     for (std::size_t g = 0; g < scene.crowd->groups.size(); ++g) {
         const std::string pointer = "/crowd/groups/" + std::to_string(g);
+        check_bodies(scene, g, source, problems);
         check_tau_histories(scene.crowd, g, source, problems);
         problems.attempt([&] { check_hands(scene, scene.crowd->groups[g], source, pointer); });
         problems.attempt([&] { check_rescuers(scene, scene.crowd->groups[g], source, pointer); });

@@ -10,6 +10,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/text_file.hpp"
 #include "configs/scene/choices.hpp"
+#include "configs/scene/keys.hpp"
 
 namespace wade {
 
@@ -60,6 +61,7 @@ class ResidentTable {
             fail_here(std::to_string(cells_.size()) + " values; allowed: " + std::to_string(columns_.size()) +
                       ", one a column.");
         Resident& one = people_.emplace_back();
+        one.line = line_;
         for (std::size_t i = 0; i < cells_.size(); ++i) {
             if (!cells_[i].empty()) set(one, columns_[i], cells_[i]);
         }
@@ -88,12 +90,24 @@ class ResidentTable {
         if (column == "group") one.group = cell;
         if (column == "x") one.x = number(column, cell, -most, most);
         if (column == "y") one.z = number(column, cell, -most, most);
-        if (column == "age") one.person.age = number(column, cell, 3, 110);
-        if (column == "height") one.person.height = number(column, cell, 0.5, 2.5);
-        if (column == "mass") one.person.mass = number(column, cell, 1, 1000);
+        if (column == "age") one.person.age = number_as(column, "age", cell);
+        if (column == "height") one.person.height = number_as(column, "height_m", cell);
+        if (column == "mass") one.person.mass = number_as(column, "mass_kg", cell);
         if (column == "leaves_at") one.leaves_at = number(column, cell, 0, 1e6);
         if (column == "sex") one.person.sex = word<SexRule>(column, cell);
         if (column == "skill") one.person.skill = word<Skill>(column, cell);
+    }
+
+    // A number of the range that the key of people has in a scene.
+    [[nodiscard]] double number_as(const std::string& column, std::string_view key, std::string_view cell) const {
+        static const KeyNode& keys = *scene_keys().find("crowd")->find("people");
+        const Key& of_people = keys.find(key)->key;
+        double value = 0;
+        const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+        const bool is_one = error == std::errc() && end == cell.data() + cell.size();
+        if (is_one && of_people.range.contains(value)) return value;
+        fail_here(column + " is \"" + std::string(cell.substr(0, 40)) + "\"; allowed: a number " +
+                  allowed_values(of_people) + ".");
     }
 
     [[nodiscard]] double number(const std::string& column, std::string_view cell, double least, double most) const {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "configs/json/json.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/scene/keys.hpp"
+#include "configs/scene/person_size.hpp"
 
 namespace wade {
 
@@ -103,7 +105,21 @@ class Table {
         KeyNode of_one = keys;
         of_one.key.kind = KeyKind::object;
         check_keys(person, of_one, "", {source, problems_, of_one});
+        check_size(person, source);
         return person;
+    }
+
+    // Of a person whose size stands in its own line.
+    void check_size(const Json& person, const std::string& source) {
+        const auto given = [&](const char* key) -> std::optional<Spread> {
+            if (!person.contains(key) || !person[key].is_number()) return std::nullopt;
+            return Spread(person[key].get<double>());
+        };
+        const std::optional<Spread> age = given("age"), height = given("height_m"), mass = given("mass_kg");
+        std::optional<Interval> years;
+        if (age) years = Interval{age->lo, age->hi};
+        if (const auto fault = fault_of_size(years, height, mass))
+            problems_.note(source + ": /" + (fault->is_mass ? "mass_kg" : "height_m") + ": " + fault->sentence);
     }
 
     std::string name_, text_;

@@ -157,11 +157,12 @@ struct Words<Hold> {
 };
 template <>
 struct Words<Skill> {
-    static constexpr std::array<Named<Skill>, 5> all{{{"braced", Skill::braced},
+    static constexpr std::array<Named<Skill>, 6> all{{{"braced", Skill::braced},
                                                       {"good", Skill::good},
                                                       {"normal", Skill::normal},
                                                       {"unaware", Skill::unaware},
-                                                      {"poor", Skill::poor}}};
+                                                      {"poor", Skill::poor},
+                                                      {"by_size", Skill::by_size}}};
 };
 template <>
 struct Words<SpeedRule> {

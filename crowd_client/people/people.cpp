@@ -143,6 +143,15 @@ bool is_beyond_measured(const Condition& condition, double depth) {
     return strains && (depth < shallowest_measured || depth > deepest_measured);
 }
 
+// H m, m kg, of the largest of the small children and of the smallest adults (Cox et al. 2010).
+constexpr double smallest_size = 25, largest_size = 50;
+
+// The skill that `by_size` stands for; itself between children and adults.
+Skill skill_of_size(const Body& body) {
+    const double size = body.height * body.mass;
+    return size <= smallest_size ? Skill::unaware : size < largest_size ? Skill::by_size : Skill::normal;
+}
+
 }  // namespace
 
 Bracing bracing_of(Skill skill) {
@@ -156,22 +165,35 @@ Bracing bracing_of(Skill skill) {
         case Skill::poor:
             return {0.07, 0.011};
         case Skill::normal:
+        case Skill::by_size:
             break;
     }
     return {0.45, 0.09};
 }
 
-void add_person(People& people, const AgentGroup& group, const PersonRow& row, bool by_body,
-                const std::array<double, 5>& random) {
+Bracing bracing_of(Skill skill, const Body& body) {
+    if (skill != Skill::by_size) return bracing_of(skill);
+    const Bracing of_small = bracing_of(Skill::unaware), of_large = bracing_of(Skill::normal);
+    const double size = body.height * body.mass;
+    const double share = std::clamp((size - smallest_size) / (largest_size - smallest_size), 0.0, 1.0);
+    return {of_small.friction + share * (of_large.friction - of_small.friction),
+            of_small.arm_share + share * (of_large.arm_share - of_small.arm_share)};
+}
+
+double add_person(People& people, const AgentGroup& group, const PersonRow& row, bool by_body,
+                  const PersonDraws& draws) {
     const BodySettings& body = group.body;
     const SexRule sex = row.sex.value_or(body.sex);
-    const bool is_male = sex == SexRule::any ? random[0] >= 0.5 : sex == SexRule::male;
-    people.skill.push_back(row.skill.value_or(body.skill));
-    const Bracing bracing = bracing_of(people.skill.back());
-    const double ground = body.ground_friction ? body.ground_friction->at(random[3]) : bracing.friction;
+    const bool is_male = sex == SexRule::any ? draws.sex >= 0.5 : sex == SexRule::male;
+    const double age = row.age.value_or(body.age.at(draws.age));
+    const PersonSize size = size_of_person(group, row, age, is_male, draws);
+    const Skill skill = row.skill.value_or(body.skill);
+    people.skill.push_back(skill == Skill::by_size ? skill_of_size({size.height, size.mass}) : skill);
+    const Bracing bracing = bracing_of(people.skill.back(), {size.height, size.mass});
+    const double ground = body.ground_friction ? body.ground_friction->at(draws.friction) : bracing.friction;
     people.sex.push_back(is_male ? Sex::male : Sex::female);
-    people.height.push_back(row.height.value_or(body.height.at(random[1])));
-    people.age.push_back(row.age.value_or(body.age.at(random[2])));
+    people.height.push_back(size.height);
+    people.age.push_back(age);
     people.friction.push_back(row.ground_friction.value_or(ground));
     people.drag.push_back(body_drag);
     people.disc_width.push_back(0);
@@ -190,8 +212,9 @@ void add_person(People& people, const AgentGroup& group, const PersonRow& row, b
     people.condition.push_back({});
     people.worst.push_back(PersonState::walking);
     people.beyond.push_back(0);
-    people.drowns_at.push_back(-std::log1p(-random[4]));
+    people.drowns_at.push_back(-std::log1p(-draws.drowns));
     people.stop.emplace_back();
+    return size.mass;
 }
 
 void start_wear(People& people, const Crowd& crowd) {

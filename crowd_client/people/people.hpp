@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "configs/scene/crowd.hpp"
+#include "configs/scene/person_size.hpp"
 #include "crowd_client/people/person.hpp"
 #include "crowd_client/people/states.hpp"
 #include "crowd_client/people/wear.hpp"
@@ -75,9 +76,12 @@ struct Bracing {
 };
 [[nodiscard]] Bracing bracing_of(Skill skill);
 
-// Adds a person, of a table or drawn; `random` gives the number of [0, 1) of its sex, height, age, friction and of drowning in turn.
-void add_person(People& people, const AgentGroup& group, const PersonRow& row, bool by_body,
-                const std::array<double, 5>& random);
+// The same of a person of a size. by_size: up to H m = 25 m kg that of `unaware`, from 50 m kg on that of `normal`, linear between.
+[[nodiscard]] Bracing bracing_of(Skill skill, const Body& body);
+
+// Adds a person, of a table or drawn, and returns its mass, kg.
+double add_person(People& people, const AgentGroup& group, const PersonRow& row, bool by_body,
+                  const PersonDraws& draws);
 
 // Lets time act upon people, as the scene says.
 void start_wear(People& people, const Crowd& crowd);

@@ -21,7 +21,7 @@ int main() {
     for (std::string skill; std::cin >> body.height >> body.mass >> depth >> skill;) {
         const auto chosen = wade::choice_named<wade::Skill>(skill);
         if (!chosen && skill != "-") return 2;
-        const Bracing bracing = chosen ? bracing_of(*chosen) : Bracing{1, 1};
+        const Bracing bracing = chosen ? bracing_of(*chosen, body) : Bracing{1, 1};
         const double k = drag_upright(body.height, depth, water), weight = weight_on_feet(body, depth, water);
         std::printf("%.17g %.17g\n", slip_demand(k, stream, still, bracing.friction, weight),
                     topple_demand(k, stream, std::min(depth, body.height), weight, bracing.arm_share * body.height));

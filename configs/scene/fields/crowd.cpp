@@ -3,6 +3,7 @@
 #include "configs/scene/crowd.hpp"
 
 #include "configs/scene/fields/lists.hpp"
+#include "configs/scene/person_size.hpp"
 
 namespace wade {
 
@@ -91,31 +92,55 @@ KeyValue value_of(Choice choice) {
     return name_of(choice);
 }
 
+// Ranges of the keys of a person, in groups and in tables.
+constexpr Range height_range = from(0.5).to(2.5), mass_range = above(0).to(1000), age_range = from(3).to(110),
+                friction_range = from(0.01).to(2), arm_range = from(0.005).to(0.5);
+
+// A size of a group that sets none, whose ages are known: that of the crowd, or that of adults. None where it follows the ages, as
+// of children in a crowd that is not one of children.
+Presence size_by_age(const BodySettings& body, const AgentGroup& of_crowd, const std::optional<Spread>& size,
+                     double adult) {
+    return otherwise("that of crowd, or by age and sex", [&body, &of_crowd, &size, adult] {
+        const bool children = are_children(body.age), of_children = are_children(of_crowd.body.age);
+        if (size && children == of_children) return KeyValue(*size);
+        return children ? KeyValue() : KeyValue(Spread(adult));
+    });
+}
+
 // The keys of bodies, in a group or in the crowd for the groups that set none, whose bodies these are.
-void fields(BodySettings& body, Fields& f, const BodySettings* of_crowd) {
+void fields(BodySettings& body, Fields& f, const AgentGroup* its_crowd) {
+    const BodySettings* const of_crowd = its_crowd == nullptr ? nullptr : &its_crowd->body;
     const auto unless_set = [&](auto member) {
         if (of_crowd == nullptr) return preset;
         return otherwise("that of crowd", [=] { return value_of(of_crowd->*member); });
     };
-    f.spread("height_m", body.height, "m", from(0.5).to(2.5), "Height of a person.", unless_set(&BodySettings::height));
+    f.spread(
+        "age", body.age, "years", age_range,
+        "Age. Below 20 years height and mass follow age and sex where they are not given (growth charts of the CDC, "
+        "2000), and those of a group with adults hold for its adults alone. For walking_in_water bernardini, too.",
+        unless_set(&BodySettings::age));
+    f.spread("height_m", body.height, "m", height_range, "Height of a person.",
+             its_crowd == nullptr ? otherwise("1.7, or by age and sex")
+                                  : size_by_age(body, *its_crowd, of_crowd->height, PersonSize().height));
     f.choice("sex", body.sex,
              "any: half of the people are female. Men walk faster in water. With the response measured.",
              unless_set(&BodySettings::sex));
-    f.spread("age", body.age, "years", from(3).to(110), "Age, for walking_in_water bernardini.",
-             unless_set(&BodySettings::age));
     f.choice(
         "skill", body.skill,
         "How well people stand against water: friction of the feet mu and arm lambda of the weight over the height. "
-        "braced: 0.80, 0.20, leaning against the stream. good: 0.64, 0.10. normal: 0.45, 0.09. unaware: 0.34, "
+        "by_size: normal, unaware of small children, whose height times mass is up to 25 m kg, and from there to 50 m "
+        "kg "
+        "between both. braced: 0.80, 0.20, leaning against the stream. good: 0.64, 0.10. normal: 0.45, 0.09. unaware: "
+        "0.34, "
         "0.04, as a dummy. poor: 0.07, 0.011. With the response measured.",
         unless_set(&BodySettings::skill));
-    f.spread("ground_friction", body.ground_friction, "", from(0.01).to(2),
+    f.spread("ground_friction", body.ground_friction, "", friction_range,
              "mu of the ground in place of that of the skill: ice 0.1, mud 0.3, rough stone 0.8.",
              otherwise("that of crowd, or of the skill", [=] {
                  return of_crowd == nullptr || !of_crowd->ground_friction ? KeyValue()
                                                                           : KeyValue(*of_crowd->ground_friction);
              }));
-    f.number("bracing_arm", body.bracing_arm, "", from(0.005).to(0.5),
+    f.number("bracing_arm", body.bracing_arm, "", arm_range,
              "lambda, arm of the weight over the height, in place of that of the skill.",
              otherwise("that of crowd, or of the skill", [=] {
                  return of_crowd == nullptr || !of_crowd->bracing_arm ? KeyValue() : KeyValue(*of_crowd->bracing_arm);
@@ -145,13 +170,13 @@ void table_of_people(std::vector<PersonRow>& people, Fields& f) {
         "takes the place of people.");
     f.list("people", people, "People one by one: the agents take them in turn, from the first again after the last.",
            [&](PersonRow& row, Fields&) {
-               f.number("height_m", row.height, "m", from(0.5).to(2.5), "Its height.", as_group);
-               f.number("mass_kg", row.mass, "kg", above(0).to(1000), "Its mass.", as_group);
+               f.number("height_m", row.height, "m", height_range, "Its height.", as_group);
+               f.number("mass_kg", row.mass, "kg", mass_range, "Its mass.", as_group);
                f.choice("sex", row.sex, "Its sex.", as_group);
-               f.number("age", row.age, "years", from(3).to(110), "Its age.", as_group);
+               f.number("age", row.age, "years", age_range, "Its age.", as_group);
                f.choice("skill", row.skill, "Its skill.", as_group);
-               f.number("ground_friction", row.ground_friction, "", from(0.01).to(2), "mu of the ground.", as_group);
-               f.number("bracing_arm", row.bracing_arm, "", from(0.005).to(0.5), "Its lambda.", as_group);
+               f.number("ground_friction", row.ground_friction, "", friction_range, "mu of the ground.", as_group);
+               f.number("bracing_arm", row.bracing_arm, "", arm_range, "Its lambda.", as_group);
                f.flag("can_swim", row.can_swim, "Whether it swims.", as_group);
                f.list("tau_history", row.tau_history,
                       "Its tau in time, where the group has a tau. In a file: time_s:tau, a space, and so on.");
@@ -233,9 +258,6 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
     f.number("desired_speed_m_s", group.desired_speed, "m/s", from(0).to(10),
              "Speed at which an agent walks when nothing holds it up.",
              otherwise("that of crowd", [&] { return KeyValue(of_crowd.desired_speed); }));
-    f.spread("mass_kg", group.mass, "kg", above(0).to(1000),
-             "m_a, mass of an agent. With min and max each agent has a mass of its own, drawn uniformly.",
-             otherwise("that of crowd", [&] { return KeyValue(of_crowd.mass); }));
     f.spread("tau", group.tau, "", from(0).to(1),
              "How much the water moves an agent: 0 not at all, 1 like a body without resistance. With min and max each "
              "agent has a tau of its own, drawn uniformly.",
@@ -248,7 +270,10 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
         if (!group.tau_history.empty() && !group.tau) group.tau = group.tau_history.front().tau;  // not by its body
         return std::nullopt;
     });
-    fields(group.body, f, &of_crowd.body);
+    fields(group.body, f, &of_crowd);
+    f.spread("mass_kg", group.mass, "kg", mass_range,
+             "m_a, mass of an agent. With min and max each agent has a mass of its own, drawn uniformly.",
+             size_by_age(group.body, of_crowd, of_crowd.mass, PersonSize().mass));
     f.choice(
         "hand_in_hand", group.hand_in_hand,
         "Whether the group walks hand in hand: neighbours of the start grid along x or along z hold one another until "
@@ -371,7 +396,8 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
         f.spread("tau", of_crowd.tau, "", from(0).to(1),
                  "tau of the groups that set none. With the response measured people of these answer by their bodies, "
                  "and it is unused.");
-        f.spread("mass_kg", of_crowd.mass, "kg", above(0).to(1000), "Mass of the agents of groups that set none.");
+        f.spread("mass_kg", of_crowd.mass, "kg", mass_range, "Mass of the agents of groups that set none.",
+                 otherwise("65, or by age and sex"));
         f.number("desired_speed_m_s", of_crowd.desired_speed, "m/s", from(0).to(10),
                  "Desired speed of the agents of groups that set none.");
         fields(of_crowd.body, f, nullptr);

@@ -1,6 +1,7 @@
 #pragma once
 // People as a scene describes them, in groups, in tables, and in the houses of a place.
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,14 +21,14 @@ enum class SexRule {
     female,
     male
 };
-enum class Skill { braced, good, normal, unaware, poor };  // in standing against water, see people_in_water.md
+enum class Skill { braced, good, normal, unaware, poor, by_size };  // in standing against water, see people_in_water.md
 
 // The bodies of people, as water sees them; the mass is AgentGroup::mass.
 struct BodySettings {
-    Spread height = 1.7;
+    std::optional<Spread> height;  // none: by age and sex
     SexRule sex = SexRule::any;
     Spread age = 30;  // years
-    Skill skill = Skill::normal;
+    Skill skill = Skill::by_size;
     std::optional<Spread> ground_friction;  // of the feet; else that of the skill
     std::optional<double> bracing_arm;      // lambda; else that of the skill
     bool can_swim = false;
@@ -48,6 +49,7 @@ struct PersonRow {
 // Somebody of a place's table of residents.
 struct Resident {
     std::string id;                   // as the table has it
+    std::size_t line = 0;             // of the table
     double x = 0, z = 0;              // m; in a house: indoors
     std::string group;                // empty: the first that starts in houses
     std::optional<double> leaves_at;  // s; none: as its group says
@@ -84,8 +86,8 @@ struct AgentGroup {
     double start_x = 0, start_z = 0, pitch_x = 1, pitch_z = 1;
     double goal_x = 0, goal_z = 0;  // in a periodic world x counts on, lap by lap
     double desired_speed = 1.3;
-    double start_jitter = 0;  // largest distance of a start from its place on the grid, along x and along z
-    Spread mass = 65;
+    double start_jitter = 0;            // largest distance of a start from its place on the grid, along x and along z
+    std::optional<Spread> mass;         // none: by age and sex
     std::optional<Spread> tau = 0;      // endurance in [0, 1]: 0 is not moved by the water; none: their bodies tell
     std::vector<TauPoint> tau_history;  // in time; empty: `tau` throughout
     BodySettings body;

@@ -187,7 +187,8 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
     std::string csv =
         "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
         "mean_dv_m2_s,state,height_m,mean_tau,worst_state,age,skill,"
-        "start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,exposure_s,drift_end,can_swim,rest_s,rest_state";
+        "sex,ground_friction,bracing_arm,start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,exposure_s,drift_end,can_"
+        "swim,rest_s,rest_state";
     if (danger != nullptr) csv.append(",danger_level,").append(exposure_columns);
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -206,6 +207,9 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         csv += ',' + std::string(state_name(crowd, id)) + ',' + csv_number(agents.people.height[id]);
         csv += ',' + csv_number(mean_tau_met(agents, id)) + ',' + std::string(worst_state(agents.people, id));
         csv += ',' + csv_number(agents.people.age[id]) + ',' + std::string(name_of(agents.people.skill[id]));
+        csv += agents.people.sex[id] == Sex::male ? ",male" : ",female";
+        csv += ',' + csv_number(agents.people.friction[id]);
+        csv += ',' + csv_number(agents.people.arm[id] / agents.people.height[id]);
         csv += ',' + csv_number(agents.start[id].x()) + ',' + csv_number(agents.start[id].y()) + ',';
         if (const std::uint64_t lost = agents.lost_feet_step[id]; lost > 0) csv += csv_number(time_of(crowd, lost));
         csv += ',';

@@ -101,7 +101,7 @@ TEST_CASE("People of a table are taken in turn, and what it leaves open is drawn
         const bool is_small = id % 2 == 0;
         CHECK(agents.people.height[id] == (is_small ? 1.2 : 1.9));
         CHECK(agents.mass[id] == (is_small ? 30 : drawn.mass[id]));
-        CHECK(agents.people.friction[id] == (is_small ? 0.45 : 0.80));
+        CHECK(agents.people.friction[id] == (is_small ? 0.34 + (1.2 * 30 - 25) / 25 * (0.45 - 0.34) : 0.80));
     }
     scene.crowd->groups[0].people = {large};
     CHECK(make_agents(scene).people.height[0] == 1.9);

@@ -215,7 +215,7 @@ TEST_CASE("tau and mass are numbers or limits, of the crowd or of a group") {
     const auto& groups = loaded.scene.crowd->groups;
     CHECK((groups.at(0).tau->lo == 0.4 && groups.at(0).tau->hi == 0.8));
     CHECK((groups.at(1).tau->lo == 0.1 && groups.at(1).tau->hi == 0.2));
-    CHECK((groups.at(1).mass.lo == 40 && groups.at(1).mass.hi == 100));
+    CHECK((groups.at(1).mass->lo == 40 && groups.at(1).mass->hi == 100));
     CHECK(load("/crowd/tau=0.5").scene.crowd->groups.at(0).tau == 0.5);
     CHECK(load("/crowd/tau/max=0.9").scene.crowd->groups.at(0).tau->hi == 0.9);
     CHECK(wade::load_scene_text(loaded.canonical_json, "again.json").canonical_json == loaded.canonical_json);

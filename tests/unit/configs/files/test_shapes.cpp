@@ -128,7 +128,7 @@ TEST_CASE("residents are read by the names of their columns, and what is wrong i
     CHECK_THAT(refused("id,x\n"), Contains("p.csv: line 1: there is no column y"));
     CHECK_THAT(refused("x,y,name\n"), Contains("there is no column \"name\"; allowed: id, x, y"));
     CHECK_THAT(refused("x,y\n1\n"), Contains("line 2: 1 values; allowed: 2"));
-    CHECK_THAT(refused("x,y,age\n1,2,two\n"), Contains("age is \"two\"; allowed: a number from 3 to 110"));
+    CHECK_THAT(refused("x,y,age\n1,2,two\n"), Contains("age is \"two\"; allowed: a number >= 3 and <= 110"));
     CHECK_THAT(refused("x,y,sex\n1,2,f\n"), Contains("sex is \"f\"; allowed: any, female, male"));
     CHECK_THAT(refused("id,x,y\na,1,2\na,1,2\n"), Contains("line 3: id \"a\" stands twice"));
     CHECK_THAT(refused("x,y\n"), Contains("there are no people"));

@@ -205,12 +205,13 @@ TEST_CASE("Ragdolls and levels of danger have files of their own, if they are as
     CHECK_THAT(ragdolls, Catch::StartsWith("frame,id,hip_height_m,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s\n3,0,0.5,"));
     CHECK_THAT(content_of(folder.path / "agents.csv"),
                Catch::Contains(",mean_dv_m2_s,state,height_m,mean_tau,worst_state,age,skill,"
-                               "start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,exposure_s,drift_end,can_swim,"
+                               "sex,ground_friction,bracing_arm,start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,"
+                               "exposure_s,drift_end,can_swim,"
                                "rest_s,rest_state,danger_level,"
                                "none_s,low_s,moderate_s,"
                                "high_s,very_high_s\n") &&
                    Catch::Contains(",walking,1.7,") &&
-                   Catch::Contains(",,30,normal,50,25,,,,,,,,,very_high,0,0,0,0,1\n"));
+                   Catch::Contains(",,30,normal,female,0.45,0.09,50,25,,,,,,,,,very_high,0,0,0,0,1\n"));
     CHECK_THAT(content_of(folder.path / "danger.csv"), Catch::Contains(",very_high,1,2.5,2.5,0,0,0,0,1\n"));
 
     // A run without them in the same folder leaves none of an earlier one.

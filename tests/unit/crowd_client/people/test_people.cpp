@@ -240,6 +240,35 @@ TEST_CASE("Skills are pairs of friction and arm, and a friction of the ground or
     }
 }
 
+TEST_CASE("By size small children stand as a dummy, adults as normal people, and nothing jumps between") {
+    const auto skill_of = [](double age) {
+        BodySettings settings;
+        settings.age = age;
+        return one_person(settings).skill[0];
+    };
+    CHECK((skill_of(4) == Skill::unaware && skill_of(9) == Skill::by_size && skill_of(30) == Skill::normal));
+    // The depth times speed at which a person of 1 m to 1.8 m and 13 to 22 kg/m2 falls in 0.3 m of water.
+    const auto limit = [](const Body& person, Skill skill) {
+        constexpr double depth = 0.3;
+        const Bracing bracing = bracing_of(skill, person);
+        const double k = drag_upright(person.height, depth, fresh_water);
+        const double weight = weight_on_feet(person, depth, fresh_water), arm = bracing.arm_share * person.height;
+        const double slip = slip_demand(k, {1, 0}, Vector2d::Zero(), bracing.friction, weight);
+        return depth / std::sqrt(std::max(slip, topple_demand(k, {1, 0}, depth, weight, arm)));
+    };
+    const auto at = [](double s) { return Body{1 + 0.8 * s, (13 + 9 * s) * std::pow(1 + 0.8 * s, 2)}; };
+    for (double s = 0.01; s < 1; s += 0.01) {
+        const double now = limit(at(s), Skill::by_size), before = limit(at(s - 0.01), Skill::by_size);
+        CHECK(now > before);
+        CHECK(now < 1.05 * before);  // the change of skill alone is a factor of 1.3 to 1.5
+    }
+    CHECK(limit(at(0), Skill::by_size) == limit(at(0), Skill::unaware));
+    CHECK(limit(at(1), Skill::by_size) == limit(at(1), Skill::normal));
+    // Cox et al. (2004): children of H m < 20 m kg are not safe at 0.4 m2/s.
+    for (const Body& child : {Body{0.95, 14.3}, Body{1.02, 16.2}, Body{1.08, 18.2}})
+        CHECK(limit(child, Skill::by_size) < 0.4);
+}
+
 TEST_CASE("Speeds by age are Bernardini's, and never above that on dry ground") {
     BodySettings settings;
     settings.age = 30;

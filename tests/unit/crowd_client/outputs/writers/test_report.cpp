@@ -133,11 +133,13 @@ TEST_CASE("agents.csv has one line an agent with the columns that scripts rely o
     CHECK(line ==
           "id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,"
           "mean_dv_m2_s,state,height_m,mean_tau,worst_state,age,skill,"
-          "start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,exposure_s,drift_end,can_swim,rest_s,rest_state");
+          "sex,ground_friction,bracing_arm,start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,exposure_s,drift_end,"
+          "can_swim,rest_s,rest_state");
     std::getline(csv, line);
     CHECK(line ==
           "0,\"a, "
-          "\"\"b\"\"\",arrived,3,0.1,50,0.2,65,0.3333333333333333,0,0,0.75,0.9,arrived,1.7,0.25,,30,normal,10,25,1,,,,,"
+          "\"\"b\"\"\",arrived,3,0.1,50,0.2,65,0.3333333333333333,0,0,0.75,0.9,arrived,1.7,0.25,,30,normal,female,0.45,"
+          "0.09,10,25,1,,,,,"
           ",,");
     CHECK_FALSE(std::getline(csv, line));
 }
@@ -154,8 +156,8 @@ TEST_CASE("Who stands is counted among the active, and named in agents.csv") {
     CHECK(outcome["standing"] == 1);
     CHECK(outcome["states"]["standing"] == 1);
     CHECK(outcome["warnings"] == Json{"somebody stands"});
-    CHECK_THAT(agents_csv(run.crowd),
-               Catch::EndsWith(",standing,1.7,0,,30,normal,10,25,,,,,,,,\n") && Catch::Contains("0,walkers,active,"));
+    CHECK_THAT(agents_csv(run.crowd), Catch::EndsWith(",standing,1.7,0,,30,normal,female,0.45,0.09,10,25,,,,,,,,\n") &&
+                                          Catch::Contains("0,walkers,active,"));
 }
 
 TEST_CASE("Times are those of the crowd's steps, whatever the rate of the frames") {

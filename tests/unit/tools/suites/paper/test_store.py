@@ -148,7 +148,7 @@ class Scenes(unittest.TestCase):
 
     def test_groups_from_before_people_had_bodies_are_the_same_with_the_crowds_defaults(self):
         old = {"crowd": {"groups": [{"tau": 0.2}, {"tau": 0.8}]}}
-        body = {"height_m": 1.7, "skill": "normal", "people": []}
+        body = {"can_swim": False, "skill": "by_size", "people": []}
         self.assertTrue(same_scene(old, {"crowd": {"groups": [{"tau": 0.2, **body}, {"tau": 0.8, **body}]}}))
         self.assertFalse(same_scene(old, {"crowd": {"groups": [{"tau": 0.2, **body}, {"tau": 0.8, "skill": "poor"}]}}))
         self.assertFalse(same_scene(old, {"crowd": {"groups": [{"tau": 0.2, **body}]}}))

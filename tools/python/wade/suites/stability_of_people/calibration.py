@@ -67,7 +67,8 @@ SETS = (
 )
 
 # Limits that do not know the body, drawn beside the curves and not scored.
-DEPTH_TIMES_SPEED = (  # m2/s
+DEPTH_TIMES_SPEED = (  # m2/s; guidelines but for the first
+    ("Cox 2004: children of H m < 20 m kg fail", 0.4),
     ("AR&R 2016, H3: not for children and the elderly", 0.6), ("Viseu 2006, high", 0.75),
     ("AR&R 2016, H4: for nobody; Viseu, very high", 1.0))
 DEFRA = ("Defra FD2320: danger for most", 1.5)  # h (u + 0.5)

@@ -91,7 +91,7 @@ def picture(folder, constants, in_flume):
             if found is not None and tuple(body) in (PERSON, (1.68, 60)):
                 curves.plot(depth, found, MARKS[k], color=COLOURS[k], markersize=5, markeredgecolor="k", markeredgewidth=0.6)
     depths = np.linspace(0.2, 1.2, 100)
-    for (name, product), line in zip(DEPTH_TIMES_SPEED, (":", "--", "-")):
+    for (name, product), line in zip(DEPTH_TIMES_SPEED, ("-.", ":", "--", "-")):
         curves.plot(depths, product / depths, line, color="#9a9aa2", linewidth=0.9, label=f"{name}: {product:g} m2/s")
     curves.plot(depths, DEFRA[1] / depths - 0.5, color="#9a9aa2", linewidth=2.2, alpha=0.5, label=f"{DEFRA[0]}, {DEFRA[1]:g}")
     curves.set(ylim=(0, 4), xlim=(0.15, 1.25), title=f"{PERSON[0]:.2f} m, {PERSON[1]} kg")
