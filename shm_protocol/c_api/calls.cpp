@@ -2,6 +2,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "shm_protocol/c_api/columns.hpp"
 #include "shm_protocol/c_api/convert.hpp"
 #include "shm_protocol/c_api/wade_shm.h"
 #include "shm_protocol/latest_reader.hpp"
@@ -175,6 +176,21 @@ int wade_publisher_heartbeat(wade_publisher* publisher) {
 }
 int wade_publisher_set_paused(wade_publisher* publisher, int paused) {
     return on(__func__, publisher, [paused](Publisher& p) { p.set_paused(paused != 0); });
+}
+int wade_columns_stream(const wade_grid* grid, wade_stream* stream) {
+    return guarded([&] {
+        demand("wade_columns_stream", grid, stream);
+        c_api::suit_to_grid(*grid, *stream);
+        return static_cast<int>(WADE_OK);
+    });
+}
+int wade_columns(const wade_grid* grid, const wade_stream* stream, const wade_slot* slot, uint32_t* count) {
+    return guarded([&] {
+        demand("wade_columns", grid, stream, slot, count);
+        demand("wade_columns", grid->depth, grid->u, grid->v, slot->mass);
+        *count = c_api::write_columns(*grid, *stream, *slot);
+        return static_cast<int>(WADE_OK);
+    });
 }
 uint64_t wade_publisher_published_frames(const wade_publisher* publisher) {
     return publisher == nullptr ? 0 : publisher->end.published_frames();

@@ -125,6 +125,17 @@ typedef struct wade_frame_impulses {
     const float *jx, *jz, *submerged, *spread;
 } wade_frame_impulses;
 
+/* Depth-averaged water of one moment on a regular grid. Values of cell (i, j) stand at j * nx + i; its lower corner is
+ * (x_min + i * cell_x, z_min + j * cell_z) in world metres. */
+typedef struct wade_grid {
+    double x_min, z_min;   /* m */
+    double cell_x, cell_z; /* m, above 0; cells wider than 2 m are divided into equal columns */
+    uint32_t nx, nz;
+    const double* depth; /* m; NaN or at most 0.001 = dry, no column */
+    const double *u, *v; /* m/s along world x and z, read where there is water */
+    const double* bed;   /* height of the bed, m, read where there is water; NULL = 0 */
+} wade_grid;
+
 uint32_t wade_abi_version(void);
 const char* wade_last_error(void); /* of this thread, "" = none; valid until its next failure */
 
@@ -153,6 +164,10 @@ int wade_publisher_end_frame_at(wade_publisher* publisher, uint32_t count, const
                                 int final, uint64_t tick);
 int wade_publisher_heartbeat(wade_publisher* publisher);
 int wade_publisher_set_paused(wade_publisher* publisher, int paused);
+/* Sets capacity, column_width and, where it is 0, rest_density of a stream for this grid, before the publisher opens. */
+int wade_columns_stream(const wade_grid* grid, wade_stream* stream);
+/* Writes the columns of a grid into a slot that was begun; *count = their number, for wade_publisher_end_frame(). */
+int wade_columns(const wade_grid* grid, const wade_stream* stream, const wade_slot* slot, uint32_t* count);
 uint64_t wade_publisher_published_frames(const wade_publisher* publisher);
 uint64_t wade_publisher_frame_hash(const wade_publisher* publisher);
 int wade_publisher_close(wade_publisher* publisher);

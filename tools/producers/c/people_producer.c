@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "shm_protocol/c_api/wade_shm.h"
+#include "wade_shm.h"
 
 enum { frames, particles, depth, speed, attach_timeout_s, step_timeout_s, option_count };
 static struct {
@@ -199,6 +199,7 @@ int main(int argc, char** argv) {
     stream.depth = (uint32_t)options[depth].value;
     stream.scene_hash = scene_hash;
     stream.rest_density = 1000;
+    stream.particle_radius = 0.4642 / 2;
     wade_publisher* water = NULL;
     int result = wade_publisher_open(session, &stream, &waiting, &water);
     if (result == WADE_OK) result = play(water, &waiting);

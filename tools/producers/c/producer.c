@@ -145,6 +145,7 @@ static inline struct header new_header(uint64_t capacity, uint32_t depth, const 
     h.ticks_per_second = 30;
     h.ticks_per_frame = 1;
     h.metres_per_unit = 1;
+    h.particle_radius = 0.4642 / 2;
     h.rest_density = 1000;
     h.control_offset = offsetof(struct segment, control);
     h.doorbell_offset = offsetof(struct segment, doorbell);

@@ -1,6 +1,9 @@
 // The producer's part of libwade_shm.so for Node: a thin N-API addon. JavaScript sees
 //
-//   open(session, { capacity, depth, producerName, sceneHash, attachTimeoutS, stepTimeoutS }) -> publisher
+//   open(session, { capacity, depth, producerName, sceneHash, particleRadius, columnWidth, attachTimeoutS, stepTimeoutS })
+//       -> publisher
+//   columnStream(grid) -> { capacity, columnWidth } of open for depth-averaged water on this grid
+//   columns(publisher, grid) -> count, once the columns of the grid stand in the frame that was begun last
 //   waitForConsumers(publisher, n)
 //   beginFrame(publisher) -> { frame, mass, vx, vy, vz, px, py, pz } or null when the stream should end
 //   endFrame(publisher, count, final, account), close(publisher), abort(publisher, code, text), frameHash(publisher)
@@ -10,6 +13,7 @@
 //   leavePeople(people)
 //   catchSignals(), receivedSignal()
 //
+// grid: { xMin, zMin, cellX, cellZ, nx, nz, depth, u, v, bed }, as wade_grid; the last four Float64Arrays, bed may be missing.
 // account: null, or [taken x, taken z, missing x, missing z] by people since the start, N s.
 // The arrays of a frame are Float32Arrays over the shared memory itself; close and abort detach them. Waits block the
 // event loop: a solver that also serves requests belongs in a worker thread. What fails throws an Error whose exitCode
@@ -30,6 +34,7 @@ enum { publisher_tag = 1, people_tag = 2 };
 struct publisher {
     unsigned tag;
     wade_publisher* stream;
+    wade_slot slot;               // that was begun last
     unsigned slots;               // known so far
     float* addresses[max_slots];  // of the first array of a slot
     napi_ref frames[max_slots];   // the object with its arrays, made once
@@ -99,6 +104,17 @@ static double number_property(napi_env env, napi_value object, const char* name,
     return number;
 }
 
+// columnWidth: [x, z], m.
+static void read_column_width(napi_env env, napi_value options, double width[2]) {
+    napi_value array, value;
+    bool is_array = false;
+    if (napi_get_named_property(env, options, "columnWidth", &array) != napi_ok ||
+        napi_is_array(env, array, &is_array) != napi_ok || !is_array)
+        return;
+    for (uint32_t i = 0; i < 2; ++i)
+        if (napi_get_element(env, array, i, &value) == napi_ok) napi_get_value_double(env, value, &width[i]);
+}
+
 static napi_value open_publisher(napi_env env, napi_callback_info info) {
     size_t count = 2;
     napi_value arguments[2], property, result;
@@ -118,6 +134,8 @@ static napi_value open_publisher(napi_env env, napi_callback_info info) {
     stream.capacity = (uint32_t)number_property(env, arguments[1], "capacity", stream.capacity);
     stream.depth = (uint32_t)number_property(env, arguments[1], "depth", stream.depth);
     stream.rest_density = 1000;
+    stream.particle_radius = number_property(env, arguments[1], "particleRadius", 0);
+    read_column_width(env, arguments[1], stream.column_width);
     waiting.attach_timeout_s = number_property(env, arguments[1], "attachTimeoutS", waiting.attach_timeout_s);
     waiting.step_timeout_s = number_property(env, arguments[1], "stepTimeoutS", waiting.step_timeout_s);
 
@@ -160,6 +178,7 @@ static napi_value begin_frame(napi_env env, napi_callback_info info) {
     if (!read_call(env, info, 1, &argument, &p)) return NULL;
     wade_slot slot;
     const int result = wade_publisher_begin_frame(p->stream, &slot);
+    p->slot = slot;
     if (result == WADE_END) return napi_get_null(env, &frame) == napi_ok ? frame : NULL;
     if (result != WADE_OK) return done(env, result);
     unsigned s = 0;
@@ -176,6 +195,87 @@ static napi_value begin_frame(napi_env env, napi_callback_info info) {
     napi_create_int64(env, (int64_t)slot.frame, &number);
     napi_set_named_property(env, frame, "frame", number);
     return frame;
+}
+
+// NULL where the property is missing or no Float64Array of this length.
+static const double* numbers_of(napi_env env, napi_value object, const char* name, size_t length) {
+    napi_value array;
+    napi_typedarray_type type;
+    size_t given = 0;
+    void* values = NULL;
+    bool is_array = false;
+    if (napi_get_named_property(env, object, name, &array) != napi_ok ||
+        napi_is_typedarray(env, array, &is_array) != napi_ok || !is_array)
+        return NULL;
+    napi_get_typedarray_info(env, array, &type, &given, &values, NULL, NULL);
+    return type == napi_float64_array && given == length ? values : NULL;
+}
+
+static bool has_property(napi_env env, napi_value object, const char* name) {
+    napi_value value;
+    napi_valuetype type = napi_undefined;
+    return napi_get_named_property(env, object, name, &value) == napi_ok && napi_typeof(env, value, &type) == napi_ok &&
+           type != napi_undefined && type != napi_null;
+}
+
+// The cells of a grid along an axis; 0, which the library refuses, for anything but a whole number.
+static uint32_t cells_of(napi_env env, napi_value grid, const char* name) {
+    const double number = number_property(env, grid, name, 0);
+    return number >= 1 && number <= UINT32_MAX && number == (uint32_t)number ? (uint32_t)number : 0;
+}
+
+static wade_grid read_grid(napi_env env, napi_value object) {
+    wade_grid grid = {.x_min = number_property(env, object, "xMin", 0),
+                      .z_min = number_property(env, object, "zMin", 0),
+                      .cell_x = number_property(env, object, "cellX", 0),
+                      .cell_z = number_property(env, object, "cellZ", 0),
+                      .nx = cells_of(env, object, "nx"),
+                      .nz = cells_of(env, object, "nz")};
+    const size_t cells = (size_t)grid.nx * grid.nz;
+    grid.depth = numbers_of(env, object, "depth", cells);
+    grid.u = numbers_of(env, object, "u", cells);
+    grid.v = numbers_of(env, object, "v", cells);
+    grid.bed = numbers_of(env, object, "bed", cells);
+    return grid;
+}
+
+static napi_value column_stream(napi_env env, napi_callback_info info) {
+    size_t count = 1;
+    napi_value argument, result, width, value;
+    napi_get_cb_info(env, info, &count, &argument, NULL, NULL);
+    const wade_grid grid = read_grid(env, argument);
+    wade_stream stream;
+    wade_stream_defaults(&stream);
+    const int failure = wade_columns_stream(&grid, &stream);
+    if (failure != WADE_OK) return done(env, failure);
+    napi_create_object(env, &result);
+    napi_create_uint32(env, stream.capacity, &value);
+    napi_set_named_property(env, result, "capacity", value);
+    napi_create_array_with_length(env, 2, &width);
+    for (uint32_t i = 0; i < 2; ++i) {
+        napi_create_double(env, stream.column_width[i], &value);
+        napi_set_element(env, width, i, value);
+    }
+    napi_set_named_property(env, result, "columnWidth", width);
+    return result;
+}
+
+static napi_value write_columns(napi_env env, napi_callback_info info) {
+    napi_value arguments[2], result;
+    struct publisher* p;
+    if (!read_call(env, info, 2, arguments, &p)) return NULL;
+    const wade_grid grid = read_grid(env, arguments[1]);
+    if (grid.depth == NULL || grid.u == NULL || grid.v == NULL ||
+        (grid.bed == NULL && has_property(env, arguments[1], "bed")))
+        return throw_failure(env, WADE_USAGE,
+                             "columns(publisher, grid): depth, u, v and bed must be Float64Arrays of nx * nz values.");
+    wade_stream stream;
+    uint32_t count = 0;
+    int failure = wade_publisher_stream(p->stream, &stream);
+    if (failure == WADE_OK) failure = wade_columns(&grid, &stream, &p->slot, &count);
+    if (failure != WADE_OK) return done(env, failure);
+    napi_create_uint32(env, count, &result);
+    return result;
 }
 
 // The account of what people took; without one the diagnostics say nothing of them.
@@ -203,6 +303,7 @@ static napi_value end_frame(napi_env env, napi_callback_info info) {
                              "endFrame(publisher, count, final, account): a number and a boolean are required.");
     wade_diagnostics diagnostics;
     read_account(env, arguments[3], &diagnostics);
+    p->slot = (wade_slot){0};
     return done(env, wade_publisher_end_frame(p->stream, count, &diagnostics, final));
 }
 
@@ -352,6 +453,8 @@ NAPI_MODULE_INIT() {
         {"open", NULL, open_publisher, NULL, NULL, NULL, napi_enumerable, NULL},
         {"waitForConsumers", NULL, wait_for_consumers, NULL, NULL, NULL, napi_enumerable, NULL},
         {"beginFrame", NULL, begin_frame, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"columnStream", NULL, column_stream, NULL, NULL, NULL, napi_enumerable, NULL},
+        {"columns", NULL, write_columns, NULL, NULL, NULL, napi_enumerable, NULL},
         {"endFrame", NULL, end_frame, NULL, NULL, NULL, napi_enumerable, NULL},
         {"close", NULL, close_publisher, NULL, NULL, NULL, napi_enumerable, NULL},
         {"abort", NULL, abort_publisher, NULL, NULL, NULL, napi_enumerable, NULL},

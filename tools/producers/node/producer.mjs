@@ -112,6 +112,7 @@ function produce(shm, options) {
   const waiting = { attachTimeoutS: options["--attach-timeout-s"], stepTimeoutS: options["--step-timeout-s"] };
   const publisher = shm.open(options["--session"], {
     capacity: particles, depth: options["--depth"], producerName: "producer_node", sceneHash: options["--scene-hash"],
+    particleRadius: SPACING_M / 2,
     ...waiting,
   });
   try {

@@ -6,6 +6,7 @@ import sys
 
 MASS_KG, HEIGHT_M, FRAME_RATE_HZ = 100, 0.23, 30
 SPACING_M, ROWS, FIRST_X_M, FIRST_Z_M, LENGTH_M = 0.4642, 50, 60, 12, 100
+PARTICLE_RADIUS_M = SPACING_M / 2
 
 
 def bounded(kind, lowest, highest):
@@ -26,7 +27,7 @@ def scene_hash(text):
     return value
 
 
-def read_options(program, people):
+def read_options(program, people=False):
     parser = argparse.ArgumentParser(
         prog=program,
         allow_abbrev=False,
@@ -46,10 +47,10 @@ def read_options(program, people):
     return parser.parse_args()
 
 
-def run(program, produce, failure, people=False):
+def run(program, produce, failure, options_of=read_options):
     """The whole of a producer: its options, its frames, and the exit code of a failure, whose text it shows."""
     try:
-        produce(read_options(program, people))
+        produce(options_of(program))
     except failure as error:
         print(f"{program}: {error}", file=sys.stderr)
         sys.exit(error.code)

@@ -110,6 +110,7 @@ def open_publisher(library, options, interrupted):
     library("stream_defaults", ctypes.byref(stream))
     library("waiting_defaults", ctypes.byref(waiting))
     stream.producer_name, stream.rest_density = b"producer_ctypes", 1000
+    stream.particle_radius = known_stream.PARTICLE_RADIUS_M
     stream.capacity, stream.depth, stream.scene_hash = options.particles, options.depth, options.scene_hash
     waiting.attach_timeout_s, waiting.step_timeout_s = options.attach_timeout_s, options.step_timeout_s
     waiting.interrupted = interrupted
@@ -214,4 +215,4 @@ def produce(options):
 
 
 if __name__ == "__main__":
-    known_stream.run("producer_ctypes", produce, StreamError, people=True)
+    known_stream.run("producer_ctypes", produce, StreamError, lambda program: known_stream.read_options(program, people=True))

@@ -20,7 +20,8 @@ def field_sums(fields):
 def produce(options):
     start_x, z = known_stream.block(np, options.particles)
     with SharedMemoryStream(options.session, options.particles, "producer_numpy", options.depth, options.scene_hash,
-                            options.attach_timeout_s, options.step_timeout_s, known_stream.catch_signals()) as stream:
+                            options.attach_timeout_s, options.step_timeout_s, known_stream.catch_signals(),
+                            particle_radius=known_stream.PARTICLE_RADIUS_M) as stream:
         stream.wait_for_consumers()
         for frame in range(1, options.frames + 1):
             arrays = stream.begin_frame()

@@ -47,7 +47,8 @@ def produce(options):
     still, start = still_arrays(options)
     weights = hash_weights(options.particles)
     with SharedMemoryStream(options.session, options.particles, "producer_plain", options.depth, options.scene_hash,
-                            options.attach_timeout_s, options.step_timeout_s, known_stream.catch_signals()) as stream:
+                            options.attach_timeout_s, options.step_timeout_s, known_stream.catch_signals(),
+                            particle_radius=known_stream.PARTICLE_RADIUS_M) as stream:
         stream.wait_for_consumers()
         for frame in range(1, options.frames + 1):
             fields = stream.begin_frame()

@@ -75,13 +75,16 @@ class SharedMemoryStream:
         stream.close()
 
     Leaving the block by an exception tells the consumers why. `interrupted` is polled and gives the number of a signal
-    that asks to stop, or 0. Time-outs in seconds, 0: wait for ever. Errors: StreamError.
+    that asks to stop, or 0. Time-outs in seconds, 0: wait for ever. particle_radius: half of the spacing of a solver's
+    particles, m. column_width: of depth-averaged water, along x and z, m (columns.py). Errors: StreamError.
     """
 
     def __init__(self, session, capacity, producer_name, depth=1, scene_hash=0, attach_timeout_s=10, step_timeout_s=60,
-                 interrupted=lambda: 0, ticks_per_second=30, ticks_per_frame=1):
+                 interrupted=lambda: 0, ticks_per_second=30, ticks_per_frame=1, particle_radius=0, column_width=(0, 0)):
         if not 1 <= capacity < 2**32 or not 1 <= depth <= 63:
             raise StreamError(USAGE, f"Capacity {capacity} must be 1 to 2^32 - 1 and depth {depth} 1 to 63.")
+        if tuple(column_width) != (0, 0) and not all(0 < width <= 2 for width in column_width):
+            raise StreamError(USAGE, f"column_width {column_width} must be 0, 0 or above 0 and at most 2 m; split wider cells.")
         self.session, self.interrupted = session, interrupted
         self.attach_timeout_s, self.step_timeout_s = attach_timeout_s, step_timeout_s
         self.depth, self.slots = depth, depth + 1  # a slot more, so that a free-running reader finds a stable frame
@@ -108,21 +111,22 @@ class SharedMemoryStream:
             self.u64[(CONTROL + 136) // 8] = int(stat.read().rpartition(")")[2].split()[19])
         self.heartbeat()
         self.u32[(CONTROL + 4) // 4] = READY
-        header = self.header(total, scene_hash, ticks_per_second, producer_name)
+        header = self.header(total, scene_hash, ticks_per_second, producer_name, particle_radius, column_width)
         self.bytes[8:PAGE] = header[8:]
         self.kernel.fence()
         self.u64[0] = int.from_bytes(header[:8], "little")  # the magic, last: from now on others read the page
 
-    def header(self, total, scene_hash, ticks_per_second, producer_name):
+    def header(self, total, scene_hash, ticks_per_second, producer_name, particle_radius, column_width):
         page = bytearray(PAGE)
-        struct.pack_into("=8s6I", page, 0, b"WADESHM1", 1, 2, 0x01020304, PAGE, 0, 0)
+        struct.pack_into("=8s6I", page, 0, b"WADESHM1", 1, 4, 0x01020304, PAGE, 0, 0)
         struct.pack_into("=3Q2I", page, 32, total, secrets.randbits(63) + 1, scene_hash, 1, 0)
         struct.pack_into("=Q2I", page, 64, self.capacity, self.slots, self.depth)
         struct.pack_into("=2Q", page, 80, ticks_per_second, self.ticks_per_frame)
-        struct.pack_into("=4d3iI2d", page, 96, 1, 0, 0, 0, 1, 2, 3, len(FIELDS), 0, 1000)
+        struct.pack_into("=4d3iI2d", page, 96, 1, 0, 0, 0, 1, 2, 3, len(FIELDS), particle_radius, 1000)
         struct.pack_into("=3Q2I", page, 160, CONTROL, DOORBELL, CONSUMERS, PAGE, MAX_CONSUMERS)
         struct.pack_into("=4Q", page, 192, DESCRIPTORS, DESCRIPTOR_BYTES, self.slots_offset, self.slot_stride)
         struct.pack_into("=63s", page, 224, producer_name.encode())
+        struct.pack_into("=2d", page, 288, *column_width)
         for i, field in enumerate(FIELDS):
             struct.pack_into("=16sIIQ", page, 512 + 32 * i, field.encode(), 1, 0, i * self.array_bytes)
         struct.pack_into("=I", page, 24, crc32c(page))
@@ -268,6 +272,7 @@ class SharedMemoryStream:
         struct.pack_into("=2Q2I2Q", self.bytes, at + 8, frame, tick, count, flags, frame_hash, self.hash)
         nan = float("nan")  # diagnostics that are not given
         struct.pack_into("=3dQ5d", self.bytes, at + 80, nan, nan, nan, 0, nan, nan, nan, nan, nan)
+        struct.pack_into("=4d", self.bytes, at + 176, nan, nan, nan, nan)
         struct.pack_into("=I", self.bytes, at + 48, 0)
         struct.pack_into("=I", self.bytes, at + 48, crc32c(self.bytes[at + 8 : at + DESCRIPTOR_BYTES]))
         self.kernel.fence()
