@@ -20,6 +20,7 @@
 #include "crowd_client/responses/response.hpp"
 #include "crowd_client/step_times.hpp"
 #include "crowd_client/water/ragdoll.hpp"
+#include "crowd_client/water/sampling_density.hpp"
 #include "crowd_client/water/water_bins.hpp"
 #include "crowd_client/ways/navigation.hpp"
 #include "crowd_client/ways/obstacles.hpp"
@@ -66,6 +67,7 @@ struct CrowdWorld {
     Rescues rescues;                  // empty without rescuers
     std::optional<Feeling> feeling;   // of who feels the water; none with the response paper, one way, without poses
     std::optional<Pushing> pushing;   // of people who push the water
+    std::optional<SamplingDensity> density;    // of points that another producer publishes, until it is decided
     std::shared_ptr<const Response> response;  // to the water; has no state, so that copies of a crowd share it
     int threads = 1;  // at most that many walk the crowd; the results are the same for any number
 

@@ -127,8 +127,15 @@ void judge_footing(const Step& step) {
     });
 }
 
+void judge_density(CrowdWorld& crowd, const WaterBins& water) {
+    if (!crowd.density) return;
+    if (const auto warning = crowd.density->look(water, crowd.positions)) crowd.warnings.push_back(*warning);
+    if (crowd.density->is_decided()) crowd.density.reset();
+}
+
 void note_water(const Step& step) {
     CrowdWorld& crowd = step.crowd;
+    if (step.is_wet()) judge_density(crowd, step.water);
     if (step.is_wet()) note_water_met(crowd.agents, crowd.scene, crowd.active, crowd.positions, step.water);
 }
 

@@ -127,6 +127,11 @@ void suit_to_stream(CrowdWorld& crowd, const StreamWater& water) {
         if (water.spacing > 0) crowd.scene.fluid->particle_spacing = water.spacing;
     }
     feel_and_push(crowd.scene, water.column, crowd);
+    // The particles of this project's models lie no farther apart than the scene states.
+    const bool points_of_others = water.column.x() == 0 && !water.model;
+    if (points_of_others && crowd.scene.crowd->response == ResponseKind::measured) {
+        crowd.density.emplace(*crowd.feeling, crowd.scene.fluid->particle_spacing);
+    }
 }
 
 }  // namespace wade::crowd
