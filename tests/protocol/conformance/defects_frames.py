@@ -223,6 +223,32 @@ class FarAway(Publisher):
         return values
 
 
+class OnePointACell(Publisher):
+    """What owners of a depth-averaged code write first: cells of 1 m, 0.8 m deep, each a particle without width."""
+
+    caught_by = "sampling"
+
+    def values(self, frame):
+        values = super().values(frame)
+        for k in range(self.options.particles):
+            values[0][k], values[4][k], values[6][k] = 800, k // 5, k % 5
+        return values
+
+
+class ColumnsNarrowerThanCells(OnePointACell):
+    """Its columns do not meet."""
+
+    caught_by = "sampling"
+    column_width = (0.5, 0.5)
+
+
+class ColumnsWiderThanCells(OnePointACell):
+    """Its columns overlap, so that each has a fraction of the depth."""
+
+    caught_by = "sampling"
+    column_width = (1.5, 1.5)
+
+
 class HashOfImpulsesAlone(Publisher):
     """Leaves the hash of the required fields out of that of the optional ones."""
 

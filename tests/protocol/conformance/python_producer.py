@@ -30,6 +30,7 @@ class Publisher:
     """The producer's side of the contract; each method is one rule, so that a defect overrides one."""
 
     permissions = 0o600
+    column_width = (0.0, 0.0)
 
     def __init__(self, options):
         self.plan(options)
@@ -105,7 +106,7 @@ class Publisher:
         """The header page with its magic and checksum."""
         page = bytearray(PAGE)
         values = {
-            "magic": MAGIC, "version_major": 1, "version_minor": 3, "endian_tag": 0x01020304, "header_bytes": PAGE,
+            "magic": MAGIC, "version_major": 1, "version_minor": 4, "endian_tag": 0x01020304, "header_bytes": PAGE,
             "total_bytes": self.total_bytes, "session_id": int.from_bytes(os.urandom(8), "little") | 1,
             "stream_kind": KINDS[self.options.kind], "capacity": self.options.particles, "slot_count": self.slots,
             "depth": self.options.depth, "ticks_per_second": 32, "ticks_per_frame": 1, "metres_per_unit": 1.0,
@@ -118,6 +119,7 @@ class Publisher:
             offset, form = HEADER_WORDS[name]
             struct.pack_into("=" + form, page, offset, value)
         struct.pack_into("=3i", page, HEADER_WORDS["axes"][0], 1, 2, 3)
+        struct.pack_into("=2d", page, HEADER_WORDS["column_width"][0], *self.column_width)
         for i, name in enumerate(self.names):
             at = FIELD_ENTRY[0] + i * FIELD_ENTRY[1]
             struct.pack_into("=16sIIQ", page, at, name.encode(), 1, 0, i * self.field_bytes)

@@ -10,15 +10,15 @@ import traceback
 from pathlib import Path
 
 from wade.conformance import (checks_consumers, checks_ends, checks_frames, checks_object, checks_plausible,
-                              checks_repeat)
+                              checks_repeat, checks_sampling)
 from wade.conformance.bench import Bench, CannotStart
 from wade.conformance.expectation import PATIENCE_S, NotApplicable, Violation
 from wade.conformance.layout import KINDS
 from wade.reports.files import write_whole
 from wade.terminal import Parser, harmless, say_error, wrapped
 
-CHECKS = (checks_object.FIRST + checks_frames.ALL + checks_plausible.ALL + checks_consumers.ALL + checks_repeat.ALL +
-          checks_ends.ALL + checks_object.LAST)
+CHECKS = (checks_object.FIRST + checks_frames.ALL + checks_plausible.ALL + checks_sampling.ALL + checks_consumers.ALL +
+          checks_repeat.ALL + checks_ends.ALL + checks_object.LAST)
 
 DESCRIPTION = """Runs a producer through the contract of docs/protocol.md, each check with a fresh run of it.
 
