@@ -14,10 +14,13 @@
 #include <mutex>
 #include <optional>
 #include <random>
+#include <vector>
 
+#include "configs/scene/channel.hpp"
 #include "configs/scene/fluid.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/water/contacts.hpp"
+#include "crowd_client/water/felt_water.hpp"
 #include "crowd_client/water/water_view.hpp"
 #include "fluid_server/dfsph/dfsph.hpp"
 #include "fluid_server/dfsph/fluid_world.hpp"
@@ -240,6 +243,55 @@ void contacts(benchmark::State& state) {
     state.counters["touching_per_agent"] = static_cast<double>(touching) / static_cast<double>(f.places.size());
 }
 
+// Depth-averaged water 0.8 m deep all over the river of the crowd: a particle at the centre of each square cell.
+struct Sheet {
+    std::vector<float> mass, px, pz, vx, still;
+
+    Sheet(const Channel& channel, double cell) {
+        for (double x = channel.x.lo + 0.5 * cell; x < channel.x.hi; x += cell) {
+            for (double z = channel.z.lo + 0.5 * cell; z < channel.z.hi; z += cell) {
+                px.push_back(static_cast<float>(x));
+                pz.push_back(static_cast<float>(z));
+            }
+        }
+        mass.assign(px.size(), static_cast<float>(1000 * 0.8 * cell * cell));
+        vx.assign(px.size(), -1.2F);
+        still.assign(px.size(), 0);
+    }
+    [[nodiscard]] crowd::WaterView view(double width) const {
+        crowd::WaterView view;
+        view.mass = mass;
+        view.px = px;
+        view.pz = pz;
+        view.vx = vx;
+        view.py = view.vy = view.vz = still;
+        view.column = {width, width};
+        return view;
+    }
+};
+
+// What people of `measured` sample of a frame, with sorting its water; width: of the columns, m, 0 for points.
+void sampled_water(benchmark::State& state, double cell, double width) {
+    const Flood& f = flood();
+    Scene scene = f.scene;
+    scene.fluid->particle_spacing = cell;
+    const crowd::Feeling feeling = crowd::make_feeling(scene, {width, width});
+    const Sheet sheet(scene.channel, cell);
+    crowd::WaterBins water = crowd::empty_bins(scene);
+    std::vector<crowd::FeltWater> felt;
+    for (auto _ : state) {
+        crowd::bin_water(water, sheet.view(width), f.places);
+        crowd::feel_water(feeling, water, f.places, 1, felt);
+    }
+    double error = 0;
+    for (std::size_t k = 0; k < felt.size(); ++k) {
+        const bool amid = std::abs(f.places[k].y() - 0.5 * (scene.channel->z.lo + scene.channel->z.hi)) < 10;
+        if (amid) error = std::max(error, std::abs(felt[k].depth / 0.8 - 1));
+    }
+    count_items(state, f.places.size());
+    state.counters["largest_error"] = error;
+}
+
 // The crowd's step without water: markers claimed and velocities chosen.
 void dry_crowd_step(benchmark::State& state) {
     Flood& f = flood();
@@ -272,6 +324,11 @@ BENCHMARK_CAPTURE(sweeps_with_skin, fifth, 0.2)->Name("kernels/sweeps_with_skin_
 BENCHMARK_CAPTURE(sweeps_with_skin, two_fifths, 0.4)->Name("kernels/sweeps_with_skin_of_0.4")->Arg(100'000);
 BENCHMARK(bins)->Name("kernels/bins")->Arg(100'000);
 BENCHMARK(contacts)->Name("kernels/contacts")->Arg(5'000);
+BENCHMARK_CAPTURE(sampled_water, points, 0.25, 0.0)->Name("kernels/sampled_points_0.25")->Arg(5'000);
+BENCHMARK_CAPTURE(sampled_water, quarter, 0.25, 0.25)->Name("kernels/sampled_columns_0.25")->Arg(5'000);
+BENCHMARK_CAPTURE(sampled_water, half, 0.5, 0.5)->Name("kernels/sampled_columns_0.5")->Arg(5'000);
+BENCHMARK_CAPTURE(sampled_water, one, 1.0, 1.0)->Name("kernels/sampled_columns_1")->Arg(5'000);
+BENCHMARK_CAPTURE(sampled_water, two, 2.0, 2.0)->Name("kernels/sampled_columns_2")->Arg(5'000);
 BENCHMARK(dry_crowd_step)->Name("kernels/dry_crowd_step")->Arg(5'000);
 
 }  // namespace

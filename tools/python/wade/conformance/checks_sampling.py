@@ -73,7 +73,7 @@ class Water:
             self.bins[math.floor(x[k] / self.cell), math.floor(z[k] / self.cell)].append(k)
 
     def interior(self):
-        """Bounds along x and z of the positions whose cone lies within the water's box, with half a cell to spare."""
+        """Returns the bounds along x and z of positions whose cone lies in the box of the water, half a cell from its edge."""
         return [(min(axis) + self.radius, max(axis) - self.radius) for axis in (self.x, self.z)]
 
     def near(self, x, z):
@@ -85,7 +85,7 @@ class Water:
                         yield k
 
     def weight(self, dx, dz):
-        """Of a particle seen at a distance along x and z: the cone at its position, or its mean over the column."""
+        """Returns the cone at a particle dx, dz away, or its mean over the column there."""
         if not self.width:
             return max(0.0, 1 - math.hypot(dx, dz) / self.radius)
         return mean_of_cone(dx / self.radius, dz / self.radius, self.width[0] / self.radius, self.width[1] / self.radius)
@@ -111,14 +111,14 @@ class Water:
 
 
 def ground_velocity(header, frame, axis):
-    """World velocity along an axis, m/s."""
+    """Returns the world velocity of each particle along an axis, m/s."""
     stored = abs(header.axes[axis]) - 1
     factor = header.metres_per_unit * (1 if header.axes[axis] > 0 else -1)
     return [factor * value for value in memoryview(frame.fields[1 + stored]).cast("f")]
 
 
 def cone_up_to(x, z):
-    """Integral over 0 .. x of 1 - sqrt(x^2 + z^2), as long as it is above 0; z in [0, 1)."""
+    """Returns the integral over 0 .. x of max(0, 1 - sqrt(x^2 + z^2)); z in [0, 1)."""
     chord = math.sqrt(1 - z * z)
     to = min(abs(x), chord)
     curved = z * z * math.asinh(to / z) if z > 0 else 0
@@ -130,9 +130,10 @@ NODES = (0.339981043584856, 0.652145154862546), (0.861136311594053, 0.3478548451
 
 
 def mean_of_cone(x, z, width_x, width_z):
-    """Mean of the cone of radius 1 over a rectangle round (x, z): lines along x exactly, across them by quadrature.
+    """Returns the mean of the cone of radius 1 over a rectangle round (x, z): exact along x, by quadrature across.
 
-    z = sin(t) between the kinks at the axis, the rim and where the sides of the rectangle leave the disc makes the lines smooth.
+    The quadrature runs over t, z = sin(t), between the kinks: the axis, the rim, and the lines at which the sides of the
+    rectangle leave the disc.
     """
     if math.hypot(max(abs(x) - width_x / 2, 0), max(abs(z) - width_z / 2, 0)) >= 1:
         return 0.0
@@ -165,11 +166,11 @@ class Block:
         return max(self.off_columns() if self.has_columns else self.off_plane())
 
     def off_columns(self):
-        """How far each depth lies outside of those of the columns in reach, whose mean it has to be."""
+        """Returns how far each depth lies outside the depths of the columns in reach, relative to the largest."""
         return [max(s.depth - s.highest, s.lowest - s.depth, 0) / s.highest if s.highest else 1 for s in self.samples]
 
     def off_plane(self):
-        """How far each depth lies from the plane through all, over their mean: a slope of the surface is no error."""
+        """Returns the distance of each depth from the plane through all, over their mean: a sloping surface is no error."""
         squares = sum(a * a for a, _ in self.offsets)
         along = sum(a * s.depth for (a, _), s in zip(self.offsets, self.samples)) / squares
         across = sum(b * s.depth for (_, b), s in zip(self.offsets, self.samples)) / squares
@@ -178,7 +179,7 @@ class Block:
 
 
 def blocks_of(water):
-    """Blocks that hold water, spread evenly over all of them; those amid others, if there are any."""
+    """Returns blocks that hold water, chosen evenly; only blocks between other wet blocks, if there are any."""
     (x_lo, x_hi), (z_lo, z_hi) = water.interior()
     if min(x_hi - x_lo, z_hi - z_lo) < BLOCK:
         raise NotApplicable(f"the water is too narrow to tell: it has to be {BLOCK + 2 * water.radius:g} m wide")
@@ -212,7 +213,7 @@ def sampling(bench):
 
 
 def judge(water):
-    """What the blocks show, which has to be within the limit."""
+    """Returns what the blocks show; raises Violation where their error is above the limit."""
     blocks = blocks_of(water)
     if not blocks:
         raise NotApplicable("people sample no water in any block of 2 m")
