@@ -99,6 +99,8 @@ class Install(unittest.TestCase):
             program = self.work / f"by_pkg_config_{ending}"
             output(compiler, self.work / f"producer.{ending}", "-o", program, *flags)
             self.assert_produces(program)
+        example = ROOT / "tools" / "producers" / "c" / "people_producer.c"
+        output("cc", example, "-o", self.work / "people_producer", *flags, "-lm")
 
     def test_programs_say_what_they_are(self):
         for name in ("fluid_server", "crowd_client", "shm_inspect", "shm_clean", "shm_record", "shm_replay"):

@@ -25,7 +25,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "shm_protocol/c_api/wade_shm.h"
+#include "wade_shm.h"
 
 enum { max_slots = 64, field_count = 7 };
 static const char* const field_names[field_count] = {"mass", "vx", "vy", "vz", "px", "py", "pz"};
