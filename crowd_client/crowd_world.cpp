@@ -106,10 +106,10 @@ void find_felt_water(const Step& step) {
     Agents& agents = crowd.agents;
     for_each_by_body(crowd, [&](std::size_t k, std::uint32_t id) {
         feel(agents.people, id, felt_step(crowd, k, step));
-        agents.desired_speed[id] =
-            waits(crowd, id)
-                ? 0
-                : speed_in_water(agents.people, id, crowd.scene.crowd->walking_in_water, crowd.scene.world->gravity);
+        agents.desired_speed[id] = waits(crowd, id)
+                                       ? 0
+                                       : speed_in_water(agents.people, id, agents.mass[id],
+                                                        crowd.scene.crowd->walking_in_water, water_of(crowd.scene));
     });
     if (!crowd.links.empty()) share_speeds_of_files(crowd);
 }

@@ -87,6 +87,18 @@ Stance stance_in(const People& people, std::size_t id, double mass, Rest posture
                      people.drag[id]);
 }
 
+// Returns the largest speed through still water, m/s, at which the own motion keeps D below 0.8; none of people who float.
+double speed_of_firm_feet(const People& people, std::size_t id, double mass, const WaterProperties& water) {
+    constexpr double keeps_below = 0.8;  // D of the own motion [A]
+    const double depth = people.depth[id];
+    if (depth >= chin * people.height[id]) return std::numeric_limits<double>::infinity();
+    const Stance stance = stance_in(people, id, mass, Rest::stands, depth, water);
+    const Vector2d one(1, 0);
+    const double demand = std::max(slip_demand(stance.k, one, Vector2d::Zero(), stance.friction, stance.weight),
+                                   topple_demand(stance.k, one, stance.wet, stance.weight, stance.arm));
+    return std::sqrt(keeps_below / demand);
+}
+
 // Returns true if the next state depends on D at rest.
 bool asks_for_rest(PersonState state) {
     return !is_on_feet(state) && state != PersonState::toppled;
@@ -100,12 +112,14 @@ Strain strain_of(const People& people, std::size_t id, double mass, const Vector
     Strain e;
     e.weight = weight_on_feet(body_of(people, id, mass), depth, water);
     e.slip = slip_demand(k, stream, people.wanted[id], friction_of(people, id), e.weight);
+    e.rush = rush_demand(depth, stream);
     e.moment = 0.5 * k * (stream - velocity).squaredNorm() * wet;
     e.height = height;
     e.arm = arm_of(people, id);
     if (asks_for_rest(people.condition[id].state)) {
         for (std::size_t n = 0; n < rests; ++n) {
-            e.at_rest[n] = demand_at_rest(stance_in(people, id, mass, static_cast<Rest>(n), depth, water), stream);
+            e.at_rest[n] =
+                demand_at_rest(stance_in(people, id, mass, static_cast<Rest>(n), depth, water), depth, stream);
         }
     }
     e.depth = depth;
@@ -264,16 +278,16 @@ void feel(People& people, std::size_t id, const FeltStep& felt) {
     people.flow[id].setZero();
 }
 
-double speed_in_water(const People& people, std::size_t id, WalkingLaw law, double gravity) {
-    const double depth = people.depth[id], dry_speed = people.dry_speed[id];
+double speed_in_water(const People& people, std::size_t id, double mass, WalkingLaw law, const WaterProperties& water) {
+    const double depth = people.depth[id], dry_speed = people.dry_speed[id], gravity = water.gravity;
     if (!(depth > 0)) return dry_speed;
     const double flow = std::sqrt(mean_stream(people, id).squaredNorm());
     const double speed = law == WalkingLaw::relative
                              ? dry_speed * walking_speed_ratio(people.sex[id], depth, flow, gravity)
                              : std::min(dry_speed, bernardini_speed(people.age[id], depth, flow, gravity));
-    if (!(people.lee[id] > 0)) return speed;
     const double drag_left = (1 - people.lee[id]) * (1 - people.lee[id]);
-    return speed + gain_in_lee * (1 - drag_left) * (dry_speed - speed);
+    const double in_lee = speed + gain_in_lee * (1 - drag_left) * (dry_speed - speed);
+    return std::min(in_lee, speed_of_firm_feet(people, id, mass, water));
 }
 
 double demand_at(const People& people, std::size_t id, double mass, const Vector2d& along, const WaterProperties& water,
@@ -284,8 +298,9 @@ double demand_at(const People& people, std::size_t id, double mass, const Vector
     const Vector2d walking =
         people.dry_speed[id] * walking_speed_ratio(people.sex[id], depth, speed, water.gravity) * along;
     const Stance stance = stance_in(people, id, mass, Rest::stands, depth, water);
-    return std::max(slip_demand(stance.k, felt.stream, walking, stance.friction, stance.weight),
-                    topple_demand(stance.k, felt.stream - walking, stance.wet, stance.weight, stance.arm));
+    return std::max({slip_demand(stance.k, felt.stream, walking, stance.friction, stance.weight),
+                     topple_demand(stance.k, felt.stream - walking, stance.wet, stance.weight, stance.arm),
+                     rush_demand(depth, felt.stream)});
 }
 
 void note_condition(People& people, std::size_t id, double mass, const Vector2d& velocity, const Vector2d& wanted,
@@ -302,7 +317,7 @@ void note_condition(People& people, std::size_t id, double mass, const Vector2d&
         return;
     }
     const Strain strain = strain_of(people, id, mass, velocity, water);
-    people.slip[id] = strain.slip;
+    people.slip[id] = std::max(strain.slip, strain.rush);
     people.topple[id] = topple_demand(strain);
     if (!people.wear.empty()) people.wear[id].load = load_of_legs(people, id, strain);
     condition = next_condition(condition, strain, felt.dt);
@@ -347,8 +362,8 @@ PersonInWater person_in_water(const People& people, std::size_t id, double mass,
     const bool recovers = state == PersonState::recovering;
     const Stance stance =
         stance_in(people, id, mass, recovers ? posture_of(people.condition[id]) : Rest::stands, felt.depth, water);
-    person.footing = {stance.k, mass_with_water(mass, submerged_share(height, felt.depth), water),
-                      stance.friction * stance.weight};
+    const double grip = grip_in_stream(stance.friction * stance.weight, stance.k, felt.depth, felt.stream);
+    person.footing = {stance.k, mass_with_water(mass, submerged_share(height, felt.depth), water), grip};
     if (!recovers) person.wanted = wanted;
     if (swims(people, id)) person.swimming = swimming_force_of(people, id) * unit_or(wanted, Vector2d::Zero());
     return person;

@@ -102,7 +102,9 @@ void feel(People& people, std::size_t id, const FeltStep& felt);
 
 // How fast it walks in the water that it has felt, m/s. In the lee of somebody who walks before it, v of the law becomes
 // v + eta (1 - s) (v_dry - v), s = (1 - lee)^2 the share of the drag that is left, eta = 0.11.
-[[nodiscard]] double speed_in_water(const People& people, std::size_t id, WalkingLaw law, double gravity);
+// No faster than the own motion through still water keeps D below 0.8 [A].
+[[nodiscard]] double speed_in_water(const People& people, std::size_t id, double mass, WalkingLaw law,
+                                    const WaterProperties& water);
 
 // D of somebody who would walk along a unit vector, or stand if it is 0, where the water is as felt; infinite where one floats.
 [[nodiscard]] double demand_at(const People& people, std::size_t id, double mass, const Vector2d& along,

@@ -67,6 +67,24 @@ double topple_demand(double k, const Vector2d& relative, double wet_height, doub
     return ratio_of(k * relative.squaredNorm() * wet_height / 2, weight * arm + hold);
 }
 
+double fastest_footing(double depth) {
+    constexpr double film = 0.05, shallow = 0.16, deep = 0.2, slow = 2, fast = 3;  // m; m/s
+    if (depth < film) return slow * film / std::max(depth, 1e-6);
+    return std::lerp(slow, fast, std::clamp((depth - shallow) / (deep - shallow), 0.0, 1.0));
+}
+
+double rush_demand(double depth, const Vector2d& stream) {
+    const double fastest = fastest_footing(depth);
+    return stream.squaredNorm() / (fastest * fastest);
+}
+
+double grip_in_stream(double grip, double k, double depth, const Vector2d& stream) {
+    constexpr double gives_way = 0.8;  // R [A]
+    const double share = std::clamp((rush_demand(depth, stream) - gives_way) / (1 - gives_way), 0.0, 1.0);
+    const double fastest = fastest_footing(depth);
+    return std::min(grip, std::lerp(grip, k * fastest * fastest, share));
+}
+
 double tau_of(double slip_demand) {
     return slip_demand > 1 ? 1 - 1 / slip_demand : 0;
 }

@@ -56,6 +56,16 @@ struct Body {
 [[nodiscard]] double topple_demand(double k, const Vector2d& relative, double wet_height, double weight, double arm,
                                    double hold = 0);
 
+// Returns v_most, m/s: the fastest water over the ground in which people of any weight keep their footing. 2 m/s up to 0.16 m, rising to
+// 3 m/s at 0.2 m, 3 m/s beyond; below 0.05 m times 0.05 m / h [A]. Of flumes and streets: docs/people_in_water.md#fast-shallow-water.
+[[nodiscard]] double fastest_footing(double depth);
+
+// Returns R = (|U| / v_most)^2: at 1 the feet slip, whatever they carry.
+[[nodiscard]] double rush_demand(double depth, const Vector2d& stream);
+
+// Returns what the feet hold in a stream, N: `grip`, and from R = 0.8 on less, k v_most^2 at R = 1, the drag there.
+[[nodiscard]] double grip_in_stream(double grip, double k, double depth, const Vector2d& stream);
+
 // tau as files have it: max(0, 1 - 1 / S), the share of the push of the water that the feet do not hold.
 [[nodiscard]] double tau_of(double slip_demand);
 

@@ -48,9 +48,11 @@ Stance stance_of(Rest posture, const Body& body, double friction, double arm, do
     return stance;
 }
 
-double demand_at_rest(const Stance& stance, const Vector2d& stream) {
-    return std::max(slip_demand(stance.k, stream, Vector2d::Zero(), stance.friction, stance.weight),
-                    topple_demand(stance.k, stream, stance.wet, stance.weight, stance.arm));
+double demand_at_rest(const Stance& stance, double depth, const Vector2d& stream) {
+    constexpr double gets_up = 0.8, shallow = 0.16;  // of v_most; m
+    const double rush = rush_demand(std::min(depth, shallow), stream) / (gets_up * gets_up);
+    return std::max(rush, std::max(slip_demand(stance.k, stream, Vector2d::Zero(), stance.friction, stance.weight),
+                                   topple_demand(stance.k, stream, stance.wet, stance.weight, stance.arm)));
 }
 
 }  // namespace wade::crowd

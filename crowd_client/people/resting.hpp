@@ -10,7 +10,10 @@
 //   stands   0.633 x^2 + 0.367 x                                      1     0.16   lambda  mu
 //
 //   f = sum share clamp((x - from) / (to - from), 0, 1)       N = m g max(0, 1 - f rho / body_density)
-//   k = rho C B min(h, top) / 2      S = k U^2 / (mu N)       T = k U^2 min(h, top) / 2 / (N l)       D = max(S, T)
+//   k = rho C B min(h, top) / 2      S = k U^2 / (mu N)       T = k U^2 min(h, top) / 2 / (N l)       D = max(S, T, R)
+//   R = (U / v_up)^2, v_up = 1.6 m/s, below 0.05 m times 0.05 m / h: people in faster water do not get up
+//
+// v_up is 0.8 of v_most (person.hpp) up to 0.16 m [A]. It does not rise with the depth, so that deeper water is not easier to rest in.
 //
 // The parts are head, trunk and arms; thighs; shanks and feet. Their fractions are usual segment masses; heights, widths and lever arms
 // are assumed. In 1 m of water a person of 1.7 m and 70 kg presses the ground with 33 N when sitting.
@@ -38,7 +41,7 @@ struct Stance {
 [[nodiscard]] Stance stance_of(Rest posture, const Body& body, double friction, double arm, double depth,
                                const WaterProperties& water, double drag = body_drag);
 
-// Computes D = max(S, T) of a body at rest in a stream, m/s; infinite for a body without weight.
-[[nodiscard]] double demand_at_rest(const Stance& stance, const Vector2d& stream);
+// Computes D of a fallen body at rest in a stream, m/s; infinite for a body without weight.
+[[nodiscard]] double demand_at_rest(const Stance& stance, double depth, const Vector2d& stream);
 
 }  // namespace wade::crowd

@@ -7,7 +7,7 @@ namespace wade::crowd {
 namespace {
 
 constexpr double effort_from = 0.5, walking_below = 0.45;                               // D
-constexpr double firm_below = 0.9;                                                      // S
+constexpr double firm_below = 0.9, calm_below = 0.64;                                   // S; R, 0.8 of v_most
 constexpr double slip_time = 0.1, topple_time = 0.3, firm_time = 0.3, lost_time = 0.3;  // s
 constexpr double ground_again = 0.8, lies = 0.25, may_sit = 0.6, mouth_sitting = 0.44;  // of H
 constexpr double feet_down_below = 0.8;                                                 // D(stands)
@@ -28,7 +28,7 @@ double counted(double time, bool goes_on, double dt) {
 }
 
 PersonState on_feet(const Condition& now, const Strain& e, double dt) {
-    const double topple = topple_demand(e), largest = std::max(e.slip, topple);
+    const double topple = topple_demand(e), largest = std::max({e.slip, topple, e.rush});
     if (e.depth >= chin * e.height) return PersonState::afloat;
     if (over(now.toppling, topple_time, dt)) return PersonState::toppled;
     if (over(now.slipping, slip_time, dt)) return PersonState::sliding;
@@ -139,9 +139,9 @@ Condition next_condition(const Condition& before, const Strain& e, double dt) {
     Condition now = before;
     const double topple = topple_demand(e);
     now.in_state += dt;
-    now.slipping = counted(now.slipping, e.slip >= 1 || topple >= 1, dt);
+    now.slipping = counted(now.slipping, std::max({e.slip, topple, e.rush}) >= 1, dt);
     now.toppling = counted(now.toppling, topple >= 1, dt);
-    now.firm = counted(now.firm, e.slip < firm_below, dt);
+    now.firm = counted(now.firm, e.slip < firm_below && e.rush < calm_below, dt);
     const bool sits = now.state == PersonState::recovering &&
                       now.in_state < posture_time + 1.25 * dt;  // a step later, not by rounding
     const bool is_deep = e.depth >= lies * e.height;

@@ -1,10 +1,10 @@
 #pragma once
 // How it goes with a person in water, and what leads from one state to another.
 //
-//   D = max(S, T)                      enters                          leaves
+//   D = max(S, T, R)                   enters                          leaves
 //   walking     on its feet            D < 0.45
 //   effort      slowed, firm           0.5 <= D
-//   sliding     feet slip              D >= 1 for 0.1 s                S < 0.9 for 0.3 s: effort
+//   sliding     feet slip              D >= 1 for 0.1 s                S < 0.9 and R < 0.64 for 0.3 s: effort
 //   toppled     fallen                 T >= 1 for 0.3 s                after 0.3 s: carried
 //   afloat      upright, no ground     h >= 0.87 H, the chin           h < 0.8 H: sliding; after 0.3 s who cannot swim: carried
 //   carried     a lying body           see toppled, afloat             h < 0.8 H and D(stands) < 0.8, feet down [A]: sliding;
@@ -58,7 +58,7 @@ struct Condition {
     double in_state = 0;  // time in this state, s; recovering, the least for its posture
     double slipping = 0;  // how long D >= 1, s
     double toppling = 0;  // how long T >= 1, s
-    double firm = 0;      // how long S < 0.9, s
+    double firm = 0;      // how long S < 0.9 and R < 0.64, s
     double air = air_budget;
     Drift drift;
 };
@@ -66,6 +66,7 @@ struct Condition {
 // What a person stands against in a step; depth and stream low-passed.
 struct Strain {
     double slip = 0;                      // S
+    double rush = 0;                      // R
     double moment = 0;                    // |F| min(h, H) / 2, N m, of the water past the person
     std::array<double, rests> at_rest{};  // D in each posture, were it to rest
     double weight = 0;                    // N, on the feet

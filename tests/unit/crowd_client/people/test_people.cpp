@@ -77,6 +77,30 @@ TEST_CASE("Slip and topple demand are those of the worked example") {
     CHECK(std::abs(demands(row.depth, row.speed).topple - row.topple) < rounding);
 }
 
+TEST_CASE(
+    "The fastest water in which people keep their footing, and what the feet hold near it, change without a step") {
+    struct Row {
+        double depth, speed;
+    };
+    const Row row = GENERATE(Row{0.025, 4}, Row{0.05, 2}, Row{0.16, 2}, Row{0.18, 2.5}, Row{0.2, 3}, Row{1.5, 3});
+    CAPTURE(row.depth);
+    CHECK(fastest_footing(row.depth) == Approx(row.speed));
+    CHECK(rush_demand(row.depth, {0, row.speed}) == Approx(1));
+    const double k = drag_upright(1.7, row.depth, {}), grip = 1e4;
+    const auto held = [&](double speed) { return grip_in_stream(grip, k, row.depth, {speed, 0}); };
+    CHECK(held(0) == grip);
+    CHECK(held(std::sqrt(0.8) * row.speed) == Approx(grip));
+    CHECK(held(row.speed) == Approx(k * row.speed * row.speed));
+    CHECK(held(2 * row.speed) == held(row.speed));
+    double before = grip;
+    for (double speed = 0; speed < row.speed; speed += 0.01) {
+        CHECK(held(speed) <= before);
+        CHECK(held(speed) >= k * speed * speed);  // no one slips before
+        before = held(speed);
+    }
+    CHECK(grip_in_stream(10, k, 1.5, {3, 0}) == 10);
+}
+
 TEST_CASE("In a metre of water feet carry 373.5 N of 65 kg, and nothing where the body floats") {
     CHECK(weight_on_feet(body, 1, fresh_water) == Approx(373.5).margin(0.05));
     CHECK(weight_on_feet(body, 0, fresh_water) == Approx(65 * 9.81));
@@ -192,10 +216,10 @@ TEST_CASE("In a file people walk 9.2 % faster at 0.60 m and 5.8 % at 0.35 m, and
         People people = one_person();
         FeltStep felt{depth, Vector2d::Zero(), 1 / 30.0, true};
         feel(people, 0, felt);
-        const double alone = speed_in_water(people, 0, WalkingLaw::relative, 9.81);
+        const double alone = speed_in_water(people, 0, 65, WalkingLaw::relative, {});
         felt.lee = 1 - std::sqrt(drag_left);
         feel(people, 0, felt);
-        return speed_in_water(people, 0, WalkingLaw::relative, 9.81) / alone - 1;
+        return speed_in_water(people, 0, 65, WalkingLaw::relative, {}) / alone - 1;
     };
     CHECK(gain(0.6, 0.16) == Approx(0.092).margin(0.001));
     CHECK(gain(0.35, 0.16) == Approx(0.058).margin(0.001));
@@ -275,7 +299,7 @@ TEST_CASE("Speeds by age are Bernardini's, and never above that on dry ground") 
     People people = one_person(settings);
     const auto speed = [&](double depth) {
         feel(people, 0, {depth, {0, 0}, 1, true});
-        return speed_in_water(people, 0, WalkingLaw::bernardini, 9.81);
+        return speed_in_water(people, 0, 65, WalkingLaw::bernardini, {});
     };
     CHECK(speed(0) == 1.3);
     CHECK(speed(0.001) == 1.3);

@@ -22,7 +22,7 @@ Strain at_rest(const Body& person, Skill skill, double depth, double speed) {
     for (std::size_t n = 0; n < rests; ++n) {
         const Stance stance =
             stance_of(static_cast<Rest>(n), person, bracing.friction, bracing.arm_share * person.height, depth, {});
-        strain.at_rest[n] = demand_at_rest(stance, Vector2d(speed, 0));
+        strain.at_rest[n] = demand_at_rest(stance, depth, Vector2d(speed, 0));
     }
     return strain;
 }
@@ -66,7 +66,7 @@ TEST_CASE("A body wholly under water has its buoyant weight in each posture, and
     const auto posture = static_cast<Rest>(GENERATE(0, 1, 2, 3));
     CHECK(stance_of(posture, {1.7, 65}, 0.45, 0.15, 1.7, {}).weight == Approx(65 * 9.81 * (1 - 1000.0 / body_density)));
     CHECK(stance_of(posture, {1.7, 65}, 0.45, 0.15, 0, {}).weight == Approx(65 * 9.81));
-    CHECK(demand_at_rest(stance_of(posture, {1.7, 65}, 0.45, 0.15, 0, {}), Vector2d(0, 0)) == 0);
+    CHECK(demand_at_rest(stance_of(posture, {1.7, 65}, 0.45, 0.15, 0, {}), 0, Vector2d(0, 0)) == 0);
 }
 
 TEST_CASE("The fastest stream in which a drifting person comes to rest never grows with the depth") {

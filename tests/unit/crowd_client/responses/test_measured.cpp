@@ -406,3 +406,57 @@ TEST_CASE("A body beside a wall in still water, in a stream along it or in a str
         REQUIRE(state_of(crowd) != PersonState::pinned);
     }
 }
+
+// The limits of h v are those of the guideline that the rule is taken from: 0.22 m2/s at 0.09 to 0.16 m (Martinez-Gomariz et al. 2016).
+TEST_CASE("In 0.09 to 0.16 m of water a standing adult loses its footing at 0.18 to 0.32 m2/s") {
+    const Skill skill = GENERATE(Skill::braced, Skill::good, Skill::normal);
+    for (const double depth : {0.09, 0.12, 0.155}) {  // felt within 3 %
+        const auto fails = [&](double speed) {
+            Scene scene = standing_in_a_river();
+            scene.crowd->groups[0].body.skill = skill;
+            CrowdWorld crowd = crowd_at(scene, 30);
+            const MadeUpWater water = stream(depth, speed);
+            for (int i = 0; i < 60; ++i) step(crowd, water.view());
+            return crowd.agents.people.worst[0] >= PersonState::sliding && crowd.agents.position[0].x() < 50;
+        };
+        CAPTURE(static_cast<int>(skill), depth);
+        CHECK_FALSE(fails(0.97 * 0.18 / depth));
+        CHECK(fails(1.03 * 0.32 / depth));
+    }
+}
+
+TEST_CASE("Still water slips no one at any speed of walking or running") {
+    const Skill skill = GENERATE(Skill::braced, Skill::normal, Skill::unaware, Skill::poor);
+    const double speed = GENERATE(0.5, 1.3, 2.5, 5.0, 10.0);
+    for (const double depth : {0.03, 0.06, 0.12, 0.18, 0.3, 0.5, 0.8, 1.1, 1.4}) {
+        Scene scene = standing_in_a_river();
+        scene.crowd->groups[0].body.skill = skill;
+        scene.crowd->groups[0].desired_speed = speed;
+        scene.crowd->groups[0].goal_x = 22;
+        CrowdWorld crowd = crowd_at(scene, 15);
+        const MadeUpWater water = stream(depth, 0);
+        for (int i = 0; i < 6 * 15; ++i) step(crowd, water.view());
+        CAPTURE(static_cast<int>(skill), speed, depth);
+        CHECK(crowd.agents.people.worst[0] < PersonState::sliding);
+    }
+}
+
+TEST_CASE(
+    "People fallen in fast shallow water get up below 1.6 m/s, and stand firm again below 0.8 of the fastest footing") {
+    const auto after = [](double depth, double first, double speed) {
+        CrowdWorld crowd = crowd_at(standing_in_a_river(), 30);
+        for (int i = 0; i < 30; ++i) step(crowd, stream(depth, first).view());
+        crowd.agents.position[0] = {50, 25};
+        for (int i = 0; i < 90; ++i) step(crowd, stream(depth, speed).view());
+        return state_of(crowd);
+    };
+    CHECK(after(0.12, 2.1, 1.65) == PersonState::sliding);
+    CHECK(is_firm(after(0.12, 2.1, 1.55)));
+    CrowdWorld fallen = crowd_at(standing_in_a_river(), 30);
+    fallen.agents.people.condition[0].state = PersonState::carried;
+    for (int i = 0; i < 150; ++i) step(fallen, stream(0.12, 1.7).view());
+    CHECK(state_of(fallen) == PersonState::carried);
+    fallen.agents.position[0] = {50, 25};
+    for (int i = 0; i < 150; ++i) step(fallen, stream(0.12, 1.5).view());
+    CHECK(is_firm(state_of(fallen)));
+}

@@ -75,7 +75,7 @@ DEFRA = ("Defra FD2320: danger for most", 1.5)  # h (u + 0.5)
 
 
 def demands(rows, skill="-"):
-    """(slip, topple) at 1 m/s for (height, mass, depth), by the program person_demands, as an array.
+    """(slip, topple, rush) at 1 m/s for (height, mass, depth), by the program person_demands, as an array.
 
     Without a skill with a friction mu and an arm lambda of 1.
     """
@@ -86,7 +86,8 @@ def demands(rows, skill="-"):
 
 def critical(at_1_m_s, constants):
     """The speed at which people slip or topple, whichever comes first; constants: (mu, lambda)."""
-    return np.sqrt(np.min(np.asarray(constants) / at_1_m_s, axis=-1))
+    constants = np.asarray(constants)
+    return np.sqrt(np.min(np.concatenate([constants, np.ones_like(constants[..., :1])], axis=-1) / at_1_m_s, axis=-1))
 
 
 def points_of(data, bodies):

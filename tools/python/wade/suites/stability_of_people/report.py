@@ -35,7 +35,8 @@ def calibration(constants, missed):
                      percent(data.goal), percent(float(np.abs(found).max())), data.skill or "-"))
     return section(
         "Calibration", "Two constants a set, fitted to it: friction mu and arm of the weight lambda, over the height. "
-        "These errors are what the form of the equations leaves, no forecast.",
+        "These errors are what the form of the equations leaves, no forecast. In 0.2 m of water and more no one keeps the "
+        "footing above 3 m/s, a limit of the equations without a constant to fit.",
         markdown(("set", "bodies, depths", "mu", "lambda", "RMS", "goal", "worst", "skill in scenes"), rows),
         "Karvonen's formulas know the product of height and mass alone, which no balance of forces gives: their errors are a floor.")
 
