@@ -9,6 +9,7 @@
 #include "configs/json/json.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/scene/coupling.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/key_node.hpp"
 
 namespace wade::crowd {
@@ -128,9 +129,11 @@ std::vector<Difference> differences(const Json& water, const Json& crowd, const 
 }
 
 // What belongs to the water stays; the way back belongs to it, too.
-void demand_same_water(const Json& water, const Json& crowd, const std::string& who) {
+// has_columns: the water is published in another form for each response.
+void demand_same_water(const Json& water, const Json& crowd, bool has_columns, const std::string& who) {
     for (const auto& [pointer, base, value] : differences(water, crowd)) {
-        if (is_own(pointer) && pointer != "/coupling/agents_stream") continue;
+        const bool chooses_water = pointer == "/coupling/agents_stream" || (has_columns && pointer == "/crowd/response");
+        if (is_own(pointer) && !chooses_water) continue;
         throw ConfigurationError(who + ": " + pointer + ": " + (value == nullptr ? "nothing" : shown(*value)) +
                                  " is not the scene's " + (base == nullptr ? "nothing" : shown(*base)) +
                                  ", but all crowds share one water; allowed to differ: " + allowed_keys + ".");
@@ -179,6 +182,8 @@ std::vector<ListedCrowd> load_crowds_text(std::string_view text, const std::file
                                  "allowed with --crowds: \"off\".");
     }
     const Json water_document = parse_scene_text(water.canonical_json, source);
+    const ModelKind model = water.scene.fluid->model;
+    const bool has_columns = model != ModelKind::dfsph && model != ModelKind::kinematic && model != ModelKind::steering;
     std::vector<ListedCrowd> crowds;
     std::set<std::string> taken;
     for (std::size_t i = 0; i < document.size(); ++i) {
@@ -186,7 +191,7 @@ std::vector<ListedCrowd> load_crowds_text(std::string_view text, const std::file
         const std::string who = source + ": crowd \"" + name + "\"";
         const bool pictures = pictures_of(document[i], who);
         crowds.push_back({name, load_one(document[i], who, scene_file, overrides), pictures});
-        demand_same_water(water_document, parse_scene_text(crowds.back().loaded.canonical_json, source), who);
+        demand_same_water(water_document, parse_scene_text(crowds.back().loaded.canonical_json, source), has_columns, who);
     }
     return crowds;
 }

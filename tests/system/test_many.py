@@ -57,6 +57,11 @@ class Many(EnsembleTest):
         kinematic = resolved("/fluid/model=kinematic")
         self.assertEqual(water_of(kinematic, 1), water_of(kinematic, 1))
         self.assertNotEqual(water_of(kinematic, 1), water_of(kinematic, 2), "its seed draws where particles lie")
+        cells = resolved("/fluid/model=shallow_water")
+        measured = resolved("/fluid/model=shallow_water", "/crowd/response=measured")
+        self.assertNotEqual(water_of(cells, 1), water_of(cells, 2), "its seed draws where particles drift")
+        self.assertNotEqual(water_of(cells, 1), water_of(measured, 1), "columns are published in place of particles")
+        self.assertEqual(water_of(measured, 1), water_of(measured, 2), "columns have fixed positions")
         for own in ("/coupling/two_way=true", "/coupling/agents_stream=serial", "/fluid/model=auto"):
             self.assertIsNone(water_of(resolved(own), 1), own)
         folder = CONFIGS / "paper"

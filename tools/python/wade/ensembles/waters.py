@@ -13,6 +13,8 @@ OWN_OF_CROWD = ("/seed", "/name", "/description", "/events", "/crowd", "/couplin
 # Models whose water is the same for each seed. The others draw where their particles lie, or waves, from it; `auto` may
 # choose one of them, and chooses by where people walk.
 SEEDLESS = ("dfsph",)
+# Models that publish what the response of the crowd integrates over: columns without a seed for `measured`, drifting particles else.
+FOR_RESPONSE = ("shallow_water", "mixed")
 MOST_KILLS = 20  # of the program that reads a scene, one after the other; more are no accident
 
 
@@ -22,7 +24,9 @@ def water_of(resolved, seed):
     if model == "auto" or coupling["two_way"] or coupling["agents_stream"] != "off":
         return None
     own = {pointer[1:] for pointer in OWN_OF_CROWD}
-    return digest([{key: value for key, value in resolved.items() if key not in own}, None if model in SEEDLESS else seed])
+    response = resolved["crowd"]["response"] if model in FOR_RESPONSE else None
+    seedless = model in SEEDLESS or (model == "shallow_water" and response == "measured")
+    return digest([{key: value for key, value in resolved.items() if key not in own}, response, None if seedless else seed])
 
 
 def is_own_of_crowd(pointer):

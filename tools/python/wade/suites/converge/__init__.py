@@ -25,6 +25,7 @@ from wade.many import seed_range
 from wade.paths import ROOT, module_command
 from wade.reports.files import say, write_whole
 from wade.reports.options import choose, whole
+from wade.reports.plots import COLOURS, INK, panels, save
 from wade.reports.tables import document, markdown, read_csv, section, write_csv
 from wade.states import end_of
 from wade.statistics.shares import bootstrap_mean
@@ -44,6 +45,7 @@ TIMES = {"half had an end, s": 0.5, "nine tenths had an end, s": 0.9}
 COLUMNS = ("scene", "factor", "value", "reference", "measure", "seeds", "of_reference", "of_value", "difference", "low", "high",
            "verdict")
 PATIENCE_S = "300"
+DRAWN = ("safe", "lost")
 FACTORS = list({factor.name: factor for case in CASES for factor in case.varied}.values())
 FACTOR_NAMES = [factor.name for factor in FACTORS]
 
@@ -101,12 +103,21 @@ def run(case, seeds, options):
     out = options.out / "runs" / chosen
     out.parent.mkdir(parents=True, exist_ok=True)
     settings = settings_of(case, varied)
+    found = run_plan(case.scene, {key: value for key, value in settings.items() if key[0] != "threads"}, seeds, out)
+    for key in settings:
+        if key[0] == "threads":
+            found |= run_plan(case.scene, {key: settings[key]}, seeds, out.with_name(f"{chosen}-threads-{key[1]}"), "--threads", key[1])
+    return found
+
+
+def run_plan(scene, settings, seeds, out, *words):
+    """Runs each setting with each seed, with these options; {key of the setting: {seed: lines of agents.csv}}."""
     places = [(key, seed) for seed in seeds for key in settings]
-    plan = [PlannedRun(k + 1, case.scene, seed, settings[key]) for k, (key, seed) in enumerate(places)]
+    plan = [PlannedRun(k + 1, scene, seed, settings[key]) for k, (key, seed) in enumerate(places)]
     file = out.with_suffix(".csv")
     write_whole(file, plan_text(plan))
     command = [*module_command("wade.many"), file, "--out", out, "--resume", "--reproducible", "--", "--no-trajectories", "--water-every-s",
-               "0", "--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
+               "0", "--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S, *words]
     with open(out.with_suffix(".log"), "w", encoding="utf-8") as log:
         subprocess.run(command, stdout=log, stderr=log, check=False)
     table = out / "runs.csv"
@@ -117,6 +128,24 @@ def run(case, seeds, options):
             raise UsageError(f"{line} did not end well; {out.with_suffix('.log')} says why")
         found.setdefault(key, {})[seed] = read_csv(out / "runs" / line.name / "agents.csv")
     return found
+
+
+def draw(case, rows, file):
+    """A panel for each of DRAWN: the differences of all settings with their intervals, beside the limit."""
+    settings = list(dict.fromkeys((row["factor"], row["value"]) for row in rows))
+    figure, axes = panels(len(DRAWN), (3.6, 0.9 + 0.2 * len(settings)), [(f"{name}, difference in points", "") for name in DRAWN])
+    for axis, measure in zip(axes, DRAWN):
+        axis.axvspan(-SAME_POINTS, SAME_POINTS, color="#e4e4e8")
+        for k, key in enumerate(settings):
+            row = next(r for r in rows if (r["factor"], r["value"]) == key and r["measure"] == measure)
+            colour = COLOURS[7] if row["verdict"] == "reported" else COLOURS[0]
+            axis.errorbar(row["difference"], -k, xerr=[[row["difference"] - row["low"]], [row["high"] - row["difference"]]]
+                          if row["low"] is not None else None, color=colour, marker="o", markersize=4, capsize=2.5)
+        axis.set_yticks([-k for k in range(len(settings))], [f"{factor} {value}" for factor, value in settings] if axis is axes[0] else [])
+        axis.axvline(0, color=INK, linewidth=0.8)
+    figure.suptitle(f"{case.name}: grey band {SAME_POINTS:g} points; grey marks are physical choices")
+    figure.tight_layout()
+    save(figure, file)
 
 
 def compared(case, found, seeds):
@@ -140,6 +169,12 @@ def compared(case, found, seeds):
             means = [statistics.fmean(values) if values else None for values in known]
             yield {**start, "measure": measure, "of_reference": means[0], "of_value": means[1], "difference": mean, "low": low,
                    "high": high, "verdict": word if has_limit else "reported"}
+
+
+def cpu_time(case, options):
+    """Estimate of the CPU time with the first seeds, s, by the runs that each setting takes."""
+    seeds = 1 if case.quick else len(options.seeds)
+    return case.cpu_s * seeds * len(settings_of(case, varied_in(case, options)))
 
 
 def decide(case, options):
@@ -174,7 +209,8 @@ def report(rows, options):
         limited = [row for row in own if row["verdict"] != "reported"]
         text = f"{sum(row['verdict'] == 'equal' for row in limited)} of {len(limited)} equal.\n" if limited else ""
         table = markdown(("factor", "value", "measure", "reference", "found", "difference", "seeds", ""), rest) if rest else ""
-        sections.append(section(case, *(part for part in (text, table) if part)))
+        picture = f"![Differences of {' and '.join(DRAWN)}]({case}.png)\n" if own[0]["measure"] != "states" else ""
+        sections.append(section(case, *(part for part in (text, picture, table) if part)))
     return document(head, *sections)
 
 
@@ -199,8 +235,12 @@ def main(arguments):
     chosen = [case for case in choose(CASES, ",".join(options.cases) or None)
               if (case.quick or not options.quick) and varied_in(case, options)]
     rows = []
+    print(f"about {sum(cpu_time(case, options) for case in chosen) / 60:.0f} min of CPU time with the first seeds", file=sys.stderr)
     for case in chosen:
-        rows += decide(case, options)
+        own = decide(case, options)
+        rows += own
+        if own[0]["measure"] != "states":
+            draw(case, own, options.out / f"{case.name}.png")
         write_csv(options.out / "converge.csv", COLUMNS, [{key: row.get(key) for key in COLUMNS} for row in rows])
         write_whole(options.out / "report.md", report(rows, options))
         print(f"{case.name}: {sum(r['verdict'] in ('undecided', 'different') for r in rows if r['scene'] == case.name)} not equal", file=sys.stderr)
