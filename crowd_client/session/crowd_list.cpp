@@ -132,7 +132,8 @@ std::vector<Difference> differences(const Json& water, const Json& crowd, const 
 // has_columns: the water is published in another form for each response.
 void demand_same_water(const Json& water, const Json& crowd, bool has_columns, const std::string& who) {
     for (const auto& [pointer, base, value] : differences(water, crowd)) {
-        const bool chooses_water = pointer == "/coupling/agents_stream" || (has_columns && pointer == "/crowd/response");
+        const bool chooses_water =
+            pointer == "/coupling/agents_stream" || (has_columns && pointer == "/crowd/response");
         if (is_own(pointer) && !chooses_water) continue;
         throw ConfigurationError(who + ": " + pointer + ": " + (value == nullptr ? "nothing" : shown(*value)) +
                                  " is not the scene's " + (base == nullptr ? "nothing" : shown(*base)) +
@@ -191,7 +192,8 @@ std::vector<ListedCrowd> load_crowds_text(std::string_view text, const std::file
         const std::string who = source + ": crowd \"" + name + "\"";
         const bool pictures = pictures_of(document[i], who);
         crowds.push_back({name, load_one(document[i], who, scene_file, overrides), pictures});
-        demand_same_water(water_document, parse_scene_text(crowds.back().loaded.canonical_json, source), has_columns, who);
+        demand_same_water(water_document, parse_scene_text(crowds.back().loaded.canonical_json, source), has_columns,
+                          who);
     }
     return crowds;
 }
