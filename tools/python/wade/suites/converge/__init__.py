@@ -46,6 +46,7 @@ COLUMNS = ("scene", "factor", "value", "reference", "measure", "seeds", "of_refe
            "verdict")
 PATIENCE_S = "300"
 DRAWN = ("safe", "lost")
+SEEDS_OF_THREADS = 2  # bits do not need more
 FACTORS = list({factor.name: factor for case in CASES for factor in case.varied}.values())
 FACTOR_NAMES = [factor.name for factor in FACTORS]
 
@@ -96,23 +97,25 @@ def varied_in(case, options):
     return tuple(factor for factor in all_of_them if factor.name in options.factor_names)
 
 
-def run(case, seeds, options):
-    """Runs what is not there yet; {(factor, value): {seed: lines of agents.csv}}."""
+def run(case, stages, options):
+    """Runs what is not there yet; {(factor, value): {seed: lines of agents.csv}}. stages: [(seeds, settings)], each beside the reference."""
     varied = varied_in(case, options)
     chosen = "-".join([case.name, *(factor.name.replace(" ", "_") for factor in varied)]) if options.factors else case.name
     out = options.out / "runs" / chosen
     out.parent.mkdir(parents=True, exist_ok=True)
     settings = settings_of(case, varied)
-    found = run_plan(case.scene, {key: value for key, value in settings.items() if key[0] != "threads"}, seeds, out)
+    places = [(key, seed) for seeds, keys in stages for seed in seeds for key in settings
+              if key[0] != "threads" and (key[0] == "reference" or key in keys)]
+    found = run_plan(case.scene, settings, places, out)
     for key in settings:
         if key[0] == "threads":
-            found |= run_plan(case.scene, {key: settings[key]}, seeds, out.with_name(f"{chosen}-threads-{key[1]}"), "--threads", key[1])
+            places = [(key, seed) for seed in stages[0][0][:SEEDS_OF_THREADS]]
+            found |= run_plan(case.scene, settings, places, out.with_name(f"{chosen}-threads-{key[1]}"), "--threads", key[1])
     return found
 
 
-def run_plan(scene, settings, seeds, out, *words):
-    """Runs each setting with each seed, with these options; {key of the setting: {seed: lines of agents.csv}}."""
-    places = [(key, seed) for seed in seeds for key in settings]
+def run_plan(scene, settings, places, out, *words):
+    """Runs each setting and seed of places, with these options; {setting: {seed: lines of agents.csv}}."""
     plan = [PlannedRun(k + 1, scene, seed, settings[key]) for k, (key, seed) in enumerate(places)]
     file = out.with_suffix(".csv")
     write_whole(file, plan_text(plan))
@@ -148,20 +151,20 @@ def draw(case, rows, file):
     save(figure, file)
 
 
-def compared(case, found, seeds):
+def compared(case, found):
     """The rows of the table."""
     reference = found["reference", ""]
     for (factor, value), runs in found.items():
         if factor == "reference":
             continue
         has_limit = case.factor(factor) in case.factors
-        start = {"scene": case.name, "factor": factor, "value": value, "seeds": len(seeds),
+        start = {"scene": case.name, "factor": factor, "value": value, "seeds": len(runs),
                  "reference": case.factor(factor).word(case.factor(factor).reference)}
         if case.quick and has_limit:
-            same = [people_verdict(reference[seed], runs[seed]) for seed in seeds]
+            same = [people_verdict(reference[seed], runs[seed]) for seed in runs]
             yield {**start, "measure": "states", "verdict": "equal" if set(same) == {"equal"} else "different"}
             continue
-        pairs = [(measures_of(reference[seed]), measures_of(runs[seed])) for seed in seeds]
+        pairs = [(measures_of(reference[seed]), measures_of(runs[seed])) for seed in runs]
         for measure in (*SHARES, *TIMES):
             of_reference, of_value = ([pair[k][measure] for pair in pairs] for k in (0, 1))
             mean, low, high, word = verdict(measure, of_reference, of_value)
@@ -178,13 +181,20 @@ def cpu_time(case, options):
 
 
 def decide(case, options):
-    """The rows of a case, with as many seeds as it takes to decide."""
-    seeds = list(range(1, 2)) if case.quick else list(options.seeds)
-    while True:
-        rows = list(compared(case, run(case, seeds, options), seeds))
-        if all(row["verdict"] != "undecided" for row in rows) or len(seeds) >= options.most_seeds:
-            return rows
-        seeds += range(seeds[-1] + 1, seeds[-1] + 1 + min(len(seeds), options.most_seeds - len(seeds)))
+    """The rows of a case; settings with an undecided row get more seeds, up to --most-seeds."""
+    seeds = [1] if case.quick else list(options.seeds)
+    undecided = set(settings_of(case, varied_in(case, options)))
+    stages, rows = [], {}
+    while undecided and seeds:
+        stages.append((seeds, undecided))
+        found = list(compared(case, run(case, stages, options)))
+        for key in {(row["factor"], row["value"]) for row in found}:
+            rows[key] = [row for row in found if (row["factor"], row["value"]) == key]
+        undecided = {key for key, of_key in rows.items() if any(row["verdict"] == "undecided" for row in of_key)}
+        last, done = stages[-1][0][-1], sum(len(stage) for stage, _ in stages)
+        seeds = [] if case.quick else list(range(last + 1, last + 1 + min(done, options.most_seeds - done)))
+    order = list(settings_of(case, varied_in(case, options)))
+    return [row for key in sorted(rows, key=order.index) for row in rows[key]]
 
 
 def shown(row):
