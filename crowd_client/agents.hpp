@@ -32,6 +32,7 @@ struct BodyMemory {
     std::vector<double> contested;     // kappa, [0, 1]
     std::vector<double> blocked;       // b, [0, 1]
     std::vector<double> followed;      // lambda, [0, 1]
+    std::vector<double> follow_speed;  // F, [0, 1]
     std::vector<double> opposed;       // o, [0, 1]
     std::vector<double> pressed;       // c, [0, 1]
     std::vector<double> stood;         // s, [0, 10] s

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "configs/scene/crowd.hpp"
 #include "configs/scene/world.hpp"
@@ -27,6 +28,11 @@ constexpr double keep_right_from = 0.05;  // o
 // Moves a memory towards what it is now, over `memory` s.
 void note(double& value, double now, double time, double memory) {
     value += std::min(1.0, time / memory) * (now - value);
+}
+
+// Returns the ground that a body with turned shoulders covers, m2.
+double covered_ground(double radius) {
+    return std::numbers::pi * turned_share * radius * turned_share * radius;
 }
 
 // Clockwise as seen with x to the right and z up. |angle| <= 1.5 rad: the first terms of the cosine and the sine, to 1e-7,
@@ -63,7 +69,8 @@ void note_progress(const BodyStyle& style, BodyMemory& body, std::uint32_t id, d
     body.stood[id] = std::clamp(body.stood[id] + (speed < 0.1 * desired_speed ? time : -2 * time), 0.0, 10.0);
     const double walked = body.intended[id].squaredNorm() * time;
     const double left = walked > 0 ? std::clamp(wished.dot(body.intended[id]) / walked, 0.0, 1.0) : 1.0;
-    note(body.blocked[id], speed < 0.5 * left * desired_speed ? 1.0 : 0.0, time, style.patience);
+    note(body.blocked[id], speed < style.slow_share * left * body.follow_speed[id] * desired_speed ? 1.0 : 0.0, time,
+         style.patience);
     const bool keeps_right = body.opposed[id] > keep_right_from;
     const double side = keeps_right ? 1.0 : body.detour_side[id];
     const double trapped = !keeps_right && body.blocked[id] > 0.9 ? body.trapped_time[id] + time : 0.0;
@@ -86,7 +93,10 @@ bool yields(const Bodies& bodies, const BodyMemory& body, std::uint32_t id, cons
 
 BodyStyle body_style(BodyRule rule) {
     BodyStyle style;
-    if (rule == BodyRule::human) style.spacing_rate = 1.65;
+    if (rule == BodyRule::human) {
+        style.spacing_rate = 2.08;
+        style.slow_share = 0.6;
+    }
     return style;
 }
 
@@ -94,7 +104,7 @@ void begin_bodies(Agents& agents, double radius) {
     BodyMemory& body = agents.body;
     const std::size_t n = agents.size();
     body.radius.assign(n, radius);
-    body.detour_side.assign(n, 1.0);
+    for (std::vector<double>* v : {&body.detour_side, &body.follow_speed}) v->assign(n, 1.0);
     for (std::vector<double>* v : {&body.contested, &body.blocked, &body.followed, &body.opposed, &body.pressed,
                                    &body.stood, &body.trapped_time}) {
         v->assign(n, 0.0);
@@ -191,7 +201,9 @@ Vector2d wished_velocity(const Bodies& bodies, Agents& agents, std::uint32_t id,
     const double followed = body.followed[id], ground = motion.owned[k] * marker_area;
     const double room = ground / style.passing_ground, squared = room * room;
     const double passing = squared * squared * squared * (1 - followed);
-    return free * (1 - followed * std::exp(-style.spacing_rate * ground * (1 + passing)));
+    const double free_ground = std::max(0.0, ground - covered_ground(bodies.radius));
+    body.follow_speed[id] = 1 - followed * std::exp(-style.spacing_rate * free_ground * (1 + passing));
+    return free * body.follow_speed[id];
 }
 
 }  // namespace wade::crowd

@@ -13,8 +13,8 @@
 //              d = |a - p|; its preference f (Eq. 3) is then multiplied by 1 - delta
 //   goal       turned to the right by alpha b before Eq. 3; while o <= 0.05 to the other side after each 5 s with b > 0.9,
 //              as in a corner
-//   wish       v_B (1 - lambda exp(-gamma A (1 + (A / A_0)^6 (1 - lambda)))), v_B of Eq. 4; or, of who yields, 0.3 m/s back along
-//              the way: he has s > 2 s, o < 0.1, and chance wants it, in 30 % of the seconds
+//   wish       F v_B, v_B of Eq. 4, F = 1 - lambda exp(-gamma A_f (1 + (A / A_0)^6 (1 - lambda))), A_f = max(0, A - a);
+//              or, of who yields, 0.3 m/s back along the way: he has s > 2 s, o < 0.1, and chance wants it, in 30 % of the seconds
 //
 // Motion, in each step and at most h = 0.06 s long, of the wish w = h (velocity that the water leaves of it):
 //
@@ -29,8 +29,9 @@
 //   p       place                                           v0      desired speed
 //   v       way since the last decision / T                 r       /crowd/body_radius_m
 //   kappa   contested share of the own markers, over 0.4 s  A       ground that the own markers stand for
-//   b       share of the time with |v| < v0 / 2, over T_b;  c       share of the wish that was lost, 1 - u.w / w^2, over 1 s
-//           where water takes part of v_B, half of the rest
+//   b       share of the time with |v| < beta F v0,         a       ground that the body covers, pi (0.72 r)^2
+//           over T_b; where water takes part of v_B,        c       share of the wish that was lost, 1 - u.w / w^2, over 1 s
+//           half of the rest
 //   lambda  mean cosine, >= 0, with the headings of those within 1.5 m but of those who face one (cosine < -0.85), over 1 s
 //   o       opposed: of those in the strip ahead the share that comes towards one, sum w max(0, -cos) / sum w,
 //           w = 1 / (0.5 m + a), a < 2.5 m ahead and at most 1 m + a / 4 aside, over 0.5 s. cos is the greater of those of
@@ -59,12 +60,14 @@
 // `fast` has lambda = 0. `human` follows: speed falls with the ground that is free only among people who walk the same
 // way, as in the corridors in which the speed over density is measured; who crosses gets through as with `fast`, and who
 // faces one is passed, not followed. Who has more ground than A_0 is not held up by the few who happen to go his way.
-// One set of numbers for all scenes. gamma, low, phi and D are fitted to two kinds of measurements: Weidmann's curve from 0.5 to
-// 3 people/m2 in a corridor, and the flow through openings of 0.8 to 1.6 m; A_0 and its power, within what these leave free, to
-// the goals that people reach on a crossing plane. The cosine of those who face one and the 0.7 of (low, high) were chosen with
-// two-way flow in view, but decide little: with -0.7, or with 0.6 or 0.8, all limits of two-way flow, two-way doors, IMO test 8,
-// blocks, crossings, openings and the corridor hold. With 1 one of ten runs of IMO test 8 takes 121 s of 120; with -0.95 both
-// ways together are 1.08 times as fast as one, where 1.05 is the limit.
+// Why b is measured against F v0. A queue in which all go one way moves at F v0, and nobody in it is blocked. Against v0 alone,
+// b nears 1 above 2 people/m2: goals turn by up to alpha, and at 3 people/m2 a third of the motion goes sideways.
+// Why a. The ground under the own body leaves no room to walk: F falls to 1 - lambda where bodies touch.
+// One set of numbers for all scenes. gamma, beta = 0.6 (`fast`: 0.5), low, phi and D are fitted to speed over density in corridors,
+// between Weidmann's curve and the speeds of Zhang et al. 2011, and to the flow through openings of 0.8 to 1.6 m. A_0 and its power
+// are fitted, within what these leave free, to the goals reached on a crossing plane. The cosine of those who face one and the 0.7
+// of (low, high) were chosen with two-way flow in view. With 0.6 or 0.8 all limits of two-way flow, two-way doors, IMO test 8,
+// blocks and crossings hold; with a cosine of -0.7 the slowest of ten runs of IMO test 8 takes 126 s of 120.
 // 0.72 r of 0.25 m is 0.18 m: a disc between the half depth of a chest, 0.12 to 0.15 m, and a disc of the area of the ellipse
 // of chest and shoulders, 0.19 m.
 

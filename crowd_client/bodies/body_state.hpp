@@ -19,6 +19,7 @@ struct BodyStyle {
     double discount = 0.9;          // delta; at 1 crowds jam
     double contest_distance = 0.4;  // D, m
     double patience = 0.7;          // T_b, s
+    double slow_share = 0.5;        // beta
     double spacing_rate = 0;        // gamma, 1/m2; 0: nobody follows
     double passing_ground = 0.7;    // A_0, m2
 };
