@@ -9,11 +9,12 @@ steady water, one seed; outcomes and states must be the same.
 Physical choices (the law of walking in water, one or two ways, bodies) are varied likewise; their differences are reported with
 intervals and have no limit. --factors 'walking law' runs one of them alone.
 
-What is complete is not run again, so that the suite goes on where it was interrupted. Writes DIR/converge.csv and DIR/report.md.
+What is complete is not run again, so that the suite goes on where it was interrupted; --quick starts anew. Writes DIR/converge.csv and DIR/report.md.
 Exit code 1: a share or a time is different.
 """
 
 import shlex
+import shutil
 import statistics
 import subprocess
 import sys
@@ -101,7 +102,7 @@ def run(case, stages, options):
     """Runs what is not there yet; {(factor, value): {seed: lines of agents.csv}}. stages: [(seeds, settings)], each beside the reference."""
     varied = varied_in(case, options)
     chosen = "-".join([case.name, *(factor.name.replace(" ", "_") for factor in varied)]) if options.factors else case.name
-    out = options.out / "runs" / chosen
+    out = options.out / ("quick" if options.quick else "runs") / chosen
     out.parent.mkdir(parents=True, exist_ok=True)
     settings = settings_of(case, varied)
     places = [(key, seed) for seeds, keys in stages for seed in seeds for key in settings
@@ -245,6 +246,8 @@ def main(arguments):
     chosen = [case for case in choose(CASES, ",".join(options.cases) or None)
               if (case.quick or not options.quick) and varied_in(case, options)]
     rows = []
+    if options.quick:
+        shutil.rmtree(options.out / "quick", ignore_errors=True)
     print(f"about {sum(cpu_time(case, options) for case in chosen) / 60:.0f} min of CPU time with the first seeds", file=sys.stderr)
     for case in chosen:
         own = decide(case, options)
