@@ -55,6 +55,7 @@ struct Prepared {
 Prepared prepare(ProgramStart& start, Ranks* ranks) {
     Prepared prepared;
     const RunOptions& options = start.options;
+    for (const std::string& warning : start.loaded.warnings) prepared.lines.push_back("warning: " + warning);
     if (ranks != nullptr && model_choice::is_open(start.loaded.scene)) {
         throw ConfigurationError(options.scene_file.string() +
                                  ": /fluid/model is auto; allowed over ranks: shallow_water");
@@ -62,7 +63,7 @@ Prepared prepare(ProgramStart& start, Ranks* ranks) {
     if (model_choice::is_open(start.loaded.scene)) {
         model_choice::ModelChoice choice = model_choice::choose_model(start.loaded, options.scene_file.string());
         start.loaded = std::move(choice.scene);
-        prepared.lines = std::move(choice.lines);
+        prepared.lines.insert(prepared.lines.end(), choice.lines.begin(), choice.lines.end());
         if (options.out && !options.check) {
             prepared.lines.push_back("the scene as chosen: " +
                                      model_choice::write_chosen(start.loaded, *options.out).string());

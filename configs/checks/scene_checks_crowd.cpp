@@ -322,29 +322,6 @@ void check_measured(const Scene& scene, const std::string& source, Problems& pro
     });
 }
 
-// Keys that say nothing where people answer by tau.
-void check_keys_of_measured(const Crowd& crowd, const std::string& source) {
-    if (crowd.response == ResponseKind::measured) return;
-    const std::string by_tau = ": people who answer the water by tau ";
-    const std::string allowed = ", or the response \"measured\".";
-    if (crowd.helping) refuse(source, "/crowd/helping", "true" + by_tau + "hold nobody; allowed: false" + allowed);
-    if (crowd.fatigue) refuse(source, "/crowd/fatigue", "true" + by_tau + "do not tire; allowed: false" + allowed);
-    const Crowd preset;
-    const DriftHazard& drift = crowd.drift_hazard;
-    if (drift.is_under || drift.best != preset.drift_hazard.best) {
-        refuse(source, "/crowd/drift_hazard_per_s",
-               (drift.is_under ? "\"under\"" : short_number(drift.best) + " 1/s") + by_tau +
-                   "do not drown; allowed: the default" + allowed);
-    }
-    if (crowd.air_budget != preset.air_budget) {
-        refuse(source, "/crowd/air_budget_s",
-               short_number(crowd.air_budget) + " s" + by_tau + "do not drown; allowed: the default" + allowed);
-    }
-    if (!crowd.water_temperature) return;
-    refuse(source, "/crowd/water_temperature_c",
-           short_number(*crowd.water_temperature) + " C" + by_tau + "feel no cold; allowed: none" + allowed);
-}
-
 void check_ragdoll(const Scene& scene, const std::string& source) {
     const bool v_f_is_set = scene.channel->flow == Flow::emitter || scene.channel->flow == Flow::recirculating;
     if (scene.crowd->ragdoll.condition != RagdollCondition::paper || v_f_is_set) return;
@@ -398,7 +375,6 @@ void check_crowd(const Scene& scene, const std::string& source, Problems& proble
         problems.attempt(
             [&] { check_rope(scene, scene.crowd->ropes[i], source, "/crowd/ropes/" + std::to_string(i)); });
     }
-    problems.attempt([&] { check_keys_of_measured(scene.crowd, source); });
     problems.attempt([&] { check_sampling(scene.coupling, source); });
     check_events(scene, source, problems);
     check_residents(scene, source, problems);

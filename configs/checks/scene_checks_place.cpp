@@ -134,13 +134,6 @@ class HouseFinder {
     std::vector<std::vector<std::size_t>> lists_;
 };
 
-// Ways of a place know water, slopes and houses, and no crowds.
-void check_crowding(const Scene& scene, const std::string& source) {
-    const double crowding = scene.crowd->navigation.crowding;
-    if (crowding == 0) return;
-    refuse(source, "/crowd/navigation/crowding", short_number(crowding) + " has no effect beside /place; allowed: 0.");
-}
-
 void check_model(const Scene& scene, const std::string& source) {
     const ModelKind model = scene.fluid->model;
     if (model != ModelKind::shallow_water && model != ModelKind::dfsph) {
@@ -369,7 +362,6 @@ void check_place(const Scene& scene, const std::string& source, Problems& proble
     if (!scene.place) return;
     const Place& place = *scene.place;
     problems.attempt([&] { check_model(scene, source); });
-    problems.attempt([&] { check_crowding(scene, source); });
     if (place.ground.raster) {
         const Raster& raster = *place.ground.raster;
         problems.attempt([&] {

@@ -15,7 +15,7 @@ void visit_paths(Json& document, const KeyNode& node, const std::function<void(J
     if (node.key.is_path) {
         if (document.is_string() && !document.get<std::string>().empty()) visit(document);
     } else if (document.is_array() && node.key.kind == KeyKind::list) {
-        const KeyNode element{{"", KeyKind::object, ""}, {}, node.inside};
+        const KeyNode element = element_of(node);
         for (Json& one : document) visit_paths(one, element, visit);
     } else if (document.is_object()) {
         for (const KeyNode& inner : node.inside) {

@@ -12,6 +12,7 @@
 #include "configs/loading/scene_file.hpp"
 #include "configs/loading/scene_override.hpp"
 #include "configs/numbers/fnv1a.hpp"
+#include "configs/scene/idle_keys.hpp"
 #include "configs/scene/kernel_choice.hpp"
 #include "configs/scene/scene_json.hpp"
 
@@ -134,6 +135,12 @@ LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& 
     problems.throw_if_any();
     if (loaded.scene.place_keys) place_instead_of_channel(document, loaded.scene, source, problems);
     problems.throw_if_any();
+    const std::vector<IdleKey> idle = idle_keys(document, loaded.scene);
+    for (const IdleKey& key : idle) {
+        if (key.for_good) problems.note(source + ": " + refusal_of(key));
+    }
+    problems.throw_if_any();
+    loaded.warnings = warnings_of(idle);
     choose_kernel(loaded.scene);
     check_scene(loaded.scene, source);
     const Json resolved = written_scene(loaded.scene);

@@ -22,6 +22,8 @@ struct LoadedScene {
     Scene scene;
     // The resolved scene: every default explicit, keys sorted, nothing extended. Loading it again gives the same hash.
     std::string canonical_json;
+    // Sentences for the user on keys that other values of the scene leave without effect.
+    std::vector<std::string> warnings;
 };
 
 // Reads a scene file and those that it extends.

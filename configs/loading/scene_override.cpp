@@ -97,7 +97,7 @@ void apply_override(Json& document, const SceneOverride& change) {
     for (const std::string& key : keys_of(change)) {
         if (node->key.kind == KeyKind::list) {
             const std::size_t index = index_of(key, *place, pointer, change);
-            element = {{"", KeyKind::object, ""}, {}, std::vector<KeyNode>(node->inside)};
+            element = element_of(*node);
             node = &element;
             if (index == place->size()) place->push_back(Json::object());
             place = &(*place)[index];

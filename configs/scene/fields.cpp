@@ -147,24 +147,28 @@ void Fields::list_of(std::string_view name, std::string_view meaning, const List
 void Fields::leaf(Key key, const Member& member) {
     if (below(place_, key.name) == skipped_) return;
     if (key.storage == Storage::member) key.storage = storage_;
+    key.acting = acting_;
     visit(key, member);
 }
 
-void Fields::branch(const Key& key, const std::function<void()>& inside) {
+void Fields::branch(Key key, const std::function<void()>& inside) {
+    key.acting = acting_;
     const std::string here = place_;
     place_ = below(here, key.name);
     if (place_ != skipped_) visit_object(key, inside);
     place_ = here;
 }
 
-void Fields::branch(const Key& key, const OptionalMember& member) {
+void Fields::branch(Key key, const OptionalMember& member) {
+    key.acting = acting_;
     const std::string here = place_;
     place_ = below(here, key.name);
     if (place_ != skipped_) visit_optional(key, member);
     place_ = here;
 }
 
-void Fields::items(const Key& key, const ListMember& member) {
+void Fields::items(Key key, const ListMember& member) {
+    key.acting = acting_;
     const std::string here = place_;
     const std::string list = below(here, key.name);
     place_ = list + "/*";

@@ -90,6 +90,14 @@ inline const Presence required{Presence::Rule::required, {}, {}};
     return {Presence::Rule::otherwise, words, std::move(derived)};
 }
 
+// Where a key acts: only in scenes for which `here` is true. Elsewhere a value that is not the default is refused if no other
+// value of the same scene could make the key act (for_good), and else warned of: a switch turned it off.
+struct Acting {
+    std::string_view words;  // after "acts only"
+    std::function<bool(const Scene&)> here;
+    bool for_good = false;
+};
+
 // Where a key's value goes.
 enum class Storage {
     member,     // of the scene, and into what is printed
@@ -108,8 +116,9 @@ struct Key {
     std::vector<std::string> choices = {};
     Presence presence = {};
     Storage storage = Storage::member;
-    bool is_path = false;        // a text that names a file, relative to the one that it stands in
-    std::size_t point_size = 2;  // coordinates of one of the points
+    bool is_path = false;             // a text that names a file, relative to the one that it stands in
+    std::size_t point_size = 2;       // coordinates of one of the points
+    std::vector<Acting> acting = {};  // all must hold; those of the objects around it come first
 };
 
 // The member of a key, whatever its type. Setting "none" empties what may be empty and changes nothing else. Most types have
@@ -237,6 +246,13 @@ class Fields {
         inside();
         storage_ = before;
     }
+    // The keys that `inside` declares act only there. May be nested.
+    template <typename Inside>
+    void acts_only(Acting acting, const Inside& inside) {
+        acting_.push_back(std::move(acting));
+        inside();
+        acting_.pop_back();
+    }
     // A text for those who read the file.
     void of_file(std::string_view name, const TextRule& rule, std::string_view meaning);
 
@@ -260,13 +276,14 @@ class Fields {
     void list_of(std::string_view name, std::string_view meaning, const ListMember& member);
 
     void leaf(Key key, const Member& member);
-    void branch(const Key& key, const std::function<void()>& inside);
-    void branch(const Key& key, const OptionalMember& member);
-    void items(const Key& key, const ListMember& member);
+    void branch(Key key, const std::function<void()>& inside);
+    void branch(Key key, const OptionalMember& member);
+    void items(Key key, const ListMember& member);
 
     std::string skipped_;
     std::string place_;  // pattern of the object that is visited
     Storage storage_ = Storage::member;
+    std::vector<Acting> acting_;  // of the keys that are visited
 };
 
 }  // namespace wade

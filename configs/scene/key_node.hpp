@@ -18,6 +18,14 @@ struct KeyNode {
     [[nodiscard]] const KeyNode* find(std::string_view name) const;
 };
 
+// The declaration of an element of a list: a nameless object with its keys.
+[[nodiscard]] inline KeyNode element_of(const KeyNode& list) {
+    KeyNode element;
+    element.key.kind = KeyKind::object;
+    element.inside = list.inside;
+    return element;
+}
+
 // `pointer` extended by one key, escaped as RFC 6901 demands.
 [[nodiscard]] inline std::string pointer_to(const std::string& pointer, const std::string& key) {
     std::string escaped = pointer + "/";

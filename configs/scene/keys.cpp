@@ -275,7 +275,7 @@ void check_keys(const Json& value, const KeyNode& node, const std::string& point
             }
         }
     } else if (value.is_array() && key.kind == KeyKind::list) {
-        const KeyNode element{{"", KeyKind::object, ""}, {}, node.inside};
+        const KeyNode element = element_of(node);
         for (std::size_t i = 0; i < value.size(); ++i) {
             check_keys(value[i], element, pointer_to(pointer, std::to_string(i)), reading);
         }

@@ -53,14 +53,24 @@ const char* type_of(KeyKind kind) {
     return "";
 }
 
-Json schema_of(const KeyNode& node, bool whole);
+// The meaning of a key, and where it acts if the object around it acts elsewhere, too: under `known` conditions.
+std::string meaning_of(const Key& key, std::size_t known) {
+    std::string text(key.meaning);
+    for (std::size_t k = known; k < key.acting.size(); ++k)
+        text.append(" Acts only ").append(key.acting[k].words) += '.';
+    return text;
+}
+
+Json schema_of(const KeyNode& node, bool whole, std::size_t known);
 
 // `whole`: the object is never merged with another, so that it must have what is required.
 void add_properties(Json& schema, const KeyNode& node, bool whole) {
     schema["additionalProperties"] = false;
     if (const Json names = names_of_required(node); whole && !names.empty()) schema["required"] = names;
     Json& properties = schema["properties"] = Json::object();
-    for (const KeyNode& inner : node.inside) properties[std::string(inner.key.name)] = schema_of(inner, whole);
+    for (const KeyNode& inner : node.inside) {
+        properties[std::string(inner.key.name)] = schema_of(inner, whole, node.key.acting.size());
+    }
 }
 
 void add_limits(Json& schema, const Key& key) {
@@ -95,7 +105,7 @@ void add_limits(Json& schema, const Key& key) {
         schema["pattern"] = std::string("^[").append(key.text.characters).append(key.text.shortest > 0 ? "]+$" : "]*$");
 }
 
-Json schema_of(const KeyNode& node, bool whole) {
+Json schema_of(const KeyNode& node, bool whole, std::size_t known) {
     const Key& key = node.key;
     Json schema;
     if (key.kind == KeyKind::spread) {
@@ -109,7 +119,7 @@ Json schema_of(const KeyNode& node, bool whole) {
     const Presence& presence = key.presence;
     if (presence.rule == Presence::Rule::preset && key.kind != KeyKind::object) schema["default"] = preset_of(node);
     if (!presence.words.empty()) schema["x-default"] = presence.words;
-    schema["description"] = key.meaning;
+    schema["description"] = meaning_of(key, known);
     if (key.kind == KeyKind::list) {
         Json& items = schema["items"] = {{"type", "object"}};
         add_properties(items, node, true);
@@ -200,8 +210,8 @@ void add_rows(std::string& table, const KeyNode& node, const std::string& before
         const Key& key = inner.key;
         const std::string name = before + std::string(key.name);
         table += "|";
-        table += cell(code(name)) + cell(key.unit) + cell(range_of(key)) + cell(default_of(inner)) + cell(key.meaning) +
-                 "\n";
+        table += cell(code(name)) + cell(key.unit) + cell(range_of(key)) + cell(default_of(inner)) +
+                 cell(meaning_of(key, node.key.acting.size())) + "\n";
         if (key.kind == KeyKind::object) add_rows(table, inner, name + ".");
         if (key.kind == KeyKind::list) add_rows(table, inner, name + "[].");
     }

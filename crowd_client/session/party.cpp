@@ -26,6 +26,8 @@ void add_member(Party& party, const ProgramStart& start, LoadedScene loaded, std
     member.kept = pictures ? record_of(start.options) : without_pictures(record_of(start.options));
     if (party.many) member.kept.path_interval = 1;
     party.runs.push_back({.crowd = make_crowd(loaded.scene)});
+    std::vector<std::string>& warnings = party.runs.back().crowd.warnings;
+    warnings.insert(warnings.begin(), loaded.warnings.begin(), loaded.warnings.end());
     if (start.options.has("--step-times")) party.runs.back().crowd.times = std::make_shared<StepTimes>();
     party.members.push_back(std::move(member));
 }

@@ -47,7 +47,8 @@ void fields(Channel& channel, Fields& f) {
     f.choice("top", channel.top,
              "open: air above the water. wall: a lid at height_m, for flows that fill the channel. periodic: height_m "
              "is the same place as y = 0, and there is no bed.");
-    f.number("height_m", channel.height, "m", above(0).to(10000), "y of the top. Unused if it is open.");
+    f.acts_only({"with /channel/top \"wall\" or \"periodic\"", [&](const Scene&) { return channel.top != Top::open; }},
+                [&] { f.number("height_m", channel.height, "m", above(0).to(10000), "y of the top."); });
     f.list("bed_points", channel.bed_points,
            "Height of the bed along x, straight between these points and level beyond them; none: y = 0. Depths and "
            "heights elsewhere in a scene are counted from y = 0. The crowd walks as on level ground.");

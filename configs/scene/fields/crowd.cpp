@@ -2,20 +2,81 @@
 
 #include "configs/scene/crowd.hpp"
 
+#include <algorithm>
+
+#include "configs/scene/coupling.hpp"
 #include "configs/scene/fields/lists.hpp"
 #include "configs/scene/person_size.hpp"
 
 namespace wade {
+
+namespace {
+
+// Where keys of a site act, and those of a channel.
+const Acting beside_place{"beside /place", [](const Scene& scene) { return scene.place.has_value(); }, true};
+const Acting on_channel{"on a channel, not beside /place", [](const Scene& scene) { return !scene.place; }, true};
+
+// Whether people of a group answer the water by their bodies; of the crowd, whether some do.
+bool answers_by_body(const Scene& scene, const AgentGroup* group) {
+    const std::vector<AgentGroup>& groups = scene.crowd->groups;
+    const auto has_no_tau = [](const AgentGroup& one) { return !one.tau; };
+    return scene.crowd->response == ResponseKind::measured &&
+           (group ? has_no_tau(*group) : groups.empty() || std::any_of(groups.begin(), groups.end(), has_no_tau));
+}
+
+// Whether some of a group, or of the crowd, have a size that follows age and sex.
+bool has_children(const Scene& scene, const AgentGroup* group) {
+    const auto are = [](const std::vector<PersonRow>& people) {
+        return std::any_of(people.begin(), people.end(),
+                           [](const PersonRow& row) { return row.age && *row.age < adult_age; });
+    };
+    const auto has = [&](const AgentGroup& one) { return one.body.age.lo < adult_age || are(one.people); };
+    const std::vector<AgentGroup>& groups = scene.crowd->groups;
+    return are(scene.crowd->people) || (group ? has(*group) : std::any_of(groups.begin(), groups.end(), has));
+}
+
+// Where keys of people act: of a group, or of the crowd without one.
+Acting by_body(const AgentGroup* group) {
+    return {"with /crowd/response \"measured\" and no tau of the group",
+            [group](const Scene& scene) { return answers_by_body(scene, group); }};
+}
+Acting with_bodies(const AgentGroup* group) {
+    return {
+        "with /crowd/response \"measured\" and no tau of the group, beside /place, with /crowd/poses or for people "
+        "below 20 years",
+        [group](const Scene& scene) {
+            return answers_by_body(scene, group) || scene.place || scene.crowd->pose_rate > 0 ||
+                   has_children(scene, group);
+        }};
+}
+// The height, in addition, of people that the water knows of.
+Acting with_heights(const AgentGroup* group) {
+    return {
+        "with /crowd/response \"measured\" and no tau of the group, beside /place, with /crowd/poses, "
+        "/coupling/agents_stream or for people below 20 years",
+        [group](const Scene& scene) {
+            return with_bodies(group).here(scene) || scene.coupling->agents_stream != AgentsStream::off;
+        }};
+}
+
+}  // namespace
 
 void fields(EvasionSettings& evasion, Fields& f) {
     f.choice("rule", evasion.rule,
              "off: as in the source, agents do not look at the water. flee: one with water within the radius, all on "
              "one side of it, goes the opposite way instead of towards its goal. evasion: away from where that water "
              "will be. Who is surrounded by water goes on towards the goal.");
-    f.number("radius_m", evasion.radius, "m", above(0).to(2), "Distance within which water is seen.");
-    f.number("prediction_s", evasion.prediction, "s", from(0).to(10),
-             "evasion: longest time that agents look ahead; they take the distance over their desired speed if that is "
-             "less.");
+    f.acts_only(
+        {"with /crowd/evasion/rule \"flee\" or \"evasion\"",
+         [&](const Scene&) { return evasion.rule != EvasionRule::off; }},
+        [&] { f.number("radius_m", evasion.radius, "m", above(0).to(2), "Distance within which water is seen."); });
+    f.acts_only(
+        {"with /crowd/evasion/rule \"evasion\"", [&](const Scene&) { return evasion.rule == EvasionRule::evasion; }},
+        [&] {
+            f.number("prediction_s", evasion.prediction, "s", from(0).to(10),
+                     "Longest time that agents look ahead; they take the distance over their desired speed if "
+                     "that is less.");
+        });
 }
 
 void fields(NavigationSettings& navigation, Fields& f) {
@@ -33,26 +94,39 @@ void fields(NavigationSettings& navigation, Fields& f) {
              "between obstacles must be a cell plus 2 body_radius_m (1.44 with bodies) "
              "wide to be found "
              "for certain; auto takes smaller cells for narrower gaps, down to 0.1 m.");
-    f.number("crowding", navigation.crowding, "", from(0).to(10),
-             "How much people in the way count: agents expect to walk at the speed of Weidmann's curve for so many "
-             "times the density of people there, and choose ways round crowds, also where the goal is in sight. 0: not "
-             "at all, the only value in a place. 1: as measured crowds are slowed.");
-    f.number(
-        "every_s", navigation.every, "s", from(0).to(1e6),
-        "Time after which the fields are solved again for where people are, and in a place for the water; 0: once, "
-        "for the start. Elsewhere unused with crowding 0, as obstacles do not move.");
-    f.choice(
-        "slope", navigation.slope,
-        "In a place. level: slopes change no speed. tobler: people walk at exp(-3.5 |S + 0.05|) / exp(-0.175) times "
-        "their speed, S the rise of the ground along their way (Tobler 1993).");
-    f.number(
-        "sight_m", navigation.sight, "m", from(0).to(1000),
-        "In a place: how far ahead on its way somebody who is not warned sees water, as long as no house hides it.");
-    f.number("enters_up_to_m", navigation.enters_up_to, "m", from(0).to(10),
-             "In a place: the deepest water that people walk into, 0.61 in LifeSim.",
-             otherwise("by their stability alone"));
-    f.number("safe_above_m", navigation.safe_above, "m", from(-1000).to(10000),
-             "In a place: height above which ground is as good as a shelter.", otherwise("no ground is"));
+    f.acts_only(on_channel, [&] {
+        f.number("crowding", navigation.crowding, "", from(0).to(10),
+                 "How much people in the way count: agents expect to walk at the speed of Weidmann's curve for so many "
+                 "times the density of people there, and choose ways round crowds, also where the goal is in sight. 0: "
+                 "not at all. 1: as measured crowds are slowed.");
+    });
+    f.acts_only({"beside /place or with /crowd/navigation/crowding above 0",
+                 [&](const Scene& scene) { return scene.place || navigation.crowding > 0; }},
+                [&] {
+                    f.number("every_s", navigation.every, "s", from(0).to(1e6),
+                             "Time after which the fields are solved again for where people are, and in a place for "
+                             "the water; 0: once, for the start.");
+                });
+    f.acts_only(beside_place, [&] {
+        f.choice("slope", navigation.slope,
+                 "level: slopes change no speed. tobler: people walk at exp(-3.5 |S + 0.05|) / exp(-0.175) times "
+                 "their speed, S the rise of the ground along their way (Tobler 1993).");
+        f.acts_only({"with a group that is not warned",
+                     [](const Scene& scene) {
+                         const std::vector<AgentGroup>& groups = scene.crowd->groups;
+                         return std::any_of(groups.begin(), groups.end(),
+                                            [](const AgentGroup& group) { return !group.warned; });
+                     }},
+                    [&] {
+                        f.number("sight_m", navigation.sight, "m", from(0).to(1000),
+                                 "How far ahead on its way somebody who is not warned sees water, as long as no house "
+                                 "hides it.");
+                    });
+        f.number("enters_up_to_m", navigation.enters_up_to, "m", from(0).to(10),
+                 "The deepest water that people walk into, 0.61 in LifeSim.", otherwise("by their stability alone"));
+        f.number("safe_above_m", navigation.safe_above, "m", from(-1000).to(10000),
+                 "Height above which ground is as good as a shelter.", otherwise("no ground is"));
+    });
 }
 
 void fields(RagdollRule& ragdoll, Fields& f) {
@@ -61,15 +135,24 @@ void fields(RagdollRule& ragdoll, Fields& f) {
              "with the speed of the water at the agent, which differs from v_F where a front arrives or an obstacle "
              "stands. depth_speed: depth times speed of the water at the agent >= depth_speed_m2_s, whatever tau. At "
              "the agent: in its cell of 2 x 2 m.");
-    f.number("tau_min", ragdoll.tau_min, "", from(0).to(1),
-             "Smallest tau of paper and local_speed; unused by depth_speed.");
-    f.number("speed_m_s", ragdoll.speed, "m/s", from(0).to(1000),
-             "Speed that must be exceeded in paper and local_speed; unused by depth_speed.");
-    f.number("depth_speed_m2_s", ragdoll.depth_speed, "m2/s", from(0).to(1000),
-             "Smallest depth times speed of depth_speed, begin of the level High of Table 2; unused by the others.");
-    f.flag("random_sign", ragdoll.random_sign,
-           "The random part of the rotation rates, uniform in 0.1 to 0.5 rad/s. false: added, as in the paper's text. "
-           "true: added or subtracted with equal chance, as in the authors' code.");
+    const auto is = [&](RagdollCondition condition) { return ragdoll.condition == condition; };
+    f.acts_only({"with /crowd/ragdoll/condition \"paper\" or \"local_speed\"",
+                 [=](const Scene&) { return is(RagdollCondition::paper) || is(RagdollCondition::local_speed); }},
+                [&] {
+                    f.number("tau_min", ragdoll.tau_min, "", from(0).to(1), "Smallest tau.");
+                    f.number("speed_m_s", ragdoll.speed, "m/s", from(0).to(1000), "Speed that must be exceeded.");
+                });
+    f.acts_only({"with /crowd/ragdoll/condition \"depth_speed\"",
+                 [=](const Scene&) { return is(RagdollCondition::depth_speed); }},
+                [&] {
+                    f.number("depth_speed_m2_s", ragdoll.depth_speed, "m2/s", from(0).to(1000),
+                             "Smallest depth times speed, begin of the level High of Table 2.");
+                });
+    f.acts_only({"with a /crowd/ragdoll/condition", [=](const Scene&) { return !is(RagdollCondition::off); }}, [&] {
+        f.flag("random_sign", ragdoll.random_sign,
+               "The random part of the rotation rates, uniform in 0.1 to 0.5 rad/s. false: added, as in the paper's "
+               "text. true: added or subtracted with equal chance, as in the authors' code.");
+    });
 }
 
 void fields(PathSettings& paths, Fields& f) {
@@ -108,48 +191,53 @@ Presence size_by_age(const BodySettings& body, const AgentGroup& of_crowd, const
 }
 
 // The keys of bodies, in a group or in the crowd for the groups that set none, whose bodies these are.
-void fields(BodySettings& body, Fields& f, const AgentGroup* its_crowd) {
+void fields(BodySettings& body, Fields& f, const AgentGroup* group, const AgentGroup* its_crowd) {
     const BodySettings* const of_crowd = its_crowd == nullptr ? nullptr : &its_crowd->body;
     const auto unless_set = [&](auto member) {
         if (of_crowd == nullptr) return preset;
         return otherwise("that of crowd", [=] { return value_of(of_crowd->*member); });
     };
-    f.spread(
-        "age", body.age, "years", age_range,
-        "Age. Below 20 years height and mass follow age and sex where they are not given (growth charts of the CDC, "
-        "2000), and those of a group with adults hold for its adults alone. For walking_in_water bernardini, too.",
-        unless_set(&BodySettings::age));
-    f.spread("height_m", body.height, "m", height_range, "Height of a person.",
-             its_crowd == nullptr ? otherwise("1.7, or by age and sex")
-                                  : size_by_age(body, *its_crowd, of_crowd->height, PersonSize().height));
-    f.choice("sex", body.sex,
-             "any: half of the people are female. Men walk faster in water. With the response measured.",
-             unless_set(&BodySettings::sex));
-    f.choice(
-        "skill", body.skill,
-        "How well people stand against water: friction of the feet mu and arm lambda of the weight over the height. "
-        "by_size: normal, unaware of small children, whose height times mass is up to 25 m kg, and from there to 50 m "
-        "kg "
-        "between both. braced: 0.80, 0.20, leaning against the stream. good: 0.64, 0.10. normal: 0.45, 0.09. unaware: "
-        "0.34, "
-        "0.04, as a dummy. poor: 0.07, 0.011. With the response measured.",
-        unless_set(&BodySettings::skill));
-    f.spread("ground_friction", body.ground_friction, "", friction_range,
-             "mu of the ground in place of that of the skill: ice 0.1, mud 0.3, rough stone 0.8.",
-             otherwise("that of crowd, or of the skill", [=] {
-                 return of_crowd == nullptr || !of_crowd->ground_friction ? KeyValue()
-                                                                          : KeyValue(*of_crowd->ground_friction);
-             }));
-    f.number("bracing_arm", body.bracing_arm, "", arm_range,
-             "lambda, arm of the weight over the height, in place of that of the skill.",
-             otherwise("that of crowd, or of the skill", [=] {
-                 return of_crowd == nullptr || !of_crowd->bracing_arm ? KeyValue() : KeyValue(*of_crowd->bracing_arm);
-             }));
-    f.flag(
-        "can_swim", body.can_swim,
-        "Whether people who float swim towards their goal, at 0.45 m/s through the water. Their hazard of drowning is "
-        "then a quarter.",
-        unless_set(&BodySettings::can_swim));
+    f.acts_only(with_bodies(group), [&] {
+        f.spread(
+            "age", body.age, "years", age_range,
+            "Age. Below 20 years height and mass follow age and sex where they are not given (growth charts of the "
+            "CDC, 2000), and those of a group with adults hold for its adults alone. For walking_in_water bernardini, "
+            "too.",
+            unless_set(&BodySettings::age));
+    });
+    f.acts_only(with_heights(group), [&] {
+        f.spread("height_m", body.height, "m", height_range, "Height of a person.",
+                 its_crowd == nullptr ? otherwise("1.7, or by age and sex")
+                                      : size_by_age(body, *its_crowd, of_crowd->height, PersonSize().height));
+    });
+    f.acts_only(with_bodies(group), [&] {
+        f.choice("sex", body.sex, "any: half of the people are female. Men walk faster in water.",
+                 unless_set(&BodySettings::sex));
+        f.choice("skill", body.skill,
+                 "How well people stand against water: friction of the feet mu and arm lambda of the weight over the "
+                 "height. by_size: normal, unaware of small children, whose height times mass is up to 25 m kg, and "
+                 "from there to 50 m kg between both. braced: 0.80, 0.20, leaning against the stream. good: 0.64, "
+                 "0.10. normal: 0.45, 0.09. unaware: 0.34, 0.04, as a dummy. poor: 0.07, 0.011.",
+                 unless_set(&BodySettings::skill));
+        f.spread("ground_friction", body.ground_friction, "", friction_range,
+                 "mu of the ground in place of that of the skill: ice 0.1, mud 0.3, rough stone 0.8.",
+                 otherwise("that of crowd, or of the skill", [=] {
+                     return of_crowd == nullptr || !of_crowd->ground_friction ? KeyValue()
+                                                                              : KeyValue(*of_crowd->ground_friction);
+                 }));
+        f.number("bracing_arm", body.bracing_arm, "", arm_range,
+                 "lambda, arm of the weight over the height, in place of that of the skill.",
+                 otherwise("that of crowd, or of the skill", [=] {
+                     return of_crowd == nullptr || !of_crowd->bracing_arm ? KeyValue()
+                                                                          : KeyValue(*of_crowd->bracing_arm);
+                 }));
+    });
+    f.acts_only(by_body(group), [&] {
+        f.flag("can_swim", body.can_swim,
+               "Whether people who float swim towards their goal, at 0.45 m/s through the water. Their hazard of "
+               "drowning is then a quarter.",
+               unless_set(&BodySettings::can_swim));
+    });
 }
 
 // The two coordinates of a point that some groups have; a sentence if one is missing.
@@ -162,7 +250,7 @@ std::optional<std::string> take_point(const std::optional<double>& x, const std:
 }
 
 // A table of people, as lists of a scene or from a file.
-void table_of_people(std::vector<PersonRow>& people, Fields& f) {
+void table_of_people(std::vector<PersonRow>& people, Fields& f, const AgentGroup* group) {
     const Presence as_group = otherwise("that of the group");
     f.of_file(
         "people_csv", TextRule{1},
@@ -170,14 +258,17 @@ void table_of_people(std::vector<PersonRow>& people, Fields& f) {
         "takes the place of people.");
     f.list("people", people, "People one by one: the agents take them in turn, from the first again after the last.",
            [&](PersonRow& row, Fields&) {
-               f.number("height_m", row.height, "m", height_range, "Its height.", as_group);
+               f.acts_only(with_heights(group),
+                           [&] { f.number("height_m", row.height, "m", height_range, "Its height.", as_group); });
                f.number("mass_kg", row.mass, "kg", mass_range, "Its mass.", as_group);
-               f.choice("sex", row.sex, "Its sex.", as_group);
-               f.number("age", row.age, "years", age_range, "Its age.", as_group);
-               f.choice("skill", row.skill, "Its skill.", as_group);
-               f.number("ground_friction", row.ground_friction, "", friction_range, "mu of the ground.", as_group);
-               f.number("bracing_arm", row.bracing_arm, "", arm_range, "Its lambda.", as_group);
-               f.flag("can_swim", row.can_swim, "Whether it swims.", as_group);
+               f.acts_only(with_bodies(group), [&] {
+                   f.choice("sex", row.sex, "Its sex.", as_group);
+                   f.number("age", row.age, "years", age_range, "Its age.", as_group);
+                   f.choice("skill", row.skill, "Its skill.", as_group);
+                   f.number("ground_friction", row.ground_friction, "", friction_range, "mu of the ground.", as_group);
+                   f.number("bracing_arm", row.bracing_arm, "", arm_range, "Its lambda.", as_group);
+               });
+               f.acts_only(by_body(group), [&] { f.flag("can_swim", row.can_swim, "Whether it swims.", as_group); });
                f.list("tau_history", row.tau_history,
                       "Its tau in time, where the group has a tau. In a file: time_s:tau, a space, and so on.");
            });
@@ -194,14 +285,27 @@ void fields(Leaving& leaving, Fields& f) {
     f.choice("rule", leaving.rule,
              "at_once: at after_s. normal: mean_s and sd_s later, at after_s at the earliest. weibull: 1 - exp(-(t / "
              "scale_s)^shape) of them within t after after_s. table: by shares in time. never: all stay.");
-    f.number("after_s", leaving.after, "s", from(0).to(1e6), "Nobody leaves before. Unused by table.");
-    f.number("mean_s", leaving.mean, "s", from(0).to(1e6), "Mean of normal.");
-    f.number("sd_s", leaving.sd, "s", from(0).to(1e6), "Standard deviation of normal.");
-    f.number("scale_s", leaving.scale, "s", from(0).to(1e6), "Scale of weibull, by which 63 % have left.");
-    f.number("shape", leaving.shape, "", from(0.1).to(20), "Shape of weibull; 2 is Rayleigh's curve.");
-    f.list("table", leaving.table,
-           "Points of table in order of time: straight between them, and those beyond the last share stay.");
-    f.number("stay_share", leaving.stay_share, "", from(0).to(1), "Of those who name no time, how many stay for good.");
+    const auto is = [&](LeavingRule rule) { return leaving.rule == rule; };
+    f.acts_only({"with leaves/rule \"at_once\", \"normal\" or \"weibull\"",
+                 [=](const Scene&) { return !is(LeavingRule::table) && !is(LeavingRule::never); }},
+                [&] { f.number("after_s", leaving.after, "s", from(0).to(1e6), "Nobody leaves before."); });
+    f.acts_only({"with leaves/rule \"normal\"", [=](const Scene&) { return is(LeavingRule::normal); }}, [&] {
+        f.number("mean_s", leaving.mean, "s", from(0).to(1e6), "Mean time.");
+        f.number("sd_s", leaving.sd, "s", from(0).to(1e6), "Standard deviation.");
+    });
+    f.acts_only({"with leaves/rule \"weibull\"", [=](const Scene&) { return is(LeavingRule::weibull); }}, [&] {
+        f.number("scale_s", leaving.scale, "s", from(0).to(1e6), "Scale, by which 63 % have left.");
+        f.number("shape", leaving.shape, "", from(0.1).to(20), "Shape; 2 is Rayleigh's curve.");
+    });
+    f.acts_only({"with leaves/rule \"table\"", [=](const Scene&) { return is(LeavingRule::table); }}, [&] {
+        f.list("table", leaving.table,
+               "Points in order of time: straight between them, and those beyond the last share stay.");
+    });
+    f.acts_only({"with another leaves/rule than \"never\"", [=](const Scene&) { return !is(LeavingRule::never); }},
+                [&] {
+                    f.number("stay_share", leaving.stay_share, "", from(0).to(1),
+                             "Of those who name no time, how many stay for good.");
+                });
     f.number("upper_floor_share", leaving.upper_floor_share, "", from(0).to(1),
              "Of all, how many go to the upper floor at their time, if their house has one, and stay there.");
 }
@@ -209,10 +313,14 @@ void fields(Leaving& leaving, Fields& f) {
 void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
     f.text("name", group.name, short_name,
            "Name in events and logs, one of its own for each group: letters, digits, '_', '-' and '.'.", required);
-    f.whole("columns", group.columns, "", from(1).to(1e5), "Agents of the start grid along x.");
-    f.whole("rows", group.rows, "", from(1).to(1e5), "Agents of the start grid along z.");
-    f.whole("count", group.count, "", from(1).to(1e6), "Agents placed on the grid; the last row may stay incomplete.",
-            otherwise("columns * rows", [&] { return KeyValue(std::int64_t{group.columns} * group.rows); }));
+    const Acting on_grid{"with start/from \"grid\"", [&](const Scene&) { return group.starts == StartRule::grid; }};
+    f.acts_only(on_grid, [&] {
+        f.whole("columns", group.columns, "", from(1).to(1e5), "Agents of the start grid along x.");
+        f.whole("rows", group.rows, "", from(1).to(1e5), "Agents of the start grid along z.");
+        f.whole("count", group.count, "", from(1).to(1e6),
+                "Agents placed on the grid; the last row may stay incomplete.",
+                otherwise("columns * rows", [&] { return KeyValue(std::int64_t{group.columns} * group.rows); }));
+    });
     f.object(
         "start",
         [&] {
@@ -221,24 +329,29 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
                      "residents_csv who name this group; the first such group has those who name none. They start "
                      "indoors, or where the table says.");
             std::optional<double> x = group.start_x, z = group.start_z;
-            f.number("x_m", x, "m", from(0).to(1e5), "x of the first column.", otherwise("with from houses: unused"));
-            f.number("z_m", z, "m", from(0).to(1e5), "z of the first row.", otherwise("with from houses: unused"));
+            f.acts_only(on_grid, [&] {
+                f.number("x_m", x, "m", from(0).to(1e5), "x of the first column.", otherwise("none from houses"));
+                f.number("z_m", z, "m", from(0).to(1e5), "z of the first row.", otherwise("none from houses"));
+                f.number("pitch_x_m", group.pitch_x, "m", from(0).to(10000), "Distance of the columns.");
+                f.number("pitch_z_m", group.pitch_z, "m", from(0).to(10000), "Distance of the rows.");
+            });
             f.once_read(
                 [&] { return take_point(x, z, group.starts == StartRule::houses, group.start_x, group.start_z); });
-            f.number("pitch_x_m", group.pitch_x, "m", from(0).to(10000), "Distance of the columns.");
-            f.number("pitch_z_m", group.pitch_z, "m", from(0).to(10000), "Distance of the rows.");
             f.number("jitter_m", group.start_jitter, "m", from(0).to(1000),
                      "Each agent starts at random, uniformly, up to this far from its place on the grid along x and "
                      "along z; at the edges of the world the deviation is mirrored inwards. A start in an obstacle or "
                      "within 1 mm of another one is drawn again; the pitch may then be 0.");
         },
         "Where they start.", required);
-    f.object("leaves", group.leaving,
-             "With start/from houses: when those who are indoors come out of their door. A table's leaves_at stands "
-             "over it.");
-    f.flag("warned", group.warned,
-           "In a place: whether they know where the water is however far away it is, or only once they see it before "
-           "them.");
+    f.acts_only({"with start/from \"houses\"", [&](const Scene&) { return group.starts == StartRule::houses; }, true},
+                [&] {
+                    f.object("leaves", group.leaving,
+                             "When those who are indoors come out of their door. A table's leaves_at stands over it.");
+                });
+    f.acts_only(beside_place, [&] {
+        f.flag("warned", group.warned,
+               "Whether they know where the water is however far away it is, or only once they see it before them.");
+    });
     f.object(
         "goal",
         [&] {
@@ -246,11 +359,13 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
                      "point: to one place. shelters: to whichever shelter of the place with room, or high ground "
                      "(/crowd/navigation/safe_above_m), takes the least time.");
             std::optional<double> x = group.goal_x, z = group.goal_z;
-            f.number("x_m", x, "m", from(-100000).to(1e5),
-                     "x of the goal, in the world. Where world.ends is periodic it may lie beyond either end: the "
-                     "agent walks that far, lap by lap, so that a goal far away is a direction.",
-                     otherwise("with to shelters: unused"));
-            f.number("z_m", z, "m", from(0).to(1e5), "z of the goal.", otherwise("with to shelters: unused"));
+            f.acts_only({"with goal/to \"point\"", [&](const Scene&) { return group.goals == GoalRule::point; }}, [&] {
+                f.number("x_m", x, "m", from(-100000).to(1e5),
+                         "x of the goal, in the world. Where world.ends is periodic it may lie beyond either end: the "
+                         "agent walks that far, lap by lap, so that a goal far away is a direction.",
+                         otherwise("none to shelters"));
+                f.number("z_m", z, "m", from(0).to(1e5), "z of the goal.", otherwise("none to shelters"));
+            });
             f.once_read(
                 [&] { return take_point(x, z, group.goals == GoalRule::shelters, group.goal_x, group.goal_z); });
         },
@@ -270,7 +385,7 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
         if (!group.tau_history.empty() && !group.tau) group.tau = group.tau_history.front().tau;  // not by its body
         return std::nullopt;
     });
-    fields(group.body, f, &of_crowd);
+    fields(group.body, f, &group, &of_crowd);
     f.spread("mass_kg", group.mass, "kg", mass_range,
              "m_a, mass of an agent. With min and max each agent has a mass of its own, drawn uniformly.",
              size_by_age(group.body, of_crowd, of_crowd.mass, PersonSize().mass));
@@ -278,14 +393,16 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
         "hand_in_hand", group.hand_in_hand,
         "Whether the group walks hand in hand: neighbours of the start grid along x or along z hold one another until "
         "more than a hand can hold is asked for 0.3 s. With the response measured, and a pitch of 0.8 m at most.");
-    f.choice("hold", group.hold,
-             "How: hands pull, 220 N at most, 140 N of women. arms, across backs, also push as much, as a file in a "
-             "stream needs.");
+    f.acts_only({"with hand_in_hand", [&](const Scene&) { return group.hand_in_hand != HandInHand::none; }}, [&] {
+        f.choice("hold", group.hold,
+                 "How: hands pull, 220 N at most, 140 N of women. arms, across backs, also push as much, as a file in "
+                 "a stream needs.");
+    });
     f.flag(
         "rescuer", group.rescuer,
         "Whether they go to whoever is carried within 20 m, as far as they stand safely, throw a line of 15 m and "
         "bring in whom it holds. Their goal is where they wait; they arrive there last. With the response measured.");
-    table_of_people(group.people, f);
+    table_of_people(group.people, f, &group);
 }
 
 void fields(Rope& rope, Fields& f) {
@@ -316,28 +433,30 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
         "/coupling/rule. measured: by their bodies, with drag, buoyancy and what their feet hold, as people in flumes; "
         "they slide, topple, drift, get up and drown. Groups with a tau of their own, and whom an event gives one, "
         "answer as paper.");
-    f.choice("walking_in_water", crowd.walking_in_water,
-             "Response measured, how fast people walk in water. relative: a share of their speed on dry ground. "
-             "bernardini: speeds measured by age, never above that on dry ground.");
-    f.flag("fatigue", crowd.fatigue,
-           "Response measured: legs that hold against the water tire, down to what a dummy holds, and so do hands that "
-           "hold "
-           "others, by a model of muscles; they rest where there is little to hold.");
-    f.number(
-        "water_temperature_c", crowd.water_temperature, "C", from(0).to(40),
-        "Response measured: cold water weakens legs and hands in time, leaves less air to who goes under, and ends "
-        "how long one swims.",
-        otherwise("it is not cold"));
-    f.estimate("drift_hazard_per_s", crowd.drift_hazard, "1/s", from(0).to(1), "under",
-               "Response measured: hazard of drowning of people adrift, afloat or carried where the depth is a quarter "
-               "of their height or more, after the first 20 s of a drift. Best acts; low and high are for reports. "
-               "Multipliers: docs/people_in_water.md. under: a drifting mouth counts as under water, that of a swimmer "
-               "never.");
-    f.number("air_budget_s", crowd.air_budget, "s", from(20).to(90),
-             "Response measured: how long air lasts for people whose mouth is held under water; in water of a given "
-             "temperature at most 15.01 + 0.92 s a degree.");
-    f.flag("helping", crowd.helping,
-           "Response measured: who stands and has a hand free takes hold of whoever is carried past within 0.8 m.");
+    f.acts_only(by_body(nullptr), [&] {
+        f.choice("walking_in_water", crowd.walking_in_water,
+                 "How fast people walk in water. relative: a share of their speed on dry ground. "
+                 "bernardini: speeds measured by age, never above that on dry ground.");
+        f.flag("fatigue", crowd.fatigue,
+               "Legs that hold against the water tire, down to what a dummy holds, and so do hands that "
+               "hold "
+               "others, by a model of muscles; they rest where there is little to hold.");
+        f.number("water_temperature_c", crowd.water_temperature, "C", from(0).to(40),
+                 "Cold water weakens legs and hands in time, leaves less air to who goes under, and ends "
+                 "how long one swims.",
+                 otherwise("it is not cold"));
+        f.estimate(
+            "drift_hazard_per_s", crowd.drift_hazard, "1/s", from(0).to(1), "under",
+            "Hazard of drowning of people adrift, afloat or carried where the depth is a quarter "
+            "of their height or more, after the first 20 s of a drift. Best acts; low and high are for reports. "
+            "Multipliers: docs/people_in_water.md. under: a drifting mouth counts as under water, that of a swimmer "
+            "never.");
+        f.number("air_budget_s", crowd.air_budget, "s", from(20).to(90),
+                 "How long air lasts for people whose mouth is held under water; in water of a given "
+                 "temperature at most 15.01 + 0.92 s a degree.");
+        f.flag("helping", crowd.helping,
+               "Who stands and has a hand free takes hold of whoever is carried past within 0.8 m.");
+    });
     f.list("ropes", crowd.ropes,
            "Response measured: ropes in the water. Who has both hands free holds on to one within 0.8 m, with 440 N at "
            "most, 280 N of women: who is carried past, and who walks along it.");
@@ -357,8 +476,11 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
              "fixed: drawn once, at random with the minimum distance, as in the source. redrawn: drawn anew every "
              "marker_epoch_s, one in each of sqrt(markers_per_cell) x sqrt(markers_per_cell) sub-cells, so that crowds "
              "whose ways cross do not lock; no memory, and the crowd steps faster.");
-    f.number("marker_epoch_s", crowd.marker_epoch, "s", from(0).to(1e6),
-             "Time after which markers are redrawn; 0: in each step. Unused if they are fixed.");
+    f.acts_only({"with /crowd/markers \"redrawn\"", [&](const Scene&) { return crowd.markers == MarkerRule::redrawn; }},
+                [&] {
+                    f.number("marker_epoch_s", crowd.marker_epoch, "s", from(0).to(1e6),
+                             "Time after which markers are redrawn; 0: in each step.");
+                });
     f.choice("bodies", crowd.bodies,
              "none: BioCrowds as in the source, agents are points. fast, human: agents are discs that never overlap "
              "one another or an obstacle, whatever pushes them, and that get past one another: who is pressed or met "
@@ -393,17 +515,21 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
         "no path.");
     AgentGroup of_crowd;  // what groups take that set none
     f.shorthands([&] {
-        f.spread("tau", of_crowd.tau, "", from(0).to(1),
-                 "tau of the groups that set none. With the response measured people of these answer by their bodies, "
-                 "and it is unused.");
+        f.acts_only({"with another /crowd/response than \"measured\"",
+                     [&](const Scene&) { return crowd.response != ResponseKind::measured; }},
+                    [&] {
+                        f.spread("tau", of_crowd.tau, "", from(0).to(1),
+                                 "tau of the groups that set none. With the response measured people of these answer "
+                                 "by their bodies.");
+                    });
         f.spread("mass_kg", of_crowd.mass, "kg", mass_range, "Mass of the agents of groups that set none.",
                  otherwise("65, or by age and sex"));
         f.number("desired_speed_m_s", of_crowd.desired_speed, "m/s", from(0).to(10),
                  "Desired speed of the agents of groups that set none.");
-        fields(of_crowd.body, f, nullptr);
+        fields(of_crowd.body, f, nullptr, nullptr);
     });
     if (crowd.response == ResponseKind::measured) of_crowd.tau.reset();  // their bodies tell
-    table_of_people(crowd.people, f);
+    table_of_people(crowd.people, f, nullptr);
     f.list("groups", crowd.groups,
            "Groups of agents. Agents are numbered from 0 through all groups in order, in a group row by row.",
            [&](AgentGroup& group, Fields&) { fields(group, f, of_crowd); });

@@ -2,16 +2,35 @@
 
 #include "configs/scene/fluid.hpp"
 
+#include <algorithm>
+#include <initializer_list>
+
 #include "configs/scene/fields/lists.hpp"
 
 namespace wade {
+
+namespace {
+
+// Keys of the water act with some models. The model auto may become any of those but mixed.
+Acting with_models(std::string_view words, std::initializer_list<ModelKind> models) {
+    return {words, [models = std::vector<ModelKind>(models)](const Scene& scene) {
+                return std::find(models.begin(), models.end(), scene.fluid->model) != models.end();
+            }};
+}
+
+}  // namespace
 
 void fields(Kinematic& kinematic, Fields& f) {
     f.choice("profile", kinematic.profile,
              "Velocity over the height. uniform: velocity_m_s everywhere. logarithmic: as over a rough bed, with "
              "velocity_m_s as its mean over the depth.");
-    f.number("roughness_length_m", kinematic.roughness_length, "m", above(0).to(1),
-             "z_0 of the logarithmic profile u(y) ~ ln(1 + y / z_0): a thirtieth of the height of the bed's grains.");
+    f.acts_only({"with /fluid/kinematic/profile \"logarithmic\"",
+                 [&](const Scene&) { return kinematic.profile == VelocityProfile::logarithmic; }},
+                [&] {
+                    f.number("roughness_length_m", kinematic.roughness_length, "m", above(0).to(1),
+                             "z_0 of the logarithmic profile u(y) ~ ln(1 + y / z_0): a thirtieth of the height of the "
+                             "bed's grains.");
+                });
     f.number("transport_factor", kinematic.transport_factor, "", above(0).to(100),
              "Particles and front move at this factor times their velocity. 2.6 stands for what the paper's authors "
              "logged: a front that runs ahead of the velocity with which it pushes.");
@@ -19,11 +38,15 @@ void fields(Kinematic& kinematic, Fields& f) {
              "Where the particles of a layer are. random: each anywhere in its cell, like molecules of a gas. lattice: "
              "rows that keep their distances, as the pressure of a solver makes them, every other layer half a cell "
              "further along and across.");
-    f.number("jitter", kinematic.jitter, "cells", from(0).to(1),
-             "Width within which each particle of a lattice deviates from its point along and across, uniformly, "
-             "without leaving its cell. The mass in contact with an agent scatters over its mean as in the solved "
-             "water of S5 of configs/paper with about 0.6, as in that of configs/river with at most 0.3. 1 is as "
-             "disordered as random, which does not use it.");
+    f.acts_only({"with /fluid/kinematic/arrangement \"lattice\"",
+                 [&](const Scene&) { return kinematic.arrangement == Arrangement::lattice; }},
+                [&] {
+                    f.number("jitter", kinematic.jitter, "cells", from(0).to(1),
+                             "Width within which each particle of a lattice deviates from its point along and across, "
+                             "uniformly, without leaving its cell. The mass in contact with an agent scatters over its "
+                             "mean as in the solved water of S5 of configs/paper with about 0.6, as in that of "
+                             "configs/river with at most 0.3. 1 is as disordered as random.");
+                });
 }
 
 void fields(ShallowWaterGrid& grid, Fields& f) {
@@ -68,84 +91,132 @@ void fields(Fluid& fluid, Fields& f) {
         "worst.",
         preset_but("0.3 with the model auto",
                    [&] { return fluid.model == ModelKind::automatic ? KeyValue(0.3) : KeyValue(); }));
-    f.object("kinematic", fluid.kinematic,
-             "The kinematic model: depth_m of water that has velocity_m_s. Unused by the other models.");
-    f.object("shallow_water", fluid.shallow_water,
-             "The shallow-water model. It needs open water (no lid, no planes without slip) that stands on the bed, "
-             "and takes no notice of kernel, viscosity_m2_s and the two solves; its particles have about the mass of "
-             "the other models'. Unused by the other models.");
+    f.acts_only(with_models("with the models kinematic and auto", {ModelKind::kinematic, ModelKind::automatic}), [&] {
+        f.object("kinematic", fluid.kinematic, "The kinematic model: depth_m of water that has velocity_m_s.");
+    });
+    f.acts_only(
+        with_models("with the models shallow_water, mixed and auto",
+                    {ModelKind::shallow_water, ModelKind::mixed, ModelKind::automatic}),
+        [&] {
+            f.object(
+                "shallow_water", fluid.shallow_water,
+                "The shallow-water model. It needs open water (no lid, no planes without slip) that stands on the bed, "
+                "and takes no notice of kernel, viscosity_m2_s and the two solves; its particles have about the mass "
+                "of "
+                "the other models'.");
+        });
     f.choice(
         "publish", fluid.publish,
         "On a place, which columns of shallow_water a frame holds. all: each wet cell. near_agents: those within 10 m "
         "and more "
         "of somebody outdoors, as /coupling/agents_stream says where they are; ways then know no other water, and maps "
         "of the crowd have no other.");
-    f.object("mixed", fluid.mixed,
-             "The mixed model: a window over the whole width of the channel in which the water is particles (dfsph), "
-             "and shallow water elsewhere, on the grid of /fluid/shallow_water. The window spans people in the channel "
-             "or near it, which needs /coupling/agents_stream, what x_min_m and x_max_m say, and obstacles if wanted. "
-             "Where nothing needs it there are no particles. Unused by the other models.");
-    f.object("steering", fluid.steering,
-             "The steering model. Lengths are in spacings d; forces in the unit U^2 / d per mass and rates in U / d, "
-             "where U^2 = gravity * greatest depth + (largest velocity of the scene)^2: weights mean the same at any "
-             "size. Unused by the other models.");
+    f.acts_only(with_models("with the model mixed", {ModelKind::mixed}), [&] {
+        f.object(
+            "mixed", fluid.mixed,
+            "The mixed model: a window over the whole width of the channel in which the water is particles (dfsph), "
+            "and shallow water elsewhere, on the grid of /fluid/shallow_water. The window spans people in the channel "
+            "or near it, which needs /coupling/agents_stream, what x_min_m and x_max_m say, and obstacles if wanted. "
+            "Where nothing needs it there are no particles.");
+    });
+    f.acts_only(with_models("with the models steering and auto", {ModelKind::steering, ModelKind::automatic}), [&] {
+        f.object(
+            "steering", fluid.steering,
+            "The steering model. Lengths are in spacings d; forces in the unit U^2 / d per mass and rates in U / d, "
+            "where U^2 = gravity * greatest depth + (largest velocity of the scene)^2: weights mean the same at any "
+            "size.");
+    });
     f.number("particle_spacing_m", fluid.particle_spacing, "m", from(0.0001).to(1000),
              "d, spacing of the particles at rest; a particle's mass is rest_density_kg_m3 * d^3. Half of it means "
              "about eight times the particles and twice the steps.");
-    f.choice(
-        "kernel", fluid.kernel,
-        "cubic_spline: support radius 2 d (support_in_spacings), 33 particles in it; the fastest, but a lattice of its "
-        "particles resists shear as a soft solid, so that waves run 2 to 5 % too fast. quartic_spline: support radius "
-        "2.4 d, 57 particles; hardly sees how particles are packed, so that waves have their speed, deep water shakes "
-        "less and two layers of particles stand 2 % too low instead of 4; opposite walls must be 1.4 d apart. "
-        "wendland_c2: "
-        "support radius 3 d, 113 particles, for water that fills its channel; opposite walls must be 2 d apart. auto: "
-        "what "
-        "the scene needs, wendland_c2 for water that fills its channel, cubic_spline for a front, quartic_spline for "
-        "rivers from the start, waves and water at rest.");
-    f.number(
-        "support_in_spacings", fluid.support_in_spacings, "", from(2).to(2.2),
-        "Support radius of the kernel cubic_spline over d. A lattice of particles resists shear as a soft solid, so "
-        "that waves run 2 to 5 % too fast at 2; from 2.05 on it does not. Water of two layers stands 4 % too low at 2, "
-        "2.7 % at 2.1. It costs more: 2 to 33 % in single runs. Banks and walls must be this less 1 d apart.");
+    f.acts_only(
+        with_models("with models of particles", {ModelKind::dfsph, ModelKind::kinematic, ModelKind::steering,
+                                                 ModelKind::mixed, ModelKind::automatic}),
+        [&] {
+            f.choice(
+                "kernel", fluid.kernel,
+                "cubic_spline: support radius 2 d (support_in_spacings), 33 particles in it; the fastest, but a "
+                "lattice of its "
+                "particles resists shear as a soft solid, so that waves run 2 to 5 % too fast. quartic_spline: support "
+                "radius "
+                "2.4 d, 57 particles; hardly sees how particles are packed, so that waves have their speed, deep water "
+                "shakes "
+                "less and two layers of particles stand 2 % too low instead of 4; opposite walls must be 1.4 d apart. "
+                "wendland_c2: "
+                "support radius 3 d, 113 particles, for water that fills its channel; opposite walls must be 2 d "
+                "apart. auto: "
+                "what "
+                "the scene needs, wendland_c2 for water that fills its channel, cubic_spline for a front, "
+                "quartic_spline for "
+                "rivers from the start, waves and water at rest.");
+            f.number(
+                "support_in_spacings", fluid.support_in_spacings, "", from(2).to(2.2),
+                "Support radius of the kernel cubic_spline over d. A lattice of particles resists shear as a soft "
+                "solid, so "
+                "that waves run 2 to 5 % too fast at 2; from 2.05 on it does not. Water of two layers stands 4 % too "
+                "low at 2, "
+                "2.7 % at 2.1. It costs more: 2 to 33 % in single runs. Banks and walls must be this less 1 d apart.");
+        });
     f.number("rest_density_kg_m3", fluid.rest_density, "kg/m3", above(0).to(1e5), "Density of the water at rest.");
-    f.number("viscosity_m2_s", fluid.kinematic_viscosity, "m2/s", from(0).to(1000),
-             "Kinematic viscosity of the model; far above that of water (1e-6), as the particles do not resolve its "
-             "small eddies.");
+    f.acts_only(
+        with_models("with the models dfsph, mixed and auto",
+                    {ModelKind::dfsph, ModelKind::mixed, ModelKind::automatic}),
+        [&] {
+            f.number(
+                "viscosity_m2_s", fluid.kinematic_viscosity, "m2/s", from(0).to(1000),
+                "Kinematic viscosity of the model; far above that of water (1e-6), as the particles do not resolve its "
+                "small eddies.");
+        });
     f.whole("max_particles", fluid.max_particles, "", from(0).to(1e8),
             "Capacity: particles for which memory is set aside, and the stock of the emitter.");
-    f.number("cfl", fluid.cfl, "", above(0).to(2),
-             "Time step limit: dt <= cfl * d / (largest particle speed + sqrt(g * depth)). Larger is faster and less "
-             "exact; from 0.9 on it changes nothing: whatever it is, dt <= 0.5 d / sqrt(g * depth) and dt <= 0.4 d / "
-             "largest speed, without which water becomes unstable.");
-    f.object(
-        "density_solve",
+    f.acts_only(with_models("with models that solve for the water, not with kinematic",
+                            {ModelKind::dfsph, ModelKind::shallow_water, ModelKind::steering, ModelKind::mixed,
+                             ModelKind::automatic}),
+                [&] {
+                    f.number("cfl", fluid.cfl, "", above(0).to(2),
+                             "Time step limit: dt <= cfl * d / (largest particle speed + sqrt(g * depth)). Larger is "
+                             "faster and less "
+                             "exact; from 0.9 on it changes nothing: whatever it is, dt <= 0.5 d / sqrt(g * depth) and "
+                             "dt <= 0.4 d / "
+                             "largest speed, without which water becomes unstable.");
+                });
+    f.acts_only(
+        with_models("with the models dfsph, mixed and auto",
+                    {ModelKind::dfsph, ModelKind::mixed, ModelKind::automatic}),
         [&] {
-            f.number("tolerance", fluid.density_solve.tolerance, "fraction", above(0).to(0.1),
-                     "Mean density error, relative to the rest density, that ends the iteration; in no block of 256 "
-                     "particles, which lie close together, may it be more than five times as large.");
-            f.whole("min_iterations", fluid.density_solve.min_iterations, "", from(1).to(10000),
-                    "Iterations done in any case.");
-            f.whole("max_iterations", fluid.density_solve.max_iterations, "", from(1).to(10000),
-                    "Iterations after which the step goes on with the error that is left.");
-        },
-        "The constant-density solve: moves the particles until their density is that of rest, and leaves their "
-        "velocities alone unless the divergence solve is off.");
-    f.object(
-        "divergence_solve",
-        [&] {
-            f.number("tolerance", fluid.divergence_solve.tolerance, "fraction", above(0).to(0.1),
-                     "Mean change of density, relative to the rest density, in a time step of CFL 0.5 that ends the "
-                     "iteration; shorter steps and water deeper than ten layers of particles take a share of it. In no "
-                     "block of 256 particles, which lie close together, may it be more than five times as large. "
-                     "Beyond 32 layers it counts as 0.002 at most.");
-            f.whole("min_iterations", fluid.divergence_solve.min_iterations, "", from(1).to(10000),
-                    "Iterations done in any case, unless max_iterations = 0 switches the solve off.");
-            f.whole("max_iterations", fluid.divergence_solve.max_iterations, "", from(0).to(10000),
-                    "Iterations after which the step goes on with the error that is left; 0 switches the solve off, "
-                    "and the density solve then changes velocities as well.");
-        },
-        "The divergence-free solve: its pressure carries the weight of the water and all other forces.");
+            f.object(
+                "density_solve",
+                [&] {
+                    f.number(
+                        "tolerance", fluid.density_solve.tolerance, "fraction", above(0).to(0.1),
+                        "Mean density error, relative to the rest density, that ends the iteration; in no block of 256 "
+                        "particles, which lie close together, may it be more than five times as large.");
+                    f.whole("min_iterations", fluid.density_solve.min_iterations, "", from(1).to(10000),
+                            "Iterations done in any case.");
+                    f.whole("max_iterations", fluid.density_solve.max_iterations, "", from(1).to(10000),
+                            "Iterations after which the step goes on with the error that is left.");
+                },
+                "The constant-density solve: moves the particles until their density is that of rest, and leaves their "
+                "velocities alone unless the divergence solve is off.");
+            f.object(
+                "divergence_solve",
+                [&] {
+                    f.number(
+                        "tolerance", fluid.divergence_solve.tolerance, "fraction", above(0).to(0.1),
+                        "Mean change of density, relative to the rest density, in a time step of CFL 0.5 that ends the "
+                        "iteration; shorter steps and water deeper than ten layers of particles take a share of it. In "
+                        "no "
+                        "block of 256 particles, which lie close together, may it be more than five times as large. "
+                        "Beyond 32 layers it counts as 0.002 at most.");
+                    f.whole("min_iterations", fluid.divergence_solve.min_iterations, "", from(1).to(10000),
+                            "Iterations done in any case, unless max_iterations = 0 switches the solve off.");
+                    f.whole("max_iterations", fluid.divergence_solve.max_iterations, "", from(0).to(10000),
+                            "Iterations after which the step goes on with the error that is left; 0 switches the solve "
+                            "off, "
+                            "and the density solve then changes velocities as well.");
+                },
+                "The divergence-free solve: its pressure carries the weight of the water and all other forces.");
+        });
 }
 
 }  // namespace wade
