@@ -23,7 +23,7 @@ GOLDEN = {
     ("models/mixed_obstacle", 2): "f5b2106023881dde",
     ("models/shallow_water_obstacle", 1): "d1f28d554359ede2",
     ("models/planes", 0.5): "7a4fcf89eae0c171",
-    ("places/hamlet", 4): "657772545145e789",
+    ("places/hamlet", 4): "680b1f37e72969ad",
     ("places/paper_village", 4): "6323d449db0094b3",
     ("validation/cavity", 0.1): "846b0c049e35b842",
     ("validation/taylor_green", 0.1): "d8482a9addafa6f3",
