@@ -318,8 +318,11 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
         f.whole("columns", group.columns, "", from(1).to(1e5), "Agents of the start grid along x.");
         f.whole("rows", group.rows, "", from(1).to(1e5), "Agents of the start grid along z.");
         f.whole("count", group.count, "", from(1).to(1e6),
-                "Agents placed on the grid; the last row may stay incomplete.",
-                otherwise("columns * rows", [&] { return KeyValue(std::int64_t{group.columns} * group.rows); }));
+                "Agents placed on the grid; the last row may stay incomplete.", otherwise("columns * rows", [&] {
+                    // A printed scene states the residents of a group that starts in houses.
+                    const bool of_houses = group.starts == StartRule::houses;
+                    return KeyValue(of_houses ? std::int64_t{group.count} : std::int64_t{group.columns} * group.rows);
+                }));
     });
     f.object(
         "start",
