@@ -42,7 +42,7 @@ void let_go_of_who_ended(CrowdWorld& crowd) {
     std::erase_if(crowd.links, [&](const Link& link) { return !walks(link.a) || !walks(link.b); });
 }
 
-// Whoever drifts past, or is pinned, is held by the nearest who stands with a hand free, in the order of their ids.
+// Links drifting and pinned people to the nearest standing person with a free hand, in the order of ids.
 void take_hold(CrowdWorld& crowd) {
     const People& people = crowd.agents.people;
     std::vector<std::uint32_t> drifting;

@@ -25,8 +25,7 @@ struct StreamInfo {
     std::array<std::int32_t, 3> axes{1, 2, 3};  // world axis i is the stored axis |axes[i]| - 1, mirrored if negative
     double particle_radius = 0;                 // m, 0 = not given
     double rest_density = 0;                    // kg/m3, 0 = not given
-    // Depth-averaged water: width along world x and z of the rectangle round px, pz on which each particle stands as a column,
-    // 0 to 2 m. The column has the depth mass / (rest_density * area), also where a solid cuts the rectangle. 0 = points.
+    // Depth-averaged water: each particle is a column on a rectangle round px, pz of this width along world x and z, 0 to 2 m. The column has the depth mass / (rest_density * area), also where a solid cuts the rectangle. 0 = points.
     std::array<double, 2> column_width{};
     std::uint64_t scene_hash = 0;  // 0 = not given
     StreamKind kind = stream_fluid;

@@ -205,7 +205,7 @@ void check_table(const std::vector<PersonRow>& people, const AgentGroup& group, 
     }
 }
 
-// The people of the place's table of residents who are in a group.
+// Returns the residents of the site's table that belong to a group.
 void check_sizes_of_residents(const Scene& scene, std::size_t g, const std::string& source, Problems& problems) {
     for_each_resident(scene, g, [&](const Resident& one) {
         const auto fault = fault_of_person(scene.crowd->groups[g], one.person);

@@ -164,8 +164,8 @@ std::vector<std::string> rate_warnings(const Scene& scene) {
     const auto warn_below = [&](double rate, const std::string& key, const std::string& what) {
         if (rate >= least) return;
         warnings.push_back(key + ": " + short_number(rate) + " " + what +
-                           " a second: who survives in water that changes depends on the rate below " +
-                           short_number(least) + " 1/s. Remedy: " + key + " " + short_number(least) + " or more.");
+                           " a second: outcomes in water that changes depend on the rate below " + short_number(least) +
+                           " 1/s. Remedy: " + key + " " + short_number(least) + " or more.");
     };
     warn_below(scene.frame_rate, "/frame_rate_hz", "frames of the water");
     if (scene.crowd->step_rate != scene.frame_rate)

@@ -109,7 +109,7 @@ class Table {
         return person;
     }
 
-    // Of a person whose size stands in its own line.
+    // Of a person with a size in its own line.
     void check_size(const Json& person, const std::string& source) {
         const auto given = [&](const char* key) -> std::optional<Spread> {
             if (!person.contains(key) || !person[key].is_number()) return std::nullopt;

@@ -41,7 +41,7 @@ double over(const Rectangle& r, Corner corner) {
            (signed_corner(r.x_hi, r.z_lo) - signed_corner(r.x_lo, r.z_lo));
 }
 
-// False where the rectangle lies beyond the circle, whose corners would leave rounding.
+// Returns false where the rectangle lies beyond the circle; the sum over its corners would leave rounding.
 bool meets_circle(const Rectangle& r) {
     const double x = std::max({r.x_lo, -r.x_hi, 0.0}), z = std::max({r.z_lo, -r.z_hi, 0.0});
     return x * x + z * z < 1;

@@ -1,5 +1,5 @@
 #pragma once
-// Integrals over rectangles of the two kernels with which people sample the water, in units of the kernel's radius.
+// Integrals of the two sampling kernels of the crowd over rectangles, in units of the kernel's radius.
 //
 // With r^2 = a^2 + b^2 and s = sqrt(1 - a^2), the part of a kernel over [0, a] x [0, b], 0 <= a, b <= 1, is
 //

@@ -78,8 +78,8 @@ struct Crowd {
     bool fatigue = false;                     // legs and hands tire
     std::optional<double> water_temperature;  // C; none: it is not cold
     DriftHazard drift_hazard;
-    double air_budget = 60;  // for which a mouth can be under water, s
-    bool helping = false;    // who stands takes hold of whom the water carries past
+    double air_budget = 60;  // time that a mouth can be under water, s
+    bool helping = false;    // standing people take hold of people carried past
     std::vector<Rope> ropes;
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second

@@ -102,7 +102,7 @@ class Finder : public Fields {
     }
 
     const Scene& scene_;
-    const Json* here_;  // the object whose keys are visited, with its declaration and its position
+    const Json* here_;  // the visited object, with its declaration and its position
     const KeyNode* node_ = &scene_keys();
     std::string pointer_, pattern_;
 };

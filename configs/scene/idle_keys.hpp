@@ -27,7 +27,7 @@ struct IdleKey {
 // Returns what is wrong with a key that is idle for good: "POINTER: VALUE has no effect, ...".
 [[nodiscard]] std::string refusal_of(const IdleKey& key);
 
-// Returns a sentence on each reason for which keys are idle, with these keys, for those that are not so for good.
+// Returns a sentence for each reason, with its keys, of keys that are idle but not for good.
 [[nodiscard]] std::vector<std::string> warnings_of(const std::vector<IdleKey>& keys);
 
 }  // namespace wade

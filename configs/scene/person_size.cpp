@@ -70,7 +70,7 @@ double score_of(const Chart& chart, double value) {
     return std::clamp(score, -largest_score, largest_score);
 }
 
-// The score of one size of a person whose other size has the score `other`.
+// Returns the score of one size, given the score `other` of the other size.
 double correlated_score(double other, double draw) {
     const double own = Spread(-largest_score, largest_score, 0, 1).at(draw);
     return std::clamp(correlation * other + std::sqrt(1 - correlation * correlation) * own, -largest_score,

@@ -12,7 +12,7 @@
 //   M_cold    max(1, 38 / (15.01 + 0.92 T)) in the first 120 s adrift, T the temperature of the water, C
 //
 // t0 comes back three times as fast as it goes, so that a short touch of the ground starts no new drift. No source gives deaths against
-// time adrift: lambda = 0.006 1/s for adults who cannot swim is assumed, with the range 0.002 to 0.02
+// time adrift: lambda = 0.006 1/s for adult non-swimmers is assumed, with the range 0.002 to 0.02
 // (docs/people_in_water.md#drowning). With one draw a person a larger lambda saves no one.
 
 #include <cstdint>

@@ -87,7 +87,7 @@ Stance stance_in(const People& people, std::size_t id, double mass, Rest posture
                      people.drag[id]);
 }
 
-// Returns the largest speed through still water, m/s, at which the own motion keeps D below 0.8; none of people who float.
+// Returns the largest speed through still water, m/s, at which the own motion keeps D below 0.8; none for floating people.
 double speed_of_firm_feet(const People& people, std::size_t id, double mass, const WaterProperties& water) {
     constexpr double keeps_below = 0.8;  // D of the own motion [A]
     const double depth = people.depth[id];

@@ -41,10 +41,10 @@ struct Feeling {
     double rest_density = 0;   // rho, kg/m3
     Interval x, z;             // ground of the channel, m; without ends along x where the world is periodic
     PlacedBoxes boxes;         // those of a periodic world three times, a world's length apart
-    PlacedHouses houses;       // whose cells may hold the water of those that they cut
+    PlacedHouses houses;       // their cells may hold the water of cells that they cut
 };
 
-// column: width of the columns along x and z, m, 0 for points. Throws ConfigurationError for points more than 4/3 m apart, whose
+// column: width of the columns along x and z, m, 0 for points. Throws ConfigurationError for points more than 4/3 m apart: their
 // cone would reach beyond the sorted water.
 [[nodiscard]] Feeling make_feeling(const Scene& scene, const Vector2d& column = Vector2d::Zero());
 

@@ -60,8 +60,8 @@ void for_each_particle_near(const WaterBins& bins, const Vector2d& agent, double
     return {x - half.x(), x + half.x(), z - half.y(), z + half.y()};
 }
 
-// Calls visit(k) for each column whose rectangle may reach into the circle of this radius, m, round a position. Needs radius and
-// half a width of at most 2 m together.
+// Calls visit(k) for each column that may reach into the circle of this radius, m, round a position. The radius and half the width
+// of a column are at most 2 m together.
 template <typename Visit>
 void for_each_column_near(const WaterBins& bins, const Vector2d& position, double radius, Visit&& visit) {
     const Vector2d reach = Vector2d::Constant(radius) + 0.5 * bins.column;

@@ -35,7 +35,7 @@ class ColumnParticles {
     explicit ColumnParticles(const ShallowWater& world);
 
     // Room that a frame needs at most: max_particles of the scene and one more a cell; of a place one a cell that is open; the
-    // columns of all cells for people who integrate over them.
+    // columns of all cells for the response `measured`.
     [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
 
     // Width of the columns along x and z, m; 0 of particles that drift.

@@ -119,7 +119,7 @@ void fields(NavigationSettings& navigation, Fields& f) {
                      }},
                     [&] {
                         f.number("sight_m", navigation.sight, "m", from(0).to(1000),
-                                 "How far ahead on its way somebody who is not warned sees water, as long as no house "
+                                 "How far ahead on its route an unwarned person sees water, as long as no house "
                                  "hides it.");
                     });
         f.number("enters_up_to_m", navigation.enters_up_to, "m", from(0).to(10),
@@ -179,7 +179,7 @@ KeyValue value_of(Choice choice) {
 constexpr Range height_range = from(0.5).to(2.5), mass_range = above(0).to(1000), age_range = from(3).to(110),
                 friction_range = from(0.01).to(2), arm_range = from(0.005).to(0.5);
 
-// A size of a group that sets none, whose ages are known: that of the crowd, or that of adults. None where it follows the ages, as
+// The size of a group that sets none: that of the crowd, or that of adults. None where it follows the ages, as
 // of children in a crowd that is not one of children.
 Presence size_by_age(const BodySettings& body, const AgentGroup& of_crowd, const std::optional<Spread>& size,
                      double adult) {
@@ -215,7 +215,7 @@ void fields(BodySettings& body, Fields& f, const AgentGroup* group, const AgentG
                  unless_set(&BodySettings::sex));
         f.choice("skill", body.skill,
                  "How well people stand against water: friction of the feet mu and arm lambda of the weight over the "
-                 "height. by_size: normal, unaware of small children, whose height times mass is up to 25 m kg, and "
+                 "height. by_size: normal; unaware of small children, with height times mass up to 25 m kg; and "
                  "from there to 50 m kg between both. braced: 0.80, 0.20, leaning against the stream. good: 0.64, "
                  "0.10. normal: 0.45, 0.09. unaware: 0.34, 0.04, as a dummy. poor: 0.07, 0.011.",
                  unless_set(&BodySettings::skill));
@@ -234,7 +234,7 @@ void fields(BodySettings& body, Fields& f, const AgentGroup* group, const AgentG
     });
     f.acts_only(by_body(group), [&] {
         f.flag("can_swim", body.can_swim,
-               "Whether people who float swim towards their goal, at 0.45 m/s through the water. Their hazard of "
+               "Whether floating people swim towards their goal, at 0.45 m/s through the water. Their hazard of "
                "drowning is then a quarter.",
                unless_set(&BodySettings::can_swim));
     });
@@ -288,7 +288,7 @@ void fields(Leaving& leaving, Fields& f) {
     const auto is = [&](LeavingRule rule) { return leaving.rule == rule; };
     f.acts_only({"with leaves/rule \"at_once\", \"normal\" or \"weibull\"",
                  [=](const Scene&) { return !is(LeavingRule::table) && !is(LeavingRule::never); }},
-                [&] { f.number("after_s", leaving.after, "s", from(0).to(1e6), "Nobody leaves before."); });
+                [&] { f.number("after_s", leaving.after, "s", from(0).to(1e6), "Earliest time of leaving."); });
     f.acts_only({"with leaves/rule \"normal\"", [=](const Scene&) { return is(LeavingRule::normal); }}, [&] {
         f.number("mean_s", leaving.mean, "s", from(0).to(1e6), "Mean time.");
         f.number("sd_s", leaving.sd, "s", from(0).to(1e6), "Standard deviation.");
@@ -304,7 +304,7 @@ void fields(Leaving& leaving, Fields& f) {
     f.acts_only({"with another leaves/rule than \"never\"", [=](const Scene&) { return !is(LeavingRule::never); }},
                 [&] {
                     f.number("stay_share", leaving.stay_share, "", from(0).to(1),
-                             "Of those who name no time, how many stay for good.");
+                             "Fraction of the people without a time of their own that stay for good.");
                 });
     f.number("upper_floor_share", leaving.upper_floor_share, "", from(0).to(1),
              "Of all, how many go to the upper floor at their time, if their house has one, and stay there.");
@@ -349,7 +349,7 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
     f.acts_only({"with start/from \"houses\"", [&](const Scene&) { return group.starts == StartRule::houses; }, true},
                 [&] {
                     f.object("leaves", group.leaving,
-                             "When those who are indoors come out of their door. A table's leaves_at stands over it.");
+                             "When people indoors come out of their door. A table's leaves_at stands over it.");
                 });
     f.acts_only(beside_place, [&] {
         f.flag("warned", group.warned,
@@ -445,7 +445,7 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
                "hold "
                "others, by a model of muscles; they rest where there is little to hold.");
         f.number("water_temperature_c", crowd.water_temperature, "C", from(0).to(40),
-                 "Cold water weakens legs and hands in time, leaves less air to who goes under, and ends "
+                 "Cold water weakens legs and hands in time, shortens the breath under water, and ends "
                  "how long one swims.",
                  otherwise("it is not cold"));
         f.estimate(
@@ -455,10 +455,10 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
             "Multipliers: docs/people_in_water.md. under: a drifting mouth counts as under water, that of a swimmer "
             "never.");
         f.number("air_budget_s", crowd.air_budget, "s", from(20).to(90),
-                 "How long air lasts for people whose mouth is held under water; in water of a given "
+                 "How long air lasts while the mouth is held under water; in water of a given "
                  "temperature at most 15.01 + 0.92 s a degree.");
         f.flag("helping", crowd.helping,
-               "Who stands and has a hand free takes hold of whoever is carried past within 0.8 m.");
+               "A standing person with a free hand takes hold of people carried past within 0.8 m.");
     });
     f.list("ropes", crowd.ropes,
            "Response measured: ropes in the water. Who has both hands free holds on to one within 0.8 m, with 440 N at "

@@ -11,7 +11,7 @@ namespace wade {
 
 namespace {
 
-// Keys of the water act with some models. The model auto may become any of those but mixed.
+// Keys of the water act with some models. The model auto may become any model but mixed.
 Acting with_models(std::string_view words, std::initializer_list<ModelKind> models) {
     return {words, [models = std::vector<ModelKind>(models)](const Scene& scene) {
                 return std::find(models.begin(), models.end(), scene.fluid->model) != models.end();
@@ -114,7 +114,7 @@ void fields(Fluid& fluid, Fields& f) {
     f.acts_only(with_models("with the model mixed", {ModelKind::mixed}), [&] {
         f.object(
             "mixed", fluid.mixed,
-            "The mixed model: a window over the whole width of the channel in which the water is particles (dfsph), "
+            "The mixed model: particles (dfsph) in a window over the whole width of the channel, "
             "and shallow water elsewhere, on the grid of /fluid/shallow_water. The window spans people in the channel "
             "or near it, which needs /coupling/agents_stream, what x_min_m and x_max_m say, and obstacles if wanted. "
             "Where nothing needs it there are no particles.");

@@ -96,7 +96,7 @@ std::string_view worst_state(const People& people, std::size_t id) {
     return people.by_body[id] != 0 ? person_states[static_cast<std::size_t>(people.worst[id])] : "";
 }
 
-// How the last drift ended; "adrift" of people who drift at the end.
+// How the last drift ended; "adrift" while it goes on.
 std::string_view drift_end(const CrowdWorld& crowd, std::size_t id) {
     const Condition& condition = crowd.agents.people.condition[id];
     switch (condition.drift.end) {
@@ -119,7 +119,7 @@ std::string_view drift_end(const CrowdWorld& crowd, std::size_t id) {
 }
 
 // Time adrift, exposure to drowning, the end of the last drift, the ability to swim, the longest time at rest off the feet and the
-// state then, of people who answer by their bodies.
+// state then, with the response `measured`.
 std::string drift_columns(const CrowdWorld& crowd, std::size_t id) {
     const People& people = crowd.agents.people;
     if (people.by_body[id] == 0) return ",,,,,,";

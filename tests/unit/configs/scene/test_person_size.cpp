@@ -1,4 +1,4 @@
-// Height and mass by age and sex, and sizes that nobody has.
+// Height and mass by age and sex, and implausible sizes.
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace wade::person_size_test {
 
-// The random number whose normal score within 2 is z.
+// Returns the random number with the normal score z, within 2.
 double draw_of(double z) {
     return (normal_share(z) - normal_share(-2)) / (normal_share(2) - normal_share(-2));
 }

@@ -252,7 +252,7 @@ TEST_CASE("Who has a given tau, or gets one, answers as the paper's, beside thos
     CHECK(both.agents.tau[0] == 0);
 }
 
-TEST_CASE("With the hazard \"under\" who floats and cannot swim drowns after a minute, who can swim gets across") {
+TEST_CASE("With the hazard \"under\" a floating non-swimmer drowns after a minute, a swimmer gets across") {
     Scene scene = standing_in_a_river();
     scene.crowd->drift_hazard.is_under = true;
     scene.crowd->groups[0].desired_speed = 1;

@@ -16,7 +16,7 @@ using wade::crowd::testing::one_agent_scene;
 
 namespace {
 
-// A wader from z = 20 m on, who samples the water within 0.5 m unless the spacing says otherwise.
+// A wader from z = 20 m on, with a sampling radius of 0.5 m unless the spacing says otherwise.
 Scene wader(double spacing) {
     Scene scene = one_agent_scene(50, 20, 50, 50, 0);
     scene.crowd->response = ResponseKind::measured;

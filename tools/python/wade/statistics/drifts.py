@@ -22,7 +22,7 @@ from wade.statistics.shares import FEWEST_RUNS, RESAMPLES, SEED, expanded_level
 
 HAZARDS = (0.002, 0.006, 0.02)  # 1/s: low, best, high [A]
 SWEPT_DEAD = (0.20, 0.45)  # of people swept off their feet, reports of floods
-STILL_ADRIFT = 0.10  # of those who drifted: above, the lost are counted too low
+STILL_ADRIFT = 0.10  # of the people that drifted: above, the lost are counted too low
 ENDS = {"feet_down": "feet down", "got_up": "sat or knelt up", "held": "held by a rope, a line or a person",
         "pinned": "pinned on a solid or on others", "arrived": "came to the goal", "drowned": "drowned",
         "swept_away": "left the map with the water", "adrift": "still adrift at the end"}
@@ -39,16 +39,16 @@ class Drifts:
     times: tuple
     drowned_adrift: int
     held_under: int
-    dead: int  # of those who drifted
+    dead: int  # of the people that drifted
 
     @property
     def still(self):
-        """The share of those who drifted that is adrift at the end."""
+        """The share of drifted people that is adrift at the end."""
         return self.ends.get("adrift", 0) / self.drifted
 
 
 def drifts_of(case):
-    """Drifts; None where nobody drifted or agents.csv is older."""
+    """Drifts; None without drifts or where agents.csv is older."""
     people = case.people
     ends = people["drift_end"].astype(str)
     there = ends != ""

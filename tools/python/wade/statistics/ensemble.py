@@ -18,7 +18,7 @@ from wade.ensembles.plan import read_plan
 from wade.reports.tables import read_csv
 from wade.states import ENDS, IN_HOUSES, end_of, kind_of
 
-SWEPT_AWAY = "swept away"  # the kind of those who go over the fall, or out with the water
+SWEPT_AWAY = "swept away"  # kind: over the fall, or out with the water
 # Columns of each table, by the end: all that follows is a part of lost or of no end yet, and a column only if it occurs.
 LOST, NO_END = "lost", "no end yet"
 ALWAYS = ("arrived", "sheltered", LOST, NO_END)

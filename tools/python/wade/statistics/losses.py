@@ -12,7 +12,7 @@ STEPS_MIN = (1, 2, 5, 10, 15, 30, 60, 120, 240, 480, 1440)  # lengths of the int
 
 
 def lost_people(case):
-    """(x, z, time, run, swept away) of all who are lost, arrays."""
+    """(x, z, time, run, swept away) of all lost people, arrays."""
     people = case.people
     lost = people["dead"]
     return (people["x_m"][lost], people["z_m"][lost], people["time_s"][lost], people["run"][lost],
