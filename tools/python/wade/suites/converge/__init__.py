@@ -18,6 +18,7 @@ import shutil
 import statistics
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from wade import UsageError
@@ -175,12 +176,6 @@ def compared(case, found):
                    "high": high, "verdict": word if has_limit else "reported"}
 
 
-def cpu_time(case, options):
-    """Estimate of the CPU time with the first seeds, s, by the runs that each setting takes."""
-    seeds = 1 if case.quick else len(options.seeds)
-    return case.cpu_s * seeds * len(settings_of(case, varied_in(case, options)))
-
-
 def decide(case, options):
     """The rows of a case; settings with an undecided row get more seeds, up to --most-seeds."""
     seeds = [1] if case.quick else list(options.seeds)
@@ -248,14 +243,16 @@ def main(arguments):
     rows = []
     if options.quick:
         shutil.rmtree(options.out / "quick", ignore_errors=True)
-    print(f"about {sum(cpu_time(case, options) for case in chosen) / 60:.0f} min of CPU time with the first seeds", file=sys.stderr)
     for case in chosen:
+        begin = time.monotonic()
+        print(f"{case.name}: time left in {options.out}/{'quick' if options.quick else 'runs'}/{case.name}*.log", file=sys.stderr)
         own = decide(case, options)
         rows += own
         if own[0]["measure"] != "states":
             draw(case, own, options.out / f"{case.name}.png")
         write_csv(options.out / "converge.csv", COLUMNS, [{key: row.get(key) for key in COLUMNS} for row in rows])
         write_whole(options.out / "report.md", report(rows, options))
-        print(f"{case.name}: {sum(r['verdict'] in ('undecided', 'different') for r in rows if r['scene'] == case.name)} not equal", file=sys.stderr)
+        print(f"{case.name}: {sum(r['verdict'] in ('undecided', 'different') for r in rows if r['scene'] == case.name)} not equal, "
+              f"{time.monotonic() - begin:.0f} s", file=sys.stderr)
     say(report(rows, options))
     return 1 if any(row["verdict"] == "different" for row in rows) else 0

@@ -84,7 +84,6 @@ class Case:
     quick: bool = False
     choices: tuple = ()
     settings: dict = field(default_factory=dict)  # beside those of the factors
-    cpu_s: float = 1  # CPU time of a run of one seed without its water, measured, s
 
     @property
     def varied(self):
