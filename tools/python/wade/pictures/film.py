@@ -124,7 +124,7 @@ class Film:
         top_view.draw_obstacles(self.axes, self.scene)
         top_view.draw_goals(self.axes, self.scene, self.by_group)
         draw_title(self.figure, title_of(self.scene, [], {}, []), plain(self.scene["name"]))
-        self.clock = self.figure.text(0.985, 1 - 0.25 / high, "", ha="right", va="center", fontsize=11, color=GREY)
+        self.clock = self.figure.text(0.985, 1 - 0.72 / high, "", ha="right", va="center", fontsize=11, color=GREY)
         self.marks = {outcome: self.axes.plot([], [], linestyle="none", zorder=10, clip_on=False, **style)[0]
                       for outcome, style in top_view.OUTCOMES.items()}
         for artist in (self.clock, *self.marks.values()):
