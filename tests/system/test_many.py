@@ -20,6 +20,8 @@ from wade.ensembles.plan import split_values, varied
 from wade.ensembles.waters import water_of
 from wade.many import say_all
 from wade.paths import CONFIGS
+from wade.suites.converge import settings_of
+from wade.suites.converge.cases import CASES
 
 SHORT = ["--until-s", "1"]
 OF_A_RUN = {"outcome.json", "agents.csv", "manifest.json"}
@@ -66,6 +68,13 @@ class Many(EnsembleTest):
             self.assertIsNone(water_of(resolved(own), 1), own)
         folder = CONFIGS / "paper"
         self.assertEqual(len({water_of(resolved(scene=folder / f"s{k:02}.json"), 1) for k in (1, 5, 6)}), 3)
+
+    def test_all_settings_of_wade_converge_are_allowed(self):
+        settings = [(CONFIGS / f"{case.scene}.json", values) for case in CASES for values in settings_of(case).values()]
+        for scene, values in settings:
+            words = [word for pointer, value in values.items() for word in ("--set", f"{pointer}={json.dumps(value)}")]
+            answer = subprocess.run([PROGRAMS / "crowd_client", scene, *words, "--check"], capture_output=True, text=True)
+            self.assertEqual(answer.returncode, 0, answer.stderr)
 
     def test_water_that_a_seed_changes_is_not_shared(self):
         self.assert_ended_well(self.many(SMALL, "--seeds", "1-2", "--", *SHORT, "--set", "/fluid/model=kinematic"))

@@ -87,6 +87,12 @@ class Verdicts(unittest.TestCase):
         with self.assertRaisesRegex(Violation, "at most 60 %"):
             judge(Water(too_small, too_small))
 
+    def test_the_spacing_of_the_scene_stands_over_a_radius_that_the_producer_claims(self):
+        claimed = UniformWater(1, particle_radius=0.5)
+        self.assertIn("R = 1.5 m", judge(Water(claimed, claimed)))
+        with self.assertRaisesRegex(Violation, "R = 0.696 m"):
+            judge(Water(claimed, claimed, 0.4642))
+
     def test_units_and_axes_of_the_stream_do_not_matter(self):
         stored = columns(1)
         stored.metres_per_unit, stored.axes, stored.origin = 0.5, (-3, 2, 1), (7.0, 0.0, -3.0)

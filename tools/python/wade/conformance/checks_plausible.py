@@ -49,8 +49,8 @@ def plausible(bench):
     return f"{most} particles, last in {box}; {compared}"
 
 
-def channel_of(bench):
-    """The box of the scene's channel: of --scene, or of the first scene file in the command; None: not known."""
+def scene_of(bench):
+    """The resolved scene: of --scene, or of the first scene file in the command; None: not known."""
     scene = bench.scene or next((word for word in bench.command if word.endswith(".json")), None)
     server = BUILD / "fluid_server"
     if not scene or not server.exists():
@@ -58,7 +58,15 @@ def channel_of(bench):
     answer = subprocess.run([server, scene, "--print-config"], capture_output=True, text=True, check=False)
     if answer.returncode:
         raise NotApplicable(f"fluid_server does not read {scene}: {answer.stderr.strip()}")
-    channel = json.loads(answer.stdout)["channel"]
+    return json.loads(answer.stdout)
+
+
+def channel_of(bench):
+    """The box of the scene's channel; None: not known."""
+    scene = scene_of(bench)
+    if scene is None:
+        return None
+    channel = scene["channel"]
     bed = [point["y_m"] if isinstance(point, dict) else point[1] for point in channel["bed_points"]] or [0.0]
     top = max(channel["height_m"], channel["depth_m"], max(bed))
     return Box([channel["x_min_m"], min(bed), channel["z_min_m"]], [channel["x_max_m"], top, channel["z_max_m"]])

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from statistics import median
 
 from wade.conformance.bench import FRAMES
-from wade.conformance.checks_plausible import WATER, world_axis
+from wade.conformance.checks_plausible import WATER, scene_of, world_axis
 from wade.conformance.expectation import NotApplicable, expect
 from wade.conformance.layout import KINDS
 
-LEAST_RADIUS = 0.5  # m, that of a body; people sample the particles of a solver within three radii of a particle
+LEAST_RADIUS = 0.5  # m, that of a body; people sample the particles of a solver within 1.5 spacings
 LARGEST_RADIUS = 2  # m
 BLOCK, STEPS, BLOCKS = 2.0, 13, 9  # m, positions along a side, number of blocks
 SHALLOW = 0.1  # of the deepest block: blocks with less hold spray
@@ -50,13 +50,16 @@ class Sample:
 
 
 class Water:
-    """A frame seen from above, in world metres, sorted into square cells."""
+    """A frame seen from above, in world metres, sorted into square cells.
 
-    def __init__(self, header, frame):
+    spacing: of the scene, m, by which a crowd chooses R; without a scene twice the radius of the header.
+    """
+
+    def __init__(self, header, frame, spacing=None):
         x, z = world_axis(header, frame, 0), world_axis(header, frame, 2)
         self.width = header.column_width if header.column_width[0] > 0 else None
         self.density = header.rest_density or WATER
-        particles = min(max(LEAST_RADIUS, 3 * header.particle_radius), LARGEST_RADIUS)
+        particles = min(max(LEAST_RADIUS, 1.5 * (spacing or 2 * header.particle_radius)), LARGEST_RADIUS)
         self.radius = LEAST_RADIUS if self.width else particles
         if self.width:
             self.limit = OF_COLUMNS
@@ -209,7 +212,8 @@ def sampling(bench):
         consumer.release()
     if last is None:
         raise NotApplicable("there is no water to sample")
-    return judge(Water(consumer.header, last))
+    scene = scene_of(bench)
+    return judge(Water(consumer.header, last, scene and scene["fluid"]["particle_spacing_m"]))
 
 
 def judge(water):

@@ -13,6 +13,7 @@ What is complete is not run again, so that the suite goes on where it was interr
 Exit code 1: a share or a time is different.
 """
 
+import re
 import shlex
 import shutil
 import statistics
@@ -102,7 +103,7 @@ def varied_in(case, options):
 def run(case, stages, options):
     """Runs what is not there yet; {(factor, value): {seed: lines of agents.csv}}. stages: [(seeds, settings)], each beside the reference."""
     varied = varied_in(case, options)
-    chosen = "-".join([case.name, *(factor.name.replace(" ", "_") for factor in varied)]) if options.factors else case.name
+    chosen = "-".join([case.name, *(re.sub(r"\W+", "_", factor.name) for factor in varied)]) if options.factors else case.name
     out = options.out / ("quick" if options.quick else "runs") / chosen
     out.parent.mkdir(parents=True, exist_ok=True)
     settings = settings_of(case, varied)
