@@ -6,6 +6,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/program/memory.hpp"
+#include "configs/scene/choices.hpp"
 #include "configs/scene/coupling.hpp"
 #include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_memory.hpp"
@@ -99,7 +100,9 @@ std::string csv_of(const Party& party) {
 std::string size_of_party(const Party& party) {
     Size size;
     for (const CrowdRun& run : party.runs) size = size + run.crowd.scene;
-    return text_of(size);
+    const Crowd& first = *party.runs.front().crowd.scene.crowd;
+    if (first.response != ResponseKind::measured) return text_of(size);
+    return text_of(size) + "; walking in water by the law \"" + name_of(first.walking_in_water) + "\"";
 }
 
 Party make_party(const ProgramStart& start) {

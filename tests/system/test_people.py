@@ -194,6 +194,7 @@ class Measured(SystemTest):
                 outcome, people = run.outcome(), run.agents()
                 self.assertEqual(sum(outcome["states"].values()), 6)
                 self.assertIn("drowned", outcome["states"])
+                self.assertEqual(outcome["walking_in_water"], "relative")
                 self.assertEqual(set(outcome["beyond_measured"]), {"people", "time_s"})
                 heights = [float(a["height_m"]) for a in people]
                 self.assertTrue(all(1.5 <= h <= 1.9 for h in heights) and len(set(heights)) == 6)

@@ -158,8 +158,10 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     }
     json["standing"] = count_standing(crowd);
     json["states"] = states_json(crowd);
-    if (crowd.scene.crowd->response == ResponseKind::measured)
+    if (crowd.scene.crowd->response == ResponseKind::measured) {
+        json["walking_in_water"] = name_of(crowd.scene.crowd->walking_in_water);
         json["beyond_measured"] = beyond_json(crowd.agents.people);
+    }
     if (const RescueCount rescue = count_rescues(crowd); rescue.rescuers > 0) {
         json["rescue"] = {
             {"rescuers", rescue.rescuers}, {"saved", rescue.saved}, {"rescuers_lost_feet", rescue.lost_feet}};
