@@ -34,7 +34,8 @@ endforeach()
 
 # Man pages are what --help says.
 find_program(WADE_HELP2MAN help2man DOC "Makes man pages from --help")
-wade_optional(has_help2man "man pages" "the package help2man makes them" COMMAND ${WADE_HELP2MAN} --version)
+wade_optional(has_help2man "man pages" "the package help2man makes them" MAKES ${PROJECT_BINARY_DIR}/optional/page.1
+  COMMAND ${WADE_HELP2MAN} --no-info --output=${PROJECT_BINARY_DIR}/optional/page.1 ${CMAKE_COMMAND})
 if(has_help2man)
   set(pages)
   foreach(program ${installed_programs})

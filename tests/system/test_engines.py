@@ -6,7 +6,6 @@ And one water over ranks. Each is skipped where it is not installed; tools/test.
 import contextlib
 import os
 import shlex
-import shutil
 import signal
 import socket
 import subprocess
@@ -18,6 +17,7 @@ from ensemble_test import EnsembleTest
 from harness import ENDLESS, PROGRAMS, SMALL, Launcher, Run, alive, children_of, command_of, wait_until
 
 from wade.ensembles.one import worker_command
+from wade.outside import works
 from wade.paths import CONFIGS, module_command
 
 PLAN = (SMALL, "--seeds", "1-6", "--share", "2", "--reproducible", "--resume")
@@ -52,10 +52,6 @@ NodeName=n1 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[1]} CPUs=1 State=
 NodeName=n2 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[2]} CPUs=1 State=UNKNOWN
 PartitionName=wade Nodes=n1,n2 Default=YES MaxTime=INFINITE State=UP
 """
-
-
-def there_is(*programs):
-    return all(map(shutil.which, programs))
 
 
 def free_ports(count):
@@ -114,7 +110,7 @@ class TwoNodes:
             daemon.wait(60)
 
 
-@unittest.skipUnless(there_is("slurmctld", "slurmd", "sbatch", "munged") and os.geteuid() == 0, "no Slurm, or not root")
+@unittest.skipUnless(works("slurmctld", "slurmd", "sbatch", "munged") and os.geteuid() == 0, "no Slurm, or not root")
 class Slurm(EnsembleTest):
     @classmethod
     def setUpClass(cls):
@@ -191,7 +187,7 @@ class Slurm(EnsembleTest):
         self.assert_nothing_left()
 
 
-@unittest.skipUnless(there_is("parallel"), "GNU parallel is not installed")
+@unittest.skipUnless(works("parallel"), "GNU parallel is not installed")
 class Parallel(EnsembleTest):
     def test_gives_the_table_of_this_machine(self):
         self.assert_ended_well(self.many("--engine", "parallel", *PLAN))
@@ -218,7 +214,7 @@ class Parallel(EnsembleTest):
         self.assert_nothing_left()
 
 
-@unittest.skipUnless(there_is("mpirun"), "Open MPI is not installed")
+@unittest.skipUnless(works("mpirun"), "Open MPI is not installed")
 class Mpirun(EnsembleTest):
     MPI = ("--engine", "mpirun", "--engine-options", LOCAL_MPI)
 
@@ -244,7 +240,7 @@ class Mpirun(EnsembleTest):
         self.assert_nothing_left()
 
 
-@unittest.skipUnless(there_is("mpirun") and os.access(PROGRAMS / "fluid_server_ranks", os.X_OK),
+@unittest.skipUnless(works("mpirun") and os.access(PROGRAMS / "fluid_server_ranks", os.X_OK),
                      "Open MPI is not installed, or was not when this was configured")
 class Ranks(Launcher):
     """One water over several ranks (tools/wade run --ranks)."""

@@ -12,7 +12,6 @@ import io
 import json
 import os
 import re
-import shutil
 import sqlite3
 import struct
 import subprocess
@@ -26,6 +25,7 @@ import recording_file
 from harness import BASIN, CLIENT, PROGRAMS, ROOT, SERVER, SMALL, SystemTest
 
 from wade import cli
+from wade.outside import works
 
 READERS = Path(os.environ.get("WADE_READERS", ROOT / "build" / "readers")) / "node_modules"
 TEMPORARY = tempfile.TemporaryDirectory(prefix="wade-exports-")
@@ -67,7 +67,7 @@ def needs(module, package):
 
 
 def needs_npm(name):
-    there = shutil.which("node") and (READERS / name).is_dir()
+    there = works("node") and (READERS / name).is_dir()
     return unittest.skipUnless(there, f"needs node and npm's {name} in {READERS}")
 
 
@@ -307,7 +307,7 @@ class Maps(ExportTest):
         columns, rows = info["size"]
         return info, np.fromfile(raw, "<f4").reshape(len(info["bands"]), rows, columns)[:, ::-1].astype(float)
 
-    @unittest.skipUnless(shutil.which("gdal_translate"), "needs gdal-bin (tools/install_dependencies.sh readers)")
+    @unittest.skipUnless(works("gdal_translate", "gdalinfo"), "needs gdal-bin (tools/install_dependencies.sh readers)")
     def test_gdal_finds_the_water_of_each_time_where_it_lies(self):
         run, file = self.flooded()
         said = self.export(run, "--water", file, "--to", "geotiff")
@@ -339,7 +339,7 @@ class Maps(ExportTest):
         self.assertEqual((info["geoTransform"], part.shape), ([500002, 1, 0, 5300004, 0, -1], (4, 7)))
         np.testing.assert_allclose(part, depth[:4, 2:9], atol=0.002)
 
-    @unittest.skipUnless(shutil.which("gdal_translate"), "needs gdal-bin (tools/install_dependencies.sh readers)")
+    @unittest.skipUnless(works("gdal_translate", "gdalinfo"), "needs gdal-bin (tools/install_dependencies.sh readers)")
     def test_a_channel_has_no_coordinate_system_but_a_place_in_its_own_metres(self):
         self.export(RUN, "--water", RECORDING, "--to", "geotiff", "--every", FRAMES - 1)
         info, (depth, *_) = self.bands_of(max(self.out.glob("water_*.tif")))
@@ -415,7 +415,7 @@ class Films(ExportTest):
         with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.redirect_stderr(said):
             return cli.main(["film", str(RUN), "--out", str(self.folder / "film.mp4"), *map(str, arguments)]), said.getvalue()
 
-    @unittest.skipUnless(shutil.which("ffmpeg") and shutil.which("ffprobe"), "needs ffmpeg")
+    @unittest.skipUnless(works("ffmpeg", "ffprobe"), "needs ffmpeg")
     def test_ffprobe_finds_the_frames_that_were_asked_for_and_they_move(self):
         code, said = self.film("--water", RECORDING, "--rate-hz", 5, "--speed", 4, "--width-px", 320)
         self.assertEqual(code, 0, said)
@@ -456,7 +456,7 @@ class Films(ExportTest):
 
 
 class Rendered(ExportTest):
-    @unittest.skipUnless(os.environ.get("WADE_RENDER") and shutil.which("blender"), "a long test, system_render; needs blender")
+    @unittest.skipUnless(os.environ.get("WADE_RENDER") and works("blender"), "a long test, system_render; needs blender")
     def test_blender_renders_water_and_people(self):
         from PIL import Image
 

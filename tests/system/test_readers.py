@@ -2,7 +2,6 @@
 
 import ctypes
 import os
-import shutil
 import signal
 import sqlite3
 import subprocess
@@ -13,9 +12,11 @@ from unittest import mock
 import numpy as np
 from harness import ENDLESS, PROGRAMS, ROOT, SystemTest, wait_until
 
+from wade.outside import works
+
 ENGINES = ROOT / "tools" / "engines"
 LIBRARY, VIEWER = PROGRAMS / "libwade_shm.so", PROGRAMS / "wade_view_server"
-needs_mono = unittest.skipUnless(shutil.which("mcs") and shutil.which("mono"),
+needs_mono = unittest.skipUnless(works("mcs", "mono"),
                                  "needs mono-mcs and mono-runtime (tools/install_dependencies.sh readers)")
 sys.path += [str(ENGINES), str(ROOT / "tools" / "producers" / "python")]
 

@@ -8,7 +8,6 @@ import io
 import json
 import os
 import random
-import shutil
 import signal
 import socket
 import struct
@@ -21,6 +20,7 @@ from pathlib import Path
 from harness import BASIN, CLIENT, ENDLESS, PROGRAMS, SERVER as WATER, SystemTest, wait_until
 
 from wade import view
+from wade.outside import works
 
 SERVER = PROGRAMS / "wade_view_server"
 PAGE_TEST = Path(__file__).resolve().parent / "view_page.mjs"
@@ -365,8 +365,8 @@ def missing_for_page():
     """Why the page is not tested, as a sentence; empty if it is."""
     if "WADE_VIEW_PAGE" not in os.environ:
         return "in a browser by ctest -R system_view_page"
-    if shutil.which("chromium") is None:
-        return "chromium is not installed: tools/install_dependencies.sh viewer"
+    if not works("chromium", "node"):
+        return "chromium or node is not installed: tools/install_dependencies.sh viewer"
     folder = view.modules_folder()
     if not all(view.has_module(folder, name) for name in ("three", "playwright-core")):
         return "npm's packages are not there: tools/wade view --install-for-tests"

@@ -4,13 +4,13 @@ import contextlib
 import io
 import json
 import re
-import shutil
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
 from wade import UsageError, place
+from wade.outside import works
 
 CELLS = 12
 LEVEL = "".join("".join(f"{50 + 0.25 * (CELLS - 1 - row) + 0.5 * column} " for column in range(CELLS)) + "\n" for row in range(CELLS))
@@ -68,7 +68,7 @@ class Maps(unittest.TestCase):
         self.assertEqual(houses[1][1].tolist(), [4, 0])
 
 
-@unittest.skipIf(shutil.which("gdalwarp") is None, "GDAL's programs are not installed")
+@unittest.skipUnless(works("gdalwarp", "ogr2ogr"), "GDAL's programs are not installed")
 class Import(unittest.TestCase):
     def setUp(self):
         temporary = tempfile.TemporaryDirectory(prefix="wade-test-")

@@ -18,12 +18,13 @@ import subprocess
 import tempfile
 
 from wade import UsageError
+from wade.outside import require
 from wade.reports.files import write_whole
 from wade.run.folders import file_name
 from wade.terminal import Parser, say_error
 
 LEVEL_M = 3.0  # height of a storey, where a file tells only their number [A]
-GDAL = "GDAL's programs, which this command calls, are not there: apt-get install gdal-bin (Fedora: gdal, Homebrew: gdal)"
+GDAL = "this command needs GDAL's programs: apt-get install gdal-bin (Fedora: gdal, Homebrew: gdal)"
 HEIGHTS = ("height_m", "height", "building:height", "building_height", "HEIGHT", "hoehe")
 LEVELS = ("building:levels", "levels", "building_levels", "LEVELS")
 
@@ -31,7 +32,7 @@ LEVELS = ("building:levels", "levels", "building_levels", "LEVELS")
 def call(program, *words):
     """What a program of GDAL prints; UsageError with its words if it fails."""
     if shutil.which(program) is None:
-        raise UsageError(f"{program}: {GDAL}")
+        raise UsageError(f"{program} is not installed; {GDAL}")
     done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, errors="backslashreplace")
     if done.returncode != 0:
         reasons = [line for line in done.stderr.splitlines() if line.startswith("ERROR")] or done.stderr.splitlines()[-1:]
@@ -41,11 +42,10 @@ def call(program, *words):
 
 def raster_info(path):
     """What gdalinfo says of a raster, or None if the file is none."""
+    require("gdalinfo", GDAL)
     try:
         info = json.loads(call("gdalinfo", "-json", path))
     except UsageError:
-        if shutil.which("gdalinfo") is None:
-            raise
         return None
     return info if info.get("bands") else None
 

@@ -1,10 +1,10 @@
 """tools/wade test: builds programs and tests and runs them with ctest."""
 
 import os
-import shutil
 
 from wade import UsageError
 from wade.building import bring_up_to_date, install, look_again
+from wade.outside import works
 from wade.paths import BUILD
 from wade.run.arguments import asks_for_help
 from wade.terminal import say_error
@@ -50,7 +50,7 @@ def main(arguments):
         install_browser()
         if install("engines"):  # without them their tests are skipped and say so
             look_again("MPI_CXX_HEADER_DIR")
-    elif shutil.which("chromium") and shutil.which("npm"):  # the quick test of the page runs wherever it can
+    elif works("chromium", "npm"):  # the quick test of the page runs wherever it can
         os.environ.setdefault("npm_config_fetch_retries", "0")  # without a network it says so at once
         try:
             install_modules(with_tests=True)

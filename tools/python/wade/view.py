@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 from wade import UsageError
+from wade.outside import require
 from wade.paths import BUILD, ROOT, home_folder
 from wade.run.processes import end_with_parent, resolved
 from wade.terminal import Parser, say_error
@@ -51,15 +52,12 @@ def install_modules(with_tests=False):
     folder = modules_folder()
     if all(has_module(folder, name) for name in ("three", *(["playwright-core"] if with_tests else []))):
         return folder
-    npm = shutil.which("npm")
-    if npm is None:
-        raise UsageError("the viewer needs npm, which is not installed: tools/install_dependencies.sh viewer, or "
-                         "install the package npm yourself; runs need neither")
+    require("npm", "the viewer needs it (tools/install_dependencies.sh viewer); runs do not")
     print(f"Installing three {wanted_version('three')} for the viewer in {folder}, once, by npm", file=sys.stderr)
     folder.mkdir(parents=True, exist_ok=True)
     for name in ("package.json", "package-lock.json"):
         shutil.copyfile(PAGE / name, folder / name)
-    words = [npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund", *([] if with_tests else ["--omit=dev"])]
+    words = ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", *([] if with_tests else ["--omit=dev"])]
     if subprocess.run(words, cwd=folder, stdout=sys.stderr).returncode != 0:
         raise UsageError("npm could not install what the viewer needs; its messages above say why (network?)")
     return folder

@@ -11,6 +11,7 @@ import time
 
 from wade import UsageError
 from wade.ensembles.one import carry_out, read_unit, worker_command
+from wade.outside import fault_of
 from wade.paths import BUILD
 from wade.run.processes import end_with_parent
 
@@ -92,8 +93,8 @@ def local(ensemble, indices, options, signals, tell):
 
 
 def needs(program, package):
-    if shutil.which(program) is None:
-        raise UsageError(f"--engine: {program} is not here; it comes with Debian's package {package}")
+    if fault := fault_of(program):
+        raise UsageError(f"--engine: {program} {fault}; Debian's package {package} holds it")
 
 
 def written_list(ensemble, lines):

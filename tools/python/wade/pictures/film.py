@@ -18,6 +18,7 @@ from wade import UsageError, view
 from wade.building import bring_up_to_date
 from wade.export.recording import AGENTS, Recording
 from wade.export.sources import Thinning, of_run, scene_of
+from wade.outside import require
 from wade.pictures import top_view
 from wade.pictures.figure import add_legend, rows_of_groups
 from wade.pictures.render import triple
@@ -231,11 +232,10 @@ def write(frames, form, rate, output):
 
 def seen_pictures(address, times, size, page, panels):
     """The PNGs of the page at an address at these times, in parts of any length; page: what follows # of its address."""
-    chromium = shutil.which("chromium")
-    if not chromium or not shutil.which("node"):
-        raise UsageError("the viewer's camera needs chromium and node: tools/install_dependencies.sh viewer; without it the "
-                         "film is seen from above")
-    job = {"times": times, "width": size[0], "height": size[1], "hash": page, "bare": not panels, "browser": chromium}
+    for program in ("chromium", "node"):
+        require(program, "the viewer's camera needs chromium and node (tools/install_dependencies.sh viewer); without it the film "
+                "is seen from above")
+    job = {"times": times, "width": size[0], "height": size[1], "hash": page, "bare": not panels, "browser": shutil.which("chromium")}
     modules = view.install_modules(with_tests=True)
     command = ["node", view.PAGE.parent / "film.mjs", modules, address, json.dumps(job)]
     with subprocess.Popen([*map(str, command)], stdout=subprocess.PIPE, preexec_fn=end_with_parent) as node:
@@ -303,8 +303,8 @@ def main(arguments):
         parser.error(f"--speed: {options.speed:g}, allowed is above 0 to 1000000")
     if not WIDTHS[0] <= options.width_px <= WIDTHS[1] or options.width_px % 2:
         parser.error(f"--width-px: {options.width_px}, allowed are even numbers from {WIDTHS[0]} to {WIDTHS[1]}")
-    if output.suffix.lower() != ".png" and not shutil.which("ffmpeg"):
-        raise UsageError("films need ffmpeg, which is not installed; Debian: apt-get install ffmpeg")
+    if output.suffix.lower() != ".png":
+        require("ffmpeg", "films need ffmpeg; Debian: apt-get install ffmpeg")
     thinning = Thinning(from_s=options.from_s, until_s=options.until_s)
     try:
         times, speed = times_of(options.run, thinning, options.speed, options.rate_hz)

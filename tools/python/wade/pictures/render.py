@@ -6,7 +6,6 @@ a snapshot shows both at the same time. Needs Blender 3.4 or later. The ground i
 
 import argparse
 import pathlib
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -249,6 +248,7 @@ def main(arguments):
     """tools/wade render."""
     from wade import UsageError
     from wade.export.sources import scene_of
+    from wade.outside import require
     from wade.pictures.run_files import RunError, check_time
     from wade.reports.files import write_whole
     from wade.terminal import Parser, say_error
@@ -275,8 +275,7 @@ def main(arguments):
         check_time(options.run, options.time)
     except RunError as error:
         raise UsageError(str(error)) from error
-    if not shutil.which("blender"):
-        raise UsageError("renderings need Blender, which is not installed; Debian: apt-get install blender")
+    require("blender", "renderings need Blender; Debian: apt-get install blender")
     with tempfile.TemporaryDirectory(prefix="wade-render-") as folder:
         arrays, picture = pathlib.Path(folder, "job.npz"), pathlib.Path(folder, "picture.png")
         np.savez(arrays, **job(options))

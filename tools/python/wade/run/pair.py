@@ -9,7 +9,6 @@ import json
 import os
 import re
 import shlex
-import shutil
 import signal
 import subprocess
 import sys
@@ -18,6 +17,7 @@ from pathlib import Path
 
 from wade.building import PICTURES, cached, is_built
 from wade import UsageError
+from wade.outside import fault_of
 from wade.paths import BUILD, INSTALLED, module_command
 from wade.run.arguments import HELP, asks_for_help, is_given, split_arguments, suit_to_latest, values_of
 from wade.run.folders import new_folder
@@ -25,7 +25,7 @@ from wade.run.outcome import BeforeRun, crowds_summary, has_frames, state_of, su
 from wade.run.processes import Pair, answer_of, meaning, wait_for_own_segment, wait_until_joined
 from wade.scenes import find_scene
 from wade.terminal import harmless, say_error, tail_of, wrapped
-from wade.view import FIFO, Server, settings_for_view
+from wade.view import FIFO, Server, install_modules, settings_for_view
 
 OVER_RANKS = "fluid_server_ranks"
 ANSWERS = ("--check", "--print-config", "--version")  # one program answers and nothing is run
@@ -45,7 +45,9 @@ def check_ranks(arguments):
     for name in ("--replay", "--producer"):
         if is_given(arguments, name):
             raise UsageError(f"{name} and --ranks exclude one another; allowed over ranks: the water of fluid_server")
-    if shutil.which("mpirun") is None or not (is_built(OVER_RANKS) or cached("MPI_CXX_HEADER_DIR")):
+    if fault := fault_of("mpirun"):
+        raise UsageError(f"--ranks: mpirun {fault}; tools/install_dependencies.sh engines installs Open MPI")
+    if not (is_built(OVER_RANKS) or cached("MPI_CXX_HEADER_DIR")):
         raise UsageError("--ranks: Open MPI was not there when the programs were built; tools/install_dependencies.sh engines "
                          "installs it, then cmake --preset release")
     return OVER_RANKS
@@ -202,6 +204,16 @@ def start_viewer(run, folder, session):
     return server
 
 
+def viewer_of(run, folder, session):
+    """As start_viewer; None, with a message, where the page's packages cannot be installed: the run goes on without it."""
+    try:
+        install_modules()
+    except UsageError as error:
+        say_error(f"wade run: no viewer beside the run: {error}")
+        return None
+    return start_viewer(run, folder, session)
+
+
 def stay(viewer, pair):
     """Lets the page show the run that is over, until the user has seen enough."""
     if pair.signal == 0 and viewer.process.poll() is None:
@@ -296,7 +308,7 @@ def carry_out(run):
     try:
         folder.mkdir(parents=True, exist_ok=True)
         before = BeforeRun(folder, many)
-        viewer = start_viewer(run, folder, session) if run.view else None
+        viewer = viewer_of(run, folder, session) if run.view else None
         if viewer and not viewer.address:
             return viewer.wait()
         started = start_all(run, pair, folder, session)
