@@ -98,7 +98,7 @@ class ViewTest(SystemTest):
         return self.folder / "three"
 
     def view(self, *arguments, three=None):
-        """A server, once it listens; .port."""
+        """A server, once it listens; .address, .port."""
         program = self.start(SERVER, "--page", view.PAGE, "--three", three or self.three(), *arguments)
 
         def address():
@@ -107,7 +107,8 @@ class ViewTest(SystemTest):
 
         wait_until(lambda: "\n" in address() or not program.running(), "the address")
         self.assertTrue(program.running(), program.messages())
-        program.port = int(address().rsplit(":", 1)[1].strip(" /\n"))
+        program.address = address().strip()
+        program.port = int(program.address.rsplit(":", 1)[1].strip("/"))
         return program
 
     def connect(self, program, **options):
@@ -378,9 +379,13 @@ class Page(ViewTest):
     def test_the_page_in_a_browser(self):
         modules = view.modules_folder()
         run = self.kept_run()
-        fifo = self.folder / "fifo"
+        fifo, recording = self.folder / "fifo", self.folder / "water.wrec"
         three = modules / "node_modules" / "three"
         ended = self.view("--run", run.folder, three=three)
+        water = self.server(*KEPT, "--consumers", "2")
+        recorder, crowd = self.start(PROGRAMS / "shm_record", self.session, recording), self.client(*KEPT, *TERMS)
+        self.assert_ended_well(water, recorder, crowd)
+        recorded = self.view("--run", crowd.run.folder, "--recording", recording, three=three)
         crowd = self.client(*KEPT, *TERMS, "--commands", fifo, "--set", "/stop_when_no_agent_is_active=false", "--until-s", "5000")
         wait_until(fifo.exists, "the FIFO")
         live = self.view("--run", crowd.run.folder, "--session", self.session, "--commands", fifo, "--starts", three=three)
@@ -388,12 +393,14 @@ class Page(ViewTest):
         outcome = run.outcome()
         wanted = {"arrived": outcome["arrived"], "dead": outcome["dead"], "end": outcome["sim_time_s"]}
         pictures = os.environ.get("WADE_VIEW_PICTURES", "-" if WHOLE else "")
-        words = ["node", PAGE_TEST, modules, ended.port, live.port, json.dumps(wanted), pictures]
-        test = subprocess.run([*map(str, words)], capture_output=True, text=True, timeout=280)
+        pages = {"ended": ended.address, "live": live.address, "recorded": recorded.address, "wanted": wanted}
+        test = subprocess.run(["node", PAGE_TEST, modules, pictures], input=json.dumps(pages), capture_output=True, text=True,
+                              timeout=280)
         for program in (water, crowd):
             program.send(signal.SIGINT)
             program.wait()
         self.assertEqual(test.returncode, 0, test.stdout + test.stderr)
+        print(test.stdout, end="")
         self.assertIn('"tau":0.9', crowd.run.bytes_of("events.jsonl").decode().replace(" ", ""))
 
     @unittest.skipIf(missing_for_page(), missing_for_page())

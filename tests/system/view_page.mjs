@@ -1,28 +1,30 @@
-// The page of the viewer in Debian's chromium, drawn by software: a run that has ended and one that goes on.
-// node view_page.mjs MODULES PORT_ENDED PORT_LIVE WANTED PICTURES; with PICTURES, a folder or -, also what takes long.
+// The page of the viewer in Debian's chromium, drawn by software: a run that has ended, one that goes on, and a recording.
+// node view_page.mjs MODULES PICTURES; with PICTURES, a folder or -, also what takes long. JSON on stdin: the addresses of the
+// pages (ended, live, recorded) and what outcome.json says (wanted).
 
 import assert from 'node:assert/strict';
+import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
 
-const [modules, ended, live, wantedText, folder] = process.argv.slice(2), pictures = folder === '-' ? '' : folder;
+const [modules, folder] = process.argv.slice(2), pictures = folder === '-' ? '' : folder;
 const { chromium } = createRequire(path.join(modules, 'x'))('playwright-core');
-const wanted = JSON.parse(wantedText);
+const { ended, live, recorded, wanted } = JSON.parse(fs.readFileSync(0));
 const browser = await chromium.launch({
   executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
 });
 const patient = { timeout: 120000, polling: 100 }; // a net for busy machines; nothing here measures time
 const problems = [];
 
-async function open(port, hash, size) {
+async function open(address, hash, size) {
   const page = await browser.newPage({ viewport: size, bypassCSP: true });
   page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !/GPU stall|ReadPixels/.test(message.text()) && problems.push(message.text()));
   page.on('pageerror', (error) => problems.push(error.message));
   page.on('requestfailed', (request) => problems.push(`failed: ${request.url()}`));
   page.on('request', (request) => !/^(https?|ws):\/\/127\.0\.0\.1|^data:|^blob:/.test(request.url()) && problems.push(`not from here: ${request.url()}`));
   page.setDefaultTimeout(120000);
-  await page.goto(`http://127.0.0.1:${port}/#${hash}`);
-  await page.waitForFunction(() => window.wade?.ready(), null, patient);
+  await page.goto(`${address}#${hash}`);
+  await page.waitForFunction((still) => window.wade && (still || wade.ready()), hash.includes('still'), patient);
   return page;
 }
 
@@ -30,6 +32,20 @@ const picture = (page, name) => page.screenshot({ path: path.join(pictures, `${n
 const wantedPicture = async (page, name) => pictures && picture(page, name); // each waits for some frames
 // A click on a part of the page, without waiting for frames that show that it stands still.
 const click = (page, id) => page.evaluate((what) => document.querySelector(what).click(), id);
+
+// Root mean square of the second differences of the surface along both axes, m, as its vertices lie in the graphics card.
+const roughness = (page) => page.evaluate(() => {
+  const { grid, rowLength, surface } = wade.show.water, { nx, nz } = grid, y = surface.geometry.attributes.position.array;
+  const height = (i, j) => y[3 * (j * rowLength + rowLength - nx + i) + 1];
+  let sum = 0, count = 0;
+  for (let j = 1; j + 1 < nz; ++j)
+    for (let i = 1; i + 1 < nx; ++i, count += 2)
+      sum += (height(i - 1, j) - 2 * height(i, j) + height(i + 1, j)) ** 2 + (height(i, j - 1) - 2 * height(i, j) + height(i, j + 1)) ** 2;
+  return Math.sqrt(sum / count);
+});
+// Water of particles is as smooth as its depths in cells, which the snapshots of the same moment give. The particles of a flat
+// river differ in height by a few hundredths of their spacing of 0.5 m; a tenth of it is a spike.
+const smooth = 0.05;
 
 try {
   // A run that has ended: its end has the counts of outcome.json.
@@ -104,11 +120,40 @@ try {
   }
   await page.close();
 
+  // A recording, drawn as a surface: smooth, and the picture of the snapshot of that moment. 8 levels of 255 on average: the two
+  // differ by ripples, which follow the velocity; foam on spikes is 60 away.
+  page = await open(recorded, 'still&play=0&dark=0&quality=low&form=surface', { width: 560, height: 360 });
+  const apartOf = await page.evaluate(async () => {
+    const pixels = async (address) => {
+      const image = await createImageBitmap(await (await fetch(address)).blob()), canvas = new OffscreenCanvas(image.width, image.height), c = canvas.getContext('2d');
+      c.drawImage(image, 0, 0);
+      return c.getImageData(0, 0, image.width, image.height).data;
+    };
+    const particles = await pixels(await wade.picture(4)), { show } = wade;
+    show.status.recorded = null;
+    show.asked = null;
+    const depths = await pixels(await wade.picture(4));
+    if (show.water.message) throw new Error('particles are shown instead of depths');
+    return particles.reduce((sum, v, k) => sum + Math.abs(v - depths[k]), 0) / particles.length;
+  });
+  const reference = await roughness(page);
+  await page.close();
+  page = await open(recorded, 'still&play=0&quality=low&form=surface', { width: 560, height: 360 });
+  assert.equal(await page.evaluate(async () => (await wade.picture(4), wade.at().particles)), 640);
+  const rough = await roughness(page);
+  console.log(`roughness of the surface: particles ${rough.toFixed(4)} m, depths ${reference.toFixed(4)} m; pictures ${apartOf.toFixed(1)} levels apart`);
+  assert.ok(rough < smooth + reference, `the surface of a recording is rough: ${rough} m, of its depths ${reference} m`);
+  assert.ok(apartOf < 8, `the pictures of particles and depths are ${apartOf} levels apart`);
+  await page.close();
+
   // A run that goes on: particles come, time goes, tau changes, it pauses.
   page = await open(live, 'dark=1&form=points&quality=low', { width: 800, height: 400 });
   await page.waitForFunction(() => wade.at().particles === 640 && document.querySelector('#state').textContent === 'running', null, patient);
   const then = await page.evaluate(() => wade.at());
   await page.waitForFunction((t) => wade.at().time > t.time && wade.at().water > t.water, then, patient);
+  await page.selectOption('#form', 'surface');
+  await page.waitForFunction((t) => wade.at().water > t.water, await page.evaluate(() => wade.at()), patient);
+  assert.ok((await roughness(page)) < smooth + reference, 'the surface of a run that goes on is smooth');
   await page.fill('#tau-value', '0.9');
   await page.selectOption('#tau-group', 'group walkers');
   await click(page, '#tau-set');

@@ -120,11 +120,11 @@ export class Water {
     this.scene = scene;
     this.ground = ground;
     this.most = { depth: 0, speed: 0 }; // of a place, of what was shown so far
-    this.columns = Boolean(ground) && scene.fluid.model !== 'dfsph'; // as wide as cells
-    this.spacing = (this.columns ? scene.fluid.shallow_water.cell_size_m : scene?.fluid?.particle_spacing_m) ?? bounds?.spacing ?? 0.5;
+    this.inColumns = Boolean(ground) && scene.fluid.model !== 'dfsph'; // the particles of a message are columns as wide as cells
+    this.spacing = (this.inColumns ? scene.fluid.shallow_water.cell_size_m : scene?.fluid?.particle_spacing_m) ?? bounds?.spacing ?? 0.5;
     const c = scene?.channel ?? bounds;
     const area = (c.x_max_m - c.x_min_m) * (c.z_max_m - c.z_min_m);
-    const cell = Math.max((this.columns ? 1 : 0.72) * this.spacing, Math.sqrt(area / (ground ? 90000 : 40000)), 0.02);
+    const cell = Math.max((this.inColumns ? 1 : 0.72) * this.spacing, Math.sqrt(area / (ground ? 90000 : 40000)), 0.02);
     this.grid = new Grid(c.x_min_m, c.x_max_m, c.z_min_m, c.z_max_m, cell, ground ? (x, z) => ground.at(x, z) : undefined);
     this.fall = scene && hasFall(scene);
     this.gravity = scene?.world?.gravity_m_s2 ?? 9.81;
@@ -143,7 +143,7 @@ export class Water {
 
   makeSurface(parent) {
     const { nx, nz } = this.grid, extra = this.fall ? FALL_ROWS : 0, columns = nx + extra, skirt = 2 * (2 * nx + nz);
-    this.columns = columns;
+    this.rowLength = columns; // vertices of a row of the sheet
     const count = columns * nz + skirt, index = [];
     for (let j = 0; j + 1 < nz; ++j)
       for (let i = 0; i + 1 < columns; ++i) {
@@ -201,7 +201,7 @@ export class Water {
     this.message = message;
     const grid = this.grid;
     const [x, , z, vx, , vz, volume] = message.arrays;
-    if (this.columns && message.stride === 1) {
+    if (this.inColumns && message.stride === 1) {
       grid.fill(message.count, (k) => [x[k], z[k], volume[k], vx[k], vz[k]]);
     } else {
       grid.splat(message.arrays, message.count, 1.35 * this.spacing * Math.cbrt(message.stride));
@@ -215,7 +215,7 @@ export class Water {
   takeDepths(message) {
     this.message = null;
     const { columns, cell, x0, z0 } = message, depth = message.arrays[0];
-    if (this.columns && cell <= 1.01 * this.grid.cell) {
+    if (this.inColumns && cell <= 1.01 * this.grid.cell) {
       this.grid.fill(message.count, (k) => [x0 + cell * ((k % columns) + 0.5), z0 + cell * (Math.floor(k / columns) + 0.5), depth[k] * cell * cell, 0, 0]);
     } else {
       this.grid.resample(message, this.stream);
@@ -285,7 +285,7 @@ export class Water {
   }
 
   refreshSurface() {
-    const { nx, nz, x0, z0, cell, depth, vx, vz, bed, part: level } = this.grid, extra = this.columns - nx, g = this.gravity;
+    const { nx, nz, x0, z0, cell, depth, vx, vz, bed, part: level } = this.grid, extra = this.rowLength - nx, g = this.gravity;
     this.levels(level);
     const { position, state, stream } = this.surface.geometry.attributes;
     const p = position.array, s = state.array, w = stream.array;
@@ -304,14 +304,14 @@ export class Water {
         const steep = Math.hypot(sx, sz), fast = Math.hypot(vx[c], vz[c]) / Math.sqrt(g * Math.max(d, 0.05));
         const thin = this.ground ? 0 : Math.max(0, 0.45 - 4 * d), slow = this.ground ? 0.5 : 0.22;
         const foam = Math.min(0.85, Math.max(0, 1.1 * (steep - slow)) + Math.min(0.25, Math.max(0, 0.12 * (fast - 1))) + thin);
-        set(j * this.columns + extra + i, edgeX(i), level[c], z, d, sx, sz, foam, vx[c], vz[c], 0);
+        set(j * this.rowLength + extra + i, edgeX(i), level[c], z, d, sx, sz, foam, vx[c], vz[c], 0);
       }
       for (let k = 1; k <= extra; ++k) { // over the edge: a jet that falls freely
         const t = k * FALL_STEP_S * Math.sqrt(9.81 / Math.max(g, 0.2)) * (g < 5 ? 0.45 : 1), d = depth[row], u = Math.max(0.6, -vx[row]);
-        set(j * this.columns + extra - k, x0 - u * t, d - 0.5 * Math.max(g, 4) * t * t, z, d, -2, 0, Math.min(0.95, 0.25 + 0.07 * k), vx[row] - 2, 0, 0);
+        set(j * this.rowLength + extra - k, x0 - u * t, d - 0.5 * Math.max(g, 4) * t * t, z, d, -2, 0, Math.min(0.95, 0.25 + 0.07 * k), vx[row] - 2, 0, 0);
       }
     }
-    let at = this.columns * nz;
+    let at = this.rowLength * nz;
     const face = (c, x, z) => {
       for (const y of [bed[c] + depth[c], bed[c]]) set(at++, x, y, z, depth[c], 0, 0, 0, vx[c], vz[c], 1);
     };
