@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 #include <set>
 #include <utility>
@@ -35,6 +36,13 @@ namespace {
 
 std::string at_words(double x, double z) {
     return "x " + short_number(x) + " m, z " + short_number(z) + " m";
+}
+
+// All digits that a tool needs to find the same value.
+std::string exact_number(double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", value);
+    return text;
 }
 
 // A label begins with the key and may go on with file and feature.
@@ -174,37 +182,51 @@ void check_heights(const Scene& scene, const Raster& raster, const std::string& 
                scene.place->ground.file + ": the height of row " + std::to_string(raster.rows - k / raster.columns) +
                    " from the top, column " + std::to_string(k % raster.columns + 1) + " is " + short_number(value) +
                    " m; allowed: -500 to 9000 m. Remedy: if it stands for \"no data\", gdal_translate -a_nodata " +
-                   short_number(value) + ".");
+                   exact_number(value) + " " + scene.place->ground.file + " OUT.tif.");
     }
 }
 
-// Cells without a height that one cannot reach over such cells from the raster's edge: those at the edge are the outside.
-void check_holes(const Scene& scene, const Raster& raster, const std::string& source) {
-    std::vector<bool> outside(raster.values.size());
-    std::vector<std::size_t> open;
-    const auto reach = [&](std::size_t k) {
-        if (outside[k] || !std::isnan(raster.values[k])) return;
-        outside[k] = true;
-        open.push_back(k);
-    };
+// Marks the cells without a height that are joined over such cells to the raster's edge: those are the outside. Runs of a row are taken
+// at once, so that few wait.
+std::vector<bool> outside_of(const Raster& raster) {
     const std::size_t columns = raster.columns, rows = raster.rows;
+    std::vector<bool> outside(raster.values.size());
+    std::vector<std::size_t> open;  // one cell of each run that was reached
+    const auto is_free = [&](std::size_t k) { return !outside[k] && std::isnan(raster.values[k]); };
+    const auto spread = [&](std::size_t start) {
+        if (is_free(start)) open.push_back(start);
+        while (!open.empty()) {
+            const std::size_t k = open.back(), row = k / columns * columns;
+            open.pop_back();
+            if (!is_free(k)) continue;
+            std::size_t lo = k, hi = k;
+            while (lo > row && is_free(lo - 1)) --lo;
+            while (hi + 1 < row + columns && is_free(hi + 1)) ++hi;
+            for (std::size_t n = lo; n <= hi; ++n) outside[n] = true;
+            const auto look = [&](std::size_t first, std::size_t last) {
+                for (std::size_t n = first; n <= last; ++n) {
+                    if (is_free(n) && (n == first || !is_free(n - 1))) open.push_back(n);
+                }
+            };
+            if (row > 0) look(lo - columns, hi - columns);
+            if (row / columns + 1 < rows) look(lo + columns, hi + columns);
+        }
+    };
     for (std::size_t c = 0; c < columns; ++c) {
-        reach(c);
-        reach((rows - 1) * columns + c);
+        spread(c);
+        spread((rows - 1) * columns + c);
     }
     for (std::size_t r = 0; r < rows; ++r) {
-        reach(r * columns);
-        reach(r * columns + columns - 1);
+        spread(r * columns);
+        spread(r * columns + columns - 1);
     }
-    while (!open.empty()) {
-        const std::size_t k = open.back();
-        open.pop_back();
-        const std::size_t c = k % columns, r = k / columns;
-        if (c > 0) reach(k - 1);
-        if (c + 1 < columns) reach(k + 1);
-        if (r > 0) reach(k - columns);
-        if (r + 1 < rows) reach(k + columns);
-    }
+    return outside;
+}
+
+// Cells without a height inside of the ground are refused.
+void check_holes(const Scene& scene, const Raster& raster, const std::string& source) {
+    const std::vector<bool> outside = outside_of(raster);
+    const std::size_t columns = raster.columns;
     std::size_t holes = 0, valid = 0;
     MapPoint first;
     for (std::size_t k = 0; k < raster.values.size(); ++k) {
@@ -216,7 +238,7 @@ void check_holes(const Scene& scene, const Raster& raster, const std::string& so
         if (!std::isnan(raster.values[k]) || outside[k]) continue;
         if (holes++ == 0) first = centre;
     }
-    const std::string remedy = " Remedy: wade place import --fill fills holes from their edges.";
+    const std::string remedy = " Remedy: tools/wade place import --fill fills holes from their edges.";
     if (valid == 0)
         refuse(source, "/place/ground/file",
                scene.place->ground.file + ": no cell of the world has a height." + remedy);
@@ -229,11 +251,13 @@ void check_holes(const Scene& scene, const Raster& raster, const std::string& so
 void check_water_depth(const Scene& scene, const std::string& source) {
     const Place& place = *scene.place;
     if (!place.water_depth) return;
+    constexpr double deepest = 1000;  // m, as of a level above the ground
     for (const double depth : place.water_depth->values) {
-        if (std::isnan(depth) || depth >= 0) continue;
+        if (std::isnan(depth) || (depth >= 0 && depth <= deepest)) continue;
         refuse(source, "/place/water_depth_file",
                place.water_file + ": a depth of " + short_number(depth) +
-                   " m; allowed: >= 0 m. Remedy: gdal_calc.py --calc=\"maximum(A,0)\".");
+                   " m; allowed: 0 to 1000 m. Remedy: gdal_translate -a_nodata " + exact_number(depth) + " " +
+                   place.water_file + " OUT.tif, if it stands for \"no data\".");
     }
 }
 
@@ -261,7 +285,7 @@ void check_in_world(const MapBox& box, const Scene& scene, const std::string& la
         source, label,
         "it lies outside the place, at " + at_words(box.x.lo, box.z.lo) + "; allowed: x 0 to " +
             short_number(scene.world->length) + " m, z 0 to " + short_number(scene.world->width) +
-            " m. Remedy: wade place import crops files to the ground; or is its coordinate system another one?");
+            " m. Remedy: tools/wade place import crops files to the ground; or is its coordinate system another one?");
 }
 
 void check_house(const House& house, const Scene& scene, const std::string& source) {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "configs/errors/exit_code.hpp"
-#include "configs/files/raster_file.hpp"
+#include "configs/files/map_system.hpp"
 #include "configs/files/text_file.hpp"
 #include "configs/json/json.hpp"
 

@@ -1,4 +1,7 @@
-// GeoTIFF with libtiff alone: the map's tags are those of OGC 19-008 (GeoTIFF 1.1), and GDAL's for "no data".
+// GeoTIFF with libtiff alone: the map's tags are those of OGC 19-008 (GeoTIFF 1.1), and GDAL's for "no data" and metadata.
+//
+// One strict profile is read, that of `tools/wade place import`: heights in metres in one band, rows from north to south, one projected
+// system by its number. Tags that would change what the values mean are refused, never ignored.
 
 #include "configs/files/geotiff.hpp"
 
@@ -20,30 +23,34 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/files/map_system.hpp"
 #include "configs/files/raster_file.hpp"
 
 namespace wade {
 
 namespace {
 
-constexpr ttag_t tag_scale = 33550, tag_tie_point = 33922, tag_matrix = 34264, tag_keys = 34735, tag_no_data = 42113;
+constexpr ttag_t tag_scale = 33550, tag_tie_point = 33922, tag_matrix = 34264, tag_keys = 34735, tag_metadata = 42112,
+                 tag_no_data = 42113;
 
 // Keys of the directory in tag_keys.
 constexpr std::uint16_t key_model = 1024, key_raster = 1025, key_geographic = 2048, key_projected = 3072,
-                        key_length_unit = 3076;
+                        key_length_unit = 3076, key_vertical = 4096, last_vertical_key = 5119;
 constexpr std::uint16_t model_projected = 1, model_geographic = 2, raster_is_area = 1, raster_is_point = 2,
                         metre = 9001, of_no_number = 32767;
 
 TIFFExtendProc next_extender = nullptr;  // of who else uses libtiff in this program; set once
 
 void add_tags(TIFF* tiff) {
-    static std::array<char, 6> scale{"Scale"}, point{"Point"}, matrix{"Matri"}, keys{"GKeys"}, none{"NoDat"};
-    static const std::array<TIFFFieldInfo, 5> infos{{
+    static std::array<char, 6> scale{"Scale"}, point{"Point"}, matrix{"Matri"}, keys{"GKeys"}, none{"NoDat"},
+        metadata{"MData"};
+    static const std::array<TIFFFieldInfo, 6> infos{{
         {tag_scale, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, scale.data()},
         {tag_tie_point, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, point.data()},
         {tag_matrix, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, matrix.data()},
         {tag_keys, -1, -1, TIFF_SHORT, FIELD_CUSTOM, 1, 1, keys.data()},
         {tag_no_data, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, none.data()},
+        {tag_metadata, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, metadata.data()},
     }};
     TIFFMergeFieldInfo(tiff, infos.data(), infos.size());
     if (next_extender) next_extender(tiff);
@@ -112,7 +119,9 @@ class TiffReader {
 
     RasterFile read() {
         RasterFile file;
+        refuse_masks();
         read_layout();
+        refuse_metadata();
         read_keys(file);
         read_place(file.raster);
         read_values(file.raster);
@@ -137,6 +146,25 @@ class TiffReader {
         return {values, values + count};
     }
 
+    // A mask lies in a directory of its own.
+    void refuse_masks() {
+        constexpr int most = 1000;
+        for (int directory = 1; TIFFReadDirectory(tiff_.get()); ++directory) {
+            const auto kind = field<std::uint32_t>(TIFFTAG_SUBFILETYPE, 0);
+            if ((kind & FILETYPE_MASK) != 0) fail("it has an internal mask; allowed: none. " + import_words());
+            if (directory == most) fail("it has more than " + std::to_string(most) + " directories; allowed: 1");
+        }
+        if (!TIFFSetDirectory(tiff_.get(), 0)) fail("it is no TIFF that can be read" + why());
+        last_complaint.clear();
+    }
+
+    // SCALE, OFFSET and UNITTYPE of GDAL, as <Item name="SCALE" sample="0" role="scale">0.01</Item>.
+    void refuse_metadata() const {
+        const char* text = nullptr;
+        if (!TIFFGetField(tiff_.get(), tag_metadata, &text) || !text) return;
+        if (const std::string fault = fault_of_metadata(text); !fault.empty()) fail(fault);
+    }
+
     void read_layout() {
         width_ = field<std::uint32_t>(TIFFTAG_IMAGEWIDTH, 0);
         height_ = field<std::uint32_t>(TIFFTAG_IMAGELENGTH, 0);
@@ -149,14 +177,28 @@ class TiffReader {
         if (width_ == 0 || height_ == 0) fail("it has no cells");
         if (height_ > most_raster_cells / width_)
             fail(std::to_string(width_) + " x " + std::to_string(height_) + " cells; allowed: up to " +
-                 std::to_string(most_raster_cells) + ". Remedy: wade place import --crop or --cell");
+                 std::to_string(most_raster_cells) + ". Remedy: tools/wade place import --crop or --cell");
+        const std::size_t cells = std::size_t{width_} * height_,
+                          most = std::max(cells_of_small_file, memory_.bytes.size());
+        if (cells > most)
+            fail(std::to_string(width_) + " x " + std::to_string(height_) + " cells in " +
+                 std::to_string(memory_.bytes.size()) + " bytes; allowed: up to " + std::to_string(most) +
+                 " in such a file. Remedy: tools/wade place import --crop or --cell, or gdal_translate without "
+                 "compression");
+        const auto codec = field<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+        constexpr std::array lossless{COMPRESSION_NONE,    COMPRESSION_LZW,  COMPRESSION_ADOBE_DEFLATE,
+                                      COMPRESSION_DEFLATE, COMPRESSION_ZSTD, COMPRESSION_PACKBITS};
+        if (std::find(lossless.begin(), lossless.end(), codec) == lossless.end())
+            fail("its compression is number " + std::to_string(codec) +
+                 " of TIFF; allowed: none, DEFLATE, LZW, ZSTD, PACKBITS. " + import_words());
         const bool is_float = format_ == SAMPLEFORMAT_IEEEFP && (bits_ == 32 || bits_ == 64);
         const bool is_whole =
-            (format_ == SAMPLEFORMAT_UINT || format_ == SAMPLEFORMAT_INT) && (bits_ == 8 || bits_ == 16 || bits_ == 32);
-        if (!is_float && !is_whole)
+            (format_ == SAMPLEFORMAT_UINT || format_ == SAMPLEFORMAT_INT) && (bits_ == 16 || bits_ == 32);
+        const bool is_byte = format_ == SAMPLEFORMAT_UINT && bits_ == 8;
+        if (!is_float && !is_whole && !is_byte)
             fail(std::to_string(bits_) + " bits a value of TIFF format " + std::to_string(format_) +
-                 "; allowed: whole numbers of 8, 16 or 32 bits, floating ones of 32 or 64. Remedy: gdal_translate -ot "
-                 "Float32");
+                 "; allowed: whole numbers of 8 bits without sign, of 16 or 32 bits, floating ones of 32 or 64. " +
+                 import_words());
     }
 
     void read_keys(RasterFile& file) {
@@ -165,6 +207,8 @@ class TiffReader {
         if (!TIFFGetField(tiff_.get(), tag_keys, &count, &keys) || !keys) return;
         std::uint16_t model = 0, geographic = 0, projected = 0, unit = 0;
         for (std::size_t i = 4; i + 3 < count; i += 4) {
+            if (keys[i] >= key_vertical && keys[i] <= last_vertical_key)
+                fail("it names a vertical system; allowed: none, heights in metres above one zero. " + import_words());
             if (keys[i + 1] != 0) continue;  // its value lies elsewhere
             const std::uint16_t value = keys[i + 3];
             if (keys[i] == key_model) model = value;
@@ -173,36 +217,47 @@ class TiffReader {
             if (keys[i] == key_projected) projected = value;
             if (keys[i] == key_length_unit) unit = value;
         }
-        if (model == model_geographic)
-            fail("its coordinates are degrees" +
-                 (geographic ? " of EPSG:" + std::to_string(geographic) : std::string()) + "; " + reproject_words());
-        if (unit != 0 && unit != metre && unit != of_no_number)
-            fail("its unit of length is EPSG:" + std::to_string(unit) + " (9002 and 9003 are feet); " +
+        if (model != 0 && model != model_projected && model != of_no_number)
+            fail("its coordinates are degrees or geocentric" +
+                 (geographic ? ", of EPSG:" + std::to_string(geographic) : std::string()) + "; " + reproject_words());
+        if (projected == of_no_number || (projected == 0 && model == model_projected))
+            fail("it spells its coordinate system and gives no EPSG number of it; " + reproject_words());
+        if (unit != 0 && unit != metre)
+            fail("its unit of length is number " + std::to_string(unit) + " of EPSG (9002 and 9003 are feet); " +
                  reproject_words());
-        if (projected != 0 && projected != of_no_number) file.epsg = projected;
+        if (projected == 0) return;
+        if (const std::string fault = fault_of_system(projected); !fault.empty()) fail(fault);
+        file.epsg = projected;
     }
 
     void read_place(Raster& raster) {
         std::vector<double> scale = doubles(tag_scale);
         const std::vector<double> tie = doubles(tag_tie_point), matrix = doubles(tag_matrix);
         double column = 0, row = 0, x = 0, z = 0;
-        if (scale.size() >= 2 && tie.size() >= 6) {
+        const auto is_set = [](const std::vector<double>& values, std::size_t i, double usual) {
+            return values.size() > i && values[i] != 0 && values[i] != usual;
+        };
+        if (is_set(scale, 2, 1) || is_set(tie, 2, 0) || is_set(tie, 5, 0) || is_set(matrix, 10, 1) ||
+            is_set(matrix, 11, 0))
+            fail("its tags scale or shift its heights; allowed: heights in metres. " + import_words());
+        if (scale.size() >= 2 && tie.size() == 6) {
             column = tie[0];
             row = tie[1];
             x = tie[3];
             z = tie[4];
         } else if (matrix.size() >= 8) {
             if (matrix[1] != 0 || matrix[4] != 0)
-                fail("its rows do not run from west to east. Remedy: wade place import turns it");
+                fail("its rows do not run from west to east; allowed: north up. " + import_words());
             scale = {matrix[0], -matrix[5]};
             x = matrix[3];
             z = matrix[7];
         } else {
             fail(
-                "it does not say where it lies (no pixel scale and tie point). Remedy: gdal_translate -a_srs EPSG:N "
-                "-a_ullr "
-                "WEST NORTH EAST SOUTH");
+                "it does not say where it lies (no pixel scale and one tie point). Remedy: gdal_translate -a_srs "
+                "EPSG:N "
+                "-a_ullr WEST NORTH EAST SOUTH FILE OUT.tif");
         }
+        if (scale[1] < 0) fail("its rows run from south to north (south up); allowed: north up. " + import_words());
         const bool sound = std::all_of(scale.begin(), scale.begin() + 2, [](double v) { return v > 0 && v < 1e6; });
         if (!sound || !(std::abs(x) < 1e9) || !(std::abs(z) < 1e9) || !(std::abs(column) < 1e9) ||
             !(std::abs(row) < 1e9))
@@ -210,7 +265,7 @@ class TiffReader {
         constexpr double rounding = 1e-6;
         if (std::abs(scale[0] - scale[1]) > rounding * scale[0])
             fail("its cells are " + std::to_string(scale[0]) + " x " + std::to_string(scale[1]) +
-                 "; allowed: squares. Remedy: wade place import makes them square");
+                 "; allowed: squares. Remedy: tools/wade place import makes them square");
         raster.cell = scale[0];
         raster.columns = width_;
         raster.rows = height_;
@@ -226,44 +281,39 @@ class TiffReader {
             no_data_ =
                 format_ == SAMPLEFORMAT_IEEEFP && bits_ == 32 ? static_cast<double>(static_cast<float>(value)) : value;
         }
-        // Grows with what was read, so that a file that only promises cells takes no memory.
-        std::vector<double> from_top;
+        // Reserved memory costs nothing until it is filled, so that a file that only promises cells takes none.
+        std::vector<double>& values = raster.values;
+        values.reserve(raster.columns * raster.rows);
         if (TIFFIsTiled(tiff_.get())) {
-            read_tiles(from_top);
+            read_tiles(values);
         } else {
-            read_strips(from_top);
+            read_rows(values);
         }
-        raster.values.resize(from_top.size());
-        for (std::size_t row = 0; row < raster.rows; ++row) {
-            const auto from = from_top.begin() + static_cast<std::ptrdiff_t>((raster.rows - 1 - row) * raster.columns);
-            std::copy_n(from, raster.columns,
-                        raster.values.begin() + static_cast<std::ptrdiff_t>(row * raster.columns));
+        for (std::size_t row = 0; row < raster.rows / 2; ++row) {  // the northern one comes first in the file
+            const auto low = values.begin() + static_cast<std::ptrdiff_t>(row * raster.columns);
+            std::swap_ranges(low, low + width_, values.end() - static_cast<std::ptrdiff_t>((row + 1) * raster.columns));
         }
     }
 
     std::vector<std::uint8_t> buffer_of(std::uint64_t size) const {
-        constexpr std::uint64_t most = std::uint64_t{most_raster_cells} * 8;
-        if (size == 0 || size > most) fail("it promises a strip or tile of " + std::to_string(size) + " bytes");
+        constexpr std::uint64_t most = std::uint64_t{1} << 25;
+        if (size == 0 || size > most)
+            fail("a tile or row has " + std::to_string(size) + " bytes; allowed: up to 32 MiB");
         return std::vector<std::uint8_t>(size);
     }
 
-    void read_strips(std::vector<double>& values) {
-        const std::uint32_t rows = std::min(field<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, height_), height_);
-        if (rows == 0) fail("its strips have no rows");
-        std::vector<std::uint8_t> strip = buffer_of(TIFFStripSize64(tiff_.get()));
-        for (std::uint32_t row = 0, number = 0; row < height_; row += rows, ++number) {
-            const std::uint32_t here = std::min(rows, height_ - row);
-            const std::size_t cells = std::size_t{here} * width_;
-            if (is_sparse(number)) {
-                values.insert(values.end(), cells, no_value);
+    void read_rows(std::vector<double>& values) {
+        std::vector<std::uint8_t> line = buffer_of(TIFFScanlineSize64(tiff_.get()));
+        if (line.size() < std::uint64_t{width_} * bits_ / 8) fail("its rows do not fit their cells");
+        for (std::uint32_t row = 0; row < height_; ++row) {
+            if (is_sparse(TIFFComputeStrip(tiff_.get(), row, 0))) {
+                values.resize(values.size() + width_, no_value);
                 continue;
             }
-            const tmsize_t got =
-                TIFFReadEncodedStrip(tiff_.get(), number, strip.data(), static_cast<tmsize_t>(strip.size()));
-            if (got < 0 || static_cast<std::size_t>(got) < cells * bits_ / 8)
+            if (TIFFReadScanline(tiff_.get(), line.data(), row, 0) < 0)
                 fail("row " + std::to_string(row) + " and those below cannot be read: it is damaged or cut short" +
                      why());
-            for (std::size_t i = 0; i < cells; ++i) values.push_back(value_at(strip.data(), i));
+            for (std::size_t i = 0; i < width_; ++i) values.push_back(value_at(line.data(), i));
         }
     }
 
@@ -274,8 +324,7 @@ class TiffReader {
         std::vector<std::uint8_t> tile = buffer_of(TIFFTileSize64(tiff_.get()));
         if (tile.size() < std::uint64_t{across} * down * bits_ / 8) fail("its tiles do not fit their cells");
         for (std::uint64_t row = 0; row < height_; row += down) {
-            const std::size_t first = values.size();
-            const std::size_t here = std::min<std::size_t>(down, height_ - row);
+            const std::size_t high = std::min<std::size_t>(down, height_ - row), first = values.size();
             for (std::uint64_t column = 0; column < width_; column += across) {
                 const std::uint32_t number = TIFFComputeTile(tiff_.get(), static_cast<std::uint32_t>(column),
                                                              static_cast<std::uint32_t>(row), 0, 0);
@@ -285,10 +334,10 @@ class TiffReader {
                         static_cast<tmsize_t>(tile.size()))
                     fail("the tile at row " + std::to_string(row) + ", column " + std::to_string(column) +
                          " cannot be read: it is damaged or cut short" + why());
-                if (column == 0) values.resize(first + here * width_, no_value);
+                if (column == 0) values.resize(first + high * width_, no_value);
                 if (sparse) continue;
                 const std::size_t wide = std::min<std::size_t>(across, width_ - column);
-                for (std::size_t r = 0; r < here; ++r) {
+                for (std::size_t r = 0; r < high; ++r) {
                     for (std::size_t c = 0; c < wide; ++c)
                         values[first + r * width_ + column + c] = value_at(tile.data(), r * across + c);
                 }
@@ -301,14 +350,12 @@ class TiffReader {
 
     double value_at(const std::uint8_t* from, std::size_t i) const {
         const double value = plain_value_at(from, i);
-        return value == no_data_ || !std::isfinite(value) ? no_value : value;
+        return value == no_data_ ? no_value : value;
     }
     double plain_value_at(const std::uint8_t* from, std::size_t i) const {
         if (format_ == SAMPLEFORMAT_IEEEFP) return bits_ == 32 ? typed<float>(from, i) : typed<double>(from, i);
-        if (format_ == SAMPLEFORMAT_INT) {
-            if (bits_ == 8) return typed<std::int8_t>(from, i);
+        if (format_ == SAMPLEFORMAT_INT)
             return bits_ == 16 ? typed<std::int16_t>(from, i) : typed<std::int32_t>(from, i);
-        }
         if (bits_ == 8) return typed<std::uint8_t>(from, i);
         return bits_ == 16 ? typed<std::uint16_t>(from, i) : typed<std::uint32_t>(from, i);
     }

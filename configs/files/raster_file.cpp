@@ -6,8 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/files/map_system.hpp"
 #include "configs/files/text_file.hpp"
 
 namespace wade {
@@ -69,11 +71,14 @@ struct Header {
 
 Header header_of(GridText& words) {
     Header header;
+    std::set<std::string> known;
     for (std::string key = lower(words.peek()); !key.empty() && std::isalpha(static_cast<unsigned char>(key.front()));
          key = lower(words.peek())) {
         if (key == "nan" || key == "inf") break;  // a first value
         words.next();
         const double value = words.number([&] { return "the header's " + key; });
+        const std::string same = key.starts_with("xll") || key.starts_with("yll") ? key.substr(0, 3) : key;
+        if (!known.insert(same).second) words.fail("the header's " + key + " stands twice; allowed: once.");
         if (key == "ncols") {
             header.columns = value;
         } else if (key == "nrows") {
@@ -90,7 +95,8 @@ Header header_of(GridText& words) {
             header.no_data = value;
         } else if (key == "dx" || key == "dy") {
             words.fail(
-                "cells of dx and dy; allowed: cellsize, square cells. Remedy: wade place import makes them square.");
+                "cells of dx and dy; allowed: cellsize, square cells. Remedy: tools/wade place import makes them "
+                "square.");
         } else {
             words.fail("the header's key \"" + key +
                        "\" is not one of an ESRI ASCII grid; allowed: ncols, nrows, xllcorner, yllcorner, cellsize, "
@@ -104,6 +110,45 @@ std::size_t count_of(double value, const char* key, const GridText& words) {
     if (value >= 1 && value <= 1e9 && std::trunc(value) == value) return static_cast<std::size_t>(value);
     words.fail("the header's " + std::string(key) + " is " + std::to_string(value) +
                "; allowed: a whole number from 1 to 1e9.");
+}
+
+// The role of an <Item>, in lower case.
+std::string role_of(const std::string& tag) {
+    const std::size_t at = tag.find("role");
+    const std::size_t quote = at == std::string::npos ? at : tag.find_first_of("\"'", at);
+    if (quote == std::string::npos) return "";
+    return tag.substr(quote + 1, tag.find_first_of("\"'", quote + 1) - quote - 1);
+}
+
+std::string fault_of_entry(const std::string& name, std::string_view value) {
+    const std::string shown = "it sets " + name + " to \"" + std::string(value.substr(0, 40)) + "\"; allowed: ";
+    const auto is = [value](double wanted) {
+        double number = 0;
+        const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+        return error == std::errc() && end == value.data() + value.size() && number == wanted;
+    };
+    if (name == "scale" && !is(1)) return shown + "no scale, heights in metres. " + import_words();
+    if (name == "offset" && !is(0)) return shown + "no offset, heights in metres. " + import_words();
+    if (name == "unittype") {
+        constexpr std::array<std::string_view, 6> metres{"", "m", "metre", "meter", "metres", "meters"};
+        if (std::find(metres.begin(), metres.end(), lower(value)) == metres.end())
+            return shown + "heights in metres. " + import_words();
+    }
+    for (const char* const of_file : {"nodatavalue", "srs", "geotransform", "gcplist"}) {
+        if (name == of_file) return shown + "what the raster itself says. " + import_words();
+    }
+    return "";
+}
+
+// The number of the outermost system of a text in WKT, which stands at its end: AUTHORITY["EPSG","32632"]] or ID["EPSG",32632]].
+std::optional<int> epsg_of_text(std::string text) {
+    std::erase_if(text, [](char c) { return std::isspace(static_cast<unsigned char>(c)) || c == '"'; });
+    for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    const bool projected = text.starts_with("PROJCS[") || text.starts_with("PROJCRS[");
+    const std::size_t at = text.rfind("[EPSG,");
+    if (!projected || at == std::string::npos || !text.ends_with("]]") || text.find(']', at) != text.size() - 2)
+        return std::nullopt;
+    return epsg_of_name("EPSG:" + text.substr(at + 6, text.size() - 2 - (at + 6)));
 }
 
 }  // namespace
@@ -122,7 +167,7 @@ RasterFile read_esri_ascii(std::string_view text, const std::string& name) {
             "the header names no lower left corner; allowed: xllcorner and yllcorner, or xllcenter and yllcenter.");
     if (raster.rows > most_raster_cells / raster.columns)
         words.fail(std::to_string(raster.columns) + " x " + std::to_string(raster.rows) + " cells; allowed: up to " +
-                   std::to_string(most_raster_cells) + ". Remedy: wade place import --crop or --cell.");
+                   std::to_string(most_raster_cells) + ". Remedy: tools/wade place import --crop or --cell.");
     raster.cell = header.cell;
     raster.x = header.x - (header.centre_x ? header.cell / 2 : 0);
     raster.z = header.z - (header.centre_z ? header.cell / 2 : 0);
@@ -137,14 +182,58 @@ RasterFile read_esri_ascii(std::string_view text, const std::string& name) {
                 return "the value of row " + std::to_string(raster.rows - row) + " from the top, column " +
                        std::to_string(column + 1);
             });
-            raster.values[row * raster.columns + column] =
-                value == header.no_data || !std::isfinite(value) ? no_value : value;
+            raster.values[row * raster.columns + column] = value == header.no_data ? no_value : value;
         }
     }
     if (!words.next().empty())
         words.fail("there are more than the " + std::to_string(cells) + " values that the header promises.");
     return file;
 }
+
+std::string fault_of_metadata(std::string_view text) {
+    for (std::size_t begin = text.find('<'); begin != std::string_view::npos; begin = text.find('<', begin + 1)) {
+        const std::size_t end = std::min(text.find('>', begin), text.size());
+        const std::string tag = lower(text.substr(begin + 1, end - begin - 1));
+        std::string name = tag.substr(0, tag.find_first_of(" \t\r\n/"));
+        if (name == "item") name = role_of(tag);
+        std::string_view value = text.substr(std::min(end + 1, text.size()));
+        value = value.substr(0, value.find('<'));
+        if (const std::string fault = fault_of_entry(name, value); !fault.empty()) return fault;
+    }
+    return "";
+}
+
+namespace {
+
+// Files in which GDAL and others keep what the raster's own format does not hold.
+void read_files_beside(const std::filesystem::path& file, RasterFile& raster, bool is_grid) {
+    const auto beside = [&](const std::string& ending) { return std::filesystem::path(file.string() + ending); };
+    std::error_code ignored;
+    if (std::filesystem::exists(beside(".msk"), ignored))
+        throw ConfigurationError(beside(".msk").string() + ": it masks cells of the raster; allowed: none. " +
+                                 import_words());
+    if (const auto pam = beside(".aux.xml"); std::filesystem::exists(pam, ignored)) {
+        if (const std::string fault = fault_of_metadata(read_text_file(pam, "the file " + pam.string()));
+            !fault.empty())
+            throw ConfigurationError(pam.string() + ": " + fault);
+    }
+    if (!is_grid) return;  // a GeoTIFF names its own system
+    for (const char* const ending : {".prj", ".PRJ"}) {
+        std::filesystem::path system = file;
+        system.replace_extension(ending);
+        if (!std::filesystem::exists(system, ignored)) continue;
+        raster.epsg = epsg_of_text(read_text_file(system, "the file " + system.string()));
+        if (!raster.epsg)
+            throw ConfigurationError(system.string() +
+                                     ": it spells the raster's coordinate system and gives no EPSG number of it; " +
+                                     reproject_words());
+        if (const std::string fault = fault_of_system(*raster.epsg); !fault.empty())
+            throw ConfigurationError(system.string() + ": " + fault);
+        return;
+    }
+}
+
+}  // namespace
 
 RasterFile read_raster(const std::filesystem::path& file) {
     constexpr std::size_t longest = std::size_t{2} << 30;
@@ -153,30 +242,15 @@ RasterFile read_raster(const std::filesystem::path& file) {
     const std::string_view magic = std::string_view(bytes).substr(0, 4);
     using namespace std::string_view_literals;
     constexpr std::array tiff{"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv};
-    if (std::find(tiff.begin(), tiff.end(), magic) != tiff.end()) return read_geotiff(bytes, name);
+    const bool is_tiff = std::find(tiff.begin(), tiff.end(), magic) != tiff.end();
     const std::size_t first = bytes.find_first_not_of(" \t\r\n");
     const std::string start = lower(std::string_view(bytes).substr(std::min(first, bytes.size()), 5));
-    if (start == "ncols" || start == "nrows") return read_esri_ascii(bytes, name);
-    throw ConfigurationError(name +
-                             ": it is neither a GeoTIFF nor an ESRI ASCII grid (which begins with ncols). Remedy: wade "
-                             "place import makes a GeoTIFF of any raster that GDAL reads.");
-}
-
-std::string reproject_words() {
-    return "allowed: metres of a projected system. Remedy: wade place import --epsg N reprojects, N for example that "
-           "of the "
-           "place's UTM zone.";
-}
-
-std::string fault_of_system(int epsg) {
-    const std::string number = "EPSG:" + std::to_string(epsg);
-    constexpr std::array degrees{4326, 4258, 4267, 4269, 4230, 4277, 4283, 4289, 4312, 4314, 4490,
-                                 4555, 4612, 4617, 4674, 4759, 4979, 6318, 6668, 7844, 9000};
-    if (std::find(degrees.begin(), degrees.end(), epsg) != degrees.end())
-        return number + " counts in degrees; " + reproject_words();
-    if (epsg == 3857 || epsg == 900913 || epsg == 3785 || epsg == 3395)
-        return number + " is a Mercator map of the world, in which lengths grow with latitude; " + reproject_words();
-    return "";
+    if (!is_tiff && start != "ncols" && start != "nrows")
+        throw ConfigurationError(name + ": it is neither a GeoTIFF nor an ESRI ASCII grid (which begins with ncols). " +
+                                 import_words());
+    RasterFile raster = is_tiff ? read_geotiff(bytes, name) : read_esri_ascii(bytes, name);
+    read_files_beside(file, raster, !is_tiff);
+    return raster;
 }
 
 }  // namespace wade

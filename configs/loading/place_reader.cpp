@@ -7,6 +7,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/geojson.hpp"
+#include "configs/files/map_system.hpp"
 #include "configs/files/raster_file.hpp"
 #include "configs/files/residents_csv.hpp"
 #include "configs/files/series_csv.hpp"
@@ -134,8 +135,8 @@ class PlaceReader {
         if (place_.epsg == 0)
             throw ConfigurationError(system + ", and the place names no system. Remedy: set /place/epsg.");
         throw ConfigurationError(system + ", and the place is in EPSG:" + std::to_string(place_.epsg) +
-                                 ". Remedy: wade place import --epsg " + std::to_string(place_.epsg) +
-                                 " reprojects it.");
+                                 ". Remedy: tools/wade place import FILE --epsg " + std::to_string(place_.epsg) +
+                                 " --out DIR reprojects it.");
     }
 
     std::shared_ptr<const Raster> raster(const std::string&, const std::string& name) const {

@@ -192,7 +192,7 @@ TEST_CASE("what does not go together on a place is named with key, file and reme
     CHECK_THAT(folder.refused(R"({"ground": {"file": "ground.asc"}})"),
                Contains("/place/ground/file: ") && Contains("names no coordinate system. Remedy: set /place/epsg"));
     CHECK_THAT(folder.refused(R"({"epsg": 4326, "ground": {"file": "ground.asc"}})"),
-               Contains("/place/epsg: EPSG:4326 counts in degrees") && Contains("wade place import --epsg"));
+               Contains("/place/epsg: EPSG:4326 counts in degrees") && Contains("wade place import FILE --epsg"));
     CHECK_THAT(folder.refused(R"({"epsg": 32756, "ground": {"file": "none.asc"}})"),
                Contains("/place/ground") && Contains("none.asc cannot be read"));
     CHECK_THAT(folder.refused(R"({"epsg": 32756, "ground": {"file": "ground.asc", "level_m": 2}})"),
