@@ -1,4 +1,4 @@
-# cmake --install: programs, the command `wade` with its scenes, libwade_shm with header, CMake package and pkg-config file,
+# cmake --install: programs, the command `wade` with its scenes and the page of the viewer, libwade_shm with header, CMake package and pkg-config file,
 # man pages, completion for bash, documents. CPack makes a .deb of the same files (preset "package": for any processor).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -6,7 +6,10 @@ set(packaging ${PROJECT_SOURCE_DIR}/packaging)
 set(share ${CMAKE_INSTALL_DATADIR}/wade)
 set(installed_programs fluid_server crowd_client shm_inspect shm_clean shm_record shm_replay)
 
-install(TARGETS ${installed_programs})
+install(TARGETS ${installed_programs} wade_view_server)
+if(TARGET fluid_server_ranks)
+  install(TARGETS fluid_server_ranks)
+endif()
 
 # The library for producers and consumers in other programs.
 install(TARGETS wade_shm_c EXPORT WadeShm LIBRARY NAMELINK_COMPONENT development)
@@ -22,8 +25,13 @@ install(FILES ${PROJECT_BINARY_DIR}/wade_shm.pc DESTINATION ${CMAKE_INSTALL_LIBD
 file(RELATIVE_PATH share_from_bin ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/wade)
 configure_file(${packaging}/wade.in ${PROJECT_BINARY_DIR}/packaging/wade @ONLY)
 install(PROGRAMS ${PROJECT_BINARY_DIR}/packaging/wade DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY tools/python DESTINATION ${share}/tools FILES_MATCHING PATTERN "*.py")
-install(DIRECTORY configs DESTINATION ${share} FILES_MATCHING PATTERN "*.json" PATTERN "*.def")
+install(DIRECTORY tools/python DESTINATION ${share}/tools PATTERN "*.md" EXCLUDE PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY tools/viewer/page DESTINATION ${share}/tools/viewer PATTERN node_modules EXCLUDE)
+install(FILES tools/viewer/film.mjs DESTINATION ${share}/tools/viewer)
+# All data of the scenes, whatever their format; no sources.
+install(DIRECTORY configs DESTINATION ${share}
+  REGEX "/(CMakeLists.txt|[^/]*[.](cpp|hpp|cmake|md|py))$" EXCLUDE
+  REGEX "/configs/(checks|errors|files|json|loading|numbers|program|scene/fields)$" EXCLUDE)
 
 # Completion: one function for all, found by the name of the command.
 set(completions ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
@@ -49,7 +57,8 @@ if(has_help2man)
   endforeach()
   set(page ${PROJECT_BINARY_DIR}/man/wade.1)
   add_custom_command(OUTPUT ${page}
-    COMMAND ${WADE_HELP2MAN} --no-info --version-string=${PROJECT_VERSION} --source=Wade
+    COMMAND ${CMAKE_COMMAND} -E env WADE_INSTALLED=1
+      ${WADE_HELP2MAN} --no-info --version-string=${PROJECT_VERSION} --source=Wade
       --include=${packaging}/man_names.h2m --output=${page} ${PROJECT_SOURCE_DIR}/tools/wade
     DEPENDS ${pages} tools/python/wade/commands.py COMMENT "Man page of wade" VERBATIM)
   add_custom_target(man_pages ALL DEPENDS ${pages} ${page})
@@ -57,6 +66,8 @@ if(has_help2man)
 endif()
 
 install(FILES README.md LICENSE CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY tools/engines tools/producers DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples
+  PATTERN CMakeLists.txt EXCLUDE PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN reports EXCLUDE)
 
 set(CPACK_GENERATOR DEB)
@@ -72,4 +83,5 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS python3)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-numpy, python3-matplotlib, python3-pil, python3-scipy, python3-tabulate")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "npm, chromium, ffmpeg, gdal-bin, blender, parallel, openmpi-bin")
 include(CPack)

@@ -6,7 +6,12 @@ _wade() {
       mapfile -t COMPREPLY < <(compgen -W "$("$1" --help | sed -n 's/^  \([a-z][a-z-]*\)  .*/\1/p')" -- "$word")
       return
     fi
-    command+=("${COMP_WORDS[1]}")
+    # Behind -- of `many` stand the options of a run.
+    if [[ ${COMP_WORDS[1]} == many && " ${COMP_WORDS[*]:2:COMP_CWORD-2} " == *" -- "* ]]; then
+      command+=(run)
+    else
+      command+=("${COMP_WORDS[1]}")
+    fi
     if [[ $word != -* && ${COMP_WORDS[1]} =~ ^(run|many)$ ]]; then
       mapfile -t COMPREPLY < <(compgen -W "$("$1" scenes | cut -d' ' -f1)" -- "$word"; compgen -f -- "$word")
       return

@@ -1,12 +1,14 @@
 #include "configs/loading/scene_file.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/loading/short_names.hpp"
 #include "configs/scene/keys.hpp"
 
 namespace wade {
@@ -32,6 +34,19 @@ std::filesystem::path identity(const std::filesystem::path& file) {
     std::error_code ignored;  // a file that cannot be resolved cannot be read either, and that error is reported
     const std::filesystem::path resolved = std::filesystem::weakly_canonical(file, ignored);
     return ignored ? file : resolved;
+}
+
+// Returns the file that `name` stands for in /extends of `file`: relative to its folder, or else a short name. Throws
+// ConfigurationError if there is neither.
+std::filesystem::path extended_file(const std::filesystem::path& file, const std::string& name) {
+    const std::filesystem::path relative = (file.parent_path() / name).lexically_normal();
+    std::error_code ignored;  // a file that cannot be read is reported with its reason
+    if (std::filesystem::status(relative, ignored).type() != std::filesystem::file_type::not_found) return relative;
+    const std::optional<std::filesystem::path> folder = scenes_folder();
+    const std::optional<std::filesystem::path> known = folder ? scene_of_short_name(name, *folder) : std::nullopt;
+    if (known) return *known;
+    throw ConfigurationError(file.string() + ": /extends: there is no file " + relative.string() +
+                             " and no scene of this short name; `wade scenes` lists those.");
 }
 
 // The files that extend one another, the first being the one that was asked for.
@@ -109,8 +124,7 @@ std::vector<Json> scene_layers(std::string_view text, const std::filesystem::pat
             const Json extends = std::as_const(document)["extends"];
             layers.push_back(std::move(document));
             if (!extends.is_string() || extends.get<std::string>().empty()) break;
-            const std::filesystem::path parent =
-                (current_file.parent_path() / extends.get<std::string>()).lexically_normal();
+            const std::filesystem::path parent = extended_file(current_file, extends.get<std::string>());
             chain.add(parent, source);
             current = read_text_file(parent, source + ": /extends: the file " + parent.string() + " that it extends");
             current_file = parent;

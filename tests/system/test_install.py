@@ -4,10 +4,14 @@ The build is installed as it is, into a folder that is gone afterwards; the .deb
 """
 
 import os
+import re
+import shutil
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+
+from wade import view
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ["WADE_PROGRAMS"])
@@ -76,9 +80,13 @@ class Install(unittest.TestCase):
             (cls.work / f"producer.{ending}").write_text(PRODUCER)
 
     def environment(self, **more):
-        of_this_build = ("WADE_BUILD", "PYTHONPATH")
+        of_this_build = ("WADE_BUILD", "PYTHONPATH", "WADE_CONFIGS", "XDG_CACHE_HOME")
         kept = {name: value for name, value in os.environ.items() if name not in of_this_build}
-        return {**kept, "LD_LIBRARY_PATH": str(self.library), **more}
+        return {**kept, "LD_LIBRARY_PATH": str(self.library), "HOME": self.folder.name, **more}
+
+    def wade(self, *words):
+        """What the installed command prints, called in an empty folder."""
+        return output(self.prefix / "bin" / "wade", *words, env=self.environment(), cwd=self.work)
 
     def assert_produces(self, program):
         session = f"install-{os.getpid()}-{Path(program).name}"
@@ -108,21 +116,72 @@ class Install(unittest.TestCase):
 
     def test_the_installed_command_runs_a_scene(self):
         run = Path(self.folder.name, "run")
-        output(self.prefix / "bin" / "wade", "run", "observed/s05", "--until-s", "1", "--no-figure", "--out", run,
-               env=self.environment(), cwd=self.folder.name)
+        scene = self.work / "own.json"  # outside of the project
+        scene.write_text('{"extends": "observed/s05", "duration_s": 1}')
+        self.wade("run", scene, "--no-figure", "--out", run)
         self.assertIn('"status"', (run / "outcome.json").read_text())
 
+    def test_it_holds_all_data_of_the_sources(self):
+        no_data = {".cpp", ".hpp", ".cmake", ".md", ".pyc"}
+        share = self.prefix / "share" / "wade"
+        for folder in ("configs", "tools/python", "tools/viewer/page"):
+            wanted = {name for name in files_below(ROOT / folder) if Path(name).suffix not in no_data
+                      and Path(name).name not in ("CMakeLists.txt", "make_village.py") and "node_modules" not in name}
+            self.assertEqual(wanted, files_below(share / folder), folder)
+
+    def test_a_site_runs_with_its_rasters_and_tables(self):
+        run = self.work / "site"
+        said = self.wade("run", "places/hamlet", "--until-s", "2", "--out", run)
+        self.assertIn(f"picture: {run}/figure.png", said)
+        self.assertIn(f"in the browser: wade view {run}", said)
+        self.assertTrue((run / "maps" / "max_depth_m.tif").exists())
+        for scene in ("places/village/village", "merewether", "seaside"):
+            self.assertIn("valid", self.wade("run", scene, "--check"))
+
+    def test_a_sensitivity_is_planned_run_and_told(self):
+        design = self.work / "design"
+        self.wade("sensitivity", "observed/s05", "--morris", "2", "--seeds", "1", "--out", design)
+        self.wade("many", design / "plan.csv", "--out", design, "--", "--until-s", "1")
+        self.wade("sensitivity", design)
+        self.assertTrue((design / "sensitivity.md").exists())
+        self.wade("table", design)
+
+    def test_the_viewer_starts(self):
+        modules = view.modules_folder() / "node_modules"
+        if not (modules / "three").exists():
+            self.skipTest("three is not there: tools/wade view --install-for-tests")
+        own = Path(self.folder.name, ".cache", "wade-viewer")
+        shutil.copytree(modules / "three", own / "node_modules" / "three")
+        run = self.work / "viewed"
+        self.wade("run", "observed/s05", "--until-s", "1", "--no-figure", "--out", run)
+        words = [self.prefix / "bin" / "wade", "view", run, "--no-open"]
+        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=self.environment(), cwd=self.work) as viewer:
+            self.assertIn("viewer: http://127.0.0.1:", viewer.stdout.readline())
+            viewer.terminate()
+
+    def test_what_help_lists_can_be_called_by_this_name(self):
+        listed = re.findall(r"^  ([a-z][a-z-]+)  ", self.wade("--help"), re.MULTILINE)
+        self.assertIn("sensitivity", listed)
+        self.assertNotIn("validate", listed)
+        for name in listed:
+            said = self.wade(name, "--help")
+            self.assertRegex(said, rf"^[Uu]sage: wade {name}\b")
+            self.assertNotIn("tools/", said)
+
     def test_what_needs_the_sources_says_so(self):
-        done = subprocess.run([self.prefix / "bin" / "wade", "validate", "--quick"], capture_output=True, text=True,
-                              env=self.environment(), check=False)
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("in the sources", done.stderr)
+        for name in ("validate", "test", "fuzz"):
+            done = subprocess.run([self.prefix / "bin" / "wade", name, "--quick"], capture_output=True, text=True,
+                                  env=self.environment(), check=False)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("in the sources", done.stderr)
 
     def test_bash_completes(self):
         script = self.prefix / "share" / "bash-completion" / "completions" / "wade"
         ask = "COMP_WORDS=({words}); COMP_CWORD={last}; _wade {first}; echo ${{COMPREPLY[*]}}"
         wade = self.prefix / "bin" / "wade"
         for words, reply in (((wade, "dang"), "danger-map"), ((wade, "run", "river/s0"), "river/s05"),
+                             ((wade, "run", "river/s05", "--s"), "--set"), ((wade, "run", "river/s05", "--s"), "--seed"),
+                             ((wade, "many", "river/s05", "--", "--unt"), "--until-s"), ((wade, "many", "--vary"), "--vary"),
                              ((self.prefix / "bin" / "shm_clean", "--ver"), "--version")):
             asked = ask.format(words=" ".join(map(str, words)), last=len(words) - 1, first=words[0])
             said = output("bash", "-c", f". {script}; {asked}", env=self.environment())

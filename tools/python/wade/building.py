@@ -189,7 +189,7 @@ def check_installed(targets):
     """UsageError if what is to be run is not part of an installation."""
     missing = [name for name in targets if not is_built(name)]
     if missing or not targets:
-        raise UsageError(f"{', '.join(missing) or 'this'} is not part of an installation; call tools/wade in the sources")
+        raise UsageError(f"{', '.join(missing) or 'this'} is not part of this installation")
 
 
 def bring_up_to_date(targets, with_tests=False, beside=nullcontext):

@@ -5,9 +5,9 @@ import os
 import sys
 
 from wade.building import BuildError, bring_up_to_date, install_pictures, installing_pictures
-from wade.commands import COMMANDS, all_commands, find_command
+from wade.commands import all_commands, commands_by_purpose, find_command
 from wade import UsageError
-from wade.paths import ROOT
+from wade.paths import CONFIGS, INSTALLED, ROOT
 from wade.run.arguments import asks_for_help
 from wade.terminal import open_standard_streams, say_error
 
@@ -15,9 +15,10 @@ from wade.terminal import open_standard_streams, say_error
 def overview():
     """The text of tools/wade --help."""
     lines = ["Usage: tools/wade SUBCOMMAND [--help] ...", ""]
-    for purpose, commands in COMMANDS.items():
+    for purpose, commands in commands_by_purpose().items():
         lines += [purpose, *(f"  {command.name:15} {command.meaning}" for command in commands), ""]
-    lines.append("Each installs and builds what it needs. tools/wade SUBCOMMAND --help tells its options.")
+    builds = "" if INSTALLED else "Each installs and builds what it needs. "
+    lines.append(f"{builds}tools/wade SUBCOMMAND --help tells its options.")
     return "\n".join(lines)
 
 
@@ -52,6 +53,7 @@ def carry_out(command, arguments):
 def main(arguments):
     """Carries out a command line; returns the exit code."""
     open_standard_streams()
+    os.environ.setdefault("WADE_CONFIGS", str(CONFIGS))  # for short names in /extends, wherever the programs lie
     try:
         code = call(arguments)
         sys.stdout.flush()  # here, where a reader that has gone is expected
@@ -80,6 +82,8 @@ def call(arguments):
     command = find_command(name)
     if command is None:
         unknown(name)
+    if INSTALLED and command.needs_sources:
+        raise UsageError(f"{command.name} is not part of an installation; it is called in the sources of Wade")
     if command.script:
         script = ROOT / command.script
         os.execv(script, [str(script), *rest])

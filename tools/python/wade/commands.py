@@ -5,6 +5,8 @@ wade.paths.BUILD, runs a pair by wade.paths.module_command("wade.run.pair"), and
 wade.terminal.Parser. Where the programs depend on the options, the module has programs_for(arguments).
 """
 
+from wade.paths import INSTALLED
+
 PAIR = ("fluid_server", "crowd_client")
 BENCHMARKS = tuple(f"bench_{part}" for part in ("fluid", "shallow_water", "steering", "crowd", "coupling", "kernels",
                                                 "protocol"))
@@ -23,6 +25,8 @@ class Command:
         self.name, self.meaning, self.module, self.script = name, meaning, module, script
         self.programs, self.with_tests, self.pictures = programs, with_tests, pictures or bool(programs)
         self.old_names, self.draws_last = old_names, draws_last
+        # Not part of an installation.
+        self.needs_sources = with_tests or bool(script) or module in ("wade.testing", "wade.check_protocol")
 
 
 COMMANDS = {
@@ -93,6 +97,12 @@ COMMANDS = {
         Command("fuzz", "fuzz what readers do with a header page", script="tests/fuzz/fuzz.sh"),
     ),
 }
+
+
+def commands_by_purpose():
+    """Those of COMMANDS that can be called here: of an installation only the commands that need no sources."""
+    return {purpose: here for purpose, group in COMMANDS.items()
+            if (here := [command for command in group if not (INSTALLED and command.needs_sources)])}
 
 
 def all_commands():

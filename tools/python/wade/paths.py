@@ -6,11 +6,15 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 CONFIGS = ROOT / "configs"
-# An installed command has no sources beside it and builds nothing.
-INSTALLED = not (ROOT / "CMakeLists.txt").exists()
+# An installed command has no sources beside it and builds nothing; the man page is made of what it says.
+INSTALLED = not (ROOT / "CMakeLists.txt").exists() or "WADE_INSTALLED" in os.environ
 # Another build folder may be named, for example one with sanitizers.
 BUILD = Path(os.environ.get("WADE_BUILD") or ROOT / "build" / "release").absolute()
 WADE = ROOT / "tools" / "wade"
+# Where runs and reports go that were given no --out.
+RUNS = (Path.cwd() if INSTALLED else ROOT) / "runs"
+# Compiled modules: of an installed command a folder of the user's cache, which packaging/wade.in names.
+CACHE = sys.pycache_prefix or str(ROOT / "build" / "pycache")
 
 
 def home_folder():
@@ -28,4 +32,4 @@ def home_folder():
 def module_command(name):
     """Words that start a module's main() in a process of its own, with nothing built before it."""
     package = ROOT / "tools" / "python"
-    return [sys.executable, "-X", f"pycache_prefix={ROOT / 'build' / 'pycache'}", str(package), "--module", name]
+    return [sys.executable, "-X", f"pycache_prefix={CACHE}", str(package), "--module", name]

@@ -1,11 +1,33 @@
 """What is shown on a terminal: no line over 100 columns but for paths, nothing that a terminal would obey."""
 
 import argparse
+import io
 import os
 import sys
 import textwrap
 
+from wade.paths import INSTALLED
+
 COLUMNS = 100
+# What messages call the commands of the sources, and what an installed command calls them.
+NAMES = (("tools/install_dependencies.sh viewer", "Debian: apt-get install npm chromium"),
+         ("tools/install_dependencies.sh engines", "Debian: apt-get install parallel openmpi-bin"),
+         ("tools/install_dependencies.sh readers", "Debian: apt-get install ffmpeg gdal-bin"),
+         ("tools/wade", "wade"), ("tools/run.sh", "wade run"))
+
+
+def as_installed(text):
+    """A text with the names of an installed command."""
+    for name, installed in NAMES:
+        text = text.replace(name, installed)
+    return text
+
+
+class InstalledStream(io.TextIOWrapper):
+    """A standard stream of an installed command."""
+
+    def write(self, text):
+        return super().write(as_installed(text))
 
 
 def open_standard_streams():
@@ -21,6 +43,11 @@ def open_standard_streams():
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
+    if INSTALLED:
+        for name in ("stdout", "stderr"):
+            stream = getattr(sys, name)
+            buffered, encoding = stream.line_buffering, stream.encoding
+            setattr(sys, name, InstalledStream(stream.detach(), encoding, "backslashreplace", line_buffering=buffered))
 
 
 def harmless(text):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from wade import UsageError
 from wade.outside import require
-from wade.paths import BUILD, ROOT, home_folder
+from wade.paths import BUILD, INSTALLED, ROOT, home_folder
 from wade.run.processes import end_with_parent, resolved
 from wade.terminal import Parser, say_error
 
@@ -23,8 +23,8 @@ FIFO = ".commands"  # in the run folder
 
 
 def modules_folder():
-    """Where npm puts three: build/viewer, or a folder of the user's own where the project cannot be written."""
-    folder = ROOT / "build" / "viewer"
+    """Where npm puts three: build/viewer, or a folder of the user's own where it cannot be written or nothing is built."""
+    folder = home_folder() / ".cache" / "wade-viewer" if INSTALLED else ROOT / "build" / "viewer"
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -57,7 +57,7 @@ def install_modules(with_tests=False):
     folder.mkdir(parents=True, exist_ok=True)
     for name in ("package.json", "package-lock.json"):
         shutil.copyfile(PAGE / name, folder / name)
-    words = ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", *([] if with_tests else ["--omit=dev"])]
+    words = ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--no-update-notifier", *([] if with_tests else ["--omit=dev"])]
     if subprocess.run(words, cwd=folder, stdout=sys.stderr).returncode != 0:
         raise UsageError("npm could not install what the viewer needs; its messages above say why (network?)")
     return folder

@@ -1,6 +1,9 @@
 // extends and --set.
 
+#include <cstdlib>
+
 #include "configs/errors/exit_code.hpp"
+#include "configs/loading/short_names.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/coupling.hpp"
 #include "configs/scene/crowd.hpp"
@@ -83,8 +86,47 @@ TEST_CASE("files that extend one another are refused with the way round") {
 TEST_CASE("a missing parent is refused with both names") {
     const TemporaryFolder folder;
     const std::string child = folder.write("child.json", R"({"extends": "gone.json"})").string();
-    CHECK_THAT(refusal_of_file(child), Equals(child + ": /extends: the file " + (folder.path() / "gone.json").string() +
-                                              " that it extends cannot be read: No such file or directory."));
+    CHECK_THAT(refusal_of_file(child),
+               Equals(child + ": /extends: there is no file " + (folder.path() / "gone.json").string() +
+                      " and no scene of this short name; `wade scenes` lists those."));
+}
+
+TEST_CASE("a short name stands for one scene of the folder of scenes") {
+    const TemporaryFolder folder;
+    for (const char* name :
+         {"paper/a.json", "river/a.json", "river/b.json", "lake/c.json", "river/c.json", "places/town/d.json"}) {
+        folder.write(name, "{}");
+    }
+    const auto found = [&](const std::string& name) {
+        const auto file = wade::scene_of_short_name(name, folder.path());
+        return file ? file->lexically_relative(folder.path()).string() : "";
+    };
+    CHECK(found("river/a") == "river/a.json");
+    CHECK(found("river/a.json") == "river/a.json");
+    CHECK(found("a") == "paper/a.json");  // of several that of the paper
+    CHECK(found("b") == "river/b.json");
+    CHECK(found("town/d") == "places/town/d.json");
+    for (const char* unknown : {"c", "e", "r/b", "", "..", "../b", "/river/b", "river/../river/b"})
+        CHECK(found(unknown).empty());
+}
+
+TEST_CASE("a scene outside of the project extends one by its short name, a file of its folder first") {
+    const TemporaryFolder folder;
+    const auto scene = [](const std::string& seed) {
+        return R"({"channel": {"x_min_m": 0, "x_max_m": 9, "z_min_m": 0, "z_max_m": 9, "flow": "closed"},
+                   "world": {"length_m": 60, "width_m": 40}, "seed": )" +
+               seed + "}";
+    };
+    folder.write("scenes/paper/a.json", scene("3"));
+    const auto child = folder.write("own/child.json", R"({"extends": "a"})");
+    const std::string scenes = (folder.path() / "scenes").string();
+    const char* before = std::getenv("WADE_CONFIGS");
+    const std::string kept = before ? before : "";
+    ::setenv("WADE_CONFIGS", scenes.c_str(), 1);
+    CHECK(wade::load_scene(child).scene.seed == 3);
+    folder.write("own/a", scene("4"));
+    CHECK(wade::load_scene(child).scene.seed == 4);
+    before ? ::setenv("WADE_CONFIGS", kept.c_str(), 1) : ::unsetenv("WADE_CONFIGS");
 }
 
 TEST_CASE("a mistake in a parent is reported with the parent's name, even where a child overrides it") {

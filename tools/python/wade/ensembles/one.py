@@ -14,7 +14,7 @@ from pathlib import Path
 from wade import UsageError
 from wade.ensembles.folder import (FAILURE, EnsembleFolder, is_accident, is_complete, message_of, name_of, publish,
                                    read_json, remove_left_overs, remove_tree, status_of, worker_name)
-from wade.paths import BUILD, ROOT, module_command
+from wade.paths import BUILD, CACHE, ROOT, module_command
 from wade.run.processes import Pair, meaning
 
 CONFIGURATION = 2  # exit code
@@ -41,8 +41,7 @@ START = "import sys; sys.path.insert(0, {package!r}); from wade.ensembles.one im
 
 def worker_command():
     """Words that start main() in a process of its own, with as little around it as there can be: engines do so for each run."""
-    cache = ROOT / "build" / "pycache"
-    return [sys.executable, "-S", "-E", "-X", f"pycache_prefix={cache}", "-c", START.format(package=str(ROOT / "tools" / "python"))]
+    return [sys.executable, "-S", "-E", "-X", f"pycache_prefix={CACHE}", "-c", START.format(package=str(ROOT / "tools" / "python"))]
 
 
 class Unit:

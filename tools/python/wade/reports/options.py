@@ -5,7 +5,7 @@ import fnmatch
 import os
 from pathlib import Path
 
-from wade.paths import ROOT
+from wade.paths import RUNS
 from wade.terminal import Parser
 
 
@@ -16,7 +16,7 @@ def parser_of(command, suite, text, table):
     """
     parser = Parser(command, text.partition("\n\n")[0], text.partition("\n\n")[2])
     parser.epilog += "\n\nThe columns of the table: docs/reports/README.md."
-    parser.add_argument("--out", type=lambda name: Path(name).resolve(), default=ROOT / "runs" / suite, metavar="DIR",
+    parser.add_argument("--out", type=lambda name: Path(name).resolve(), default=RUNS / suite, metavar="DIR",
                         help=f"folder of runs, report.md and {table} [runs/{suite}]")
     parser.add_argument("--quick", action="store_true", help="the short form")
     parser.add_argument("--publish", action="store_true",

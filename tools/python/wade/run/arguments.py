@@ -1,6 +1,7 @@
 """The command line of a run: what its --help says, and whose option is whose."""
 
 import shlex
+import textwrap
 
 from wade import UsageError
 from wade.run.options import OPTIONS, check_option, nearest
@@ -39,14 +40,23 @@ starts fluid_server and crowd_client, waits for both, prints the outcome and dra
   --no-figure         do not draw figure.png; nor is it drawn with --no-trajectories, which leaves
                       no paths
   --check             only check the scene and the options of both programs
-Other options go to the programs that have them; see --help of build/release/fluid_server,
-crowd_client, shm_record and shm_replay. Started from a terminal, the crowd takes commands typed
+Other options go to the programs that have them, whose --help explains them:
+{options}
+Started from a terminal, the crowd takes commands typed
 there (pause, step, tau ...); SIGUSR1 and SIGUSR2 are passed on to it.
 
 Exit code: 0 if all programs ended well and the picture is drawn, else that of the program that
 failed first: 1 unexpected, 2 bad configuration or usage, 3 attach time-out, 4 peer dead,
 5 peer aborted, 6 protocol violation, 7 step time-out, 8 name in use, 9 numerical failure,
 130/143 interrupted."""
+
+
+def help_text():
+    """What --help prints."""
+    lines = [textwrap.fill(" ".join(name for name in options if name not in ("--help", "--version")), 100,
+                           initial_indent=f"  {program}: ", subsequent_indent="    ", break_on_hyphens=False)
+             for program, options in OPTIONS.items()]
+    return HELP.replace("{options}", "\n".join(lines))
 
 
 # What each of them takes, for those who give it nothing.

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from wade import UsageError
-from wade.paths import ROOT, home_folder
+from wade.paths import RUNS, home_folder
 
 
 def file_name(text):
@@ -15,8 +15,8 @@ def file_name(text):
 
 
 def runs_folder():
-    """The first of these folders that can be written: runs/ of the project, of this folder, then one of the user's own."""
-    places = [ROOT / "runs", Path.cwd() / "runs", home_folder() / "wade-runs"]
+    """The first of these folders that can be written: RUNS, runs/ of this folder, then one of the user's own."""
+    places = [RUNS, Path.cwd() / "runs", home_folder() / "wade-runs"]
     for place in places:
         try:
             place.mkdir(parents=True, exist_ok=True)

@@ -18,8 +18,8 @@ from pathlib import Path
 from wade.building import PICTURES, cached, is_built
 from wade import UsageError
 from wade.outside import fault_of
-from wade.paths import BUILD, INSTALLED, module_command
-from wade.run.arguments import HELP, asks_for_help, is_given, split_arguments, suit_to_latest, values_of
+from wade.paths import BUILD, module_command
+from wade.run.arguments import asks_for_help, help_text, is_given, split_arguments, suit_to_latest, values_of
 from wade.run.folders import new_folder
 from wade.run.outcome import BeforeRun, crowds_summary, has_frames, state_of, summary
 from wade.run.processes import Pair, answer_of, meaning, wait_for_own_segment, wait_until_joined
@@ -285,7 +285,7 @@ def picture(run, folder, pair):
         print("no picture: --no-trajectories leaves no paths to draw")
     elif draw(folder, pair):
         print(f"picture: {folder / 'figure.png'}")
-        if not (run.view or INSTALLED):
+        if not run.view:
             print(f"in the browser: tools/wade view {folder}")
     else:
         print("wade run: the picture could not be drawn", file=sys.stderr)
@@ -361,7 +361,7 @@ def answer(run):
 def main(arguments):
     """tools/wade run."""
     if asks_for_help(arguments):
-        print(HELP)
+        print(help_text())
         return 0
     try:
         run = Run(arguments)

@@ -21,7 +21,7 @@ from matplotlib.ticker import PercentFormatter
 
 from wade import UsageError
 from wade.many import seed_range
-from wade.paths import CONFIGS, ROOT, module_command
+from wade.paths import CONFIGS, RUNS, module_command
 from wade.reports.files import say
 from wade.reports.plots import pyplot, save
 from wade.reports.tables import read_csv
@@ -202,7 +202,7 @@ def main(arguments):
     parser.add_argument("--seeds", type=seed_range, default=range(1, 2), metavar="A-B", help="seeds [1]")
     parser.add_argument("--points", type=int, default=8, metavar="N", help="depths, and velocities, 2 to 50 [8]")
     parser.add_argument("--until-s", type=float, metavar="T", help="end of each run, s [the scene's]")
-    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "depth_sweep", metavar="DIR",
+    parser.add_argument("--out", type=Path, default=RUNS / "depth_sweep", metavar="DIR",
                         help="[runs/depth_sweep]")
     options = parser.parse_args(arguments)
     if not 2 <= options.points <= 50:

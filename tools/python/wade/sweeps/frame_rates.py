@@ -14,7 +14,7 @@ from pathlib import Path
 
 from wade import UsageError
 from wade.many import label
-from wade.paths import ROOT, module_command
+from wade.paths import RUNS, module_command
 from wade.reports.files import say, write_whole
 from wade.statistics.shares import bootstrap_mean
 from wade.reports.options import whole
@@ -210,7 +210,7 @@ def parse(arguments):
 failed, which makes its scene incomplete; 2 bad usage or scene.""")
     parser.add_argument("scenes", nargs="*", metavar="SCENE", default=list(SCENES),
                         help="files or short names [S5, S7 and S10 of configs/observed]")
-    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "frame_rates", metavar="DIR",
+    parser.add_argument("--out", type=Path, default=RUNS / "frame_rates", metavar="DIR",
                         help="[runs/frame_rates in the project]")
     parser.add_argument("--seeds", type=whole(1, 1000), default=10, metavar="N", help="seeds of the markers, 1 to 1000 [10]")
     parser.add_argument("--rates", type=rates_of, default=list(RATES), metavar="A,B",

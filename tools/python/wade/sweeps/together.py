@@ -15,7 +15,7 @@ from pathlib import Path
 
 from wade import UsageError
 from wade.many import label, seed_range
-from wade.paths import ROOT, module_command
+from wade.paths import RUNS, module_command
 from wade.reports.files import say
 from wade.statistics.shares import bootstrap_mean
 from wade.reports.tables import markdown, read_csv, write_csv
@@ -107,7 +107,7 @@ Exit code: 0 if all runs ended well, 1 if one did not, 2 bad usage or scene.""")
     parser.add_argument("scenes", nargs="*", metavar="SCENE", default=["models/hand_in_hand"],
                         help="files or short names [models/hand_in_hand]")
     parser.add_argument("--seeds", type=seed_range, default=range(1, 21), metavar="A-B", help="of the people [1-20]")
-    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "together", metavar="DIR",
+    parser.add_argument("--out", type=Path, default=RUNS / "together", metavar="DIR",
                         help="[runs/together in the project]")
     options = parser.parse_args(arguments)
     options.common = common

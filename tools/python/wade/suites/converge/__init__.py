@@ -25,7 +25,7 @@ from pathlib import Path
 from wade import UsageError
 from wade.ensembles.plan import PlannedRun, plan_text
 from wade.many import seed_range
-from wade.paths import ROOT, module_command
+from wade.paths import RUNS, module_command
 from wade.reports.files import say, write_whole
 from wade.reports.options import choose, whole
 from wade.reports.plots import COLOURS, INK, panels, save
@@ -229,7 +229,7 @@ def parse(arguments):
                         + ", ".join(f"'{name}'" for name in FACTOR_NAMES) + " [all]")
     parser.add_argument("--seeds", type=seed_range, default=range(1, 21), metavar="A-B", help="to begin with [1-20]")
     parser.add_argument("--most-seeds", type=whole(1), default=80, metavar="N", help="of what is undecided [80]")
-    parser.add_argument("--out", type=Path, default=ROOT / "runs" / "converge", metavar="DIR", help="[runs/converge in the project]")
+    parser.add_argument("--out", type=Path, default=RUNS / "converge", metavar="DIR", help="[runs/converge]")
     options = parser.parse_args(arguments)
     options.factor_names = [factor.name for factor in choose(FACTORS, options.factors, "--factors")]
     options.command = shlex.join(["tools/wade", "converge", *arguments])
