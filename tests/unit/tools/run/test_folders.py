@@ -28,7 +28,7 @@ class Places(unittest.TestCase):
             (self.folder / name).mkdir()
         self.addCleanup(os.chdir, os.getcwd())
         os.chdir(self.folder / "here")
-        for patch in (mock.patch.object(folders, "ROOT", self.folder / "project"),
+        for patch in (mock.patch.object(folders, "RUNS", self.folder / "project" / "runs"),
                       mock.patch.dict(os.environ, {"HOME": str(self.folder / "home")}),
                       mock.patch.object(tempfile, "tempdir", str(self.folder / "tmp"))):
             patch.start()
