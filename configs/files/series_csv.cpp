@@ -1,6 +1,7 @@
 #include "configs/files/series_csv.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <vector>
@@ -35,10 +36,17 @@ std::string short_text(double value) {
     return text;
 }
 
+// Returns true for the numbers by which tables of gauges and rasters mark missing data.
+bool is_no_data(double value) {
+    constexpr std::array marks{-99.0,   -99.9,   -99.99,   -999.0,   -999.9,   -999.99,
+                               -9999.0, -9999.9, -9999.99, -99999.0, -32767.0, -32768.0};
+    return std::find(marks.begin(), marks.end(), value) != marks.end();
+}
+
 class SeriesTable {
  public:
-    SeriesTable(const std::string& name, const std::string& column, double least)
-        : name_(name), column_(column), least_(least) {}
+    SeriesTable(const std::string& name, const std::string& column, double least, double most)
+        : name_(name), column_(column), least_(least), most_(most) {}
 
     Series read(std::string_view text) {
         while (!text.empty()) {
@@ -71,8 +79,15 @@ class SeriesTable {
         if (!series_.empty() && time < series_.back().time)
             fail_here("time_s goes back from " + short_text(series_.back().time) + " to " + short_text(time) +
                       " s. Remedy: sort the rows by time.");
-        if (value < least_)
-            fail_here(column_ + " is " + short_text(value) + "; allowed: >= " + short_text(least_) + ".");
+        if (is_no_data(value))
+            fail_here(column_ + " is " + short_text(value) +
+                      ", a mark of missing data (no data); allowed: measured values. Remedy: delete the row; values "
+                      "are straight between rows.");
+        if (value < least_ || value > most_)
+            fail_here(
+                column_ + " is " + short_text(value) + "; allowed: " +
+                (std::isfinite(most_) ? short_text(least_) + " to " + short_text(most_) : ">= " + short_text(least_)) +
+                ".");
         series_.push_back({time, value});
     }
 
@@ -102,19 +117,20 @@ class SeriesTable {
 
     const std::string& name_;
     const std::string& column_;
-    double least_;
+    double least_, most_;
     Series series_;
     std::size_t line_ = 0, width_ = 0, time_ = 0, value_ = 0;
 };
 
 }  // namespace
 
-Series parse_series(std::string_view text, const std::string& name, const std::string& column, double least) {
-    return SeriesTable(name, column, least).read(text);
+Series parse_series(std::string_view text, const std::string& name, const std::string& column, double least,
+                    double most) {
+    return SeriesTable(name, column, least, most).read(text);
 }
 
-Series read_series(const std::filesystem::path& file, const std::string& column, double least) {
-    return parse_series(read_text_file(file, "the file " + file.string()), file.string(), column, least);
+Series read_series(const std::filesystem::path& file, const std::string& column, double least, double most) {
+    return parse_series(read_text_file(file, "the file " + file.string()), file.string(), column, least, most);
 }
 
 }  // namespace wade

@@ -91,6 +91,30 @@ TEST_CASE("a series: columns by name, comments, jumps; any name of the second of
     CHECK(wade::parse_series("q,time_s\n4,0\n", "q.csv", "discharge_m3_s", 0).front().value == 4);
 }
 
+TEST_CASE("marks of missing data and values out of range in a series are refused with file and line") {
+    const auto refusal = [](const std::string& level) {
+        try {
+            static_cast<void>(wade::parse_series("time_s,level_m\n0,1\n60," + level + "\n120,1\n", "tide.csv",
+                                                 "level_m", -1000, 9000));
+        } catch (const wade::ConfigurationError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    for (const std::string mark : {"-9999", "-9999.0", "-999", "-999.99", "-99", "-99999", "-32768"}) {
+        CHECK_THAT(refusal(mark), Contains("tide.csv: line 3: level_m is -") && Contains("(no data)"));
+    }
+    for (const std::string beyond : {"-1000.5", "9999", "1e6", "1e300"}) {
+        CHECK_THAT(refusal(beyond), Contains("tide.csv: line 3: level_m is ") && Contains("allowed: -1000 to 9000."));
+    }
+    for (const std::string word : {"nan", "inf", "", "NA"}) {
+        CHECK_THAT(refusal(word), Contains("tide.csv: line 3: level_m is \""));
+    }
+    CHECK(refusal("-10") == "");
+    CHECK_THAT(refusal_of_series("time_s,discharge_m3_s\n0,-9999\n"),
+               Contains("q.csv: line 2: ") && Contains("(no data)"));
+}
+
 TEST_CASE("what is wrong with a series is named with its line and a remedy") {
     const std::string head = "time_s,discharge_m3_s\n";
     CHECK_THAT(refusal_of_series(head + "0,1\n60,2\n30,3\n"),
