@@ -231,10 +231,11 @@ void check_particles_on_place(const Scene& scene, const std::string& source, Pro
     });
     for (const Outlet& outlet : place.outlets) {
         problems.attempt([&] {
-            if (outlet.kind != OutletKind::stage) return;
+            if (outlet.kind == OutletKind::free) return;
             refuse(source, outlet.label + "/kind",
-                   "\"stage\": particles only leave; allowed with /fluid/model \"dfsph\": \"free\". Remedy: the model "
-                   "\"shallow_water\".");
+                   "\"" + name_of(outlet.kind) +
+                       "\": particles only leave; allowed with /fluid/model \"dfsph\": \"free\". Remedy: the model "
+                       "\"shallow_water\".");
         });
     }
     problems.attempt([&] {

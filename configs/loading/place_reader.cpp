@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -221,12 +222,12 @@ class PlaceReader {
     // A constant or a table; `needed`: one of them has to be there.
     Series series(const std::string& pointer, const std::optional<double>& constant, const std::string& constant_key,
                   const std::optional<std::string>& file, const std::string& file_key, const std::string& column,
-                  double least, bool needed) const {
+                  double least, bool needed, double most = std::numeric_limits<double>::infinity()) const {
         if ((constant && file) || (needed && !constant && !file))
             fail(pointer, std::string(constant ? "both " : "neither ") + constant_key + (constant ? " and " : " nor ") +
                               file_key + " is set; allowed: one of them.");
         if (constant) return {{0, *constant}};
-        return file ? read_series(*file, column, least) : Series{};
+        return file ? read_series(*file, column, least, most) : Series{};
     }
 
     void read_houses(const HouseKeys& key, const std::string& pointer) {
@@ -281,9 +282,11 @@ class PlaceReader {
     }
 
     void read_outlets(const OutletKeys& key, const std::string& pointer) {
-        const bool stage = key.kind == OutletKind::stage;
-        if (!stage && (key.level || key.stage))
-            fail(pointer, "level_m and stage_csv have no effect on a free outlet; allowed: none, or kind \"stage\".");
+        const bool given = key.kind != OutletKind::free;
+        if (!given && (key.level || key.stage))
+            fail(
+                pointer,
+                "level_m and stage_csv have no effect on a free outlet; allowed: none, or kind \"stage\" or \"wave\".");
         for (Shape& shape : shapes(pointer, key.file, key.polygon, key.line, true, true)) {
             Outlet outlet;
             outlet.name = name_of_shape(shape, key.name);
@@ -291,9 +294,10 @@ class PlaceReader {
             outlet.kind = key.kind;
             outlet.polygon = std::move(shape.polygon);
             outlet.line = std::move(shape.line);
-            constexpr double least = -1e4;
-            if (stage)
-                outlet.stage = series(pointer, key.level, "level_m", key.stage, "stage_csv", "level_m", least, true);
+            constexpr double least = -1000, most = 9000;  // m, those of level_m
+            if (given)
+                outlet.stage =
+                    series(pointer, key.level, "level_m", key.stage, "stage_csv", "level_m", least, true, most);
             place_.outlets.push_back(std::move(outlet));
         }
     }

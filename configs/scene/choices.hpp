@@ -214,7 +214,8 @@ struct Words<AgentsStream> {
 };
 template <>
 struct Words<OutletKind> {
-    static constexpr std::array<Named<OutletKind>, 2> all{{{"free", OutletKind::free}, {"stage", OutletKind::stage}}};
+    static constexpr std::array<Named<OutletKind>, 3> all{
+        {{"free", OutletKind::free}, {"stage", OutletKind::stage}, {"wave", OutletKind::wave}}};
 };
 template <>
 struct Words<Shelter> {

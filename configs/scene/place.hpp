@@ -116,8 +116,9 @@ struct Source {
 };
 
 enum class OutletKind {
-    free,  // water leaves as over a fall
-    stage  // the surface stands at a height that is given in time; waves from inside leave, water may come in
+    free,   // water leaves as over a fall
+    stage,  // a large water at rest whose level is given in time: the surface stands at it, waves come back inverted
+    wave    // open water: the level of the incoming wave is given in time, waves from inside leave
 };
 
 // Where water leaves: the cells of a polygon, or those that a line crosses; also where it touches the place's edge.
@@ -126,7 +127,7 @@ struct Outlet {
     OutletKind kind = OutletKind::free;
     MapPolygon polygon;  // empty: along `line`
     MapLine line;
-    Series stage;  // height of the surface, m
+    Series stage;  // height of the surface, or of the incoming wave, whose first one is the level at rest, m
     std::string label{};
 };
 

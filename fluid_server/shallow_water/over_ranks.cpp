@@ -272,19 +272,6 @@ void share_all(ShallowWater& world, std::span<const RowField> others) {
     if (world.band.ranks == nullptr) return;
     // A field at a time, as a message holds 2^31 - 1 words at most.
     for (const RowField& field : all_fields(world, others)) gather_rows(world.band, {&field, 1}, true);
-    std::vector<double> velocities;
-    if (world.place) {
-        for (const PlaceOutlet& outlet : world.place->outlets) {
-            for (const OutletCell& cell : outlet.cells) {
-                velocities.push_back(world.band.has(row_of(world.grid, cell.cell)) ? cell.mean_velocity : 0);
-            }
-        }
-        merge(world.band, velocities);
-        const double* at = velocities.data();
-        for (PlaceOutlet& outlet : world.place->outlets) {
-            for (OutletCell& cell : outlet.cells) cell.mean_velocity = *at++;
-        }
-    }
     world.stage = world.water;
     world.stage_primitive = world.primitive;
 }

@@ -86,14 +86,16 @@ void fields(RainKeys& rain, Fields& f) {
 void fields(OutletKeys& outlet, Fields& f) {
     name_field(f, outlet.name);
     f.choice("kind", outlet.kind,
-             "free: water leaves as over a fall. stage: the surface stands at a height that is given in time; waves "
-             "leave, and water may come in.");
+             "free: water leaves as over a fall. stage: a large water at rest outside, such as a lake or a tide, whose "
+             "level is given in time; waves from inside come back inverted. wave: open water outside; the level of the "
+             "incoming wave is given in time, its first value is the level at rest, and waves from inside leave.");
     f.path("file", outlet.file, shapes_file);
     polygon_field(f, outlet.polygon, corners_or_line);
     line_field(f, outlet.line, "Along these points, at least two, or else polygon or file.");
-    f.number("level_m", outlet.level, "m", from(-1000).to(10000), "Height of the surface of a stage all the time.",
+    f.number("level_m", outlet.level, "m", from(-1000).to(9000),
+             "Constant level of a stage; of a wave: the level at rest, without an incoming wave.",
              otherwise("what stage_csv says"));
-    f.path("stage_csv", outlet.stage, "Table with the columns time_s and level_m.");
+    f.path("stage_csv", outlet.stage, "Table with the columns time_s and level_m, of a stage or of an incoming wave.");
 }
 
 void fields(GateKeys& gate, Fields& f) {

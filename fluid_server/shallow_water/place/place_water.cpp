@@ -12,7 +12,6 @@ namespace wade::fluid::shallow_water {
 
 namespace {
 
-constexpr double following_time = 100;           // of u_m and eta_m, s [A]
 constexpr double metres_per_second = 1 / 3.6e6;  // of rain, a mm/h
 
 struct Area {
@@ -60,7 +59,7 @@ PlaceSource make_source(const Source& source, const Grid& grid, const Openings& 
 }
 
 PlaceOutlet make_outlet(const Outlet& outlet, const Grid& grid, const Openings& openings) {
-    PlaceOutlet result{outlet.kind, outlet.stage, value_at(outlet.stage, 0), {}, {}, {}};
+    PlaceOutlet result{outlet.kind, outlet.stage, {}, {}, {}};
     const Area area = area_of(grid, outlet.polygon, outlet.line);
     std::vector<std::size_t> cells;
     for (std::size_t n = 0; n < area.cells.size(); ++n) {
@@ -113,38 +112,66 @@ struct State {
     double h = 0, qx = 0, qz = 0;
 };
 
-// Depth and discharge in the cell of an outlet whose surface stands at `stage`.
-State outlet_state(const PlaceCells& cells, const PlaceOutlet& outlet, OutletCell& cell, double stage, double dt) {
-    const double g = cells.gravity, bed = cells.bed.height[cell.cell];
-    const double d = stage - bed;
-    if (!(d > 0)) return {};
-    const double c0 = std::sqrt(g * d), c_mean = std::sqrt(g * std::max(0.0, outlet.mean_stage - bed));
+// Flow at the boundary: depth, m, and velocity along the normal into the site, m/s.
+struct BoundaryFlow {
+    double h = 0, u = 0;
+};
+
+// Returns the speed, relative to the water inside, at which the level outside moves in, m/s: of a bore where it is higher, from
+// the balance of momentum. inside, outside: celerities sqrt(g h) and sqrt(g d).
+double fastest_inwards(double inside, double outside) {
+    if (!(outside > inside)) return inside;
+    return outside * std::sqrt((outside * outside + inside * inside) / 2) / inside;
+}
+
+// Returns the flow at a `stage`. d: depth of the water outside over the bed, m, > 0. leaving: the invariant u - 2 c inside, m/s.
+BoundaryFlow flow_at_stage(double gravity, double d, double leaving) {
+    const double head = gravity * d, at_rest = std::sqrt(head);
+    if (leaving + 2 * at_rest <= 0) return {d, leaving + 2 * at_rest};
+    const double root = 3 * head - 0.5 * leaving * leaving;
+    const double subcritical = root > 0 ? (std::sqrt(root) - leaving) / 3 : 0;
+    const double c = std::max(subcritical, std::sqrt(2 * head / 3));
+    return {c * c / gravity, std::clamp(leaving + 2 * c, 0.0, c)};
+}
+
+// Returns the flow at a `wave`. wave, rest: celerities under the incoming wave and at rest, m/s. leaving: as at a stage.
+BoundaryFlow flow_at_wave(double gravity, double wave, double rest, double leaving) {
+    const double velocity = std::min(2 * (wave - rest), wave);            // at most critical
+    const double entering = std::max(velocity + 2 * wave, -leaving / 3);  // at most critical outflow
+    const double inner = std::min(leaving, -entering / 3);                // at most critical inflow
+    const double c = std::max(0.0, 0.25 * (entering - inner));
+    return {c * c / gravity, 0.5 * (entering + inner)};
+}
+
+// Returns depth and discharge in the cell of an outlet. level: of its surface or its incoming wave, m.
+State outlet_state(const PlaceCells& cells, const PlaceOutlet& outlet, const OutletCell& cell, double level) {
+    const double g = cells.gravity, bed = cells.bed.height[cell.cell], d = std::max(0.0, level - bed);
+    const bool wave = outlet.kind == OutletKind::wave;
+    if (d == 0 && !wave) return {};
+    if (cell.count == 0) return {d, 0, 0};
+    const double c_outside = std::sqrt(g * d);
     double u = 0, along = 0, c_inside = 0, h_inside = 0;
     for (std::size_t n = 0; n < cell.count; ++n) {
         const std::size_t c = cell.inside[n];
-        const double h = cells.water.h[c];
+        const double h = cells.water.h[c], over_bed = std::max(0.0, h + cells.bed.height[c] - bed);
         const bool wet = h > cells.dry;
         const double ux = wet ? cells.water.qx[c] / h : 0, uz = wet ? cells.water.qz[c] / h : 0;
         u += ux * cell.normal_x + uz * cell.normal_z;
         along += uz * cell.normal_x - ux * cell.normal_z;
-        c_inside += wet ? std::sqrt(g * std::max(0.0, h + cells.bed.height[c] - bed)) : c0;
+        c_inside += wet ? std::sqrt(g * over_bed) : std::min(c_outside, std::sqrt(g * over_bed));
         h_inside += h;
     }
-    if (cell.count == 0) return {d, 0, 0};
     const auto n = static_cast<double>(cell.count);
     u /= n, along /= n, c_inside /= n, h_inside /= n;
-    double h = h_inside, u_here = u;  // all that is there runs out
-    if (u + c_inside > 0) {
-        const double from_outside = cell.mean_velocity + 2 * (c0 - c_mean);
-        u_here = 0.5 * (from_outside + u) + (c0 - c_inside);
-        const double faster = 0.25 * (from_outside - u) + 0.5 * (c_inside - c0);  // c - c0
-        h = std::max(0.0, d + faster * (2 * c0 + faster) / g);
-        u_here = std::min(u_here, std::sqrt(g * h));
+    double h = h_inside;
+    if (u + fastest_inwards(c_inside, c_outside) > 0) {
+        const double leaving = u - 2 * c_inside, rest = std::sqrt(g * std::max(0.0, outlet.stage.front().value - bed));
+        const BoundaryFlow flow = wave ? flow_at_wave(g, c_outside, rest, leaving) : flow_at_stage(g, d, leaving);
+        h = flow.h;
+        u = flow.u;
     }
-    cell.mean_velocity += (u_here - cell.mean_velocity) * -std::expm1(-dt / following_time);
-    if (u_here > 0) along = 0;
-    return {h, h * (u_here * cell.normal_x - along * cell.normal_z),
-            h * (u_here * cell.normal_z + along * cell.normal_x)};
+    if (u > 0) along = 0;
+    return {h, h * (u * cell.normal_x - along * cell.normal_z), h * (u * cell.normal_z + along * cell.normal_x)};
 }
 
 }  // namespace
@@ -235,13 +262,13 @@ Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double 
     }
     place.volumes.clear();
     for (PlaceOutlet& outlet : place.outlets) {
-        const double stage = value_at(outlet.stage, end);
+        const double level = value_at(outlet.stage, end);
         share_cells(*cells.band, cells.grid, {&cells.water.h, &cells.water.qx, &cells.water.qz}, outlet.beside);
-        const auto set = [&](OutletCell& cell) {
+        const auto set = [&](const OutletCell& cell) {
             State state;
             place.volumes.push_back(0);
             if (!own(cell.cell)) return;
-            if (outlet.kind == OutletKind::stage) state = outlet_state(cells, outlet, cell, stage, dt);
+            if (outlet.kind != OutletKind::free) state = outlet_state(cells, outlet, cell, level);
             place.volumes.back() = (state.h - cells.water.h[cell.cell]) * cells.openings.share_of(cell.cell) * area;
             cells.water.h[cell.cell] = state.h;
             cells.water.qx[cell.cell] = state.qx;
@@ -252,7 +279,6 @@ Passed exchange(PlaceWater& place, const PlaceCells& cells, double time, double 
         } else {
             for_each_cell_in(cells.active, outlet, set);
         }
-        outlet.mean_stage += (stage - outlet.mean_stage) * -std::expm1(-dt / following_time);
     }
     merge(*cells.band, place.volumes);
     for (const double volume : place.volumes) (volume > 0 ? passed.inflow : passed.outflow) += std::abs(volume);

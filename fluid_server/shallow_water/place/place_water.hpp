@@ -4,13 +4,17 @@
 // A source adds its volume to its cells, by their area, without momentum; rain adds depth. Over a free outlet water leaves as
 // over a fall: its cells are emptied after each step, so that they are always dry ground for the water beside them.
 //
-// In the cells of an outlet with a stage eta(t) stand depth and velocity that follow from the two waves there, along the
-// normal into the place: what comes from outside is a simple wave of that stage, what comes from inside leaves,
+// The cells of the other outlets hold depth h and velocity u, along the normal into the site. From inside comes R = u - 2 c, the
+// invariant of the cells beside them; c = sqrt(g h), d = max(0, eta(t) - b), c_d = sqrt(g d).
 //
-//   u + 2 c = u_m + 2 c(eta) + 2 (c(eta) - c(eta_m)),   u - 2 c that of the cells inside,   c(eta) = sqrt(g (eta - b)),
+//   stage   A large water at rest outside, whose level is eta(t). Outflow takes its level and loses its own velocity head:
+//           h = d, u = R + 2 c_d, if that is at most 0. Inflow takes its head: h + u^2 / (2 g) = d with u = R + 2 c, that is
+//           c = (sqrt(3 g d - R^2 / 2) - R) / 3, at least critical flow, c^2 = 2 g d / 3, with 0 <= u <= c.
+//           d = 0 is dry: nothing comes in.
+//   wave    Open water outside. eta(t) is the level of the incoming simple wave, its first value the level at rest:
+//           u + 2 c = 4 c_d - 2 c_0, u - 2 c = R. The wave's own velocity and the flow at the boundary are at most critical.
 //
-// u_m and eta_m the means of u and eta that follow them within 100 s [A]. So the surface stands at eta when nothing comes back
-// to it, or slowly changes, whatever the current, and a wave from inside that is shorter than that passes out.
+// Both let all water out as it is, if nothing runs inwards: neither a wave, u + c <= 0 inside, nor a bore of depth d.
 
 #include <array>
 #include <cstddef>
@@ -38,7 +42,6 @@ struct OutletCell {
     double normal_x = 0, normal_z = 0;    // into the place; both 0: no cell of the place lies beside it
     std::array<std::size_t, 4> inside{};  // the cells of the place beside it
     std::size_t count = 0;                // of these
-    double mean_velocity = 0;             // u_m, m/s
 };
 // Cells of an outlet in a line of a row, see wet_lines.hpp.
 struct OutletLine {
@@ -48,7 +51,6 @@ struct OutletLine {
 struct PlaceOutlet {
     OutletKind kind = OutletKind::free;
     Series stage;
-    double mean_stage = 0;  // eta_m, m
     std::vector<OutletCell> cells;
     std::vector<OutletLine> lines;
     std::vector<std::size_t> beside;  // cells inside that are of another rank than the outlet's cell (bands.hpp)

@@ -144,9 +144,12 @@ TEST_CASE("particles on a place are refused rain, stages, gaps in the ground, an
     CHECK(load_or_refusal(lake, ground_raster(), particles).empty());
     CHECK_THAT(load_or_refusal(R"("rain": {"rate_mm_h": 20})", ground_raster(), particles),
                Contains("/place/rain: particles are too large for drops"));
-    CHECK_THAT(load_or_refusal(R"("outlets": [{"line": [[0, 3], [0, 5]], "kind": "stage", "level_m": 11}])",
-                               ground_raster(), particles),
-               Contains("/place/outlets/0/kind: \"stage\": particles only leave"));
+    for (const std::string kind : {"stage", "wave"}) {
+        CHECK_THAT(
+            load_or_refusal(R"("outlets": [{"line": [[0, 3], [0, 5]], "level_m": 11, "kind": ")" + kind + R"("}])",
+                            ground_raster(), particles),
+            Contains("/place/outlets/0/kind: \"" + kind + "\": particles only leave"));
+    }
     CHECK_THAT(load_or_refusal(lake, ground_raster("10", "-9999"), particles),
                Contains("/place/ground/file") && Contains("particles need ground all over"));
     CHECK_THAT(load_or_refusal(lake, ground_raster(), R"(, "fluid": {"model": "dfsph", "publish": "near_agents"},

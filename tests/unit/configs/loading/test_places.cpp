@@ -213,6 +213,14 @@ TEST_CASE("what does not go together on a place is named with key, file and reme
     folder.folder.write("back.csv", "time_s,discharge_m3_s\n5,1\n4,1\n");
     CHECK_THAT(refused(R"("sources": [{"line": [[0, 0], [1, 1]], "hydrograph_csv": "back.csv"}])"),
                Contains("/place/sources/0: ") && Contains("back.csv: line 3: time_s goes back"));
+    folder.folder.write("tide.csv", "time_s,level_m\n0,1\n60,-9999\n");
+    for (const std::string kind : {"stage", "wave"}) {
+        const std::string outlet = R"("outlets": [{"line": [[0, 0], [1, 1]], "kind": ")" + kind + R"(")";
+        CHECK_THAT(
+            refused(outlet + R"(, "stage_csv": "tide.csv"}])"),
+            Contains("/place/outlets/0: ") && Contains("tide.csv: line 3: level_m is -9999") && Contains("(no data)"));
+        CHECK_THAT(refused(outlet + "}]"), Contains("/place/outlets/0: neither level_m nor stage_csv is set"));
+    }
     Json other = Json::parse(houses);
     other["crs"] = {{"type", "name"}, {"properties", {{"name", "EPSG:32755"}}}};
     folder.folder.write("other.geojson", other.dump());

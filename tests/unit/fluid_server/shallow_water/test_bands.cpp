@@ -169,7 +169,8 @@ Scene place_with_all() {
     place.water = {{turn.box(-12, -6, -20, 20), 2.5}};
     place.gates = {{"gate", {turn(-6, -12), turn(-6, 12)}, 1.5}};
     place.outlets = {{"sea", OutletKind::free, {}, {{30, 2}, {30, 10}}, {}},
-                     {"lake", OutletKind::stage, {}, {{30, 10}, {30, 18}}, {{0, 1.5}, {4, 2}}}};
+                     {"lake", OutletKind::stage, {}, {{30, 10}, {30, 14}}, {{0, 1.5}, {4, 2}}},
+                     {"sea", OutletKind::wave, {}, {{30, 14}, {30, 18}}, {{0, 1.5}, {4, 2}}}};
     return scene;
 }
 

@@ -179,24 +179,6 @@ TEST_CASE("what comes in by hydrograph, rain and stage is what stands there and 
     CHECK(std::abs(open_volume(world) + out - in) < 1e-9 * in);
 }
 
-TEST_CASE("a stage at the edge lets a wave in, and waves from inside out", "[place]") {
-    // A channel that is 1 m deep: a wave of 0.1 m comes in, is thrown back by the far wall, and leaves.
-    Scene scene = empty_place(100, 2, 0.5);
-    Place& place = *scene.place;
-    place.water = {{{}, 1}};
-    place.outlets = {{"sea", OutletKind::stage, {}, {{0, 0}, {0, 2}}, {{0, 1}, {1, 1.1}, {4, 1.1}, {5, 1}}}};
-    ShallowWater world(scene);
-    const std::size_t near = world.grid.row(1) + 20;
-    double highest = 0, left = 0;
-    while (world.time < 80 - 1e-9) {
-        step(world, 80 - world.time);
-        if (world.time < 20) highest = std::max(highest, world.water.h[near]);
-        if (world.time > 75) left = std::max(left, std::abs(world.water.h[near] - 1));
-    }
-    CHECK(std::abs(highest - 1.1) < 0.003);  // the scheme's own wear over 20 cells
-    CHECK(left < 0.01);                      // a tenth of the wave, as the means follow it for 5 of 100 s, twice
-}
-
 TEST_CASE("a wall thinner than a cell holds, an alley narrower than one lets through", "[place]") {
     const auto beyond = [](bool alley) {
         Scene scene = empty_place(24, 16, 0.5);
