@@ -54,12 +54,12 @@ void write_gauges(const FloodMaps& maps, const std::filesystem::path& folder) {
     const std::filesystem::path file = folder / "gauges.csv";
     std::ofstream out(file);
     out.precision(9);
-    out << "time_s,name,depth_m,level_m,velocity_x_m_s,velocity_z_m_s\n";
+    out << "time_s,name,depth_m,level_m,velocity_x_m_s,velocity_z_m_s,discharge_x_m2_s,discharge_z_m2_s\n";
     for (std::size_t n = 0; n < maps.gauges.front().time.size(); ++n) {
         for (const GaugeRecord& g : maps.gauges) {
-            char values[120];
-            std::snprintf(values, sizeof values, ",%.7g,%.7g,%.7g,%.7g\n", g.depth[n], g.ground + g.depth[n], g.u[n],
-                          g.v[n]);
+            char values[160];
+            std::snprintf(values, sizeof values, ",%.7g,%.7g,%.7g,%.7g,%.7g,%.7g\n", g.depth[n], g.ground + g.depth[n],
+                          g.u[n], g.v[n], g.qx[n], g.qz[n]);
             out << g.time[n] << ',' << field_of(g.name) << values;
         }
     }
@@ -101,6 +101,8 @@ void add_row(FloodMaps& maps, std::size_t row, double time, const double* h, con
         gauge.depth.push_back(h[gauge.column]);
         gauge.u.push_back(u[gauge.column]);
         gauge.v.push_back(v[gauge.column]);
+        gauge.qx.push_back(gauge.depth.back() * gauge.u.back());
+        gauge.qz.push_back(gauge.depth.back() * gauge.v.back());
     }
 }
 
@@ -108,7 +110,7 @@ void place_gauges(FloodMaps& maps, const Place& place, const std::vector<double>
     const MapGrid& grid = maps.grid;
     for (const Gauge& gauge : place.gauges) {
         constexpr double reach = 2;  // cells
-        GaugeRecord record{gauge.name, 0, 0, 0, {}, {}, {}, {}};
+        GaugeRecord record{gauge.name, 0, 0, 0, {}, {}, {}, {}, {}, {}};
         double nearest = reach * reach;
         for (std::size_t k = 0; k < maps.wall.size(); ++k) {
             if (maps.wall[k]) continue;

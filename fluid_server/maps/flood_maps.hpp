@@ -32,6 +32,7 @@ struct GaugeRecord {
     std::size_t row = 0, column = 0;
     double ground = 0;                      // m, of its cell
     std::vector<double> time, depth, u, v;  // s, m, m/s along x and z
+    std::vector<double> qx, qz;             // discharge per width along x and z, m^2/s
 };
 
 struct FloodMaps {
@@ -48,7 +49,8 @@ struct FloodMaps {
 // ConfigurationError if there are walls alone where a gauge is.
 void place_gauges(FloodMaps& maps, const Place& place, const std::vector<double>& ground);
 
-// Adds the water of a row at a time, s: depth, m, and velocity, m/s, of its cells.
+// Adds the water of a row at a time, s: depth, m, and velocity, m/s, of its cells. The discharge of gauges is their product; a
+// model that knows the flux through faces writes that in its place.
 void add_row(FloodMaps& maps, std::size_t row, double time, const double* h, const double* u, const double* v);
 
 // Writes the maps into `folder`/maps, in the place's coordinate system, and `folder`/gauges.csv if there are gauges. Throws std::runtime_error.

@@ -100,6 +100,7 @@ void ShallowWaterModel::begin_maps() {
         ground[k] = world_.bed.height[c];
     }
     place_gauges(*maps_, *world_.scene.place, ground);
+    for (const GaugeRecord& gauge : maps_->gauges) world_.gauged.push_back({gauge.row, gauge.column});
 }
 
 void ShallowWaterModel::add_to_maps() {
@@ -108,6 +109,10 @@ void ShallowWaterModel::add_to_maps() {
         const std::size_t c = world_.grid.row(static_cast<std::ptrdiff_t>(k));
         const Primitive& now = world_.primitive;
         add_row(*maps_, k, world_.time, world_.water.h.data() + c, now.u.data() + c, now.v.data() + c);
+    }
+    for (std::size_t n = 0; n < world_.gauged.size(); ++n) {
+        maps_->gauges[n].qx.back() = world_.gauged[n].qx;
+        maps_->gauges[n].qz.back() = world_.gauged[n].qz;
     }
 }
 

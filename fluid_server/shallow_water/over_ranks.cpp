@@ -296,6 +296,15 @@ void rebalance(ShallowWater& world, std::span<const RowField> others) {
 void collect_frame(ShallowWater& world, std::span<const RowField> others) {
     Band& band = world.band;
     if (band.ranks == nullptr) return;
+    std::vector<double> discharges;
+    for (const GaugedCell& cell : world.gauged) {
+        const bool own = band.has(cell.row);
+        discharges.insert(discharges.end(), {own ? cell.qx : 0, own ? cell.qz : 0});
+    }
+    merge(band, discharges);
+    for (std::size_t n = 0; n < world.gauged.size(); ++n) {
+        world.gauged[n].qx = discharges[2 * n], world.gauged[n].qz = discharges[2 * n + 1];
+    }
     std::vector<RowField> fields(others.begin(), others.end()), twins = fields;
     for (RowMemory* field : {&world.water.h, &world.water.qx, &world.primitive.u, &world.primitive.v}) {
         fields.push_back(by_cell(*field, world.grid));

@@ -178,6 +178,7 @@ bool hancock_step(ShallowWater& world, double dt) {
 // The longest step of report.dt after which all depths are positive, each one tried half of the one before.
 void advance(ShallowWater& world, StepReport& report) {
     if (world.place) {
+        for (GaugedCell& cell : world.gauged) cell.qx = cell.qz = 0;
         for (int halved = 0; !hancock_step(world, report.dt) && halved < most_halvings; ++halved) report.dt *= 0.5;
         std::swap(world.primitive, world.stage_primitive);
     } else {

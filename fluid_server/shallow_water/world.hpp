@@ -28,6 +28,12 @@ struct WatchedFace {
     double step_volume = 0, step_momentum = 0;   // of the step at hand
 };
 
+// A cell of a site whose discharge is read: the mean flux through its open faces along x and across in the last step, m^2/s.
+struct GaugedCell {
+    std::size_t row = 0, column = 0;
+    double qx = 0, qz = 0;
+};
+
 // Faces between an obstacle and a cell that is none, see find_fluxes(); empty without obstacles.
 struct Walls {
     RowMemory side;                  // by cell: of the face below it, 1 or -1 where there is a wall, else 0
@@ -66,6 +72,7 @@ struct ShallowWater {
     std::vector<RowMemory> buffers;                // by thread
     std::vector<std::size_t> bands;    // of a place: first row by thread and the end; empty: equally many rows
     std::vector<WatchedFace> watched;  // see watch_faces(); usually none
+    std::vector<GaugedCell> gauged;    // of a site
 };
 
 // Sets depth and velocity of each cell from functions of its centre: f(x, z), m and m/s.

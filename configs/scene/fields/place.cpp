@@ -145,8 +145,9 @@ void fields(PlaceKeys& place, Fields& f) {
     f.list("gates", place.gates, "Walls that are gone from a time on: a dam that breaks, a gate that opens.");
     f.list("water", place.water, "Water that stands at a level at t = 0.");
     f.path("water_depth_file", place.water_depth, "Raster of the water's depth at t = 0.");
-    f.list("gauges", place.gauges,
-           "Where depth, level and velocity of the water are written in time, a row a frame, into gauges.csv.");
+    f.list(
+        "gauges", place.gauges,
+        "Where depth, level, velocity and discharge of the water are written in time, a row a frame, into gauges.csv.");
     f.list("shelters", place.shelters, "Where people are safe.");
     f.path("residents_csv", place.residents,
            "Table of people: x and y in the place's coordinate system and any of id, age, sex, height, mass, skill, "

@@ -291,6 +291,23 @@ struct PlaceBand {
                 std::fill_n(value + i, n, 0);
         });
     }
+    // Reads the discharge of the gauged cells of row k that lie within cells i to i + n.
+    void read_gauges(std::size_t k, std::size_t i, std::size_t n) const {
+        for (GaugedCell& cell : world.gauged) {
+            if (cell.row != k || cell.column < i || cell.column >= i + n) continue;
+            const std::size_t m = cell.column, c = grid.row(static_cast<std::ptrdiff_t>(k)) + m;
+            const auto mean = [&](double lower, bool from_lower, double upper, bool from_upper) {
+                const int open = int{from_lower} + int{from_upper};
+                return open == 0 ? 0 : ((from_lower ? lower : 0) + (from_upper ? upper : 0)) / open;
+            };
+            const auto is_open = [&](const RowMemory& faces, std::size_t face) { return !walls || faces[face] > 0; };
+            const RowAhead& row = work.rows[0];
+            cell.qx = mean(row.flux_x.mass[m], m > 0 && is_open(openings.face_x, c), row.flux_x.mass[m + 1],
+                           m + 1 < grid.nx && is_open(openings.face_x, c + 1));
+            cell.qz = mean(work.flux_z[0].mass[m], k > 0 && is_open(openings.face_z, c), work.flux_z[1].mass[m],
+                           k + 1 < grid.nz && is_open(openings.face_z, c + grid.stride));
+        }
+    }
     // The smallest depth of cells i to i + n of row k.
     double update(std::size_t k, std::size_t i, std::size_t n) const {
         const std::size_t c = grid.row(static_cast<std::ptrdiff_t>(k)) + i;
@@ -326,8 +343,10 @@ void UpdatePlaceBand(ShallowWater& world, double dt, std::size_t begin, std::siz
         k + 1 < world.grid.nz ? band.look_ahead(k + 1, rows[1]) : band.mirror_row(k, rows[0], rows[1]);
         band.flow_above(static_cast<std::ptrdiff_t>(k));
         double least = 0;
-        world.lines.active.for_each_span(
-            k, [&](std::size_t i, std::size_t n) { least = std::min(least, band.update(k, i, n)); });
+        world.lines.active.for_each_span(k, [&](std::size_t i, std::size_t n) {
+            if (!world.gauged.empty()) band.read_gauges(k, i, n);
+            least = std::min(least, band.update(k, i, n));
+        });
         world.row_least[k] = least;
     }
 }

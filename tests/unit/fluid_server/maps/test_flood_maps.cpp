@@ -59,8 +59,9 @@ TEST_CASE("gauges read the nearest cell that is no wall, and are written a row a
     const Folder folder;
     write_maps(maps, place, folder.path);
     CHECK(read_text_file(folder.path / "gauges.csv", "gauges.csv") ==
-          "time_s,name,depth_m,level_m,velocity_x_m_s,velocity_z_m_s\n0.5,\"mill, old\",0,13,-1.5,2\n0.5,2,0,5,0,0\n"
-          "1,\"mill, old\",0.004,13.004,-1.5,2\n1,2,0,5,0,0\n");
+          "time_s,name,depth_m,level_m,velocity_x_m_s,velocity_z_m_s,discharge_x_m2_s,discharge_z_m2_s\n"
+          "0.5,\"mill, old\",0,13,-1.5,2,-0,0\n0.5,2,0,5,0,0,0,0\n"
+          "1,\"mill, old\",0.004,13.004,-1.5,2,-0.006,0.008\n1,2,0,5,0,0,0,0\n");
     maps.wall.assign(8, true);
     CHECK_THROWS_WITH(place_gauges(maps, place, {}), Catch::Matchers::Contains("the gauge mill, old has walls alone"));
 }

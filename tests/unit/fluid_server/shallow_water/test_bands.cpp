@@ -122,6 +122,8 @@ Frames frames_of(ShallowWaterModel& model, std::uint64_t frames, std::uint64_t r
         for (const double number : {d.last_dt_s, d.kinetic_energy_j, d.potential_energy_j})
             result.numbers.push_back(number);
         result.numbers.push_back(static_cast<double>(d.recycled_particles));
+        for (const GaugedCell& cell : model.world().gauged)
+            result.numbers.insert(result.numbers.end(), {cell.qx, cell.qz});
     }
     if (first) result.remarks = model.remarks();
     return result;
@@ -168,6 +170,7 @@ Scene place_with_all() {
     place.rain = {{0, 0}, {2, 3000}, {4, 0}};
     place.water = {{turn.box(-12, -6, -20, 20), 2.5}};
     place.gates = {{"gate", {turn(-6, -12), turn(-6, 12)}, 1.5}};
+    place.gauges = {{"low", {20, 6}}, {"high", {20, 14}}};
     place.outlets = {{"sea", OutletKind::free, {}, {{30, 2}, {30, 10}}, {}},
                      {"lake", OutletKind::stage, {}, {{30, 10}, {30, 14}}, {{0, 1.5}, {4, 2}}},
                      {"sea", OutletKind::wave, {}, {{30, 14}, {30, 18}}, {{0, 1.5}, {4, 2}}}};

@@ -250,4 +250,20 @@ TEST_CASE("a sea that stands higher than the conjugate depth backs up a supercri
     CHECK(level(0.3) == Approx(0.197 + 0.05 * 2.25).margin(0.005));  // steps of 0.5 m along the bed are 25 mm
 }
 
+// Depth times velocity of the cell before the fall is some per cent off.
+TEST_CASE("the discharge of a gauge is that through the faces of its cell, beside a fall, too", "[place]") {
+    using namespace outlets_test;
+    Scene scene = basin_with(OutletKind::free, {}, 60, 1, 0.5, 0.01);
+    scene.place->roughness.n = 0.03;
+    scene.place->sources = {{"river", {}, {{60, 0}, {60, 4}}, {{0, 4}}}};
+    ShallowWater world(scene);
+    for (const std::size_t column : {0U, 1U, 2U, 20U}) world.gauged.push_back({1, column});
+    run_and_look(world, 600, [](double) {});
+    for (const GaugedCell& cell : world.gauged) {
+        CAPTURE(cell.column);
+        CHECK(cell.qx == Approx(-1).epsilon(0.001));  // steady to that
+        CHECK(std::abs(cell.qz) < 1e-9);              // rounding
+    }
+}
+
 }  // namespace wade::fluid::shallow_water
