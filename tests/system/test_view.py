@@ -269,6 +269,15 @@ class Sessions(ViewTest):
             program.wait()
         client.status(lambda s: s["live"]["state"] == "ended")
 
+    def test_a_producer_that_was_killed_is_told(self):
+        client = self.connect(self.view("--session", self.session))
+        crowd, server = self.client(*KEPT, *ENDLESS), self.server(*KEPT, *ENDLESS)
+        client.get(get="live", after=-1)
+        server.send(signal.SIGKILL)
+        self.assertNotEqual(crowd.wait(), 0)
+        client.status(lambda s: s["live"]["state"] == "killed")
+        Path(f"/dev/shm/{self.session}-fluid").unlink()
+
     def test_tau_from_the_page_is_recorded_and_played_again(self):
         fifo = self.folder / "fifo"
         crowd = self.client(*KEPT, "--commands", fifo, "--reproducible")
@@ -386,6 +395,7 @@ class Page(ViewTest):
         recorder, crowd = self.start(PROGRAMS / "shm_record", self.session, recording), self.client(*KEPT, *TERMS)
         self.assert_ended_well(water, recorder, crowd)
         recorded = self.view("--run", crowd.run.folder, "--recording", recording, three=three)
+        snapshots = self.view("--run", crowd.run.folder, three=three)
         crowd = self.client(*KEPT, *TERMS, "--commands", fifo, "--set", "/stop_when_no_agent_is_active=false", "--until-s", "5000")
         wait_until(fifo.exists, "the FIFO")
         live = self.view("--run", crowd.run.folder, "--session", self.session, "--commands", fifo, "--starts", three=three)
@@ -393,7 +403,8 @@ class Page(ViewTest):
         outcome = run.outcome()
         wanted = {"arrived": outcome["arrived"], "dead": outcome["dead"], "end": outcome["sim_time_s"]}
         pictures = os.environ.get("WADE_VIEW_PICTURES", "-" if WHOLE else "")
-        pages = {"ended": ended.address, "live": live.address, "recorded": recorded.address, "wanted": wanted}
+        pages = {"ended": ended.address, "live": live.address, "recorded": recorded.address,
+                 "snapshots": snapshots.address, "wanted": wanted}
         test = subprocess.run(["node", PAGE_TEST, modules, pictures], input=json.dumps(pages), capture_output=True, text=True,
                               timeout=280)
         for program in (water, crowd):

@@ -9,15 +9,16 @@ import path from 'node:path';
 
 const [modules, folder] = process.argv.slice(2), pictures = folder === '-' ? '' : folder;
 const { chromium } = createRequire(path.join(modules, 'x'))('playwright-core');
-const { ended, live, recorded, wanted } = JSON.parse(fs.readFileSync(0));
+const { ended, live, recorded, snapshots, wanted } = JSON.parse(fs.readFileSync(0));
 const browser = await chromium.launch({
   executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
 });
 const patient = { timeout: 120000, polling: 100 }; // a net for busy machines; nothing here measures time
 const problems = [];
 
-async function open(address, hash, size) {
+async function open(address, hash, size, delay = 0) {
   const page = await browser.newPage({ viewport: size, bypassCSP: true });
+  if (delay) await page.routeWebSocket(/stream$/, (socket) => socket.connectToServer().onMessage((m) => setTimeout(() => socket.send(m), delay)));
   page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !/GPU stall|ReadPixels/.test(message.text()) && problems.push(message.text()));
   page.on('pageerror', (error) => problems.push(error.message));
   page.on('requestfailed', (request) => problems.push(`failed: ${request.url()}`));
@@ -46,6 +47,34 @@ const roughness = (page) => page.evaluate(() => {
 // Water of particles is as smooth as its depths in cells, which the snapshots of the same moment give. The particles of a flat
 // river differ in height by a few hundredths of their spacing of 0.5 m; a tenth of it is a spike.
 const smooth = 0.05;
+
+// The times of people, water and clock of each picture while the page plays to the end, or of so many pictures.
+const watch = async ({ speed, from, end, many = Infinity }) => {
+  const seen = [];
+  if (speed) {
+    wade.setPlaying(false);
+    wade.seek(from);
+    while (wade.at().target !== null) await new Promise((done) => setTimeout(done, 20));
+    wade.show.speed = speed;
+    wade.setPlaying(true);
+  }
+  while (seen.length < many && (!speed || wade.at().time < end - 1e-6)) {
+    const at = wade.at();
+    if (seen.at(-1)?.time !== at.time) seen.push(at);
+    await new Promise((done) => setTimeout(done, 5));
+  }
+  return seen;
+};
+const furthest = (seen, of) => seen.reduce((most, at) => Math.max(most, Math.abs(of(at))), 0);
+const told = (seen) => `${seen.length} pictures, people ${furthest(seen, (at) => at.time - at.peopleTime).toFixed(3)} s, water ${furthest(seen, (at) => at.time - at.water).toFixed(3)} s from the clock`;
+// Poses come each 0.1 s. Three pictures show that something moves; how many there are depends on the machine.
+function together(seen, what) {
+  assert.ok(seen.length >= 3, `${what}: ${seen.length} pictures`);
+  for (const at of seen) {
+    assert.ok(Math.abs(at.peopleTime - at.time) < 1e-3, `${what}: people of ${at.peopleTime} s at ${at.time} s`);
+    assert.ok(Math.abs(at.water - at.time) < 0.1 + 1e-6, `${what}: water of ${at.water} s at ${at.time} s`);
+  }
+}
 
 try {
   // A run that has ended: its end has the counts of outcome.json.
@@ -123,27 +152,49 @@ try {
   // A recording, drawn as a surface: smooth, and the picture of the snapshot of that moment. 8 levels of 255 on average: the two
   // differ by ripples, which follow the velocity; foam on spikes is 60 away.
   page = await open(recorded, 'still&play=0&dark=0&quality=low&form=surface', { width: 560, height: 360 });
-  const apartOf = await page.evaluate(async () => {
+  const particles = await page.evaluate(() => wade.picture(4));
+  assert.equal(await page.evaluate(() => wade.at().particles), 640);
+  const rough = await roughness(page);
+  await page.close();
+  page = await open(snapshots, 'still&play=0&dark=0&quality=low&form=surface', { width: 560, height: 360 });
+  const apartOf = await page.evaluate(async (particles) => {
     const pixels = async (address) => {
       const image = await createImageBitmap(await (await fetch(address)).blob()), canvas = new OffscreenCanvas(image.width, image.height), c = canvas.getContext('2d');
       c.drawImage(image, 0, 0);
       return c.getImageData(0, 0, image.width, image.height).data;
     };
-    const particles = await pixels(await wade.picture(4)), { show } = wade;
-    show.status.recorded = null;
-    show.asked = null;
-    const depths = await pixels(await wade.picture(4));
-    if (show.water.message) throw new Error('particles are shown instead of depths');
-    return particles.reduce((sum, v, k) => sum + Math.abs(v - depths[k]), 0) / particles.length;
-  });
+    const one = await pixels(particles), other = await pixels(await wade.picture(4));
+    return one.reduce((sum, v, k) => sum + Math.abs(v - other[k]), 0) / one.length;
+  }, particles);
   const reference = await roughness(page);
-  await page.close();
-  page = await open(recorded, 'still&play=0&quality=low&form=surface', { width: 560, height: 360 });
-  assert.equal(await page.evaluate(async () => (await wade.picture(4), wade.at().particles)), 640);
-  const rough = await roughness(page);
   console.log(`roughness of the surface: particles ${rough.toFixed(4)} m, depths ${reference.toFixed(4)} m; pictures ${apartOf.toFixed(1)} levels apart`);
   assert.ok(rough < smooth + reference, `the surface of a recording is rough: ${rough} m, of its depths ${reference} m`);
   assert.ok(apartOf < 8, `the pictures of particles and depths are ${apartOf} levels apart`);
+  await page.close();
+
+  // People, water and clock of each picture are of one time, at any speed, from a recording and from snapshots, and with a
+  // server that answers 200 ms late.
+  for (const [address, kind] of [[recorded, 'a recording'], [snapshots, 'snapshots']])
+    for (const delay of [0, 200]) {
+      page = await open(address, 'play=0&t=0&dark=0&quality=low', { width: 320, height: 240 }, delay);
+      for (const [speed, from] of [[1, wanted.end - 1.5], [4, wanted.end - 4], [16, 0]]) {
+        const seen = await page.evaluate(watch, { speed, from, end: wanted.end });
+        console.log(`${kind}, ${delay} ms late, ${speed} x: ${told(seen)}`);
+        together(seen, `${kind}, ${delay} ms late, ${speed} x`);
+      }
+      await page.close();
+    }
+
+  // A server that says no more is told without a touch.
+  let mute = false;
+  page = await browser.newPage({ viewport: { width: 320, height: 240 }, bypassCSP: true });
+  await page.routeWebSocket(/stream$/, (socket) => socket.connectToServer().onMessage((m) => mute || socket.send(m)));
+  await page.goto(`${recorded}#play=0&t=2&quality=low`);
+  await page.waitForFunction(() => window.wade?.ready() && document.querySelector('#state').textContent === 'ended', null, patient);
+  mute = true;
+  await page.waitForFunction(() => document.querySelector('#state').textContent === 'no server', null, patient);
+  mute = false;
+  await page.waitForFunction(() => document.querySelector('#state').textContent === 'ended', null, patient);
   await page.close();
 
   // A run that goes on: particles come, time goes, tau changes, it pauses.
@@ -151,6 +202,9 @@ try {
   await page.waitForFunction(() => wade.at().particles === 640 && document.querySelector('#state').textContent === 'running', null, patient);
   const then = await page.evaluate(() => wade.at());
   await page.waitForFunction((t) => wade.at().time > t.time && wade.at().water > t.water, then, patient);
+  const lively = await page.evaluate(watch, { many: 12 });
+  console.log(`live: ${told(lively)}`);
+  together(lively, 'live');
   await page.selectOption('#form', 'surface');
   await page.waitForFunction((t) => wade.at().water > t.water, await page.evaluate(() => wade.at()), patient);
   assert.ok((await roughness(page)) < smooth + reference, 'the surface of a run that goes on is smooth');

@@ -324,6 +324,7 @@ Message RunFolder::depths(double time_s) const {
     head.fields = 1;
     head.time_s = snapshot_times_[k];
     head.frame = static_cast<double>(k);
+    if (k + 1 < snapshot_times_.size()) head.lasts_s = static_cast<float>(snapshot_times_[k + 1] - snapshot_times_[k]);
     head.columns = columns_;
     head.x0_m = static_cast<float>(x0_);
     head.z0_m = static_cast<float>(z0_);

@@ -35,7 +35,8 @@ class LiveStream {
 
     // The newest frame; null before there is one. Says that somebody wants frames for the next two seconds.
     [[nodiscard]] Message newest();
-    // waiting, running, paused, stale (no frame for 3.2 s though the producer lives), ended; empty: cannot be read, see problem().
+    // waiting, running, paused, stale (no frame for 3.2 s though the producer lives), ended (also if the producer has given up,
+    // see problem()), killed (the producer has died).
     [[nodiscard]] std::string state();
     [[nodiscard]] std::string problem();
     [[nodiscard]] const std::string& session() const { return session_; }
@@ -48,7 +49,8 @@ class LiveStream {
 
     std::string session_;
     shm::StreamKind kind_;
-    std::atomic<bool> stop_ = false, ended_ = false;
+    std::atomic<bool> stop_ = false;
+    std::atomic<const char*> end_ = nullptr;  // ended or killed; null before
     std::atomic<std::int64_t> wanted_at_ns_ = 0, came_at_ns_ = 0;
     std::mutex mutex_;  // of the two below
     Message newest_;

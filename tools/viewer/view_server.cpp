@@ -146,6 +146,7 @@ class Show {
         question.time = number("t", 0);
         question.after = number("after", -1);
         question.id = static_cast<std::uint32_t>(std::max(0.0, number("id", 0)));
+        question.slot = static_cast<std::uint32_t>(std::clamp(number("slot", 0), 0.0, 15.0));
         if (asked["line"].is_string()) question.command = asked["line"].get<std::string>();
         return question;
     }
@@ -209,7 +210,7 @@ class Show {
         try {
             return answer_with(recorded_->at(time));
         } catch (const std::exception& error) {
-            return answer_with(Json{{"error", error.what()}});
+            return answer_with(Json{{"error", error.what()}, {"water", time}});
         }
     }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "shm_protocol/error.hpp"
 #include "shm_protocol/latest_reader.hpp"
 #include "tools/shm/observer.hpp"
 #include "tools/viewer/sources.hpp"
@@ -27,7 +28,7 @@ void sleep_s(double seconds) {
 
 // What a frame and a record of a file have in common.
 struct Particles {
-    double frame = 0, time = 0;
+    double frame = 0, time = 0, lasts = 0;
     std::uint32_t count = 0;
     std::span<const float> mass;
     std::array<std::span<const float>, 3> velocity, place;
@@ -42,6 +43,7 @@ Message water_message(const Particles& all, const shm::StreamInfo& info) {
     head.fields = 7;
     head.time_s = all.time;
     head.frame = all.frame;
+    head.lasts_s = static_cast<float>(all.lasts);
     Message message = new_message(head);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto stored = static_cast<std::size_t>(std::abs(info.axes[axis]) - 1);
@@ -107,10 +109,12 @@ std::string LiveStream::problem() {
 }
 
 std::string LiveStream::state() {
-    if (ended_) return "ended";
+    if (const char* end = end_) return end;
     const SegmentView view = look_at(shm::segment_name(session_, kind_));
     if (view.condition != Condition::readable || !view.producer_alive) {
-        return came_at_ns_ == 0 ? "waiting" : "ended";
+        return came_at_ns_ == 0                                                             ? "waiting"
+               : view.condition == Condition::readable && view.state < shm::producer_closed ? "killed"
+                                                                                            : "ended";
     }
     const bool consumer_pauses = std::any_of(view.consumers.begin(), view.consumers.end(),
                                              [](const ConsumerView& c) { return c.alive && c.paused; });
@@ -133,11 +137,13 @@ void LiveStream::read_all() {
         const SegmentView view = look_at(shm::segment_name(session_, kind_));
         if (view.condition == Condition::readable && view.producer_alive && view.state < shm::producer_closed) {
             try {
-                ended_ = false;
+                end_ = nullptr;
                 read_stream();
-                ended_ = true;
+                end_ = "ended";
             } catch (const std::exception& error) {
-                ended_ = came_at_ns_ != 0;
+                const auto* failure = dynamic_cast<const shm::Error*>(&error);
+                const bool has_died = failure != nullptr && failure->failure() == shm::Failure::peer_dead;
+                if (came_at_ns_ != 0) end_ = has_died ? "killed" : "ended";
                 const std::lock_guard lock(mutex_);
                 problem_ = error.what();
             }
@@ -173,6 +179,7 @@ void LiveStream::read_stream() {
         } else {
             keep(water_message({static_cast<double>(frame->frame),
                                 time,
+                                0,
                                 frame->count,
                                 frame->mass,
                                 {frame->vx, frame->vy, frame->vz},
@@ -214,8 +221,10 @@ Message RecordedWater::at(double time_s) {
     const std::array to{&slot.mass, &slot.vx, &slot.vy, &slot.vz, &slot.px, &slot.py, &slot.pz};
     for (std::size_t i = 0; i < to.size(); ++i) *to[i] = arrays_[i];
     recording_.read(record, slot);
+    const auto next = after == frames.begin() ? frames.begin() + 1 : after;
     last_ = water_message({number,
                            time_of(record),
+                           next == frames.end() ? 0 : time_of(*next) - time_of(record),
                            record.descriptor.count,
                            slot.mass,
                            {slot.vx, slot.vy, slot.vz},

@@ -213,8 +213,8 @@ class Client : public Peer {
     std::string handshake_;  // the part that is not sent yet
     std::unique_ptr<wslay_event_context, decltype(&wslay_event_context_free)> stream_{nullptr,
                                                                                       wslay_event_context_free};
-    std::span<const std::uint8_t> bytes_;  // read from the socket, for wslay
-    std::map<std::string, Question> questions_;
+    std::span<const std::uint8_t> bytes_;                                  // read from the socket, for wslay
+    std::map<std::pair<std::string, std::uint32_t>, Question> questions_;  // by kind and slot
     bool is_open_ = true, is_pinged_ = false, has_new_status_ = false;
     std::string status_;
 };
@@ -389,8 +389,8 @@ void Client::take(bool is_text, const std::string& message) {
     std::optional<Question> question;
     if (is_text) question = server_.site.understand(message);
     if (!question) return send_status(R"({"error":"not understood"})");
-    const std::string kind = question->kind;
-    questions_[kind] = std::move(*question);
+    std::pair key(question->kind, question->slot);
+    questions_.insert_or_assign(std::move(key), std::move(*question));
     send_what_is_ready();
 }
 

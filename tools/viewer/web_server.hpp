@@ -1,8 +1,8 @@
 #pragma once
 // HTTP and WebSocket on 127.0.0.1: files for GET, questions and answers over /stream. Knows nothing of water or people.
 //
-// A client asks and gets one answer for each question, so that nothing piles up for who is slow: of each kind of question only the
-// last one counts, and what cannot be answered yet waits.
+// A client asks and gets one answer for each question. Of each kind and slot only the last question counts, so that nothing piles
+// up for a slow client, and a question without an answer yet waits.
 
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +37,7 @@ struct MessageHead {
     std::uint32_t stride = 1;  // of water: every stride-th particle is there
     std::uint32_t columns = 0;
     float x0_m = 0, z0_m = 0, cell_m = 0;  // of a grid: corner, size of a cell
-    std::uint32_t reserved = 0;
+    float lasts_s = 0;                     // until the next frame of the source; 0: there is none, or it is unknown
 };
 static_assert(sizeof(MessageHead) == 56 && offsetof(MessageHead, time_s) == 16);
 
@@ -62,10 +62,11 @@ struct WebFile {
 
 // One line of JSON of a client, understood.
 struct Question {
-    std::string kind;      // of which a client has one at a time
-    double time = 0;       // s
-    double after = -1;     // a frame
-    std::uint32_t id = 0;  // of a person
+    std::string kind;        // of which a client has one at a time
+    double time = 0;         // s
+    double after = -1;       // a frame
+    std::uint32_t id = 0;    // of a person
+    std::uint32_t slot = 0;  // 0 to 15: a client has one question of each kind and slot at a time
     std::string command;
 };
 

@@ -1,17 +1,18 @@
 // The run as the page knows it, and what it says of a time: who is where in which state, how the run itself stands. Last the stream of
 // messages.
 
+import { Buffer } from './buffer.js';
 import { $, rowOf, showEvents, showPerson, showState } from './panel.js';
 
 export const wanted = new URLSearchParams(location.hash.slice(1));
 
 export const show = {
   run: null, scene: null, status: null, world: null, water: null, people: null, traces: null, symbols: null, ring: null,
-  time: +(wanted.get('t') ?? 0), playing: wanted.get('play') !== '0', speed: 1, live: false, step: 0, last: 0, selected: -1, ground: null, agents: new Map(), changes: [], taus: [],
-  terms: null, follows: false, tracesOn: true, symbolsOn: true, dark: false, drawn: 0, sought: wanted.has('t'), shownTime: -1,
+  time: +(wanted.get('t') ?? 0), target: +(wanted.get('t') ?? 0), due: 0, playing: wanted.get('play') !== '0', speed: 1, live: false, step: 0, last: 0, selected: -1, ground: null, agents: new Map(), changes: [], taus: [],
+  lost: false, terms: null, follows: false, tracesOn: true, symbolsOn: true, dark: false, drawn: 0, sought: wanted.has('t'), shownTime: -1,
 };
 
-export const frames = new Map(); // of people, by number
+export const buffer = new Buffer();
 
 /** The rows of a table as objects. */
 export function rowsOf(table) {
@@ -55,11 +56,9 @@ export const isLive = () => ['running', 'paused', 'stale', 'waiting'].includes(s
 
 export const lastTime = () => Math.max(show.status?.people?.last ?? 0, show.status?.recorded?.last ?? 0, show.status?.depths?.last ?? 0, show.live ? show.time : 0, 0);
 
-export const frameAt = (time) => Math.min(Math.max(0, Math.floor(time * show.status.people.rate + 1e-4)), show.status.people.frames - 1);
-
-// A stream of agents has no poses: places, velocities and outcomes.
-export function asPeople(m) {
-  const [id, x, z, vx, vz, , state] = m.arrays, zero = new Float32Array(m.count), none = new Float32Array(m.count).fill(-1);
+// A stream of agents has no poses: positions, velocities and outcomes. The positions move on by `later` seconds.
+export function asPeople(m, later) {
+  const [id, x0, z0, vx, vz, , state] = m.arrays, x = x0.map((v, k) => v + later * vx[k]), z = z0.map((v, k) => v + later * vz[k]), zero = new Float32Array(m.count), none = new Float32Array(m.count).fill(-1);
   const speed = vx.map((v, k) => Math.hypot(v, vz[k])), heading = vx.map((v, k) => Math.atan2(vz[k], v));
   return { ...m, arrays: [id, x, z, state, zero, heading, speed, zero, zero, zero, zero, zero, zero, zero, zero, none] };
 }
@@ -97,40 +96,55 @@ export function stateOfPage() {
   const s = show.status;
   if (show.lost) return 'lost';
   if (s?.live && isLive()) return s.live.state;
-  if (s?.outcome === 'running' && s?.live) return s.live.state;
+  if (s?.live?.state === 'killed') return 'killed';
+  // outcome.json says "running" from the start to the end: without a session that runs the crowd was killed.
+  if (s?.outcome === 'running') return s.live ? s.live.state : 'killed';
   return s ? 'ended' : 'waiting';
 }
 
 export function start() {
   show.live = isLive() && !show.sought;
-  if (!show.sought && !show.live) show.time = 0;
+  if (show.live) show.target = null;
 }
 
+/** Asks for a time, which the page shows as soon as its people and water have come. */
 export function seek(time) {
   show.live = false;
-  show.time = Math.min(Math.max(0, time), lastTime());
+  show.target = Math.min(Math.max(0, time), lastTime());
 }
 
 export function advance(wall) {
   const s = show.status, people = s?.people;
   if (!s) return;
-  if (show.live && !isLive()) show.live = false;
-  if (show.live) {
-    if (people?.frames) { // glide towards the newest frame; once nobody is on its way only the water goes on
-      const water = show.water?.time ?? 0, gap = (water > people.last + 5 ? water : people.last) - show.time;
-      show.time += gap > 3 || gap < 0 ? gap : gap * Math.min(1, 2.5 * wall);
-    }
-  } else if (show.playing) {
-    show.time += wall * show.speed;
-    if (show.time >= lastTime()) {
-      show.time = lastTime();
-      if (!isLive()) setPlaying(false);
-    }
+  if (show.live && !isLive()) (show.live = false), (show.target = show.time);
+  if (show.live) return advanceLive(people);
+  if (show.target !== null) {
+    if (!buffer.has(show.target)) return;
+    show.time = show.due = show.target;
+    show.target = null;
   }
+  if (!show.playing) return;
+  const end = lastTime(), step = buffer.stepOf(show.speed);
+  // What a stall has lost is not made up for.
+  show.due = Math.min(Math.max(show.due, show.time) + wall * show.speed, show.time + Math.max(1.001 * step, 0.25 * show.speed), end);
+  show.time = buffer.reach(show.time, show.due, end, show.speed, wall);
+  if (show.time >= end && !isLive()) setPlaying(false);
+}
+
+// The newest water whose people are there. A pending one stays so until it is shown, as newer ones come all the time. The water
+// goes on alone once nobody is on the way.
+function advanceLive(people) {
+  const water = buffer.newestWater();
+  if (people?.frames && water?.time > people.last + 5) return void (show.time = water.time);
+  show.pending ??= buffer.newestLive();
+  if (!show.pending || !buffer.peopleAt(show.pending.time)) return;
+  show.time = show.pending.time;
+  show.pending = null;
 }
 
 export function setPlaying(on) {
-  if (on && !show.live && show.time >= lastTime() - 1e-3 && !isLive()) show.time = 0;
+  if (on && !show.live && show.time >= lastTime() - 1e-3 && !isLive()) show.target = 0;
+  show.due = show.time;
   show.playing = on;
   $('play').textContent = on ? 'pause' : 'play';
   $('play').setAttribute('aria-pressed', on);
@@ -169,7 +183,7 @@ export function decode(buffer) {
     kind: KINDS[head.getUint32(4, true)], count, fields, arrays, bytes: buffer.byteLength,
     time: head.getFloat64(16, true), frame: head.getFloat64(24, true), stride: head.getUint32(32, true),
     columns: head.getUint32(36, true), x0: head.getFloat32(40, true), z0: head.getFloat32(44, true),
-    cell: head.getFloat32(48, true),
+    cell: head.getFloat32(48, true), lasts: head.getFloat32(52, true),
   };
 }
 
@@ -192,6 +206,7 @@ export class Stream {
       setTimeout(() => this.open(), 1000);
     };
     this.socket.onmessage = (event) => {
+      this.heard = performance.now();
       // The server tells its state twice a second, mostly the same.
       if (event.data !== this.told) this.handlers.came();
       if (typeof event.data === 'string' && event.data.startsWith('{"status"')) this.told = event.data;
@@ -209,18 +224,22 @@ export class Stream {
     }
     this.bytes += data.byteLength;
     const message = decode(data);
-    this.waits.delete(message.kind);
-    if (message.kind === 'water') this.waits.delete('live');
+    this.waits.delete(message.kind === 'water' ? 'live' : message.kind);
     this.handlers[message.kind](message);
+  }
+
+  /** False while there is no connection. */
+  put(question) {
+    if (this.socket.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(JSON.stringify(question));
+    return true;
   }
 
   /** False while an answer of this kind is still out. */
   ask(kind, question = {}) {
-    if (this.socket.readyState !== WebSocket.OPEN) return false;
     const since = performance.now() - (this.waits.get(kind) ?? -1e9);
-    if (since < 2000) return false;
+    if (since < 2000 || !this.put({ get: kind, ...question })) return false;
     this.waits.set(kind, performance.now());
-    this.socket.send(JSON.stringify({ get: kind, ...question }));
     return true;
   }
 

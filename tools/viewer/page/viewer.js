@@ -6,7 +6,7 @@ import { GROUP_COLOURS, castShadows, lightUp, lookDown, makeGround, makeSky, pla
 import { $, Symbols, Traces, cycle, fillHelp, makeRing, rowOf, showCounts, showLegend } from './panel.js';
 import { People } from './people.js';
 import { Ground, makePlace } from './place.js';
-import { Stream, advance, asPeople, countStates, endedBy, faster, frameAt, frames, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, rowsOf, seek, setPlaying, show, showTexts, start, stateShown, takeTaus, wanted } from './run.js';
+import { Stream, advance, asPeople, buffer, countStates, endedBy, faster, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, rowsOf, seek, setPlaying, show, showTexts, start, stateShown, takeTaus, wanted } from './run.js';
 import { Water, boundsOf } from './water.js';
 
 const plain = wanted.get('quality') === 'low'; // half the pixels along each side, 10 pictures a second, no shadows, no smooth edges
@@ -28,18 +28,22 @@ controls.maxPolarAngle = 0.495 * Math.PI;
 show.symbols = new Symbols(stage);
 show.ring = makeRing(stage);
 
-let walkers = null, stream = null, runRevision = '', late = 0, painted = 0, awake = 9; // pictures to draw though nothing moves
+let stream = null, runRevision = '', late = 0, painted = 0, newestAt = 0, awake = 9; // pictures to draw though nothing moves
 
 // ---------------------------------------------------------------- what the server has
 
 const handlers = {
   came: () => (awake = Math.max(awake, 2)), // something else than before
   opened: () => load(),
-  closed: () => (show.lost = true),
+  closed: () => {
+    lose(true);
+    buffer.disconnect();
+  },
   status: (status) => {
     const first = !show.status;
     show.status = status;
-    show.lost = false;
+    lose(false);
+    buffer.know(status);
     const revision = `${status.outcome} ${status.live?.state}`;
     if (revision !== runRevision && !first) load();
     runRevision = revision;
@@ -51,17 +55,13 @@ const handlers = {
     build();
   },
   water: (message) => {
+    const isRecorded = message.lasts > 0 || Math.abs(message.time - (show.status?.recorded?.last ?? Infinity)) < 1e-6;
     makeWater(message);
-    show.water.take(message);
-    newLegend();
-    if (show.live && !show.status?.people?.frames) show.time = message.time;
+    buffer.takeWater(isRecorded ? 'water' : 'live', message);
   },
-  depths: (message) => (show.water?.takeDepths(message), newLegend()),
-  people: (message) => {
-    frames.set(message.frame, message);
-    if (frames.size > 90) frames.delete(frames.keys().next().value);
-  },
-  walkers: (message) => (walkers = message),
+  depths: (message) => buffer.takeWater('depths', message),
+  people: (message) => buffer.takePeople(message),
+  walkers: (message) => buffer.takeWalkers(message),
   paths: (message) => {
     show.traces?.take(message, (id) => (show.groups > 1 ? 1 + (groupOf(id) % GROUP_COLOURS.length) : 0), show.scene?.world.ends === 'periodic' ? show.scene.world.length_m : 0);
   },
@@ -71,8 +71,16 @@ const handlers = {
     if (answer.changes) show.changes.push(...answer.changes);
     if (answer.command !== undefined) $('said').textContent = answer.problem || `sent: ${answer.command}`;
     if (answer.error) console.warn(answer.error);
+    if (answer.water !== undefined) buffer.damaged(answer.water);
   },
 };
+
+function lose(is) {
+  if (is === show.lost) return;
+  show.lost = is;
+  awake = 6;
+  showTexts();
+}
 
 async function load() {
   try {
@@ -189,14 +197,17 @@ function askForAll() {
   const s = show.status;
   if (!s || show.lost || !show.run) return;
   if (lacksGround()) return void stream.ask('ground');
-  if (show.live && s.live) stream.ask('live', { after: show.water?.message?.frame ?? -1 });
-  else if (s.recorded && show.time <= s.recorded.last + 0.5) askAt('water');
-  else if (s.depths?.frames) askAt('depths');
-  if (s.walkers && !s.people?.frames) stream.ask('walkers', { after: walkers?.frame ?? -1 });
+  if (show.live && s.live) {
+    stream.ask('live', { after: buffer.newestWater()?.frame ?? -1 });
+    if (show.pending) buffer.need(show.pending.time, stream);
+    // Beyond the last number the server gives the newest frame.
+    if (s.people?.frames && performance.now() - newestAt > 80 && stream.put({ get: 'people', slot: 15, after: 1e9 })) newestAt = performance.now();
+  } else {
+    const from = show.target ?? show.time;
+    buffer.needs(from, show.playing ? lastTime() : from, show.speed, stream);
+  }
+  if (s.walkers && !s.people?.frames) stream.ask('walkers', { after: [...buffer.walkers.keys()].pop() ?? -1 });
   if (s.people?.frames) {
-    const k = frameAt(show.time), ahead = show.playing ? Math.max(1, Math.round((0.15 * show.speed) * s.people.rate)) : 1;
-    const missing = [k, k + 1, k + ahead].find((f) => f < s.people.frames && !frames.has(f));
-    if (missing !== undefined) stream.ask('people', { after: missing });
     const until = show.traces?.until ?? 0;
     if (show.tracesOn && show.traces && s.people.last > until + (until < 0 ? 0 : 1) && stream.ask('paths', { t: Math.max(0, until) })) show.traces.until = s.people.last;
   }
@@ -207,30 +218,20 @@ function askForAll() {
   if (show.selected >= 0 && course !== show.courseOf && stream.ask('course', { id: show.selected })) show.courseOf = course;
 }
 
-function askAt(kind) {
-  const step = kind === 'water' ? 1 / 30 : 0.25;
-  if (show.water && Math.abs((show.asked?.[kind] ?? -1e9) - show.time) < step) return;
-  if (stream.ask(kind, { t: show.time })) show.asked = { [kind]: show.time };
-}
-
 // ---------------------------------------------------------------- a picture
 
 function drawPeople(step, clock) {
   const s = show.status;
   if (!s) return;
-  let before = null, after = null, share = 0, poses = s.people?.poses;
-  if (s.people?.frames) {
-    const k = frameAt(show.time);
-    before = frames.get(k);
-    after = frames.get(k + 1);
-    if (!before) return;
-    if (after) share = Math.min(1, Math.max(0, (show.time - before.time) / Math.max(1e-6, after.time - before.time)));
-  } else if (walkers) {
-    before = asPeople(walkers);
+  let { before = null, after = null, share = 0 } = buffer.peopleAt(show.time) ?? {}, poses = s.people?.poses;
+  const walkers = s.people?.frames ? null : buffer.walkersAt(show.time);
+  if (walkers) {
+    before = asPeople(walkers, show.time - walkers.time);
     poses = false;
   }
   if (!before) return;
   makePeople();
+  show.peopleTime = walkers ? show.time : before.time + share * (after ? after.time - before.time : 0);
   show.people.update(before, after, share, { states: show.run.states, postures: show.run.postures, poses }, step, clock);
   const counts = countStates();
   showCounts(counts);
@@ -240,12 +241,27 @@ function drawPeople(step, clock) {
   show.symbols.show(marks);
 }
 
+// The water of the time that is shown.
+function drawWater() {
+  if (!show.status || !show.water) return;
+  const live = show.live && [...buffer.water.live.values()].filter((m) => m.time <= show.time + 1e-6).pop();
+  const { kind, before, after, share = 0 } = live ? { kind: 'water', before: live } : buffer.waterAt(show.time) ?? {};
+  if (!before) return;
+  const key = `${kind} ${before.frame} ${before.time} ${share}`;
+  if (key === show.waterKey) return;
+  show.waterKey = key;
+  if (kind === 'water') show.water.take(before.shows ?? before);
+  else show.water.takeDepths(before, after, share);
+  newLegend();
+}
+
 function tick(now) {
   const wall = Math.min(0.25, Math.max(0, (now - show.last) / 1000));
   show.last = now;
   const before = show.shownTime;
   advance(wall);
   askForAll();
+  drawWater();
   drawPeople(before < 0 ? -1 : show.time - before, show.time);
   show.shownTime = show.time;
   const person = show.people?.shown.find((p) => p.id === show.selected);
@@ -289,14 +305,16 @@ async function picture(time) {
   setPlaying(false);
   while (!show.status) await new Promise((done) => setTimeout(done, 20));
   seek(time);
-  const asked = ['water', 'depths', 'people', 'ground', 'changes', ...(lastTime() > 0 && show.status.people?.frames > 1 ? ['paths'] : [])];
-  for (let calm = 0; calm < 3 || !wade.ready(); calm = asked.some((kind) => stream.waits.has(kind)) ? 0 : calm + 1) {
+  const asked = ['ground', 'changes', ...(lastTime() > 0 && show.status.people?.frames > 1 ? ['paths'] : [])];
+  for (let calm = 0; calm < 3 || !wade.ready(); calm = show.target !== null || asked.some((kind) => stream.waits.has(kind)) ? 0 : calm + 1) {
     askForAll();
-    drawPeople(-1, time);
+    advance(0);
+    drawWater();
+    if (show.target === null) drawPeople(-1, show.time);
     await new Promise((done) => setTimeout(done, 5));
   }
-  drawPeople(show.shownTime < 0 ? -1 : time - show.shownTime, time);
-  show.shownTime = time;
+  drawPeople(show.shownTime < 0 ? -1 : show.time - show.shownTime, show.time);
+  show.shownTime = show.time;
   controls.update();
   showTexts();
   paint(0);
@@ -340,9 +358,12 @@ for (const name of ['pointerdown', 'keydown', 'input', 'change', 'resize', 'clic
 const frameStep = (way) => {
   setPlaying(false);
   const rate = show.status?.people?.frames ? show.status.people.rate : 30;
-  seek((Math.round(show.time * rate) + way) / rate);
+  seek((Math.round((show.target ?? show.time) * rate) + way) / rate);
 };
-const newest = () => (show.live = isLive());
+const newest = () => {
+  show.live = isLive();
+  if (show.live) show.target = null;
+};
 const KEYS = {
   ' ': () => setPlaying(!show.playing), ',': () => frameStep(-1), '.': () => frameStep(1), ArrowLeft: () => frameStep(-1), ArrowRight: () => frameStep(1), '-': () => faster(-1), '+': () => faster(1),
   Home: () => seek(0), End: () => seek(lastTime()), l: newest, w: () => cycle('form'), c: () => cycle('mode'), t: () => look(camera === top ? 'free' : 'top'),
@@ -384,8 +405,8 @@ window.wade = {
   picture, paint: () => paint(0),
   counts: () => show.counts ?? {},
   placeOf: (id) => seenAt(show.people.shown.find((p) => p.id === id)),
-  ready: () => Boolean((show.people?.count || show.status?.people?.frames === 0 || show.ground) && show.water?.time !== undefined),
-  at: () => ({ time: show.time, people: show.people?.count ?? 0, water: show.water?.time, particles: show.water?.message?.count ?? 0 }),
+  ready: () => Boolean((show.peopleTime !== undefined || show.status?.people?.frames === 0 || show.ground) && show.water?.time !== undefined),
+  at: () => ({ time: show.time, people: show.people?.count ?? 0, peopleTime: show.peopleTime, water: show.water?.time, target: show.target, particles: show.water?.message?.count ?? 0 }),
   cost: () => ({ calls: renderer.info.render.calls, triangles: renderer.info.render.triangles, bytes: (show.water?.bytes ?? 0) + (show.people?.bytes ?? 0), received: stream.bytes, drawn: show.drawn }),
 };
 
@@ -396,4 +417,6 @@ resize();
 stream = new Stream(handlers);
 if (!wanted.has('still')) renderer.setAnimationLoop(tick); // else for wade.picture() alone
 // Some browsers hold frames back for seconds where they draw by software; the page answers none the less.
+// The server speaks twice a second.
+setInterval(() => !document.hidden && show.status && performance.now() - stream.heard > 3000 && lose(true), 500);
 late = setInterval(() => !wanted.has('still') && !document.hidden && performance.now() - show.last > 250 && tick(performance.now()), 100);

@@ -211,9 +211,10 @@ export class Water {
     this.refresh();
   }
 
-  /** Depths of a snapshot; there are no particles then. */
-  takeDepths(message) {
+  /** Depths of a snapshot, or those `share` of the way to the next one; there are no particles then. */
+  takeDepths(first, next, share) {
     this.message = null;
+    const message = share > 0 ? { ...first, arrays: [first.arrays[0].map((d, k) => d + share * (next.arrays[0][k] - d))], time: first.time + share * (next.time - first.time) } : first;
     const { columns, cell, x0, z0 } = message, depth = message.arrays[0];
     if (this.inColumns && cell <= 1.01 * this.grid.cell) {
       this.grid.fill(message.count, (k) => [x0 + cell * ((k % columns) + 0.5), z0 + cell * (Math.floor(k / columns) + 0.5), depth[k] * cell * cell, 0, 0]);
