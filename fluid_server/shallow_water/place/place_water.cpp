@@ -148,7 +148,7 @@ State outlet_state(const PlaceCells& cells, const PlaceOutlet& outlet, const Out
     const double g = cells.gravity, bed = cells.bed.height[cell.cell], d = std::max(0.0, level - bed);
     const bool wave = outlet.kind == OutletKind::wave;
     if (d == 0 && !wave) return {};
-    if (cell.count == 0) return {d, 0, 0};
+    if (cell.normal_x == 0 && cell.normal_z == 0) return {d, 0, 0};
     const double c_outside = std::sqrt(g * d);
     double u = 0, along = 0, c_inside = 0, h_inside = 0;
     for (std::size_t n = 0; n < cell.count; ++n) {

@@ -14,6 +14,7 @@
 //   wave    Open water outside. eta(t) is the level of the incoming simple wave, its first value the level at rest:
 //           u + 2 c = 4 c_d - 2 c_0, u - 2 c = R. The wave's own velocity and the flow at the boundary are at most critical.
 //
+// Where the site lies on opposite sides of the cell, or on none, the water of the cell stands at eta(t), at rest.
 // Both let all water out as it is, if nothing runs inwards: neither a wave, u + c <= 0 inside, nor a bore of depth d.
 
 #include <array>
@@ -39,7 +40,7 @@ struct PlaceSource {
 
 struct OutletCell {
     std::size_t cell = 0;
-    double normal_x = 0, normal_z = 0;    // into the place; both 0: no cell of the place lies beside it
+    double normal_x = 0, normal_z = 0;    // into the place; both 0: of none or of opposite cells
     std::array<std::size_t, 4> inside{};  // the cells of the place beside it
     std::size_t count = 0;                // of these
 };

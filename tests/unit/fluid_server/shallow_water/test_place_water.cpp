@@ -126,6 +126,34 @@ TEST_CASE("the level at a stage is followed like linear theory has it", "[place]
     CHECK(compare(tide, 120) < 0.1 * rise);
 }
 
+TEST_CASE("a stage across a basin at an angle to the grid gives the levels of a straight one", "[place]") {
+    using namespace outlets_test;
+    constexpr double rise = 0.02;
+    const auto levels = [](double degrees) {
+        Scene scene = empty_place(70, 50, 1);
+        const validation::Turn turn(6, 8, degrees);
+        Place& place = *scene.place;
+        place.houses = {validation::house_of(turn.box(-30, 90, -90, 0)), validation::house_of(turn.box(-30, 90, 8, 90)),
+                        validation::house_of(turn.box(50, 90, -1, 9))};
+        place.water = {{{}, 2}};
+        place.outlets = {{"sea", OutletKind::stage, turn.box(-20, 0, -1, 9), {}, {{0, 2}, {20, 2 + rise}}}};
+        ShallowWater world(scene);
+        std::vector<double> found;
+        for (double time = 1; time <= 45; ++time) {
+            run_until(world, time);
+            const MapPoint at = turn(46, 4);
+            const std::size_t row = world.grid.row(static_cast<std::ptrdiff_t>(at.z));
+            found.push_back(world.water.h[row + static_cast<std::size_t>(at.x)] - 2);
+        }
+        return found;
+    };
+    const std::vector<double> straight = levels(0), turned = levels(30);
+    double worst = 0;
+    for (std::size_t n = 0; n < straight.size(); ++n) worst = std::max(worst, std::abs(straight[n] - turned[n]));
+    CHECK(*std::max_element(straight.begin(), straight.end()) > 1.8 * rise);  // at the wall it doubles
+    CHECK(worst < 0.2 * rise);  // the mouth is a staircase, a cell deep, of 50
+}
+
 // The values contain the seiche of the basin and a bore; 2 cm and 2 % are the accuracy that the project asks for.
 TEST_CASE("the level at a stage follows its series however fast it changes", "[place]") {
     using namespace outlets_test;
@@ -202,6 +230,29 @@ TEST_CASE("open water lets a given wave in, and its reflection out", "[place]") 
     CHECK(left < 0.02 * height);                // as for one wave from inside
 }
 
+TEST_CASE("a lake at rest stays at rest beside a stage or open water at its level", "[place]") {
+    using namespace outlets_test;
+    for (const OutletKind kind : {OutletKind::stage, OutletKind::wave}) {
+        Scene scene = empty_place(30, 20, 0.5);
+        const validation::Turn turn(15, 10, 25);
+        Place& place = *scene.place;
+        place.ground.raster = validation::raster_of(30, 20, 0.5, [](double x, double z) {
+            return 0.8 * std::sin(0.5 * x) * std::cos(0.4 * z);  // a shore and islands
+        });
+        place.houses = {validation::house_of(turn.box(-3, 3, -2, 2))};
+        place.water = {{{}, 0.3}};
+        place.outlets = {{"line", kind, {}, {turn(-12, -8), turn(-12, 8)}, {{0, 0.3}}},
+                         {"area", kind, turn.box(9, 12, -6, 6), {}, {{0, 0.3}}}};
+        ShallowWater world(scene);
+        run_and_look(world, 20, [](double) {});
+        double fastest = 0;
+        for_each_cell(world.grid, [&](double, double, std::size_t c) {
+            fastest = std::max(fastest, std::hypot(world.primitive.u[c], world.primitive.v[c]));
+        });
+        CHECK(fastest < 1e-12);  // rounding of a surface 0.3 m high
+    }
+}
+
 // Water at rest that falls dry outside, and a wave much higher than the water is deep.
 TEST_CASE("open water takes any level", "[place]") {
     using namespace outlets_test;
@@ -215,6 +266,16 @@ TEST_CASE("open water takes any level", "[place]") {
         });
         CHECK(level_at(world, 20) < (level > 1 ? 4 * level : 0.5));
     }
+}
+
+// The line has water on both sides. For a closed basin it then holds the level, too, as soon as waves have crossed it twice.
+TEST_CASE("a stage whose line lies within the water holds its level", "[place]") {
+    using namespace outlets_test;
+    Scene scene = harbour({{0, 1}, {60, 2}}, 1);
+    scene.place->outlets[0].line = {{20.5, 0}, {20.5, 4}};
+    ShallowWater world(scene);
+    run_and_look(world, 360, [](double) {});
+    for (const double x : {2.5, 57.5}) CHECK(level_at(world, x) == Approx(2).margin(0.02));
 }
 
 TEST_CASE("a river that leaves through a stage keeps its level at once", "[place]") {
